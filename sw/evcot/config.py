@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Configurations: frozen, validated on construction, loadable from TOML; limits come from `contract`."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+from .contract import REGISTERS, Mode, Shape
+from .errors import ConfigError
+
+__all__ = ["CotConfig", "RctConfig", "RunConfig", "SlotConfig", "load_toml"]
+
+
+@dataclass(frozen=True)
+class SlotConfig:
+    """The registers of one tracker slot; meanings and limits are those of `contract.REGISTERS`."""
+
+    mode: int = Mode.SEEDED
+    init_cm_x: int = 0
+    init_cm_y: int = 0
+    init_radix: int = 8
+    radix_th: int = 4
+    radix_step: int = 1
+    radix_min: int = 4
+    radix_max: int = 16
+    hist_avg: int = 3
+    max_ticks: int = 50_000
+    clust_nev: int = 16
+    nev_min: int = 8
+    nev_max: int = 32
+    nev_th: int = 5_000
+    detect_ticks: int = 20_000
+
+    def check(self, shape: Shape, where: str) -> None:
+        """Raise ConfigError for the first register outside its limits; `where` prefixes the field's name."""
+        for name, register in REGISTERS.items():
+            low, high = register.limits(shape)
+            value = getattr(self, name)
+            if not isinstance(value, int) or not low <= value <= high:
+                raise ConfigError(f"{where}.{name} = {value!r}: must be an integer from {low} to {high} ({register.meaning})")
+        for low_name, name, high_name in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
+            low, value, high = getattr(self, low_name), getattr(self, name), getattr(self, high_name)
+            if not low <= value <= high:
+                raise ConfigError(f"{where}.{name} = {value}: must lie from {low_name} = {low} to {high_name} = {high}")
+
+
+@dataclass(frozen=True)
+class CotConfig:
+    """The hardware tracker: shape, one register set per slot, and the length of a tick.
+
+    Raises:
+        ConfigError: a value outside its limits, or another number of slots than the shape has.
+    """
+
+    shape: Shape = field(default_factory=Shape)
+    slots: tuple[SlotConfig, ...] = ()
+    tick_us: int = 1
+
+    def __post_init__(self) -> None:
+        if not self.slots:
+            object.__setattr__(self, "slots", (SlotConfig(),) * self.shape.n_slots)
+        if len(self.slots) != self.shape.n_slots:
+            raise ConfigError(f"cot.slots has {len(self.slots)} entries: must be shape.n_slots = {self.shape.n_slots}")
+        if not isinstance(self.tick_us, int) or not 1 <= self.tick_us <= 1_000_000:
+            raise ConfigError(f"cot.tick_us = {self.tick_us!r}: must be an integer from 1 to 1000000")
+        for i, slot in enumerate(self.slots):
+            slot.check(self.shape, f"cot.slot[{i}]")
+
+    @classmethod
+    def uniform(cls, shape: Shape, slot: SlotConfig, tick_us: int = 1) -> CotConfig:
+        """The same registers in every slot."""
+        return cls(shape, (slot,) * shape.n_slots, tick_us)
+
+
+# field -> (lowest, highest, meaning)
+RCT_RANGES: dict[str, tuple[float, float, str]] = {
+    "max_clusters": (1, 1024, "clusters alive at once"),
+    "radius_px": (0.5, 1000.0, "half the side of a cluster's square window"),
+    "alpha": (1e-6, 1.0, "mixing factor of location"),
+    "velocity_alpha": (1e-6, 1.0, "mixing factor of velocity"),
+    "visible_events": (1, 1_000_000, "events after which a cluster becomes visible"),
+    "lifetime_us": (1, 10**12, "silence after which a cluster is removed"),
+    "packet_us": (1, 10**9, "length of a packet"),
+}
+
+
+@dataclass(frozen=True)
+class RctConfig:
+    """The software Rectangular Cluster Tracker; limits in `RCT_RANGES`.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    max_clusters: int = 32
+    radius_px: float = 12.0
+    alpha: float = 0.01
+    velocity_alpha: float = 0.05
+    visible_events: int = 5
+    lifetime_us: int = 50_000
+    packet_us: int = 1_000
+
+    def __post_init__(self) -> None:
+        for name, (low, high, meaning) in RCT_RANGES.items():
+            value = getattr(self, name)
+            wanted = type(low) if isinstance(low, int) else (int, float)
+            if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
+                raise ConfigError(f"rct.{name} = {value!r}: must be from {low:g} to {high:g} ({meaning})")
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """What one run needs: both trackers' configurations under a name."""
+
+    name: str = "default"
+    cot: CotConfig = field(default_factory=CotConfig)
+    rct: RctConfig = field(default_factory=RctConfig)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as summary.json stores them."""
+        return asdict(self)
+
+
+def _section(data: Mapping[str, Any], allowed: set[str], where: str) -> Mapping[str, Any]:
+    for key in data:
+        if key not in allowed:
+            raise ConfigError(f"{where}: unknown field {key!r}: must be one of {', '.join(sorted(allowed))}")
+    return data
+
+
+def _table(data: Mapping[str, Any], key: str, where: str) -> Mapping[str, Any]:
+    value = data.get(key, {})
+    if not isinstance(value, Mapping):
+        raise ConfigError(f"{where}: [{key}] must be a table, not {value!r}")
+    return value
+
+
+def _names(cls: type) -> set[str]:
+    return {f.name for f in fields(cls)}
+
+
+def load_toml(path: Path, base: RunConfig) -> RunConfig:
+    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]` and `[rct]` override `base`.
+
+    `[cot]` takes `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i.
+
+    Raises:
+        ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
+            starts with the file's name.
+    """
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: is not TOML: {error}") from error
+    try:
+        return _override(base, data)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from error
+
+
+def _override(base: RunConfig, data: Mapping[str, Any]) -> RunConfig:
+    _section(data, {"name", "shape", "cot", "slot", "rct"}, "top level")
+    shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
+    cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
+    tick_us = cot.pop("tick_us", base.cot.tick_us)
+    template = base.cot.slots
+    slots = [replace(template[min(i, len(template) - 1)], **cot) for i in range(shape.n_slots)]
+    own = data.get("slot", [])
+    if not isinstance(own, list) or not all(isinstance(entry, Mapping) for entry in own):
+        raise ConfigError("[[slot]] must be a list of tables")
+    if len(own) > shape.n_slots:
+        raise ConfigError(f"[[slot]] stands {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
+    for i, entry in enumerate(own):
+        slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
+    rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
+    return RunConfig(str(data.get("name", base.name)), CotConfig(shape, tuple(slots), tick_us), rct)
