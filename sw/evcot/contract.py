@@ -16,8 +16,8 @@ import numpy as np
 from .errors import ConfigError
 
 __all__ = [
-    "REGISTERS",
     "RECORD",
+    "REGISTERS",
     "SHAPE_RANGES",
     "SLOTS_MAX",
     "Kind",

@@ -73,7 +73,7 @@ class Recording:
         if len(backwards):
             i = int(backwards[0]) + 1
             raise RecordingError(
-                f"{self.name}: event {i}: t = {events.t_us[i]} us comes after t = {events.t_us[i - 1]} us: time must not run backwards"
+                f"{self.name}: event {i}: t = {events.t_us[i]} us follows t = {events.t_us[i - 1]} us: time must not run back"
             )
         for axis, values, size in (("x", events.x, self.width), ("y", events.y, self.height)):
             outside = np.flatnonzero(values >= size)
