@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The software tracker: the Rectangular Cluster Tracker of the paper's SOFTWARE section, in float arithmetic.
+
+Events are taken one by one, in packets of `packet_us` that count from the first event.
+
+- An event belongs to the nearest cluster whose window holds it. Distance is Chebyshev, max(|dx|, |dy|), from the event to the
+  centre: a square window of radius R holds just the points at most R away, so one number decides both questions. Of two
+  equally near, the cluster seeded first takes it. The centre moves by equation (7), x <- (1 - alpha) x + alpha e.
+- An event in no window seeds a cluster, if fewer than `max_clusters` live. The cluster becomes visible (BORN) and gets its
+  track id with its `visible_events`-th event.
+- After each packet: clusters without an event for `lifetime_us` are removed (LOST, at last event + lifetime). Clusters whose
+  windows share a point merge at the mean of their centres weighted by events: the one that became visible first stays, of
+  two invisible ones the one seeded first (MERGED). Each visible cluster that took events reports its centre once (MOVED).
+- Velocity is the displacement from packet end to packet end, mixed by `velocity_alpha`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._rct_kernel import CLUSTER, CURSOR, NEVER_US, RECORDS_PER_PACKET, Rules, close_last_packet, feed
+from .config import RctConfig
+from .errors import RecordingError
+from .events import Events, Recording
+from .tracklog import TRACK, TrackLog
+
+__all__ = ["RctTracker", "track"]
+
+_CHUNK_EVENTS = 1 << 20
+
+
+class RctTracker:
+    """The tracker as a stream: feed events in runs of any length, the result does not depend on where they are cut.
+
+    Memory is constant beyond the arrays that are returned.
+    """
+
+    def __init__(self, config: RctConfig) -> None:
+        self.config = config
+        self._rules = Rules(
+            radius_px=float(config.radius_px),
+            alpha=float(config.alpha),
+            velocity_alpha=float(config.velocity_alpha),
+            visible_events=config.visible_events,
+            lifetime_us=config.lifetime_us,
+            packet_us=config.packet_us,
+        )
+        self._clusters = np.zeros(config.max_clusters, CLUSTER)
+        self._slot_taken = np.zeros(config.max_clusters, np.bool_)
+        self._cursor = np.zeros(1, CURSOR)
+        self._cursor["packet_end_us"] = self._cursor["last_us"] = -NEVER_US
+        self._cursor["next_due_us"] = NEVER_US
+        self._buffer = np.zeros(2 * RECORDS_PER_PACKET * config.max_clusters + 4096, TRACK)
+
+    def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        """Track a run of events.
+
+        Args:
+            events: (n,) events in time order, none before an event that was fed earlier.
+
+        Returns:
+            (m,) records of dtype `TRACK`, of the packets that these events closed, and (n,) int16 owners: the slot that took
+            each event, -1 where every slot was in use elsewhere.
+
+        Raises:
+            RecordingError: the run starts before the last event of the previous one.
+        """
+        last_us = int(self._cursor["last_us"][0])
+        if len(events) and events.t_us[0] < last_us:
+            index = int(self._cursor["index"][0])
+            raise RecordingError(f"event {index}: t = {events.t_us[0]} us follows t = {last_us} us: time must not run back")
+        owner = np.empty(len(events), np.int16)
+        parts: list[NDArray[np.void]] = []
+        done = 0
+        while done < len(events):
+            done = feed(
+                self._rules, self._cursor, self._clusters, self._slot_taken,
+                events.t_us, events.x, events.y, done, owner, self._buffer,
+            )  # fmt: skip
+            parts.append(self._take_closed())
+        return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
+
+    def finish(self) -> NDArray[np.void]:
+        """Close the last packet when no more events come; (m,) records of dtype `TRACK`.
+
+        A cluster whose life would end after the last event is still alive.
+        """
+        close_last_packet(self._rules, self._cursor, self._clusters, self._slot_taken, self._buffer)
+        return self._take_closed()
+
+    def clusters(self) -> NDArray[np.void]:
+        """The live clusters, seeded first first: (k,) with x, y (px), velocity_x, velocity_y (px/s), events, last_us,
+        track_id (-1 while invisible) and slot."""
+        live = self._clusters[: int(self._cursor["live"][0])]
+        return live[["x", "y", "velocity_x", "velocity_y", "events", "last_us", "track_id", "slot"]].copy()
+
+    def _take_closed(self) -> NDArray[np.void]:
+        """Records of closed packets leave the buffer, those of the open packet move to its front."""
+        closed, records = int(self._cursor["closed"][0]), int(self._cursor["records"][0])
+        taken = self._buffer[:closed].copy()
+        self._buffer[: records - closed] = self._buffer[closed:records].copy()
+        self._cursor["records"] = records - closed
+        self._cursor["closed"] = 0
+        return taken
+
+
+def track(recording: Recording, config: RctConfig) -> TrackLog:
+    """Run the Rectangular Cluster Tracker over a recording.
+
+    In the log `radius` is the constant `radius_px`, `support` the events that the cluster accumulated, and `n_ev` those that it
+    took in the packet.
+    """
+    tracker = RctTracker(config)
+    events = recording.events
+    owner = np.empty(len(events), np.int16)
+    parts: list[NDArray[np.void]] = []
+    for begin in range(0, len(events), _CHUNK_EVENTS):
+        chunk = slice(begin, begin + _CHUNK_EVENTS)
+        records, owner[chunk] = tracker.feed(events[chunk])
+        parts.append(records)
+    parts.append(tracker.finish())
+    return TrackLog("rct", np.concatenate(parts), owner)
