@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .errors import ConfigError
 
-__all__ = ["TAPS", "WIDTH_MAX", "WIDTH_MIN", "Lfsr", "tap_mask"]
+__all__ = ["TAPS", "WIDTH_MAX", "WIDTH_MIN", "Lfsr", "next_state", "tap_mask"]
 
 # width -> taps, counted from 1; tap t feeds back the bit that entered t shifts ago. Of the primitive polynomials with the
 # fewest terms this is the one with the highest inner taps. `hw/verilog/lfsr_taps.vh` is generated from it.
@@ -100,14 +100,19 @@ def tap_mask(width: int) -> int:
 
 
 @njit(cache=True, nogil=True)
+def next_state(state: np.uint64, taps: np.uint64, keep: np.uint64) -> np.uint64:
+    """One step of the register: `taps` is its `tap_mask`, `keep` the mask of its bits."""
+    parity = state & taps
+    for shift in (32, 16, 8, 4, 2, 1):
+        parity ^= parity >> np.uint64(shift)
+    return ((state << np.uint64(1)) | (~parity & np.uint64(1))) & keep
+
+
+@njit(cache=True, nogil=True)
 def _run(state: np.uint64, taps: np.uint64, keep: np.uint64, states: NDArray[np.uint64]) -> None:
     """Fills `states` with the states that follow `state`."""
-    one = np.uint64(1)
     for i in range(states.size):
-        parity = state & taps
-        for shift in (32, 16, 8, 4, 2, 1):
-            parity ^= parity >> np.uint64(shift)
-        state = ((state << one) | (~parity & one)) & keep
+        state = next_state(state, taps, keep)
         states[i] = state
 
 

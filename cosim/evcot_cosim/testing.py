@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of single modules share: lint, reset, and ready/valid streams with stalls on a pyverilator simulation.
+
+A stall pattern is any iterator of bools, one per clock: True lets a source offer its next word or a sink take one.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import repeat
+
+import numpy as np
+from pyverilator import PyVerilator
+
+from .build import verilog_dir
+from .toolchain import find_toolchain
+
+__all__ = ["PATTERNS", "Sink", "Source", "Word", "always", "bursts", "lint", "reset", "run_streams", "sometimes"]
+
+Word = tuple[int, ...]
+
+
+def always() -> Iterator[bool]:
+    """Never stalls."""
+    return repeat(True)
+
+
+def sometimes(rng: np.random.Generator, probability: float) -> Iterator[bool]:
+    """Goes with this probability at every clock, independently."""
+    while True:
+        yield from (rng.random(256) < probability).tolist()
+
+
+def bursts(rng: np.random.Generator, longest: int) -> Iterator[bool]:
+    """Goes and stalls in turns, each for 1 to `longest` clocks."""
+    while True:
+        yield from repeat(True, int(rng.integers(1, longest, endpoint=True)))
+        yield from repeat(False, int(rng.integers(1, longest, endpoint=True)))
+
+
+# The patterns that every stream is tested under, for parametrised tests.
+PATTERNS: dict[str, Callable[[np.random.Generator], Iterator[bool]]] = {
+    "always": lambda _rng: always(),
+    "often": lambda rng: sometimes(rng, 0.8),
+    "rarely": lambda rng: sometimes(rng, 0.2),
+    "bursts": lambda rng: bursts(rng, 7),
+}
+
+
+def lint(top: str, **parameters: int) -> tuple[int, str]:
+    """Returns Verilator's exit code and its complaints about one module with these parameters."""
+    tools = find_toolchain()
+    overrides = [f"-G{name}={value}" for name, value in parameters.items()]
+    done = subprocess.run(
+        [str(tools.executable), "--lint-only", "-Wall", "-y", ".", *overrides, f"{top}.v"],
+        cwd=verilog_dir(),
+        env=dict(tools.environment),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.returncode, done.stderr
+
+
+def reset(sim: PyVerilator, clocks: int = 2) -> None:
+    """Holds rst high for some clocks."""
+    sim.io.rst = 1
+    for _ in range(clocks):
+        sim.clock.tick()
+    sim.io.rst = 0
+
+
+class Source:
+    """Offers words to the bundle `<prefix>_valid`, `<prefix>_ready`, `<prefix>_<field>`, holding each until taken.
+
+    While nothing is offered the payload is noise, so that a design that reads it then is found out.
+    """
+
+    def __init__(
+        self,
+        sim: PyVerilator,
+        prefix: str,
+        fields: Sequence[str],
+        words: Iterable[Word],
+        pattern: Iterator[bool],
+        noise: np.random.Generator | None = None,
+    ) -> None:
+        self.sim = sim
+        self.prefix = prefix
+        self.ports = [f"{prefix}_{field}" for field in fields]
+        self._words = iter(words)
+        self._next = next(self._words, None)
+        self._pattern = pattern
+        self._noise = noise or np.random.default_rng(0)
+        self.offering = False
+        self.taken = 0
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether every word has been taken."""
+        return self._next is None
+
+    def drive(self) -> None:
+        """Sets the inputs for the next clock edge."""
+        if not self.offering:
+            self.offering = self._next is not None and next(self._pattern)
+            self.put(self.offering, self._next if self.offering else None)
+
+    def clocked(self, ready: bool) -> None:
+        """Notes whether the clock edge took the offered word."""
+        if self.offering and ready:
+            self.offering = False
+            self._next = next(self._words, None)
+            self.taken += 1
+
+    def ready(self) -> bool:
+        """Whether the design takes the word that is on offer."""
+        return bool(self.sim.io[f"{self.prefix}_ready"])
+
+    def put(self, valid: bool, word: Word | None) -> None:
+        """Writes valid and the payload; no word: noise."""
+        self.sim.io[f"{self.prefix}_valid"] = int(valid)
+        for i, port in enumerate(self.ports):
+            self.sim.io[port] = word[i] if word is not None else self.random_bits(port)
+
+    def random_bits(self, port: str) -> int:
+        """A random value of the port's width."""
+        width = self.sim.io[port].signal.width
+        return int.from_bytes(self._noise.bytes((width + 7) // 8)) & ((1 << width) - 1)
+
+
+class Sink:
+    """Takes words from a bundle and checks that a word once offered stays, unchanged, until taken."""
+
+    def __init__(self, sim: PyVerilator, prefix: str, fields: Sequence[str], pattern: Iterator[bool]) -> None:
+        self.sim = sim
+        self.prefix = prefix
+        self.ports = [f"{prefix}_{field}" for field in fields]
+        self.words: list[Word] = []
+        self.clocks: list[int] = []
+        self._pattern = pattern
+        self._ready = False
+        self._waiting: Word | None = None
+
+    def drive(self) -> None:
+        """Sets ready for the next clock edge."""
+        self._ready = next(self._pattern)
+        self.sim.io[f"{self.prefix}_ready"] = int(self._ready)
+
+    def offered(self) -> Word | None:
+        """The word on offer, or None.
+
+        Raises:
+            AssertionError: a word that waited has changed or gone.
+        """
+        io = self.sim.io
+        word = tuple(int(io[port]) for port in self.ports) if io[f"{self.prefix}_valid"] else None
+        if self._waiting is not None and word != self._waiting:
+            raise AssertionError(f"{self.prefix}: {self._waiting} was on offer and not taken, then came {word}")
+        return word
+
+    def clocked(self, word: Word | None, clock: int) -> None:
+        """Notes what the clock edge did with the word on offer."""
+        self._waiting = None if self._ready else word
+        if self._ready and word is not None:
+            self.words.append(word)
+            self.clocks.append(clock)
+
+
+def run_streams(
+    sim: PyVerilator,
+    sources: Sequence[Source],
+    sinks: Sequence[Sink],
+    *,
+    quiet_clocks: int = 20,
+    max_clocks: int = 1_000_000,
+    on_clock: Callable[[int], None] | None = None,
+) -> int:
+    """Clocks until every source is exhausted and no sink has been offered a word for `quiet_clocks` clocks.
+
+    `on_clock` is called with the clock's number before each edge, after all streams have been driven: a place for
+    further inputs and checks. Returns the number of clocks.
+
+    Raises:
+        AssertionError: a waiting word changed, or `max_clocks` have passed.
+    """
+    quiet = 0
+    for clock in range(max_clocks):
+        for stream in (*sources, *sinks):
+            stream.drive()
+        if on_clock is not None:
+            on_clock(clock)
+        ready = [source.ready() for source in sources]
+        words = [sink.offered() for sink in sinks]
+        sim.clock.tick()
+        for source, taken in zip(sources, ready, strict=True):
+            source.clocked(taken)
+        for sink, word in zip(sinks, words, strict=True):
+            sink.clocked(word, clock)
+        busy = any(not source.exhausted for source in sources) or any(word is not None for word in words)
+        quiet = 0 if busy else quiet + 1
+        if quiet == quiet_clocks:
+            return clock + 1
+    waiting = {source.prefix: source.taken for source in sources if not source.exhausted}
+    raise AssertionError(f"not quiet after {max_clocks} clocks; words taken from sources that still have some: {waiting}")
