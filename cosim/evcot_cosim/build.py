@@ -85,18 +85,8 @@ def build(
     started = time.perf_counter()
     parameters = dict(sorted((parameters or {}).items()))
     tools = toolchain or find_toolchain()
-    sources = _reachable_sources(top, verilog or verilog_dir())
-    files = {f"verilog/{name}": text for name, text in sources.items()}
-    files |= {name: text.encode() for name, text in (extra_cpp or {}).items()}
-    args = [*_VERILATOR_FLAGS, *extra_flags, *(f"-G{name}={value}" for name, value in parameters.items())]
-    args += [name for name in sorted(extra_cpp or {}) if name.endswith(".cpp")]
-    request = {
-        "top_file": f"verilog/{top}.v",
-        "verilog_path": ["verilog"],
-        "args": args,
-        "cargs": " ".join([*_COMPILER_FLAGS, *(() if tools.compiler_is_clang else _GCC_FLAGS)]),
-    }
-    key = _key(files, request, tools)
+    recipe = _recipe(top, parameters, extra_cpp or {}, extra_flags, verilog or verilog_dir(), tools)
+    key = recipe.key(tools)
     root = cache_dir()
     home = root / "models" / f"{top}-{key[:20]}"
     shared_object = home / f"V{top}"
@@ -107,7 +97,7 @@ def build(
         else:
             if on_miss is not None:
                 on_miss()
-            _build_to(shared_object, root, files, request, tools)
+            _build_to(shared_object, root, recipe, tools)
     except OSError as error:
         raise ToolchainError(f"{error.filename or root}: cannot keep the built model: {error.strerror or error}") from error
     return BuiltModel(top, parameters, shared_object, key, cached, time.perf_counter() - started)
@@ -138,6 +128,48 @@ def cache_dir() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "evcot"
 
 
+@dataclass(frozen=True)
+class _Recipe:
+    """All that goes into one build, tools aside."""
+
+    label: str
+    files: Mapping[str, bytes]
+    request: Mapping[str, object]
+
+    def key(self, tools: Toolchain) -> str:
+        """A hash of everything that decides what the shared object does."""
+        versions = [tools.version, tools.compiler_version, importlib.metadata.version("pyverilator-mm")]
+        contents = sorted((name, hashlib.sha256(text).hexdigest()) for name, text in self.files.items())
+        digest = hashlib.sha256(json.dumps([versions, OPTIMISATION, self.request, contents]).encode())
+        digest.update(_WORKER.read_bytes())
+        return digest.hexdigest()
+
+
+def _recipe(
+    top: str,
+    parameters: Mapping[str, int],
+    extra_cpp: Mapping[str, str],
+    extra_flags: Sequence[str],
+    verilog: Path,
+    tools: Toolchain,
+) -> _Recipe:
+    """Gather the sources and spell out what the worker shall ask of pyverilator."""
+    files = {f"verilog/{name}": text for name, text in _reachable_sources(top, verilog).items()}
+    files |= {name: text.encode() for name, text in extra_cpp.items()}
+    request = {
+        "top_file": f"verilog/{top}.v",
+        "verilog_path": ["verilog"],
+        "args": [
+            *_VERILATOR_FLAGS,
+            *extra_flags,
+            *(f"-G{name}={value}" for name, value in parameters.items()),
+            *sorted(name for name in extra_cpp if name.endswith(".cpp")),
+        ],
+        "cargs": " ".join([*_COMPILER_FLAGS, *(() if tools.compiler_is_clang else _GCC_FLAGS)]),
+    }
+    return _Recipe(" ".join([top, *(f"{name}={value}" for name, value in parameters.items())]), files, request)
+
+
 def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
     """The Verilog files that `top` may need: its own, and any whose module or file name a needed one mentions."""
     by_word = {path.stem if path.suffix == ".v" else path.name: path for path in folder.glob("*.v*")}
@@ -154,35 +186,23 @@ def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
     return needed
 
 
-def _key(files: Mapping[str, bytes], request: Mapping[str, object], tools: Toolchain) -> str:
-    """A hash of everything that decides what the shared object does."""
-    digest = hashlib.sha256()
-    tool_versions = [tools.version, tools.compiler_version, OPTIMISATION, importlib.metadata.version("pyverilator-mm")]
-    contents = sorted((name, hashlib.sha256(text).hexdigest()) for name, text in files.items())
-    digest.update(json.dumps([tool_versions, request, contents]).encode())
-    digest.update(_WORKER.read_bytes())
-    return digest.hexdigest()
-
-
-def _build_to(
-    shared_object: Path, root: Path, files: Mapping[str, bytes], request: Mapping[str, object], tools: Toolchain
-) -> None:
+def _build_to(shared_object: Path, root: Path, recipe: _Recipe, tools: Toolchain) -> None:
     """Build in a folder of its own and move the whole result to where `shared_object` shall stand in one step."""
     for folder in (root / "models", root / "logs"):
         folder.mkdir(parents=True, exist_ok=True)
     _sweep(root)
     with _stage(root) as stage:
         (stage / "verilog").mkdir()
-        for name, text in files.items():
+        for name, text in recipe.files.items():
             (stage / name).write_bytes(text)
-        (stage / "request.json").write_text(json.dumps({**request, "executable": str(tools.executable)}, indent=1))
+        request = {"executable": str(tools.executable), **recipe.request}
+        (stage / "request.json").write_text(json.dumps(request, indent=1))
         log = stage / "build.log"
-        succeeded = _run_worker(stage, log, tools)
-        if not succeeded:
+        if not _run_worker(stage, log, tools):
             kept_log = root / "logs" / f"{shared_object.parent.name}.log"
             line = _telling_line(log.read_text(errors="replace"))
             os.replace(log, kept_log)
-            raise ToolchainError(f"building {Path(str(request['top_file'])).name} failed: {line} (log: {kept_log})")
+            raise ToolchainError(f"cannot build {recipe.label}: {line} (log: {kept_log})")
         result = stage / "result"
         result.mkdir()
         for path in (stage / shared_object.name, stage / "request.json", log):
@@ -226,13 +246,14 @@ def _run_worker(stage: Path, log: Path, tools: Toolchain) -> bool:
 
 
 def _telling_line(log: str) -> str:
-    """The line of a build's output that says what went wrong: Verilator's first error, else the compiler's, else the last."""
+    """The line of a build's output that says what went wrong: a broken parameter rule, else the first error, else the last."""
+    if rule := re.search(r"\.(\w+?_must_\w+)", log):  # the name of an instance of parameter_check
+        return rule[1].replace("_", " ")
     lines = [line.strip() for line in log.splitlines() if line.strip()]
-    for pattern in (r"%Error(?!: Exiting)", r"\berror:", r"No space left|[Cc]annot |not found", r"\*\*\*", r""):
-        for line in lines if pattern else lines[::-1]:
-            if re.search(pattern, line):
-                return line
-    return "no output"
+    for pattern in (r"^%Error(?!: Exiting)", r"\berror:", r"No space left|not found", r"\*\*\*"):
+        if telling := [line for line in lines if re.search(pattern, line)]:
+            return telling[0]
+    return lines[-1] if lines else "no output"
 
 
 def _sweep(root: Path) -> None:

