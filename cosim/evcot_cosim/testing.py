@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
 from itertools import repeat
 
 import numpy as np
 from pyverilator import PyVerilator
 
 from .build import verilog_dir
-from .toolchain import find_toolchain
+from .toolchain import Toolchain, find_toolchain
 
 __all__ = ["PATTERNS", "Sink", "Source", "Word", "always", "bursts", "lint", "reset", "run_streams", "sometimes"]
 
@@ -50,7 +51,7 @@ PATTERNS: dict[str, Callable[[np.random.Generator], Iterator[bool]]] = {
 
 def lint(top: str, **parameters: int) -> tuple[int, str]:
     """Returns Verilator's exit code and its complaints about one module with these parameters."""
-    tools = find_toolchain()
+    tools = _tools()
     overrides = [f"-G{name}={value}" for name, value in parameters.items()]
     done = subprocess.run(
         [str(tools.executable), "--lint-only", "-Wall", "-y", ".", *overrides, f"{top}.v"],
@@ -61,6 +62,11 @@ def lint(top: str, **parameters: int) -> tuple[int, str]:
         check=False,
     )
     return done.returncode, done.stderr
+
+
+@cache
+def _tools() -> Toolchain:
+    return find_toolchain()
 
 
 def reset(sim: PyVerilator, clocks: int = 2) -> None:
@@ -126,7 +132,7 @@ class Source:
 
     def random_bits(self, port: str) -> int:
         """A random value of the port's width."""
-        width = self.sim.io[port].signal.width
+        width: int = self.sim.io[port].signal.width
         return int.from_bytes(self._noise.bytes((width + 7) // 8)) & ((1 << width) - 1)
 
 
@@ -187,8 +193,10 @@ def run_streams(
     """
     quiet = 0
     for clock in range(max_clocks):
-        for stream in (*sources, *sinks):
-            stream.drive()
+        for source in sources:
+            source.drive()
+        for sink in sinks:
+            sink.drive()
         if on_clock is not None:
             on_clock(clock)
         ready = [source.ready() for source in sources]
