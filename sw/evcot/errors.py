@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-__all__ = ["ConfigError", "EvcotError", "RecordingError", "ToolchainError"]
+__all__ = ["ConfigError", "EvcotError", "OutputError", "RecordingError", "ToolchainError", "TrackLogError"]
 
 
 class EvcotError(Exception):
@@ -20,3 +20,11 @@ class ConfigError(EvcotError, ValueError):
 
 class ToolchainError(EvcotError, RuntimeError):
     """A compiler or simulator that is missing, too old, or that failed: names the tool and what to install."""
+
+
+class OutputError(EvcotError, OSError):
+    """A file that cannot be written: names the file and the system's reason."""
+
+
+class TrackLogError(EvcotError, ValueError):
+    """A stored TrackLog that cannot be used: names the file, the field and the rule."""

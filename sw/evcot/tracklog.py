@@ -3,10 +3,17 @@
 
 from __future__ import annotations
 
+import zipfile
+import zlib
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .contract import Kind
+from .errors import TrackLogError
+from .outputs import written_aside
 
 __all__ = ["TRACK", "TrackLog"]
 
@@ -26,6 +33,8 @@ TRACK = np.dtype(
     ]
 )
 
+_CSV_ROWS = 1 << 16  # formatted at a time
+
 
 @dataclass(frozen=True, eq=False)
 class TrackLog:
@@ -43,3 +52,72 @@ class TrackLog:
     engine: str
     records: NDArray[np.void]
     owner: NDArray[np.int16]
+
+    @classmethod
+    def empty(cls, engine: str) -> TrackLog:
+        """The log of an engine that saw nothing."""
+        return cls(engine, np.empty(0, TRACK), np.empty(0, np.int16))
+
+    def of_kind(self, kind: Kind) -> NDArray[np.void]:
+        """The records of one kind, (k,) of dtype `TRACK`."""
+        chosen: NDArray[np.void] = self.records[self.records["kind"] == kind]
+        return chosen
+
+    def save_npz(self, path: Path | str) -> None:
+        """Write the log, compressed; the same log gives the same bytes.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        with written_aside(Path(path)) as file:
+            np.savez_compressed(file, engine=np.array(self.engine), records=self.records, owner=self.owner)
+
+    @classmethod
+    def load_npz(cls, path: Path | str) -> TrackLog:
+        """Read what `save_npz` wrote.
+
+        Raises:
+            TrackLogError: the file is missing, damaged, or no TrackLog.
+        """
+        try:
+            with open(path, "rb") as file:
+                if not zipfile.is_zipfile(file):
+                    raise TrackLogError(f"{path}: is not an npz file, or is cut off")
+                # The array reader trusts what it is given: whether that is whole must be known before.
+                with zipfile.ZipFile(file) as archive:
+                    damaged = archive.testzip()
+                if damaged:
+                    raise TrackLogError(f"{path}: is damaged: wrong checksum of {damaged}")
+                file.seek(0)
+                with np.load(file, allow_pickle=False) as content:
+                    stored = {name: content[name] for name in content.files}
+        except OSError as error:
+            raise TrackLogError(f"{path}: cannot be read: {error.strerror or error}") from error
+        except TrackLogError:
+            raise
+        except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError) as error:
+            raise TrackLogError(f"{path}: is damaged: {' '.join(str(error).split()) or 'ends too soon'}") from error
+        for name, dtype, ndim in (("engine", None, 0), ("records", TRACK, 1), ("owner", np.dtype(np.int16), 1)):
+            array = stored.get(name)
+            if array is None:
+                raise TrackLogError(f"{path}: has no array {name}: must have engine, records, owner")
+            if array.ndim != ndim or (dtype is not None and array.dtype != dtype):
+                raise TrackLogError(f"{path}: {name} is {array.ndim}-d {array.dtype}: must be {ndim}-d {dtype or 'text'}")
+        return cls(str(stored["engine"]), stored["records"], stored["owner"])
+
+    def write_csv(self, path: Path | str) -> None:
+        """Write the records as CSV: a header, kinds by name, every number in the fewest digits that give it back exactly.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        names = np.array([kind.name for kind in Kind])
+        with written_aside(Path(path)) as file:
+            file.write((",".join(TRACK.names or ()) + "\n").encode())
+            for begin in range(0, len(self.records), _CSV_ROWS):
+                rows = self.records[begin : begin + _CSV_ROWS]
+                columns = [
+                    names[rows["kind"]].tolist() if name == "kind" else [repr(value) for value in rows[name].tolist()]
+                    for name in TRACK.names or ()
+                ]
+                file.write("".join(",".join(row) + "\n" for row in zip(*columns, strict=True)).encode())
