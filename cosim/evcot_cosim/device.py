@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The compiled hardware as one Python object with two speeds: interactive, cycle by cycle, and streaming."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pyverilator import PyVerilator
+
+from evcot.config import CotConfig, SlotConfig
+from evcot.contract import RECORD, REGISTERS, Kind, Shape
+from evcot.cot import Arrangement, Decisions
+from evcot.errors import ConfigError, EvcotError
+
+from .build import BuiltModel, build
+from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
+
+__all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "build_device"]
+
+Top = Literal["cot", "cot_chain", "cot_array"]
+Pattern = NDArray[np.uint8]
+
+_NO_STALL = np.zeros(0, np.uint8)
+
+# What a fault of the streams means, for people.
+_FAULTS = {
+    Status.STUCK: "stands still: no handshake for a million clocks, waiting at event",
+    Status.EVENT_LOST: "lost event",
+    Status.OWNED_OUT_OF_ORDER: "gave twice, or out of order, owned event",
+    Status.OWNED_CHANGED: "changed the polarity of owned event",
+    Status.PASSED_OUT_OF_ORDER: "gave twice, or out of order, passed event",
+    Status.PASSED_CHANGED: "changed the address or polarity of passed event",
+}
+
+
+class HardwareError(EvcotError, RuntimeError):
+    """The hardware broke the rules of its streams: an event lost, repeated, reordered or changed, or no progress.
+
+    Attributes:
+        seq: number of the event.
+    """
+
+    def __init__(self, message: str, seq: int) -> None:
+        super().__init__(message)
+        self.seq = seq
+
+
+@dataclass(frozen=True)
+class Stalls:
+    """Stall patterns, one per stream: bytes read one per clock, from the start again at the end; 1 goes, 0 stalls.
+
+    An empty pattern never stalls. Every other one must have a 1 somewhere.
+    """
+
+    source: Pattern = field(default_factory=lambda: _NO_STALL)
+    cm: Pattern = field(default_factory=lambda: _NO_STALL)
+    own: Pattern = field(default_factory=lambda: _NO_STALL)
+    passed: Pattern = field(default_factory=lambda: _NO_STALL)
+
+    def __post_init__(self) -> None:
+        for name in ("source", "cm", "own", "passed"):
+            pattern = np.ascontiguousarray(getattr(self, name), np.uint8)
+            if len(pattern) and not pattern.any():
+                raise ConfigError(f"stalls.{name}: never goes: a pattern must hold at least one 1")
+            object.__setattr__(self, name, pattern)
+
+    @classmethod
+    def random(cls, rng: np.random.Generator, go: tuple[float, float, float, float] | None = None) -> Stalls:
+        """Independent patterns of different lengths; `go` is how often each stream goes (default: random, 0.15 to 1)."""
+        chances = rng.uniform(0.15, 1.0, 4) if go is None else go
+        patterns = []
+        for chance, length in zip(chances, (4093, 4091, 4079, 4073), strict=True):
+            pattern = (rng.random(length) < chance).astype(np.uint8)
+            pattern[rng.integers(length)] = 1
+            patterns.append(pattern)
+        return cls(*patterns)
+
+
+class StreamTimes(NamedTuple):
+    """Clocks at which events went in, (n,) int64, and records came out, (m,) int64."""
+
+    accepted: NDArray[np.int64]
+    recorded: NDArray[np.int64]
+
+
+def build_device(
+    config: CotConfig, top: Top = "cot_array", *, verilog: Path | None = None, on_miss: Callable[[], None] | None = None
+) -> BuiltModel:
+    """Build (or find) the model of `top` in the shape that `config` asks for, with the streaming drive inside."""
+    shape = config.shape
+    if top == "cot" and shape.n_slots != 1:
+        raise ConfigError(f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker")
+    parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}
+    if top == "cot":
+        del parameters["N"]
+    drive = {"stream.cpp": source(top, shape)}
+    return build(
+        top, parameters, drive, extra_flags=("--trace-max-array", "64"), verilog=verilog, on_miss=on_miss
+    )  # fmt: skip
+
+
+class Device:
+    """One simulated tracker: `cot`, `cot_chain` or `cot_array`.
+
+    Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` is a clock, about 10^4 per second.
+    Streaming: `stream` takes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
+    the same decisions.
+
+    Args:
+        config: shape and registers; written to the hardware on construction.
+        top: which module.
+        stalls: patterns for the streaming drive.
+        vcd: a file to dump a waveform of the streaming drive to, or None.
+        model: what `build_device` returned for the same config, to save the look-up.
+
+    Raises:
+        ConfigError, ToolchainError.
+    """
+
+    def __init__(
+        self,
+        config: CotConfig,
+        top: Top = "cot_array",
+        *,
+        stalls: Stalls | None = None,
+        model: BuiltModel | None = None,
+        verilog: Path | None = None,
+    ) -> None:
+        self.config = config
+        self.top: Top = top
+        self.stalls = stalls or Stalls()
+        self.model = model or build_device(config, top, verilog=verilog)
+        self.sim: PyVerilator = self.model.load()
+        library = self.sim.lib
+        library.evcot_stream.argtypes = (ctypes.c_void_p, ctypes.POINTER(Job))
+        library.evcot_stream.restype = ctypes.c_int
+        library.evcot_open_vcd.argtypes = (ctypes.c_void_p, ctypes.c_char_p)
+        library.evcot_open_vcd.restype = ctypes.c_void_p
+        library.evcot_close_vcd.argtypes = (ctypes.c_void_p,)
+        self._vcd: int | None = None
+        self.reset()
+
+    @property
+    def shape(self) -> Shape:
+        """Elaboration parameters of the hardware."""
+        return self.config.shape
+
+    def reset(self) -> None:
+        """Reset the hardware and write all registers: tick 0, event 0, no track born."""
+        io = self.sim.io
+        io.rst = 1
+        self.sim.clock.tick()
+        self.sim.clock.tick()
+        io.rst = 0
+        self.now = 0
+        self.seq = 0
+        self.cycle = 0
+        for slot, registers in enumerate(self.config.slots):
+            self.write_registers(slot, registers)
+        while not int(io.idle):
+            self.sim.clock.tick()
+
+    def write_registers(self, slot: int, registers: SlotConfig) -> None:
+        """Write one slot's registers through the register port, `mode` last: that restarts the slot."""
+        io = self.sim.io
+        io.cfg_valid = 1
+        if self.top != "cot":
+            io.cfg_slot = slot
+        for name in sorted(REGISTERS, key="mode".__eq__):
+            io.cfg_addr = REGISTERS[name].address
+            io.cfg_data = int(getattr(registers, name))
+            self.sim.clock.tick()
+        io.cfg_valid = 0
+
+    def open_vcd(self, path: Path) -> None:
+        """Dump every clock of the streaming drive from here on: 10 time units a clock, the rising edge at 5."""
+        self.close_vcd()
+        handle = self.sim.lib.evcot_open_vcd(self.sim.model, os.fsencode(path))
+        if not handle:
+            raise EvcotError(f"{path}: cannot be written")
+        self._vcd = handle
+
+    def close_vcd(self) -> None:
+        """Finish the waveform file; does nothing if none is open."""
+        if self._vcd is not None:
+            self.sim.lib.evcot_close_vcd(self._vcd)
+            self._vcd = None
+
+    def stream(
+        self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]
+    ) -> Decisions:
+        """Drive a run of events through the hardware and wait until it is idle again.
+
+        Args:
+            ticks: (n,) ticks since reset at each event, never decreasing.
+            x, y: (n,) pixel addresses, below 2^x_w and 2^y_w.
+            p: (n,) polarity, 0 or 1.
+
+        Raises:
+            HardwareError: an event was lost, repeated, reordered or changed, or nothing moves any more.
+        """
+        return self._stream(ticks, x, y, p, None)[0]
+
+    def stream_timed(
+        self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]
+    ) -> tuple[Decisions, StreamTimes]:
+        """As `stream`, with the clocks at which events were taken and records handed over."""
+        accepted = np.zeros(len(ticks), np.int64)
+        decisions, recorded = self._stream(ticks, x, y, p, accepted)
+        return decisions, StreamTimes(accepted, recorded)
+
+    def _stream(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        accepted: NDArray[np.int64] | None,
+    ) -> tuple[Decisions, NDArray[np.int64]]:
+        n = len(ticks)
+        ticks = np.ascontiguousarray(ticks, np.int64)
+        x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
+        owner = np.full(n, UNDECIDED, np.int16)
+        rel_x, rel_y = np.empty(n, np.uint16), np.empty(n, np.uint16)
+        patterns = self.stalls
+        job = Job(
+            n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), first_seq=self.seq,
+            in_pattern=pointer(patterns.source), in_length=len(patterns.source),
+            cm_pattern=pointer(patterns.cm), cm_length=len(patterns.cm),
+            own_pattern=pointer(patterns.own), own_length=len(patterns.own),
+            pass_pattern=pointer(patterns.passed), pass_length=len(patterns.passed),
+            owner=pointer(owner), rel_x=pointer(rel_x), rel_y=pointer(rel_y), accept_cycle=pointer(accepted),
+            now=self.now, cycle=self.cycle, vcd=self._vcd,
+        )  # fmt: skip
+        records: list[NDArray[np.void]] = []
+        recorded: list[NDArray[np.int64]] = []
+        status = Status.RECORDS_FULL
+        while status == Status.RECORDS_FULL:
+            room = np.zeros(max(1024, n // 4), RECORD)
+            clocks = None if accepted is None else np.zeros(len(room), np.int64)
+            job.records, job.record_capacity, job.n_records = pointer(room), len(room), 0
+            job.record_cycle = pointer(clocks)
+            status = Status(self.sim.lib.evcot_stream(self.sim.model, ctypes.byref(job)))
+            records.append(room[: job.n_records])
+            if clocks is not None:
+                recorded.append(clocks[: job.n_records])
+        self.now, self.cycle, self.seq = job.now, job.cycle, self.seq + job.next
+        if status != Status.DONE:
+            raise HardwareError(f"{self.top} {_FAULTS[status]} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
+        joined = records[0] if len(records) == 1 else np.concatenate(records)
+        order = _order_of(joined) if self.top == "cot_chain" else slice(None)
+        times = np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)
+        return Decisions(joined[order], owner, rel_x, rel_y), times
+
+    @property
+    def arrangement(self) -> Arrangement:
+        """What the golden model must be to match this hardware."""
+        return Arrangement.ARRAY if self.top == "cot_array" else Arrangement.CHAIN
+
+
+def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:
+    """The order in which things happened, whatever the interleaving of a chain's trackers.
+
+    Before an event come the lives that ended on the way to it, by time, then by slot.
+    """
+    return np.lexsort((records["slot"], records["time"], records["kind"] != Kind.LOST, records["seq"]))
