@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +27,7 @@ from evcot_cosim.toolchain import OPTIMISATION, Toolchain, find_toolchain
 __all__ = ["BuiltModel", "build", "cache_dir", "load", "verilog_dir"]
 
 # No signal ever carries an unknown value on purpose, so Verilator may pick whatever is fastest for one.
-_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "--default-language", "1364-2005")
+_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "--no-timing", "--default-language", "1364-2005")
 # pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
 # of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.
 _COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT")
@@ -86,7 +86,7 @@ def build(
     parameters = dict(sorted((parameters or {}).items()))
     tools = toolchain or find_toolchain()
     recipe = _recipe(top, parameters, extra_cpp or {}, extra_flags, verilog or verilog_dir(), tools)
-    key = recipe.key(tools)
+    key = recipe.key
     root = cache_dir()
     home = root / "models" / f"{top}-{key[:20]}"
     shared_object = home / f"V{top}"
@@ -97,7 +97,7 @@ def build(
         else:
             if on_miss is not None:
                 on_miss()
-            _build_to(shared_object, root, recipe, tools)
+            _build_to(shared_object, root, recipe)
     except OSError as error:
         raise ToolchainError(f"{error.filename or root}: cannot keep the built model: {error.strerror or error}") from error
     return BuiltModel(top, parameters, shared_object, key, cached, time.perf_counter() - started)
@@ -134,15 +134,25 @@ class _Recipe:
 
     label: str
     files: Mapping[str, bytes]
+    flags: Sequence[str]
     request: Mapping[str, object]
+    tools: Toolchain
 
-    def key(self, tools: Toolchain) -> str:
+    @property
+    def key(self) -> str:
         """A hash of everything that decides what the shared object does."""
-        versions = [tools.version, tools.compiler_version, importlib.metadata.version("pyverilator-mm")]
         contents = sorted((name, hashlib.sha256(text).hexdigest()) for name, text in self.files.items())
-        digest = hashlib.sha256(json.dumps([versions, OPTIMISATION, self.request, contents]).encode())
-        digest.update(_WORKER.read_bytes())
-        return digest.hexdigest()
+        worker = _WORKER.read_text() + importlib.metadata.version("pyverilator-mm")
+        return _hash(self.runtime_key, self.request, contents, worker)
+
+    @property
+    def runtime_key(self) -> str:
+        """A hash of what decides how Verilator's own runtime is compiled, which is the same for many designs."""
+        return _hash(self.tools.version, self.tools.compiler_version, OPTIMISATION, self.request["cargs"], self.flags)
+
+
+def _hash(*parts: object) -> str:
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
 def _recipe(
@@ -156,18 +166,19 @@ def _recipe(
     """Gather the sources and spell out what the worker shall ask of pyverilator."""
     files = {f"verilog/{name}": text for name, text in _reachable_sources(top, verilog).items()}
     files |= {name: text.encode() for name, text in extra_cpp.items()}
+    flags = (*_VERILATOR_FLAGS, *extra_flags)
     request = {
         "top_file": f"verilog/{top}.v",
         "verilog_path": ["verilog"],
         "args": [
-            *_VERILATOR_FLAGS,
-            *extra_flags,
+            *flags,
             *(f"-G{name}={value}" for name, value in parameters.items()),
             *sorted(name for name in extra_cpp if name.endswith(".cpp")),
         ],
         "cargs": " ".join([*_COMPILER_FLAGS, *(() if tools.compiler_is_clang else _GCC_FLAGS)]),
     }
-    return _Recipe(" ".join([top, *(f"{name}={value}" for name, value in parameters.items())]), files, request)
+    label = " ".join([top, *(f"{name}={value}" for name, value in parameters.items())])
+    return _Recipe(label, files, flags, request, tools)
 
 
 def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
@@ -186,33 +197,42 @@ def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
     return needed
 
 
-def _build_to(shared_object: Path, root: Path, recipe: _Recipe, tools: Toolchain) -> None:
+def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
     """Build in a folder of its own and move the whole result to where `shared_object` shall stand in one step."""
-    for folder in (root / "models", root / "logs"):
-        folder.mkdir(parents=True, exist_ok=True)
+    for folder in ("models", "runtime", "logs"):
+        (root / folder).mkdir(parents=True, exist_ok=True)
     _sweep(root)
+    runtime = root / "runtime" / recipe.runtime_key[:20]
     with _stage(root) as stage:
         (stage / "verilog").mkdir()
         for name, text in recipe.files.items():
             (stage / name).write_bytes(text)
-        request = {"executable": str(tools.executable), **recipe.request}
+        request = {"executable": str(recipe.tools.executable), **recipe.request}
         (stage / "request.json").write_text(json.dumps(request, indent=1))
+        for compiled in runtime.glob("*.o"):  # three quarters of a small design's compile time
+            newer_than_any_makefile = time.time() + _ABANDONED_AFTER_S
+            os.utime(shutil.copy(compiled, stage), (newer_than_any_makefile,) * 2)
         log = stage / "build.log"
-        if not _run_worker(stage, log, tools):
+        if not _run_worker(stage, log, recipe.tools):
             kept_log = root / "logs" / f"{shared_object.parent.name}.log"
             line = _telling_line(log.read_text(errors="replace"))
             os.replace(log, kept_log)
             raise ToolchainError(f"cannot build {recipe.label}: {line} (log: {kept_log})")
-        result = stage / "result"
-        result.mkdir()
-        for path in (stage / shared_object.name, stage / "request.json", log):
-            os.replace(path, result / path.name)
-        try:
-            result.rename(shared_object.parent)
-        except OSError:
-            # Another process may have finished the same model first: then its folder stands, and equals this one.
-            if not shared_object.is_file():
-                raise
+        _publish([stage / shared_object.name, stage / "request.json", log], stage / "model", shared_object.parent)
+        _publish(stage.glob("verilated*.o"), stage / "runtime", runtime)
+
+
+def _publish(files: Iterable[Path], gathered: Path, home: Path) -> None:
+    """Move files to the folder `home` in one step; whoever was there first, with the same, keeps the place."""
+    gathered.mkdir()
+    for path in files:
+        os.replace(path, gathered / path.name)
+    try:
+        gathered.rename(home)
+    except OSError:
+        if not home.is_dir():
+            raise
+        os.utime(home)
 
 
 @contextlib.contextmanager
@@ -259,7 +279,7 @@ def _telling_line(log: str) -> str:
 def _sweep(root: Path) -> None:
     """Remove models that nothing has used for a month, and folders of builds that were killed."""
     now = time.time()
-    for pattern, age_s in (("models/*", _UNUSED_AFTER_S), ("building-*", _ABANDONED_AFTER_S)):
+    for pattern, age_s in (("models/*", _UNUSED_AFTER_S), ("runtime/*", _UNUSED_AFTER_S), ("building-*", _ABANDONED_AFTER_S)):
         for path in root.glob(pattern):
             with contextlib.suppress(FileNotFoundError):
                 if now - path.stat().st_mtime > age_s:
