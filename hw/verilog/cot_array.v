@@ -240,16 +240,17 @@ module cot_array #(
                            : due               ? due_slot
                                                : owner;
 
-    // ---- what happens in this clock? -------------------------------------------------------------------------------
+    // ---- what happens in this clock, if there is space for what it puts out? ---------------------------------------
 
     wire space = (m_cm_ready || !m_cm_valid) && (m_own_ready || !m_own_valid) && (m_pass_ready || !m_pass_valid);
 
-    wire ends    = phase == RUN && space && (restarting || due);                   // a life, without deciding the token
-    wire decides = phase == RUN && space && !restarting && !due && token_valid;    // the token
-    wire takes   = decides && token_event && owned;                                // its event, into a slot
-    wire absorbs = phase == ABSORB && space;
+    wire ends    = phase == RUN && (restarting || due);                 // a life, before the token is decided
+    wire decides = phase == RUN && !restarting && !due && token_valid;  // the token
+    wire takes   = decides && token_event && owned;                     // its event, into a slot
+    wire passes  = decides && token_event && !owned;                    // its event, to nobody
+    wire absorbs = phase == ABSORB;
 
-    assign token_taken = decides;
+    assign token_taken = decides && space;
     assign idle        = phase == RUN && !restarting && !token_valid && !m_cm_valid && !m_own_valid && !m_pass_valid;
 
     // ---- registers -------------------------------------------------------------------------------------------------
@@ -403,12 +404,12 @@ module cot_array #(
     ) u_divider_x (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(absorbs),
+        .s_valid(absorbs && space),
         .s_ready(ready_x),
         .s_num  (num_x),
         .s_den  (both),
         .m_valid(done_x),
-        .m_ready(merges),
+        .m_ready(merges && space),
         .m_quot (quot_x),
         .m_rem  (rem_x)
     );
@@ -418,12 +419,12 @@ module cot_array #(
     ) u_divider_y (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(absorbs),
+        .s_valid(absorbs && space),
         .s_ready(ready_y),
         .s_num  (num_y),
         .s_den  (both),
         .m_valid(done_y),
-        .m_ready(merges),
+        .m_ready(merges && space),
         .m_quot (quot_y),
         .m_rem  (rem_y)
     );
@@ -434,7 +435,8 @@ module cot_array #(
 
     // ---- the slot after --------------------------------------------------------------------------------------------
 
-    wire clears = ends || absorbs;  // back to INIT_CELL
+    wire clears = ends || absorbs;                               // back to INIT_CELL
+    wire places = clears || merges || (takes && (last || seeds));  // the window changes
 
     wire [POS_X-1:0]   next_cm_x = clears ? {init_cm_x, {FRAC{1'b0}}} : merges ? quot_x[POS_X-1:0] : last ? new_cm_x : cur_cm_x;
     wire [POS_Y-1:0]   next_cm_y = clears ? {init_cm_y, {FRAC{1'b0}}} : merges ? quot_y[POS_Y-1:0] : last ? new_cm_y : cur_cm_y;
@@ -505,14 +507,14 @@ module cot_array #(
 
     // ---- outputs ---------------------------------------------------------------------------------------------------
 
-    wire reports = updates || (ends && cur_active) || absorbs || (phase == REPORT && space);
+    wire reports = updates || (ends && cur_active) || absorbs || phase == REPORT;
 
     always @(posedge clk) begin
         if (m_cm_ready) m_cm_valid <= 1'b0;
         if (m_own_ready) m_own_valid <= 1'b0;
         if (m_pass_ready) m_pass_valid <= 1'b0;
 
-        if (reports) begin
+        if (reports && space) begin
             m_cm_valid   <= 1'b1;
             m_cm_kind    <= ends ? `EVCOT_KIND_LOST
                           : absorbs ? `EVCOT_KIND_MERGED
@@ -529,7 +531,7 @@ module cot_array #(
             m_cm_time    <= updates ? then
                           : (ends && !restarting) ? now + {{(TIME_W - LEFT_W) {1'b0}}, due_left} : now;
         end
-        if (takes) begin
+        if (takes && space) begin
             m_own_valid <= 1'b1;
             m_own_slot  <= slot;
             m_own_x     <= rel_x[RADIX_W+1:0];
@@ -537,7 +539,7 @@ module cot_array #(
             m_own_p     <= p;
             m_own_seq   <= seq;
         end
-        if (decides && token_event && !owned) begin
+        if (passes && space) begin
             m_pass_valid <= 1'b1;
             m_pass_x     <= x;
             m_pass_y     <= y;
@@ -554,81 +556,84 @@ module cot_array #(
     // ---- next state ------------------------------------------------------------------------------------------------
 
     always @(posedge clk) begin
-        if (decides) begin
-            now <= then;
-            if (token_event) seq <= seq + 1'b1;
-        end
+        if (space) begin
+            if (decides) begin
+                now <= then;
+                if (token_event) seq <= seq + 1'b1;
+            end
 
-        if (clears || takes || merges) begin
-            cm_x[slot]                <= next_cm_x;
-            cm_y[slot]                <= next_cm_y;
-            pixel_x[slot]             <= next_pixel_x;
-            pixel_y[slot]             <= next_pixel_y;
-            av_x[slot]                <= takes ? new_av_x : next_cm_x;
-            av_y[slot]                <= takes ? new_av_y : next_cm_y;
-            g[slot]                   <= next_g;
-            lo_x[slot*X_W +: X_W]     <= next_lo_x;
-            hi_x[slot*X_W +: X_W]     <= next_hi_x;
-            lo_y[slot*Y_W +: Y_W]     <= next_lo_y;
-            hi_y[slot*Y_W +: Y_W]     <= next_hi_y;
-            support[slot]             <= clears ? {SUP_W{1'b0}}
-                                       : merges ? (both_support[SUP_W] ? {SUP_W{1'b1}} : both_support[SUP_W-1:0])
-                                                : new_support;
-            if (starts_timer) deadline[slot*LEFT_W +: LEFT_W] <= next_deadline;
-        end
-        if (clears) begin
-            restart[slot] <= 1'b0;
-            free[slot]    <= mode == `EVCOT_MODE_SEEDED;
-            window[slot]  <= mode == `EVCOT_MODE_FIXED;
-            active[slot]  <= 1'b0;
-            timed[slot]   <= 1'b0;
-            n_ev[slot]    <= clust_nev;
-        end
-        if (takes) begin
-            free[slot]   <= 1'b0;
-            window[slot] <= 1'b1;
-            timed[slot]  <= 1'b1;
-        end
-        if (clears || takes) begin
-            count[slot] <= (clears || last) ? {NEV_W{1'b0}} : cur_count + 1'b1;
-            ring[slot]  <= !clears && !last && new_ring;
-        end
-        if (takes && (last || (cur_count == {NEV_W{1'b0}} && !cur_active))) start[slot] <= then;
-        if (updates) begin
-            n_ev[slot]     <= new_n_ev;
-            last_tc2[slot] <= tc2;
-            active[slot]   <= 1'b1;
-            if (!cur_active) begin
-                id[slot] <= births;
-                births   <= births + 1'b1;
+            if (places) begin
+                cm_x[slot]            <= next_cm_x;
+                cm_y[slot]            <= next_cm_y;
+                pixel_x[slot]         <= next_pixel_x;
+                pixel_y[slot]         <= next_pixel_y;
+                g[slot]               <= next_g;
+                lo_x[slot*X_W +: X_W] <= next_lo_x;
+                hi_x[slot*X_W +: X_W] <= next_hi_x;
+                lo_y[slot*Y_W +: Y_W] <= next_lo_y;
+                hi_y[slot*Y_W +: Y_W] <= next_hi_y;
             end
-        end
+            if (places || takes) begin
+                av_x[slot]    <= takes ? new_av_x : next_cm_x;
+                av_y[slot]    <= takes ? new_av_y : next_cm_y;
+                support[slot] <= clears ? {SUP_W{1'b0}}
+                               : merges ? (both_support[SUP_W] ? {SUP_W{1'b1}} : both_support[SUP_W-1:0])
+                                        : new_support;
+                if (starts_timer) deadline[slot*LEFT_W +: LEFT_W] <= next_deadline;
+            end
+            if (clears) begin
+                restart[slot] <= 1'b0;
+                free[slot]    <= mode == `EVCOT_MODE_SEEDED;
+                window[slot]  <= mode == `EVCOT_MODE_FIXED;
+                active[slot]  <= 1'b0;
+                timed[slot]   <= 1'b0;
+                n_ev[slot]    <= clust_nev;
+            end
+            if (takes) begin
+                free[slot]   <= 1'b0;
+                window[slot] <= 1'b1;
+                timed[slot]  <= 1'b1;
+            end
+            if (clears || takes) begin
+                count[slot] <= (clears || last) ? {NEV_W{1'b0}} : cur_count + 1'b1;
+                ring[slot]  <= !clears && !last && new_ring;
+            end
+            if (takes && (last || (cur_count == {NEV_W{1'b0}} && !cur_active))) start[slot] <= then;
+            if (updates) begin
+                n_ev[slot]     <= new_n_ev;
+                last_tc2[slot] <= tc2;
+                active[slot]   <= 1'b1;
+                if (!cur_active) begin
+                    id[slot] <= births;
+                    births   <= births + 1'b1;
+                end
+            end
 
-        case (phase)
-            RUN:
-            if (updates && overlaps) begin
-                moved <= slot;
-                phase <= CHECK;
-            end
-            CHECK: begin
-                stays <= older ? overlap_slot : slot;
-                goes  <= older ? slot : overlap_slot;
-                phase <= overlaps ? ABSORB : RUN;
-            end
-            ABSORB:
-            if (space) begin
-                gone_g       <= cur_g;
-                both_support <= both;
-                phase        <= DIVIDE;
-            end
-            DIVIDE:
-            if (merges) begin
-                moved <= stays;
-                phase <= REPORT;
-            end
-            REPORT:  if (space) phase <= CHECK;
-            default: phase <= RUN;
-        endcase
+            case (phase)
+                RUN:
+                if (updates && overlaps) begin
+                    moved <= slot;
+                    phase <= CHECK;
+                end
+                CHECK: begin
+                    stays <= older ? overlap_slot : slot;
+                    goes  <= older ? slot : overlap_slot;
+                    phase <= overlaps ? ABSORB : RUN;
+                end
+                ABSORB: begin
+                    gone_g       <= cur_g;
+                    both_support <= both;
+                    phase        <= DIVIDE;
+                end
+                DIVIDE:
+                if (merges) begin
+                    moved <= stays;
+                    phase <= REPORT;
+                end
+                REPORT:  phase <= CHECK;
+                default: phase <= RUN;
+            endcase
+        end
 
         if (cfg_valid && cfg_addr == `EVCOT_REG_MODE) restart[cfg_slot] <= 1'b1;
 
