@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -27,6 +28,7 @@ __all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "build_dev
 Top = Literal["cot", "cot_chain", "cot_array"]
 Pattern = NDArray[np.uint8]
 
+_FOREVER = (1 << 63) - 1
 _NO_STALL = np.zeros(0, np.uint8)
 
 # What a fault of the streams means, for people.
@@ -117,7 +119,6 @@ class Device:
         config: shape and registers; written to the hardware on construction.
         top: which module.
         stalls: patterns for the streaming drive.
-        vcd: a file to dump a waveform of the streaming drive to, or None.
         model: what `build_device` returned for the same config, to save the look-up.
 
     Raises:
@@ -145,6 +146,7 @@ class Device:
         library.evcot_open_vcd.restype = ctypes.c_void_p
         library.evcot_close_vcd.argtypes = (ctypes.c_void_p,)
         self._vcd: int | None = None
+        self._vcd_window = (0, _FOREVER)
         self.reset()
 
     @property
@@ -179,23 +181,25 @@ class Device:
             self.sim.clock.tick()
         io.cfg_valid = 0
 
-    def open_vcd(self, path: Path) -> None:
-        """Dump every clock of the streaming drive from here on: 10 time units a clock, the rising edge at 5."""
-        self.close_vcd()
-        handle = self.sim.lib.evcot_open_vcd(self.sim.model, os.fsencode(path))
+    @contextmanager
+    def dumping(self, path: Path, first_event: int = 0, last_event: int = _FOREVER) -> Iterator[None]:
+        """While the block runs, the streaming drive dumps the clocks around events `first_event` to `last_event` to a VCD.
+
+        10 time units a clock, the rising edge at 5. The file appears under its name when it is whole.
+        """
+        aside = path.with_name(f".{path.name}.part")
+        handle = self.sim.lib.evcot_open_vcd(self.sim.model, os.fsencode(aside))
         if not handle:
             raise EvcotError(f"{path}: cannot be written")
-        self._vcd = handle
-
-    def close_vcd(self) -> None:
-        """Finish the waveform file; does nothing if none is open."""
-        if self._vcd is not None:
-            self.sim.lib.evcot_close_vcd(self._vcd)
+        self._vcd, self._vcd_window = handle, (first_event, last_event)
+        try:
+            yield
+        finally:
+            self.sim.lib.evcot_close_vcd(handle)
             self._vcd = None
+            os.replace(aside, path)
 
-    def stream(
-        self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]
-    ) -> Decisions:
+    def stream(self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]) -> Decisions:
         """Drive a run of events through the hardware and wait until it is idle again.
 
         Args:
@@ -237,7 +241,8 @@ class Device:
             own_pattern=pointer(patterns.own), own_length=len(patterns.own),
             pass_pattern=pointer(patterns.passed), pass_length=len(patterns.passed),
             owner=pointer(owner), rel_x=pointer(rel_x), rel_y=pointer(rel_y), accept_cycle=pointer(accepted),
-            now=self.now, cycle=self.cycle, vcd=self._vcd,
+            now=self.now, cycle=self.cycle,
+            vcd=self._vcd, vcd_from=self._vcd_window[0], vcd_to=self._vcd_window[1],
         )  # fmt: skip
         records: list[NDArray[np.void]] = []
         recorded: list[NDArray[np.int64]] = []

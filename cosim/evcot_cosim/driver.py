@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from evcot.contract import RECORD, SLOTS_MAX, Shape
 
-__all__ = ["PARAMETERS", "UNDECIDED", "Job", "Status", "source"]
+__all__ = ["PARAMETERS", "UNDECIDED", "Job", "Status", "pointer", "source"]
 
 UNDECIDED = -2  # owner of an event that the hardware has not reported yet
 
@@ -82,7 +82,10 @@ _JOB: list[tuple[str, type, str]] = [
     ("holds_event", _INT, "int64_t"),
     ("held_tick", _INT, "int64_t"),
     ("fault_seq", _INT, "int64_t"),
+    # waveform: clocks from the one after event vcd_from - 1 was taken to the one that takes event vcd_to
     ("vcd", _POINTER, "void*"),
+    ("vcd_from", _INT, "int64_t"),
+    ("vcd_to", _INT, "int64_t"),
 ]
 
 
