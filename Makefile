@@ -53,7 +53,7 @@ endef
 # One stamp for each set of extras; without extras it is called "run".
 $(VENV)/.installed-%: pyproject.toml $(VENV)/.created
 	@echo "Installing evcot$(if $(filter-out run,$*), and its $* tools) into $(VENV) ..."
-	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.$(if $(filter-out run,$*),[$*])'
+	@$(BIN)/python -m pip install -qq --disable-pip-version-check -e '.$(if $(filter-out run,$*),[$*])'
 	@touch $@
 
 $(VENV)/.created:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import hashlib
 import importlib.metadata
 import json
@@ -27,12 +28,21 @@ from evcot_cosim.toolchain import OPTIMISATION, Toolchain, find_toolchain
 __all__ = ["BuiltModel", "build", "cache_dir", "load", "verilog_dir"]
 
 # No signal ever carries an unknown value on purpose, so Verilator may pick whatever is fastest for one.
-_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "--no-timing", "--default-language", "1364-2005")
+_VERILATOR_FLAGS = (
+    *("-O3", "--x-assign", "fast", "--x-initial", "fast"),
+    *("--no-timing", "--no-MMD", "--default-language", "1364-2005"),
+)
 # pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
 # of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.
 _COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT")
 # Without it g++ shares some symbols between all loaded models, and no model is ever unloaded.
 _GCC_FLAGS = ("-fno-gnu-unique",)
+
+# A context for each simulation: in a common one, every waveform would show the signals of all of them.
+_CONTEXT_FILE = "evcot_context.cpp"
+_CONTEXT_CPP = """#include "verilated.h"
+extern "C" void evcot_new_context() { Verilated::threadContextp(new VerilatedContext); }
+"""
 
 _WORKER = Path(__file__).with_name("build_worker.py")
 _UNUSED_AFTER_S = 30 * 86400
@@ -54,6 +64,7 @@ class BuiltModel:
 
     def load(self) -> PyVerilator:
         """A new, independent simulation of this model, all inputs zero; any number may run side by side."""
+        ctypes.CDLL(str(self.shared_object)).evcot_new_context()
         return PyVerilator(str(self.shared_object))
 
 
@@ -165,7 +176,8 @@ def _recipe(
 ) -> _Recipe:
     """Gather the sources and spell out what the worker shall ask of pyverilator."""
     files = {f"verilog/{name}": text for name, text in _reachable_sources(top, verilog).items()}
-    files |= {name: text.encode() for name, text in extra_cpp.items()}
+    cpp = {_CONTEXT_FILE: _CONTEXT_CPP, **extra_cpp}
+    files |= {name: text.encode() for name, text in cpp.items()}
     flags = (*_VERILATOR_FLAGS, *extra_flags)
     request = {
         "top_file": f"verilog/{top}.v",
@@ -173,7 +185,7 @@ def _recipe(
         "args": [
             *flags,
             *(f"-G{name}={value}" for name, value in parameters.items()),
-            *sorted(name for name in extra_cpp if name.endswith(".cpp")),
+            *sorted(name for name in cpp if name.endswith(".cpp")),
         ],
         "cargs": " ".join([*_COMPILER_FLAGS, *(() if tools.compiler_is_clang else _GCC_FLAGS)]),
     }
@@ -203,7 +215,8 @@ def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
         (root / folder).mkdir(parents=True, exist_ok=True)
     _sweep(root)
     runtime = root / "runtime" / recipe.runtime_key[:20]
-    with _stage(root) as stage:
+    # make cannot work in a folder whose name has a space.
+    with _stage(Path(tempfile.gettempdir()) if " " in str(root) else root) as stage:
         (stage / "verilog").mkdir()
         for name, text in recipe.files.items():
             (stage / name).write_bytes(text)
@@ -218,27 +231,29 @@ def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
             line = _telling_line(log.read_text(errors="replace"))
             os.replace(log, kept_log)
             raise ToolchainError(f"cannot build {recipe.label}: {line} (log: {kept_log})")
-        _publish([stage / shared_object.name, stage / "request.json", log], stage / "model", shared_object.parent)
-        _publish(stage.glob("verilated*.o"), stage / "runtime", runtime)
+        _publish([stage / shared_object.name, stage / "request.json", log], shared_object.parent, root)
+        _publish(stage.glob("verilated*.o"), runtime, root)
 
 
-def _publish(files: Iterable[Path], gathered: Path, home: Path) -> None:
-    """Move files to the folder `home` in one step; whoever was there first, with the same, keeps the place."""
-    gathered.mkdir()
-    for path in files:
-        os.replace(path, gathered / path.name)
-    try:
-        gathered.rename(home)
-    except OSError:
-        if not home.is_dir():
-            raise
-        os.utime(home)
+def _publish(files: Iterable[Path], home: Path, root: Path) -> None:
+    """Move files to the folder `home`, all in one step; whoever was there first, with the same, keeps the place."""
+    with _stage(root) as stage:
+        whole = stage / "whole"
+        whole.mkdir()
+        for path in files:
+            shutil.move(path, whole)
+        try:
+            whole.rename(home)
+        except OSError:
+            if not home.is_dir():
+                raise
+            os.utime(home)
 
 
 @contextlib.contextmanager
-def _stage(root: Path) -> Iterator[Path]:
-    """A temporary folder beside the finished models, gone at the end whatever happens."""
-    stage = Path(tempfile.mkdtemp(prefix="building-", dir=root))
+def _stage(parent: Path) -> Iterator[Path]:
+    """A temporary folder, gone at the end whatever happens."""
+    stage = Path(tempfile.mkdtemp(prefix="building-", dir=parent))
     try:
         yield stage
     finally:
@@ -247,11 +262,17 @@ def _stage(root: Path) -> Iterator[Path]:
 
 def _run_worker(stage: Path, log: Path, tools: Toolchain) -> bool:
     """Run the build in a process group of its own, all output into `log`; an interrupt ends the whole group."""
+    environment = dict(tools.environment)
+    if " " in str(tools.root):  # which neither Verilator's launcher nor make can handle
+        link = stage / "verilator"
+        link.symlink_to(tools.root)
+        environment["VERILATOR_BIN"] = str(link / "bin" / "verilator_bin")
+        environment["MAKEFLAGS"] += f" VERILATOR_ROOT={link}"
     with log.open("wb") as output:
         worker = subprocess.Popen(
             [sys.executable, "-P", str(_WORKER)],
             cwd=stage,
-            env=dict(tools.environment),
+            env=environment,
             stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=subprocess.STDOUT,
