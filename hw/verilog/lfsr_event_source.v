@@ -12,7 +12,8 @@
 // Throughput: 1 event per gap + 1 clocks in a window with power-of-two sides.
 // Stall:      a waiting event stops the LFSR, so the sequence of events depends on seed, gap and window alone.
 //             enable low stops it as well, and leaves a waiting event on offer.
-// Load:       the LFSR takes the seed and the gap starts over; an event on offer stays. See lfsr.v for seed_error, done.
+// Load:       the LFSR takes the seed and the gap starts over; an event on offer stays. A refused seed costs that clock
+//             and nothing else. See lfsr.v for seed_error and done.
 // Reset:      no event on offer; the LFSR starts from zero.
 // Combinational paths: load, seed -> seed_error.
 `default_nettype none

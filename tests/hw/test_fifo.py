@@ -57,11 +57,14 @@ def test_fills_up_to_its_depth_then_empties_in_order(sim: PyVerilator, depth: in
 
 
 def test_reset_empties_it(sim: PyVerilator) -> None:
-    sim.io.s_valid = 1
+    sim.io.s_valid, sim.io.s_data = 1, 7
     sim.clock.tick()
     assert sim.io.m_valid == 1
     reset(sim)
     assert (sim.io.m_valid, sim.io.s_ready, sim.io.level) == (0, 1, 0)
+    sim.io.s_data = 42
+    sim.clock.tick()
+    assert (sim.io.m_valid, sim.io.m_data, sim.io.level) == (1, 42, 1)
 
 
 def test_throughput(sim: PyVerilator, depth: int) -> None:

@@ -72,6 +72,14 @@ def test_an_idle_stream_costs_no_turn() -> None:
     assert sink.clocks == list(range(1, 7))
 
 
+def test_the_turn_outlives_a_pause() -> None:
+    sim = arbiter(5)
+    sink = Sink(sim, "m", ["data"], always())
+    run_streams(sim, [Lane(sim, 2, 1, always())], [sink])
+    run_streams(sim, [Lane(sim, i, 1, always()) for i in range(5)], [sink])
+    assert indices(sink) == [2, 3, 4, 0, 1, 2]
+
+
 def test_reset_empties_it_and_starts_again_with_stream_0() -> None:
     sim = arbiter(5)
     sim.io.s_valid = 0b00111
