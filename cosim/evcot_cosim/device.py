@@ -18,7 +18,7 @@ from pyverilator import PyVerilator
 from evcot.config import CotConfig, SlotConfig
 from evcot.contract import RECORD, REGISTERS, Kind, Shape
 from evcot.cot import Arrangement, Decisions
-from evcot.errors import ConfigError, EvcotError
+from evcot.errors import ConfigError, EvcotError, OutputError
 
 from .build import BuiltModel, build
 from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
@@ -142,8 +142,7 @@ class Device:
         library = self.sim.lib
         library.evcot_stream.argtypes = (ctypes.c_void_p, ctypes.POINTER(Job))
         library.evcot_stream.restype = ctypes.c_int
-        library.evcot_open_vcd.argtypes = (ctypes.c_void_p, ctypes.c_char_p)
-        library.evcot_open_vcd.restype = ctypes.c_void_p
+        library.evcot_open_vcd.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.POINTER(ctypes.c_void_p))
         library.evcot_close_vcd.argtypes = (ctypes.c_void_p,)
         self._vcd: int | None = None
         self._vcd_window = (0, _FOREVER)
@@ -187,17 +186,21 @@ class Device:
 
         10 time units a clock, the rising edge at 5. The file appears under its name when it is whole.
         """
-        aside = path.with_name(f".{path.name}.part")
-        handle = self.sim.lib.evcot_open_vcd(self.sim.model, os.fsencode(aside))
-        if not handle:
-            raise EvcotError(f"{path}: cannot be written")
-        self._vcd, self._vcd_window = handle, (first_event, last_event)
+        library, handle = self.sim.lib, ctypes.c_void_p()
+        aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
+        error = library.evcot_open_vcd(self.sim.model, os.fsencode(aside), ctypes.byref(handle))
         try:
-            yield
+            self._vcd, self._vcd_window = handle.value, (first_event, last_event)
+            if not error:
+                yield
         finally:
-            self.sim.lib.evcot_close_vcd(handle)
             self._vcd = None
-            os.replace(aside, path)
+            error = library.evcot_close_vcd(handle) or error
+            if error:
+                aside.unlink(missing_ok=True)
+        if error:
+            raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
+        os.replace(aside, path)
 
     def stream(self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]) -> Decisions:
         """Drive a run of events through the hardware and wait until it is idle again.

@@ -6,9 +6,10 @@ from __future__ import annotations
 import ctypes
 from enum import IntEnum
 from functools import cache
+from typing import Any
 
-import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from numpy.typing import NDArray
 
 from evcot.contract import RECORD, SLOTS_MAX, Shape
 
@@ -123,6 +124,6 @@ def source(top: str, shape: Shape) -> str:
     )
 
 
-def pointer(array: np.ndarray | None) -> int | None:  # type: ignore[type-arg]
+def pointer(array: NDArray[Any] | None) -> int | None:
     """Address of an array's data, for a `Job` field."""
     return None if array is None else array.ctypes.data

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,16 @@ from evcot.events import Events
 from .build import BuiltModel
 from .device import Device, HardwareError, Stalls, Top
 
-__all__ = ["CHUNK", "Lockstep", "Mismatch", "MismatchError", "chunks", "dump_window"]
+__all__ = ["CHUNK", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
 
 CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough that starting a run costs nothing
+
+
+class Step(NamedTuple):
+    """What both made of one run of events; `model` is None where the hardware ran alone."""
+
+    hardware: Decisions
+    model: Decisions | None
 
 
 @dataclass(frozen=True)
@@ -114,34 +121,33 @@ class Lockstep:
         self._golden = CotModel(config, self.device.arrangement) if check else None
         self._second = ThreadPoolExecutor(1) if check else None
 
-    def feed(self, events: Events) -> Decisions:
-        """Drive one run of events and return the hardware's decisions.
+    def feed(self, events: Events) -> Step:
+        """Drive one run of events, at least one, and return what became of them.
 
         Raises:
             MismatchError: hardware and model differ, or the hardware broke the rules of its streams.
         """
-        if not len(events):
-            return Decisions(np.zeros(0, RECORD), np.empty(0, np.int16), np.empty(0, np.uint16), np.empty(0, np.uint16))
         if self._t0_us is None:
             self._t0_us = int(events.t_us[0])
         started = time.perf_counter()
         ticks = tick_times(events.t_us, self._t0_us, self.config.tick_us)
         if self._golden is None or self._second is None:
-            decisions = self.device.stream(ticks, events.x, events.y, events.p)
+            step = Step(self.device.stream(ticks, events.x, events.y, events.p), None)
         else:
             expected = self._second.submit(self._golden.feed, ticks, events.x, events.y)
             try:
-                decisions = self.device.stream(ticks, events.x, events.y, events.p)
+                hardware = self.device.stream(ticks, events.x, events.y, events.p)
             except HardwareError as error:
                 index = min(max(error.seq - self.events, 0), len(ticks) - 1)
                 raise MismatchError(
                     self._mismatch(self.events + index, int(ticks[index]), "stream", str(error), "in order")
                 ) from error
-            self._compare(decisions, expected.result(), ticks)
+            step = Step(hardware, expected.result())
+            self._compare(hardware, expected.result(), ticks)
         self.wall_s += time.perf_counter() - started
         self.events += len(events)
-        self.records += len(decisions.records)
-        return decisions
+        self.records += len(step.hardware.records)
+        return step
 
     def close(self) -> None:
         """End the model's thread."""
