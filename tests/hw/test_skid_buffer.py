@@ -36,7 +36,7 @@ def test_reset_empties_it(sim: PyVerilator) -> None:
     sim.clock.tick()
     assert (sim.io.m_valid, sim.io.s_ready) == (1, 0)  # one word on offer, one aside
     sim.io.s_valid = 0
-    reset(sim)
+    reset(sim, clocks=1)
     assert (sim.io.m_valid, sim.io.s_ready) == (0, 0)
     sim.clock.tick()
     assert (sim.io.m_valid, sim.io.s_ready) == (0, 1)
