@@ -68,16 +68,17 @@ class Clock:
 
 def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Clock) -> None:
     """Events by polarity, and both trackers' paths and windows, in sensor coordinates with the origin top left."""
-    extent = (-0.5, recording.width - 0.5, recording.height - 0.5, -0.5)
-    ax.imshow(_event_image(recording, clock), extent=extent, interpolation="nearest", aspect="equal")
+    image, bin_px = _event_image(recording, clock)
+    right, bottom = image.shape[1] * bin_px - 0.5, image.shape[0] * bin_px - 0.5
+    ax.imshow(image, extent=(-0.5, right, bottom, -0.5), interpolation="nearest", aspect="equal")
     for side in sides:
         _draw_paths(ax, side, clock)
         _draw_windows(ax, side, clock)
     seeing = [side for side in sides if len(side.lives)]
     if seeing:
         _number_windows(ax, seeing[0], clock)
-    ax.set_xlim(extent[0], extent[1])
-    ax.set_ylim(extent[2], extent[3])
+    ax.set_xlim(-0.5, recording.width - 0.5)
+    ax.set_ylim(recording.height - 0.5, -0.5)
     for spine in ax.spines.values():
         spine.set_visible(True)
     ax.xaxis.set_major_locator(MaxNLocator(7, integer=True))
@@ -86,8 +87,9 @@ def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Cl
     ax.set_ylabel("y (px)")
 
 
-def _event_image(recording: Recording, clock: Clock) -> NDArray[np.float64]:
-    """(rows, columns, 3): all events pale, those just before a moment strong; the hue mixes the polarities."""
+def _event_image(recording: Recording, clock: Clock) -> tuple[NDArray[np.float64], int]:
+    """(rows, columns, 3) and the side of a cell in pixels: all events pale, those just before a moment strong; the hue mixes
+    the polarities."""
     bin_px = -(-max(recording.width, recording.height) // _BINS_MAX)
     shape = (-(-recording.height // bin_px), -(-recording.width // bin_px))
     events = recording.events
@@ -101,13 +103,12 @@ def _event_image(recording: Recording, clock: Clock) -> NDArray[np.float64]:
         total = on + off
         if not total.any():
             continue
-        hue = (off[..., None] * to_rgb(EVENT_COLOURS[0]) + on[..., None] * to_rgb(EVENT_COLOURS[1])) / np.maximum(total, 1)[
-            ..., None
-        ]
+        share = (on / np.maximum(total, 1))[..., None]
+        hue = (1 - share) * to_rgb(EVENT_COLOURS[0]) + share * to_rgb(EVENT_COLOURS[1])
         full = max(float(np.quantile(total[total > 0], 0.95)), 1.0)
         cover = strength * np.minimum(np.log1p(total) / np.log1p(full), 1.0)[..., None]
         image = image * (1 - cover) + hue * cover
-    return np.asarray(image, np.float64)
+    return image, bin_px
 
 
 def _counts(events: Events, chosen: NDArray[np.bool_], bin_px: int, shape: tuple[int, int]) -> NDArray[np.int64]:
