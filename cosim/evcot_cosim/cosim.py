@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The main job: hardware, golden model and software tracker on one recording, checked, compared and written down."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.compare import Agreement, compare
+from evcot.config import CotConfig, RunConfig
+from evcot.contract import Kind
+from evcot.cot import to_track_records
+from evcot.errors import ConfigError, OutputError, RecordingError
+from evcot.events import Recording
+from evcot.picture import draw
+from evcot.rct import RctTracker
+from evcot.tracklog import TRACK, TrackLog
+
+from .build import BuiltModel
+from .device import Stalls, Top, build_device
+from .lockstep import Lockstep, MismatchError, chunks
+from .summary import summarise, write_summary
+from .waves import Window, write_waves
+
+__all__ = ["CosimRun", "check_addresses", "run_cosim", "write_run"]
+
+_WAVES_EVENTS = 400  # events before and after the moment that the default waveform shows
+
+
+@dataclass(frozen=True)
+class CosimRun:
+    """All that one run found.
+
+    Attributes:
+        recording, config, top: what ran.
+        hardware, model, software: one TrackLog per engine.
+        agreement: hardware against software, by outcome.
+        cycles: clocks of the hardware, reset and register writes left out.
+        wall_s: duration of the lock-step alone.
+        software_s: duration of the software tracker.
+        build: the simulated model.
+        seed: seed of the stall patterns, or None.
+    """
+
+    recording: Recording
+    config: RunConfig
+    top: Top
+    hardware: TrackLog
+    model: TrackLog
+    software: TrackLog
+    agreement: Agreement
+    cycles: int
+    wall_s: float
+    software_s: float
+    build: BuiltModel
+    seed: int | None
+
+
+def check_addresses(recording: Recording, config: CotConfig) -> None:
+    """Raise ConfigError when the hardware's addresses are too narrow for the recording's sensor."""
+    for name, bits, size in (("x_w", config.shape.x_w, recording.width), ("y_w", config.shape.y_w, recording.height)):
+        if size > 1 << bits:
+            raise ConfigError(f"shape.{name} = {bits}: too few bits for {size} pixels of {recording.name}")
+
+
+def run_cosim(
+    recording: Recording,
+    config: RunConfig,
+    top: Top = "cot_array",
+    *,
+    stall_seed: int | None = None,
+    verilog: Path | None = None,
+    building: Callable[[], None] | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
+) -> CosimRun:
+    """Run all three engines over a recording.
+
+    Args:
+        recording: at least one event.
+        config: both trackers' configurations.
+        top: the hardware module.
+        stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
+        verilog: folder of the RTL (default: evcot's own).
+        building: called before a build that takes seconds.
+        progress: called after each run of events with (events done, time of the last event in us, events/s).
+
+    Raises:
+        MismatchError: hardware and model differ.
+        ConfigError, RecordingError, ToolchainError.
+    """
+    events = recording.events
+    if not len(events):
+        raise RecordingError(f"{recording.name}: holds no events")
+    check_addresses(recording, config.cot)
+    build = build_device(config.cot, top, verilog=verilog, on_miss=building)
+    stalls = stalls_from(stall_seed)
+    t0_us = int(events.t_us[0])
+    hardware, model = _LogParts(config.cot, t0_us), _LogParts(config.cot, t0_us)
+    with Lockstep(config.cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
+        for chunk in chunks(events):
+            first = lockstep.events
+            step = lockstep.feed(chunk)
+            assert step.model is not None
+            hardware.add(step.hardware.records, step.hardware.owner, chunk.t_us, first)
+            model.add(step.model.records, step.model.owner, chunk.t_us, first)
+            if progress is not None:
+                progress(lockstep.events, int(chunk.t_us[-1]) - t0_us, lockstep.events / lockstep.wall_s)
+        cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
+
+    started = time.perf_counter()
+    tracker = RctTracker(config.rct)
+    records, owner = tracker.feed(events)
+    software = TrackLog("rct", np.concatenate([records, tracker.finish()]), owner)
+    software_s = time.perf_counter() - started
+
+    hardware_log = hardware.log("cot-rtl")
+    agreement = compare(hardware_log, software, radius_px=config.rct.radius_px, span_us=(t0_us, int(events.t_us[-1])))
+    return CosimRun(
+        recording=recording,
+        config=config,
+        top=top,
+        hardware=hardware_log,
+        model=model.log("cot-model"),
+        software=software,
+        agreement=agreement,
+        cycles=cycles,
+        wall_s=wall_s,
+        software_s=software_s,
+        build=build,
+        seed=stall_seed,
+    )
+
+
+def stalls_from(seed: int | None) -> Stalls:
+    """Random stall patterns on every stream, or none without a seed."""
+    return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
+
+
+class _LogParts:
+    """One engine's decisions, gathered run by run."""
+
+    def __init__(self, config: CotConfig, t0_us: int) -> None:
+        self._config = config
+        self._t0_us = t0_us
+        self._records: list[NDArray[np.void]] = []
+        self._owners: list[NDArray[np.int16]] = []
+
+    def add(self, raw: NDArray[np.void], owner: NDArray[np.int16], t_us: NDArray[np.int64], first_seq: int) -> None:
+        self._records.append(to_track_records(raw, self._config, t_us, first_seq, self._t0_us))
+        self._owners.append(owner)
+
+    def log(self, engine: str) -> TrackLog:
+        return TrackLog(engine, np.concatenate([np.empty(0, TRACK), *self._records]), np.concatenate(self._owners))
+
+
+def write_run(run: CosimRun, folder: Path, *, command: str, window: Window | None = None, waves: bool = True) -> dict[str, Any]:
+    """Write summary.json, the logs, the picture and the waveform of a run; returns the summary.
+
+    The folder takes the place of an older one only when all of it is written.
+
+    Args:
+        window: what the waveform shows; by default the surroundings of the first merge, else of the first birth.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    summary = summarise(run, command)
+    with folder_written_aside(folder) as aside:
+        for name, log in (("hardware", run.hardware), ("model", run.model), ("software", run.software)):
+            log.save_npz(aside / f"{name}.npz")
+            log.write_csv(aside / f"{name}.csv")
+        draw(run.recording, run.hardware, run.software, aside / "picture.png", f"{run.recording.name}: {run.config.name}")
+        if waves:
+            shown = window or _telling_window(run)
+            write_waves(
+                run.recording.events, run.config.cot, aside, shown,
+                top=run.top, stalls=stalls_from(run.seed), name="waves",
+            )  # fmt: skip
+        write_summary(summary, aside / "summary.json")
+    return summary
+
+
+def write_mismatch(
+    error: MismatchError, recording: Recording, config: RunConfig, folder: Path, *, verilog: Path | None = None
+) -> None:
+    """Write the record of a mismatch, a waveform of the events around it and its view.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    found = error.mismatch
+    with folder_written_aside(folder) as aside:
+        found.write(aside / "mismatch.json")
+        window = Window.around(found.event_index, len(recording.events), 50)
+        write_waves(
+            recording.events, config.cot, aside, window,
+            top=found.top, stalls=stalls_from(found.seed), name="mismatch", verilog=verilog,
+        )  # fmt: skip
+
+
+def _telling_window(run: CosimRun) -> Window:
+    for kind in (Kind.MERGED, Kind.BORN):
+        records = run.hardware.of_kind(kind)
+        if len(records):
+            return Window.around(int(records["event_index"][0]), len(run.recording.events), _WAVES_EVENTS)
+    return Window(0, min(2 * _WAVES_EVENTS, len(run.recording.events) - 1))
+
+
+@contextmanager
+def folder_written_aside(folder: Path) -> Iterator[Path]:
+    """A folder beside `folder` that takes its place when the block ends without an error; else nothing of it stays.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    aside = folder.with_name(f".{folder.name}.partial")
+    try:
+        shutil.rmtree(aside, ignore_errors=True)
+        aside.mkdir(parents=True)
+        try:
+            yield aside
+            if folder.exists():
+                shutil.rmtree(folder)
+            aside.rename(folder)
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
+    except OSError as error:
+        raise OutputError(f"{error.filename or folder}: cannot be written: {error.strerror or error}") from error

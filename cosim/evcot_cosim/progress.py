@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a person sees while a run goes on: events done, simulated time and rate; silent in pipes."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn
+from rich.progress import Progress as Bars
+
+__all__ = ["Progress"]
+
+
+class Progress:
+    """A progress bar on standard error, shown only on a terminal.
+
+    Args:
+        title: what is being run.
+        events: how many there are.
+        enabled: False shows nothing at all.
+    """
+
+    def __init__(self, title: str, events: int, *, enabled: bool = True) -> None:
+        console = Console(stderr=True)
+        self._bars = Bars(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TaskProgressColumn(),
+            TextColumn("{task.fields[state]}"),
+            console=console,
+            disable=not (enabled and console.is_terminal),
+            transient=True,
+        )
+        self._task = self._bars.add_task(title, total=events, state="")
+
+    def __enter__(self) -> Progress:
+        self._bars.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bars.stop()
+
+    def building(self) -> None:
+        """A build begins."""
+        self.note("compiling the hardware (a few seconds, once)")
+
+    def update(self, events: int, t_us: int, events_per_s: float) -> None:
+        """So many events are done, up to this time of the recording."""
+        state = f"{t_us / 1e6:.3f} s simulated, {events_per_s / 1e6:.2f} M events/s"
+        self._bars.update(self._task, completed=events, state=state)
+
+    def note(self, state: str) -> None:
+        """Say what is going on."""
+        self._bars.update(self._task, state=state)
