@@ -27,11 +27,7 @@ from evcot_cosim.toolchain import OPTIMISATION, Toolchain, find_toolchain
 
 __all__ = ["BuiltModel", "build", "cache_dir", "load", "verilog_dir"]
 
-# No signal ever carries an unknown value on purpose, so Verilator may pick whatever is fastest for one.
-_VERILATOR_FLAGS = (
-    *("-O3", "--x-assign", "fast", "--x-initial", "fast"),
-    *("--no-timing", "--no-MMD", "--default-language", "1364-2005"),
-)
+_VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--default-language", "1364-2005")
 # pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
 # of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.
 # Nothing replaces a function of a model at load time: knowing that lets the compiler inline them, a third more speed.
