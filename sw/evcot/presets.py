@@ -27,29 +27,33 @@ def _paper(name: str, n_ev: int, max_ticks: int) -> RunConfig:
         nev_th=2,
         detect_ticks=5,
     )
-    rct = RctConfig(radius_px=14.0, visible_events=5, lifetime_us=1_000 * max_ticks)
+    rct = RctConfig(radius_px=14.0, visible_events=48, lifetime_us=1_000 * max_ticks)
     return RunConfig(name, CotConfig.uniform(Shape(), slot, tick_us=1_000), rct)
 
 
 def _sensor(name: str, radius_px: int, n_ev: int, lifetime_us: int) -> RunConfig:
-    """Windows of about `radius_px`, ticks of a microsecond."""
+    """Windows of about `radius_px`, ticks of a microsecond.
+
+    A window should reach from one edge of an object to the other, so that a cluster that has caught one edge sees both.
+    """
     ring = max(2, radius_px // 4)
     inner = radius_px - ring
     slot = SlotConfig(
         init_radix=inner,
         radix_th=ring,
         radix_step=1,
-        radix_min=max(2, inner // 2),
-        radix_max=inner * 2,
+        radix_min=inner - max(1, inner // 6),
+        radix_max=inner + max(1, inner // 6),
         hist_avg=3,
         max_ticks=lifetime_us,
         clust_nev=n_ev,
         nev_min=n_ev // 2,
         nev_max=n_ev * 2,
-        nev_th=lifetime_us // 10,
-        detect_ticks=lifetime_us // 5,
+        nev_th=lifetime_us // 8,
+        detect_ticks=lifetime_us // 3,
     )
-    rct = RctConfig(radius_px=float(radius_px), visible_events=n_ev, lifetime_us=lifetime_us)
+    # The software tracker has no time limit for detection: it asks for more events instead.
+    rct = RctConfig(radius_px=float(radius_px), visible_events=2 * n_ev, lifetime_us=lifetime_us)
     return RunConfig(name, CotConfig.uniform(Shape(), slot), rct)
 
 
@@ -59,10 +63,10 @@ PRESETS: dict[str, RunConfig] = {
         _paper("slow", 8, 20),
         _paper("fast", 3, 7),
         _paper("fast5", 5, 7),
-        _sensor("dvs128", 10, 16, 60_000),
-        _sensor("davis346", 16, 24, 50_000),
-        _sensor("vga", 24, 32, 40_000),
-        _sensor("hd", 32, 48, 30_000),
+        _sensor("dvs128", 10, 16, 30_000),
+        _sensor("davis346", 16, 24, 15_000),
+        _sensor("vga", 24, 32, 12_000),
+        _sensor("hd", 32, 48, 10_000),
     )
 }
 
