@@ -58,7 +58,7 @@ $(VENV)/.installed-%: pyproject.toml $(VENV)/.created
 
 $(VENV)/.created:
 	@missing=; python=; old=; \
-	for tool in "$${CXX:-g++}:g++" make:make perl:perl; do \
+	for tool in "$${CXX:-g++}:g++" perl:perl; do \
 	  command -v $${tool%%:*} > /dev/null || missing="$$missing, $${tool%%:*} (install the $${tool#*:} package)"; done; \
 	for candidate in $(PYTHON) python3 python3.13 python3.12 python3.11; do \
 	  version=$$($$candidate -c 'import sys; assert sys.version_info >= (3, 11); print("%d.%d" % sys.version_info[:2])' \
