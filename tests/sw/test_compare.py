@@ -107,6 +107,29 @@ def test_the_radius_gates_clusters_and_merges(radius_px: float, paired: bool) ->
         assert agreement.tracks_unpaired_software == (7, 4, 9)
 
 
+def test_a_pair_may_be_just_the_radius_apart_along_either_axis() -> None:
+    here = log_of([(0, Kind.BORN, 0, 50.0, 50.0), (10, Kind.LOST, 0, 50.0, 50.0)])
+    for x, y in ((58.0, 50.0), (42.0, 50.0), (50.0, 58.0), (50.0, 42.0)):
+        there = log_of([(0, Kind.BORN, 0, x, y), (10, Kind.LOST, 0, x, y)])
+        assert compare(here, there, radius_px=8.0).paired_fraction_hardware == 1.0
+        assert compare(here, there, radius_px=7.99).paired_fraction_hardware == 0.0
+
+
+def test_tracks_come_in_order_of_birth_whatever_their_ids() -> None:
+    pairs = compare(SOFTWARE, HARDWARE, span_us=SPAN).tracks
+    assert [(pair.hardware_id, pair.software_id) for pair in pairs] == [(7, 0), (4, 1)]
+
+
+def test_of_merges_in_one_place_those_nearest_in_time_correspond() -> None:
+    def merges_at(times_ms: tuple[int, ...]) -> TrackLog:
+        births = [(0, Kind.BORN, i, 5.0, 5.0) for i in range(len(times_ms))]
+        return log_of([*births, *((t_ms, Kind.MERGED, i, 5.0, 5.0, 99) for i, t_ms in enumerate(times_ms))])
+
+    agreement = compare(merges_at((0, 10, 20)), merges_at((12, 22)), tolerance_us=25 * MS, span_us=SPAN)
+    assert agreement.merges == (MergePair(1, 0, 2 * MS, 0.0), MergePair(2, 1, 2 * MS, 0.0))
+    assert agreement.merges_unpaired_hardware == (0,)
+
+
 def test_an_end_that_only_one_side_saw_does_not_correspond() -> None:
     still_there = TrackLog("by hand", HARDWARE.records[:-1], HARDWARE.owner)
     agreement = compare(HARDWARE, still_there, span_us=(0, 200 * MS), tolerance_us=5 * MS)

@@ -25,10 +25,16 @@ class Naive:
     events: int = 1
     taken: int = 1
     track_id: int | None = None
+    vx: float = 0.0
+    vy: float = 0.0
+    measured: tuple[float, float, int] | None = None
 
 
-def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, ...]], list[int]]:
-    """The algorithm as its description reads, packet by packet, with the log put in order at the end."""
+def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, ...]], list[int], list[tuple[float, float]]]:
+    """The algorithm as its description reads, packet by packet, with the log put in order at the end.
+
+    Returns records, owners, and the velocities of the clusters that are left.
+    """
     t, xs, ys = events.t_us.tolist(), events.x.tolist(), events.y.tolist()
     radius, alpha = config.radius_px, config.alpha
     clusters: list[Naive] = []
@@ -55,7 +61,15 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
                 if c.track_id is not None:
                     write(Kind.LOST, end, int(np.searchsorted(events.t_us, end, "left")), c)
 
-    def merge(index: int) -> None:
+    def measure(c: Naive, now: int) -> None:
+        if c.measured is not None:
+            x, y, before = c.measured
+            k, seconds = config.velocity_alpha, 1e-6 * (now - before)
+            c.vx = (1 - k) * c.vx + k * ((c.x - x) / seconds)
+            c.vy = (1 - k) * c.vy + k * ((c.y - y) / seconds)
+        c.measured = (c.x, c.y, now)
+
+    def merge(index: int, now: int) -> None:
         while True:
             overlaps = [
                 (a, b)
@@ -74,6 +88,9 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
             total = a.events + b.events
             a.x = (a.x * a.events + b.x * b.events) / total
             a.y = (a.y * a.events + b.y * b.events) / total
+            a.vx = (a.vx * a.events + b.vx * b.events) / total
+            a.vy = (a.vy * a.events + b.vy * b.events) / total
+            a.measured = (a.x, a.y, now)
             a.events, a.taken, a.t = total, a.taken + b.taken, max(a.t, b.t)
             show_if_due(a, index)
             clusters.remove(b)
@@ -97,15 +114,19 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
             show_if_due(c, e)
         last = e + 1 == len(t)
         if last or packet_of[e + 1] != packet_of[e]:
-            remove(t[e] if last else t[0] + (packet_of[e] + 1) * config.packet_us)
-            merge(e)
+            packet_end = t[0] + (packet_of[e] + 1) * config.packet_us
+            remove(t[e] if last else packet_end)
+            for c in clusters:
+                if c.taken:
+                    measure(c, packet_end)
+            merge(e, packet_end)
             for c in clusters:
                 if c.taken and c.track_id is not None:
                     write(Kind.MOVED, t[e], e, c)
                 c.taken = 0
             if not last:
                 remove(t[0] + packet_of[e + 1] * config.packet_us)
-    return [row for _, row in sorted(log, key=lambda entry: entry[0])], owner
+    return [row for _, row in sorted(log, key=lambda entry: entry[0])], owner, [(c.vx, c.vy) for c in clusters]
 
 
 def traffic(seed: int, n: int, noise: float) -> Events:
@@ -136,10 +157,12 @@ def test_record_for_record_like_the_naive_tracker(name: str, noise: float) -> No
     config = CONFIGS[name]
     for seed in range(3):
         events = traffic(seed, 4_000, noise)
-        log = track(Recording(events, 128, 128), config)
-        rows, owner = naive_track(events, config)
-        assert log.owner.tolist() == owner
-        assert log.records.tolist() == rows
+        tracker = RctTracker(config)
+        records, owner = tracker.feed(events)
+        rows, naive_owner, velocities = naive_track(events, config)
+        assert owner.tolist() == naive_owner
+        assert [*records.tolist(), *tracker.finish().tolist()] == rows
+        assert tracker.clusters()[["velocity_x", "velocity_y"]].tolist() == velocities
         assert len(rows) > 5
 
 
