@@ -101,7 +101,8 @@ def build(
     try:
         cached = shared_object.is_file()
         if cached:
-            os.utime(home)  # what is in use is not swept away
+            with contextlib.suppress(OSError):  # a cache of someone else's serves too
+                os.utime(home)  # what is in use is not swept away
         else:
             if on_miss is not None:
                 on_miss()
@@ -124,7 +125,9 @@ def load(
 
 
 def verilog_dir() -> Path:
-    """The folder of evcot's RTL: the checkout's when running from one, else the copy inside the installed package."""
+    """The folder of the RTL: $EVCOT_VERILOG, else the checkout's when running from one, else the installed package's copy."""
+    if chosen := os.environ.get("EVCOT_VERILOG"):
+        return Path(chosen).absolute()
     checkout = Path(__file__).parents[2] / "hw" / "verilog"
     return checkout if checkout.is_dir() else Path(__file__).parent / "verilog"
 
