@@ -80,7 +80,8 @@ def _reader(path: Path) -> Callable[[Path], Decoded]:
 
 def _read_npz(path: Path) -> Decoded:
     try:
-        with np.load(path, allow_pickle=False) as content:
+        # Opened here: NumPy would leave the file of a damaged archive open.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
             missing = [field for field in _NPZ_FIELDS if field not in content]
             if missing:
                 raise RecordingError(f"has no array {', '.join(missing)}: must have {', '.join(_NPZ_FIELDS)}")

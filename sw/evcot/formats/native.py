@@ -2,7 +2,8 @@
 """AEDAT4 and ES, decoded by faery once the structure of the file has been checked.
 
 faery takes the end of a damaged file for the end of the recording, or panics: so every packet is measured first, and a
-panic (a BaseException whose text the native side also writes on stderr) becomes a RecordingError like any other.
+panic (a BaseException whose text the native side also writes on stderr) becomes a RecordingError like any other. It also
+replaces a time that runs backwards by the latest one seen: so the packets of an AEDAT4 file are held against its own table.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from .columns import Decoded, events_from_packets
@@ -47,23 +49,16 @@ def _silent_stderr() -> Iterator[None]:
         os.close(kept)
 
 
-def _is_panic(error: BaseException) -> bool:
-    return type(error).__name__ == "PanicException"
-
-
-def _read_with_faery(path: Path, file_type: Literal["aedat", "es"]) -> Decoded:
-    # Imported where it is needed: most runs read no such file.
-    import faery
-
+@contextmanager
+def _native_errors() -> Iterator[None]:
+    """Whatever faery raises, panics too, as a RecordingError; and nothing of it on stderr."""
     try:
         with _silent_stderr():
-            stream = faery.events_stream_from_file(path, file_type=file_type)
-            width, height = stream.dimensions()
-            return Decoded(events_from_packets(stream), (width, height))
+            yield
     except RecordingError:
         raise
     except BaseException as error:
-        if not isinstance(error, Exception) and not _is_panic(error):
+        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise
         reason = " ".join(str(error).split()) or type(error).__name__
         raise RecordingError(f"cannot be decoded: {reason}") from error
@@ -122,10 +117,31 @@ def _check_aedat4_packets(path: Path) -> None:
             at += 8 + length
 
 
+def _check_against_table(packets: list[NDArray[np.void]], table: list[Any]) -> None:
+    """Each packet's first and last time must be those of its entry in the file's table, if it has one."""
+    for i, (packet, entry) in enumerate(zip(packets, table, strict=False)):
+        found, stated = (int(packet["t"][0]), int(packet["t"][-1])), (entry.start_t, entry.end_t)
+        if found != stated:
+            raise RecordingError(
+                f"packet {i}: read as t = {found[0]} to {found[1]} us, {stated[0]} to {stated[1]} us in the file's table: "
+                "must be the same; does time run back, or is it damaged?"
+            )
+
+
 def read_aedat4(path: Path) -> Decoded:
     """Read the first stream of events of an AEDAT4 file."""
+    # faery is imported where it is needed: most runs read no such file.
+    from faery import aedat
+
     _check_aedat4_packets(path)
-    return _read_with_faery(path, "aedat")
+    with _native_errors(), aedat.Decoder(path) as decoder:
+        stream = next((track for track in decoder.tracks() if track.data_type == "events"), None)
+        if stream is None:
+            raise RecordingError("has no stream of events")
+        packets = [packet for track, packet in decoder if track.id == stream.id and len(packet)]
+        table = [entry for entry in decoder.file_data_definitions() if entry.track_id == stream.id and entry.elements_count]
+    _check_against_table(packets, table)
+    return Decoded(events_from_packets(packets), stream.dimensions)
 
 
 @njit(cache=True, nogil=True)
@@ -153,5 +169,9 @@ def _check_es_events(path: Path) -> None:
 
 def read_es(path: Path) -> Decoded:
     """Read an ES file of DVS or ATIS events; its times start from 0."""
+    import faery
+
     _check_es_events(path)
-    return _read_with_faery(path, "es")
+    with _native_errors():
+        stream = faery.events_stream_from_file(path, file_type="es")
+        return Decoded(events_from_packets(stream), stream.dimensions())

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings are refused where they break a rule, with the place, the value and the rule."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evcot.errors import EvcotError, RecordingError
+from evcot.events import Events, Recording
+
+
+def make_events(t_us: list[int], x: list[int], y: list[int], p: list[int]) -> Events:
+    return Events(np.array(t_us, np.int64), np.array(x, np.uint16), np.array(y, np.uint16), np.array(p, np.uint8))
+
+
+def test_a_recording_keeps_what_it_is_given() -> None:
+    events = make_events([10, 10, 30], [0, 63, 5], [47, 0, 6], [0, 1, 1])
+    recording = Recording(events, 64, 48, "story")
+    assert recording.events is events
+    assert (recording.width, recording.height, recording.name) == (64, 48, "story")
+    assert recording.duration_us == 20
+
+
+def test_times_in_a_camera_s_own_epoch_are_exact() -> None:
+    start = 1_718_925_184_590_631
+    recording = Recording(make_events([start, start + 1], [0, 1], [0, 1], [0, 1]), 2, 2)
+    assert recording.events.t_us.tolist() == [start, start + 1]
+    assert recording.duration_us == 1
+
+
+def test_no_events_are_a_recording_of_no_duration() -> None:
+    recording = Recording(Events.empty(), 1, 1)
+    assert len(recording.events) == 0
+    assert recording.duration_us == 0
+
+
+def test_a_window_of_events_is_cut_from_every_field() -> None:
+    window = make_events([1, 2, 3], [4, 5, 6], [7, 8, 9], [0, 1, 0])[1:]
+    assert len(window) == 2
+    assert [field.tolist() for field in (window.t_us, window.x, window.y, window.p)] == [[2, 3], [5, 6], [8, 9], [1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("events", "message"),
+    [
+        (make_events([5, 9, 8], [0] * 3, [0] * 3, [0] * 3), "event 2: t = 8 us follows t = 9 us: time must not run back"),
+        (make_events([1, 2], [0, 64], [0, 0], [0, 0]), "event 1: x = 64: must be below the sensor's 64"),
+        (make_events([1, 2], [0, 63], [48, 0], [0, 0]), "event 0: y = 48: must be below the sensor's 48"),
+        (make_events([1, 2], [0, 63], [47, 0], [1, 2]), "event 1: p = 2: must be 0 or 1"),
+        (make_events([1, 2], [0], [0, 0], [0, 0]), "t, x, y, p hold 2, 1, 2, 2 values: all must be the same"),
+    ],
+)
+def test_the_first_broken_rule_is_named(events: Events, message: str) -> None:
+    with pytest.raises(RecordingError) as caught:
+        Recording(events, 64, 48, "story")
+    assert str(caught.value) == f"story: {message}"
+
+
+@pytest.mark.parametrize(("width", "height"), [(0, 48), (64, 0), (65537, 48), (64, -1)])
+def test_a_sensor_has_from_1_to_65536_pixels_a_side(width: int, height: int) -> None:
+    with pytest.raises(RecordingError, match=f"sensor {width}x{height}: each side must be from 1 to 65536 pixels"):
+        Recording(Events.empty(), width, height)
+
+
+def test_the_error_can_be_caught_by_kind() -> None:
+    assert issubclass(RecordingError, EvcotError)
+    assert issubclass(RecordingError, ValueError)
