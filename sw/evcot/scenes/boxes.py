@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The box experiment: bright and dark boxes on known paths, seen by an ideal event camera with noise.
+
+Boxes are panes: where two overlap, their changes of log intensity add up, so each keeps its own contour. Boxes at rest from
+the start, or stopped, are silent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from ..events import Events, Recording
+from ._contours import KEY_T_SHIFT, leg_events
+from .cast import LANES, cast
+from .truth import Box, Truth, sample
+
+__all__ = ["BOX_RANGES", "BoxExperiment", "Scene", "Speed", "simulate"]
+
+Speed = Literal["slow", "fast", "both"]
+
+# field -> (lowest, highest, meaning)
+BOX_RANGES: dict[str, tuple[float, float, str]] = {
+    "width": (64, 4096, "pixels of the sensor across"),
+    "height": (64, 4096, "pixels of the sensor down"),
+    "duration_us": (1_000, 1_000_000_000, "length of the scene"),
+    "slow_px_s": (1.0, 10_000.0, "speed of a slow box"),
+    "fast_px_s": (1.0, 10_000.0, "speed of a fast box"),
+    "side_px": (0.0, 512.0, "side of a box; 0 for 0.55 of a lane"),
+    "contrast_steps": (1, 32, "thresholds between background and box: events per pixel and edge"),
+    "jitter_us": (0, 10_000, "longest delay of an event of an edge"),
+    "noise_hz_per_px": (0.0, 1_000.0, "background events per pixel and second"),
+    "flicker_hz_per_px": (0.0, 10_000.0, "noise of a moving box's contour: events per pixel of its length and second"),
+    "truth_step_us": (1, 1_000_000, "time between two samples of the truth"),
+    "seed": (0, 2**63 - 1, "seed of all noise"),
+}
+_LANE_SHARE = 0.55
+
+
+@dataclass(frozen=True)
+class BoxExperiment:
+    """The box experiment's settings; limits and meanings in `BOX_RANGES`. `speed` picks the paper's slow or fast situation,
+    or, with "both", slow boxes in the upper half and fast ones in the lower.
+
+    Raises:
+        ConfigError: a value outside its range, or boxes higher than their lanes.
+    """
+
+    width: int = 346
+    height: int = 260
+    duration_us: int = 2_500_000
+    speed: Speed = "both"
+    slow_px_s: float = 80.0
+    fast_px_s: float = 400.0
+    side_px: float = 0.0
+    contrast_steps: int = 4
+    jitter_us: int = 200
+    noise_hz_per_px: float = 0.5
+    flicker_hz_per_px: float = 20.0
+    truth_step_us: int = 1_000
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name == "speed":
+                if value not in get_args(Speed):
+                    raise ConfigError(f"boxes.speed = {value!r}: must be one of {', '.join(get_args(Speed))}")
+                continue
+            low, high, meaning = BOX_RANGES[field.name]
+            wanted = int if isinstance(low, int) else (int, float)
+            if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
+                raise ConfigError(f"boxes.{field.name} = {value!r}: must be from {low:g} to {high:g} ({meaning})")
+        if self.side_px > self.height / LANES or 0 < self.side_px < 1:
+            raise ConfigError(
+                f"boxes.side_px = {self.side_px:g}: must be 0, or from 1 to a lane's {self.height / LANES:.1f} pixels"
+            )
+
+    @property
+    def speeds_px_s(self) -> tuple[float, ...]:
+        """Speed of each lane, from the top."""
+        slow, fast = (self.slow_px_s,) * (LANES // 2), (self.fast_px_s,) * (LANES // 2)
+        return {"slow": slow + slow, "fast": fast + fast, "both": slow + fast}[self.speed]
+
+    @property
+    def boxes(self) -> tuple[Box, ...]:
+        """The objects on their paths: known before anything is simulated, and the same for every seed."""
+        side = self.side_px or round(_LANE_SHARE * self.height / LANES)
+        return cast((self.width, self.height), self.duration_us, self.speeds_px_s, side)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A simulated recording, the truth about it, and the seed that made it."""
+
+    recording: Recording
+    truth: Truth
+    seed: int
+
+
+def simulate(config: BoxExperiment) -> Scene:
+    """Events in [0, duration_us) and truth every `truth_step_us`; equal settings give equal bytes."""
+    random = np.random.default_rng(config.seed)
+    boxes = config.boxes
+    keys = [_noise(config, random)]
+    for box in boxes:
+        edges = _edges(config, box)
+        edges += random.integers(0, config.jitter_us, len(edges), endpoint=True) << KEY_T_SHIFT
+        keys += [edges, _flicker(config, box, random)]
+    key = np.concatenate(keys)
+    key.sort()
+    key = key[: np.searchsorted(key, config.duration_us << KEY_T_SHIFT)]
+    events = Events(
+        t_us=key >> KEY_T_SHIFT,
+        x=(key >> 17).astype(np.uint16),
+        y=(key >> 1).astype(np.uint16),
+        p=(key & 1).astype(np.uint8),
+    )
+    times_us = np.arange(0, config.duration_us, config.truth_step_us)
+    truth = Truth(sample(boxes, times_us, (config.width, config.height)), boxes)
+    return Scene(Recording(events, config.width, config.height, f"boxes_{config.speed}"), truth, config.seed)
+
+
+def _keys(
+    t_us: NDArray[np.int64], x: NDArray[np.int64], y: NDArray[np.int64], random: np.random.Generator
+) -> NDArray[np.int64]:
+    """Events of random polarity."""
+    return t_us << KEY_T_SHIFT | x << 17 | y << 1 | random.integers(0, 2, len(t_us))
+
+
+def _noise(config: BoxExperiment, random: np.random.Generator) -> NDArray[np.int64]:
+    """Background events: a Poisson process per pixel."""
+    count = random.poisson(config.noise_hz_per_px * config.width * config.height * config.duration_us * 1e-6)
+    t_us, x, y = (random.integers(0, high, count) for high in (config.duration_us, config.width, config.height))
+    return _keys(t_us, x, y, random)
+
+
+def _edges(config: BoxExperiment, box: Box) -> NDArray[np.int64]:
+    """Events of a moving contour, free of noise."""
+    # Two contours sweep the area that the path covers; where turns need more room than that, ask again.
+    swept = abs(np.diff(box.x)).sum() * box.height + abs(np.diff(box.y)).sum() * box.width
+    keys = np.empty(int(2 * config.contrast_steps * swept), np.int64)
+    needed = _fill(config, box, keys)
+    if needed > len(keys):
+        keys = np.empty(needed, np.int64)
+        _fill(config, box, keys)
+    return keys[:needed]
+
+
+def _fill(config: BoxExperiment, box: Box, keys: NDArray[np.int64]) -> int:
+    n = 0
+    for leg in range(len(box.t_us) - 1):
+        from_us, to_us = box.t_us[leg : leg + 2]
+        start = box.x[leg], box.y[leg]
+        speed = (box.x[leg + 1] - box.x[leg]) / (to_us - from_us), (box.y[leg + 1] - box.y[leg]) / (to_us - from_us)
+        if speed != (0.0, 0.0):
+            half = box.width / 2, box.height / 2
+            sensor = config.width, config.height
+            n = leg_events(keys, n, sensor, half, start, speed, from_us, to_us, int(box.brighter), config.contrast_steps)
+    return n
+
+
+def _flicker(config: BoxExperiment, box: Box, random: np.random.Generator) -> NDArray[np.int64]:
+    """Noise along the contour while the box moves, on all four sides."""
+    moving = (np.diff(box.x) != 0) | (np.diff(box.y) != 0)
+    moving_us = float(np.diff(box.t_us)[moving].sum())
+    count = random.poisson(config.flicker_hz_per_px * 2 * (box.width + box.height) * moving_us * 1e-6)
+    # Uniform over the moving legs: one clock that only runs while the box moves.
+    clock = np.concatenate(([0.0], np.cumsum(np.diff(box.t_us) * moving)))
+    leg = np.searchsorted(clock, elapsed := random.uniform(0, moving_us, count), side="right") - 1
+    t_us = (box.t_us[leg] + elapsed - clock[leg]).astype(np.int64)
+    centre_x, centre_y = box.centre(t_us)
+    along, side = random.uniform(-0.5, 0.5, count), random.choice((-0.5, 0.5), count)
+    vertical = random.uniform(0, box.width + box.height, count) < box.height
+    x = np.rint(centre_x + box.width * np.where(vertical, side, along)).astype(np.int64)
+    y = np.rint(centre_y + box.height * np.where(vertical, along, side)).astype(np.int64)
+    seen = (x >= 0) & (x < config.width) & (y >= 0) & (y < config.height)
+    return _keys(t_us[seen], x[seen], y[seen], random)
