@@ -129,19 +129,19 @@ def _job(options: argparse.Namespace) -> Job:
 def _cosim(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     job = _job(options)
     folder = options.output or Path("build") / "cosim" / job.name
-    events = len(job.recording.events)
-    with Progress(job.recording.name, events, enabled=not (options.quiet or options.json)) as progress:
+    command = shlex.join(["evcot", *arguments])
+    with Progress(job.recording.name, len(job.recording.events), enabled=not (options.quiet or options.json)) as progress:
         try:
             run = run_cosim(
                 job.recording, job.config, options.hardware,
                 stall_seed=options.stalls, building=progress.building, progress=progress.update,
             )  # fmt: skip
         except MismatchError as error:
-            write_mismatch(error, job.recording, job.config, folder)
-            print(f"evcot: record, waveform and view of the mismatch: {folder}", file=sys.stderr)
+            write_mismatch(error, job.recording, job.config, folder, command=command)
+            print(f"evcot: {folder}/ holds summary.json, and mismatch.vcd with its view mismatch.gtkw", file=sys.stderr)
             raise
         progress.note("writing logs, picture and waveform")
-        summary = write_run(run, folder, command=shlex.join(["evcot", *arguments]), waves=not options.no_waves)
+        summary = write_run(run, folder, command=command, waves=not options.no_waves)
     if options.json:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:

@@ -27,12 +27,13 @@ from evcot.tracklog import TRACK, TrackLog
 from .build import BuiltModel
 from .device import Stalls, Top, build_device
 from .lockstep import Lockstep, MismatchError, chunks
-from .summary import summarise, write_summary
+from .summary import summarise, summarise_mismatch, write_summary
 from .waves import Window, write_waves
 
-__all__ = ["CosimRun", "check_addresses", "run_cosim", "write_run"]
+__all__ = ["CosimRun", "check_addresses", "run_cosim", "stalls_from", "write_mismatch", "write_run"]
 
 _WAVES_EVENTS = 400  # events before and after the moment that the default waveform shows
+_MISMATCH_EVENTS = 50  # the same, around a mismatch
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,6 @@ def run_cosim(
     top: Top = "cot_array",
     *,
     stall_seed: int | None = None,
-    verilog: Path | None = None,
     building: Callable[[], None] | None = None,
     progress: Callable[[int, int, float], None] | None = None,
 ) -> CosimRun:
@@ -88,7 +88,6 @@ def run_cosim(
         config: both trackers' configurations.
         top: the hardware module.
         stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
-        verilog: folder of the RTL (default: evcot's own).
         building: called before a build that takes seconds.
         progress: called after each run of events with (events done, time of the last event in us, events/s).
 
@@ -100,7 +99,7 @@ def run_cosim(
     if not len(events):
         raise RecordingError(f"{recording.name}: holds no events")
     check_addresses(recording, config.cot)
-    build = build_device(config.cot, top, verilog=verilog, on_miss=building)
+    build = build_device(config.cot, top, on_miss=building)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
     hardware, model = _LogParts(config.cot, t0_us), _LogParts(config.cot, t0_us)
@@ -188,22 +187,20 @@ def write_run(run: CosimRun, folder: Path, *, command: str, window: Window | Non
     return summary
 
 
-def write_mismatch(
-    error: MismatchError, recording: Recording, config: RunConfig, folder: Path, *, verilog: Path | None = None
-) -> None:
-    """Write the record of a mismatch, a waveform of the events around it and its view.
+def write_mismatch(error: MismatchError, recording: Recording, config: RunConfig, folder: Path, *, command: str) -> None:
+    """Write what a mismatch leaves: summary.json with its record, a waveform of the events around it and the view.
 
     Raises:
         OutputError: something cannot be written.
     """
     found = error.mismatch
     with folder_written_aside(folder) as aside:
-        found.write(aside / "mismatch.json")
-        window = Window.around(found.event_index, len(recording.events), 50)
+        window = Window.around(found.event_index, len(recording.events), _MISMATCH_EVENTS)
         write_waves(
             recording.events, config.cot, aside, window,
-            top=found.top, stalls=stalls_from(found.seed), name="mismatch", verilog=verilog,
+            top=found.top, stalls=stalls_from(found.seed), name="mismatch",
         )  # fmt: skip
+        write_summary(summarise_mismatch(found, recording, config, command), aside / "summary.json")
 
 
 def _telling_window(run: CosimRun) -> Window:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -65,9 +64,9 @@ class Mismatch:
             f"hardware has {self.hardware}, model has {self.model}"
         )
 
-    def write(self, path: Path) -> None:
-        """Write everything that repeats the mismatch, as JSON."""
-        path.write_text(json.dumps(asdict(self), indent=2) + "\n", encoding="utf-8")
+    def to_dict(self) -> dict[str, Any]:
+        """Everything that repeats the mismatch, as plain values."""
+        return asdict(self)
 
 
 class MismatchError(EvcotError, AssertionError):

@@ -12,17 +12,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import evcot
+from evcot.config import RunConfig
 from evcot.contract import Kind
+from evcot.events import Recording
 from evcot.outputs import written_aside
 from evcot.timeline import lifetimes
 from evcot.tracklog import TrackLog
 
+from .lockstep import Mismatch
 from .toolchain import find_toolchain
 
 if TYPE_CHECKING:
     from .cosim import CosimRun
 
-__all__ = ["summarise", "table", "write_summary"]
+__all__ = ["summarise", "summarise_mismatch", "table", "write_summary"]
 
 
 def summarise(run: CosimRun, command: str) -> dict[str, Any]:
@@ -31,7 +34,6 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
     recording_s = recording.duration_us / 1e6
     logs = (run.hardware, run.model, run.software)
     end_us = int(recording.events.t_us[-1])
-    tools = find_toolchain()
     return {
         "name": recording.name,
         "exact": _identical(run.hardware, run.model),
@@ -55,6 +57,26 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
         "seed": run.seed,
         "config": run.config.to_dict(),
         "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
+        **_provenance(command),
+    }
+
+
+def summarise_mismatch(found: Mismatch, recording: Recording, config: RunConfig, command: str) -> dict[str, Any]:
+    """What summary.json says of a run that a mismatch ended: not exact, where, and how to repeat it."""
+    return {
+        "name": recording.name,
+        "exact": False,
+        "mismatch": found.to_dict(),
+        "events": len(recording.events),
+        "sensor": {"width": recording.width, "height": recording.height},
+        "config": config.to_dict(),
+        **_provenance(command),
+    }
+
+
+def _provenance(command: str) -> dict[str, Any]:
+    tools = find_toolchain()
+    return {
         "command": command,
         "versions": {
             "evcot": evcot.__version__,

@@ -54,7 +54,6 @@ def write_waves(
     top: Top = "cot_array",
     stalls: Stalls | None = None,
     name: str = "waves",
-    verilog: Path | None = None,
 ) -> tuple[Path, Path]:
     """Simulate up to the window's end again and write `<name>.vcd` and its GTKWave view `<name>.gtkw` into a folder.
 
@@ -62,7 +61,7 @@ def write_waves(
         OutputError: a file cannot be written.
     """
     vcd = folder / f"{name}.vcd"
-    dump_window(events, config, vcd, window.first, window.last, top=top, stalls=stalls, verilog=verilog)
+    dump_window(events, config, vcd, window.first, window.last, top=top, stalls=stalls)
     view = folder / f"{name}.gtkw"
     write_view(vcd, view)
     return vcd, view
