@@ -74,7 +74,7 @@ class BoxExperiment:
             low, high, meaning = BOX_RANGES[field.name]
             wanted = int if isinstance(low, int) else (int, float)
             if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
-                raise ConfigError(f"boxes.{field.name} = {value!r}: must be from {low:g} to {high:g} ({meaning})")
+                raise ConfigError(f"boxes.{field.name} = {value!r}: must be from {low} to {high} ({meaning})")
         if self.side_px > self.height / LANES or 0 < self.side_px < 1:
             raise ConfigError(
                 f"boxes.side_px = {self.side_px:g}: must be 0, or from 1 to a lane's {self.height / LANES:.1f} pixels"
