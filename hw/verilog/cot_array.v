@@ -163,13 +163,13 @@ module cot_array #(
 
     // ---- which slot? -----------------------------------------------------------------------------------------------
 
-    integer i, j, k;
-
     // The owner, among all slots at once; loops run downwards so that the lowest slot wins.
     reg in_active, in_candidate, any_free;
     reg [SLOT_W-1:0] active_slot, candidate_slot, free_slot;
 
-    always @* begin
+    always @* begin : find_owner
+        integer i;
+        i              = 0;  // on every path, or it would be a latch
         in_active      = 1'b0;
         in_candidate   = 1'b0;
         any_free       = 1'b0;
@@ -202,20 +202,23 @@ module cot_array #(
     // The life that ends next within this token's ticks: the earliest deadline, then the lowest slot.
     reg due;
     reg [SLOT_W-1:0] due_slot;
-    reg [LEFT_W-1:0] left, due_left;
+    reg [LEFT_W-1:0] due_left;
 
-    always @* begin
+    always @* begin : find_due
+        integer i;
+        reg [LEFT_W-1:0] left;
+        i        = 0;  // on every path, or it would be a latch
         due      = 1'b0;
         due_slot = {SLOT_W{1'b0}};
         due_left = {LEFT_W{1'b1}};
         left     = {LEFT_W{1'b0}};
         if (token_valid)
-            for (j = 0; j < N; j = j + 1)
-                if (timed[j]) begin
-                    left = deadline[j*LEFT_W +: LEFT_W] - now[LEFT_W-1:0];
+            for (i = 0; i < N; i = i + 1)
+                if (timed[i]) begin
+                    left = deadline[i*LEFT_W +: LEFT_W] - now[LEFT_W-1:0];
                     if ({{(DUE_W - LEFT_W) {1'b0}}, left} <= {{(DUE_W - TICK_W) {1'b0}}, tick} && left < due_left) begin
                         due      = 1'b1;
-                        due_slot = j[SLOT_W-1:0];
+                        due_slot = i[SLOT_W-1:0];
                         due_left = left;
                     end
                 end
@@ -224,9 +227,10 @@ module cot_array #(
     // A slot whose mode was written starts anew before the next token.
     reg [SLOT_W-1:0] restart_slot;
 
-    always @* begin
+    always @* begin : find_restart
+        integer i;
         restart_slot = {SLOT_W{1'b0}};
-        for (k = N - 1; k >= 0; k = k - 1) if (restart[k]) restart_slot = k[SLOT_W-1:0];
+        for (i = N - 1; i >= 0; i = i - 1) if (restart[i]) restart_slot = i[SLOT_W-1:0];
     end
 
     wire restarting = |restart;
@@ -479,20 +483,21 @@ module cot_array #(
     wire [Y_W-1:0] probe_lo_y = checking ? lo_y[slot*Y_W +: Y_W] : next_lo_y;
     wire [Y_W-1:0] probe_hi_y = checking ? hi_y[slot*Y_W +: Y_W] : next_hi_y;
 
-    integer o;
     reg overlaps;
     reg [SLOT_W-1:0] overlap_slot;
 
-    always @* begin
+    always @* begin : find_overlap
+        integer i;
+        i            = 0;  // on every path, or it would be a latch
         overlaps     = 1'b0;
         overlap_slot = {SLOT_W{1'b0}};
         if (checking || updates)
-            for (o = N - 1; o >= 0; o = o - 1)
-                if (active[o] && o[SLOT_W-1:0] != slot
-                              && lo_x[o*X_W +: X_W] <= probe_hi_x && hi_x[o*X_W +: X_W] >= probe_lo_x
-                              && lo_y[o*Y_W +: Y_W] <= probe_hi_y && hi_y[o*Y_W +: Y_W] >= probe_lo_y) begin
+            for (i = N - 1; i >= 0; i = i - 1)
+                if (active[i] && i[SLOT_W-1:0] != slot
+                              && lo_x[i*X_W +: X_W] <= probe_hi_x && hi_x[i*X_W +: X_W] >= probe_lo_x
+                              && lo_y[i*Y_W +: Y_W] <= probe_hi_y && hi_y[i*Y_W +: Y_W] >= probe_lo_y) begin
                     overlaps     = 1'b1;
-                    overlap_slot = o[SLOT_W-1:0];
+                    overlap_slot = i[SLOT_W-1:0];
                 end
     end
 
