@@ -55,7 +55,7 @@ class Mismatch:
     hardware: int | str | None
     model: int | str | None
     seed: int | None
-    top: str
+    top: Top
     config: CotConfig
 
     def __str__(self) -> str:
