@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A bare C++ main on the same Verilated model: same RTL, parameters, flags and events, and the same work for each event."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from evcot.config import CotConfig
+from evcot.contract import REGISTERS
+from evcot.cot import tick_times
+from evcot.events import Events
+from evcot_cosim.build import BuiltModel, verilog_dir
+from evcot_cosim.toolchain import find_toolchain
+from measure import Timing
+
+__all__ = ["BareMain", "Outcome", "running"]
+
+_MAIN = Path(__file__).with_name("bare_main.cpp")
+
+
+class Outcome(NamedTuple):
+    """What a pass found, enough to see that it did the same as another drive."""
+
+    clocks: int
+    records: int
+    owner_sum: int
+
+
+class BareMain:
+    """The running process; it waits between passes.
+
+    Attributes:
+        outcome: of the last pass.
+    """
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self._process = process
+        self.outcome = Outcome(0, 0, 0)
+
+    def run(self) -> Timing:
+        """One pass over all events on a fresh model; only the drive is timed."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write("\n")
+        self._process.stdin.flush()
+        wall_s, cpu_s, *counts = self._process.stdout.readline().split()
+        self.outcome = Outcome(*map(int, counts))
+        return Timing(float(wall_s), float(cpu_s))
+
+
+@contextmanager
+def running(model: BuiltModel, config: CotConfig, events: Events, folder: Path) -> Iterator[BareMain]:
+    """Build the main into `folder` with the flags that `model`, a cot_array, was built with, and start it on the events."""
+    folder.mkdir(parents=True, exist_ok=True)
+    executable = _build(model, folder)
+    _write_input(folder / "events.bin", config, events)
+    with subprocess.Popen(
+        [executable, folder / "events.bin"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:  # leaving closes its input, which ends it
+        yield BareMain(process)
+
+
+def _build(model: BuiltModel, folder: Path) -> Path:
+    tools = find_toolchain()
+    request = json.loads(model.shared_object.with_name("request.json").read_text())
+    command = [
+        str(tools.executable), "--cc", "--exe", "--build", "--trace", "-Wno-fatal", "-Mdir", str(folder),
+        *(flag for flag in request["args"] if not flag.endswith(".cpp")),
+        "-CFLAGS", request["cargs"],
+        "-y", str(verilog_dir()), str(verilog_dir() / f"{model.top}.v"), str(_MAIN),
+    ]  # fmt: skip
+    log = folder / "build.log"
+    with log.open("w") as output:
+        done = subprocess.run(command, env=dict(tools.environment), stdout=output, stderr=subprocess.STDOUT, check=False)
+    if done.returncode:
+        raise RuntimeError(f"the bare main does not build; log: {log}")
+    return folder / f"V{model.top}"
+
+
+def _write_input(path: Path, config: CotConfig, events: Events) -> None:
+    writes = [
+        (slot, REGISTERS[name].address, int(getattr(registers, name)))
+        for slot, registers in enumerate(config.slots)
+        for name in sorted(REGISTERS, key="mode".__eq__)
+    ]
+    ticks = tick_times(events.t_us, int(events.t_us[0]), config.tick_us)
+    with path.open("wb") as file:
+        np.array([len(ticks), (1 << config.shape.tick_w) - 1, len(writes)], np.int64).tofile(file)
+        np.array(writes, np.uint32).tofile(file)
+        for column in (ticks, events.x, events.y, events.p):
+            column.tofile(file)
