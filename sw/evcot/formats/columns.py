@@ -54,15 +54,15 @@ def events_from_columns(t_us: NDArray[Any], x: NDArray[Any], y: NDArray[Any], p:
 
 
 def events_from_packets(packets: Iterable[NDArray[np.void]]) -> Events:
-    """Packets with the fields t, x, y, on, joined; at most two copies of the events exist at a time."""
+    """Packets with the fields t (below 2^63), x, y, on, joined; two copies of the events exist at a time."""
     parts = list(packets)
     if not parts:
         return Events.empty()
 
-    def joined(field: str) -> NDArray[Any]:
-        return np.concatenate([part[field] for part in parts])
+    def joined(field: str, dtype: type[_Width]) -> NDArray[_Width]:
+        return np.concatenate([part[field] for part in parts], dtype=dtype, casting="unsafe")
 
-    return events_from_columns(joined("t"), joined("x"), joined("y"), joined("on"))
+    return Events(joined("t", np.int64), joined("x", np.uint16), joined("y", np.uint16), joined("on", np.uint8))
 
 
 def smallest_sensor(events: Events) -> Sensor:

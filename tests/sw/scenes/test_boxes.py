@@ -124,6 +124,29 @@ def test_each_pixel_that_an_edge_crosses_sees_every_threshold_once() -> None:
         assert np.count_nonzero(at & (events.p == 0)) == EXACT.contrast_steps
 
 
+@pytest.mark.parametrize("speed", ["slow", "fast", "both"])
+def test_every_pixel_sees_what_a_slow_walk_through_the_pixel_model_sees(speed: Any) -> None:
+    """Each box's log intensity looked at every 100 us, in every pixel: the same ON and OFF events, none more, none less."""
+    config = replace(EXACT, width=64, height=64, duration_us=200_000, speed=speed)
+    events = simulate(config).recording.events
+    counted = np.zeros((2, 64, 64), int)
+    np.add.at(counted, (events.p, events.y, events.x), 1)
+    walked = np.zeros((2, 64, 64), int)
+    grid_y, grid_x = np.mgrid[:64, :64]
+    times = np.append(np.arange(0.0, config.duration_us, 100.0), config.duration_us - 0.5)
+    for box in config.boxes:
+        before = None
+        for x, y in zip(*box.centre(times), strict=True):
+            inside = np.minimum(box.width / 2 - abs(grid_x - x), box.height / 2 - abs(grid_y - y))
+            level = np.rint(config.contrast_steps * np.clip(inside + 0.5, 0, 1)).astype(int) * (1 if box.brighter else -1)
+            if before is not None:
+                walked[1] += np.maximum(level - before, 0)
+                walked[0] += np.maximum(before - level, 0)
+            before = level
+    assert walked.sum() > 5_000
+    np.testing.assert_array_equal(counted, walked)
+
+
 def test_contrast_sets_the_number_of_events(noiseless_scene: Scene) -> None:
     counts = {steps: len(simulate(replace(NOISELESS, contrast_steps=steps)).recording.events) for steps in (1, 2, 8)}
     for steps, count in counts.items():
