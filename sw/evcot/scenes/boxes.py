@@ -30,7 +30,7 @@ BOX_RANGES: dict[str, tuple[float, float, str]] = {
     "duration_us": (1_000, 1_000_000_000, "length of the scene"),
     "slow_px_s": (1.0, 10_000.0, "speed of a slow box"),
     "fast_px_s": (1.0, 10_000.0, "speed of a fast box"),
-    "side_px": (0.0, 512.0, "side of a box; 0 for 0.55 of a lane"),
+    "side_px": (0.0, 512.0, "side of a box; 0 for 0.28 of a lane"),
     "contrast_steps": (1, 32, "thresholds between background and box: events per pixel and edge"),
     "jitter_us": (0, 10_000, "longest delay of an event of an edge"),
     "noise_hz_per_px": (0.0, 1_000.0, "background events per pixel and second"),
@@ -38,7 +38,7 @@ BOX_RANGES: dict[str, tuple[float, float, str]] = {
     "truth_step_us": (1, 1_000_000, "time between two samples of the truth"),
     "seed": (0, 2**63 - 1, "seed of all noise"),
 }
-_LANE_SHARE = 0.55
+_LANE_SHARE = 0.28
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class BoxExperiment:
     side_px: float = 0.0
     contrast_steps: int = 4
     jitter_us: int = 200
-    noise_hz_per_px: float = 0.5
+    noise_hz_per_px: float = 0.1
     flicker_hz_per_px: float = 20.0
     truth_step_us: int = 1_000
     seed: int = 1
