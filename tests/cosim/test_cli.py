@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line as a user meets it: what a run leaves behind, and one line for everything that can be mended."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import evcot_cosim.build
+from evcot.events import Events, Recording
+from evcot.files import write_npz
+from evcot.tracklog import TrackLog
+from evcot_cosim.cli import main
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Every command runs in a folder of its own; models come from the cache that the test run shares."""
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.cache_dir()))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def blob(n: int = 6_000, seed: int = 3) -> Recording:
+    """Two blobs that move towards each other on a 128x128 sensor, an event every 20 us."""
+    random = np.random.default_rng(seed)
+    t_us = np.arange(n, dtype=np.int64) * 20
+    which = random.integers(2, size=n)
+    centre = np.where(which == 0, 30 + 30 * t_us / t_us[-1], 100 - 30 * t_us / t_us[-1])
+    x = np.clip(centre + random.normal(0, 3, n), 0, 127).astype(np.uint16)
+    y = np.clip(64 + random.normal(0, 3, n), 0, 127).astype(np.uint16)
+    return Recording(Events(t_us, x, y, random.integers(2, size=n).astype(np.uint8)), 128, 128, "blob")
+
+
+@pytest.fixture
+def recording(in_empty_folder: Path) -> Path:
+    path = in_empty_folder / "blob.npz"
+    write_npz(blob(), path)
+    return path
+
+
+def error_of(capture: Capture, *arguments: str) -> str:
+    """The one line that a command which cannot be done prints, after exit code 2 and with nothing written."""
+    assert main(arguments) == 2
+    printed = capture.readouterr()
+    assert printed.out == ""
+    lines = printed.err.splitlines()
+    assert len(lines) == 1, printed.err
+    assert not list(Path.cwd().glob("build/*/*"))
+    return lines[0].removeprefix("evcot: ")
+
+
+def test_a_run_leaves_summary_logs_picture_and_waveform(recording: Path, capsys: Capture) -> None:
+    assert main(["cosim", str(recording), "--stalls", "5"]) == 0
+    folder = Path("build/cosim/blob")
+    assert {path.name for path in folder.iterdir()} == {
+        "summary.json", "picture.png", "waves.vcd", "waves.gtkw",
+        *(f"{engine}.{kind}" for engine in ("hardware", "model", "software") for kind in ("npz", "csv")),
+    }  # fmt: skip
+    assert not list(Path("build/cosim").glob(".*"))
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["exact"] is True
+    assert summary["events"] == 6_000
+    assert summary["seed"] == 5
+    assert summary["slots"] == 8
+    assert summary["recording_s"] == pytest.approx(0.11998)
+    assert summary["cycles"] >= summary["events"]
+    assert summary["cycles_per_event"] == pytest.approx(summary["cycles"] / 6_000)
+    assert summary["realtime_factor"] == pytest.approx(summary["recording_s"] / summary["wall_s"])
+    assert summary["events_per_s"] == pytest.approx(6_000 / summary["wall_s"])
+    assert summary["merges"]["cot-rtl"] == summary["merges"]["cot-model"] > 0
+    assert summary["lifetimes"]["cot-rtl"]["tracks"] == summary["births"]["cot-rtl"] > 1
+    assert summary["agreement"]["tracks_hardware"] == summary["births"]["cot-rtl"]
+    assert summary["command"].startswith("evcot cosim ")
+
+    hardware, model = (TrackLog.load_npz(folder / f"{name}.npz") for name in ("hardware", "model"))
+    assert (hardware.engine, model.engine) == ("cot-rtl", "cot-model")
+    assert np.array_equal(hardware.records, model.records)
+    assert len(hardware.records) == summary["records"]
+    table = capsys.readouterr().out
+    assert re.search(r"hardware = model +exact: [\d,]+ records and every event's owner", table)
+    assert "build/cosim/blob/" in table
+
+
+def test_without_a_file_the_box_experiment_runs(capsys: Capture) -> None:
+    assert main(["cosim", "--json", "--no-waves"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary == json.loads(Path("build/cosim/boxes/summary.json").read_text())
+    assert summary["exact"] is True
+    for engine in ("cot-rtl", "rct"):
+        assert summary["births"][engine] >= 9
+        assert summary["merges"][engine] >= 2
+        assert summary["lifetimes"][engine]["lost"] >= 2
+
+
+@pytest.mark.parametrize("hardware", ["cot", "cot_chain"])
+def test_other_hardware_is_checked_too(recording: Path, hardware: str, capsys: Capture) -> None:
+    assert main(["cosim", str(recording), "--hardware", hardware, "--slots", "1", "--json", "--no-waves"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert (summary["exact"], summary["hardware"], summary["slots"]) == (True, hardware, 1)
+
+
+def test_quiet_prints_nothing(recording: Path, capsys: Capture) -> None:
+    assert main(["cosim", str(recording), "--quiet", "--no-waves"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
+    assert main(["waves", str(recording), "--from", "10", "--to", "11"]) == 0
+    assert "events 500 to 549:" in capsys.readouterr().out
+    folder = Path("build/waves/blob")
+    assert {path.name for path in folder.iterdir()} == {"waves.vcd", "waves.gtkw"}
+    assert (folder / "waves.vcd").read_text().count("\n#") >= 2 * 50
+
+
+def test_presets_are_listed(capsys: Capture) -> None:
+    assert main(["presets"]) == 0
+    rows = capsys.readouterr().out.splitlines()
+    assert [row.split()[0] for row in rows[1:]] == ["slow", "fast", "fast5", "dvs128", "davis346", "vga", "hd"]
+    assert main(["presets", "--json"]) == 0
+    slow = json.loads(capsys.readouterr().out)["slow"]["cot"]
+    assert (slow["slots"][0]["clust_nev"], slow["slots"][0]["max_ticks"]) == (8, 20)
+
+
+def broken_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, old: str, new: str) -> None:
+    """Let builds use a copy of the RTL in which one text stands for another."""
+    sources = tmp_path / "broken"
+    sources.mkdir()
+    for path in evcot_cosim.build.verilog_dir().iterdir():
+        (sources / path.name).write_bytes(path.read_bytes())
+    text = (sources / file).read_text()
+    assert text.count(old) == 1
+    (sources / file).write_text(text.replace(old, new))
+    monkeypatch.setattr(evcot_cosim.build, "verilog_dir", lambda: sources)
+
+
+def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
+    recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    broken_verilog(tmp_path, monkeypatch, "cot_array.v", "wire older = id[overlap_slot] <", "wire older = id[overlap_slot] >")
+    assert main(["cosim", str(recording), "--stalls", "9"]) == 1
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert re.search(r"MISMATCH: cot_array: event \d+, tick \d+: record\.\w+: hardware has \d+, model has \d+", printed.err)
+    folder = Path("build/cosim/blob")
+    assert {path.name for path in folder.iterdir()} == {"summary.json", "mismatch.vcd", "mismatch.gtkw"}
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["exact"] is False
+    found = summary["mismatch"]
+    assert found["seed"] == 9
+    assert found["hardware"] != found["model"]
+    assert found["config"]["tick_us"] == 1
+    assert f"event {found['event_index']}, tick {found['tick']}: {found['field']}" in printed.err
+
+
+def csv(*lines: str) -> bytes:
+    return "\n".join(lines).encode() + b"\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("nothing.aedat4", None, "nothing.aedat4: cannot be read: No such file or directory"),
+        ("empty.raw", b"", "empty.raw: is empty"),
+        ("what.bin", b"\x00\x01\x02\x03" * 9, "what.bin: "),
+        ("back.csv", csv("t,x,y,p", "5,1,1,1", "3,1,1,0"), "back.csv: event 1: t = 3 us follows t = 5 us: "),
+        ("cut.raw", b"% evt 2.0\n% geometry 640x480\n% end\n" + bytes(10), "cut.raw: 10 bytes of events: must be"),
+    ],
+)  # fmt: skip
+def test_a_bad_file(name: str, content: bytes | None, message: str, capsys: Capture) -> None:
+    if content is not None:
+        Path(name).write_bytes(content)
+    assert error_of(capsys, "cosim", name).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("toml", "message"),
+    [
+        ("[cot]\nhist_avg = 9", "run.toml: cot.slot[0].hist_avg = 9: must be an integer from 0 to 8"),
+        ("[cot]\ninit_cm_x = 128", "run.toml: cot.slot[0].init_cm_x = 128: must be an integer from 0 to 127"),
+        ("[[slot]]\nnev_min = 60", "run.toml: cot.slot[0].clust_nev = 16: must lie from nev_min = 60 to nev_max = 32"),
+        ("[shape]\nn_slots = 65", "run.toml: shape.n_slots = 65: must be an integer from 1 to 64"),
+        ("[shape]\nn_slots = 1\n[[slot]]\n[[slot]]", "run.toml: [[slot]] stands 2 times: must be at most shape.n_slots = 1"),
+        ("[shape]\nx_w = 6", "shape.x_w = 6: too few bits for 128 pixels of blob.npz"),
+        ("[rct]\nalpha = 2", "run.toml: rct.alpha = 2: must be from 1e-06 to 1"),
+        ("[cot]\nradius = 3", "run.toml: [cot]: unknown field 'radius': must be one of "),
+        ("[cot", "run.toml: is not TOML: "),
+    ],
+)
+def test_a_bad_configuration(recording: Path, toml: str, message: str, capsys: Capture) -> None:
+    Path("run.toml").write_text(toml)
+    assert error_of(capsys, "cosim", str(recording), "--config", "run.toml").startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("cosim", "--slots", "65"), "shape.n_slots = 65: must be an integer from 1 to 64"),
+        (("cosim", "--preset", "warp"), "preset 'warp': must be one of slow, fast, fast5, dvs128"),
+        (("cosim", "--seed", "-1"), "--seed -1: must not be negative"),
+        (("cosim", "--hardware", "cot", "--slots", "2"), "shape.n_slots = 2: must be 1 for a single tracker"),
+        (("waves", "--from", "9000"), "waveform from 9000000 us to 2000 us: no event there"),
+    ],
+)
+def test_a_bad_option(arguments: tuple[str, ...], message: str, capsys: Capture) -> None:
+    assert error_of(capsys, *arguments).startswith(message)
+
+
+def test_no_simulator(recording: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    monkeypatch.setenv("VERILATOR", "/nowhere/verilator")
+    assert error_of(capsys, "cosim", str(recording)).startswith("$VERILATOR is /nowhere/verilator, which is not an executable")
+
+
+def test_no_compiler(recording: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    monkeypatch.setenv("PATH", "/nowhere")
+    assert "g++ (install the g++ package)" in error_of(capsys, "cosim", str(recording))
+
+
+def test_rtl_that_does_not_build(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    broken_verilog(tmp_path, monkeypatch, "cot_array.v", "module cot_array #(", "module cot_array ((")
+    assert re.search(r"^cannot build cot_array .*%Error: .*cot_array\.v:\d+", error_of(capsys, "cosim", str(recording)))
+
+
+def test_an_unwritable_folder(recording: Path, capsys: Capture) -> None:
+    Path("taken").write_text("a file where a folder should be")
+    assert main(["cosim", str(recording), "-o", "taken/run", "--quiet"]) == 2
+    assert re.fullmatch(r"evcot: taken/\S*: cannot be written: Not a directory\n", capsys.readouterr().err)
+
+
+def evcot(*arguments: str, prepare: Callable[[], None] | None = None) -> subprocess.Popen[str]:
+    """The command in a process of its own."""
+    command = [sys.executable, "-m", "evcot_cosim.cli", *arguments]
+    return subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=prepare)
+
+
+def test_a_full_disk_leaves_nothing_that_looks_whole(recording: Path) -> None:
+    run = evcot("cosim", str(recording), prepare=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)))
+    out, err = run.communicate(timeout=120)
+    assert (run.returncode, out) == (2, "")
+    assert re.fullmatch(r"evcot: build/cosim/\S+: cannot be written: File too large\n", err)
+    assert list(Path("build/cosim").iterdir()) == []
+
+
+def test_an_interrupt_leaves_nothing_that_looks_whole(in_empty_folder: Path) -> None:
+    write_npz(blob(3_000_000), Path("long.npz"))
+    run = evcot("cosim", "long.npz", "--hardware", "cot_chain")
+    time.sleep(3.0)
+    os.kill(run.pid, signal.SIGINT)
+    out, err = run.communicate(timeout=120)
+    assert (run.returncode, out) == (2, "")
+    assert err == "evcot: interrupted: nothing was written\n"
+    assert not list(Path().glob("build/*/*"))
