@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a waveform view shows of each hardware module: groups of signals, each with a name, a form and a colour for people."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+
+from evcot.contract import REGISTERS, Kind, Mode, State
+
+__all__ = ["VIEWS", "Codes", "Colour", "Form", "Group", "Row"]
+
+
+class Form(Enum):
+    """How a number is shown. A single bit is always shown as a level."""
+
+    DECIMAL = "decimal"
+    HEX = "hexadecimal"
+    PIXELS = "decimal, with the fractional bits of a centre"
+    PLOT = "curve"
+    PLOT_PIXELS = "curve, with the fractional bits of a centre"
+
+
+class Colour(Enum):
+    """What a row is about, told by its colour."""
+
+    PLAIN = "normal"
+    TIME = "indigo"
+    CONTROL = "orange"
+    PLACE = "green"
+    EVENT = "yellow"
+
+
+@dataclass(frozen=True)
+class Codes:
+    """Names of the values of a signal.
+
+    Attributes:
+        name: of the file that carries them.
+        values: (name, code) pairs; a code of None is the value of the module's constant of that name.
+    """
+
+    name: str
+    values: tuple[tuple[str, int | None], ...]
+
+    @classmethod
+    def of(cls, enum: type[IntEnum]) -> Codes:
+        """The members of an enum of the contract."""
+        return cls(enum.__name__.lower(), tuple((member.name, int(member)) for member in enum))
+
+
+@dataclass(frozen=True)
+class Row:
+    """One signal.
+
+    Attributes:
+        signal: its name within the module, or a path below it; `{slot}` stands for the slot.
+        label: the name that is shown; by default the last part of `signal`.
+        form, colour: how it is shown.
+        codes: names for its values.
+        packed: a vector of which every slot has an equal part; this slot's is shown.
+    """
+
+    signal: str
+    label: str = ""
+    form: Form = Form.DECIMAL
+    colour: Colour = Colour.PLAIN
+    codes: Codes | None = None
+    packed: bool = False
+
+
+@dataclass(frozen=True)
+class Group:
+    """Rows under a title. A `{slot}` in the title repeats the group for every slot that has one of its signals."""
+
+    title: str
+    rows: tuple[Row, ...]
+    closed: bool = False
+
+
+_STATE, _KIND, _MODE = (Codes.of(enum) for enum in (State, Kind, Mode))
+_PHASE = Codes("phase", tuple((name, None) for name in ("RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT")))
+
+
+def _rows(names: str, colour: Colour = Colour.PLAIN, form: Form = Form.DECIMAL) -> tuple[Row, ...]:
+    return tuple(Row(name, colour=colour, form=form) for name in names.split())
+
+
+_INPUT = Group(
+    "events in",
+    (
+        *_rows("clk rst"),
+        *_rows("s_valid s_ready", Colour.CONTROL),
+        *_rows("s_tick", Colour.TIME),
+        *_rows("s_event s_x s_y s_p", Colour.EVENT),
+    ),
+)
+_RECORDS = Group(
+    "records out",
+    (
+        *_rows("m_cm_valid m_cm_ready", Colour.CONTROL),
+        Row("m_cm_kind", codes=_KIND, colour=Colour.CONTROL),
+        *_rows("m_cm_slot m_cm_id m_cm_other"),
+        *_rows("m_cm_x m_cm_y", Colour.PLACE, Form.PIXELS),
+        *_rows("m_cm_radius", Colour.PLACE),
+        *_rows("m_cm_n_ev m_cm_support"),
+        *_rows("m_cm_seq m_cm_time", Colour.TIME),
+    ),
+)
+_OWNED = Group(
+    "owned events out",
+    (
+        *_rows("m_own_valid m_own_ready", Colour.CONTROL),
+        *_rows("m_own_slot"),
+        *_rows("m_own_x m_own_y m_own_p", Colour.EVENT),
+        *_rows("m_own_seq", Colour.TIME),
+    ),
+)
+_PASSED = Group(
+    "passed events out",
+    (
+        *_rows("m_pass_valid m_pass_ready", Colour.CONTROL),
+        *_rows("m_pass_tick", Colour.TIME),
+        *_rows("m_pass_event m_pass_x m_pass_y m_pass_p", Colour.EVENT),
+        *_rows("m_pass_seq", Colour.TIME),
+    ),
+)
+_REGISTERS = " ".join(name for name in REGISTERS if name != "mode")
+
+
+def _tracker(title: str, below: str) -> Group:
+    """One `cot`, `below` some scope."""
+    rows = (
+        Row("state", codes=_STATE, colour=Colour.CONTROL),
+        *_rows("active ring s_valid s_ready", Colour.CONTROL),
+        *_rows("cm_x cm_y", Colour.PLACE, Form.PLOT_PIXELS),
+        Row("radius", form=Form.PLOT, colour=Colour.PLACE),
+        *_rows("lo_x hi_x lo_y hi_y", Colour.PLACE),
+        *_rows("av_x av_y", Colour.PLACE, Form.PIXELS),
+        *_rows("tc tc2 last_tc2", Colour.TIME),
+        *_rows("n_ev count support id"),
+        *_rows("token_x token_y", Colour.EVENT),
+        Row("mode", codes=_MODE),
+    )
+    return Group(title, tuple(Row(below + r.signal, r.label, r.form, r.colour, r.codes, r.packed) for r in rows))
+
+
+_ARRAY_CORE = Group(
+    "decision",
+    (
+        Row("phase", codes=_PHASE, colour=Colour.CONTROL),
+        *_rows("space token_valid token_taken", Colour.CONTROL),
+        *_rows("token_event x y", Colour.EVENT),
+        *_rows("tick now seq", Colour.TIME),
+        *_rows("in_active in_candidate seeds owner slot"),
+        *_rows("takes passes updates ends due restarting overlaps", Colour.CONTROL),
+        *_rows("moved stays goes births"),
+    ),
+)
+_ARRAY_SLOT = Group(
+    "slot {slot}",
+    (
+        Row("active", packed=True, colour=Colour.CONTROL),
+        Row("window", packed=True, colour=Colour.CONTROL),
+        Row("free", packed=True, colour=Colour.CONTROL),
+        Row("cm_x[{slot}]", "cm_x", Form.PLOT_PIXELS, Colour.PLACE),
+        Row("cm_y[{slot}]", "cm_y", Form.PLOT_PIXELS, Colour.PLACE),
+        Row("g[{slot}]", "g", Form.PLOT, Colour.PLACE),
+        *(Row(name, packed=True, colour=Colour.PLACE) for name in ("lo_x", "hi_x", "lo_y", "hi_y")),
+        *(Row(f"{name}[{{slot}}]", name, Form.PIXELS, Colour.PLACE) for name in ("av_x", "av_y")),
+        Row("deadline", packed=True, colour=Colour.TIME),
+        *(Row(f"{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("start", "last_tc2")),
+        *(Row(f"{name}[{{slot}}]", name) for name in ("ring", "n_ev", "count", "support", "id")),
+        Row("u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
+    ),
+)
+_OUTPUTS = (_RECORDS, _OWNED, _PASSED)
+
+# Module -> what to show of it, from top to bottom. Signals that a waveform lacks are left out.
+VIEWS: dict[str, tuple[Group, ...]] = {
+    "cot": (_INPUT, _tracker("tracker", ""), *_OUTPUTS, Group("registers", _rows(_REGISTERS), closed=True)),
+    "cot_chain": (_INPUT, _tracker("tracker {slot}", "tracker[{slot}].u_cot."), *_OUTPUTS),
+    "cot_array": (
+        _INPUT,
+        _ARRAY_CORE,
+        _ARRAY_SLOT,
+        *_OUTPUTS,
+        Group("registers of the slot in question", (Row("mode", codes=_MODE), *_rows(_REGISTERS)), closed=True),
+    ),
+}

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading VCD files through vcdvcd: what is declared in one, and how signals change."""
+
+from __future__ import annotations
+
+import re
+import signal
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import VcdError
+
+__all__ = ["INT64_BITS", "Declared", "Signal", "Timescale", "declared", "initial_values", "read"]
+
+_RANGE = re.compile(r"\[\d+:\d+\]$")
+INT64_BITS = 62  # the widest signal kept in int64: a sum of two fits too
+_TYPES_WITHOUT_BITS = ("real", "realtime", "event", "string")
+
+
+@dataclass(frozen=True)
+class Declared:
+    """One signal as the header declares it.
+
+    Attributes:
+        path: scopes and name joined by dots, without the range of bits: `TOP.cot.state`, `TOP.cot_array.cm_x[3]`.
+        reference: the same as the file (and GTKWave) has it: `TOP.cot.state[2:0]`.
+        code: the file's short code; signals that share one are the same wire.
+        width: bits.
+    """
+
+    path: str
+    reference: str
+    code: str
+    width: int
+
+    @property
+    def scope(self) -> str:
+        """The path without its last part."""
+        return self.path.rpartition(".")[0]
+
+    @property
+    def name(self) -> str:
+        """The path's last part."""
+        return self.path.rpartition(".")[2]
+
+
+@dataclass(frozen=True)
+class Timescale:
+    """What one step of a VCD's time means."""
+
+    magnitude: int
+    unit: str
+
+    def text(self, time: int) -> str:
+        """A time for people, such as "125 ps"."""
+        return f"{time * self.magnitude} {self.unit}"
+
+
+class Signal:
+    """All changes of one signal.
+
+    Attributes:
+        declared: what the header says.
+        times: (k,) int64, never decreasing.
+        values: (k,) bool for one bit, int64 up to 62 bits, Python integers above; 0 where unknown.
+        unknown: (k,) bool, true where any bit is x or z.
+    """
+
+    def __init__(self, declared: Declared, changes: list[tuple[int, str]]) -> None:
+        self.declared = declared
+        self.times: NDArray[np.int64] = np.fromiter((time for time, _ in changes), np.int64, len(changes))
+        if np.any(np.diff(self.times) < 0):
+            raise VcdError(f"{declared.path}: time runs backwards: must never decrease")
+        texts = [text for _, text in changes]
+        self.unknown: NDArray[np.bool_] = np.zeros(len(texts), np.bool_)
+        self._texts: dict[int, str] = {}
+        try:
+            numbers = [int(text, 2) for text in texts]
+        except ValueError:
+            numbers = [self._number(i, text) for i, text in enumerate(texts)]
+        dtype = np.bool_ if declared.width == 1 else np.int64 if declared.width <= INT64_BITS else np.object_
+        self.values: NDArray[Any] = np.array(numbers, dtype)
+
+    def _number(self, i: int, text: str) -> int:
+        if set(text.lower()) <= {"0", "1"}:
+            return int(text, 2)
+        self.unknown[i] = True
+        self._texts[i] = text.lower()
+        return 0
+
+    def before(self, times: NDArray[np.int64]) -> NDArray[np.intp]:
+        """Index of the last change before each time, -1 where there is none: what a flip-flop clocked then would see."""
+        return np.searchsorted(self.times, times, side="left") - 1
+
+    def text(self, change: int) -> str:
+        """The value after one change for people: a number, or the bits where some are x or z."""
+        if change < 0:
+            return "x"
+        if change in self._texts:
+            return self._texts[change]
+        value = int(self.values[change])
+        return str(value) if value < 1 << 16 else hex(value)
+
+
+def declared(path: Path) -> tuple[Declared, ...]:
+    """The signals that a VCD's header declares, in its order; real numbers and the like are left out.
+
+    Raises:
+        VcdError: not a VCD, or it cannot be read.
+    """
+    with _readable(path):
+        vcd = _parse(path, only_sigs=True)
+        return _declared(path, vcd)
+
+
+def initial_values(path: Path, signals: Sequence[Declared]) -> dict[str, int]:
+    """First values of signals, by path; those that are x or z are left out.
+
+    Raises:
+        VcdError: not a VCD, or it cannot be read.
+    """
+    if not signals:
+        return {}
+    # The first time of a window need not be 0: the first change of any signal tells it.
+    with _readable(path), path.open() as lines:
+        begin = next((int(line[1:].split()[0]) for line in lines if line.startswith("#")), 0)
+        vcd = _parse(path, signals=[entry.reference for entry in signals], to_time=begin)
+        found = {entry.path: vcd.data[entry.code].tv for entry in signals}
+        return {path: int(tv[0][1], 2) for path, tv in found.items() if tv and set(tv[0][1]) <= {"0", "1"}}
+
+
+def read(path: Path, signals: Sequence[Declared]) -> tuple[dict[str, list[tuple[int, str]]], Timescale, int]:
+    """Changes of signals by code, the timescale, and the last time in the file.
+
+    Raises:
+        VcdError: not a VCD, or it cannot be read.
+    """
+    with _readable(path):
+        vcd = _parse(path, signals=[entry.reference for entry in signals])
+        scale = Timescale(int(vcd.timescale["magnitude"]), vcd.timescale["unit"]) if vcd.timescale else Timescale(1, "steps")
+        return {code: entry.tv for code, entry in vcd.data.items()}, scale, int(vcd.endtime)
+
+
+def _declared(path: Path, vcd: Any) -> tuple[Declared, ...]:
+    entries = [
+        (reference, code, vcd.data[code])
+        for reference, code in vcd.references_to_ids.items()
+        if vcd.data[code].var_type not in _TYPES_WITHOUT_BITS
+    ]
+    if not entries:
+        raise VcdError(f"{path}: not a VCD: must declare at least one signal")
+    # Parts of one vector that are declared apart need their ranges to tell them from each other.
+    count = Counter(_RANGE.sub("", reference) for reference, _, _ in entries)
+    return tuple(
+        Declared(bare if count[bare := _RANGE.sub("", reference)] == 1 else reference, reference, code, int(entry.size))
+        for reference, code, entry in entries
+    )
+
+
+def _parse(path: Path, **options: Any) -> Any:
+    """vcdvcd's parser. Importing it changes what the whole process does on a broken pipe; that is put back."""
+    handler = signal.getsignal(signal.SIGPIPE)
+    from vcdvcd import VCDVCD
+
+    if signal.getsignal(signal.SIGPIPE) != handler:
+        signal.signal(signal.SIGPIPE, handler)
+    return VCDVCD(str(path), **options)
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """One line for whatever the parser makes of a file that is not a whole VCD."""
+    try:
+        yield
+    except VcdError:
+        raise
+    except OSError as error:
+        raise VcdError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except Exception as error:  # the parser raises whatever its indexing and conversions raise
+        raise VcdError(f"{path}: not a whole VCD: {error}") from error
