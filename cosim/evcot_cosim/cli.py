@@ -20,7 +20,7 @@ from evcot.files import read_recording
 from evcot.presets import PRESETS, fit, for_sensor, preset
 from evcot.scenes.boxes import BoxExperiment, simulate
 
-from .cosim import check_addresses, run_cosim, stalls_from, write_mismatch, write_run
+from .cosim import check_addresses, folder_written_aside, run_cosim, stalls_from, write_mismatch, write_run
 from .lockstep import MismatchError
 from .progress import Progress
 from .summary import table
@@ -154,11 +154,12 @@ def _waves(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     job = _job(options)
     window = Window.of_time(job.recording.events, round(options.from_ms * 1000), round(options.to_ms * 1000))
     folder = options.output or Path("build") / "waves" / job.name
-    vcd, view = write_waves(
-        job.recording.events, job.config.cot, folder, window, top=options.hardware, stalls=stalls_from(options.stalls)
-    )
+    with folder_written_aside(folder) as aside:
+        write_waves(
+            job.recording.events, job.config.cot, aside, window, top=options.hardware, stalls=stalls_from(options.stalls)
+        )
     if not options.quiet:
-        print(f"events {window.first} to {window.last}: {vcd}\nopen with: gtkwave {vcd} {view}")
+        print(f"events {window.first} to {window.last} in {folder}/; open with: cd {folder} && gtkwave waves.vcd waves.gtkw")
     return 0
 
 

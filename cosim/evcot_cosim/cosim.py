@@ -30,7 +30,7 @@ from .lockstep import Lockstep, MismatchError, chunks
 from .summary import summarise, summarise_mismatch, write_summary
 from .waves import Window, write_waves
 
-__all__ = ["CosimRun", "check_addresses", "run_cosim", "stalls_from", "write_mismatch", "write_run"]
+__all__ = ["CosimRun", "check_addresses", "folder_written_aside", "run_cosim", "stalls_from", "write_mismatch", "write_run"]
 
 _WAVES_EVENTS = 400  # events before and after the moment that the default waveform shows
 _MISMATCH_EVENTS = 50  # the same, around a mismatch
@@ -229,5 +229,7 @@ def folder_written_aside(folder: Path) -> Iterator[Path]:
             aside.rename(folder)
         finally:
             shutil.rmtree(aside, ignore_errors=True)
+    except OutputError:
+        raise
     except OSError as error:
         raise OutputError(f"{error.filename or folder}: cannot be written: {error.strerror or error}") from error

@@ -63,11 +63,16 @@ def error_of(capture: Capture, *arguments: str) -> str:
     return lines[0].removeprefix("evcot: ")
 
 
+def view_files(name: str) -> set[str]:
+    """A waveform, its view, and the names that the view gives to codes."""
+    return {f"{name}.vcd", f"{name}.gtkw", *(f"{name}-{code}.txt" for code in ("kind", "mode", "phase"))}
+
+
 def test_a_run_leaves_summary_logs_picture_and_waveform(recording: Path, capsys: Capture) -> None:
     assert main(["cosim", str(recording), "--stalls", "5"]) == 0
     folder = Path("build/cosim/blob")
     assert {path.name for path in folder.iterdir()} == {
-        "summary.json", "picture.png", "waves.vcd", "waves.gtkw",
+        "summary.json", "picture.png", *view_files("waves"),
         *(f"{engine}.{kind}" for engine in ("hardware", "model", "software") for kind in ("npz", "csv")),
     }  # fmt: skip
     assert not list(Path("build/cosim").glob(".*"))
@@ -120,9 +125,9 @@ def test_quiet_prints_nothing(recording: Path, capsys: Capture) -> None:
 
 def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
     assert main(["waves", str(recording), "--from", "10", "--to", "11"]) == 0
-    assert "events 500 to 549:" in capsys.readouterr().out
+    assert "events 500 to 549 in build/waves/blob/" in capsys.readouterr().out
     folder = Path("build/waves/blob")
-    assert {path.name for path in folder.iterdir()} == {"waves.vcd", "waves.gtkw"}
+    assert {path.name for path in folder.iterdir()} == view_files("waves")
     assert (folder / "waves.vcd").read_text().count("\n#") >= 2 * 50
 
 
@@ -156,7 +161,7 @@ def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     assert printed.out == ""
     assert re.search(r"MISMATCH: cot_array: event \d+, tick \d+: record\.\w+: hardware has \d+, model has \d+", printed.err)
     folder = Path("build/cosim/blob")
-    assert {path.name for path in folder.iterdir()} == {"summary.json", "mismatch.vcd", "mismatch.gtkw"}
+    assert {path.name for path in folder.iterdir()} == {"summary.json"} | view_files("mismatch")
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["exact"] is False
     found = summary["mismatch"]
@@ -194,7 +199,7 @@ def test_a_bad_file(name: str, content: bytes | None, message: str, capsys: Capt
         ("[[slot]]\nnev_min = 60", "run.toml: cot.slot[0].clust_nev = 16: must lie from nev_min = 60 to nev_max = 32"),
         ("[shape]\nn_slots = 65", "run.toml: shape.n_slots = 65: must be an integer from 1 to 64"),
         ("[shape]\nn_slots = 1\n[[slot]]\n[[slot]]", "run.toml: [[slot]] stands 2 times: must be at most shape.n_slots = 1"),
-        ("[shape]\nx_w = 6", "shape.x_w = 6: too few bits for 128 pixels of blob.npz"),
+        ("[shape]\nx_w = 6", "shape.x_w = 6: too few bits for 128 pixels of blob"),
         ("[rct]\nalpha = 2", "run.toml: rct.alpha = 2: must be from 1e-06 to 1"),
         ("[cot]\nradius = 3", "run.toml: [cot]: unknown field 'radius': must be one of "),
         ("[cot", "run.toml: is not TOML: "),

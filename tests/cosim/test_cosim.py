@@ -85,11 +85,11 @@ def test_the_story_of_the_blob(blob: Recording) -> None:
 
 
 def test_stalls_change_clocks_and_nothing_else(blob: Recording) -> None:
-    free, stalled = run(blob), run(blob, stall_seed=4)
+    free, stalled = run(blob), run(blob, stall_seed=1)
     assert same(free.hardware, stalled.hardware)
-    assert stalled.cycles > 1.2 * free.cycles
+    assert stalled.cycles > 2 * free.cycles
     assert len(stalls_from(None).source) == 0
-    assert np.array_equal(stalls_from(4).source, stalls_from(4).source)
+    assert np.array_equal(stalls_from(1).source, stalls_from(1).source)
 
 
 def test_progress_is_told_after_each_run_of_events(blob: Recording) -> None:
