@@ -23,7 +23,7 @@ __all__ = ["write_view"]
 
 _BESIDE = "/beside"  # the made-up folder
 _SIZE_PX = 1600, 1000
-_NAMES_PX, _BORDER_PX = 330, 40  # left of the waves; scroll bars and the like
+_NAMES_PX, _BORDER_PX = 340, 40  # left of the waves; scroll bars and the like
 _ZOOM_PX = 200  # GTKWave's zoom z: so many pixels show 2^-z steps of time
 _PLOT_ROWS = 2  # a curve is so many rows higher than a number
 
@@ -40,7 +40,7 @@ _FORMS = {
     Form.PLOT: _DEC | _CURVE,
     Form.PLOT_PIXELS: _DEC | _CURVE | _FPDECSHIFT,
 }
-_COLOURS = {Colour.PLAIN: 0, Colour.CONTROL: 2, Colour.EVENT: 3, Colour.PLACE: 4, Colour.TIME: 6}
+_COLOURS = {Colour.PLAIN: 0, Colour.CONTROL: 2, Colour.EVENT: 3, Colour.TIME: 6, Colour.PLACE: 7}
 
 
 def write_view(vcd: Path, view: Path) -> None:

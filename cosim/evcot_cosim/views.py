@@ -24,10 +24,10 @@ class Form(Enum):
 class Colour(Enum):
     """What a row is about, told by its colour."""
 
-    PLAIN = "normal"
+    PLAIN = "green"
     TIME = "indigo"
     CONTROL = "orange"
-    PLACE = "green"
+    PLACE = "violet"
     EVENT = "yellow"
 
 
@@ -185,6 +185,6 @@ VIEWS: dict[str, tuple[Group, ...]] = {
         _ARRAY_CORE,
         _ARRAY_SLOT,
         *_OUTPUTS,
-        Group("registers of the slot in question", (Row("mode", codes=_MODE), *_rows(_REGISTERS)), closed=True),
+        Group("registers", (Row("mode", codes=_MODE), *_rows(_REGISTERS)), closed=True),
     ),
 }
