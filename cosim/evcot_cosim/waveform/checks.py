@@ -169,7 +169,9 @@ def _held(
     if first is not None:
         cycle, index = first
         failures = len(np.unique(np.concatenate([bad for bad, _ in broken])))
-        what = f"{held[index].text} changes, having been held since cycle {int(begun[cycle - 1])},"
+        starts = np.flatnonzero(start.true)
+        since = int(starts[np.searchsorted(starts, over[cycle - 1], side="right")])
+        what = f"{held[index].text} changes, having been held since cycle {since},"
         paths = tuple(dict.fromkeys(_paths(start, until, *also) + _paths(*held)))
         raise failure(samples, text, what, cycle, paths, failures=failures, cases=cases)
     return _counted(samples, cases, text, why, allow_vacuous)

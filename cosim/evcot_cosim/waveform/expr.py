@@ -110,6 +110,7 @@ class Expr:
     def __ge__(self, other: Expr | int) -> Expr:
         return self._compare(">=", operator.ge, other)
 
+    __rand__, __ror__, __rxor__ = __and__, __or__, __xor__
     __hash__ = None  # type: ignore[assignment]
 
     def __bool__(self) -> NoReturn:
@@ -119,6 +120,8 @@ class Expr:
 
     def __add__(self, other: Expr | int) -> Expr:
         return self._calculate("+", operator.add, other)
+
+    __radd__ = __add__
 
     def __sub__(self, other: Expr | int) -> Expr:
         return self._calculate("-", operator.sub, other)
@@ -255,4 +258,9 @@ def _delayed(values: NDArray[Any], cycles: int) -> NDArray[Any]:
 
 
 def _grouped(text: str) -> str:
-    return f"({text})" if " " in text else text
+    depth = 0
+    for character in text:
+        depth += (character == "(") - (character == ")")
+        if character == " " and not depth:
+            return f"({text})"
+    return text

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import re
 import signal
+import traceback
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -64,7 +66,7 @@ class Timescale:
 
 
 class Signal:
-    """All changes of one signal.
+    """All changes of one signal of a file.
 
     Attributes:
         declared: what the header says.
@@ -73,11 +75,11 @@ class Signal:
         unknown: (k,) bool, true where any bit is x or z.
     """
 
-    def __init__(self, declared: Declared, changes: list[tuple[int, str]]) -> None:
+    def __init__(self, file: Path, declared: Declared, changes: list[tuple[int, str]]) -> None:
         self.declared = declared
         self.times: NDArray[np.int64] = np.fromiter((time for time, _ in changes), np.int64, len(changes))
         if np.any(np.diff(self.times) < 0):
-            raise VcdError(f"{declared.path}: time runs backwards: must never decrease")
+            raise VcdError(f"{file}: {declared.path}: time runs backwards: must never decrease")
         texts = [text for _, text in changes]
         self.unknown: NDArray[np.bool_] = np.zeros(len(texts), np.bool_)
         self._texts: dict[int, str] = {}
@@ -183,5 +185,7 @@ def _readable(path: Path) -> Iterator[None]:
         raise
     except OSError as error:
         raise VcdError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except Exception as error:  # the parser raises whatever its indexing and conversions raise
+    except Exception as error:  # the parser raises whatever its indexing and conversions raise, and leaves the file open
+        with warnings.catch_warnings(action="ignore", category=ResourceWarning):
+            traceback.clear_frames(error.__traceback__)
         raise VcdError(f"{path}: not a whole VCD: {error}") from error

@@ -72,7 +72,7 @@ class Wave:
         if entry.code not in self._read:
             if entry.code not in self._changes:
                 raise VcdError(f"{self.path}: {entry.path} has not been read: add it to `only`")
-            self._read[entry.code] = Signal(entry, self._changes.pop(entry.code))
+            self._read[entry.code] = Signal(self.path, entry, self._changes.pop(entry.code))
         return self._read[entry.code]
 
     def declared(self, name: str) -> Declared:
