@@ -244,7 +244,7 @@ class Device:
             own_pattern=pointer(patterns.own), own_length=len(patterns.own),
             pass_pattern=pointer(patterns.passed), pass_length=len(patterns.passed),
             owner=pointer(owner), rel_x=pointer(rel_x), rel_y=pointer(rel_y), accept_cycle=pointer(accepted),
-            now=self.now, cycle=self.cycle,
+            now=self.now, began=self.now, cycle=self.cycle,
             vcd=self._vcd, vcd_from=self._vcd_window[0], vcd_to=self._vcd_window[1],
         )  # fmt: skip
         records: list[NDArray[np.void]] = []

@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 
-from evcot.contract import RECORD, SLOTS_MAX, Shape
+from evcot.contract import RECORD, SLOTS_MAX, Kind, Shape
 
 __all__ = ["PARAMETERS", "UNDECIDED", "Job", "Status", "pointer", "source"]
 
@@ -83,6 +83,7 @@ _JOB: list[tuple[str, type, str]] = [
     ("holds_event", _INT, "int64_t"),
     ("held_tick", _INT, "int64_t"),
     ("fault_seq", _INT, "int64_t"),
+    ("began", _INT, "int64_t"),  # tick of the last event before this call
     # waveform: clocks from the one after event vcd_from - 1 was taken to the one that takes event vcd_to
     ("vcd", _POINTER, "void*"),
     ("vcd_from", _INT, "int64_t"),
@@ -115,6 +116,8 @@ def source(top: str, shape: Shape) -> str:
         in_order=top != "cot_chain",
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,
+        time_mask=(1 << shape.time_w) - 1,
+        lost=int(Kind.LOST),
         slots_max=SLOTS_MAX,
         undecided=UNDECIDED,
         record_fields=_record_fields(),

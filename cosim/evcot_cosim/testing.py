@@ -6,18 +6,20 @@ A stall pattern is any iterator of bools, one per clock: True lets a source offe
 
 from __future__ import annotations
 
+import ctypes
 import subprocess
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import repeat
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from .build import verilog_dir
+from .build import load, verilog_dir
 from .toolchain import Toolchain, find_toolchain
 
-__all__ = ["PATTERNS", "Sink", "Source", "Word", "always", "bursts", "lint", "reset", "run_streams", "sometimes"]
+__all__ = ["PATTERNS", "Sink", "Source", "Word", "always", "bursts", "evaluate", "lint", "reset", "run_streams", "sometimes"]
 
 Word = tuple[int, ...]
 
@@ -67,6 +69,33 @@ def lint(top: str, **parameters: int) -> tuple[int, str]:
 @cache
 def _tools() -> Toolchain:
     return find_toolchain()
+
+
+def evaluate(
+    top: str, parameters: Mapping[str, int], inputs: Mapping[str, ArrayLike], outputs: Sequence[str]
+) -> dict[str, NDArray[np.int64]]:
+    """What a combinational module of unsigned ports up to 64 bits answers to many input values at once.
+
+    Args:
+        top, parameters: the module.
+        inputs: values of every input port, arrays that broadcast to one length.
+        outputs: the output ports wanted.
+    """
+    columns = np.broadcast_arrays(*(np.asarray(values, np.int64) for values in inputs.values()))
+    n = columns[0].size
+    asked = np.stack([column.ravel() for column in columns], axis=1)
+    told = np.empty((n, len(outputs)), np.int64)
+    sets = "".join(f"top->{port} = in[i * {len(inputs)} + {k}];" for k, port in enumerate(inputs))
+    gets = "".join(f"out[i * {len(outputs)} + {k}] = top->{port};" for k, port in enumerate(outputs))
+    drive = f"""#include "V{top}.h"
+extern "C" void evcot_evaluate(V{top}* top, int64_t n, const int64_t* in, int64_t* out) {{
+    for (int64_t i = 0; i < n; ++i) {{ {sets} top->eval(); {gets} }}
+}}
+"""
+    sim = load(top, parameters, {"evaluate.cpp": drive})
+    pointers = (ctypes.c_void_p(array.ctypes.data) for array in (asked, told))
+    sim.lib.evcot_evaluate(ctypes.c_void_p(sim.model), ctypes.c_int64(n), *pointers)
+    return {port: told[:, k] for k, port in enumerate(outputs)}
 
 
 def reset(sim: PyVerilator, clocks: int = 2) -> None:

@@ -164,6 +164,7 @@ module cot #(
     reg [Y_W-1:0]         token_y;
     reg                   token_p;
     reg [SEQ_W-1:0]       token_seq;
+    reg                   had_event;  // token_event, before the event was taken from it
 
     // outputs not yet taken
     reg                   cm_pending, own_pending, pass_pending;
@@ -341,7 +342,7 @@ module cot #(
                 restart    <= 1'b0;
                 cm_pending <= active;
                 cm_kind    <= `EVCOT_KIND_LOST;
-                cm_seq     <= token_seq + {{(SEQ_W - 1) {1'b0}}, token_event};
+                cm_seq     <= token_seq + {{(SEQ_W - 1) {1'b0}}, had_event};
                 cm_time    <= now;
                 state      <= `EVCOT_ST_INIT_CELL;
             end else if (s_valid && expired) begin
@@ -357,6 +358,7 @@ module cot #(
                 now         <= now + {{(TIME_W - TICK_W) {1'b0}}, tick};
                 token_tick  <= s_tick;
                 token_event <= s_event;
+                had_event   <= s_event;
                 token_x     <= s_x;
                 token_y     <= s_y;
                 token_p     <= s_p;
@@ -451,7 +453,7 @@ module cot #(
             tick_used    <= 1'b0;
             now          <= {TIME_W{1'b0}};
             next_id      <= ID_FIRST[ID_W-1:0];
-            token_event  <= 1'b0;
+            had_event    <= 1'b0;
             token_seq    <= {SEQ_W{1'b0}};
         end
     end

@@ -5,7 +5,8 @@
 // at the tick at which it happened, however late it arrives. Events are numbered at the entrance; the records and the owned
 // events of all trackers are merged round robin, and each tracker's own stay in order.
 //
-// Latency, unstalled: as cot.v, plus 2 clocks per upstream tracker and 1 for the merged outputs.
+// Latency, unstalled: as cot.v, plus 1 clock at the entrance, 2 per upstream tracker, and 1 where records and owned events
+// are merged.
 // Throughput: that of cot.v, an event every 3 to 4 clocks, in every tracker at once.
 // Every output holds its value until taken. Reset turns all trackers off. s_ready is a register.
 `default_nettype none

@@ -25,9 +25,7 @@ class Limit(IntEnum):
     TC_MAX = 3
     SUPPORT_MAX = 4
     ID_MASK = 5
-    SEQ_MASK = 6
-    TIME_MASK = 7
-    IS_CHAIN = 8
+    IS_CHAIN = 6
 
 
 class Global(IntEnum):
@@ -55,7 +53,7 @@ HIST_AVG, MAX_TICKS, CLUST_NEV, NEV_MIN, NEV_MAX, NEV_TH, DETECT_TICKS = (
     list(REGISTERS).index(name)
     for name in ("hist_avg", "max_ticks", "clust_nev", "nev_min", "nev_max", "nev_th", "detect_ticks")
 )
-FRAC, X_MAX, Y_MAX, TC_MAX, SUPPORT_MAX, ID_MASK, SEQ_MASK, TIME_MASK, IS_CHAIN = (int(i) for i in Limit)
+FRAC, X_MAX, Y_MAX, TC_MAX, SUPPORT_MAX, ID_MASK, IS_CHAIN = (int(i) for i in Limit)
 NOW, SEQ, BIRTHS, NEXT_DEADLINE = (int(i) for i in Global)
 OFF, FIXED, SEEDED = int(Mode.OFF), int(Mode.FIXED), int(Mode.SEEDED)
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
@@ -125,8 +123,8 @@ def initialise(s: Table, regs: Table, lim: Table, glob: Table) -> None:
 @njit(cache=True, nogil=True)
 def _record(s: Table, regs: Table, lim: Table, i: int, kind: int, seq: int, time: int, other: int, out: Table, n: int) -> int:
     row = out[n]
-    row.seq = seq & lim[SEQ_MASK]
-    row.time = time & lim[TIME_MASK]
+    row.seq = seq
+    row.time = time
     row.track_id = s[ID, i]
     row.other_id = other
     row.cm_x = s[CM_X, i]

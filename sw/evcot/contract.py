@@ -80,7 +80,7 @@ class Shape:
     """Elaboration parameters of the hardware; the golden model computes in exactly these widths.
 
     Raises:
-        ConfigError: a field lies outside `SHAPE_RANGES`.
+        ConfigError: a field lies outside `SHAPE_RANGES`, or time_w is less than tc_w + nev_w or than tick_w.
     """
 
     n_slots: int = 8
@@ -107,6 +107,8 @@ class Shape:
                 f"shape.time_w = {self.time_w}: must be at least tc_w + nev_w = {self.tc_w + self.nev_w}, "
                 "or the length of a window would wrap"
             )
+        if self.time_w < self.tick_w:
+            raise ConfigError(f"shape.time_w = {self.time_w}: must be at least tick_w = {self.tick_w}")
 
     @property
     def slot_w(self) -> int:

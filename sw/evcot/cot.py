@@ -72,8 +72,6 @@ class CotModel:
         self._limits[Limit.TC_MAX] = (1 << shape.tc_w) - 1
         self._limits[Limit.SUPPORT_MAX] = (1 << shape.sup_w) - 1
         self._limits[Limit.ID_MASK] = (1 << shape.id_w) - 1
-        self._limits[Limit.SEQ_MASK] = (1 << shape.seq_w) - 1
-        self._limits[Limit.TIME_MASK] = (1 << shape.time_w) - 1
         self._limits[Limit.IS_CHAIN] = arrangement is Arrangement.CHAIN
         self._state = np.zeros((FIELD_COUNT, shape.n_slots), np.int64)
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of the trackers share: short stories told to hardware and model alike, and random traffic with random registers.
+
+A story is a list of events (tick, x, y). Random registers come from their whole legal ranges, small values as often as large
+ones; random traffic has bursts around moving targets, noise, equal ticks and long silences.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.config import CotConfig, SlotConfig
+from evcot.contract import REGISTERS, Kind, Mode, Shape
+from evcot.cot import Arrangement, CotModel, Decisions
+
+from .device import Device, Stalls, Top, build_device
+
+__all__ = ["ENGINES", "Engine", "Told", "Traffic", "exact", "random_config", "random_traffic", "tell"]
+
+Engine = Literal["model", "rtl"]
+ENGINES: tuple[Engine, ...] = ("model", "rtl")
+
+
+@dataclass(frozen=True)
+class Told:
+    """What an engine made of a story, in words that a test can compare: one tuple per record, one owner per event."""
+
+    config: CotConfig
+    decisions: Decisions
+
+    @property
+    def owners(self) -> list[int]:
+        """The slot that took each event, -1 where it passed."""
+        return [int(slot) for slot in self.decisions.owner]
+
+    @property
+    def rel(self) -> list[tuple[int, int]]:
+        """Each event's address in its owner's window."""
+        return [(int(x), int(y)) for x, y in zip(self.decisions.rel_x, self.decisions.rel_y, strict=True)]
+
+    def records(self, *fields: str) -> list[tuple[object, ...]]:
+        """The chosen fields of every record; `kind` is a `Kind`, `x` and `y` are the centre in pixels."""
+        scale = 1 << self.config.shape.frac
+        return [
+            tuple(
+                Kind(record["kind"])
+                if field == "kind"
+                else float(record[f"cm_{field}"]) / scale
+                if field in ("x", "y")
+                else int(record[field])
+                for field in fields
+            )
+            for record in self.decisions.records
+        ]
+
+    @property
+    def kinds(self) -> list[Kind]:
+        """The kind of every record."""
+        return [Kind(kind) for kind in self.decisions.records["kind"]]
+
+
+def tell(story: Iterable[tuple[int, int, int]], config: CotConfig, top: Top = "cot_array", engine: Engine = "rtl") -> Told:
+    """Tell a story to the hardware `top`, or to the golden model in the same arrangement."""
+    ticks, x, y = np.array(list(story), np.int64).reshape(-1, 3).T
+    xs, ys = x.astype(np.uint16), y.astype(np.uint16)
+    if engine == "model":
+        arrangement = Arrangement.ARRAY if top == "cot_array" else Arrangement.CHAIN
+        return Told(config, CotModel(config, arrangement).feed(ticks.copy(), xs, ys))
+    return Told(config, Device(config, top).stream(ticks.copy(), xs, ys, ((xs ^ ys) & 1).astype(np.uint8)))
+
+
+class Traffic(NamedTuple):
+    """Events as the hardware takes them: ticks since reset (n,) int64, x and y (n,) uint16, polarity (n,) uint8."""
+
+    ticks: NDArray[np.int64]
+    x: NDArray[np.uint16]
+    y: NDArray[np.uint16]
+    p: NDArray[np.uint8]
+
+
+def random_config(rng: np.random.Generator, shape: Shape) -> CotConfig:
+    """Random registers over their whole legal ranges, every slot with its own."""
+    return CotConfig(shape, tuple(_random_slot(rng, shape) for _ in range(shape.n_slots)))
+
+
+def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
+    values = {name: _draw(rng, *register.limits(shape)) for name, register in REGISTERS.items()}
+    values["mode"] = int(rng.choice([Mode.OFF, Mode.FIXED, Mode.SEEDED], p=[0.05, 0.25, 0.7]))
+    for axis in ("init_cm_x", "init_cm_y"):  # anywhere, as likely in the middle as near 0
+        values[axis] = int(rng.integers(0, REGISTERS[axis].limits(shape)[1], endpoint=True))
+    for names in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
+        values.update(zip(names, sorted(values[name] for name in names), strict=True))
+    return SlotConfig(**values)
+
+
+def _draw(rng: np.random.Generator, low: int, high: int) -> int:
+    """An integer from low to high: sometimes a limit, else as likely of any length in bits, often of a few only."""
+    if rng.random() < 0.08:
+        return int(rng.choice([low, high]))
+    bits = rng.uniform(0, math.log2(high - low + 2))
+    if rng.random() < 0.5:
+        bits = min(bits, rng.uniform(0, 6))
+    return min(high, low + int(2**bits) - 1)
+
+
+def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_event: float, first_tick: int = 0) -> Traffic:
+    """Bursts around moving targets, noise between them, equal ticks, pauses and long silences.
+
+    Args:
+        rng: where all chance comes from.
+        shape: address widths, and how long a timer can run.
+        n: events.
+        ticks_per_event: about how many ticks pass from one event to the next within a burst.
+        first_tick: tick before the first event.
+    """
+    n_targets = int(rng.integers(1, 2 * shape.n_slots + 2))
+    burst = rng.geometric(1 / rng.uniform(2, 40), n)
+    target = np.repeat(rng.integers(0, n_targets, n), burst)[:n]
+    noisy = rng.random(n) < rng.choice([0.02, 0.1, 0.4])
+    axes = []
+    for width in (shape.x_w, shape.y_w):
+        size = 1 << width
+        span = min(size, 128)  # where the targets are: a part of a large sensor
+        speed = rng.normal(0, rng.choice([0.0, 0.5, 5.0]) * span / n * 8, n_targets)
+        path = rng.uniform(0, span, n_targets)[target] + speed[target] * np.arange(n)
+        path += rng.normal(0, rng.choice([0.3, 1.0, 3.0]), n)
+        folded = np.minimum(np.abs((path + span) % (2 * span) - span), span - 1)  # reflected at the borders
+        corner = rng.integers(0, size - span, endpoint=True)
+        noise = rng.integers(0, size, n) if rng.random() < 0.5 else corner + rng.integers(0, span, n)
+        axes.append(np.where(noisy, noise, corner + folded).astype(np.uint16))
+    steps = rng.poisson(ticks_per_event, n).astype(np.int64)
+    pauses = rng.random(n) < 0.003
+    steps[pauses] += rng.integers(0, max(2, int(60 * ticks_per_event)), np.count_nonzero(pauses))
+    silences = rng.random(n) < 2e-4
+    steps[silences] += rng.integers(0, 1 << min(shape.tc_w + 1, 34), np.count_nonzero(silences))
+    return Traffic(first_tick + np.cumsum(steps), axes[0], axes[1], rng.integers(0, 2, n, np.uint8))
+
+
+def exact(
+    shape: Shape,
+    top: Top,
+    seed: int,
+    runs: int,
+    events_per_run: int,
+    *,
+    parts: int = 2,
+    rates: tuple[float, ...] = (0.3, 2, 10),
+) -> dict[Kind, int]:
+    """Random registers, traffic and stalls through hardware and model: `runs` times, all decisions compared bit for bit.
+
+    Returns how many records of each kind there were.
+
+    Raises:
+        AssertionError: they differ; the message names run and seed.
+    """
+    print(f"{top}, {shape.n_slots} slots, frac {shape.frac}, seed {seed}:", end=" ")
+    built = None
+    census = dict.fromkeys(Kind, 0)
+    for run in range(runs):
+        rng = np.random.default_rng([seed, run])
+        config = random_config(rng, shape)
+        built = built or build_device(config, top)
+        device = Device(config, top, model=built, stalls=Stalls.random(rng) if run % 4 else None)
+        model = CotModel(config, device.arrangement)
+        for _ in range(parts):
+            rate = float(rng.choice(rates))
+            traffic = random_traffic(rng, shape, events_per_run // parts, rate, device.now)
+            hardware, golden = device.stream(*traffic), model.feed(*traffic[:3])
+            for field in Decisions._fields:
+                theirs, ours = getattr(hardware, field), getattr(golden, field)
+                assert np.array_equal(theirs, ours), f"seed {seed}, run {run}: {field} differs"
+            for kind in Kind:
+                census[kind] += int(np.count_nonzero(golden.records["kind"] == kind))
+    print(", ".join(f"{count} {kind.name}" for kind, count in census.items()))
+    return census
