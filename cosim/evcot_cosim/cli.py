@@ -8,7 +8,7 @@ import json
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -20,26 +20,10 @@ from evcot.files import read_recording
 from evcot.presets import PRESETS, fit, for_sensor, preset
 from evcot.scenes.boxes import BoxExperiment, simulate
 
-from .cosim import check_addresses, folder_written_aside, run_cosim, stalls_from, write_mismatch, write_run
-from .lockstep import MismatchError
-from .progress import Progress
-from .summary import table
-from .waves import Window, write_waves
-
-__all__ = ["main"]
-
-MISMATCH, USER_ERROR = 1, 2
-
-_EXAMPLES = """examples:
-  evcot cosim                                   the box experiment, nothing to download
-  evcot cosim drive.aedat4                      a camera file, with the preset for its sensor
-  evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
-  evcot waves drive.aedat4 --from 120 --to 125  a waveform of 5 ms, to open in GTKWave
-  evcot presets --json
-"""
+from .artifacts import folder_written_aside, write_mismatch, write_run
+from .cosim import check_addresses, run_cosim, stalls_from
 
 
-@dataclass(frozen=True)
 class Job:
     """What a command that simulates works on."""
 

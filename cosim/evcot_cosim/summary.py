@@ -7,7 +7,7 @@ import importlib.metadata
 import json
 import platform
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +19,9 @@ from evcot.outputs import written_aside
 from evcot.timeline import lifetimes
 from evcot.tracklog import TrackLog
 
+from .cosim import CosimRun
 from .lockstep import Mismatch
 from .toolchain import find_toolchain
-
-if TYPE_CHECKING:
-    from .cosim import CosimRun
 
 __all__ = ["summarise", "summarise_mismatch", "table", "write_summary"]
 

@@ -12,13 +12,13 @@ import pytest
 from evcot.contract import Kind
 from evcot.cot import Arrangement
 from evcot.cot import track as cot_track
-from evcot.errors import ConfigError, OutputError, RecordingError
+from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.files import read_recording
 from evcot.presets import fit, for_sensor, preset
 from evcot.rct import track as rct_track
 from evcot.tracklog import TrackLog
-from evcot_cosim.cosim import CosimRun, check_addresses, folder_written_aside, run_cosim, stalls_from
+from evcot_cosim.cosim import CosimRun, check_addresses, run_cosim, stalls_from
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 RECORDINGS = {
@@ -108,19 +108,3 @@ def test_addresses_must_reach_the_whole_sensor(blob: Recording) -> None:
     check_addresses(blob, cot)
     with pytest.raises(ConfigError, match=r"^shape.y_w = 6: too few bits for 65 pixels of blob$"):
         check_addresses(replace(blob, height=65), cot)
-
-
-def test_a_folder_appears_whole_or_not_at_all(tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    with folder_written_aside(folder) as aside:
-        (aside / "a").write_text("old")
-        assert not folder.exists()
-    with pytest.raises(ZeroDivisionError), folder_written_aside(folder) as aside:
-        (aside / "a").write_text(str(1 // 0))
-    assert [path.name for path in tmp_path.iterdir()] == ["run"]
-    assert (folder / "a").read_text() == "old"
-    with folder_written_aside(folder) as aside:
-        (aside / "b").write_text("new")
-    assert [path.name for path in folder.iterdir()] == ["b"]
-    with pytest.raises(OutputError, match="cannot be written"), folder_written_aside(folder / "b" / "c"):
-        pass
