@@ -8,7 +8,7 @@ import json
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,25 @@ from evcot.scenes.boxes import BoxExperiment, simulate
 
 from .artifacts import folder_written_aside, write_mismatch, write_run
 from .cosim import check_addresses, run_cosim, stalls_from
+from .lockstep import MismatchError
+from .progress import Progress
+from .summary import table
+from .waves import Window, write_waves
+
+__all__ = ["main"]
+
+MISMATCH, USER_ERROR = 1, 2
+
+_EXAMPLES = """examples:
+  evcot cosim                                   the box experiment, nothing to download
+  evcot cosim drive.aedat4                      a camera file, with the preset for its sensor
+  evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
+  evcot waves drive.aedat4 --from 120 --to 125  a waveform of 5 ms, to open in GTKWave
+  evcot presets --json
+"""
 
 
+@dataclass(frozen=True)
 class Job:
     """What a command that simulates works on."""
 
