@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Waveforms of real runs, dumped once: blobs that cross, merge, rest and vanish, with every stream stalled at random."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.config import CotConfig, SlotConfig
+from evcot.contract import Kind, Shape
+from evcot.events import Events
+from evcot_cosim.device import Device, Stalls, Top
+
+SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
+SLOT = SlotConfig(
+    init_radix=5, radix_th=2, radix_step=1, radix_min=3, radix_max=9, hist_avg=2,
+    max_ticks=300, clust_nev=6, nev_min=3, nev_max=12, nev_th=40, detect_ticks=120,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def config() -> CotConfig:
+    """Three seeded trackers on 128x128 pixels."""
+    return CotConfig.uniform(SHAPE, SLOT)
+
+
+@pytest.fixture(scope="session")
+def blobs() -> Events:
+    """Two blobs on crossing paths and scattered noise, about 3 ticks apart; every 500 events a silence ends all lives."""
+    random = np.random.default_rng(11)
+    n = 2_000
+    phase = np.arange(n) % 1_000 / 1_000
+    which = random.integers(2, size=n)
+    x = np.where(which == 0, 20 + 90 * phase, 110 - 90 * phase) + random.normal(0, 2.5, n)
+    y = np.where(which == 0, 60, 66) + random.normal(0, 2.5, n)
+    noise = random.random(n) < 0.1
+    x[noise], y[noise] = random.uniform(0, 128, (2, np.count_nonzero(noise)))
+    steps = random.poisson(3, n)
+    steps[::500] = 1_000
+    x, y = (np.clip(axis, 0, 127).astype(np.uint16) for axis in (x, y))
+    return Events(np.cumsum(steps), x, y, random.integers(2, size=n).astype(np.uint8))
+
+
+@pytest.fixture(scope="session")
+def vcds(config: CotConfig, blobs: Events, tmp_path_factory: pytest.TempPathFactory) -> dict[Top, Path]:
+    """The waveform of one run through each arrangement of trackers."""
+    folder = tmp_path_factory.mktemp("vcds")
+    return {top: dumped(config, blobs, folder / f"{top}.vcd", top) for top in ("cot_array", "cot_chain")}
+
+
+def dumped(config: CotConfig, events: Events, path: Path, top: Top) -> Path:
+    device = Device(config, top, stalls=Stalls.random(np.random.default_rng(5), (0.8, 0.1, 0.4, 0.6)))
+    with device.dumping(path):
+        records = device.stream(events.t_us, events.x, events.y, events.p).records
+    wanted = set(Kind) if top == "cot_array" else set(Kind) - {Kind.MERGED}
+    assert set(records["kind"]) == wanted, "the run is to show every kind of record"
+    return path
