@@ -384,68 +384,58 @@ module cot_array #(
 
     // ---- merge: centres weighted by support ------------------------------------------------------------------------
 
-    localparam DEN_W   = SUP_W + 1;
-    localparam NUM_X_W = POS_X + SUP_W + 1;
-    localparam NUM_Y_W = POS_Y + SUP_W + 1;
+    wire [POS_X-1:0] mean_x;
+    wire [POS_Y-1:0] mean_y;
+    wire ready_x, ready_y, done_x, done_y;
+    wire merges = phase == DIVIDE && done_x && done_y;
 
-    wire [DEN_W-1:0] both = {1'b0, support[stays]} + {1'b0, support[goes]};
-    wire [DEN_W-1:0] half = (FRAC > 0) ? both >> 1 : {DEN_W{1'b0}};  // to nearest with fractional bits, else floor
-
-    wire [NUM_X_W-1:0] num_x = {{(SUP_W + 1) {1'b0}}, cm_x[stays]} * {{(POS_X + 1) {1'b0}}, support[stays]}
-                             + {{(SUP_W + 1) {1'b0}}, cm_x[goes]} * {{(POS_X + 1) {1'b0}}, support[goes]}
-                             + {{POS_X{1'b0}}, half};
-    wire [NUM_Y_W-1:0] num_y = {{(SUP_W + 1) {1'b0}}, cm_y[stays]} * {{(POS_Y + 1) {1'b0}}, support[stays]}
-                             + {{(SUP_W + 1) {1'b0}}, cm_y[goes]} * {{(POS_Y + 1) {1'b0}}, support[goes]}
-                             + {{POS_Y{1'b0}}, half};
-
-    wire [NUM_X_W-1:0] quot_x;
-    wire [NUM_Y_W-1:0] quot_y;
-    wire [DEN_W-1:0]   rem_x, rem_y;
-    wire               ready_x, ready_y, done_x, done_y;
-    wire               merges = phase == DIVIDE && done_x && done_y;
-
-    divider #(
-        .NUM_W(NUM_X_W),
-        .DEN_W(DEN_W)
-    ) u_divider_x (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(absorbs && space),
-        .s_ready(ready_x),
-        .s_num  (num_x),
-        .s_den  (both),
-        .m_valid(done_x),
-        .m_ready(merges && space),
-        .m_quot (quot_x),
-        .m_rem  (rem_x)
+    weighted_mean #(
+        .W       (POS_X),
+        .WEIGHT_W(SUP_W),
+        .ROUND   (FRAC > 0)
+    ) u_mean_x (
+        .clk       (clk),
+        .rst       (rst),
+        .s_valid   (absorbs && space),
+        .s_ready   (ready_x),
+        .s_a       (cm_x[stays]),
+        .s_weight_a(support[stays]),
+        .s_b       (cm_x[goes]),
+        .s_weight_b(support[goes]),
+        .m_valid   (done_x),
+        .m_ready   (merges && space),
+        .m_mean    (mean_x)
     );
-    divider #(
-        .NUM_W(NUM_Y_W),
-        .DEN_W(DEN_W)
-    ) u_divider_y (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(absorbs && space),
-        .s_ready(ready_y),
-        .s_num  (num_y),
-        .s_den  (both),
-        .m_valid(done_y),
-        .m_ready(merges && space),
-        .m_quot (quot_y),
-        .m_rem  (rem_y)
+    weighted_mean #(
+        .W       (POS_Y),
+        .WEIGHT_W(SUP_W),
+        .ROUND   (FRAC > 0)
+    ) u_mean_y (
+        .clk       (clk),
+        .rst       (rst),
+        .s_valid   (absorbs && space),
+        .s_ready   (ready_y),
+        .s_a       (cm_y[stays]),
+        .s_weight_a(support[stays]),
+        .s_b       (cm_y[goes]),
+        .s_weight_b(support[goes]),
+        .m_valid   (done_y),
+        .m_ready   (merges && space),
+        .m_mean    (mean_y)
     );
 
-    reg  [RADIX_W-1:0] gone_g;        // what the slot that went leaves behind
-    reg  [DEN_W-1:0]   both_support;
+    reg  [RADIX_W-1:0] gone_g;  // what the slot that went leaves behind
+    reg  [SUP_W-1:0]   gone_support;
     wire [RADIX_W-1:0] larger_g = (gone_g > cur_g) ? gone_g : cur_g;
+    wire [SUP_W:0]     both_support = {1'b0, cur_support} + {1'b0, gone_support};
 
     // ---- the slot after --------------------------------------------------------------------------------------------
 
     wire clears = ends || absorbs;                               // back to INIT_CELL
     wire places = clears || merges || (takes && (last || seeds));  // the window changes
 
-    wire [POS_X-1:0]   next_cm_x = clears ? {init_cm_x, {FRAC{1'b0}}} : merges ? quot_x[POS_X-1:0] : last ? new_cm_x : cur_cm_x;
-    wire [POS_Y-1:0]   next_cm_y = clears ? {init_cm_y, {FRAC{1'b0}}} : merges ? quot_y[POS_Y-1:0] : last ? new_cm_y : cur_cm_y;
+    wire [POS_X-1:0]   next_cm_x = clears ? {init_cm_x, {FRAC{1'b0}}} : merges ? mean_x : last ? new_cm_x : cur_cm_x;
+    wire [POS_Y-1:0]   next_cm_y = clears ? {init_cm_y, {FRAC{1'b0}}} : merges ? mean_y : last ? new_cm_y : cur_cm_y;
     wire [RADIX_W-1:0] next_g    = clears ? init_radix
                                  : merges ? ((larger_g > radix_max) ? radix_max : larger_g)
                                  : last   ? new_g : cur_g;
@@ -629,7 +619,7 @@ module cot_array #(
                 end
                 ABSORB: begin
                     gone_g       <= cur_g;
-                    both_support <= both;
+                    gone_support <= cur_support;
                     phase        <= DIVIDE;
                 end
                 DIVIDE:
@@ -657,8 +647,7 @@ module cot_array #(
         end
     end
 
-    wire unused = &{1'b0, rel_x[REL_X-1:RADIX_W+2], rel_y[REL_Y-1:RADIX_W+2], quot_x[NUM_X_W-1:POS_X],
-                    quot_y[NUM_Y_W-1:POS_Y], rem_x, rem_y, ready_x, ready_y};
+    wire unused = &{1'b0, rel_x[REL_X-1:RADIX_W+2], rel_y[REL_Y-1:RADIX_W+2], ready_x, ready_y};
 
 `ifdef FORMAL
 `include "cot_array_rules.vh"
