@@ -7,10 +7,12 @@ A stall pattern is any iterator of bools, one per clock: True lets a source offe
 from __future__ import annotations
 
 import ctypes
+import re
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import repeat
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +21,20 @@ from pyverilator import PyVerilator
 from .build import load, verilog_dir
 from .toolchain import Toolchain, find_toolchain
 
-__all__ = ["PATTERNS", "Sink", "Source", "Word", "always", "bursts", "evaluate", "lint", "reset", "run_streams", "sometimes"]
+__all__ = [
+    "PATTERNS",
+    "Sink",
+    "Source",
+    "Word",
+    "always",
+    "broken_copy",
+    "bursts",
+    "evaluate",
+    "lint",
+    "reset",
+    "run_streams",
+    "sometimes",
+]
 
 Word = tuple[int, ...]
 
@@ -96,6 +111,23 @@ extern "C" void evcot_evaluate(V{top}* top, int64_t n, const int64_t* in, int64_
     pointers = (ctypes.c_void_p(array.ctypes.data) for array in (asked, told))
     sim.lib.evcot_evaluate(ctypes.c_void_p(sim.model), ctypes.c_int64(n), *pointers)
     return {port: told[:, k] for k, port in enumerate(outputs)}
+
+
+def broken_copy(folder: Path, file: str, right: str, wrong: str) -> Path:
+    """Copies the RTL into a folder and replaces one piece of one file, spaces aside; returns the folder.
+
+    Raises:
+        ValueError: the file does not hold `right` exactly once.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in verilog_dir().glob("*.v*"):
+        (folder / path.name).write_bytes(path.read_bytes())
+    spaced = r"\s+".join(re.escape(word) for word in right.split())
+    text, count = re.subn(spaced, lambda _: wrong, (folder / file).read_text())
+    if count != 1:
+        raise ValueError(f"{file} holds {right!r} {count} times: must be once")
+    (folder / file).write_text(text)
+    return folder
 
 
 def reset(sim: PyVerilator, clocks: int = 2) -> None:
