@@ -34,6 +34,8 @@ _VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--default-language", "136
 _COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT", "-fno-semantic-interposition")
 # Without it g++ shares some symbols between all loaded models, and no model is ever unloaded.
 _GCC_FLAGS = ("-fno-gnu-unique",)
+# Calls within a model go straight to their function, not through a table that the loader fills.
+_GCC_VERILATOR_FLAGS = ("-LDFLAGS", "-Wl,-Bsymbolic-functions")
 
 # A context for each simulation: in a common one, every waveform would show the signals of all of them.
 _CONTEXT_FILE = "evcot_context.cpp"
@@ -178,7 +180,8 @@ def _recipe(
     files = {f"verilog/{name}": text for name, text in _reachable_sources(top, verilog).items()}
     cpp = {_CONTEXT_FILE: _CONTEXT_CPP, **extra_cpp}
     files |= {name: text.encode() for name, text in cpp.items()}
-    flags = (*_VERILATOR_FLAGS, *extra_flags)
+    gcc_flags, gcc_verilator_flags = ((), ()) if tools.compiler_is_clang else (_GCC_FLAGS, _GCC_VERILATOR_FLAGS)
+    flags = (*_VERILATOR_FLAGS, *gcc_verilator_flags, *extra_flags)
     request = {
         "top_file": f"verilog/{top}.v",
         "verilog_path": ["verilog"],
@@ -187,7 +190,7 @@ def _recipe(
             *(f"-G{name}={value}" for name, value in parameters.items()),
             *sorted(name for name in cpp if name.endswith(".cpp")),
         ],
-        "cargs": " ".join([*_COMPILER_FLAGS, *(() if tools.compiler_is_clang else _GCC_FLAGS)]),
+        "cargs": " ".join([*_COMPILER_FLAGS, *gcc_flags]),
     }
     label = " ".join([top, *(f"{name}={value}" for name, value in parameters.items())])
     return _Recipe(label, files, flags, request, tools)
