@@ -39,19 +39,26 @@ def blobs() -> Events:
     x[noise], y[noise] = random.uniform(0, 128, (2, np.count_nonzero(noise)))
     steps = random.poisson(3, n)
     steps[::500] = 1_000
+    steps[0] = 0
     x, y = (np.clip(axis, 0, 127).astype(np.uint16) for axis in (x, y))
     return Events(np.cumsum(steps), x, y, random.integers(2, size=n).astype(np.uint8))
 
 
 @pytest.fixture(scope="session")
-def vcds(config: CotConfig, blobs: Events, tmp_path_factory: pytest.TempPathFactory) -> dict[Top, Path]:
+def stalls() -> Stalls:
+    """Every stream stalls; records have to wait longest."""
+    return Stalls.random(np.random.default_rng(5), (0.8, 0.1, 0.4, 0.6))
+
+
+@pytest.fixture(scope="session")
+def vcds(config: CotConfig, blobs: Events, stalls: Stalls, tmp_path_factory: pytest.TempPathFactory) -> dict[Top, Path]:
     """The waveform of one run through each arrangement of trackers."""
     folder = tmp_path_factory.mktemp("vcds")
-    return {top: dumped(config, blobs, folder / f"{top}.vcd", top) for top in ("cot_array", "cot_chain")}
+    return {top: dumped(config, blobs, stalls, folder / f"{top}.vcd", top) for top in ("cot_array", "cot_chain")}
 
 
-def dumped(config: CotConfig, events: Events, path: Path, top: Top) -> Path:
-    device = Device(config, top, stalls=Stalls.random(np.random.default_rng(5), (0.8, 0.1, 0.4, 0.6)))
+def dumped(config: CotConfig, events: Events, stalls: Stalls, path: Path, top: Top) -> Path:
+    device = Device(config, top, stalls=stalls)
     with device.dumping(path):
         records = device.stream(events.t_us, events.x, events.y, events.p).records
     wanted = set(Kind) if top == "cot_array" else set(Kind) - {Kind.MERGED}

@@ -327,7 +327,7 @@ def test_a_merge_goes_through_its_phases_in_order(array: Scope, tmp_path: Path) 
 
 # ---- LFSR ----------------------------------------------------------------------------------------------------------------
 
-WIDTH = 6
+WIDTH = 8
 PERIOD = (1 << WIDTH) - 1
 
 
