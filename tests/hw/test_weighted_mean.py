@@ -58,7 +58,7 @@ def test_a_heavy_and_a_light_one(sim: PyVerilator) -> None:
     assert set(np.diff(sink.clocks)) == {W + WEIGHT_W + 3}
 
 
-@pytest.mark.parametrize(("source", "sink"), product(PATTERNS, repeat=2))
+@pytest.mark.parametrize(("source", "sink"), list(product(PATTERNS, repeat=2)))
 def test_random_operands_under_stalls(sim: PyVerilator, source: str, sink: str) -> None:
     rng = np.random.default_rng([20, list(PATTERNS).index(source), list(PATTERNS).index(sink)])
     highs = [1 << W, 1 << WEIGHT_W, 1 << W, 1 << WEIGHT_W]
