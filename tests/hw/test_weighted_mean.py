@@ -62,7 +62,7 @@ def test_a_heavy_and_a_light_one(sim: PyVerilator) -> None:
 def test_random_operands_under_stalls(sim: PyVerilator, source: str, sink: str) -> None:
     rng = np.random.default_rng([20, list(PATTERNS).index(source), list(PATTERNS).index(sink)])
     highs = [1 << W, 1 << WEIGHT_W, 1 << W, 1 << WEIGHT_W]
-    operands = [tuple(int(v) for v in rng.integers([0, 1, 0, 0], highs)) for _ in range(60)]
+    operands = [tuple(int(v) for v in rng.integers([0, 1, 0, 0], highs)) for _ in range(15)]
     results = Sink(sim, "m", ["mean"], PATTERNS[sink](rng))
     run_streams(sim, [Source(sim, "s", OPERANDS, operands, PATTERNS[source](rng))], [results])
     assert results.words == [(mean(*operand, sim.rounds),) for operand in operands]
