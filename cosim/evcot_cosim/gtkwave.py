@@ -28,14 +28,13 @@ _ZOOM_PX = 200  # GTKWave's zoom z: so many pixels show 2^-z steps of time
 _PLOT_ROWS = 2  # a curve is so many rows higher than a number
 
 # Trace flags, named as in GTKWave's analyzer.h.
-_HEX, _DEC, _BIN, _RJUSTIFY, _BLANK, _COLLAPSED, _FTRANSLATED = (1 << bit for bit in (1, 2, 3, 5, 9, 12, 13))
+_DEC, _BIN, _RJUSTIFY, _BLANK, _COLLAPSED, _FTRANSLATED = (1 << bit for bit in (2, 3, 5, 9, 12, 13))
 _ANALOG_STEP, _ANALOG_BLANK_STRETCH, _ANALOG_FULLSCALE = (1 << bit for bit in (15, 17, 19))
 _CLOSED, _GRP_BEGIN, _GRP_END, _FPDECSHIFT = (1 << bit for bit in (22, 23, 24, 30))
 
 _CURVE = _ANALOG_STEP | _ANALOG_FULLSCALE
 _FORMS = {
     Form.DECIMAL: _DEC,
-    Form.HEX: _HEX,
     Form.PIXELS: _DEC | _FPDECSHIFT,
     Form.PLOT: _DEC | _CURVE,
     Form.PLOT_PIXELS: _DEC | _CURVE | _FPDECSHIFT,

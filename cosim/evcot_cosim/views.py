@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 
 from evcot.contract import REGISTERS, Kind, Mode, State
@@ -15,7 +15,6 @@ class Form(Enum):
     """How a number is shown. A single bit is always shown as a level."""
 
     DECIMAL = "decimal"
-    HEX = "hexadecimal"
     PIXELS = "decimal, with the fractional bits of a centre"
     PLOT = "curve"
     PLOT_PIXELS = "curve, with the fractional bits of a centre"
@@ -142,7 +141,7 @@ def _tracker(title: str, below: str) -> Group:
         *_rows("token_x token_y", Colour.EVENT),
         Row("mode", codes=_MODE),
     )
-    return Group(title, tuple(Row(below + r.signal, r.label, r.form, r.colour, r.codes, r.packed) for r in rows))
+    return Group(title, tuple(replace(row, signal=below + row.signal) for row in rows))
 
 
 _ARRAY_CORE = Group(
