@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from evcot.compare import Agreement, compare
 from evcot.config import CotConfig, RunConfig
-from evcot.cot import to_track_records
+from evcot.cot import CotModel, tick_times, to_track_records
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Recording
 from evcot.rct import RctTracker
@@ -91,6 +91,7 @@ def run_cosim(
     build = build_device(config.cot, top, on_miss=building)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
+    _compile_kernels(recording, config)
     hardware, model = _LogParts(config.cot, t0_us), _LogParts(config.cot, t0_us)
     with Lockstep(config.cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
         for chunk in chunks(events):
@@ -130,6 +131,15 @@ def run_cosim(
 def stalls_from(seed: int | None) -> Stalls:
     """Random stall patterns on every stream, or none without a seed."""
     return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
+
+
+def _compile_kernels(recording: Recording, config: RunConfig) -> None:
+    """Have Numba compile model and tracker, which it does at first use, once per machine, before anything is timed."""
+    first = recording.events[:1]
+    CotModel(config.cot).feed(tick_times(first.t_us, int(first.t_us[0]), config.cot.tick_us), first.x, first.y)
+    tracker = RctTracker(config.rct)
+    tracker.feed(first)
+    tracker.finish()
 
 
 class _LogParts:
