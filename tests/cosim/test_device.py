@@ -49,7 +49,7 @@ def joined(parts: list[Decisions]) -> Decisions:
 
 def cut(events: Traffic, *places: int) -> list[Traffic]:
     bounds = [0, *places, len(events.ticks)]
-    return [Traffic(*(column[a:b] for column in events)) for a, b in pairwise(bounds)]
+    return [Traffic(events.ticks[a:b], events.x[a:b], events.y[a:b], events.p[a:b]) for a, b in pairwise(bounds)]
 
 
 class TestStalls:
@@ -191,7 +191,8 @@ def interactive(device: Device, events: Traffic, pattern: str) -> Decisions:
         assert p == events.p[seq]
         owner[seq], rel_x[seq], rel_y[seq] = (which or [0])[0], x, y
     through = [word for word in passed.words if not single or word[4]]
-    assert [word[:4] for word in through] == [(i, events.x[i], events.y[i], events.p[i]) for i in np.flatnonzero(owner == -1)]
+    left = np.flatnonzero(owner == -1)
+    assert [word[:4] for word in through] == [(int(i), int(events.x[i]), int(events.y[i]), int(events.p[i])) for i in left]
     return Decisions(records[_order_of(records)] if device.top == "cot_chain" else records, owner, rel_x, rel_y)
 
 

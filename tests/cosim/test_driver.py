@@ -19,7 +19,7 @@ def struct(text: str, name: str) -> list[tuple[str, str]]:
     """(type, field) of a C struct in the text."""
     body = re.search(rf"struct {name} {{\n(.*?)\n}};", text, re.DOTALL)
     assert body is not None
-    return [tuple(line.strip().rstrip(";").rsplit(" ", 1)) for line in body[1].splitlines()]  # type: ignore[misc]
+    return [(ctype, name) for ctype, name in (line.strip().rstrip(";").rsplit(" ", 1) for line in body[1].splitlines())]
 
 
 @pytest.mark.parametrize("top", TOPS)
@@ -36,7 +36,7 @@ def test_a_record_is_laid_out_as_numpy_has_it(top: str) -> None:
 
 def test_a_job_is_laid_out_as_ctypes_has_it() -> None:
     fields = struct(source("cot_array", Shape()), "Job")
-    assert [name for _, name in fields] == [name for name, _ in Job._fields_]
+    assert [name for _, name in fields] == [field[0] for field in Job._fields_]
     assert all(ctype.endswith("*") or SIZES[ctype] == 8 for ctype, _ in fields)
 
 

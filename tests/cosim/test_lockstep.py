@@ -49,6 +49,11 @@ def busy(n: int, seed: int = 1, tick_us: int = 1) -> Events:
     return Events(500_000 + ticks * tick_us, x, y, p)
 
 
+def zeros(n: int) -> Events:
+    """As many events at once, all in one corner."""
+    return Events(np.zeros(n, np.int64), np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.zeros(n, np.uint8))
+
+
 @contextmanager
 def full_disk(bytes_left: int) -> Iterator[None]:
     """No file can grow beyond some bytes."""
@@ -111,7 +116,7 @@ class TestChunks:
         assert all(np.shares_memory(part.x, events.x) for part in parts)
 
     def test_by_default_they_bound_memory(self) -> None:
-        events = Events(*(np.zeros(CHUNK + 1, dtype) for dtype in (np.int64, np.uint16, np.uint16, np.uint8)))
+        events = zeros(CHUNK + 1)
         assert [len(part) for part in chunks(events)] == [CHUNK, 1]
         assert list(chunks(Events.empty())) == []
 
@@ -220,9 +225,7 @@ class TestDumpWindow:
 
     def test_it_stops_with_the_window(self, tmp_path: Path) -> None:
         seen: list[int] = []
-        n = 3 * CHUNK
-        events = Events(np.zeros(n, np.int64), np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.zeros(n, np.uint8))
-        dump_window(events, LIVELY, tmp_path / "w.vcd", 5, 6, progress=seen.append)
+        dump_window(zeros(3 * CHUNK), LIVELY, tmp_path / "w.vcd", 5, 6, progress=seen.append)
         assert seen == [CHUNK]
 
     def test_a_fault_of_the_hardware_is_what_it_shows(self, tmp_path: Path) -> None:

@@ -62,7 +62,8 @@ class TestTable2:
 
     @pytest.fixture(params=[(8, 20), (3, 7), (5, 7)], ids=["slow", "fast 3", "fast 5"])
     def situation(self, request: pytest.FixtureRequest) -> tuple[int, int]:
-        return request.param
+        chosen: tuple[int, int] = request.param
+        return chosen
 
     def test_a_centre_goes_out_with_every_nevth_event(self, told: Teller, situation: tuple[int, int]) -> None:
         n_ev, tc = situation

@@ -35,7 +35,8 @@ Event = tuple[int, int, int]
 
 @pytest.fixture(params=ENGINES)
 def engine(request: pytest.FixtureRequest) -> Engine:
-    return request.param
+    chosen: Engine = request.param
+    return chosen
 
 
 def row(engine: Engine, xs: Iterable[int], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Told:

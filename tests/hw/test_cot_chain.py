@@ -32,7 +32,8 @@ Event = tuple[int, int, int]
 
 @pytest.fixture(params=ENGINES)
 def engine(request: pytest.FixtureRequest) -> Engine:
-    return request.param
+    chosen: Engine = request.param
+    return chosen
 
 
 def story(engine: Engine, events: list[Event], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Told:

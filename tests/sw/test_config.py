@@ -80,10 +80,10 @@ def test_rct_takes_its_limits_and_nothing_beyond(name: str) -> None:
     low, high, meaning = RCT_RANGES[name]
     for value in (low, high):
         assert getattr(RctConfig(**{name: value}), name) == value  # type: ignore[arg-type]
-    for value in (low - 1, high + 1, True, "2"):
+    for wrong in (low - 1, high + 1, True, "2"):
         with pytest.raises(ConfigError) as caught:
-            RctConfig(**{name: value})  # type: ignore[arg-type]
-        assert str(caught.value) == f"rct.{name} = {value!r}: must be from {low:g} to {high:g} ({meaning})"
+            RctConfig(**{name: wrong})  # type: ignore[arg-type]
+        assert str(caught.value) == f"rct.{name} = {wrong!r}: must be from {low:g} to {high:g} ({meaning})"
 
 
 def test_a_run_as_plain_values_survives_json() -> None:

@@ -38,6 +38,8 @@ class Slow:
     def __post_init__(self) -> None:
         self.restart()
 
+    took = began = 0  # of the window of events before, and when this one began
+
     def restart(self) -> None:
         config = self.config
         self.cm = [Fraction(config.init_cm_x), Fraction(config.init_cm_y)]
