@@ -9,8 +9,8 @@ from pathlib import Path
 import bare
 import streams
 from evcot_cosim.device import build_device
-from evcot_cosim.lockstep import Lockstep, chunks
-from measure import Goal, Result, Timing, take_turns, timed
+from evcot_cosim.lockstep import Lockstep, Step, chunks
+from measure import Clock, Goal, Result, Timing, take_turns, timed
 
 __all__ = ["measure"]
 
@@ -25,19 +25,11 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
     outcomes: dict[bool, bare.Outcome] = {}
 
     def drive(check: bool) -> Timing:
-        records = owner_sum = 0
+        steps: list[Step] = []
         with Lockstep(config, check=check, model=model) as lockstep:
-
-            def work() -> None:
-                nonlocal records, owner_sum
-                for run in chunks(events):
-                    decisions = lockstep.feed(run).hardware
-                    records += len(decisions.records)
-                    owner_sum += int(decisions.owner.sum())
-
-            before = lockstep.device.cycle
-            timing = timed(work)
-            outcomes[check] = bare.Outcome(lockstep.device.cycle - before, records, owner_sum)
+            timing = timed(lambda: steps.extend(map(lockstep.feed, chunks(events))))
+            owner_sum = sum(int(step.hardware.owner.sum()) for step in steps)
+            outcomes[check] = bare.Outcome(lockstep.records, owner_sum)
             return timing
 
     with bare.running(model, config, events, folder / "bare") as main:
@@ -45,23 +37,23 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
             {"bare": main.run, "stream": lambda: drive(False), "checked": lambda: drive(True)}, 5 if quick else 15
         )
         for outcome in outcomes.values():
-            if outcome[1:] != main.outcome[1:]:
+            if outcome != main.outcome:
                 raise RuntimeError(f"the drives disagree: bare main {main.outcome}, streaming {outcome}")
 
-    def rate(name: str, clock: str) -> float:
+    def rate(name: str, clock: Clock) -> float:
         return len(events) / turns.seconds(name, clock) / 1e6
 
     yield Result(
-        "stream_rate_8", rate("stream", "cpu_s"), "M events/s", _RATE_GOAL_M, "goal", goal=Goal(1),
-        how=f"chunks of 65,536, no check, CPU time; wall: {rate('stream', 'wall_s'):.2f}",
+        "stream_rate_8", rate("stream", Clock.CPU), "M events/s", _RATE_GOAL_M, "goal", goal=Goal(1),
+        how=f"chunks of 65,536, no check, CPU time; wall: {rate('stream', Clock.WALL):.2f}",
     )  # fmt: skip
     yield Result(
-        "stream_vs_bare", rate("stream", "cpu_s"), "M events/s", rate("bare", "cpu_s"), "bare C++ main",
+        "stream_vs_bare", rate("stream", Clock.CPU), "M events/s", rate("bare", Clock.CPU), "bare C++ main",
         ratio=turns.speed_ratio("stream", "bare"), goal=Goal(0.95),
-        how=f"CPU time; wall ratio: {turns.speed_ratio('stream', 'bare', 'wall_s'):.3f}",
+        how=f"CPU time; wall ratio: {turns.speed_ratio('stream', 'bare', Clock.WALL):.3f}",
     )  # fmt: skip
     yield Result(
-        "checked_vs_bare", rate("checked", "wall_s"), "M events/s", rate("bare", "wall_s"), "bare C++ main",
-        ratio=turns.speed_ratio("checked", "bare", "wall_s"), goal=Goal(0.7),
+        "checked_vs_bare", rate("checked", Clock.WALL), "M events/s", rate("bare", Clock.WALL), "bare C++ main",
+        ratio=turns.speed_ratio("checked", "bare", Clock.WALL), goal=Goal(0.7),
         how="model and checker on, two threads, wall time",
     )  # fmt: skip
