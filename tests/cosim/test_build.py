@@ -258,3 +258,10 @@ def test_the_rtl_folder_holds_what_the_manifest_lists() -> None:
         text = (verilog_dir() / name).read_text()
         later = [other for other in listed[position + 1 :] if f'`include "{other}"' in text]
         assert later == [], f"{name} comes before a header that it includes"
+
+
+def test_another_copy_of_the_rtl_can_be_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("EVCOT_VERILOG", str(tmp_path))
+    assert verilog_dir() == tmp_path
+    monkeypatch.delenv("EVCOT_VERILOG")
+    assert (verilog_dir() / "cot_array.v").is_file()
