@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A synthetic event stream of any length: eight discs that move, cross and bounce, one event a microsecond."""
+"""A synthetic event stream of any length: discs that move, cross and bounce, one event a microsecond."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from evcot.presets import fit, for_sensor
 __all__ = ["HEIGHT", "SLOTS", "WIDTH", "config", "joined", "runs"]
 
 WIDTH, HEIGHT = 346, 260
-SLOTS = 8  # one for each disc
+SLOTS = 8
 
 _RADIUS_PX = 10.0
 _SPEED_PX_S = 150.0
@@ -27,26 +27,26 @@ def config(slots: int = SLOTS) -> RunConfig:
     return fit(for_sensor(WIDTH), WIDTH, HEIGHT, slots)
 
 
-def runs(events: int, size: int, seed: int = 1) -> Iterator[Events]:
-    """The stream's first `events` events, in runs of `size`; a run depends on the seed and on where it begins alone."""
+def runs(events: int, size: int, discs: int = SLOTS, seed: int = 1) -> Iterator[Events]:
+    """The stream's first `events` events, in runs of `size`, each made when it is asked for."""
     for begin in range(0, events, size):
-        yield _run(begin, min(size, events - begin), seed)
+        yield _run(begin, min(size, events - begin), discs, seed)
 
 
-def joined(events: int, seed: int = 1) -> Events:
+def joined(events: int, discs: int = SLOTS, seed: int = 1) -> Events:
     """The same in one piece."""
-    parts = list(runs(events, 1 << 16, seed))
+    parts = list(runs(events, 1 << 16, discs, seed))
     return Events(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("t_us", "x", "y", "p")))
 
 
-def _run(begin: int, n: int, seed: int) -> Events:
+def _run(begin: int, n: int, discs: int, seed: int) -> Events:
     paths = np.random.default_rng(seed)  # the same discs in every run
-    heading = paths.uniform(0, 2 * np.pi, SLOTS)
-    start_x, start_y = paths.uniform(0, WIDTH, SLOTS), paths.uniform(0, HEIGHT, SLOTS)
+    heading = paths.uniform(0, 2 * np.pi, discs)
+    start_x, start_y = paths.uniform(0, WIDTH, discs), paths.uniform(0, HEIGHT, discs)
 
     rng = np.random.default_rng([seed, begin])
     t_us = np.sort(rng.integers(begin, begin + n, n))
-    disc = rng.integers(0, SLOTS, n)
+    disc = rng.integers(0, discs, n)
     angle = rng.uniform(0, 2 * np.pi, n)
     way_px = _SPEED_PX_S * 1e-6 * t_us
     x = _bounce(start_x[disc] + way_px * np.cos(heading[disc]), WIDTH) + _RADIUS_PX * np.cos(angle)

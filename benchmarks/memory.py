@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Peak memory of a checked lock-step must not depend on how long the stream is.
+
+Run as a program with a number of events, it is the child process: it streams them and prints its peak in MB.
+"""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import streams
+from evcot_cosim.lockstep import CHUNK, Lockstep
+from measure import Goal, Result
+
+__all__ = ["measure"]
+
+_GROWTH = 1.05
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """peak_memory."""
+    long, short = (2_000_000, 200_000) if quick else (20_000_000, 2_000_000)
+    yield Result(
+        "peak_memory", _peak_mb(long), "MB", _peak_mb(short), f"{short:,} events", goal=Goal(_GROWTH, at_most=True),
+        how=f"resident set of a checked lock-step over {long:,} events",
+    )  # fmt: skip
+
+
+def _peak_mb(events: int) -> float:
+    child = subprocess.run([sys.executable, __file__, str(events)], capture_output=True, text=True, check=True)
+    return float(child.stdout)
+
+
+def _main(events: int) -> None:
+    with Lockstep(streams.config().cot) as lockstep:
+        for run in streams.runs(events, CHUNK):
+            lockstep.feed(run)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    print(peak / (1e6 if sys.platform == "darwin" else 1e3))  # bytes there, kilobytes elsewhere
+
+
+if __name__ == "__main__":
+    _main(int(sys.argv[1]))

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How fast the golden model and the software tracker take events, on one thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import streams
+from evcot.cot import Arrangement, CotModel, tick_times
+from evcot.rct import RctTracker
+from evcot_cosim.lockstep import chunks
+from measure import Clock, Goal, Result, Timing, take_turns, timed
+
+__all__ = ["measure"]
+
+_GOAL_M = 20.0
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """model_rate, model_rate_chain, rct_rate."""
+    config = streams.config()
+    events = streams.joined(500_000 if quick else 2_000_000)
+    ticks = tick_times(events.t_us, int(events.t_us[0]), config.cot.tick_us)
+    live: list[int] = []
+
+    def model(arrangement: Arrangement) -> Timing:
+        tracker = CotModel(config.cot, arrangement)
+        parts = [slice(begin, begin + (1 << 16)) for begin in range(0, len(events), 1 << 16)]
+        return timed(lambda: [tracker.feed(ticks[part], events.x[part], events.y[part]) for part in parts])
+
+    def software() -> Timing:
+        tracker = RctTracker(replace(config.rct, max_clusters=streams.SLOTS))
+
+        def work() -> None:
+            for run in chunks(events):
+                tracker.feed(run)
+                live.append(np.count_nonzero(tracker.clusters()["track_id"] >= 0))
+
+        return timed(work)
+
+    turns = take_turns(
+        {
+            "model_rate": lambda: model(Arrangement.ARRAY),
+            "model_rate_chain": lambda: model(Arrangement.CHAIN),
+            "rct_rate": software,
+        },
+        3 if quick else 9,
+    )
+    notes = {
+        "model_rate": f"{streams.SLOTS} slots",
+        "model_rate_chain": f"{streams.SLOTS} trackers",
+        "rct_rate": f"{np.mean(live):.1f} visible clusters live",
+    }
+    for name, note in notes.items():
+        rate = len(events) / turns.seconds(name, Clock.CPU) / 1e6
+        yield Result(name, rate, "M events/s", _GOAL_M, "goal", goal=Goal(1), how=f"{note}; CPU time")

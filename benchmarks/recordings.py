@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Real recordings, whole and checked, against real time; skipped where they are not at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+
+import streams
+from evcot.files import read_recording
+from evcot.presets import fit, for_sensor
+from evcot_cosim.device import build_device
+from evcot_cosim.lockstep import Lockstep, chunks
+from measure import Goal, Result, Skip
+
+__all__ = ["measure"]
+
+_FOLDER = Path(__file__).parents[2] / "shared" / "data"
+_GOALS = {"traffic_outbound.aedat4": 10.0, "hand_dvs128.aedat4": None}  # times real time
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """realtime_* for each recording."""
+    found = {_FOLDER / name: goal for name, goal in _GOALS.items() if (_FOLDER / name).is_file()}
+    if not found:
+        raise Skip(f"no recordings in {_FOLDER}")
+    for path, goal in found.items():
+        yield _one(path, goal, 3 if quick else 7)
+
+
+def _one(path: Path, goal: float | None, rounds: int) -> Result:
+    recording = read_recording(path)
+    config = fit(for_sensor(recording.width), recording.width, recording.height, streams.SLOTS).cot
+    model = build_device(config)
+    walls: list[float] = []
+    for _ in range(rounds):
+        with Lockstep(config, model=model) as lockstep:
+            for run in chunks(recording.events):
+                lockstep.feed(run)
+            walls.append(lockstep.wall_s)
+    wall_s = median(walls)
+    return Result(
+        f"realtime_{path.stem}", recording.duration_us / 1e6 / wall_s, "x real time", goal, "goal" if goal else "",
+        goal=Goal(1) if goal else None,
+        how=f"{len(recording.events):,} events, {streams.SLOTS} slots, checked, {len(recording.events) / wall_s / 1e6:.2f} M events/s",
+    )  # fmt: skip

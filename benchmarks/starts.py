@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long until the first event is simulated: with nothing built, and with everything built."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+
+from measure import Goal, Result
+
+__all__ = ["measure"]
+
+_GOAL_S = 3.0
+
+_BUILD = """
+import streams
+from evcot_cosim.device import build_device
+print(build_device(streams.config().cot).build_s)
+"""
+
+# `evcot cosim`, which tells the time and ends once one event has been through the hardware.
+_FIRST_EVENT = """
+import os, time
+from evcot_cosim.cli import main
+from evcot_cosim.device import Device
+stream = Device.stream
+def first(device, *columns):
+    stream(device, *(column[:1] for column in columns))
+    print(time.monotonic(), flush=True)
+    os._exit(0)
+Device.stream = first
+main(["cosim", "--quiet"])
+"""
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """build_s, second_start_s."""
+    with tempfile.TemporaryDirectory() as empty:
+        yield Result("build_s", float(_child(_BUILD, EVCOT_CACHE=empty)), "s", how="8-slot array into an empty cache")
+    _first_event_s()  # builds
+    seconds = median(_first_event_s() for _ in range(3 if quick else 7))
+    yield Result(
+        "second_start_s", seconds, "s", _GOAL_S, "goal", goal=Goal(1, at_most=True),
+        how="from launching `evcot cosim` to the end of the first simulated event, model built before",
+    )  # fmt: skip
+
+
+def _first_event_s() -> float:
+    launched = time.monotonic()
+    return float(_child(_FIRST_EVENT)) - launched
+
+
+def _child(program: str, **variables: str) -> str:
+    child = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=Path(__file__).parent,
+        env=os.environ | variables,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    return child.stdout
