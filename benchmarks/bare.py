@@ -11,9 +11,10 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from evcot.config import CotConfig
 from evcot.contract import REGISTERS
@@ -23,7 +24,7 @@ from evcot_cosim.build import BuiltModel, verilog_dir
 from evcot_cosim.toolchain import find_toolchain
 from measure import Timing
 
-__all__ = ["BareMain", "Outcome", "running"]
+__all__ = ["BareMain", "Outcome", "register_writes", "running", "verilator_flags"]
 
 _MAIN = Path(__file__).with_name("bare_main.cpp")
 
@@ -69,13 +70,30 @@ def running(model: BuiltModel, config: CotConfig, events: Events, folder: Path) 
         yield BareMain(process)
 
 
+def verilator_flags(model: BuiltModel) -> list[str]:
+    """What the model was built with: all but extra sources and what the linker does for shared objects."""
+    arguments: list[str] = _request(model)["args"]
+    linker = {i for i in range(len(arguments)) if "-LDFLAGS" in arguments[max(i - 1, 0) : i + 1]}
+    return [flag for i, flag in enumerate(arguments) if i not in linker and not flag.endswith(".cpp")]
+
+
+def register_writes(config: CotConfig) -> NDArray[np.uint32]:
+    """(n, 3) slot, address and value, in the order in which they are written."""
+    names = sorted(REGISTERS, key="mode".__eq__)
+    slots = enumerate(config.slots)
+    return np.array([(i, REGISTERS[name].address, getattr(slot, name)) for i, slot in slots for name in names], np.uint32)
+
+
+def _request(model: BuiltModel) -> dict[str, Any]:
+    request: dict[str, Any] = json.loads(model.shared_object.with_name("request.json").read_text())
+    return request
+
+
 def _build(model: BuiltModel, folder: Path) -> Path:
     tools = find_toolchain()
-    request = json.loads(model.shared_object.with_name("request.json").read_text())
     command = [
         str(tools.executable), "--cc", "--exe", "--build", "--trace", "-Wno-fatal", "-Mdir", str(folder),
-        *_verilator_flags(request["args"]),
-        "-CFLAGS", request["cargs"],
+        *verilator_flags(model), "-CFLAGS", _request(model)["cargs"],
         "-y", str(verilog_dir()), str(verilog_dir() / f"{model.top}.v"), str(_MAIN),
     ]  # fmt: skip
     log = folder / "build.log"
@@ -86,21 +104,10 @@ def _build(model: BuiltModel, folder: Path) -> Path:
     return folder / f"V{model.top}"
 
 
-def _verilator_flags(arguments: list[str]) -> list[str]:
-    """All but extra sources and what the linker does for shared objects."""
-    linker = {i for i, flag in enumerate(arguments) if "-LDFLAGS" in arguments[max(i - 1, 0) : i + 1]}
-    return [flag for i, flag in enumerate(arguments) if i not in linker and not flag.endswith(".cpp")]
-
-
 def _write_input(path: Path, config: CotConfig, events: Events) -> None:
-    writes = [
-        (slot, REGISTERS[name].address, int(getattr(registers, name)))
-        for slot, registers in enumerate(config.slots)
-        for name in sorted(REGISTERS, key="mode".__eq__)
-    ]
+    writes = register_writes(config)
     ticks = tick_times(events.t_us, int(events.t_us[0]), config.tick_us)
     with path.open("wb") as file:
         np.array([len(ticks), (1 << config.shape.tick_w) - 1, len(writes)], np.int64).tofile(file)
-        np.array(writes, np.uint32).tofile(file)
-        for column in (ticks, events.x, events.y, events.p):
+        for column in (writes, ticks, events.x, events.y, events.p):
             column.tofile(file)

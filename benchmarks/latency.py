@@ -42,8 +42,8 @@ def _one(top: Top, slots: int, n: int) -> Iterator[Result]:
     def run(stalls: Stalls, count: int) -> tuple[float, NDArray[np.int64], NDArray[np.uint8]]:
         device = Device(config, top, stalls=stalls, model=model)
         before = device.cycle
-        columns = (ticks, events.x, events.y, events.p)
-        decisions, times = device.stream_timed(*(column[:count] for column in columns))
+        part = events[:count]
+        decisions, times = device.stream_timed(ticks[:count], part.x, part.y, part.p)
         return (device.cycle - before) / count, *_latencies(decisions.records, times)
 
     name = f"{top}_{slots}"

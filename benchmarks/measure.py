@@ -46,6 +46,9 @@ class Goal(NamedTuple):
         """Whether a ratio reaches the goal."""
         return ratio <= self.ratio if self.at_most else ratio >= self.ratio
 
+    def __str__(self) -> str:
+        return f"{'<=' if self.at_most else '>='} {self.ratio:g}"
+
 
 @dataclass(frozen=True)
 class Result:
@@ -81,8 +84,7 @@ class Result:
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as bench.json stores them."""
         entry = asdict(self)
-        entry["goal"] = self.goal and f"ratio {'<=' if self.goal.at_most else '>='} {self.goal.ratio:g}"
-        return entry | {"met": self.met}
+        return entry | {"goal": self.goal and f"ratio {self.goal}", "met": self.met}
 
 
 def timed(work: Callable[[], object]) -> Timing:

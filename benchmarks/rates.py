@@ -38,7 +38,7 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
         def work() -> None:
             for run in chunks(events):
                 tracker.feed(run)
-                live.append(np.count_nonzero(tracker.clusters()["track_id"] >= 0))
+                live.append(int(np.count_nonzero(tracker.clusters()["track_id"] >= 0)))
 
         return timed(work)
 

@@ -40,8 +40,9 @@ def _one(path: Path, goal: float | None, rounds: int) -> Result:
                 lockstep.feed(run)
             walls.append(lockstep.wall_s)
     wall_s = median(walls)
+    events = len(recording.events)
     return Result(
         f"realtime_{path.stem}", recording.duration_us / 1e6 / wall_s, "x real time", goal, "goal" if goal else "",
         goal=Goal(1) if goal else None,
-        how=f"{len(recording.events):,} events, {streams.SLOTS} slots, checked, {len(recording.events) / wall_s / 1e6:.2f} M events/s",
+        how=f"{events:,} events, {streams.SLOTS} slots, checked, {events / wall_s / 1e6:.2f} M events/s",
     )  # fmt: skip
