@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Do the tests bite? Breaks the RTL in one place at a time and runs the tests that should notice, on the broken copy.
+
+`python tests/mutations.py` prints which test caught each mutation and exits with 1 when one survives; `--write` also writes
+the table to docs/mutations.md. Spaces aside, the text to replace must stand in its file exactly once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from evcot_cosim.build import cache_dir, verilog_dir
+from evcot_cosim.testing import broken_copy
+
+ROOT = Path(__file__).parents[1]
+TABLE = ROOT / "docs" / "mutations.md"
+HEADING = """# What the tests catch
+
+The RTL, broken in one place at a time. Made by `python tests/mutations.py --write`, which runs the tests of the modules
+concerned on each broken copy and fails when one of them goes unnoticed. Named is the first test that failed in each test file.
+
+| mutation | in | caught by |
+|---|---|---|
+"""
+
+ARRAY, CHAIN, COT, UPDATE = "test_cot_array.py", "test_cot_chain.py", "test_cot.py", "test_cot_update.py"
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """One broken place, and the files in tests/hw whose tests should notice."""
+
+    meaning: str
+    file: str
+    right: str
+    wrong: str
+    tests: tuple[str, ...]
+
+
+MUTATIONS = (
+    Mutation("window misses its last column", "cot.v", "token_x <= hi_x", "token_x < hi_x", (COT, CHAIN)),
+    Mutation("window misses its first column", "cot_array.v", "x >= lo_x[i", "x > lo_x[i", (COT, ARRAY)),
+    Mutation(
+        "ticks of an owned event do not travel on",
+        "cot.v",
+        "pass_pending <= token_tick != {TICK_W{1'b0}};",
+        "pass_pending <= 1'b0;",
+        (COT, CHAIN),
+    ),
+    Mutation("ticks that end a life count twice", "cot.v", "tick_used ? {TICK_W{1'b0}} : s_tick", "s_tick", (COT, CHAIN)),
+    Mutation(
+        "timer not restarted by an event", "cot.v", "updated <= 1'b0; tc <= {TC_W{1'b0}};", "updated <= 1'b0;", (COT, CHAIN)
+    ),
+    Mutation(
+        "timer restarted by centre updates alone",
+        "cot_array.v",
+        "starts_timer = lives",
+        "starts_timer = updates || merges",
+        (COT, ARRAY),
+    ),
+    Mutation(
+        "lifetime a tick too long",
+        "cot_array.v",
+        "<= {{(DUE_W - TICK_W) {1'b0}}, tick} &&",
+        "< {{(DUE_W - TICK_W) {1'b0}}, tick} &&",
+        (COT, ARRAY),
+    ),
+    Mutation(
+        "candidate's time a tick too short",
+        "cot.v",
+        "tc2_after > {{(SUM_W - TC_W) {1'b0}}, detect_ticks}",
+        "tc2_after >= {{(SUM_W - TC_W) {1'b0}}, detect_ticks}",
+        (COT, CHAIN),
+    ),
+    Mutation("lives ended by one token end in slot order", "cot_array.v", "&& left < due_left", "&& !due", (ARRAY,)),
+    Mutation(
+        "no merge at a birth", "cot_array.v", "if (updates && overlaps)", "if (updates && overlaps && cur_active)", (ARRAY,)
+    ),
+    Mutation("no second look after a merge", "cot_array.v", "REPORT: phase <= CHECK;", "REPORT: phase <= RUN;", (ARRAY,)),
+    Mutation(
+        "the lower slot survives, not the older",
+        "cot_array.v",
+        "older = id[overlap_slot] < id[slot]",
+        "older = overlap_slot < slot",
+        (ARRAY,),
+    ),
+    Mutation(
+        "a candidate comes before an active window",
+        "cot_array.v",
+        "owner = in_active ? active_slot : in_candidate ? candidate_slot",
+        "owner = in_candidate ? candidate_slot : in_active ? active_slot",
+        (ARRAY,),
+    ),
+    Mutation(
+        "merged centre not weighted",
+        "weighted_mean.v",
+        "s_weight_b} + {{W{1'b0}}, half}",
+        "s_weight_a} + {{W{1'b0}}, half}",
+        ("test_weighted_mean.py", ARRAY),
+    ),
+    Mutation(
+        "merged centre not rounded", "weighted_mean.v", "ROUND ? den >> 1", "1'b0 ? den >> 1", ("test_weighted_mean.py", ARRAY)
+    ),
+    Mutation("smaller radius survives a merge", "cot_array.v", "(gone_g > cur_g) ?", "(gone_g < cur_g) ?", (ARRAY,)),
+    Mutation("average not rounded", "approach.v", "(FRAC > 0) ?", "(FRAC > 8) ?", ("test_approach.py", COT)),
+    Mutation("event at distance g counts as in the ring", "cot_update.v", "dx} > inner", "dx} >= inner", (UPDATE, COT)),
+    Mutation("centre moves one event late", "cot_update.v", "last = counted >=", "last = counted >", (UPDATE, COT)),
+    Mutation(
+        "N_ev halves when slower and doubles when faster",
+        "cot_update.v",
+        ": slower ? ((doubled > {1'b0, nev_max}) ? nev_max : doubled[NEV_W-1:0]) : faster ?",
+        ": faster ? ((doubled > {1'b0, nev_max}) ? nev_max : doubled[NEV_W-1:0]) : slower ?",
+        (UPDATE, COT),
+    ),
+    Mutation(
+        "support wraps",
+        "cot_update.v",
+        "(support == {SUP_W{1'b1}}) ? support : support + 1'b1",
+        "support + 1'b1",
+        (UPDATE, COT),
+    ),
+    Mutation(
+        "window not clipped at the last pixel",
+        "cot_window.v",
+        "(sum > last_pixel) ? last_pixel : sum",
+        "sum",
+        ("test_cot_window.py", COT),
+    ),
+    Mutation("track id used again", "cot.v", "next_id <= next_id + ID_STEP[ID_W-1:0];", "next_id <= next_id;", (COT, CHAIN)),
+    Mutation("track id used again", "cot_array.v", "births <= births + 1'b1;", "births <= births;", (COT, ARRAY)),
+    Mutation(
+        "LOST by a mode write carries the last event's number",
+        "cot.v",
+        "token_seq + {{(SEQ_W - 1) {1'b0}}, had_event}",
+        "token_seq",
+        (COT,),
+    ),
+    Mutation(
+        "skid buffer drops a word under stall",
+        "skid_buffer.v",
+        "!output_free && (skid_valid_reg || accept)",
+        "!output_free && accept",
+        ("test_skid_buffer.py", ARRAY),
+    ),
+    Mutation(
+        "arbiter changes a waiting word",
+        "stream_arbiter.v",
+        "if (output_free) begin m_valid_reg <= |s_valid; m_data_reg <= granted_data;",
+        "m_data_reg <= granted_data; if (output_free) begin m_valid_reg <= |s_valid;",
+        ("test_stream_arbiter.py", CHAIN),
+    ),
+    Mutation("array goes on while an output waits", "cot_array.v", "(m_own_ready || !m_own_valid) &&", "", (ARRAY,)),
+    Mutation(
+        "register write goes to slot 0",
+        "cot_regs.v",
+        "radix_th_mem[cfg_slot] <=",
+        "radix_th_mem[0] <=",
+        ("test_cot_regs.py", ARRAY),
+    ),
+    Mutation(
+        "LFSR tapped a bit too low",
+        "lfsr.v",
+        "TAPS = TABLE_ROW[WIDTH-1:0]",
+        "TAPS = TABLE_ROW[WIDTH-1:0] >> 1",
+        ("test_lfsr.py",),
+    ),
+    Mutation(
+        "LFSR accepts the seed that locks it up",
+        "lfsr.v",
+        "seed_error = load && (&seed)",
+        "seed_error = 1'b0",
+        ("test_lfsr.py",),
+    ),
+)
+
+
+def first_failures(verilog: Path, tests: tuple[str, ...], cache: Path) -> list[str]:
+    """The first test that fails on this RTL in each file, as file::name."""
+    found = []
+    for name in tests:
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider", f"tests/hw/{name}"]
+        environment = os.environ | {"EVCOT_VERILOG": str(verilog), "EVCOT_CACHE": str(cache)}
+        done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+        failed = re.search(r"^(?:FAILED|ERROR) tests/hw/(.*?)(?: - .*)?$", done.stdout, re.MULTILINE)
+        if "ToolchainError" in done.stdout or done.returncode > 1 or (done.returncode and not failed):
+            raise SystemExit(f"{name} did not run on {verilog}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+        if failed:
+            found.append(failed[1])
+    return found
+
+
+def verdict(mutation: Mutation) -> list[str]:
+    """Which tests catch it; empty when it survives."""
+    with tempfile.TemporaryDirectory() as folder:
+        verilog = broken_copy(Path(folder) / "verilog", mutation.file, mutation.right, mutation.wrong)
+        cache = Path(folder) / "cache"
+        cache.mkdir()
+        (cache / "runtime").symlink_to(cache_dir() / "runtime")  # the same for every design
+        return first_failures(verilog, mutation.tests, cache)
+
+
+def main() -> int:
+    """Exit code 0 when every mutation was caught."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--write", action="store_true", help=f"write the table to {TABLE.relative_to(ROOT)}")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutations tried at a time (default: one per core)")
+    parser.add_argument("--only", default="", help="only mutations whose file or meaning contains this")
+    options = parser.parse_args()
+    if options.write and options.only:
+        parser.error("--write needs all mutations")
+    os.environ.setdefault("EVCOT_CACHE", str(ROOT / "build" / "cache"))
+    mutations = [m for m in MUTATIONS if options.only in f"{m.file} {m.meaning}"]
+
+    every_test = tuple(sorted({name for mutation in mutations for name in mutation.tests}))
+    if broken := first_failures(verilog_dir(), every_test, cache_dir()):
+        raise SystemExit(f"fails on the RTL as it is: {', '.join(broken)}")
+
+    lines, survivors = [], 0
+    with ThreadPoolExecutor(options.jobs) as pool:
+        for mutation, caught in zip(mutations, pool.map(verdict, mutations), strict=True):
+            survivors += not caught
+            tests = ", ".join(f"`{name}`" for name in caught) or "**nothing**"
+            lines.append(f"| {mutation.meaning} | `{mutation.file}` | {tests} |")
+            print(lines[-1], flush=True)
+    print(f"{len(mutations)} mutations, {survivors} survived")
+    if options.write:
+        TABLE.write_text(HEADING + "\n".join(lines) + "\n", encoding="utf-8")
+    return int(survivors > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
