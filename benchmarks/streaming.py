@@ -55,5 +55,5 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
     yield Result(
         "checked_vs_bare", rate("checked", Clock.WALL), "M events/s", rate("bare", Clock.WALL), "bare C++ main",
         ratio=turns.speed_ratio("checked", "bare", Clock.WALL), goal=Goal(0.7),
-        how=f"model and checker on, two threads, wall time; driving thread's CPU ratio: {turns.speed_ratio('checked', 'bare'):.3f}",
+        how=f"two threads, wall time; CPU ratio of the thread that drives: {turns.speed_ratio('checked', 'bare'):.3f}",
     )  # fmt: skip
