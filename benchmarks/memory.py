@@ -39,8 +39,15 @@ def _main(events: int) -> None:
     with Lockstep(streams.config().cot) as lockstep:
         for run in streams.runs(events, CHUNK):
             lockstep.feed(run)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(peak / (1e6 if sys.platform == "darwin" else 1e3))  # bytes there, kilobytes elsewhere
+    print(_own_peak_mb())
+
+
+def _own_peak_mb() -> float:
+    status = Path("/proc/self/status")
+    if status.is_file():  # not getrusage, which on Linux starts from the peak of the parent
+        line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM:"))
+        return int(line.split()[1]) / 1e3
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
 
 
 if __name__ == "__main__":
