@@ -113,7 +113,6 @@ def test_reading_leaves_the_process_handling_of_broken_pipes_alone(tmp_path: Pat
         "import signal; from evcot_cosim.waveform import Wave; "
         f"Wave.open({str(path)!r}); print(signal.getsignal(signal.SIGPIPE) == signal.SIG_IGN)"
     )
-    assert signal.getsignal(signal.SIGPIPE) == signal.SIG_IGN
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "True\n"
 
 
