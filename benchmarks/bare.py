@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bare C++ main on the same Verilated model, linked as Verilator links it.
+"""A bare C++ main on the same Verilated model.
 
 RTL, parameters, flags of Verilator and of the compiler, events, and the work for each event are the same.
 """

@@ -34,16 +34,13 @@ _VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--default-language", "136
 _COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT", "-fno-semantic-interposition")
 # Without it g++ shares some symbols between all loaded models, and no model is ever unloaded.
 _GCC_FLAGS = ("-fno-gnu-unique",)
-# Calls within a model go straight to their function, not through a table that the loader fills. And Verilator would lock a
-# mutex at every evaluation to sweep up SystemVerilog's class objects, a fifth of the time; Verilog-2005 has none.
-_SWEEP = "_ZN9VlDeleter9deleteAllEv"
-_GCC_VERILATOR_FLAGS = ("-LDFLAGS", f"-Wl,-Bsymbolic-functions,--wrap={_SWEEP}")
+# Calls within a model go straight to their function, not through a table that the loader fills.
+_GCC_VERILATOR_FLAGS = ("-LDFLAGS", "-Wl,-Bsymbolic-functions")
 
 # A context for each simulation: in a common one, every waveform would show the signals of all of them.
 _CONTEXT_FILE = "evcot_context.cpp"
-_CONTEXT_CPP = f"""#include "verilated.h"
-extern "C" void evcot_new_context() {{ Verilated::threadContextp(new VerilatedContext); }}
-extern "C" void __wrap_{_SWEEP}() {{}}
+_CONTEXT_CPP = """#include "verilated.h"
+extern "C" void evcot_new_context() { Verilated::threadContextp(new VerilatedContext); }
 """
 
 _WORKER = Path(__file__).with_name("build_worker.py")
