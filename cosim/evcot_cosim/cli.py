@@ -50,7 +50,7 @@ class Job:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; returns its exit code."""
+    """Run one command; returns its exit code. An interrupt is the caller's to report."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     options = _parser().parse_args(arguments)
     try:
@@ -61,9 +61,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         return MISMATCH
     except EvcotError as error:
         print(f"evcot: {error}", file=sys.stderr)
-        return USER_ERROR
-    except KeyboardInterrupt:
-        print("evcot: interrupted: nothing was written", file=sys.stderr)
         return USER_ERROR
     except BrokenPipeError:
         return 0
@@ -190,6 +187,3 @@ def _print_table(rows: Sequence[Sequence[Any]]) -> None:
     for row in rows:
         print("  ".join(str(cell).ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
 
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -247,7 +247,7 @@ def test_an_unwritable_folder(recording: Path, capsys: Capture) -> None:
 
 def evcot(*arguments: str, prepare: Callable[[], None] | None = None) -> subprocess.Popen[str]:
     """The command in a process of its own."""
-    command = [sys.executable, "-m", "evcot_cosim.cli", *arguments]
+    command = [sys.executable, "-m", "evcot_cosim", *arguments]
     return subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=prepare)
 
 
@@ -260,11 +260,24 @@ def test_a_full_disk_leaves_nothing_that_looks_whole(recording: Path) -> None:
 
 
 def test_an_interrupt_leaves_nothing_that_looks_whole(in_empty_folder: Path) -> None:
-    write_npz(blob(3_000_000), Path("long.npz"))
+    write_npz(blob(4_000_000), Path("long.npz"))
     run = evcot("cosim", "long.npz", "--hardware", "cot_chain")
-    time.sleep(3.0)
+    time.sleep(2.0)
     os.kill(run.pid, signal.SIGINT)
     out, err = run.communicate(timeout=120)
     assert (run.returncode, out) == (2, "")
     assert err == "evcot: interrupted: nothing was written\n"
     assert not list(Path().glob("build/*/*"))
+
+
+def test_an_interrupt_while_the_program_loads_is_one_line_too(in_empty_folder: Path) -> None:
+    command = [sys.executable, "-X", "importtime", "-m", "evcot_cosim", "presets"]
+    with subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+        assert run.stderr is not None
+        while "evcot.errors" not in run.stderr.readline():
+            assert run.poll() is None
+        os.kill(run.pid, signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+    assert (run.returncode, out) == (2, "")
+    told = [line for line in err.splitlines() if not line.startswith("import time:")]
+    assert told == ["evcot: interrupted: nothing was written"]
