@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import evcot
+from evcot.outputs import written_aside
 from evcot_cosim.toolchain import find_toolchain
 from measure import Result, Skip
 
@@ -74,9 +75,8 @@ def _print_row(*cells: str) -> None:
 
 def _write(path: Path, document: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    aside.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
-    os.replace(aside, path)
+    with written_aside(path) as file:
+        file.write((json.dumps(document, indent=2) + "\n").encode())
 
 
 def _versions() -> dict[str, str]:

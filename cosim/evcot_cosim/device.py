@@ -250,7 +250,11 @@ class Device:
         records: list[NDArray[np.void]] = []
         recorded: list[NDArray[np.int64]] = []
         status = Status.RECORDS_FULL
+        # An event is born or moves one track; a track ends once, by a merge (two records) or by its lifetime (one).
+        most = 3 * n + 2 * self.shape.n_slots
         while status == Status.RECORDS_FULL:
+            if sum(map(len, records)) > most:
+                raise HardwareError(f"{self.top} gives more records than {n} events can cause", self.seq + job.next)
             room = np.zeros(max(1024, n // 4), RECORD)
             clocks = None if accepted is None else np.zeros(len(room), np.int64)
             job.records, job.record_capacity, job.n_records = pointer(room), len(room), 0

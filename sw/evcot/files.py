@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -17,6 +16,7 @@ from .formats.columns import Decoded, Sensor, events_from_columns
 from .formats.native import AEDAT4_MAGIC, ES_MAGIC, read_aedat4, read_es
 from .formats.prophesee import read_prophesee
 from .formats.text import read_csv
+from .outputs import written_aside
 
 __all__ = ["read_recording", "write_npz"]
 
@@ -100,19 +100,8 @@ def write_npz(recording: Recording, path: Path | str) -> None:
     """Write a recording as arrays t_us, x, y, p, width, height; the file appears under its name only when it is whole.
 
     Raises:
-        RecordingError: the file cannot be written.
+        OutputError: the file cannot be written.
     """
-    path = Path(path)
-    aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
     events = recording.events
-    try:
-        try:
-            with aside.open("wb") as file:
-                np.savez(
-                    file, t_us=events.t_us, x=events.x, y=events.y, p=events.p, width=recording.width, height=recording.height
-                )
-            os.replace(aside, path)
-        finally:
-            aside.unlink(missing_ok=True)
-    except OSError as error:
-        raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from error
+    with written_aside(Path(path)) as file:
+        np.savez(file, t_us=events.t_us, x=events.x, y=events.y, p=events.p, width=recording.width, height=recording.height)

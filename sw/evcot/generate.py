@@ -7,7 +7,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ import jinja2
 from .contract import REGISTERS, SHAPE_RANGES, Kind, Mode, State
 from .errors import ConfigError, EvcotError
 from .lfsr import TAPS, tap_mask
+from .outputs import written_aside
 
 __all__ = ["render_headers", "stale_headers", "write_headers"]
 
@@ -74,20 +74,16 @@ def write_headers(directory: Path = _VERILOG_DIR) -> list[Path]:
     """Writes the stale headers of `directory`, each whole or not at all, and returns their paths.
 
     Raises:
-        ConfigError: `directory` does not exist or cannot be written.
+        ConfigError: `directory` does not exist.
+        OutputError: a header cannot be written.
     """
     if not directory.is_dir():
         raise ConfigError(f"{directory}: no such directory; headers are generated into hw/verilog of a source tree")
     headers = render_headers()
     stale = stale_headers(directory)
     for path in stale:
-        aside = path.with_name(path.name + ".new")
-        try:
-            aside.write_text(headers[path.name], encoding="utf-8")
-            os.replace(aside, path)
-        except OSError as error:
-            aside.unlink(missing_ok=True)
-            raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error
+        with written_aside(path) as file:
+            file.write(headers[path.name].encode())
     return stale
 
 

@@ -215,8 +215,9 @@ class TestFaults:
             ("m_pass_x <= x;", "m_pass_x <= x + 1'b1;", "changed the address or polarity of passed event 7", 7),
             ("m_pass_seq <= seq;", "m_pass_seq <= seq + 9;", "gave twice, or out of order, passed event", None),
             ("wire space =", "wire space = seq != 6 &&", "stands still", 8),
+            ("if (m_cm_ready) m_cm_valid <= 1'b0;", "", "gives more records than 14 events can cause", None),
         ],
-        ids=["lost", "repeated", "polarity", "address", "unknown", "stuck"],
+        ids=["lost", "repeated", "polarity", "address", "unknown", "stuck", "endless"],
     )
     def test_each_is_named_with_the_event(self, tmp_path: Path, right: str, wrong: str, message: str, seq: int | None) -> None:
         verilog = broken_copy(tmp_path, "cot_array.v", right, wrong)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.errors import RecordingError
+from evcot.errors import OutputError, RecordingError
 from evcot.events import Events, Recording
 from evcot.files import read_recording, write_npz
 
@@ -331,7 +331,7 @@ def test_npz_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     path.write_bytes(b"older")
     write_npz(recording, path)
     assert_same(read_recording(path).events, recording.events)
-    with pytest.raises(RecordingError, match="cannot be written: No such file or directory"):
+    with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
         write_npz(recording, tmp_path / "absent" / "out.npz")
     assert [each.name for each in tmp_path.iterdir()] == ["out.npz"]
 
@@ -344,7 +344,7 @@ def test_a_failed_write_leaves_the_older_file_alone(tmp_path: Path, monkeypatch:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez", full)
-    with pytest.raises(RecordingError, match=r"out\.npz: cannot be written: No space left on device"):
+    with pytest.raises(OutputError, match=r"out\.npz: cannot be written: No space left on device"):
         write_npz(Recording(make_events(10), WIDTH, HEIGHT), path)
     assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"older"]
 
