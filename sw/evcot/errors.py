@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-__all__ = ["ConfigError", "EvcotError", "OutputError", "RecordingError", "ToolchainError", "TrackLogError"]
+__all__ = ["ConfigError", "EvcotError", "OutputError", "RecordingError", "RecordingWarning", "ToolchainError", "TrackLogError"]
 
 
 class EvcotError(Exception):
@@ -12,6 +12,10 @@ class EvcotError(Exception):
 
 class RecordingError(EvcotError, ValueError):
     """A recording that cannot be used: names the file, the offset or event index, the value and the rule."""
+
+
+class RecordingWarning(UserWarning):
+    """A recording of which something was left out: names the file, how many events, and why."""
 
 
 class ConfigError(EvcotError, ValueError):

@@ -3,14 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from .errors import RecordingError
 
-__all__ = ["Events", "Recording"]
+__all__ = ["Events", "Fault", "Recording", "check_sensor", "find_fault"]
+
+_NEVER = np.iinfo(np.int64).min
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,10 +39,67 @@ class Events:
     def __getitem__(self, window: slice) -> Events:
         return Events(self.t_us[window], self.x[window], self.y[window], self.p[window])
 
+    def where(self, keep: NDArray[np.bool_]) -> Events:
+        """A copy of the events whose entry in `keep`, (n,) bool, is true."""
+        return Events(self.t_us[keep], self.x[keep], self.y[keep], self.p[keep])
+
+    @classmethod
+    def joined(cls, blocks: Iterable[Events]) -> Events:
+        """Blocks of events as one."""
+        parts = [cls.empty(), *blocks]
+        if len(parts) == 2:
+            return parts[1]
+        return cls(*(np.concatenate([getattr(part, field) for part in parts]) for field in ("t_us", "x", "y", "p")))
+
     @classmethod
     def empty(cls) -> Events:
         """No events."""
         return cls(np.empty(0, np.int64), np.empty(0, np.uint16), np.empty(0, np.uint16), np.empty(0, np.uint8))
+
+
+@dataclass(frozen=True)
+class Fault:
+    """The first event that breaks a rule of recordings: its index, and what is wrong with it."""
+
+    index: int
+    what: str
+
+    def describe(self, first_index: int = 0) -> str:
+        """One line, for events that are a part of a recording from `first_index` on."""
+        return f"event {first_index + self.index}: {self.what}"
+
+
+@njit(cache=True, nogil=True)
+def _first_fault(t_us, x, y, p, after_us, width, height):  # type: ignore[no-untyped-def]
+    """Index of the first event that runs back, lies outside or has no polarity; the number of events when none does."""
+    last = after_us
+    for i in range(len(t_us)):
+        if (t_us[i] < last) | (x[i] >= width) | (y[i] >= height) | (p[i] > 1):
+            return i
+        last = t_us[i]
+    return len(t_us)
+
+
+def find_fault(events: Events, width: int, height: int, after_us: int = _NEVER) -> Fault | None:
+    """The first event that precedes its forerunner (or `after_us`, for the first), lies outside the sensor, or has a polarity
+    other than 0 and 1; None when there is none. About 1 ns per event."""
+    t_us, x, y, p = events.t_us, events.x, events.y, events.p
+    i = int(_first_fault(t_us, x, y, p, after_us, width, height))
+    if i == len(events):
+        return None
+    before = int(t_us[i - 1]) if i else after_us
+    if t_us[i] < before:
+        return Fault(i, f"t = {t_us[i]} us follows t = {before} us: time must not run back")
+    for axis, values, size in (("x", x, width), ("y", y, height)):
+        if values[i] >= size:
+            return Fault(i, f"{axis} = {values[i]}: must be below the sensor's {size}")
+    return Fault(i, f"p = {p[i]}: must be 0 or 1")
+
+
+def check_sensor(name: str, width: int, height: int) -> None:
+    """Raise RecordingError for a sensor without pixels, or larger than an event's address."""
+    if not 1 <= width <= 65536 or not 1 <= height <= 65536:
+        raise RecordingError(f"{name}: sensor {width}x{height}: each side must be from 1 to 65536 pixels")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,29 +122,16 @@ class Recording:
     name: str = "recording"
 
     def __post_init__(self) -> None:
+        check_sensor(self.name, self.width, self.height)
         events = self.events
-        if not 1 <= self.width <= 65536 or not 1 <= self.height <= 65536:
-            raise RecordingError(f"{self.name}: sensor {self.width}x{self.height}: each side must be from 1 to 65536 pixels")
         if not len(events.t_us) == len(events.x) == len(events.y) == len(events.p):
             raise RecordingError(
                 f"{self.name}: t, x, y, p hold {len(events.t_us)}, {len(events.x)}, {len(events.y)}, {len(events.p)} values: "
                 "all must be the same"
             )
-        backwards = np.flatnonzero(np.diff(events.t_us) < 0)
-        if len(backwards):
-            i = int(backwards[0]) + 1
-            raise RecordingError(
-                f"{self.name}: event {i}: t = {events.t_us[i]} us follows t = {events.t_us[i - 1]} us: time must not run back"
-            )
-        for axis, values, size in (("x", events.x, self.width), ("y", events.y, self.height)):
-            outside = np.flatnonzero(values >= size)
-            if len(outside):
-                i = int(outside[0])
-                raise RecordingError(f"{self.name}: event {i}: {axis} = {values[i]}: must be below the sensor's {size}")
-        wrong = np.flatnonzero(events.p > 1)
-        if len(wrong):
-            i = int(wrong[0])
-            raise RecordingError(f"{self.name}: event {i}: p = {events.p[i]}: must be 0 or 1")
+        fault = find_fault(events, self.width, self.height)
+        if fault is not None:
+            raise RecordingError(f"{self.name}: {fault.describe()}")
 
     @property
     def duration_us(self) -> int:

@@ -3,105 +3,270 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
-from collections.abc import Callable
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from types import TracebackType
+from typing import Literal
 
 import numpy as np
 
-from .errors import RecordingError
-from .events import Recording
-from .formats.columns import Decoded, Sensor, events_from_columns
-from .formats.native import AEDAT4_MAGIC, ES_MAGIC, read_aedat4, read_es
-from .formats.prophesee import read_prophesee
-from .formats.text import read_csv
+from .errors import ConfigError, RecordingError, RecordingWarning
+from .events import Events, Recording, check_sensor, find_fault
+from .formats import FORMATS, WRITABLE
+from .formats.columns import Sensor
+from .formats.source import BLOCK_EVENTS, Source
 from .outputs import written_aside
 
-__all__ = ["read_recording", "write_npz"]
+__all__ = ["Damage", "RecordingFile", "open_recording", "read_recording", "write_events", "write_recording"]
 
-_SNIFF_BYTES = 512
-_NPZ_FIELDS = ("t_us", "x", "y", "p", "width", "height")
+Damage = Literal["refuse", "skip"]
+
+_SNIFF_BYTES = 1024
 
 
-def read_recording(path: Path | str, sensor: Sensor | None = None) -> Recording:
-    """Read AEDAT4, Prophesee RAW (EVT 2, EVT 3), DAT, ES, CSV, or what `write_npz` wrote.
+class RecordingFile:
+    """A recording on disk, read in blocks: memory does not grow with its length. A context manager.
 
-    Every event of the file is there, in the file's order and with the file's time: nothing is sorted, moved or dropped, but
-    for events before a RAW file's first time mark, which have no time (a warning counts them).
+    Attributes:
+        path, name: the file, and its name without suffix.
+        format: the format's title, for people.
+        details: what else the file says about itself.
+    """
+
+    def __init__(self, path: Path, format_title: str, source: Source, sensor: Sensor | None, damage: Damage) -> None:
+        self.path = path
+        self.name = path.stem
+        self.format = format_title
+        self._source = source
+        self._sensor = sensor or source.sensor
+        self._damage = damage
+        self._t0_us: int | None = None
+        if self._sensor is not None:
+            check_sensor(str(path), *self._sensor)
+
+    def __enter__(self) -> RecordingFile:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._source.close()
+
+    @property
+    def details(self) -> Mapping[str, str]:
+        """What the file says about itself besides its sensor: short name -> short value."""
+        return self._source.details
+
+    @property
+    def sensor(self) -> Sensor:
+        """(width, height) in pixels: the caller's, else the file's, else the smallest that fits, found in one pass."""
+        if self._sensor is None:
+            width = height = 1
+            for block in self._source_blocks(None):
+                if len(block):
+                    width, height = max(width, int(block.x.max()) + 1), max(height, int(block.y.max()) + 1)
+            self._sensor = self._source.smallest_sensor(width, height)
+        return self._sensor
+
+    @property
+    def t0_us(self) -> int:
+        """Time of the first event.
+
+        Raises:
+            RecordingError: the file holds no events, or is damaged before the first one.
+        """
+        if self._t0_us is None:
+            self._t0_us = next((int(block.t_us[0]) for block in self._source_blocks(None) if len(block)), None)
+            if self._t0_us is None:
+                raise RecordingError(f"{self.path}: holds no events")
+        return self._t0_us
+
+    def blocks(self, from_us: int = 0, to_us: int | None = None) -> Iterator[Events]:
+        """The events with from_us <= t - t0_us < to_us, checked, in the file's order.
+
+        Args:
+            from_us, to_us: times since the first event; None: to the end.
+
+        Raises:
+            RecordingError: the file is damaged, time runs back, or an event lies outside the sensor; names file, place, value
+                and rule. With damage "skip" such events are left out instead, and so is all behind a place that cannot be
+                read.
+        Warns:
+            RecordingWarning: events were left out; how many and why.
+        """
+        width, height = self.sensor
+        t0_us = self.t0_us
+        begin = t0_us + from_us
+        end = None if to_us is None else t0_us + to_us
+        last_us = np.iinfo(np.int64).min
+        seen = 0
+        broken: Counter[str] = Counter()
+        for block in self._source_blocks(begin if from_us > 0 else None):
+            fault = find_fault(block, width, height, last_us)
+            first_index, seen = seen, seen + len(block)
+            if fault is not None:
+                if self._damage == "refuse":
+                    place = fault.describe(first_index)
+                    raise RecordingError(f"{self.path}: {place}" + (f" (counted from {from_us / 1e6:g} s)" if from_us else ""))
+                block = _sound(block, width, height, last_us, broken)
+            if not len(block):
+                continue
+            last_us = int(block.t_us[-1])
+            first = int(np.searchsorted(block.t_us, begin)) if block.t_us[0] < begin else 0
+            past = len(block) if end is None or last_us < end else int(np.searchsorted(block.t_us, end))
+            if first < past:
+                yield block[first:past]
+            if past < len(block):
+                break
+        for why, count in (Counter(self._source.left_out) + broken).items():
+            warnings.warn(RecordingWarning(f"{self.path}: {count} events left out: {why}"), stacklevel=2)
+
+    def read(self, from_us: int = 0, to_us: int | None = None) -> Recording:
+        """The events of `blocks` as one recording in memory.
+
+        Raises:
+            RecordingError: as `blocks`, or there is no event in the window.
+        """
+        events = Events.joined(self.blocks(from_us, to_us))
+        if not len(events):
+            window = f"from {from_us / 1e6:g} s" + ("" if to_us is None else f" to {to_us / 1e6:g} s")
+            raise RecordingError(f"{self.path}: holds no events {window}")
+        return Recording(events, *self.sensor, self.name)
+
+    def _source_blocks(self, from_us: int | None) -> Iterator[Events]:
+        """The source's blocks, with the file's name in front of whatever goes wrong."""
+        given = 0
+        try:
+            for block in self._source.blocks(from_us):
+                given += len(block)
+                yield block
+        except OSError as error:
+            raise RecordingError(f"{self.path}: cannot be read: {error.strerror or error}") from error
+        except RecordingError as error:
+            if self._damage == "refuse" or not given:
+                raise RecordingError(f"{self.path}: {error}") from error
+            warnings.warn(RecordingWarning(f"{self.path}: all after {given} events left out: {error}"), stacklevel=2)
+
+
+def _sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:
+    """The events inside the sensor whose time does not run back; the others are counted in `broken`."""
+    inside = (events.x < width) & (events.y < height) & (events.p <= 1)
+    kept = events.where(inside)
+    broken["outside the sensor, or without a polarity"] += len(events) - len(kept)
+    latest = np.maximum.accumulate(np.maximum(kept.t_us, after_us))
+    forward = kept.where(kept.t_us == latest)
+    broken["time runs back"] += len(kept) - len(forward)
+    return forward
+
+
+def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Damage = "refuse") -> RecordingFile:
+    """Open an event file of any format in `evcot.formats`.
 
     Args:
         path: the file; its content tells the format.
-        sensor: (width, height) in pixels, in place of what the file says. Without it, a Prophesee file whose header has no
-            size gets the smallest of `formats.prophesee.PROPHESEE_SENSORS` that holds every event, and a CSV without one the
-            smallest size that does.
+        sensor: (width, height) in pixels, in place of what the file says. Without it, a file that does not say has the
+            smallest sensor (of a Prophesee file: the smallest common one) that holds every event.
+        damage: what to do about events that break the rules, or about a place that cannot be read: refuse the file, or leave
+            out what is wrong and say how much.
 
     Raises:
-        RecordingError: the file is missing, unreadable, of no known format, empty, without events, cut off or damaged; or it
-            holds an event outside the sensor, or one whose time runs backwards. One line: file, place, value, rule.
+        RecordingError: the file is missing, unreadable, empty, of no known format, or its header is damaged. One line: file,
+            place, value, rule.
     """
     path = Path(path)
-    name = path.stem
     try:
-        decoded = _reader(path)(path)
-        if not len(decoded.events):
-            raise RecordingError("holds no events")
-        width, height = sensor or decoded.sensor
-        return Recording(decoded.events, width, height, name)
+        title, source = _open(path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
     except RecordingError as error:
-        raise RecordingError(f"{path}: {str(error).removeprefix(f'{name}: ')}") from error
-
-
-def _reader(path: Path) -> Callable[[Path], Decoded]:
-    if path.exists() and not path.is_file():
-        raise RecordingError("is a directory or a device: must be a file")
-    with path.open("rb") as file:
-        start = file.read(_SNIFF_BYTES)
-    if not start:
-        raise RecordingError("is empty")
-    for magic, reader in (
-        (AEDAT4_MAGIC, read_aedat4),
-        (ES_MAGIC, read_es),
-        (b"PK\x03\x04", _read_npz),
-        (b"% ", read_prophesee),
-    ):
-        if start.startswith(magic):
-            return reader
-        if magic.startswith(start):
-            raise RecordingError(f"ends after {len(start)} bytes: too early to hold an event")
-    if start.startswith(b"#!AER-DAT"):
-        raise RecordingError(f"is {start[2:12].decode('ascii', 'replace').strip()}: of AEDAT, only version 4.0 can be read")
-    if start.isascii() and start.decode("ascii").replace("\r", "").replace("\n", "").replace("\t", "").isprintable():
-        return read_csv
-    raise RecordingError("is of no known format: must be AEDAT4, Prophesee RAW or DAT, ES, CSV or npz")
-
-
-def _read_npz(path: Path) -> Decoded:
+        raise RecordingError(f"{path}: {error}") from error
     try:
-        # Opened here: NumPy would leave the file of a damaged archive open.
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
-            missing = [field for field in _NPZ_FIELDS if field not in content]
-            if missing:
-                raise RecordingError(f"has no array {', '.join(missing)}: must have {', '.join(_NPZ_FIELDS)}")
-            events = events_from_columns(*(content[field] for field in _NPZ_FIELDS[:4]))
-            width, height = (int(content[field]) for field in _NPZ_FIELDS[4:])
-    except (zipfile.BadZipFile, zlib.error, EOFError, KeyError, TypeError, NotImplementedError) as error:
-        raise RecordingError(f"is a damaged npz: {' '.join(str(error).split())}") from error
-    except RecordingError:
+        return RecordingFile(path, title, source, sensor, damage)
+    except BaseException:
+        source.close()
         raise
-    except ValueError as error:
-        raise RecordingError(f"is a damaged npz: {' '.join(str(error).split())}") from error
-    return Decoded(events, (width, height))
 
 
-def write_npz(recording: Recording, path: Path | str) -> None:
-    """Write a recording as arrays t_us, x, y, p, width, height; the file appears under its name only when it is whole.
+def _open(path: Path) -> tuple[str, Source]:
+    start = b""
+    if path.is_file():
+        with path.open("rb") as file:
+            start = file.read(_SNIFF_BYTES)
+        if not start:
+            raise RecordingError("is empty")
+    elif not path.exists():
+        raise FileNotFoundError(2, "No such file or directory")
+    for kind in FORMATS:
+        if kind.matches(start, path):
+            return kind.title, kind.open(path)
+    if path.is_dir():
+        raise RecordingError("is a directory, and no ROS 2 bag: has no metadata.yaml")
+    raise RecordingError(f"is of no known format: must be one of {', '.join(kind.title for kind in FORMATS)}")
+
+
+def read_recording(
+    path: Path | str,
+    sensor: Sensor | None = None,
+    *,
+    from_us: int = 0,
+    to_us: int | None = None,
+    damage: Damage = "refuse",
+) -> Recording:
+    """Read a recording, or a window of it, into memory: `open_recording` and `RecordingFile.read` in one.
+
+    Every event of the file is there, in the file's order and with the file's time: nothing is sorted or moved, and what is
+    left out is counted in a warning.
+    """
+    with open_recording(path, sensor, damage=damage) as file:
+        return file.read(from_us, to_us)
+
+
+def write_events(
+    path: Path | str, sensor: Sensor, blocks: Iterable[Events], format_name: str | None = None
+) -> int:
+    """Write blocks of events, in time order, and return how many; the file appears under its name only when it is whole.
+
+    Args:
+        format_name: one of `formats.WRITABLE`; without it, the path's suffix tells.
 
     Raises:
+        ConfigError: no such format, or a suffix of none.
+        RecordingError: a value that the format cannot hold, or that breaks the rules of recordings.
         OutputError: the file cannot be written.
     """
-    events = recording.events
-    with written_aside(Path(path)) as file:
-        np.savez(file, t_us=events.t_us, x=events.x, y=events.y, p=events.p, width=recording.width, height=recording.height)
+    path = Path(path)
+    kind = WRITABLE[_format_for(path, format_name)]
+    count, last_us = 0, np.iinfo(np.int64).min
+    with written_aside(path) as file:
+        sink = kind.begin(file, sensor)
+        for block in blocks:
+            for begin in range(0, len(block), BLOCK_EVENTS):
+                part = block[begin : begin + BLOCK_EVENTS]
+                fault = find_fault(part, *sensor, last_us)
+                if fault is not None:
+                    raise RecordingError(f"{path}: {fault.describe(count)}")
+                try:
+                    sink.write(part)
+                except RecordingError as error:
+                    raise RecordingError(f"{path}: {error}") from error
+                count, last_us = count + len(part), int(part.t_us[-1])
+        sink.close()
+    return count
+
+
+def write_recording(recording: Recording, path: Path | str, format_name: str | None = None) -> None:
+    """Write a recording from memory; as `write_events`."""
+    write_events(path, (recording.width, recording.height), [recording.events], format_name)
+
+
+def _format_for(path: Path, name: str | None) -> str:
+    if name is None:
+        name = next((kind.name for kind in WRITABLE.values() if kind.suffix == path.suffix.lower()), None)
+        if name is None:
+            suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in WRITABLE.values()))
+            raise ConfigError(f"{path}: suffix {path.suffix!r}: must be one of {suffixes}, or a format be named")
+    if name not in WRITABLE:
+        raise ConfigError(f"format {name!r}: must be one of {', '.join(WRITABLE)}")
+    return name

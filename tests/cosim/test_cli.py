@@ -19,7 +19,7 @@ import pytest
 
 import evcot_cosim.build
 from evcot.events import Events, Recording
-from evcot.files import write_npz
+from evcot.files import write_recording
 from evcot.tracklog import TrackLog
 from evcot_cosim.cli import main
 
@@ -48,7 +48,7 @@ def blob(n: int = 6_000, seed: int = 3) -> Recording:
 @pytest.fixture
 def recording(in_empty_folder: Path) -> Path:
     path = in_empty_folder / "blob.npz"
-    write_npz(blob(), path)
+    write_recording(blob(), path)
     return path
 
 
@@ -260,7 +260,7 @@ def test_a_full_disk_leaves_nothing_that_looks_whole(recording: Path) -> None:
 
 
 def test_an_interrupt_leaves_nothing_that_looks_whole(in_empty_folder: Path) -> None:
-    write_npz(blob(4_000_000), Path("long.npz"))
+    write_recording(blob(4_000_000), Path("long.npz"))
     run = evcot("cosim", "long.npz", "--hardware", "cot_chain")
     time.sleep(2.0)
     os.kill(run.pid, signal.SIGINT)

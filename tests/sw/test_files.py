@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from evcot.errors import OutputError, RecordingError
 from evcot.events import Events, Recording
-from evcot.files import read_recording, write_npz
+from evcot.files import read_recording, write_recording
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 WIDTH, HEIGHT = 64, 48
@@ -50,7 +50,7 @@ def write(directory: Path, name: str, events: Events) -> Path:
     """A file of a 64x48 sensor in one of `FORMATS`."""
     if name == "npz":
         path = directory / "events.npz"
-        write_npz(Recording(events, WIDTH, HEIGHT), path)
+        write_recording(Recording(events, WIDTH, HEIGHT), path)
         return path
     suffix, options = WRITERS[name]
     path = directory / f"events{suffix}"
@@ -329,10 +329,10 @@ def test_npz_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     recording = Recording(make_events(10), WIDTH, HEIGHT)
     path = tmp_path / "out.npz"
     path.write_bytes(b"older")
-    write_npz(recording, path)
+    write_recording(recording, path)
     assert_same(read_recording(path).events, recording.events)
     with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
-        write_npz(recording, tmp_path / "absent" / "out.npz")
+        write_recording(recording, tmp_path / "absent" / "out.npz")
     assert [each.name for each in tmp_path.iterdir()] == ["out.npz"]
 
 
@@ -345,7 +345,7 @@ def test_a_failed_write_leaves_the_older_file_alone(tmp_path: Path, monkeypatch:
 
     monkeypatch.setattr(np, "savez", full)
     with pytest.raises(OutputError, match=r"out\.npz: cannot be written: No space left on device"):
-        write_npz(Recording(make_events(10), WIDTH, HEIGHT), path)
+        write_recording(Recording(make_events(10), WIDTH, HEIGHT), path)
     assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"older"]
 
 

@@ -1,6 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One module per family of event file; `evcot.files.read_recording` is the way in.
+"""One module per family of event file; `evcot.files.open_recording` and `write_events` are the way in.
 
-Each reader takes the path of a file of its own kind and returns a `Decoded`. What it finds wrong it raises as a
-RecordingError that leaves the file's name out: `read_recording` puts it in front.
+Each module has `FORMATS`, the kinds it reads, and may have `WRITABLE`, the kinds it writes. Each kind is tried in this order
+on a file's first bytes. What a reader finds wrong it raises as a RecordingError that leaves the file's name out: `evcot.files`
+puts it in front.
 """
+
+from __future__ import annotations
+
+from . import native, numpy_files, prophesee, text
+from .source import Format, WritableFormat
+
+__all__ = ["FORMATS", "WRITABLE"]
+
+FORMATS: tuple[Format, ...] = (
+    *native.FORMATS,
+    *numpy_files.FORMATS,
+    *prophesee.FORMATS,
+    *text.FORMATS,  # last: almost anything printable looks like text
+)
+
+WRITABLE: dict[str, WritableFormat] = {kind.name: kind for kind in numpy_files.WRITABLE}

@@ -22,8 +22,10 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from .columns import Decoded, events_from_packets
+from .source import Format
+from .whole import opens_whole
 
-__all__ = ["AEDAT4_MAGIC", "ES_MAGIC", "read_aedat4", "read_es"]
+__all__ = ["AEDAT4_MAGIC", "ES_MAGIC", "FORMATS", "read_aedat4", "read_es"]
 
 AEDAT4_MAGIC = b"#!AER-DAT4.0\r\n"
 ES_MAGIC = b"Event Stream"
@@ -175,3 +177,9 @@ def read_es(path: Path) -> Decoded:
     with _native_errors():
         stream = faery.events_stream_from_file(path, file_type="es")
         return Decoded(events_from_packets(stream), stream.dimensions())
+
+
+FORMATS = (
+    Format("aedat4", "AEDAT 4.0", lambda start, _: start.startswith(AEDAT4_MAGIC), opens_whole(read_aedat4)),
+    Format("es", "Event Stream", lambda start, _: start.startswith(ES_MAGIC), opens_whole(read_es)),
+)

@@ -20,8 +20,10 @@ from ..errors import RecordingError
 from ..events import Events
 from . import evt
 from .columns import Decoded, Sensor, smallest_sensor
+from .source import Format
+from .whole import opens_whole
 
-__all__ = ["PROPHESEE_SENSORS", "Header", "parse_header", "read_dat", "read_evt", "read_prophesee"]
+__all__ = ["FORMATS", "PROPHESEE_SENSORS", "Header", "parse_header", "read_dat", "read_evt", "read_prophesee"]
 
 _Word = TypeVar("_Word", bound=np.unsignedinteger)
 
@@ -164,3 +166,6 @@ def read_dat(path: Path, header: Header) -> Decoded:
     p = (address >> (x_bits + y_bits) & 15 != 0).view(np.uint8)
     events = Events(t_us, x, y, p)
     return Decoded(events, _sensor(header, events))
+
+
+FORMATS = (Format("prophesee", "Prophesee RAW or DAT", lambda start, _: start.startswith(b"% "), opens_whole(read_prophesee)),)

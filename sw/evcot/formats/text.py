@@ -14,8 +14,10 @@ import numpy as np
 
 from ..errors import RecordingError
 from .columns import Decoded, Sensor, events_from_columns, smallest_sensor
+from .source import Format
+from .whole import opens_whole
 
-__all__ = ["read_csv"]
+__all__ = ["FORMATS", "read_csv"]
 
 _NAMES = {
     "t": ("t", "t_us", "timestamp"),
@@ -83,3 +85,10 @@ def read_csv(path: Path) -> Decoded:
     rows["p"][rows["p"] == -1] = 0
     events = events_from_columns(rows["t"], rows["x"], rows["y"], rows["p"])
     return Decoded(events, layout.sensor or smallest_sensor(events))
+
+
+def _is_text(start: bytes, _: Path) -> bool:
+    return start.isascii() and start.decode("ascii").replace("\r", "").replace("\n", "").replace("\t", "").isprintable()
+
+
+FORMATS = (Format("csv", "CSV", _is_text, opens_whole(read_csv)),)
