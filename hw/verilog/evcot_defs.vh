@@ -30,6 +30,16 @@
 `define EVCOT_TIME_W_MIN 8
 `define EVCOT_TIME_W_MAX 48 // bits of the tick count
 
+// Shape of a filter chain: inclusive parameter ranges.
+`define EVCOT_WIDTH_MIN 1
+`define EVCOT_WIDTH_MAX 65536 // pixels of the sensor across
+`define EVCOT_HEIGHT_MIN 1
+`define EVCOT_HEIGHT_MAX 65536 // pixels of the sensor down
+`define EVCOT_STAMP_W_MIN 4
+`define EVCOT_STAMP_W_MAX 32 // bits of a time stamp in a filter's memory
+`define EVCOT_RECENT_DEPTH_MIN 1
+`define EVCOT_RECENT_DEPTH_MAX 256 // events in the FIFO of recent events
+
 // States of the tracker FSM.
 `define EVCOT_ST_W 3
 `define EVCOT_ST_INIT_CELL 3'd0
@@ -69,5 +79,34 @@
 `define EVCOT_REG_NEV_MAX 4'd12
 `define EVCOT_REG_NEV_TH 4'd13
 `define EVCOT_REG_DETECT_TICKS 4'd14
+
+// The filters of a chain, in their order: bits of `enable`.
+`define EVCOT_FILTER_W 3
+`define EVCOT_FILTER_REGION 3'd0
+`define EVCOT_FILTER_POLARITY 3'd1
+`define EVCOT_FILTER_MASK 3'd2
+`define EVCOT_FILTER_REFRACTORY 3'd3
+`define EVCOT_FILTER_ACTIVITY 3'd4
+`define EVCOT_FILTER_RECENT 3'd5
+`define EVCOT_FILTER_DECAY 3'd6
+
+// Word addresses of the registers of a filter chain.
+`define EVCOT_FREG_W 4
+`define EVCOT_FREG_ENABLE 4'd0
+`define EVCOT_FREG_REGION_X0 4'd1
+`define EVCOT_FREG_REGION_X1 4'd2
+`define EVCOT_FREG_REGION_Y0 4'd3
+`define EVCOT_FREG_REGION_Y1 4'd4
+`define EVCOT_FREG_POLARITY 4'd5
+`define EVCOT_FREG_REFRACTORY_TICKS 4'd6
+`define EVCOT_FREG_ACTIVITY_TICKS 4'd7
+`define EVCOT_FREG_ACTIVITY_SUPPORT 4'd8
+`define EVCOT_FREG_RECENT_TICKS 4'd9
+`define EVCOT_FREG_RECENT_RADIUS 4'd10
+`define EVCOT_FREG_RECENT_SUPPORT 4'd11
+`define EVCOT_FREG_DECAY_RATE 4'd12
+`define EVCOT_FREG_DECAY_EPSILON 4'd13
+`define EVCOT_FREG_DECAY_SUPPORT 4'd14
+`define EVCOT_FREG_MASK 4'd15
 
 `endif

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import jinja2
 
-from .contract import REGISTERS, SHAPE_RANGES, Kind, Mode, State
+from .contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, REGISTERS, SHAPE_RANGES, Filter, Kind, Mode, State
 from .errors import ConfigError, EvcotError
 from .lfsr import TAPS, tap_mask
 from .outputs import written_aside
@@ -51,15 +51,20 @@ def render_headers() -> dict[str, str]:
         keep_trailing_newline=True,
     )
     registers = [(name, register.address) for name, register in REGISTERS.items()]
+    filter_registers = [(name, register.address) for name, register in FILTER_REGISTERS.items()]
     enums = [
         _codes("ST", "States of the tracker FSM.", State),
         _codes("KIND", "Kinds of a record.", Kind),
         _codes("MODE", "How a slot starts a life: register `mode`.", Mode),
         _Codes("REG", "Word addresses of the registers of a slot.", registers),
+        _codes("FILTER", "The filters of a chain, in their order: bits of `enable`.", Filter),
+        _Codes("FREG", "Word addresses of the registers of a filter chain.", filter_registers),
     ]
     rows = [(width, tap_mask(width), taps) for width, taps in TAPS.items()]
     return {
-        "evcot_defs.vh": templates.get_template("evcot_defs.vh.j2").render(shape_ranges=SHAPE_RANGES, enums=enums),
+        "evcot_defs.vh": templates.get_template("evcot_defs.vh.j2").render(
+            shape_ranges=SHAPE_RANGES, filter_shape_ranges=FILTER_SHAPE_RANGES, enums=enums
+        ),
         "lfsr_taps.vh": templates.get_template("lfsr_taps.vh.j2").render(rows=rows),
     }
 
