@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from numba import njit
 
-__all__ = ["KEY_T_SHIFT", "leg_events"]
+from ._order import KEY_T_SHIFT
 
-# An event as one integer whose order is the order of time: t_us << 33 | x << 17 | y << 1 | p.
-KEY_T_SHIFT = 33
+__all__ = ["leg_events"]
 
 
 @njit(cache=True, nogil=True)

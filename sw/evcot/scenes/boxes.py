@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from ..events import Events, Recording
-from ._contours import KEY_T_SHIFT, leg_events
+from ..events import Recording
+from ._contours import leg_events
+from ._order import KEY_T_SHIFT, events_of
 from .cast import LANES, cast
 from .truth import Box, Truth, sample
 
@@ -111,15 +112,7 @@ def simulate(config: BoxExperiment) -> Scene:
         edges = _edges(config, box)
         edges += random.integers(0, config.jitter_us, len(edges), endpoint=True) << KEY_T_SHIFT
         keys += [edges, _flicker(config, box, random)]
-    key = np.concatenate(keys)
-    key.sort()
-    key = key[: np.searchsorted(key, config.duration_us << KEY_T_SHIFT)]
-    events = Events(
-        t_us=key >> KEY_T_SHIFT,
-        x=(key >> 17).astype(np.uint16),
-        y=(key >> 1).astype(np.uint16),
-        p=(key & 1).astype(np.uint8),
-    )
+    events = events_of(np.concatenate(keys), config.duration_us)
     times_us = np.arange(0, config.duration_us, config.truth_step_us)
     truth = Truth(sample(boxes, times_us, (config.width, config.height)), boxes)
     return Scene(Recording(events, config.width, config.height, f"boxes_{config.speed}"), truth, config.seed)

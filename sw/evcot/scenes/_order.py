@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Events as integers whose order is the order of time, and how they become events."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..events import Events
+
+__all__ = ["KEY_T_SHIFT", "events_of"]
+
+# An event as one integer: t_us << 33 | x << 17 | y << 1 | p, with times from 0 to 2**30.
+KEY_T_SHIFT = 33
+
+_FEW = 512  # below, a comparison sort is faster
+_SHORT = 32  # so many keys of one bucket are sorted by insertion
+
+
+def events_of(keys: NDArray[np.int64], end_us: int) -> Events:
+    """The events before `end_us`, by time, then x, y and p; from (n,) keys in any order."""
+    ordered = np.sort(keys) if len(keys) < _FEW else _by_key(keys)
+    n = int(np.searchsorted(ordered, end_us << KEY_T_SHIFT))
+    events = Events(np.empty(n, np.int64), np.empty(n, np.uint16), np.empty(n, np.uint16), np.empty(n, np.uint8))
+    _unpack(ordered, events.t_us, events.x, events.y, events.p)
+    return events
+
+
+@njit(cache=True, nogil=True)
+def _by_key(keys):  # type: ignore[no-untyped-def]
+    """A sorted copy: keys go to buckets of equal time, one or two to a bucket on average, and are sorted there."""
+    base = keys.min() >> KEY_T_SHIFT << KEY_T_SHIFT
+    span, shift = keys.max() - base, KEY_T_SHIFT
+    while span >> shift > len(keys):
+        shift += 1
+    ends = np.zeros((span >> shift) + 2, np.uint32)
+    for key in keys:
+        ends[((key - base) >> shift) + 1] += np.uint32(1)
+    for bucket in range(1, len(ends)):
+        ends[bucket] += ends[bucket - 1]
+    ordered = np.empty_like(keys)
+    for key in keys:
+        bucket = (key - base) >> shift
+        ordered[ends[bucket]] = key
+        ends[bucket] += np.uint32(1)
+    begin = 0
+    for bucket in range(len(ends) - 1):
+        end = np.int64(ends[bucket])
+        _sort_few(ordered[begin:end])
+        begin = end
+    return ordered
+
+
+@njit(cache=True, nogil=True)
+def _sort_few(keys):  # type: ignore[no-untyped-def]
+    if len(keys) > _SHORT:
+        keys.sort()
+        return
+    for i in range(1, len(keys)):
+        key, at = keys[i], i
+        while at > 0 and keys[at - 1] > key:
+            keys[at] = keys[at - 1]
+            at -= 1
+        keys[at] = key
+
+
+@njit(cache=True, nogil=True)
+def _unpack(keys, t_us, x, y, p):  # type: ignore[no-untyped-def]
+    for i in range(len(t_us)):
+        key = keys[i]
+        t_us[i] = key >> KEY_T_SHIFT
+        x[i] = key >> 17 & 0xFFFF
+        y[i] = key >> 1 & 0xFFFF
+        p[i] = key & 1
