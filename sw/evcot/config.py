@@ -3,16 +3,31 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from .contract import REGISTERS, Mode, Shape
+from .contract import FILTER_REGISTERS, REGISTERS, Filter, FilterShape, Mode, Shape
 from .errors import ConfigError
+from .filters.decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE
+from .filters.hot_pixels import load_hot_pixels
+from .filters.registers import FilterRegisters
 
-__all__ = ["CotConfig", "RctConfig", "RunConfig", "SlotConfig", "load_toml"]
+__all__ = ["CotConfig", "FilterConfig", "RctConfig", "RunConfig", "SlotConfig", "load_toml"]
+
+Ranges = Mapping[str, tuple[float, float, str]]
+
+
+def _check_ranges(config: object, ranges: Ranges, where: str) -> None:
+    """Raise ConfigError for the first field outside its (lowest, highest, meaning); an integer limit asks for an integer."""
+    for name, (low, high, meaning) in ranges.items():
+        value = getattr(config, name)
+        wanted = type(low) if isinstance(low, int) else (int, float)
+        if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
+            raise ConfigError(f"{where}.{name} = {value!r}: must be from {low:g} to {high:g} ({meaning})")
 
 
 @dataclass(frozen=True)
@@ -77,7 +92,7 @@ class CotConfig:
 
 
 # field -> (lowest, highest, meaning)
-RCT_RANGES: dict[str, tuple[float, float, str]] = {
+RCT_RANGES: Ranges = {
     "max_clusters": (1, 1024, "clusters alive at once"),
     "radius_px": (0.5, 1000.0, "half the side of a cluster's square window"),
     "alpha": (1e-6, 1.0, "mixing factor of location"),
@@ -105,20 +120,157 @@ class RctConfig:
     packet_us: int = 1_000
 
     def __post_init__(self) -> None:
-        for name, (low, high, meaning) in RCT_RANGES.items():
-            value = getattr(self, name)
-            wanted = type(low) if isinstance(low, int) else (int, float)
-            if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
-                raise ConfigError(f"rct.{name} = {value!r}: must be from {low:g} to {high:g} ({meaning})")
+        _check_ranges(self, RCT_RANGES, "rct")
+
+
+# field -> (lowest, highest, meaning)
+FILTER_RANGES: Ranges = {
+    "refractory_us": (0, 10**9, "silence of a pixel after an event; 0 is off"),
+    "activity_us": (0, 10**9, "oldest neighbour that supports an event; 0 is off"),
+    "activity_support": (1, 8, "neighbours that an event needs"),
+    "recent_us": (0, 10**9, "age past which an event leaves the FIFO; 0 is off"),
+    "recent_radius": (1, 15, "how near an event in the FIFO must be, pixels"),
+    "recent_support": (1, 256, "events in the FIFO that an event needs"),
+    "recent_depth": (1, 256, "events in the FIFO"),
+    "decay_tau_us": (0.0, 1e9, "time constant of a weight's decay; 0 is off"),
+    "decay_epsilon": (0.0, 1.0, "weight up to which an event is discarded"),
+    "decay_support": (1 / 256, 8.0, "sum of weights that an event needs"),
+}
+
+
+@dataclass(frozen=True)
+class FilterConfig:
+    """The filters in front of both trackers, all off by default; limits in `FILTER_RANGES`, meanings in docs/filters.md.
+
+    Attributes:
+        region: (x0, y0, x1, y1), first and last column and row that stay, in pixels; None is off.
+        polarity: the one that stays; None is off.
+        hot_pixels: (x, y) of the pixels that are silenced.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    region: tuple[int, int, int, int] | None = None
+    polarity: Literal["on", "off"] | None = None
+    hot_pixels: tuple[tuple[int, int], ...] = ()
+    refractory_us: int = 0
+    activity_us: int = 0
+    activity_support: int = 1
+    recent_us: int = 0
+    recent_radius: int = 4
+    recent_support: int = 1
+    recent_depth: int = 32
+    decay_tau_us: float = 0.0
+    decay_epsilon: float = 0.1
+    decay_support: float = 0.5
+
+    def __post_init__(self) -> None:
+        if self.region is not None:
+            object.__setattr__(self, "region", _addresses(self.region, 4, "filters.region =", "x0, y0, x1, y1"))
+            x0, y0, x1, y1 = self.region
+            if x0 > x1 or y0 > y1:
+                raise ConfigError(f"filters.region = {list(self.region)}: must have x0 <= x1 and y0 <= y1")
+        if self.polarity not in (None, "on", "off"):
+            raise ConfigError(f"filters.polarity = {self.polarity!r}: must be 'on' or 'off'")
+        if not isinstance(self.hot_pixels, Sequence) or isinstance(self.hot_pixels, str):
+            raise ConfigError(f"filters.hot_pixels = {self.hot_pixels!r}: must be a list of pixels")
+        pixels = tuple(_addresses(pixel, 2, "filters.hot_pixels holds", "x, y") for pixel in self.hot_pixels)
+        object.__setattr__(self, "hot_pixels", tuple(dict.fromkeys(pixels)))
+        _check_ranges(self, FILTER_RANGES, "filters")
+        if self.recent_support > self.recent_depth:
+            raise ConfigError(
+                f"filters.recent_support = {self.recent_support}: must be at most recent_depth = {self.recent_depth}"
+            )
+
+    @property
+    def filters(self) -> tuple[Filter, ...]:
+        """The filters that are on, in the order of a chain."""
+        on = {
+            Filter.REGION: self.region,
+            Filter.POLARITY: self.polarity,
+            Filter.MASK: self.hot_pixels,
+            Filter.REFRACTORY: self.refractory_us,
+            Filter.ACTIVITY: self.activity_us,
+            Filter.RECENT: self.recent_us,
+            Filter.DECAY: self.decay_tau_us,
+        }
+        return tuple(which for which in Filter if on[which])
+
+    @property
+    def enabled(self) -> bool:
+        """Whether any filter is on."""
+        return bool(self.filters)
+
+    def shape(self, width: int, height: int) -> FilterShape:
+        """The hardware for a sensor of this size."""
+        return FilterShape(width, height, recent_depth=self.recent_depth)
+
+    def registers(self, tick_us: int) -> FilterRegisters:
+        """The same in the hardware's integers: times to the nearest tick and weights to the nearest 1/256, halves up.
+
+        The decay's rate is rounded too: its half-life in ticks then is 2^29 / decay_rate.
+
+        Raises:
+            ConfigError: a time below one tick, or longer than stamps can tell.
+        """
+        x0, y0, x1, y1 = self.region or (0, 0, 65535, 65535)
+        return FilterRegisters(
+            enable=sum(1 << which for which in self.filters),
+            region_x0=x0,
+            region_x1=x1,
+            region_y0=y0,
+            region_y1=y1,
+            polarity=int(self.polarity != "off"),
+            refractory_ticks=self._ticks("refractory", tick_us) or 1,
+            activity_ticks=self._ticks("activity", tick_us),
+            activity_support=self.activity_support,
+            recent_ticks=self._ticks("recent", tick_us),
+            recent_radius=self.recent_radius,
+            recent_support=self.recent_support,
+            decay_rate=self._decay_rate(tick_us),
+            decay_epsilon=min(255, math.floor(256 * self.decay_epsilon + 0.5)),
+            decay_support=max(1, math.floor(256 * self.decay_support + 0.5)),
+            hot_pixels=self.hot_pixels,
+        )
+
+    def _ticks(self, name: str, tick_us: int) -> int:
+        """A filter's time in ticks; 0 where it is off."""
+        us: int = getattr(self, f"{name}_us")
+        high = FILTER_REGISTERS[f"{name}_ticks"].limits(FilterShape())[1]
+        if us and not tick_us <= us <= high * tick_us:
+            raise ConfigError(
+                f"filters.{name}_us = {us}: must be from {tick_us} to {high * tick_us}, 1 to {high} ticks of {tick_us} us"
+            )
+        return (2 * us + tick_us) // (2 * tick_us) if us else 0
+
+    def _decay_rate(self, tick_us: int) -> int:
+        """Units of the decay's clock per tick, in 2^-24; 1 where the filter is off."""
+        if not self.decay_tau_us:
+            return 1
+        one_tick_us = tick_us * UNITS_PER_HALF_LIFE / math.log(2) * (1 << CLOCK_FRAC)  # tau at a rate of 1
+        low, high = FILTER_REGISTERS["decay_rate"].limits(FilterShape())
+        if not low <= one_tick_us / self.decay_tau_us <= high:
+            rule = f"must be from {one_tick_us / high:.4g} to {one_tick_us / low:.4g} at ticks of {tick_us} us"
+            raise ConfigError(f"filters.decay_tau_us = {self.decay_tau_us:g}: {rule}")
+        return math.floor(one_tick_us / self.decay_tau_us + 0.5)
+
+
+def _addresses(value: object, count: int, where: str, names: str) -> tuple[int, ...]:
+    """A list of this many addresses, as TOML and JSON have it, as a tuple."""
+    if isinstance(value, list | tuple) and len(value) == count and all(type(v) is int and 0 <= v <= 65535 for v in value):
+        return tuple(value)
+    raise ConfigError(f"{where} {value!r}: must be [{names}], each from 0 to 65535")
 
 
 @dataclass(frozen=True)
 class RunConfig:
-    """What one run needs: both trackers' configurations under a name."""
+    """What one run needs: the filters' and both trackers' configurations under a name."""
 
     name: str = "default"
     cot: CotConfig = field(default_factory=CotConfig)
     rct: RctConfig = field(default_factory=RctConfig)
+    filters: FilterConfig = field(default_factory=FilterConfig)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as summary.json stores them."""
@@ -144,9 +296,10 @@ def _names(cls: type) -> set[str]:
 
 
 def load_toml(path: Path, base: RunConfig) -> RunConfig:
-    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]` and `[rct]` override `base`.
+    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[rct]` and `[filters]` override `base`.
 
-    `[cot]` takes `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i.
+    `[cot]` takes `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
+    also takes `hot_pixels_file`, a file of `filters.hot_pixels` beside the TOML file, in place of `hot_pixels`.
 
     Raises:
         ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
@@ -159,13 +312,13 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: is not TOML: {error}") from error
     try:
-        return _override(base, data)
+        return _override(base, data, path.parent)
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from error
 
 
-def _override(base: RunConfig, data: Mapping[str, Any]) -> RunConfig:
-    _section(data, {"name", "shape", "cot", "slot", "rct"}, "top level")
+def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:
+    _section(data, {"name", "shape", "cot", "slot", "rct", "filters"}, "top level")
     shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
     cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
     tick_us = cot.pop("tick_us", base.cot.tick_us)
@@ -179,4 +332,15 @@ def _override(base: RunConfig, data: Mapping[str, Any]) -> RunConfig:
     for i, entry in enumerate(own):
         slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
     rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
-    return RunConfig(str(data.get("name", base.name)), CotConfig(shape, tuple(slots), tick_us), rct)
+    filters = _filters(base.filters, _table(data, "filters", "top level"), folder)
+    return RunConfig(str(data.get("name", base.name)), CotConfig(shape, tuple(slots), tick_us), rct, filters)
+
+
+def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path) -> FilterConfig:
+    own = dict(_section(table, _names(FilterConfig) | {"hot_pixels_file"}, "[filters]"))
+    name = own.pop("hot_pixels_file", None)
+    if name is not None:
+        if not isinstance(name, str) or "hot_pixels" in own:
+            raise ConfigError(f"[filters]: hot_pixels_file = {name!r}: must be a file's name, and stand without hot_pixels")
+        own["hot_pixels"] = load_hot_pixels(folder / name)
+    return replace(base, **own)

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Filters one behind the other, as the hardware has them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contract import Filter, FilterShape
+from .activity import ActivityFilter
+from .base import EventFilter
+from .decay import DecayFilter
+from .mask import MaskFilter
+from .polarity import PolarityFilter
+from .recent import RecentFilter
+from .refractory import RefractoryFilter
+from .region import RegionFilter
+from .registers import FilterRegisters
+
+__all__ = ["FILTERS", "FilterChain", "Total"]
+
+FILTERS: dict[Filter, type[EventFilter]] = {
+    Filter.REGION: RegionFilter,
+    Filter.POLARITY: PolarityFilter,
+    Filter.MASK: MaskFilter,
+    Filter.REFRACTORY: RefractoryFilter,
+    Filter.ACTIVITY: ActivityFilter,
+    Filter.RECENT: RecentFilter,
+    Filter.DECAY: DecayFilter,
+}
+
+
+class Total(NamedTuple):
+    """How many events reached a filter, and how many of them it dropped."""
+
+    seen: int
+    dropped: int
+
+
+class FilterChain(EventFilter):
+    """The enabled filters in the contract's order; each sees only what those before it let stay.
+
+    Attributes:
+        totals: what each enabled filter has done so far, in their order.
+
+    Raises:
+        ConfigError: a register outside its limits.
+    """
+
+    def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
+        registers.check(shape)
+        enabled = [which for which in Filter if registers.enables(which)]
+        self._filters = {which: FILTERS[which](registers, shape) for which in enabled}
+        self.totals = dict.fromkeys(enabled, Total(0, 0))
+
+    def narrow(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        keep: NDArray[np.bool_],
+    ) -> None:
+        left = int(np.count_nonzero(keep))
+        for which, stage in self._filters.items():
+            stage.narrow(ticks, x, y, p, keep)
+            seen, left = left, int(np.count_nonzero(keep))
+            before = self.totals[which]
+            self.totals[which] = Total(before.seen + seen, before.dropped + seen - left)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Silences hot pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..contract import FilterShape
+from .base import EventFilter, per_pixel
+from .registers import FilterRegisters
+
+__all__ = ["MaskFilter"]
+
+
+class MaskFilter(EventFilter):
+    """An event stays when its pixel lies on the sensor and is not marked as hot. About 1 ns per event."""
+
+    def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
+        self._quiet = per_pixel(shape, True)
+        for x, y in registers.hot_pixels:
+            self._quiet[y, x] = False
+
+    def narrow(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        keep: NDArray[np.bool_],
+    ) -> None:
+        _narrow(self._quiet, x, y, keep)
+
+
+@njit(cache=True, nogil=True)
+def _narrow(quiet, x, y, keep):  # type: ignore[no-untyped-def]
+    height, width = quiet.shape
+    for i in range(len(keep)):
+        keep[i] = keep[i] and x[i] < width and y[i] < height and quiet[y[i], x[i]]

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What software writes into a filter chain, in the hardware's integers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..contract import FILTER_REGISTERS, Filter, FilterShape
+from ..errors import ConfigError
+
+__all__ = ["FilterRegisters"]
+
+
+@dataclass(frozen=True)
+class FilterRegisters:
+    """The registers of a filter chain; meanings and limits are those of `contract.FILTER_REGISTERS`.
+
+    Attributes:
+        hot_pixels: (x, y) of every pixel that writes to register `mask` mark as hot.
+    """
+
+    enable: int = 0
+    region_x0: int = 0
+    region_x1: int = 65535
+    region_y0: int = 0
+    region_y1: int = 65535
+    polarity: int = 1
+    refractory_ticks: int = 1
+    activity_ticks: int = 0
+    activity_support: int = 1
+    recent_ticks: int = 0
+    recent_radius: int = 1
+    recent_support: int = 1
+    decay_rate: int = 1
+    decay_epsilon: int = 0
+    decay_support: int = 1
+    hot_pixels: tuple[tuple[int, int], ...] = ()
+
+    def enables(self, which: Filter) -> bool:
+        """Whether the filter's bit in `enable` is set."""
+        return bool(self.enable >> which & 1)
+
+    def check(self, shape: FilterShape) -> None:
+        """Raise ConfigError for the first register outside its limits, or hot pixel outside the sensor."""
+        for name, register in FILTER_REGISTERS.items():
+            if name == "mask":
+                continue
+            low, high = register.limits(shape)
+            value = getattr(self, name)
+            if not isinstance(value, int) or not low <= value <= high:
+                raise ConfigError(f"filters.{name} = {value!r}: must be an integer from {low} to {high} ({register.meaning})")
+        for x, y in self.hot_pixels:
+            if not (0 <= x < shape.width and 0 <= y < shape.height):
+                raise ConfigError(f"filters.hot_pixels holds ({x}, {y}): must lie on the {shape.width}x{shape.height} sensor")
