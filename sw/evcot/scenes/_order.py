@@ -46,7 +46,7 @@ def _by_key(keys):  # type: ignore[no-untyped-def]
         ends[bucket] += np.uint32(1)
     begin = 0
     for bucket in range(len(ends) - 1):
-        end = np.int64(ends[bucket])
+        end = int(ends[bucket])
         _sort_few(ordered[begin:end])
         begin = end
     return ordered

@@ -7,7 +7,7 @@ the start, or stopped, are silent.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -18,14 +18,14 @@ from ..events import Recording
 from ._contours import leg_events
 from ._order import KEY_T_SHIFT, events_of
 from .cast import LANES, cast
+from .ranges import Range, check_ranges
 from .truth import Box, Truth, sample
 
 __all__ = ["BOX_RANGES", "BoxExperiment", "Scene", "Speed", "simulate"]
 
 Speed = Literal["slow", "fast", "both"]
 
-# field -> (lowest, highest, meaning)
-BOX_RANGES: dict[str, tuple[float, float, str]] = {
+BOX_RANGES: dict[str, Range] = {
     "width": (64, 4096, "pixels of the sensor across"),
     "height": (64, 4096, "pixels of the sensor down"),
     "duration_us": (1_000, 1_000_000_000, "length of the scene"),
@@ -66,16 +66,9 @@ class BoxExperiment:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name == "speed":
-                if value not in get_args(Speed):
-                    raise ConfigError(f"boxes.speed = {value!r}: must be one of {', '.join(get_args(Speed))}")
-                continue
-            low, high, meaning = BOX_RANGES[field.name]
-            wanted = int if isinstance(low, int) else (int, float)
-            if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
-                raise ConfigError(f"boxes.{field.name} = {value!r}: must be from {low} to {high} ({meaning})")
+        check_ranges("boxes", self, BOX_RANGES)
+        if self.speed not in get_args(Speed):
+            raise ConfigError(f"boxes.speed = {self.speed!r}: must be one of {', '.join(get_args(Speed))}")
         if self.side_px > self.height / LANES or 0 < self.side_px < 1:
             raise ConfigError(
                 f"boxes.side_px = {self.side_px:g}: must be 0, or from 1 to a lane's {self.height / LANES:.1f} pixels"

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Kernel: what the pixels of an event camera do between two frames.
+
+Between the frames a pixel's log intensity runs in a straight line. Its memory is the log intensity at its last event; where the
+line is a threshold away from it, there is an event and the memory moves by that threshold. During the refractory time after an
+event nothing happens, and the memory is the log intensity at its end: a pixel that is held in reset follows the light. An event
+that the pixel makes by itself resets it in the same way.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from ._order import KEY_T_SHIFT
+
+__all__ = ["LOG_INTENSITY_MAX", "NEVER", "pixel_events"]
+
+NEVER = -np.inf  # in `ready`: the pixel is not in its refractory time
+LOG_INTENSITY_MAX = 100.0
+
+_ROUNDING = 1.0 - 1e-9  # a threshold is reached although the sum of steps towards it is rounded
+
+
+@njit(cache=True, nogil=True)
+def pixel_events(rectangles, frame, pixels, head, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
+    """Keys of the events in (0, span_us] after the last frame, at from_us, in any order; times count from there.
+
+    `rectangles` (n, 4): left, top, right, bottom, half open, of where `frame` (log intensity at span_us) may have changed.
+    `pixels`: (last, memory, ready, on, off), maps of the sensor: log intensity at the last frame, memory, end of the refractory
+    time (not counted from from_us) or `NEVER`, thresholds. `head`: a map of -1. `own`: dtype `OWN`, the events that pixels make
+    by themselves, in time order. All maps but the thresholds are updated. Where a log intensity is not from -LOG_INTENSITY_MAX
+    to LOG_INTENSITY_MAX the answer ends there, and its second part is the pixel's index, else -1.
+    """
+    last, on, off = pixels[0], pixels[3], pixels[4]
+    link = np.empty(len(own), np.int64)
+    for i in range(len(own) - 1, -1, -1):
+        link[i] = head[own[i].y, own[i].x]
+        head[own[i].y, own[i].x] = i
+    keys, n = np.empty(256 + 2 * len(own), np.int64), 0
+    for r in range(len(rectangles)):
+        left, top, right, bottom = rectangles[r]
+        for y in range(top, bottom):
+            for x in range(left, right):
+                after = frame[y, x]
+                if after == last[y, x] and head[y, x] < 0:
+                    continue
+                if not abs(after) <= LOG_INTENSITY_MAX:
+                    return keys[:n], y * frame.shape[1] + x
+                most = int((abs(after - last[y, x]) + on[y, x] + off[y, x]) / min(on[y, x], off[y, x])) + 2 + len(own)
+                if n + most > len(keys):
+                    longer = np.empty(2 * (n + most), np.int64)
+                    longer[:n] = keys[:n]
+                    keys = longer
+                n = _one_pixel(keys, n, x, y, after, pixels, head, link, own, from_us, span_us, refractory_us)
+    for i in range(len(own)):
+        x, y = own[i].x, own[i].y
+        if head[y, x] >= 0:
+            n = _one_pixel(keys, n, x, y, last[y, x], pixels, head, link, own, from_us, span_us, refractory_us)
+    return keys[:n], -1
+
+
+@njit(cache=True, nogil=True)
+def _one_pixel(keys, n, x, y, after, pixels, head, link, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
+    """Append the events of one pixel, whose log intensity is `after` at span_us, and return the new count."""
+    last, memories, readies, on, off = pixels
+    before, memory, ready = last[y, x], memories[y, x], readies[y, x] - from_us
+    slope = (after - before) / span_us
+    address = x << 17 | y << 1
+    now = 0.0
+    i = head[y, x]
+    while True:
+        until = own[i].t_us if i >= 0 else span_us
+        level = before + slope * until if i >= 0 else after
+        while True:
+            if ready != NEVER:
+                if ready > until:
+                    break
+                memory = before + slope * max(ready, 0.0)
+                now = max(now, ready)
+                ready = NEVER
+            if level - memory >= on[y, x] * _ROUNDING:
+                p, memory = 1, memory + on[y, x]
+            elif memory - level >= off[y, x] * _ROUNDING:
+                p, memory = 0, memory - off[y, x]
+            else:
+                break
+            if slope != 0.0:
+                now = min(max((memory - before) / slope, now), until)
+            keys[n] = int(now + 0.5) << KEY_T_SHIFT | address | p
+            n += 1
+            if refractory_us > 0:
+                ready = now + refractory_us
+        if i < 0:
+            break
+        now = until
+        if ready == NEVER:
+            keys[n] = int(now + 0.5) << KEY_T_SHIFT | address | own[i].p
+            n += 1
+            memory = level
+            if refractory_us > 0:
+                ready = now + refractory_us
+        i = link[i]
+    last[y, x], memories[y, x], readies[y, x], head[y, x] = after, memory, ready + from_us, -1
+    return n

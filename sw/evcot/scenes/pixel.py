@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An event camera, pixel by pixel: an event wherever log intensity has moved by a threshold, dI = pK."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from ..events import Events, check_sensor
+from ._order import events_of
+from ._pixel_kernel import LOG_INTENSITY_MAX, NEVER, pixel_events
+from ._spontaneous import Spontaneous
+from .ranges import Range, check_ranges
+
+__all__ = ["MODEL_RANGES", "PixelCamera", "PixelModel"]
+
+MODEL_RANGES: dict[str, Range] = {
+    "on_threshold": (0.01, 5.0, "rise of log intensity, to base e, that makes an ON event"),
+    "off_threshold": (0.01, 5.0, "fall of log intensity, to base e, that makes an OFF event"),
+    "mismatch": (0.0, 0.5, "standard deviation of thresholds over the pixels, as a part of the threshold"),
+    "refractory_us": (0, 1_000_000, "time after an event in which a pixel makes no other"),
+    "noise_hz": (0.0, 1_000.0, "background activity: events per pixel and second, of either polarity"),
+    "leak_hz": (0.0, 1_000.0, "leak: ON events per pixel and second"),
+    "hot_pixels": (0, 1_000_000, "how many pixels fire all the time"),
+    "hot_hz": (0.001, 1_000_000.0, "events per second of a hot pixel"),
+}
+_LOWEST = 0.1  # of a threshold: below, mismatch is clipped
+_SPAN_MAX_US = 1 << 30
+
+
+@dataclass(frozen=True)
+class PixelModel:
+    """What every pixel does; limits and meanings in `MODEL_RANGES`.
+
+    Thresholds of the pixels are normally distributed around the nominal ones, ON and OFF independently, and at least a tenth of
+    them. Background activity and leak are Poisson processes; a hot pixel fires as regularly as a clock, always with one
+    polarity. Every event starts the refractory time and resets the memory: with a refractory time, to the log intensity at its
+    end (what changes meanwhile is lost); without, by one threshold, or, where the pixel fired by itself, to the log intensity.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    on_threshold: float = 0.2
+    off_threshold: float = 0.2
+    mismatch: float = 0.0
+    refractory_us: int = 0
+    noise_hz: float = 0.0
+    leak_hz: float = 0.0
+    hot_pixels: int = 0
+    hot_hz: float = 10_000.0
+
+    def __post_init__(self) -> None:
+        check_ranges("pixel", self, MODEL_RANGES)
+
+
+class PixelCamera:
+    """Frames in, events out.
+
+    Attributes:
+        on_threshold, off_threshold: (height, width) thresholds of the pixels.
+        hot: (hot_pixels, 2) int64, x and y of the hot pixels.
+    """
+
+    def __init__(self, model: PixelModel, width: int, height: int, seed: int) -> None:
+        """
+        Raises:
+            ConfigError: more hot pixels than pixels, or a negative seed.
+            RecordingError: a sensor without pixels, or larger than an event's address.
+        """
+        check_sensor("camera", width, height)
+        if model.hot_pixels > width * height:
+            raise ConfigError(f"pixel.hot_pixels = {model.hot_pixels}: must be at most the sensor's {width * height} pixels")
+        if seed < 0:
+            raise ConfigError(f"camera.seed = {seed}: must not be negative")
+        thresholds, spontaneous = (np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2))
+        self._refractory_us = model.refractory_us
+        self._shape = height, width
+        self.on_threshold, self.off_threshold = (
+            np.maximum(nominal * (1 + model.mismatch * thresholds.standard_normal(self._shape)), _LOWEST * nominal)
+            for nominal in (model.on_threshold, model.off_threshold)
+        )
+        self._own = Spontaneous(self._shape, model.noise_hz, model.leak_hz, model.hot_pixels, model.hot_hz, spontaneous)
+        self.hot = self._own.hot
+        self._t_us: int | None = None
+        self._everywhere = np.array([[0, 0, width, height]], np.int64)
+        self._head = np.full(self._shape, -1, np.int64)
+
+    def step(self, frame: NDArray[np.float64], t_us: int, changed: NDArray[np.int64] | None = None) -> Events:
+        """The events after the last frame up to this one, in time order; of the first frame, none.
+
+        Args:
+            frame: (height, width) float64, log intensity to base e.
+            t_us: time of the frame, later than the last one's.
+            changed: (n, 4) int64 left, top, right, bottom, half open: where the frame may differ from the last one. Nothing
+                else of the frame is looked at, so that the cost follows motion, not the sensor. None: everywhere.
+
+        Raises:
+            ConfigError: a frame of another size, a rectangle outside it, time that does not advance or leaps by more than
+                2**30 us, or a log intensity that is not a number from -100 to 100.
+        """
+        if frame.shape != self._shape or frame.dtype != np.float64:
+            raise ConfigError(f"frame: {frame.dtype} {frame.shape}: must be float64 {self._shape}")
+        if changed is None:
+            changed = self._everywhere
+        elif (changed[:, :2] < 0).any() or (changed[:, 2:] > self._everywhere[0, 2:]).any():
+            raise ConfigError(f"changed: must lie within the sensor's {self._shape[1]}x{self._shape[0]} pixels")
+        if self._t_us is None:
+            self._begin(frame, t_us)
+            return Events.empty()
+        span_us = t_us - self._t_us
+        if not 0 < span_us <= _SPAN_MAX_US:
+            raise ConfigError(f"t_us = {t_us}: must be from 1 to {_SPAN_MAX_US} us after the last frame's {self._t_us}")
+        own = self._own.between(self._t_us - self._begin_us, t_us - self._begin_us)
+        keys, fault = pixel_events(
+            changed, frame, self._pixels, self._head, own, float(self._t_us), float(span_us), float(self._refractory_us)
+        )
+        if fault >= 0:
+            self._refuse(frame, fault % self._shape[1], fault // self._shape[1])
+        events = events_of(keys, span_us + 1)
+        np.add(events.t_us, self._t_us, out=events.t_us)
+        self._t_us = t_us
+        return events
+
+    def _begin(self, frame: NDArray[np.float64], t_us: int) -> None:
+        """Pixels that have been looking at this frame for ever."""
+        sound = abs(frame) <= LOG_INTENSITY_MAX
+        if not sound.all():
+            y, x = np.argwhere(~sound)[0].tolist()
+            self._refuse(frame, x, y)
+        self._pixels = frame.copy(), frame.copy(), np.full(self._shape, NEVER), self.on_threshold, self.off_threshold
+        self._t_us = self._begin_us = t_us
+
+    def _refuse(self, frame: NDArray[np.float64], x: int, y: int) -> None:
+        limit = f"{LOG_INTENSITY_MAX:g}"
+        raise ConfigError(f"frame: log intensity {frame[y, x]:g} at ({x}, {y}): must be from -{limit} to {limit}")
