@@ -28,6 +28,7 @@ __all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "build_dev
 Top = Literal["cot", "cot_chain", "cot_array"]
 Pattern = NDArray[np.uint8]
 
+_SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
 _NO_STALL = np.zeros(0, np.uint8)
 
@@ -142,6 +143,7 @@ class Device:
         library = self.sim.lib
         library.evcot_stream.argtypes = (ctypes.c_void_p, ctypes.POINTER(Job))
         library.evcot_stream.restype = ctypes.c_int
+        library.evcot_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)
         library.evcot_open_vcd.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.POINTER(ctypes.c_void_p))
         library.evcot_close_vcd.argtypes = (ctypes.c_void_p,)
         self._vcd: int | None = None
@@ -165,8 +167,8 @@ class Device:
         self.cycle = 0
         for slot, registers in enumerate(self.config.slots):
             self.write_registers(slot, registers)
-        while not int(io.idle):
-            self.sim.clock.tick()
+        if not self.sim.lib.evcot_settle(self.sim.model, _SETTLE_CLOCKS):
+            raise HardwareError(f"{self.top} is not idle {_SETTLE_CLOCKS} clocks after reset", self.seq)
 
     def write_registers(self, slot: int, registers: SlotConfig) -> None:
         """Write one slot's registers through the register port, `mode` last: that restarts the slot."""
@@ -202,18 +204,26 @@ class Device:
             raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
         os.replace(aside, path)
 
-    def stream(self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]) -> Decisions:
+    def stream(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        keep: NDArray[np.bool_] | None = None,
+    ) -> Decisions:
         """Drive a run of events through the hardware and wait until it is idle again.
 
         Args:
             ticks: (n,) ticks since reset at each event, never decreasing.
             x, y: (n,) pixel addresses, below 2^x_w and 2^y_w.
             p: (n,) polarity, 0 or 1.
+            keep: (n,) bool, for a chain or an array: what a filter in front let stay. None: all.
 
         Raises:
             HardwareError: an event was lost, repeated, reordered or changed, or nothing moves any more.
         """
-        return self._stream(ticks, x, y, p, None)[0]
+        return self._stream(ticks, x, y, p, None, keep)[0]
 
     def stream_timed(
         self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]
@@ -230,15 +240,17 @@ class Device:
         y: NDArray[np.uint16],
         p: NDArray[np.uint8],
         accepted: NDArray[np.int64] | None,
+        keep: NDArray[np.bool_] | None = None,
     ) -> tuple[Decisions, NDArray[np.int64]]:
         n = len(ticks)
         ticks = np.ascontiguousarray(ticks, np.int64)
         x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
+        keep = None if keep is None else np.ascontiguousarray(keep, np.bool_)
         owner = np.full(n, UNDECIDED, np.int16)
-        rel_x, rel_y = np.empty(n, np.uint16), np.empty(n, np.uint16)
+        rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # and stay so where a filter took the event out
         patterns = self.stalls
         job = Job(
-            n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), first_seq=self.seq,
+            n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), keep=pointer(keep), first_seq=self.seq,
             in_pattern=pointer(patterns.source), in_length=len(patterns.source),
             cm_pattern=pointer(patterns.cm), cm_length=len(patterns.cm),
             own_pattern=pointer(patterns.own), own_length=len(patterns.own),

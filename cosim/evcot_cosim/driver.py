@@ -12,10 +12,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from evcot.contract import RECORD, SLOTS_MAX, Kind, Shape
+from evcot.cot import DROPPED
 
 __all__ = ["PARAMETERS", "UNDECIDED", "Job", "Status", "pointer", "source"]
 
-UNDECIDED = -2  # owner of an event that the hardware has not reported yet
+UNDECIDED = DROPPED  # owner of an event that the hardware has not reported: behind filters, one that was taken out
 
 # Shape field -> Verilog parameter.
 PARAMETERS = {
@@ -58,6 +59,7 @@ _JOB: list[tuple[str, type, str]] = [
     ("x", _POINTER, "const uint16_t*"),
     ("y", _POINTER, "const uint16_t*"),
     ("p", _POINTER, "const uint8_t*"),
+    ("keep", _POINTER, "const uint8_t*"),  # 0: the event was taken out before and only counts; null: none was
     ("first_seq", ctypes.c_uint64, "uint64_t"),
     # stall patterns: one byte per clock, repeated; length 0 never stalls
     *(
@@ -107,13 +109,14 @@ def _record_fields() -> list[tuple[str, str]]:
 
 @cache
 def source(top: str, shape: Shape) -> str:
-    """C++ text of the streaming drive for one top module: `cot`, `cot_chain` or `cot_array`."""
+    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array` or `cot_filtered`."""
     environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
     return environment.get_template("stream.cpp.j2").render(
         top=top,
         single=top == "cot",
         takes_seq=top == "cot",
-        in_order=top != "cot_chain",
+        in_order=top in ("cot", "cot_array"),
+        filtered=top == "cot_filtered",
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,
         time_mask=(1 << shape.time_w) - 1,

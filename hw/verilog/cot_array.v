@@ -40,11 +40,12 @@ module cot_array #(
     input  wire [3:0]          cfg_addr,
     input  wire [31:0]         cfg_data,
 
-    // tokens: s_tick ticks have passed, then an event if s_event
+    // tokens: s_tick ticks have passed, then an event if s_event; s_skip: one that a filter took out, only counted
     input  wire                s_valid,
     output wire                s_ready,
     input  wire [TICK_W-1:0]   s_tick,
     input  wire                s_event,
+    input  wire                s_skip,
     input  wire [X_W-1:0]      s_x,
     input  wire [Y_W-1:0]      s_y,
     input  wire                s_p,
@@ -111,9 +112,9 @@ module cot_array #(
 
     // ---- input -----------------------------------------------------------------------------------------------------
 
-    localparam TOKEN_W = TICK_W + 1 + X_W + Y_W + 1;
+    localparam TOKEN_W = TICK_W + 2 + X_W + Y_W + 1;
 
-    wire              token_valid, token_taken, token_event, p;
+    wire              token_valid, token_taken, token_event, token_skip, p;
     wire [TICK_W-1:0] tick;
     wire [X_W-1:0]    x;
     wire [Y_W-1:0]    y;
@@ -125,10 +126,10 @@ module cot_array #(
         .rst    (rst),
         .s_valid(s_valid),
         .s_ready(s_ready),
-        .s_data ({s_tick, s_event, s_x, s_y, s_p}),
+        .s_data ({s_tick, s_event, s_skip, s_x, s_y, s_p}),
         .m_valid(token_valid),
         .m_ready(token_taken),
-        .m_data ({tick, token_event, x, y, p})
+        .m_data ({tick, token_event, token_skip, x, y, p})
     );
 
     // ---- state -----------------------------------------------------------------------------------------------------
@@ -556,7 +557,7 @@ module cot_array #(
         if (space) begin
             if (decides) begin
                 now <= then;
-                if (token_event) seq <= seq + 1'b1;
+                if (token_event || token_skip) seq <= seq + 1'b1;
             end
 
             if (places) begin

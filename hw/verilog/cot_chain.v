@@ -36,11 +36,12 @@ module cot_chain #(
     input  wire [3:0]          cfg_addr,
     input  wire [31:0]         cfg_data,
 
-    // tokens: s_tick ticks have passed, then an event if s_event
+    // tokens: s_tick ticks have passed, then an event if s_event; s_skip: one that a filter took out, only counted
     input  wire                s_valid,
     output wire                s_ready,
     input  wire [TICK_W-1:0]   s_tick,
     input  wire                s_event,
+    input  wire                s_skip,
     input  wire [X_W-1:0]      s_x,
     input  wire [Y_W-1:0]      s_y,
     input  wire                s_p,
@@ -90,26 +91,26 @@ module cot_chain #(
 
     // ---- entrance: number the events -------------------------------------------------------------------------------
 
-    wire                      first_valid, first_ready;
+    wire                      first_valid, first_ready, first_skip;
     wire [TICK_W+EVENT_W-1:0] first;
 
     skid_buffer #(
-        .W(TICK_W + EVENT_W)
+        .W(TICK_W + EVENT_W + 1)
     ) u_input (
         .clk    (clk),
         .rst    (rst),
         .s_valid(s_valid),
         .s_ready(s_ready),
-        .s_data ({s_tick, s_event, s_x, s_y, s_p}),
+        .s_data ({s_tick, s_event, s_x, s_y, s_p, s_skip}),
         .m_valid(first_valid),
         .m_ready(first_ready),
-        .m_data (first)
+        .m_data ({first, first_skip})
     );
 
     reg [SEQ_W-1:0] seq;  // number of the next event
 
     always @(posedge clk) begin
-        if (first_valid && first_ready && first[EVENT_W-1]) seq <= seq + 1'b1;
+        if (first_valid && first_ready && (first[EVENT_W-1] || first_skip)) seq <= seq + 1'b1;
         if (rst) seq <= {SEQ_W{1'b0}};
     end
 

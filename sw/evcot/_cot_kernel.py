@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .contract import REGISTERS, Kind, Mode
 
-__all__ = ["FIELD_COUNT", "GLOBAL_COUNT", "LIMIT_COUNT", "Global", "Limit", "feed", "initialise"]
+__all__ = ["DROPPED", "FIELD_COUNT", "GLOBAL_COUNT", "LIMIT_COUNT", "Global", "Limit", "feed", "initialise"]
 
 Table = NDArray[Any]
 
@@ -58,6 +58,7 @@ NOW, SEQ, BIRTHS, NEXT_DEADLINE = (int(i) for i in Global)
 OFF, FIXED, SEEDED = int(Mode.OFF), int(Mode.FIXED), int(Mode.SEEDED)
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 NEVER = 1 << 62
+DROPPED = -2  # owner of an event that a filter took out
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -292,13 +293,17 @@ def _merge(s: Table, regs: Table, lim: Table, moved: int, now: int, seq: int, ou
 @njit(cache=True, nogil=True)
 def feed(
     s: Table, regs: Table, lim: Table, glob: Table,
-    ticks: Table, xs: Table, ys: Table, begin: int, per_event_max: int,
+    ticks: Table, xs: Table, ys: Table, keep: Table, begin: int, per_event_max: int,
     owner: Table, rel_x: Table, rel_y: Table, out: Table,
 ) -> tuple[int, int]:  # fmt: skip
-    """Decide events from `begin` on until all are done or `out` could overflow; returns (events done, records written)."""
+    """Decide events from `begin` on until all are done or `out` could overflow; returns (events done, records written).
+
+    Events whose entry in `keep` is false only let time pass and count; an empty `keep` keeps all.
+    """
     n = 0
     frac = lim[FRAC]
     is_chain = lim[IS_CHAIN] != 0
+    all_kept = len(keep) == 0
     for e in range(begin, len(ticks)):
         if n + per_event_max > len(out):
             return e, n
@@ -308,6 +313,12 @@ def feed(
         glob[NOW] = now
         if now >= glob[NEXT_DEADLINE]:
             n = _expire(s, regs, lim, glob, now, out, n)
+        if not (all_kept or keep[e]):
+            owner[e] = DROPPED
+            rel_x[e] = 0
+            rel_y[e] = 0
+            glob[SEQ] += 1
+            continue
         slot, seeds = _find_in_chain(s, regs, x, y) if is_chain else _find_in_array(s, regs, x, y)
         owner[e] = slot
         if slot < 0:

@@ -14,13 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise
+from ._cot_kernel import DROPPED, FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise
 from .config import CotConfig
 from .contract import RECORD, REGISTERS, Kind
 from .events import Events, Recording
 from .tracklog import TRACK, TrackLog
 
-__all__ = ["Arrangement", "CotModel", "Decisions", "tick_times", "to_track_records", "track"]
+__all__ = ["DROPPED", "Arrangement", "CotModel", "Decisions", "tick_times", "to_track_records", "track"]
+
+_ALL = np.empty(0, np.bool_)
 
 
 class Arrangement(StrEnum):
@@ -35,8 +37,8 @@ class Decisions(NamedTuple):
 
     Attributes:
         records: (m,) of dtype `contract.RECORD`, in the order in which they happened.
-        owner: (n,) int16, the slot that took each event, -1 where it passed through.
-        rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), 0 where it passed through.
+        owner: (n,) int16, the slot that took each event, -1 where it passed through, `DROPPED` where a filter took it out.
+        rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), 0 where nobody took it.
     """
 
     records: NDArray[np.void]
@@ -77,14 +79,22 @@ class CotModel:
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)
         initialise(self._state, self._regs, self._limits, self._globals)
 
-    def feed(self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16]) -> Decisions:
+    def feed(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        keep: NDArray[np.bool_] | None = None,
+    ) -> Decisions:
         """Decide a run of events.
 
         Args:
             ticks: (n,) int64, ticks since reset at each event, never decreasing over the model's life.
             x, y: (n,) uint16 pixel addresses, below 2^x_w and 2^y_w.
+            keep: (n,) bool, what filters in front let stay; the others count but are nobody's. None: all.
         """
         n = len(ticks)
+        keep = _ALL if keep is None else keep
         owner = np.empty(n, np.int16)
         rel_x = np.empty(n, np.uint16)
         rel_y = np.empty(n, np.uint16)
@@ -95,7 +105,7 @@ class CotModel:
             buffer = np.zeros(max(2 * per_event_max, (n - done) // 4), RECORD)
             done, count = feed(
                 self._state, self._regs, self._limits, self._globals,
-                ticks, x, y, done, per_event_max, owner, rel_x, rel_y, buffer,
+                ticks, x, y, keep, done, per_event_max, owner, rel_x, rel_y, buffer,
             )  # fmt: skip
             parts.append(buffer[:count])
         records = parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0, RECORD)
