@@ -20,4 +20,4 @@ FORMATS: tuple[Format, ...] = (
     *text.FORMATS,  # last: almost anything printable looks like text
 )
 
-WRITABLE: dict[str, WritableFormat] = {kind.name: kind for kind in numpy_files.WRITABLE}
+WRITABLE: dict[str, WritableFormat] = {kind.name: kind for kind in (*numpy_files.WRITABLE, *prophesee.WRITABLE)}

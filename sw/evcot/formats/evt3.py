@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""EVT 3.0: 16-bit words, each of which changes one part of what the next event is, after the published word table.
+
+Bits 15..12 of a word tell what it is. Time is 24 bits, which wrap around every 16.8 s: 12 of the last upper mark, and 12 of the
+last lower one after it.
+https://docs.prophesee.ai/stable/data/encoding_formats/evt3.html
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .time_marks import advance
+from .vectors import put_vector
+from .words import Layout, Words
+
+__all__ = ["evt3_layout"]
+
+Y = 0  # 10..0: row of what follows
+_OTHER_Y = 1  # reserved; once the row of events that are no brightness changes, so what follows has no row
+X = 2  # 11: polarity, 10..0: one event
+BASE_X = 3  # 11: polarity, 10..0: where the next vector starts
+VECTOR_12 = 4  # 11..0: one event per set bit, to the right of the base, which moves on by 12
+VECTOR_8 = 5  # 7..0: the same with 8
+TIME_LOW = 6  # 11..0: bits 11..0 of the time
+TIME_HIGH = 8  # 11..0: bits 23..12 of the time
+LOW_BITS = 12
+MARK_RANGE = 1 << 12
+# Also defined: triggers (10), vendors' data (14) and what continues it (7, 15). 1, 9 and 11 to 13 are reserved.
+_RESERVED = 1 << _OTHER_Y | 1 << 9 | 1 << 11 | 1 << 12 | 1 << 13
+
+_VECTOR = 12
+# A base that vectors move on without end stays here: outside every sensor that these words can address.
+_FAR = 1 << 15
+_SCAN_WORDS = 1 << 18
+
+
+class _State(NamedTuple):
+    """What the next word changes; `high`, `row` and `base` are -1 until a word sets them."""
+
+    t0_us: int
+    high: int = -1
+    low: int = 0
+    row: int = -1
+    base: int = -1
+    polarity: int = 0
+    untimed: int = 0
+    strange: int = 0
+
+
+_LOST = {"they precede any time mark or address": "untimed", "words of a type that EVT 3 reserves": "strange"}
+
+
+@njit(cache=True, nogil=True)
+def _fill(words, state, t_us, x, y, p):  # type: ignore[no-untyped-def]
+    t0_us, high, low, row, base, polarity, untimed, strange = state
+    time_us = t0_us + (high << LOW_BITS | low)
+    n = np.int64(0)
+    used = 0
+    while used < len(words) and n + _VECTOR <= len(t_us):
+        word = np.int64(words[used])
+        used += 1
+        kind = word >> 12
+        if kind == X:
+            t_us[n] = time_us
+            x[n] = word & 2047
+            y[n] = row
+            p[n] = word >> 11 & 1
+            is_known = np.int64((high >= 0) & (row >= 0))
+            n += is_known
+            untimed += 1 - is_known
+        elif kind == Y:
+            row = word & 2047
+        elif kind in (VECTOR_12, VECTOR_8):
+            start = n
+            length = 12 if kind == VECTOR_12 else 8
+            n = put_vector(n, word & ((1 << length) - 1), time_us, base, row, polarity, t_us, x, y, p)
+            if (high < 0) | (row < 0) | (base < 0):
+                untimed += n - start
+                n = start
+            base = _moved(base, length)
+        elif kind == BASE_X:
+            base, polarity = word & 2047, word >> 11 & 1
+        elif kind == TIME_LOW:
+            low = word & 4095
+            time_us = t0_us + (high << LOW_BITS | low)
+        elif kind == TIME_HIGH:
+            high, low = _raised(high, low, word)
+            time_us = t0_us + (high << LOW_BITS | low)
+        else:
+            strange += _RESERVED >> kind & 1
+            row = -1 if kind == _OTHER_Y else row
+    return used, n, _State(t0_us, high, low, row, base, polarity, untimed, strange)
+
+
+@njit(cache=True, nogil=True)
+def _moved(base, length):  # type: ignore[no-untyped-def]
+    return min(base + length, _FAR) if base >= 0 else base
+
+
+@njit(cache=True, nogil=True)
+def _raised(high, low, word):  # type: ignore[no-untyped-def]
+    """Both parts of the time after an upper mark: a new one starts from zero below, until a lower one follows."""
+    mark = advance(high, word & (MARK_RANGE - 1), MARK_RANGE)
+    return mark, low if mark == high else 0
+
+
+@njit(cache=True, nogil=True)
+def _follow(words, state, least):  # type: ignore[no-untyped-def]
+    """Only the state, up to the first upper mark that is at least `least`: (words used, state). A branch for marks alone."""
+    t0_us, high, low, row, base, polarity, untimed, strange = state
+    used = 0
+    while used < len(words):
+        word = np.int64(words[used])
+        kind = word >> 12
+        if kind == TIME_HIGH:
+            raised, kept = _raised(high, low, word)
+            if raised >= least:
+                break
+            high, low = raised, kept
+        low = word & 4095 if kind == TIME_LOW else low
+        row = word & 2047 if kind == Y else -1 if kind == _OTHER_Y else row
+        polarity = word >> 11 & 1 if kind == BASE_X else polarity
+        base = word & 2047 if kind == BASE_X else _moved(base, 12 * (kind == VECTOR_12) + 8 * (kind == VECTOR_8))
+        used += 1
+    return used, _State(t0_us, high, low, row, base, polarity, untimed, strange)
+
+
+def evt3_layout(t0_us: int) -> Layout:
+    """EVT 3.0, times from `t0_us`."""
+    start = _State(t0_us)
+
+    def seek(words: Words, from_us: int) -> tuple[int, _State]:
+        # How often time has wrapped around by then only the words tell.
+        least, state = (from_us - t0_us) >> LOW_BITS, start
+        for at, piece in words.pieces(0, len(words), _SCAN_WORDS):
+            used, state = _follow(piece, state, least)
+            if used < len(piece):
+                return at + used, state
+        return len(words), state
+
+    return Layout(np.dtype(np.uint16), _VECTOR, start, _fill, seek, _LOST)
