@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of the filters share: random traffic that looks for trouble, and a comparison that names the first difference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .filter_device import FilterDevice
+
+__all__ = ["FilterTraffic", "exact", "filter_traffic"]
+
+
+class FilterTraffic(NamedTuple):
+    """Events as a filter takes them: ticks since reset (n,) int64, addresses uint16, polarity uint8, dropped before (bool)."""
+
+    ticks: NDArray[np.int64]
+    x: NDArray[np.uint16]
+    y: NDArray[np.uint16]
+    p: NDArray[np.uint8]
+    skip: NDArray[np.bool_]
+
+
+def filter_traffic(
+    rng: np.random.Generator,
+    n: int,
+    width: int,
+    height: int,
+    *,
+    ticks_per_event: float = 1,
+    longest_gap: int = 0,
+    gaps: float = 1e-3,
+    skips: float = 0.05,
+    beyond: int = 0,
+    first_tick: int = 0,
+) -> FilterTraffic:
+    """Events that crowd where filters can go wrong: on neighbouring and equal pixels in a row, at equal ticks, at borders.
+
+    Args:
+        rng: where all chance comes from.
+        n: events.
+        width, height: pixels of the sensor.
+        ticks_per_event: about how many ticks pass from one event to the next.
+        longest_gap: now and then as many ticks pass as any number up to this, of any length in bits.
+        gaps: how often, per event.
+        skips: how often an event comes in dropped already.
+        beyond: up to how many pixels beyond the sensor an event may lie, now and then.
+        first_tick: tick before the first event.
+    """
+    hot = rng.integers(0, [width, height], (4, 2))  # pixels that fire on and on
+    axes = []
+    kind = rng.choice(4, n, p=[0.35, 0.35, 0.15, 0.15])  # near the one before, anywhere, a hot pixel, a border
+    at_hot = rng.integers(0, 4, n)
+    on_x = rng.random(n) < 0.5  # which axis is at its border
+    for axis, size in enumerate((width, height)):
+        anywhere = rng.integers(0, size, n)
+        # A walk of short steps restarts wherever an event is of another kind.
+        start = np.where(kind == 2, hot[at_hot, axis], anywhere)
+        border = rng.choice([0, size - 1], n)
+        start = np.where((kind == 3) & (on_x == (axis == 0)), border, start)
+        steps = np.where(kind == 0, rng.integers(-1, 2, n), 0)
+        origin = np.maximum.accumulate(np.where(kind == 0, 0, np.arange(n)))
+        walked = np.cumsum(steps)
+        place = start[origin] + walked - walked[origin]
+        outside = rng.random(n) < (0.02 if beyond else 0)
+        place = np.clip(place, 0, size - 1)
+        axes.append(np.where(outside, size + rng.integers(0, max(1, beyond), n), place).astype(np.uint16))
+    waits = rng.poisson(ticks_per_event, n).astype(np.int64)
+    if longest_gap:
+        long = rng.random(n) < gaps
+        waits[long] += (2 ** rng.uniform(0, np.log2(longest_gap + 1), n)[long]).astype(np.int64) - 1
+    return FilterTraffic(
+        first_tick + np.cumsum(waits), axes[0], axes[1], rng.integers(0, 2, n, np.uint8), rng.random(n) < skips
+    )  # fmt: skip
+
+
+def exact(device: FilterDevice, traffic: FilterTraffic, oracle: Callable[[FilterTraffic], NDArray[np.bool_]]) -> float:
+    """Streams the traffic through hardware and oracle alike and returns which part of the events stays.
+
+    Args:
+        oracle: which of the events stay, (n,), given all of them; what it says of skipped ones is not asked.
+
+    Raises:
+        AssertionError: they differ; the message names the first event.
+    """
+    keep = device.stream(*traffic)
+    wanted = oracle(traffic) & ~traffic.skip
+    differ = np.flatnonzero(keep != wanted)
+    if len(differ):
+        i = int(differ[0])
+        event = f"tick {traffic.ticks[i]}, x {traffic.x[i]}, y {traffic.y[i]}, skip {traffic.skip[i]}"
+        raise AssertionError(
+            f"{device.top}: {len(differ)} of {len(keep)} events differ, first event {i} ({event}): "
+            f"hardware {'keeps' if keep[i] else 'drops'} it"
+        )
+    return float(np.mean(keep)) if len(keep) else 0.0
