@@ -74,3 +74,13 @@ def test_the_filter_counts_the_same_units(rate: int, start: int) -> None:
                 np.array([start, now]), np.array([0, 1], np.uint16), zeros.astype(np.uint16), zeros.astype(np.uint8)
             )
             assert keep.tolist() == [False, stays]
+
+
+@pytest.mark.parametrize("support", [2048, 2047, 1793])
+def test_eight_fresh_neighbours_reach_the_greatest_support(support: int) -> None:
+    ring = [(x, y) for x in range(3) for y in range(3) if (x, y) != (1, 1)]
+    x, y = (np.array(column, np.uint16) for column in zip(*ring, (1, 1), strict=True))
+    for fresh in (8, 7):
+        decay = DecayFilter(FilterRegisters(decay_rate=1 << 24, decay_support=support), FilterShape(3, 3))
+        keep = decay.feed(np.zeros(fresh + 1, np.int64), x[8 - fresh :], y[8 - fresh :], np.zeros(fresh + 1, np.uint8))
+        assert keep[-1] == (256 * fresh >= support)
