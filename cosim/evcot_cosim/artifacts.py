@@ -46,7 +46,7 @@ def write_run(run: CosimRun, folder: Path, *, command: str, window: Window | Non
         if waves:
             shown = window or _telling_window(run)
             write_waves(
-                run.recording.events, run.config.cot, aside, shown,
+                run.recording.events, run.config.hardware(run.recording.width, run.recording.height), aside, shown,
                 top=run.top, stalls=stalls_from(run.seed), name="waves",
             )  # fmt: skip
         write_summary(summary, aside / "summary.json")
@@ -63,7 +63,7 @@ def write_mismatch(error: MismatchError, recording: Recording, config: RunConfig
     with folder_written_aside(folder) as aside:
         window = Window.around(found.event_index, len(recording.events), _MISMATCH_EVENTS)
         write_waves(
-            recording.events, config.cot, aside, window,
+            recording.events, config.hardware(recording.width, recording.height), aside, window,
             top=found.top, stalls=stalls_from(found.seed), name="mismatch",
         )  # fmt: skip
         write_summary(summarise_mismatch(found, recording, config, command), aside / "summary.json")

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from evcot.compare import Agreement, compare
 from evcot.config import CotConfig, RunConfig
+from evcot.contract import DROPPED
 from evcot.cot import CotModel, tick_times, to_track_records
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Recording
-from evcot.rct import RctTracker
+from evcot.rct import RctTracker, track
 from evcot.tracklog import TRACK, TrackLog
 
 from .build import BuiltModel
@@ -88,12 +89,13 @@ def run_cosim(
     if not len(events):
         raise RecordingError(f"{recording.name}: holds no events")
     check_addresses(recording, config.cot)
-    build = build_device(config.cot, top, on_miss=building)
+    cot = config.hardware(recording.width, recording.height)
+    build = build_device(cot, top, on_miss=building)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
     _compile_kernels(recording, config)
-    hardware, model = _LogParts(config.cot, t0_us), _LogParts(config.cot, t0_us)
-    with Lockstep(config.cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
+    hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
+    with Lockstep(cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
         for chunk in chunks(events):
             first = lockstep.events
             step = lockstep.feed(chunk)
@@ -104,13 +106,11 @@ def run_cosim(
                 progress(lockstep.events, int(chunk.t_us[-1]) - t0_us, lockstep.events / lockstep.wall_s)
         cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
 
+    hardware_log = hardware.log("cot-rtl")
     started = time.perf_counter()
-    tracker = RctTracker(config.rct)
-    records, owner = tracker.feed(events)
-    software = TrackLog("rct", np.concatenate([records, tracker.finish()]), owner)
+    software = track(recording, config.rct, hardware_log.owner != DROPPED if config.filters.enabled else None)
     software_s = time.perf_counter() - started
 
-    hardware_log = hardware.log("cot-rtl")
     agreement = compare(hardware_log, software, radius_px=config.rct.radius_px, span_us=(t0_us, int(events.t_us[-1])))
     return CosimRun(
         recording=recording,
@@ -136,7 +136,8 @@ def stalls_from(seed: int | None) -> Stalls:
 def _compile_kernels(recording: Recording, config: RunConfig) -> None:
     """Have Numba compile model and tracker, which it does at first use, once per machine, before anything is timed."""
     first = recording.events[:1]
-    CotModel(config.cot).feed(tick_times(first.t_us, int(first.t_us[0]), config.cot.tick_us), first.x, first.y)
+    model = CotModel(config.hardware(recording.width, recording.height))
+    model.feed(tick_times(first.t_us, int(first.t_us[0]), config.cot.tick_us), first.x, first.y, first.p)
     tracker = RctTracker(config.rct)
     tracker.feed(first)
     tracker.finish()

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
 from evcot.config import CotConfig, SlotConfig
-from evcot.contract import RECORD, REGISTERS, Kind, Shape
+from evcot.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, RECORD, REGISTERS, Kind, Shape
 from evcot.cot import Arrangement, Decisions
 from evcot.errors import ConfigError, EvcotError, OutputError
+from evcot.filters.registers import FilterRegisters
 
 from .build import BuiltModel, build
 from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
@@ -28,6 +29,7 @@ __all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "build_dev
 Top = Literal["cot", "cot_chain", "cot_array"]
 Pattern = NDArray[np.uint8]
 
+_FILTERED = "cot_filtered"  # the module that has filters in front of a tracker
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
 _NO_STALL = np.zeros(0, np.uint8)
@@ -98,14 +100,21 @@ def build_device(
 ) -> BuiltModel:
     """Build (or find) the model of `top` in the shape that `config` asks for, with the streaming drive inside."""
     shape = config.shape
-    if top == "cot" and shape.n_slots != 1:
-        raise ConfigError(f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker")
     parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}
+    module: str = top
     if top == "cot":
+        if shape.n_slots != 1:
+            raise ConfigError(f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker")
+        if config.filtered:
+            raise ConfigError("a single `cot` has no filters in front: take cot_array with one slot")
         del parameters["N"]
-    drive = {"stream.cpp": source(top, shape)}
+    elif config.filtered:
+        module = _FILTERED
+        parameters |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
+        parameters |= {"HAS": config.filters.enable, "CHAIN": int(top == "cot_chain")}
+    drive = {"stream.cpp": source(module, shape)}
     return build(
-        top, parameters, drive, extra_flags=("--trace-max-array", "64"), verilog=verilog, on_miss=on_miss
+        module, parameters, drive, extra_flags=("--trace-max-array", "64"), verilog=verilog, on_miss=on_miss
     )  # fmt: skip
 
 
@@ -167,8 +176,10 @@ class Device:
         self.cycle = 0
         for slot, registers in enumerate(self.config.slots):
             self.write_registers(slot, registers)
-        if not self.sim.lib.evcot_settle(self.sim.model, _SETTLE_CLOCKS):
-            raise HardwareError(f"{self.top} is not idle {_SETTLE_CLOCKS} clocks after reset", self.seq)
+        if self.config.filtered:
+            self._settle()
+            self.write_filters(self.config.filters)
+        self._settle()
 
     def write_registers(self, slot: int, registers: SlotConfig) -> None:
         """Write one slot's registers through the register port, `mode` last: that restarts the slot."""
@@ -181,6 +192,22 @@ class Device:
             io.cfg_data = int(getattr(registers, name))
             self.sim.clock.tick()
         io.cfg_valid = 0
+
+    def write_filters(self, registers: FilterRegisters) -> None:
+        """Write the registers of the filters in front, `enable` last."""
+        writes = [(FILTER_REGISTERS["mask"].address, 1 << 31 | y << 16 | x) for x, y in registers.hot_pixels]
+        for name in sorted(FILTER_REGISTERS.keys() - {"mask"}, key="enable".__eq__):
+            writes.append((FILTER_REGISTERS[name].address, int(getattr(registers, name))))
+        io = self.sim.io
+        io.filter_cfg_valid = 1
+        for address, value in writes:
+            io.filter_cfg_addr, io.filter_cfg_data = address, value
+            self.sim.clock.tick()
+        io.filter_cfg_valid = 0
+
+    def _settle(self) -> None:
+        if not self.sim.lib.evcot_settle(self.sim.model, _SETTLE_CLOCKS):
+            raise HardwareError(f"{self.top} is not idle {_SETTLE_CLOCKS} clocks after reset", self.seq)
 
     @contextmanager
     def dumping(self, path: Path, first_event: int = 0, last_event: int = _FOREVER) -> Iterator[None]:

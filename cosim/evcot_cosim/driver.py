@@ -11,8 +11,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 
-from evcot.contract import RECORD, SLOTS_MAX, Kind, Shape
-from evcot.cot import DROPPED
+from evcot.contract import DROPPED, RECORD, SLOTS_MAX, Kind, Shape
 
 __all__ = ["PARAMETERS", "UNDECIDED", "Job", "Status", "pointer", "source"]
 

@@ -133,7 +133,7 @@ class Lockstep:
         if self._golden is None or self._second is None:
             step = Step(self.device.stream(ticks, events.x, events.y, events.p), None)
         else:
-            expected = self._second.submit(self._golden.feed, ticks, events.x, events.y)
+            expected = self._second.submit(self._golden.feed, ticks, events.x, events.y, events.p)
             try:
                 hardware = self.device.stream(ticks, events.x, events.y, events.p)
             except HardwareError as error:

@@ -13,7 +13,7 @@ import numpy as np
 
 import evcot
 from evcot.config import RunConfig
-from evcot.contract import Kind
+from evcot.contract import DROPPED, Kind
 from evcot.events import Recording
 from evcot.outputs import written_aside
 from evcot.timeline import lifetimes
@@ -44,6 +44,8 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
         "software_events_per_s": events / run.software_s,
         "cycles": run.cycles,
         "cycles_per_event": run.cycles / events,
+        "filters": [which.name.lower() for which in run.config.filters.filters],
+        "filtered_fraction": float((run.hardware.owner == DROPPED).mean()),
         "owned_fraction": {log.engine: float((log.owner >= 0).mean()) for log in logs},
         "slots": run.config.cot.shape.n_slots,
         "births": {log.engine: len(log.of_kind(Kind.BORN)) for log in logs},
@@ -111,8 +113,10 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
     """The short table that a run prints: (what, value)."""
     agreement = summary["agreement"]
     hardware, software = "cot-rtl", "rct"
+    filters = [("filtered out", f"{_percent(summary['filtered_fraction'])} of the events, by {', '.join(summary['filters'])}")]
     return [
         ("events", f"{summary['events']:,} in {summary['recording_s']:.3f} s"),
+        *(filters if summary["filters"] else []),
         ("hardware = model", f"exact: {summary['records']:,} records and every event's owner" if summary["exact"] else "NO"),
         ("cycles", f"{summary['cycles']:,} ({summary['cycles_per_event']:.3f} per event, {summary['slots']} slots)"),
         ("lock-step rate", f"{summary['events_per_s'] / 1e6:.2f} M events/s, {summary['realtime_factor']:.1f} x real time"),

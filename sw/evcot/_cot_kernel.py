@@ -9,9 +9,9 @@ from typing import Any
 from numba import njit
 from numpy.typing import NDArray
 
-from .contract import REGISTERS, Kind, Mode
+from .contract import DROPPED, REGISTERS, Kind, Mode
 
-__all__ = ["DROPPED", "FIELD_COUNT", "GLOBAL_COUNT", "LIMIT_COUNT", "Global", "Limit", "feed", "initialise"]
+__all__ = ["FIELD_COUNT", "GLOBAL_COUNT", "LIMIT_COUNT", "Global", "Limit", "feed", "initialise"]
 
 Table = NDArray[Any]
 
@@ -58,7 +58,6 @@ NOW, SEQ, BIRTHS, NEXT_DEADLINE = (int(i) for i in Global)
 OFF, FIXED, SEEDED = int(Mode.OFF), int(Mode.FIXED), int(Mode.SEEDED)
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 NEVER = 1 << 62
-DROPPED = -2  # owner of an event that a filter took out
 
 
 @njit(cache=True, nogil=True, inline="always")

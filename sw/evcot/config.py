@@ -65,7 +65,10 @@ class SlotConfig:
 
 @dataclass(frozen=True)
 class CotConfig:
-    """The hardware tracker: shape, one register set per slot, and the length of a tick.
+    """The hardware tracker: shape, one register set per slot, the length of a tick, and the filters in front.
+
+    Attributes:
+        filters, filter_shape: of the filter chain; with nothing enabled there is none.
 
     Raises:
         ConfigError: a value outside its limits, or another number of slots than the shape has.
@@ -74,6 +77,8 @@ class CotConfig:
     shape: Shape = field(default_factory=Shape)
     slots: tuple[SlotConfig, ...] = ()
     tick_us: int = 1
+    filters: FilterRegisters = field(default_factory=FilterRegisters)
+    filter_shape: FilterShape = field(default_factory=FilterShape)
 
     def __post_init__(self) -> None:
         if not self.slots:
@@ -84,6 +89,13 @@ class CotConfig:
             raise ConfigError(f"cot.tick_us = {self.tick_us!r}: must be an integer from 1 to 1000000")
         for i, slot in enumerate(self.slots):
             slot.check(self.shape, f"cot.slot[{i}]")
+        if self.filtered:
+            self.filters.check(self.filter_shape)
+
+    @property
+    def filtered(self) -> bool:
+        """Whether there is a filter chain in front."""
+        return bool(self.filters.enable)
 
     @classmethod
     def uniform(cls, shape: Shape, slot: SlotConfig, tick_us: int = 1) -> CotConfig:
@@ -272,9 +284,23 @@ class RunConfig:
     rct: RctConfig = field(default_factory=RctConfig)
     filters: FilterConfig = field(default_factory=FilterConfig)
 
+    def hardware(self, width: int, height: int) -> CotConfig:
+        """What the hardware in front of a sensor is configured with: `cot`, behind `filters`.
+
+        Raises:
+            ConfigError: a filter's time that ticks cannot count, or a hot pixel outside the sensor.
+        """
+        if not self.filters.enabled:
+            return self.cot
+        filters, shape = self.filters.registers(self.cot.tick_us), self.filters.shape(width, height)
+        return replace(self.cot, filters=filters, filter_shape=shape)
+
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, as summary.json stores them."""
-        return asdict(self)
+        """Plain values, as summary.json stores them; the filters once, in users' units."""
+        values = asdict(self)
+        for name in ("filters", "filter_shape"):
+            del values["cot"][name]
+        return values
 
 
 def _section(data: Mapping[str, Any], allowed: set[str], where: str) -> Mapping[str, Any]:

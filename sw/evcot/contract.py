@@ -16,6 +16,7 @@ import numpy as np
 from .errors import ConfigError
 
 __all__ = [
+    "DROPPED",
     "FILTER_REGISTERS",
     "FILTER_SHAPE_RANGES",
     "RECORD",
@@ -32,6 +33,8 @@ __all__ = [
 ]
 
 SLOTS_MAX = 64
+
+DROPPED = -2  # owner of an event that a filter took out; -1 is one that passed through all trackers
 
 
 class Mode(IntEnum):

@@ -14,13 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._cot_kernel import DROPPED, FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise
+from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise
 from .config import CotConfig
 from .contract import RECORD, REGISTERS, Kind
+from .errors import ConfigError
 from .events import Events, Recording
+from .filters.chain import FilterChain
 from .tracklog import TRACK, TrackLog
 
-__all__ = ["DROPPED", "Arrangement", "CotModel", "Decisions", "tick_times", "to_track_records", "track"]
+__all__ = ["Arrangement", "CotModel", "Decisions", "tick_times", "to_track_records", "track"]
 
 _ALL = np.empty(0, np.bool_)
 
@@ -37,7 +39,8 @@ class Decisions(NamedTuple):
 
     Attributes:
         records: (m,) of dtype `contract.RECORD`, in the order in which they happened.
-        owner: (n,) int16, the slot that took each event, -1 where it passed through, `DROPPED` where a filter took it out.
+        owner: (n,) int16, the slot that took each event, -1 where it passed through, `contract.DROPPED` where a filter took it
+            out.
         rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), 0 where nobody took it.
     """
 
@@ -77,6 +80,7 @@ class CotModel:
         self._limits[Limit.IS_CHAIN] = arrangement is Arrangement.CHAIN
         self._state = np.zeros((FIELD_COUNT, shape.n_slots), np.int64)
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)
+        self._filters = FilterChain(config.filters, config.filter_shape) if config.filtered else None
         initialise(self._state, self._regs, self._limits, self._globals)
 
     def feed(
@@ -84,6 +88,7 @@ class CotModel:
         ticks: NDArray[np.int64],
         x: NDArray[np.uint16],
         y: NDArray[np.uint16],
+        p: NDArray[np.uint8] | None = None,
         keep: NDArray[np.bool_] | None = None,
     ) -> Decisions:
         """Decide a run of events.
@@ -91,9 +96,15 @@ class CotModel:
         Args:
             ticks: (n,) int64, ticks since reset at each event, never decreasing over the model's life.
             x, y: (n,) uint16 pixel addresses, below 2^x_w and 2^y_w.
-            keep: (n,) bool, what filters in front let stay; the others count but are nobody's. None: all.
+            p: (n,) uint8 polarities; only filters want them.
+            keep: (n,) bool, what someone in front let stay; the others count but are nobody's. None: all. With filters of its
+                own the model decides that itself.
         """
         n = len(ticks)
+        if self._filters is not None:
+            if p is None or keep is not None:
+                raise ConfigError("a model with filters takes polarities, and decides itself which events stay")
+            keep = self._filters.feed(ticks, x, y, p)
         keep = _ALL if keep is None else keep
         owner = np.empty(n, np.int16)
         rel_x = np.empty(n, np.uint16)
@@ -149,5 +160,5 @@ def track(recording: Recording, config: CotConfig, arrangement: Arrangement = Ar
     if not len(events):
         return TrackLog("cot-model", np.empty(0, TRACK), np.empty(0, np.int16))
     t0_us = int(events.t_us[0])
-    decisions = CotModel(config, arrangement).feed(tick_times(events.t_us, t0_us, config.tick_us), events.x, events.y)
+    decisions = CotModel(config, arrangement).feed(tick_times(events.t_us, t0_us, config.tick_us), events.x, events.y, events.p)
     return TrackLog("cot-model", to_track_records(decisions.records, config, events.t_us, 0, t0_us), decisions.owner)

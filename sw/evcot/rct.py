@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ._rct_kernel import CLUSTER, CURSOR, NEVER_US, RECORDS_PER_PACKET, Rules, close_last_packet, feed
 from .config import RctConfig
+from .contract import DROPPED
 from .errors import RecordingError
 from .events import Events, Recording
 from .tracklog import TRACK, TrackLog
@@ -105,12 +106,17 @@ class RctTracker:
         return taken
 
 
-def track(recording: Recording, config: RctConfig) -> TrackLog:
-    """Run the Rectangular Cluster Tracker over a recording.
+def track(recording: Recording, config: RctConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
+    """Run the Rectangular Cluster Tracker over a recording, or over the events in it that filters let stay.
+
+    Args:
+        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
 
     In the log `radius` is the constant `radius_px`, `support` the events that the cluster accumulated, and `n_ev` those that it
     took in the packet.
     """
+    if keep is not None:
+        return _track_kept(recording, config, keep)
     tracker = RctTracker(config)
     events = recording.events
     owner = np.empty(len(events), np.int16)
@@ -121,3 +127,13 @@ def track(recording: Recording, config: RctConfig) -> TrackLog:
         parts.append(records)
     parts.append(tracker.finish())
     return TrackLog("rct", np.concatenate(parts), owner)
+
+
+def _track_kept(recording: Recording, config: RctConfig, keep: NDArray[np.bool_]) -> TrackLog:
+    kept = np.flatnonzero(keep)
+    log = track(Recording(recording.events.where(keep), recording.width, recording.height, recording.name), config)
+    owner = np.full(len(keep), DROPPED, np.int16)
+    owner[kept] = log.owner
+    # After the last event that stayed comes what follows the recording.
+    log.records["event_index"] = np.append(kept, len(keep))[log.records["event_index"]]
+    return TrackLog(log.engine, log.records, owner)

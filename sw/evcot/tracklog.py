@@ -46,7 +46,8 @@ class TrackLog:
             the event that caused the record; for LOST, which time causes, the next event, so that "everything with
             event_index <= i" is the state after event i. `other_id` is the survivor of a MERGED track, else -1.
             `x`, `y`, `radius` in pixels, `t_us` in the recording's microseconds.
-        owner: (n,) int16, one per event: the slot that took it, -1 where it passed through.
+        owner: (n,) int16, one per event: the slot that took it, -1 where it passed through, -2 where a
+            filter took it out.
     """
 
     engine: str
