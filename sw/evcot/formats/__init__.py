@@ -8,16 +8,21 @@ puts it in front.
 
 from __future__ import annotations
 
-from . import native, numpy_files, prophesee, text
+from . import aedat2, aedat3, aedat4, aedat4_sink, es, numpy_files, prophesee, text
 from .source import Format, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
 
 FORMATS: tuple[Format, ...] = (
-    *native.FORMATS,
+    *aedat4.FORMATS,
+    *aedat3.FORMATS,
+    *aedat2.FORMATS,
+    *es.FORMATS,
     *numpy_files.FORMATS,
     *prophesee.FORMATS,
     *text.FORMATS,  # last: almost anything printable looks like text
 )
 
-WRITABLE: dict[str, WritableFormat] = {kind.name: kind for kind in (*numpy_files.WRITABLE, *prophesee.WRITABLE)}
+WRITABLE: dict[str, WritableFormat] = {
+    kind.name: kind for kind in (*numpy_files.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
+}

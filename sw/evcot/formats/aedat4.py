@@ -87,7 +87,7 @@ class Aedat4File:
             self._end = header.table_at if closed else self._size
             if not self._begin <= self._end <= self._size:
                 raise RecordingError(
-                    f"packets from byte {self._begin} to {self._end}: must end within the file's {self._size} bytes; is it cut off?"
+                    f"packets from byte {self._begin} to {self._end}: must lie within {self._size} bytes; is the file cut off?"
                 )
             self._new_unpacker = _unpackers(header.compression)
             self._table = self._read_table(file) if closed else None
@@ -191,7 +191,9 @@ class Aedat4File:
             file.seek(packet.at - PACKET_HEAD.size)
             head = PACKET_HEAD.unpack(file.read(PACKET_HEAD.size))
             if head != (self._stream, packet.length):
-                raise RecordingError(f"stream and length {head}, {(self._stream, packet.length)} by the table: must be the same")
+                raise RecordingError(
+                    f"stream and length {head}, {(self._stream, packet.length)} by the table: must be the same"
+                )
             data = size_prefixed(unpack(file.read(packet.length)))
             if data[:_USUAL_HEAD_BYTES] == _USUAL_HEAD:
                 at, count = vector_at(data, _USUAL_HEAD_BYTES, EVENT.itemsize)
@@ -213,9 +215,7 @@ class Aedat4File:
         if wrong is not None:
             raise RecordingError(self._mismatch(packets[wrong], elements["t"][good : ends[wrong]]))
 
-    def _first_unlike_table(
-        self, packets: list[_Packet], t_us: NDArray[np.int64], ends: NDArray[np.int64]
-    ) -> int | None:
+    def _first_unlike_table(self, packets: list[_Packet], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
         if self._table is None or not packets:
             return None
         rows = [packet.row for packet in packets]
@@ -231,7 +231,7 @@ class Aedat4File:
         found = f"{len(t_us)} events" + (f" from t = {t_us[0]} to {t_us[-1]} us" if len(t_us) else "")
         count, first, last = (int(self._table[name][packet.row]) for name in ("count", "first_us", "last_us"))
         return (
-            f"packet at byte {packet.at - PACKET_HEAD.size}: {found}, {count} from t = {first} to {last} us by the file's table: "
+            f"packet at byte {packet.at - PACKET_HEAD.size}: {found}, {count} from t = {first} to {last} us by the table: "
             "must be the same; does time run back, or is it damaged?"
         )
 

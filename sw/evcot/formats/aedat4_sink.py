@@ -107,9 +107,7 @@ class Aedat4Sink:
         elements["t"], elements["x"], elements["y"], elements["on"] = events.t_us, events.x, events.y, events.p
         packed = _packed(vector_head(b"EVTS") + struct.pack("<I", len(events)) + elements.tobytes())
         self._file.write(PACKET_HEAD.pack(_STREAM, len(packed)))
-        self._entries.append(
-            (self._file.tell(), _STREAM, len(packed), len(events), int(events.t_us[0]), int(events.t_us[-1]))
-        )
+        self._entries.append((self._file.tell(), _STREAM, len(packed), len(events), int(events.t_us[0]), int(events.t_us[-1])))
         self._file.write(packed)
 
     def _table(self) -> bytes:

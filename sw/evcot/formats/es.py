@@ -89,10 +89,13 @@ class EsFile:
             while chunk := file.read(BLOCK_EVENTS * _EVENT_BYTES):
                 data = np.frombuffer(rest + chunk, np.uint8)
                 most = len(data) // _EVENT_BYTES
-                t, x, y, p = (np.empty(most, dtype) for dtype in (np.int64, np.uint16, np.uint16, np.uint8))
-                count, used, t_us = _decode(data, self._atis, t_us, t, x, y, p)
+                found = Events(
+                    np.empty(most, np.int64), np.empty(most, np.uint16), np.empty(most, np.uint16), np.empty(most, np.uint8)
+                )
+                count, used, t_us = _decode(data, self._atis, t_us, found.t_us, found.x, found.y, found.p)
                 at, rest = at + used, data[used:].tobytes()
-                yield Events(t, x, mirrored(y, height), p)[:count]
+                found = found[:count]
+                yield Events(found.t_us, found.x, mirrored(found.y, height), found.p)
         if rest:
             raise RecordingError(f"ends within an event, at byte {at + len(rest)}; is it cut off?")
 

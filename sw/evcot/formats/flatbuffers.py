@@ -2,8 +2,8 @@
 """FlatBuffers that nobody vouches for: every offset is checked before it is followed.
 
 Layout: flatbuffers.dev, "FlatBuffers internals". A buffer starts with the offset of its root table and four letters that name
-its schema. A table starts with the way back to its vtable: 16-bit vtable size, table size, and one offset per field, 0 or missing
-where the field has its default. Strings, vectors and tables are reached through a 32-bit offset from where it stands.
+its schema. A table starts with the way back to its vtable: 16-bit vtable size, table size, and one offset per field, 0 or
+missing where the field has its default. Strings, vectors and tables are reached through a 32-bit offset from where it stands.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""LZ4 and Zstandard frames that nobody vouches for: what they say of their size is not believed, and what they give is bounded."""
+"""LZ4 and Zstandard frames that nobody vouches for: what they say of their size is not believed, what they give is bounded."""
 
 from __future__ import annotations
 
