@@ -100,7 +100,8 @@ class _Writer:
         self._scope = f"{top}.{inner[0]}" if self._groups else top
         if not self._groups:
             self._groups = (Group("ports", tuple(Row(entry.name) for entry in signals if entry.scope == top)),)
-        self._constants = initial_values(vcd, [e for e in signals if e.scope == self._scope and e.name.isupper()])
+        scopes = {f"{self._scope}.{row.signal}".rpartition(".")[0] for group in self._groups for row in group.rows}
+        self._constants = initial_values(vcd, [e for e in signals if e.name.isupper() and e.scope in scopes])
         self._frac = self._constants.get(f"{self._scope}.FRAC", 0)
         self._slots = self._constants.get(f"{self._scope}.N", 1)
         self.named: dict[Codes, list[tuple[str, int]]] = {}
@@ -131,7 +132,7 @@ class _Writer:
         flags = _BIN if width == 1 else _FORMS[row.form]
         if row.codes is not None:
             flags |= _FTRANSLATED
-            self._name(row.codes)
+            self._name(row.codes, f"{self._scope}.{name}".rpartition(".")[0])
         yield f"@{flags | _RJUSTIFY:x}"
         yield f"[color] {_COLOURS[row.colour]}"
         if flags & _FPDECSHIFT:
@@ -144,8 +145,8 @@ class _Writer:
             yield f"@{_ANALOG_BLANK_STRETCH:x}"
             yield from ["-"] * _PLOT_ROWS
 
-    def _name(self, codes: Codes) -> None:
-        values = ((name, self._constants.get(f"{self._scope}.{name}") if code is None else code) for name, code in codes.values)
+    def _name(self, codes: Codes, scope: str) -> None:
+        values = ((name, self._constants.get(f"{scope}.{name}") if code is None else code) for name, code in codes.values)
         self.named[codes] = [(name, code) for name, code in values if code is not None]
 
 

@@ -91,7 +91,7 @@ _INPUT = Group(
         *_rows("clk rst"),
         *_rows("s_valid s_ready", Colour.CONTROL),
         *_rows("s_tick", Colour.TIME),
-        *_rows("s_event s_x s_y s_p", Colour.EVENT),
+        *_rows("s_event s_skip s_x s_y s_p", Colour.EVENT),
     ),
 )
 _RECORDS = Group(
@@ -127,9 +127,14 @@ _PASSED = Group(
 _REGISTERS = " ".join(name for name in REGISTERS if name != "mode")
 
 
-def _tracker(title: str, below: str) -> Group:
-    """One `cot`, `below` some scope."""
-    rows = (
+def _below(scope: str, group: Group) -> Group:
+    """The same group, of a module below some scope."""
+    return replace(group, rows=tuple(replace(row, signal=scope + row.signal) for row in group.rows))
+
+
+_TRACKER = Group(
+    "tracker",
+    (
         Row("state", codes=_STATE, colour=Colour.CONTROL),
         *_rows("active ring s_valid s_ready", Colour.CONTROL),
         *_rows("cm_x cm_y", Colour.PLACE, Form.PLOT_PIXELS),
@@ -140,16 +145,23 @@ def _tracker(title: str, below: str) -> Group:
         *_rows("n_ev count support id"),
         *_rows("token_x token_y", Colour.EVENT),
         Row("mode", codes=_MODE),
-    )
-    return Group(title, tuple(replace(row, signal=below + row.signal) for row in rows))
-
-
+    ),
+)
+_CHAIN_SLOT = replace(_below("tracker[{slot}].u_cot.", _TRACKER), title="tracker {slot}")
+_FILTERED = Group(
+    "behind the filters",
+    (
+        *_rows("valid ready", Colour.CONTROL),
+        *_rows("tick", Colour.TIME),
+        *_rows("is_event skip x y p", Colour.EVENT),
+    ),
+)
 _ARRAY_CORE = Group(
     "decision",
     (
         Row("phase", codes=_PHASE, colour=Colour.CONTROL),
         *_rows("space token_valid token_taken", Colour.CONTROL),
-        *_rows("token_event x y", Colour.EVENT),
+        *_rows("token_event token_skip x y", Colour.EVENT),
         *_rows("tick now seq", Colour.TIME),
         *_rows("in_active in_candidate seeds owner slot"),
         *_rows("takes passes updates ends due restarting overlaps", Colour.CONTROL),
@@ -177,13 +189,20 @@ _OUTPUTS = (_RECORDS, _OWNED, _PASSED)
 
 # Module -> what to show of it, from top to bottom. Signals that a waveform lacks are left out.
 VIEWS: dict[str, tuple[Group, ...]] = {
-    "cot": (_INPUT, _tracker("tracker", ""), *_OUTPUTS, Group("registers", _rows(_REGISTERS), closed=True)),
-    "cot_chain": (_INPUT, _tracker("tracker {slot}", "tracker[{slot}].u_cot."), *_OUTPUTS),
+    "cot": (_INPUT, _TRACKER, *_OUTPUTS, Group("registers", _rows(_REGISTERS), closed=True)),
+    "cot_chain": (_INPUT, _CHAIN_SLOT, *_OUTPUTS),
     "cot_array": (
         _INPUT,
         _ARRAY_CORE,
         _ARRAY_SLOT,
         *_OUTPUTS,
         Group("registers", (Row("mode", codes=_MODE), *_rows(_REGISTERS)), closed=True),
+    ),
+    "cot_filtered": (
+        _INPUT,
+        _FILTERED,
+        *(_below("g_array.u_trackers.", group) for group in (_ARRAY_CORE, _ARRAY_SLOT)),
+        _below("g_chain.u_trackers.", _CHAIN_SLOT),
+        *_OUTPUTS,
     ),
 }
