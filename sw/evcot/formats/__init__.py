@@ -8,7 +8,7 @@ puts it in front.
 
 from __future__ import annotations
 
-from . import aedat2, aedat3, aedat4, aedat4_sink, es, numpy_files, prophesee, text
+from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, numpy_files, prophesee, text
 from .source import Format, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
@@ -18,6 +18,7 @@ FORMATS: tuple[Format, ...] = (
     *aedat3.FORMATS,
     *aedat2.FORMATS,
     *es.FORMATS,
+    *hdf5.FORMATS,
     *numpy_files.FORMATS,
     *prophesee.FORMATS,
     *text.FORMATS,  # last: almost anything printable looks like text
