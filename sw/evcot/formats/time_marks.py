@@ -19,8 +19,8 @@ __all__ = ["FirstMark", "advance", "place_of_mark"]
 FirstMark = Callable[[NDArray[Any], int], tuple[int, int]]
 
 _PLACES = 256
-_ROUNDS = 2  # 256 * 256 places: what is left of a file of 4 GiB is read in a millisecond
-_PIECE_WORDS = 4096
+_ROUNDS = 2  # what is left then of a file of 4 GiB is read in a millisecond
+_PIECE_WORDS = 512
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -42,7 +42,7 @@ def place_of_mark(words: Words, first_mark: FirstMark, least: int) -> int:
     """
     begin, end = 0, len(words)
     for _ in range(_ROUNDS):
-        if end - begin <= _PIECE_WORDS:
+        if end - begin <= _PLACES * _PIECE_WORDS:
             break
         edges = np.linspace(begin, end, _PLACES + 1).astype(np.int64).tolist()
         found = [each for low, high in pairwise(edges) if (each := _first(words, low, high, first_mark, 0)) is not None]
