@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// The software-written registers of a filter chain: one write port, every value shown.
+//
+// Writes take effect on the next clock. Reset disables all filters and leaves the other registers as they are. Addresses and
+// meanings: evcot_defs.vh, docs/filters.md. Values are stored as they come: legal ranges are the host's to check. Bits of
+// cfg_data above a register's width are ignored. Register `mask` is no value but a command: it shows for one clock.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module filter_regs #(
+    parameter STAMP_W = 20  // bits of a time stamp in a filter's memory
+) (
+    input  wire               clk,
+    input  wire               rst,
+
+    input  wire               cfg_valid,
+    input  wire [3:0]         cfg_addr,
+    input  wire [31:0]        cfg_data,
+
+    output reg  [6:0]         enable,            // bit EVCOT_FILTER_*
+    output reg  [15:0]        region_x0,
+    output reg  [15:0]        region_x1,
+    output reg  [15:0]        region_y0,
+    output reg  [15:0]        region_y1,
+    output reg                polarity,
+    output reg  [STAMP_W-2:0] refractory_ticks,
+    output reg  [STAMP_W-2:0] activity_ticks,
+    output reg  [3:0]         activity_support,
+    output reg  [STAMP_W-2:0] recent_ticks,
+    output reg  [3:0]         recent_radius,
+    output reg  [8:0]         recent_support,
+    output reg  [24:0]        decay_rate,
+    output reg  [7:0]         decay_epsilon,
+    output reg  [11:0]        decay_support,
+    output reg                mask_valid,        // mark one pixel
+    output reg  [15:0]        mask_x,
+    output reg  [14:0]        mask_y,
+    output reg                mask_hot
+);
+
+    parameter_check #(.OK(STAMP_W >= `EVCOT_STAMP_W_MIN && STAMP_W <= `EVCOT_STAMP_W_MAX)) STAMP_W_must_be_4_to_32 ();
+
+    always @(posedge clk) begin
+        mask_valid <= cfg_valid && cfg_addr == `EVCOT_FREG_MASK;
+        if (cfg_valid)
+            case (cfg_addr)
+                `EVCOT_FREG_ENABLE:           enable                     <= cfg_data[6:0];
+                `EVCOT_FREG_REGION_X0:        region_x0                  <= cfg_data[15:0];
+                `EVCOT_FREG_REGION_X1:        region_x1                  <= cfg_data[15:0];
+                `EVCOT_FREG_REGION_Y0:        region_y0                  <= cfg_data[15:0];
+                `EVCOT_FREG_REGION_Y1:        region_y1                  <= cfg_data[15:0];
+                `EVCOT_FREG_POLARITY:         polarity                   <= cfg_data[0];
+                `EVCOT_FREG_REFRACTORY_TICKS: refractory_ticks           <= cfg_data[STAMP_W-2:0];
+                `EVCOT_FREG_ACTIVITY_TICKS:   activity_ticks             <= cfg_data[STAMP_W-2:0];
+                `EVCOT_FREG_ACTIVITY_SUPPORT: activity_support           <= cfg_data[3:0];
+                `EVCOT_FREG_RECENT_TICKS:     recent_ticks               <= cfg_data[STAMP_W-2:0];
+                `EVCOT_FREG_RECENT_RADIUS:    recent_radius              <= cfg_data[3:0];
+                `EVCOT_FREG_RECENT_SUPPORT:   recent_support             <= cfg_data[8:0];
+                `EVCOT_FREG_DECAY_RATE:       decay_rate                 <= cfg_data[24:0];
+                `EVCOT_FREG_DECAY_EPSILON:    decay_epsilon              <= cfg_data[7:0];
+                `EVCOT_FREG_DECAY_SUPPORT:    decay_support              <= cfg_data[11:0];
+                `EVCOT_FREG_MASK:             {mask_hot, mask_y, mask_x} <= cfg_data;
+            endcase
+        if (rst) begin
+            enable     <= 7'd0;
+            mask_valid <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire
