@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Silences each pixel for a while after an event that stayed (docs/filters.md).
+//
+// One bank of block RAM holds when each pixel's last event stayed; stamp_walk.v keeps stamps of STAMP_W bits exact while they
+// wrap. A pixel is read two clocks before the decision and written with it, as only events that stay are remembered. So an
+// event whose pixel is decided upon in between gets the new stamp passed on; a visit of the walk, which is decided and written
+// in the same place, does too. A read never counts on what it finds at the address that is written in the same clock.
+//
+// Latency:    5 clocks from s_ to m_: time and address, address, RAM, age, decision.
+// Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
+// Stall:      while the output is full, nothing moves.
+// Reset:      becomes empty and forgets all events: WIDTH * HEIGHT + 4 clocks with idle and s_ready low.
+// RAM:        WIDTH * HEIGHT * STAMP_W bits.
+// Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module filter_refractory #(
+    parameter X_W     = 9,    // bits of an x address
+    parameter Y_W     = 9,    // bits of a y address
+    parameter TICK_W  = 20,   // bits of the tick input
+    parameter WIDTH   = 346,  // pixels of the sensor across
+    parameter HEIGHT  = 260,  // pixels of the sensor down
+    parameter STAMP_W = 20    // bits of a time stamp
+) (
+    input  wire               clk,
+    input  wire               rst,
+
+    // registers: see filter_regs.v
+    input  wire               enable,
+    input  wire [STAMP_W-2:0] refractory_ticks,
+
+    // tokens in
+    input  wire               s_valid,
+    output wire               s_ready,
+    input  wire [TICK_W-1:0]  s_tick,
+    input  wire               s_event,
+    input  wire               s_skip,
+    input  wire [X_W-1:0]     s_x,
+    input  wire [Y_W-1:0]     s_y,
+    input  wire               s_p,
+
+    // tokens out
+    output wire               m_valid,
+    input  wire               m_ready,
+    output wire [TICK_W-1:0]  m_tick,
+    output wire               m_event,
+    output wire               m_skip,
+    output wire [X_W-1:0]     m_x,
+    output wire [Y_W-1:0]     m_y,
+    output wire               m_p,
+
+    output wire               idle  // nothing inside, memory emptied after reset
+);
+
+    parameter_check #(.OK(X_W >= `EVCOT_X_W_MIN && X_W <= `EVCOT_X_W_MAX)) X_W_must_be_1_to_16 ();
+    parameter_check #(.OK(Y_W >= `EVCOT_Y_W_MIN && Y_W <= `EVCOT_Y_W_MAX)) Y_W_must_be_1_to_16 ();
+    parameter_check #(.OK(TICK_W >= `EVCOT_TICK_W_MIN && TICK_W <= `EVCOT_TICK_W_MAX)) TICK_W_must_be_1_to_32 ();
+    parameter_check #(.OK(WIDTH >= `EVCOT_WIDTH_MIN && WIDTH <= `EVCOT_WIDTH_MAX)) WIDTH_must_be_1_to_65536 ();
+    parameter_check #(.OK(HEIGHT >= `EVCOT_HEIGHT_MIN && HEIGHT <= `EVCOT_HEIGHT_MAX)) HEIGHT_must_be_1_to_65536 ();
+    parameter_check #(.OK(WIDTH <= 16777216 / HEIGHT)) WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24 ();
+    parameter_check #(.OK(STAMP_W >= `EVCOT_STAMP_W_MIN && STAMP_W <= `EVCOT_STAMP_W_MAX)) STAMP_W_must_be_4_to_32 ();
+
+    localparam PIXELS  = WIDTH * HEIGHT;
+    localparam ADDR_W  = (PIXELS > 1) ? $clog2(PIXELS) : 1;
+    localparam TOKEN_W = TICK_W + X_W + Y_W + 4;
+
+    localparam [31:0] ACROSS = WIDTH;
+    localparam [31:0] DOWN   = HEIGHT;
+    localparam [STAMP_W-1:0] KEEP = {1'b1, {(STAMP_W - 1) {1'b0}}};  // the age of none
+
+    wire space;  // for one more token in the output: everything moves
+
+    // ---- time and pixel, and what enters: a token, or a visit of the walk --------------------------------------------
+
+    wire [31:0] x     = {{(32 - X_W) {1'b0}}, s_x};
+    wire [31:0] y     = {{(32 - Y_W) {1'b0}}, s_y};
+    wire [31:0] pixel = y * ACROSS + x;
+    wire        on_sensor = x < ACROSS && y < DOWN;
+    wire        unused    = &{1'b0, pixel};
+
+    reg [TOKEN_W-1:0] token;
+    reg [ADDR_W-1:0]  token_at;
+
+    always @(posedge clk)
+        if (s_valid && s_ready) begin
+            token    <= {s_event && enable, s_tick, s_event, s_skip, s_x, s_y, s_p};
+            token_at <= pixel[ADDR_W-1:0];
+        end
+
+    wire enters, access, visits, clearing, waits;
+    wire [ADDR_W-1:0]  row;
+    wire [STAMP_W-1:0] now;
+
+    reg                read_valid, read_access, read_visits;
+    reg                found_valid, found_access, found_visits;
+    reg                age_valid, age_access, age_visits;
+    reg [TOKEN_W-1:0]  read_token, found_token, age_token;
+    reg [ADDR_W-1:0]   read_at, found_at, age_at;
+    reg [STAMP_W-1:0]  read_now, found_now, age_now;
+
+    stamp_walk #(
+        .W        (STAMP_W),
+        .SEGMENT_W(STAMP_W - 2),  // ages up to 2^(STAMP_W-1) - 1 matter
+        .STEP_W   (TICK_W),
+        .ROWS     (PIXELS),
+        .ROW_W    (ADDR_W)
+    ) u_walk (
+        .clk        (clk),
+        .rst        (rst),
+        .advance    (space),
+        .s_valid    (s_valid),
+        .s_ready    (s_ready),
+        .s_step     (s_tick),
+        .s_access   (s_event && enable && on_sensor),
+        .enters     (enters),
+        .access     (access),
+        .visits     (visits),
+        .row        (row),
+        .now        (now),
+        .visited    (age_visits),
+        .missed     (1'b0),
+        .visited_row(age_at),
+        .clearing   (clearing),
+        .waits      (waits)
+    );
+
+    // ---- memory ------------------------------------------------------------------------------------------------------
+
+    (* ram_style = "block", no_rw_check *)
+    reg [STAMP_W-1:0] stamps [0:PIXELS-1];
+    reg [STAMP_W-1:0] found, age;
+
+    // What the read could not find: written one slot ahead, in this clock, or two slots ahead, in the clock of the read.
+    reg               next_same, passed;
+    reg [STAMP_W-1:0] passed_stamp;
+
+    wire stays  = age_access && age >= {1'b0, refractory_ticks};
+    wire writes = stays || (age_visits && (age[STAMP_W-1] || clearing));
+    wire [STAMP_W-1:0] stamp = stays ? age_now : age_now - KEEP;
+    wire [STAMP_W-1:0] then  = (next_same && stays) ? age_now : passed ? passed_stamp : found;
+
+    always @(posedge clk)
+        if (space) begin
+            if (writes) stamps[age_at] <= stamp;
+            found        <= stamps[read_at];
+            next_same    <= read_at == found_at;
+            passed       <= read_at == age_at && writes;
+            passed_stamp <= stamp;
+            age          <= found_now - then;
+        end
+
+    // ---- the way to the decision -------------------------------------------------------------------------------------
+
+    always @(posedge clk) begin
+        if (space) begin
+            read_valid   <= enters;
+            read_access  <= access;
+            read_visits  <= visits;
+            read_token   <= token;
+            read_at      <= visits ? row : token_at;
+            read_now     <= now;
+
+            found_valid  <= read_valid;
+            found_access <= read_access;
+            found_visits <= read_visits;
+            found_token  <= read_token;
+            found_at     <= read_at;
+            found_now    <= read_now;
+
+            age_valid    <= found_valid;
+            age_access   <= found_access;
+            age_visits   <= found_visits;
+            age_token    <= found_token;
+            age_at       <= found_at;
+            age_now      <= found_now;
+        end
+        if (rst) begin
+            read_valid   <= 1'b0;
+            read_access  <= 1'b0;
+            read_visits  <= 1'b0;
+            found_valid  <= 1'b0;
+            found_access <= 1'b0;
+            found_visits <= 1'b0;
+            age_valid    <= 1'b0;
+            age_access   <= 1'b0;
+            age_visits   <= 1'b0;
+        end
+    end
+
+    wire              judged, is_event, skip;
+    wire [TICK_W-1:0] tick;
+    wire [X_W+Y_W:0]  rest;  // x, y, p
+    assign {judged, tick, is_event, skip, rest} = age_token;
+
+    wire drops = judged && !stays;
+
+    skid_buffer #(
+        .W(TICK_W + X_W + Y_W + 3)
+    ) u_output (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(age_valid),
+        .s_ready(space),
+        .s_data ({tick, is_event && !drops, skip || drops, rest}),
+        .m_valid(m_valid),
+        .m_ready(m_ready),
+        .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
+    );
+
+    assign idle = !clearing && !waits && !read_valid && !found_valid && !age_valid && !m_valid;
+
+endmodule
+
+`default_nettype wire
