@@ -19,6 +19,7 @@ from ._contours import leg_events
 from ._order import KEY_T_SHIFT, events_of
 from .cast import LANES, cast
 from .ranges import Range, check_ranges
+from .scene import Scene
 from .truth import Box, Truth, sample
 
 __all__ = ["BOX_RANGES", "BoxExperiment", "Scene", "Speed", "simulate"]
@@ -85,15 +86,6 @@ class BoxExperiment:
         """The objects on their paths: known before anything is simulated, and the same for every seed."""
         side = self.side_px or round(_LANE_SHARE * self.height / LANES)
         return cast((self.width, self.height), self.duration_us, self.speeds_px_s, side)
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """A simulated recording, the truth about it, and the seed that made it."""
-
-    recording: Recording
-    truth: Truth
-    seed: int
 
 
 def simulate(config: BoxExperiment) -> Scene:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known exactly about a simulated scene: rectangles on piecewise straight paths.
+"""What is known exactly about a simulated scene; and rectangles on piecewise straight paths.
 
 Positions are in event coordinates: the centre of pixel (x, y) lies at (x, y), so a truth centre and a tracker's centre of
 mass compare as they are.
@@ -8,11 +8,15 @@ mass compare as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["TRUTH", "Box", "Truth", "sample"]
+from ..errors import RecordingError
+from ..outputs import written_aside
+
+__all__ = ["TRUTH", "TRUTH_COLUMNS", "Box", "Truth", "on_sensor", "sample"]
 
 TRUTH = np.dtype(
     [
@@ -25,8 +29,12 @@ TRUTH = np.dtype(
         ("vx", "<f8"),
         ("vy", "<f8"),
         ("visible", "?"),
+        ("occluded", "<f8"),
     ]
 )
+
+TRUTH_COLUMNS = ("t_us", "object_id", "left", "top", "width", "height", "vx", "vy", "visible", "occluded")
+_FORMATS = ("%d", "%d", "%.4f", "%.4f", "%.4f", "%.4f", "%.3f", "%.3f", "%d", "%.4f")
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,20 +68,70 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """The objects of a scene: sampled, and in closed form.
+    """The objects of a scene: sampled, and, in the box experiment, in closed form.
 
     Attributes:
-        samples: (objects * times,) of dtype `TRUTH`, by time, then by object: centre in event coordinates and size in pixels,
-            velocity in pixels per second; `visible` while the centre lies on the sensor.
-        boxes: the objects themselves; `object_id` is the index.
+        samples: (n,) of dtype `TRUTH`, by time, then by object: centre of the object's bounding box in event coordinates and
+            its size in pixels, velocity of that centre in pixels per second; `visible` while the centre lies on the sensor;
+            `occluded`, the part of the object's area that nearer objects hide or that lies outside the sensor.
+        boxes: the objects of the box experiment; `object_id` is the index.
     """
 
     samples: NDArray[np.void]
-    boxes: tuple[Box, ...]
+    boxes: tuple[Box, ...] = ()
+
+    def save(self, path: Path | str) -> None:
+        """Write the samples as CSV with the columns `TRUTH_COLUMNS`: left and top edge and size of the box, in pixels to 4
+        digits (the sensor begins at -0.5), and velocity, in pixels per second to 3.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        samples = self.samples
+        left, top = samples["x"] - samples["width"] / 2, samples["y"] - samples["height"] / 2
+        columns = (
+            samples["t_us"], samples["object_id"], left, top, samples["width"], samples["height"], samples["vx"], samples["vy"],
+            samples["visible"], samples["occluded"],
+        )  # fmt: skip
+        with written_aside(Path(path)) as file:
+            header = ",".join(TRUTH_COLUMNS)
+            np.savetxt(file, np.stack(columns, axis=1, dtype=np.float64), _FORMATS, ",", header=header, comments="")
+
+    @classmethod
+    def load(cls, path: Path | str) -> Truth:
+        """Samples that `save` has written.
+
+        Raises:
+            RecordingError: the file is missing, has other columns, or a line that is no sample.
+        """
+        path = Path(path)
+        try:
+            with path.open(encoding="utf-8") as file:
+                header = file.readline().strip()
+                if header != ",".join(TRUTH_COLUMNS):
+                    raise RecordingError(f"{path}: line 1: {header[:80]!r}: must be {','.join(TRUTH_COLUMNS)}")
+                lines = file.readlines()
+            table = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(TRUTH_COLUMNS)))
+        except OSError as error:
+            raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
+        except UnicodeDecodeError as error:
+            raise RecordingError(f"{path}: byte {error.start}: must be UTF-8 text") from error
+        except RecordingError:
+            raise
+        except ValueError as error:
+            raise RecordingError(f"{path}: {error}") from error
+        if table.shape[1] != len(TRUTH_COLUMNS):
+            raise RecordingError(f"{path}: line 2: {table.shape[1]} values: must be {len(TRUTH_COLUMNS)}")
+        samples = np.zeros(len(table), TRUTH)
+        for name, column in zip(TRUTH_COLUMNS, table.T, strict=True):
+            samples[{"left": "x", "top": "y"}.get(name, name)] = column
+        samples["x"] += samples["width"] / 2
+        samples["y"] += samples["height"] / 2
+        return cls(samples)
 
 
 def sample(boxes: tuple[Box, ...], times_us: NDArray[np.int64], sensor: tuple[int, int]) -> NDArray[np.void]:
-    """`Truth.samples` of boxes at (k,) times before a sensor of (width, height) pixels."""
+    """`Truth.samples` of boxes, none of which hides another, at (k,) times before a sensor of (width, height) pixels."""
     samples = np.zeros((len(times_us), len(boxes)), TRUTH)
     samples["t_us"] = times_us[:, None]
     samples["object_id"] = np.arange(len(boxes))
@@ -82,6 +140,22 @@ def sample(boxes: tuple[Box, ...], times_us: NDArray[np.int64], sensor: tuple[in
         column["x"], column["y"] = box.centre(times_us)
         column["vx"], column["vy"] = box.velocity(times_us)
         column["width"], column["height"] = box.width, box.height
-    on_sensor = [(samples[axis] >= -0.5) & (samples[axis] < size - 0.5) for axis, size in zip("xy", sensor, strict=True)]
-    samples["visible"] = on_sensor[0] & on_sensor[1]
+    samples["visible"] = on_sensor(samples, sensor)
+    within = [
+        np.clip(
+            np.minimum(samples[axis] + samples[side] / 2, size - 0.5) - np.maximum(samples[axis] - samples[side] / 2, -0.5),
+            0,
+            None,
+        )
+        for axis, side, size in zip("xy", ("width", "height"), sensor, strict=True)
+    ]
+    samples["occluded"] = 1 - within[0] * within[1] / (samples["width"] * samples["height"])
     return samples.ravel()
+
+
+def on_sensor(samples: NDArray[np.void], sensor: tuple[int, int]) -> NDArray[np.bool_]:
+    """Whether each sample's centre lies on the sensor."""
+    inside: NDArray[np.bool_] = np.ones(samples.shape, bool)
+    for axis, size in zip("xy", sensor, strict=True):
+        inside &= (samples[axis] >= -0.5) & (samples[axis] < size - 0.5)
+    return inside

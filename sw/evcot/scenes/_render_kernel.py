@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Kernels: shapes into a frame of log intensity, and where a frame has to be drawn again.
+
+A shape covers a part of each pixel on its contour, from 0 at half a pixel outside to 1 at half a pixel inside, measured across
+the edge; intensities mix by that part, before the logarithm.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from .shapes import DISC, INTENSITY, KIND, OBJECT, X, Y
+
+__all__ = ["bounds", "changes", "draw", "shift_texture"]
+
+
+@njit(cache=True, nogil=True)
+def bounds(shape):  # type: ignore[no-untyped-def]
+    """left, top, right, bottom of a shape's contour."""
+    if shape[KIND] == DISC:
+        x, y, radius = shape[X], shape[Y], shape[X + 1]
+        return x - radius, y - radius, x + radius, y + radius
+    return shape[X : X + 4].min(), shape[Y : Y + 4].min(), shape[X : X + 4].max(), shape[Y : Y + 4].max()
+
+
+@njit(cache=True, nogil=True)
+def _pixels(left, top, right, bottom, width, height):  # type: ignore[no-untyped-def]
+    """The pixels that a contour within these bounds touches: left, top, right, bottom, half open; right < left where none."""
+    left = min(max(left - 0.5, 0.0), float(width))
+    top = min(max(top - 0.5, 0.0), float(height))
+    right = min(max(right + 0.5, -1.0), float(width) - 1)
+    bottom = min(max(bottom + 0.5, -1.0), float(height) - 1)
+    return int(np.ceil(left)), int(np.ceil(top)), int(np.floor(right)) + 1, int(np.floor(bottom)) + 1
+
+
+@njit(cache=True, nogil=True)
+def changes(before, after, width, height):  # type: ignore[no-untyped-def]
+    """Where shapes may have changed the picture, and how far one has moved.
+
+    Returns (n, 4) pixel rectangles (left, top, right, bottom, half open), one per object that was or is on the sensor, and the
+    longest way, in pixels, of any side of an object's bounds; objects that appear or vanish are not counted there.
+    """
+    least = min(before[:, OBJECT].min() if len(before) else 0.0, after[:, OBJECT].min() if len(after) else 0.0)
+    most = max(before[:, OBJECT].max() if len(before) else 0.0, after[:, OBJECT].max() if len(after) else 0.0)
+    boxes = np.empty((2, int(most - least) + 1, 4))
+    boxes[:, :, :2], boxes[:, :, 2:] = np.inf, -np.inf
+    for moment, shapes in enumerate((before, after)):
+        for i in range(len(shapes)):
+            box = boxes[moment, int(shapes[i, OBJECT] - least)]
+            left, top, right, bottom = bounds(shapes[i])
+            box[0], box[1] = min(box[0], left), min(box[1], top)
+            box[2], box[3] = max(box[2], right), max(box[3], bottom)
+    rectangles, n, moved = np.empty((boxes.shape[1], 4), np.int64), 0, 0.0
+    for k in range(boxes.shape[1]):
+        was, now = boxes[0, k], boxes[1, k]
+        if was[0] <= was[2] and now[0] <= now[2]:
+            for side in range(4):
+                moved = max(moved, abs(now[side] - was[side]))
+        left, top, right, bottom = _pixels(
+            min(was[0], now[0]), min(was[1], now[1]), max(was[2], now[2]), max(was[3], now[3]), width, height
+        )
+        if left < right and top < bottom:
+            rectangles[n, 0], rectangles[n, 1], rectangles[n, 2], rectangles[n, 3] = left, top, right, bottom
+            n += 1
+    return rectangles[:n], moved
+
+
+@njit(cache=True, nogil=True)
+def draw(rectangles, shapes, background, scratch, linear, frame):  # type: ignore[no-untyped-def]
+    """Draw the rectangles of a frame again: `background` (linear) and shapes, the farthest first, into `linear` and its
+    logarithm, `frame`. `scratch`: a map to work in."""
+    for r in range(len(rectangles)):
+        left, top, right, bottom = rectangles[r]
+        scratch[top:bottom, left:right] = background[top:bottom, left:right]
+        for i in range(len(shapes)):
+            _blend(shapes[i], scratch, left, top, right, bottom)
+        for y in range(top, bottom):
+            for x in range(left, right):
+                if scratch[y, x] != linear[y, x]:
+                    linear[y, x] = scratch[y, x]
+                    frame[y, x] = np.log(scratch[y, x])
+
+
+@njit(cache=True, nogil=True)
+def _blend(shape, picture, left, top, right, bottom):  # type: ignore[no-untyped-def]
+    """Mix a shape into a rectangle of a picture."""
+    low_x, low_y, high_x, high_y = bounds(shape)
+    first_x, first_y, past_x, past_y = _pixels(low_x, low_y, high_x, high_y, right, bottom)
+    first_x, first_y = max(first_x, left), max(first_y, top)
+    if shape[KIND] == DISC:
+        for y in range(first_y, past_y):
+            for x in range(first_x, past_x):
+                depth = shape[X + 1] - np.hypot(x - shape[X], y - shape[Y])
+                part = min(max(depth + 0.5, 0.0), 1.0)
+                picture[y, x] += part * (shape[INTENSITY] - picture[y, x])
+        return
+    edges = _edges(shape)
+    for y in range(first_y, past_y):
+        for x in range(first_x, past_x):
+            part = 1.0
+            for pair in range(2):
+                here = edges[pair, 0] * x + edges[pair, 1] * y + edges[pair, 2]
+                there = edges[pair + 2, 0] * x + edges[pair + 2, 1] * y + edges[pair + 2, 2]
+                part *= max(min(max(here + 0.5, 0.0), 1.0) + min(max(there + 0.5, 0.0), 1.0) - 1.0, 0.0)
+            if part > 0.0:
+                picture[y, x] += part * (shape[INTENSITY] - picture[y, x])
+
+
+@njit(cache=True, nogil=True)
+def _edges(shape):  # type: ignore[no-untyped-def]
+    """Of each edge a, b, c: a x + b y + c is how far inside the edge a point lies, pixels. Points may go round either way."""
+    edges = np.empty((4, 3))
+    area = 0.0
+    for i in range(4):
+        j = (i + 1) % 4
+        area += shape[X + i] * shape[Y + j] - shape[X + j] * shape[Y + i]
+    turn = 1.0 if area > 0 else -1.0
+    for i in range(4):
+        j = (i + 1) % 4
+        dx, dy = shape[X + j] - shape[X + i], shape[Y + j] - shape[Y + i]
+        length = np.hypot(dx, dy)
+        if length < 1e-9:
+            edges[i, 0], edges[i, 1], edges[i, 2] = 0.0, 0.0, 1.0  # a corner cuts nothing off
+            continue
+        a, b = -turn * dy / length, turn * dx / length
+        edges[i, 0], edges[i, 1], edges[i, 2] = a, b, -a * shape[X + i] - b * shape[Y + i]
+    return edges
+
+
+@njit(cache=True, nogil=True)
+def shift_texture(texture, left, top, picture):  # type: ignore[no-untyped-def]
+    """The part of a texture whose corner is at (left, top), fractions of a pixel included, by bilinear interpolation."""
+    column, row = int(np.floor(left)), int(np.floor(top))
+    u, v = left - column, top - row
+    for y in range(picture.shape[0]):
+        for x in range(picture.shape[1]):
+            upper = texture[row + y, column + x] * (1 - u) + texture[row + y, column + x + 1] * u
+            lower = texture[row + y + 1, column + x] * (1 - u) + texture[row + y + 1, column + x + 1] * u
+            picture[y, x] = upper * (1 - v) + lower * v

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Discs that bounce off the walls: crossing each other's ways, the later ones in front, or each in a lane of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from .ranges import Range
+from .scene import Scene
+from .shapes import discs
+from .stage import StageSettings, film, texture
+from .truth import TRUTH
+
+__all__ = ["Discs", "Ways", "simulate"]
+
+Ways = Literal["crossing", "separate"]
+
+
+@dataclass(frozen=True)
+class Discs(StageSettings):
+    """`count` discs of random brightness, speed and direction. `ways`: all over the sensor, or each along its own lane.
+
+    Raises:
+        ConfigError: a value outside its range, or discs larger than the sensor or their lanes.
+    """
+
+    NAME: ClassVar[str] = "discs"
+    RANGES: ClassVar[dict[str, Range]] = {
+        "count": (1, 256, "how many discs"),
+        "radius_px": (1.0, 512.0, "radius of a disc"),
+        "speed_px_s": (1.0, 20_000.0, "mean speed"),
+        "speed_spread": (0.0, 0.9, "farthest from the mean, as a part of it"),
+        "contrast": (0.05, 5.0, "log intensity between a disc and the background"),
+    }
+
+    count: int = 6
+    radius_px: float = 9.0
+    speed_px_s: float = 150.0
+    speed_spread: float = 0.5
+    contrast: float = 0.9
+    ways: Ways = "crossing"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.ways not in get_args(Ways):
+            raise ConfigError(f"discs.ways = {self.ways!r}: must be one of {', '.join(get_args(Ways))}")
+        room = min(self.width, self.height / (self.count if self.ways == "separate" else 1))
+        if 2 * self.radius_px > room:
+            raise ConfigError(f"discs.radius_px = {self.radius_px:g}: must be at most {room / 2:g}, so that a disc has room")
+
+
+def simulate(settings: Discs) -> Scene:
+    """See `stage.film`; object_id is the disc's place from the farthest, 0, to the nearest."""
+    return film(_Stage(settings), settings)
+
+
+class _Stage:
+    def __init__(self, settings: Discs) -> None:
+        random = np.random.default_rng(settings.seed)
+        count, radius = settings.count, settings.radius_px
+        self._radius = radius
+        self.background = texture(settings, random, 3.0, 0.05)
+        brighter = random.permutation(count) % 2 == 0
+        self._intensity = np.exp(np.where(brighter, 1.0, -1.0) * settings.contrast)
+        speed = settings.speed_px_s * (1 + settings.speed_spread * random.uniform(-1, 1, count))
+        angle = random.uniform(0, 2 * np.pi, count)
+        self._low = np.array([[radius - 0.5], [radius - 0.5]])
+        self._room = np.array([[settings.width - 2 * radius], [settings.height - 2 * radius]])
+        self._start = random.uniform(0, 1, (2, count)) * self._room
+        if settings.ways == "separate":
+            angle = np.where(np.cos(angle) > 0, 0.0, np.pi)
+            self._start[1] = (np.arange(count) + 0.5) * settings.height / count - radius
+        self._speed = speed * np.stack((np.cos(angle), np.where(angle == np.pi, 0.0, np.sin(angle))))
+
+    def _motion(self, t_us: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Centres and velocities, (2, count): straight on, folded back at the walls."""
+        way = (self._start + self._speed * (t_us * 1e-6)) % (2 * self._room)
+        back = way > self._room
+        return self._low + np.where(back, 2 * self._room - way, way), np.where(back, -self._speed, self._speed)
+
+    def shapes(self, t_us: float) -> NDArray[np.float64]:
+        (x, y), _ = self._motion(t_us)
+        return discs(np.arange(len(x)), x, y, self._radius, self._intensity)
+
+    def objects(self, t_us: float) -> NDArray[np.void]:
+        (x, y), (vx, vy) = self._motion(t_us)
+        objects = np.zeros(len(x), TRUTH)
+        objects["object_id"] = np.arange(len(x))
+        objects["x"], objects["y"], objects["vx"], objects["vy"] = x, y, vx, vy
+        objects["width"] = objects["height"] = 2 * self._radius
+        return objects
+
+    def shift(self, _t_us: float) -> tuple[float, float]:
+        return 0.0, 0.0

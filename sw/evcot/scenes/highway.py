@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A motorway from a bridge: cars drive away towards the vanishing point, one comes the wrong way, one stops and drives on.
+
+Lengths are in metres: across the road from the camera to the right, up from the road, and along it from the camera. A pinhole
+camera whose picture plane stands upright projects (across, up, along) to
+
+    x = vanishing x + focal * across / along,    y = vanishing y + focal * (camera height - up) / along.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._vehicles import FACES, SHADOW, outline
+from .pixel import PixelModel
+from .ranges import Range
+from .scene import Scene
+from .shapes import quadrangles
+from .stage import StageSettings, film, texture
+from .traffic import traffic
+from .truth import TRUTH
+
+__all__ = ["Highway", "simulate"]
+
+_WIDTH = 346  # the sensor for which the next three are given; others see the same at their own scale
+_FOCAL_PX = 1_000.0
+_VANISHING_PX = 150.0, -54.0
+_LEAST_M = 2.0  # nearer, nothing is projected
+_MARGIN_PX = 4.0  # so far off the sensor a vehicle is put on the stage
+
+
+def _pixel() -> PixelModel:
+    return PixelModel(
+        on_threshold=0.22, off_threshold=0.22, mismatch=0.05, refractory_us=1_200, noise_hz=0.05, hot_pixels=1, hot_hz=9_140.0
+    )
+
+
+@dataclass(frozen=True)
+class Highway(StageSettings):
+    """Three lanes and a shoulder; the defaults give a recording like one from a 346x260 camera (see docs/scenes.md)."""
+
+    NAME: ClassVar[str] = "highway"
+    RANGES: ClassVar[dict[str, Range]] = {
+        "camera_height_m": (5.0, 30.0, "camera above the road"),
+        "speed_m_s": (5.0, 60.0, "mean speed in the middle lane"),
+        "vehicles_per_s": (0.0, 3.0, "how many come, in all lanes together"),
+        "lorry_share": (0.0, 1.0, "how many of them are lorries"),
+        "contrast": (0.1, 3.0, "log intensity between paint and road"),
+    }
+
+    pixel: PixelModel = field(default_factory=_pixel)
+    camera_height_m: float = 7.5
+    speed_m_s: float = 22.0
+    vehicles_per_s: float = 1.3
+    lorry_share: float = 0.12
+    contrast: float = 0.9
+
+
+def simulate(settings: Highway) -> Scene:
+    """See `stage.film`. The truth has a vehicle while its box is on the sensor: object_id 0 comes the wrong way, 1 stops on the
+    shoulder, 2 overtakes; the others follow in the order in which they enter the road."""
+    return film(_Stage(settings), settings)
+
+
+class _Stage:
+    def __init__(self, settings: Highway) -> None:
+        random = np.random.default_rng(settings.seed)
+        scale = settings.width / _WIDTH
+        self._focal = _FOCAL_PX * scale
+        self._vanishing_x, self._vanishing_y = (place * scale for place in _VANISHING_PX)
+        self._height_m = settings.camera_height_m
+        self._sensor = settings.width, settings.height
+        reach = self._focal * self._height_m
+        self._near_m = reach / (settings.height + _MARGIN_PX - self._vanishing_y)
+        self._far_m = reach / (-_MARGIN_PX - self._vanishing_y)
+        self.background = texture(settings, random, 1.0, 0.03)
+        self._traffic = traffic(
+            settings.duration_us * 1e-6, settings.speed_m_s, settings.vehicles_per_s, settings.lorry_share,
+            (self._near_m, self._far_m), random,
+        )  # fmt: skip
+        vehicles = self._traffic
+        tones = random.uniform(0.25, 1.0, len(vehicles.is_lorry)) * random.choice((-1, 1), len(vehicles.is_lorry))
+        parts, log_intensity = outline(vehicles.is_lorry, settings.contrast * tones, settings.contrast)
+        self._intensity = np.exp(log_intensity)
+        size_m = np.stack((vehicles.width_m, vehicles.height_m, vehicles.length_m), axis=1)
+        self._corners_m = parts * size_m[:, None, None, :]
+
+    def shapes(self, t_us: float) -> NDArray[np.float64]:
+        seen, x, y, _, _ = self._project(t_us)
+        objects = np.repeat(seen, FACES)
+        return quadrangles(objects, x.reshape(-1, 4), y.reshape(-1, 4), self._intensity[seen].ravel())
+
+    def objects(self, t_us: float) -> NDArray[np.void]:
+        seen, *corners = self._project(t_us)
+        x, y, vx, vy = (part[:, SHADOW + 1 :].reshape(len(seen), -1) for part in corners)
+        objects = np.zeros(len(seen), TRUTH)
+        objects["object_id"] = seen
+        rows = np.arange(len(seen))
+        for place, size, speed, at, moves in (("x", "width", "vx", x, vx), ("y", "height", "vy", y, vy)):
+            low, high = at.argmin(axis=1), at.argmax(axis=1)
+            objects[place] = (at[rows, low] + at[rows, high]) / 2
+            objects[size] = at[rows, high] - at[rows, low]
+            objects[speed] = (moves[rows, low] + moves[rows, high]) / 2
+        return objects[np.argsort(seen)]
+
+    def _project(self, t_us: float) -> tuple[NDArray[Any], ...]:
+        """The vehicles in the picture, the farthest first; places and speeds of their corners there, (n, FACES, 4) each."""
+        now = self._traffic.at(t_us * 1e-6)
+        near_m = self._near_m * (1 - self._traffic.height_m / self._height_m) - self._traffic.length_m
+        seen = np.flatnonzero((now.along_m > np.maximum(near_m, _LEAST_M)) & (now.along_m < self._far_m))
+        seen = seen[np.argsort(-now.along_m[seen], kind="stable")]
+        corners_m = self._corners_m[seen]
+        across_m = corners_m[..., 0] + now.across_m[seen, None, None]
+        up_m = corners_m[..., 1]
+        along_m = corners_m[..., 2] + now.along_m[seen, None, None]
+        scale = self._focal / along_m
+        recedes = now.along_m_s[seen, None, None] / along_m
+        x, y = scale * across_m, scale * (self._height_m - up_m)
+        vx, vy = scale * now.across_m_s[seen, None, None] - recedes * x, -recedes * y
+        x, y = x + self._vanishing_x, y + self._vanishing_y
+        width, height = self._sensor
+        inside = (x.max(axis=(1, 2)) > -_MARGIN_PX) & (x.min(axis=(1, 2)) < width + _MARGIN_PX)
+        inside &= (y.max(axis=(1, 2)) > -_MARGIN_PX) & (y.min(axis=(1, 2)) < height + _MARGIN_PX)
+        return seen[inside], x[inside], y[inside], vx[inside], vy[inside]
+
+    def shift(self, _t_us: float) -> tuple[float, float]:
+        return 0.0, 0.0

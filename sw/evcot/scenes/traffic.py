@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who drives where on the highway: three with a story, and the others at random, each where it meets nobody."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Traffic", "Vehicle", "traffic"]
+
+_LEFT_M, _MIDDLE_M, _RIGHT_M, _SHOULDER_M = -3.4, 0.2, 3.8, 7.4  # middles of the lanes, right of the camera
+_LANE_SPEEDS = (1.2, 1.0, 0.85)  # of the mean speed, from the left
+_SPEED_SPREAD = 0.08
+_GAP_M = 5.0  # kept along the road, and a tenth of it across
+_BRAKING_M_S2, _STARTING_M_S2 = 6.0, 3.0
+_LANE_CHANGE_S = 2.5
+_CHECK_S = 0.1
+_BEFORE_M = 2.0  # so far before the picture begins a vehicle enters the road
+
+
+class Stretch(NamedTuple):
+    """From a moment on: a place along the road, a speed, and a constant acceleration."""
+
+    t_s: float
+    along_m: float
+    speed_m_s: float
+    acceleration_m_s2: float = 0.0
+
+
+class LaneChange(NamedTuple):
+    """A smooth way across: from when, how long, how far to the right."""
+
+    t_s: float
+    lasts_s: float
+    by_m: float
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """One vehicle: its size, and its way; `along_m` is that of its rear, which always faces the camera."""
+
+    is_lorry: bool
+    width_m: float
+    height_m: float
+    length_m: float
+    across_m: float
+    stretches: tuple[Stretch, ...]
+    changes: tuple[LaneChange, ...] = ()
+
+
+class Motion(NamedTuple):
+    """Places and speeds, one per vehicle: middle across, rear along."""
+
+    across_m: NDArray[np.float64]
+    along_m: NDArray[np.float64]
+    across_m_s: NDArray[np.float64]
+    along_m_s: NDArray[np.float64]
+
+
+class Traffic:
+    """All vehicles of a scene; (n,) arrays `is_lorry`, `width_m`, `height_m`, `length_m`, as of `Vehicle`."""
+
+    def __init__(self, vehicles: Sequence[Vehicle]) -> None:
+        self.is_lorry = np.array([vehicle.is_lorry for vehicle in vehicles])
+        self.width_m, self.height_m, self.length_m, self._across_m = (
+            np.array([getattr(vehicle, name) for vehicle in vehicles])
+            for name in ("width_m", "height_m", "length_m", "across_m")
+        )
+        self._stretches = _padded([vehicle.stretches for vehicle in vehicles], Stretch(np.inf, 0.0, 0.0))
+        self._changes = _padded([vehicle.changes for vehicle in vehicles], LaneChange(np.inf, 1.0, 0.0))
+        self._rows = np.arange(len(vehicles))
+
+    def at(self, t_s: float) -> Motion:
+        """Exact places and speeds at a moment."""
+        current = np.maximum((self._stretches[:, :, 0] <= t_s).sum(axis=1) - 1, 0)
+        begin_s, along_m, speed_m_s, acceleration = self._stretches[self._rows, current].T
+        elapsed_s = t_s - begin_s
+        begin_s, lasts_s, by_m = (self._changes[:, :, i] for i in range(3))
+        part = np.clip((t_s - begin_s) / lasts_s, 0.0, 1.0)
+        return Motion(
+            self._across_m + (by_m * part**2 * (3 - 2 * part)).sum(axis=1),
+            along_m + elapsed_s * (speed_m_s + elapsed_s * acceleration / 2),
+            (by_m * 6 * part * (1 - part) / lasts_s).sum(axis=1),
+            speed_m_s + elapsed_s * acceleration,
+        )
+
+
+def _padded(ways: Sequence[Sequence[tuple[float, ...]]], filler: tuple[float, ...]) -> NDArray[np.float64]:
+    """(n, most, fields), the shorter ones filled up."""
+    most = max(1, max(map(len, ways)))
+    return np.array([[*way, *[filler] * (most - len(way))] for way in ways])
+
+
+def traffic(
+    duration_s: float,
+    speed_m_s: float,
+    vehicles_per_s: float,
+    lorry_share: float,
+    road_m: tuple[float, float],
+    random: np.random.Generator,
+) -> Traffic:
+    """Vehicles on a road that is in sight from `road_m` to `road_m` metres along, for `duration_s` from 0 on."""
+    vehicles = _story(duration_s, speed_m_s)
+    before_s = (road_m[1] - road_m[0]) / speed_m_s
+    lasts_s = duration_s + before_s
+    entries_s = np.sort(random.uniform(-before_s, duration_s, random.poisson(vehicles_per_s * lasts_s)))
+    for entry_s in entries_s.tolist():
+        vehicle = _passer_by(entry_s, speed_m_s, lorry_share, road_m[0], random)
+        if not _meets(vehicle, vehicles, entry_s, min(entry_s + 2 * before_s, duration_s)):
+            vehicles.append(vehicle)
+    return Traffic(vehicles)
+
+
+def _story(duration_s: float, speed_m_s: float) -> list[Vehicle]:
+    """The wrong-way driver, the one that stops, the one that overtakes, and the lorry that is overtaken."""
+    car = Vehicle(False, 1.8, 1.5, 4.4, _MIDDLE_M, ())
+    middle_s, stop_s, go_s = 0.5 * duration_s, 0.4 * duration_s, 0.6 * duration_s
+    slow, quick = 0.7 * speed_m_s, 1.25 * speed_m_s
+    brakes_s, starts_s = 0.8 * speed_m_s / _BRAKING_M_S2, 0.8 * speed_m_s / _STARTING_M_S2
+    stops_at_m = 58.0
+    brakes_at_m = stops_at_m - _BRAKING_M_S2 * brakes_s**2 / 2
+    stopping = (
+        Stretch(stop_s - brakes_s, brakes_at_m, 0.8 * speed_m_s, -_BRAKING_M_S2),
+        Stretch(stop_s, stops_at_m, 0.0),
+        Stretch(go_s, stops_at_m, 0.0, _STARTING_M_S2),
+        Stretch(go_s + starts_s, stops_at_m + _STARTING_M_S2 * starts_s**2 / 2, 0.8 * speed_m_s),
+    )
+    aside = _SHOULDER_M - _RIGHT_M
+    return [
+        replace(car, across_m=_LEFT_M, stretches=(Stretch(middle_s, 55.0, -0.8 * speed_m_s),)),
+        replace(
+            car,
+            across_m=_RIGHT_M,
+            stretches=(Stretch(stop_s - brakes_s - 60.0, brakes_at_m - 48.0 * speed_m_s, 0.8 * speed_m_s), *stopping),
+            changes=(LaneChange(stop_s - brakes_s, brakes_s, aside), LaneChange(go_s + 3.0, _LANE_CHANGE_S, -aside)),
+        ),
+        replace(
+            car,
+            across_m=_RIGHT_M,
+            stretches=(Stretch(middle_s, 46.0, quick),),
+            changes=(LaneChange(middle_s - _LANE_CHANGE_S, _LANE_CHANGE_S, _MIDDLE_M - _RIGHT_M),),
+        ),
+        Vehicle(True, 2.5, 3.4, 9.0, _RIGHT_M, (Stretch(middle_s, 44.0, slow),)),
+    ]
+
+
+def _passer_by(entry_s: float, speed_m_s: float, lorry_share: float, near_m: float, random: np.random.Generator) -> Vehicle:
+    size, pace = random.uniform(0.93, 1.07), random.uniform(-1, 1)
+    lane, lorry = int(random.integers(0, 3)), bool(random.random() < lorry_share)
+    if lorry:
+        lane = 2
+    speed = speed_m_s * _LANE_SPEEDS[lane] * (1 + _SPEED_SPREAD * pace)
+    width, height, length = (2.5, 3.4, 9.0) if lorry else (1.8, 1.5, 4.4)
+    entry = Stretch(entry_s, near_m - _BEFORE_M - length * size, speed)
+    return Vehicle(lorry, width * size, height * size, length * size, (_LEFT_M, _MIDDLE_M, _RIGHT_M)[lane], (entry,))
+
+
+def _meets(vehicle: Vehicle, others: Sequence[Vehicle], from_s: float, to_s: float) -> bool:
+    """Whether a vehicle comes too close to one of the first or the latest others."""
+    both = Traffic([vehicle, *others[:4], *others[4:][-40:]])
+    half_m, length_m = both.width_m / 2, both.length_m
+    for t_s in np.arange(from_s, to_s, _CHECK_S).tolist():
+        now = both.at(t_s)
+        beside = abs(now.across_m[1:] - now.across_m[0]) < half_m[1:] + half_m[0] + _GAP_M / 10
+        behind = now.along_m[1:] + length_m[1:] + _GAP_M < now.along_m[0]
+        ahead = now.along_m[0] + length_m[0] + _GAP_M < now.along_m[1:]
+        if (beside & ~behind & ~ahead).any():
+            return True
+    return False
