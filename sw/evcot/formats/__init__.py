@@ -8,7 +8,7 @@ puts it in front.
 
 from __future__ import annotations
 
-from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, numpy_files, prophesee, text
+from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, numpy_files, prophesee, text
 from .source import Format, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
@@ -18,6 +18,7 @@ FORMATS: tuple[Format, ...] = (
     *aedat3.FORMATS,
     *aedat2.FORMATS,
     *es.FORMATS,
+    *matlab.FORMATS,  # before HDF5, which its version 7.3 is
     *hdf5.FORMATS,
     *numpy_files.FORMATS,
     *prophesee.FORMATS,
@@ -25,5 +26,5 @@ FORMATS: tuple[Format, ...] = (
 )
 
 WRITABLE: dict[str, WritableFormat] = {
-    kind.name: kind for kind in (*numpy_files.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
+    kind.name: kind for kind in (*numpy_files.WRITABLE, *text.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
 }

@@ -22,7 +22,7 @@ from .hdf5_survey import Part, Survey, survey
 from .numeric import events_from_numbers, microseconds
 from .source import BLOCK_EVENTS, Format
 
-__all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset"]
+__all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file"]
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 _ECF = 0x8ECF
@@ -72,7 +72,7 @@ class Hdf5File:
 
     def __init__(self, path: Path) -> None:
         found = survey(path)
-        self._file = _open(path)
+        self._file = open_file(path)
         try:
             held = {part["dataset"]: Rows(open_dataset(self._file, part), part["chunk"]) for part in found["columns"].values()}
         except BaseException:
@@ -151,7 +151,12 @@ def _sensor(found: Survey) -> Sensor | None:
     return tuple(found["sensor"]) if found["sensor"] else None
 
 
-def _open(path: Path) -> Any:
+def open_file(path: Path) -> Any:
+    """An HDF5 file for reading.
+
+    Raises:
+        RecordingError: the library cannot open it.
+    """
     import h5py
 
     try:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from typing import Any, TypeVar
 
 import numpy as np
@@ -23,28 +22,27 @@ _LATEST_US = 1 << 62
 
 @njit(cache=True, nogil=True)
 def _fill_whole(values, least, most, signed, out):  # type: ignore[no-untyped-def]
-    """Integers of integers, -1 as 0 if `signed`; whether all are within the limits. Without a branch: done by vectors."""
-    outside = np.int64(0)
+    """Integers of integers, -1 as 0 if `signed`: the index of the first outside the limits, or how many there are."""
     for i in range(len(values)):
         value = np.int64(values[i])
         value += signed & (value == -1)
-        outside |= (value < least) | (value > most)
+        if (value < least) | (value > most):
+            return i
         out[i] = value
-    return outside == 0
+    return len(values)
 
 
 @njit(cache=True, nogil=True)
 def _fill_rounded(values, scale, least, most, signed, out):  # type: ignore[no-untyped-def]
     """The same of floating numbers times `scale`, rounded; unscaled ones must be whole."""
-    within = np.int64(1)
     for i in range(len(values)):
         value = np.float64(values[i])
         value += signed & (value == -1.0)
         rounded = np.rint(value * scale)
-        fits = (rounded >= least) & (rounded <= most) & ((scale != 1.0) | (rounded == value))
-        within &= fits
-        out[i] = np.int64(rounded if fits else 0.0)
-    return within == 1
+        if not ((rounded >= least) & (rounded <= most)) or ((scale == 1.0) & (rounded != value)):
+            return i
+        out[i] = np.int64(rounded)
+    return len(values)
 
 
 def whole_numbers(
@@ -92,22 +90,15 @@ def _filled(
     signed: bool = False,
 ) -> NDArray[_Width]:
     values = _plain(values)
+    filled = np.empty(len(values), dtype)
     if values.dtype.kind == "f":
         least, most = (min(max(limit, -_EXACT), _EXACT) for limit in limits)
-
-        def fill(part: NDArray[Any], out: NDArray[Any]) -> bool:
-            return bool(_fill_rounded(part, scale, least, most, signed, out))
+        wrong = int(_fill_rounded(values, scale, least, most, signed, filled))
     else:
-        # From 2^63 on, unsigned ones are negative here, and so outside every range from 0.
+        # From 2^63 on, unsigned ones are negative to the kernel, and so outside every range from 0.
         least, most = max(limits[0], 0) if values.dtype == np.uint64 else limits[0], limits[1]
-        values = values.view(np.int64) if values.dtype == np.uint64 else values
-
-        def fill(part: NDArray[Any], out: NDArray[Any]) -> bool:
-            return bool(_fill_whole(part, least, most, signed, out))
-
-    filled = np.empty(len(values), dtype)
-    if not fill(values, filled):
-        wrong = bisect_left(range(len(values)), True, key=lambda i: not fill(values[: i + 1], filled[: i + 1]))
+        wrong = int(_fill_whole(values.view(np.int64) if values.dtype == np.uint64 else values, least, most, signed, filled))
+    if wrong < len(values):
         rule = f"must be a whole number from {limits[0]} to {limits[1]}" if scale == 1 else "must be a number of seconds"
         raise RecordingError(f"event {first_index + wrong}: {name} = {values[wrong]}: {rule}")
     return filled
