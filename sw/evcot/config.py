@@ -175,7 +175,7 @@ class FilterConfig:
     recent_depth: int = 32
     decay_tau_us: float = 0.0
     decay_epsilon: float = 0.1
-    decay_support: float = 0.5
+    decay_support: float = 1.0
 
     def __post_init__(self) -> None:
         if self.region is not None:

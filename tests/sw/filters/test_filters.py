@@ -173,6 +173,17 @@ def test_what_stays_does_not_depend_on_where_runs_are_cut(which: Filter) -> None
         np.testing.assert_array_equal(np.concatenate(parts), whole, f"seed {seed}")
 
 
+@pytest.mark.parametrize("which", Filter, ids=lambda which: which.name)
+def test_the_first_event_of_all_may_come_at_the_last_tick(which: Filter) -> None:
+    """Nothing that never happened is taken for something recent, or for something in the future."""
+    regs = FilterRegisters(
+        refractory_ticks=(1 << 31) - 1, activity_ticks=(1 << 31) - 1, recent_ticks=(1 << 31) - 1, decay_rate=1 << 24
+    )
+    zero = np.zeros(1, np.uint16)
+    keep = FILTERS[which](regs, FilterShape(1, 1, stamp_w=32)).feed(np.array([END]), zero, zero, np.ones(1, np.uint8))
+    assert keep[0] == (which not in (Filter.ACTIVITY, Filter.RECENT, Filter.DECAY))
+
+
 @pytest.mark.parametrize("depth", [1, 2, 31, 32, 256])
 def test_the_fifo_holds_the_last_events_and_no_more(depth: int) -> None:
     """One event, then others far away that push it out, then its neighbour."""
