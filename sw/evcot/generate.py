@@ -17,6 +17,7 @@ import jinja2
 
 from .contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, REGISTERS, SHAPE_RANGES, Filter, Kind, Mode, State
 from .errors import ConfigError, EvcotError
+from .filters.decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE, weights
 from .lfsr import TAPS, tap_mask
 from .outputs import written_aside
 
@@ -64,6 +65,9 @@ def render_headers() -> dict[str, str]:
     return {
         "evcot_defs.vh": templates.get_template("evcot_defs.vh.j2").render(
             shape_ranges=SHAPE_RANGES, filter_shape_ranges=FILTER_SHAPE_RANGES, enums=enums
+        ),
+        "decay_table.vh": templates.get_template("decay_table.vh.j2").render(
+            units=UNITS_PER_HALF_LIFE, clock_frac=CLOCK_FRAC, weights=weights(0)[:UNITS_PER_HALF_LIFE]
         ),
         "lfsr_taps.vh": templates.get_template("lfsr_taps.vh.j2").render(rows=rows),
     }

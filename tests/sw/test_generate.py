@@ -45,8 +45,13 @@ def test_the_tap_table_has_one_row_per_width() -> None:
     assert taps == {width: sorted(row) for width, row in TAPS.items()}
 
 
+def test_the_decay_table_halves_in_32_steps() -> None:
+    rows = re.findall(r"^ +5'd(\d+): decay_weight = 9'd(\d+);", render_headers()["decay_table.vh"], re.MULTILINE)
+    assert [(int(age), int(weight)) for age, weight in rows] == [(age, round(256 * 2 ** (-age / 32))) for age in range(32)]
+
+
 def test_writes_only_what_is_stale_and_leaves_nothing_else(tmp_path: Path) -> None:
-    assert [path.name for path in write_headers(tmp_path)] == ["evcot_defs.vh", "lfsr_taps.vh"]
+    assert [path.name for path in write_headers(tmp_path)] == ["evcot_defs.vh", "decay_table.vh", "lfsr_taps.vh"]
     (tmp_path / "lfsr_taps.vh").write_text("stale")
     assert stale_headers(tmp_path) == [tmp_path / "lfsr_taps.vh"]
     assert write_headers(tmp_path) == [tmp_path / "lfsr_taps.vh"]
