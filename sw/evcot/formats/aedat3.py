@@ -68,10 +68,11 @@ class Aedat3File:
             self._sources = _sources(lines)
             self._source = next((packet.source for packet in self._packets(file)), min(self._sources))
         self.sensor = chip_sensor(self._sources[self._source])
-        others = [f"{source} ({name})" for source, name in sorted(self._sources.items()) if source != self._source]
-        self.details: Mapping[str, str] = {"source": self._sources[self._source]} | (
-            {"passed over": ", ".join(others)} if others else {}
-        )
+        others = [f"source {source} ({name})" for source, name in sorted(self._sources.items()) if source != self._source]
+        self.details: Mapping[str, str] = {
+            "source": self._sources[self._source],
+            "passed over": ", ".join(others) or "nothing",
+        }
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""

@@ -91,22 +91,15 @@ class Aedat4File:
                 )
             self._new_unpacker = _unpackers(header.compression)
             self._table = self._read_table(file) if closed else None
-        self._stream = next((stream for stream, said in sorted(self._streams.items()) if _type(said) == "EVTS"), None)
-        if self._stream is None:
-            raise RecordingError("has no stream of events")
+        self._stream = _first_of_events(self._streams)
         self.sensor = _sensor(self._streams[self._stream])
-        self.details = self._describe(_COMPRESSIONS[header.compression])
-
-    def _describe(self, compression: str) -> Mapping[str, str]:
-        assert self._stream is not None
-        others = [f"{stream} ({_type(said)})" for stream, said in sorted(self._streams.items()) if stream != self._stream]
-        details = {
-            "source": self._streams[self._stream].get("source", ""),
-            "compression": compression,
-            "passed over": ", ".join(others),
-            "packet table": "" if self._table else "none: never closed",
+        others = [f"stream {stream} ({_type(said)})" for stream, said in self._streams.items() if stream != self._stream]
+        self.details: Mapping[str, str] = {
+            "source": self._streams[self._stream].get("source", "not named"),
+            "compression": _COMPRESSIONS[header.compression],
+            "packet table": "whole" if closed else "none: the writer never closed the file",
+            "passed over": ", ".join(others) or "nothing",
         }
-        return {name: value for name, value in details.items() if value}
 
     def _read_table(self, file: BinaryIO) -> dict[str, NDArray[np.int64]]:
         """The table's columns, in the order of the packets' offsets; they cover the packets' bytes without a gap."""
@@ -270,6 +263,13 @@ def _parse_streams(text: str) -> dict[int, dict[str, str]]:
         }
     except (ElementTree.ParseError, ValueError) as error:
         raise RecordingError(f"description of streams: {error}: must be XML with numbered nodes under outInfo") from error
+
+
+def _first_of_events(streams: dict[int, dict[str, str]]) -> int:
+    found = [stream for stream, said in streams.items() if _type(said) == "EVTS"]
+    if not found:
+        raise RecordingError(f"has no stream of events: its streams are {[_type(said) for said in streams.values()]}")
+    return min(found)
 
 
 def _type(stream: dict[str, str]) -> str:
