@@ -37,7 +37,8 @@ def _fill_rounded(values, scale, least, most, signed, out):  # type: ignore[no-u
     """The same of floating numbers times `scale`, rounded; unscaled ones must be whole."""
     for i in range(len(values)):
         value = np.float64(values[i])
-        value += signed & (value == -1.0)
+        if signed & (value == -1.0):
+            value = 0.0
         rounded = np.rint(value * scale)
         if not ((rounded >= least) & (rounded <= most)) or ((scale == 1.0) & (rounded != value)):
             return i
