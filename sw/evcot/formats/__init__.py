@@ -8,7 +8,7 @@ puts it in front.
 
 from __future__ import annotations
 
-from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, numpy_files, prophesee, text
+from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, numpy_files, prophesee, ros, text
 from .source import Format, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
@@ -22,6 +22,7 @@ FORMATS: tuple[Format, ...] = (
     *hdf5.FORMATS,
     *numpy_files.FORMATS,
     *prophesee.FORMATS,
+    *ros.FORMATS,
     *text.FORMATS,  # last: almost anything printable looks like text
 )
 

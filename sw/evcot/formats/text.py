@@ -1,94 +1,127 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CSV: one event per line, times in whole microseconds.
+"""One event per line: CSV as tools and spreadsheets write it, and the `t x y p` text of event-camera data sets.
 
-Read by NumPy: faery 0.7 would replace a time that runs backwards by the latest one seen.
+Cells are separated by comma, semicolon, tab or blanks. They hold t, x, y, p in that order, or in the order that a first line
+names (`x;y;polarity;t_us`); other columns are passed over, and so are blank lines and those that begin with # or %. Every line
+has as many cells as the first event. p is 1 where the pixel became brighter, 0 or -1 where darker.
+
+The unit of time is what the header says (`t_us`, `t_s`, `t[s]`), else seconds if the first event's t has a decimal point or an
+exponent, else whole microseconds. Times are rounded to the nearest microsecond, halves away from zero.
+
+The sensor is what the header says (`t,x@346,y@260,p`), or a line of two numbers before the first event (`346 260`).
+
+Text is always read from its start: a time in it is found by reading.
 """
 
 from __future__ import annotations
 
-import warnings
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator
+from io import BufferedReader
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import RecordingError
-from .columns import Decoded, Sensor, events_from_columns, smallest_sensor
-from .source import Format
-from .whole import opens_whole
+from ..events import Events
+from ._text_kernel import LINE_BYTES, PADDING_BYTES, SHORTEST_LINE_BYTES, format_lines, parse_lines
+from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, UNITS, Layout, is_text, read_layout
+from .columns import Sensor
+from .source import BLOCK_EVENTS, Format, WritableFormat
 
-__all__ = ["FORMATS", "read_csv"]
+__all__ = ["FORMATS", "WRITABLE"]
 
-_NAMES = {
-    "t": ("t", "t_us", "timestamp"),
-    "x": ("x",),
-    "y": ("y",),
-    "p": ("p", "on", "pol", "polarity"),
-}
-_ROW = np.dtype([("t", np.int64), ("x", np.int32), ("y", np.int32), ("p", np.int8)])
+_CHUNK_BYTES = BLOCK_EVENTS * SHORTEST_LINE_BYTES
+_NEWLINE = ord("\n")
 
 
-@dataclass(frozen=True)
-class _Layout:
-    """How a line is built: separator (None: blanks), columns of t, x, y, p, lines to pass over, and a size the header gives."""
+class _TextSource:
+    """See `source.Source`. The file is opened for each pass, so that passes do not disturb each other."""
 
-    separator: str | None
-    columns: tuple[int, int, int, int]
-    skip: int
-    sensor: Sensor | None
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        with path.open("rb") as file:
+            self._layout = read_layout(file)
+            self._size = file.seek(0, 2)
+        self.sensor = self._layout.sensor
+        self.details = {"separator": SEPARATORS[self._layout.separator], "times in": UNITS[self._layout.power]}
+        self.left_out: Counter[str] = Counter()
 
+    def blocks(self, from_us: int | None = None) -> Iterator[Events]:
+        """See `source.Source`; from_us changes nothing."""
+        line = self._layout.lines + 1
+        with self._path.open("rb") as file:
+            file.seek(self._layout.offset)
+            for text, length in self._whole_lines(file):
+                events, lines, fault = _parse(text, length, self._layout)
+                yield events
+                line += lines
+                if fault >= 0:
+                    raw = text[:length].tobytes().split(b"\n", lines + 1)[lines] + b"\n"
+                    raise RecordingError(f"line {line}: {self._layout.fault(raw, fault)}")
 
-def _layout(first: str) -> _Layout:
-    separator = next((mark for mark in ",;\t" if mark in first), None)
-    if first[:1].isdecimal() or first[:1] == "-":
-        return _Layout(separator, (0, 1, 2, 3), 0, None)
-    cells = [cell.strip().lower().partition("@") for cell in first.lstrip("# ").split(separator)]
-    columns = {field: [i for i, (name, _, _) in enumerate(cells) if name in known] for field, known in _NAMES.items()}
-    wrong = [field for field, named in columns.items() if len(named) != 1]
-    if wrong:
-        raise RecordingError(f"line 1: {first[:60]!r}: must be an event, or name each of t, x, y, p once; {wrong[0]} is not")
-    t, x, y, p = (named[0] for named in columns.values())
-    width, height = cells[x][2], cells[y][2]
-    stated = width.isdecimal() and height.isdecimal()
-    return _Layout(separator, (t, x, y, p), 1, (int(width), int(height)) if stated else None)
+    def _whole_lines(self, file: BufferedReader) -> Iterator[tuple[NDArray[np.uint8], int]]:
+        """The rest of a file as pieces that end in a newline, in a buffer that is used again, and their lengths."""
+        room = min(_CHUNK_BYTES, self._size + 1)
+        buffer = bytearray((room // 8 + 1) * 8 + PADDING_BYTES)
+        text, view = np.frombuffer(buffer, np.uint8), memoryview(buffer)
+        begun = 0  # bytes of a line that are there already
+        while got := file.readinto(view[begun:room]):
+            filled = begun + got
+            tail = max(0, filled - LONGEST_LINE_BYTES)
+            length = tail + buffer[tail:filled].rfind(b"\n") + 1
+            if length > tail:
+                yield text, length
+                buffer[: filled - length] = buffer[length:filled]
+                begun = filled - length
+            elif tail or filled == room:
+                raise RecordingError(f"byte {file.tell()}: no line ends in the {filled - tail} bytes before: must be text")
+            else:
+                begun = filled
+        if file.tell() < self._size:
+            raise RecordingError(f"ends at byte {file.tell()}: held {self._size} bytes when it was opened")
+        if begun:
+            if self._layout.needs_newline:
+                raise RecordingError("the last line must end in a newline; is it cut off?")
+            buffer[begun] = _NEWLINE
+            yield text, begun + 1
 
+    def smallest_sensor(self, width: int, height: int) -> Sensor:
+        """See `source.Source`."""
+        return width, height
 
-def _ends_in_newline(path: Path) -> bool:
-    with path.open("rb") as file:
-        file.seek(-1, 2)
-        return file.read(1) == b"\n"
-
-
-def read_csv(path: Path) -> Decoded:
-    """Read t, x, y, p in that order, or in the order that the first line names; other columns are passed over.
-
-    Separated by comma, semicolon, tab or blanks. p is 1 where the pixel became brighter, 0 or -1 where darker. The sensor is
-    what the first line says (`t,x@346,y@260,p`), else the smallest that holds every event.
-    """
-    try:
-        with path.open(encoding="utf-8") as file:
-            layout = _layout(file.readline().strip())
-        # A cut in the polarity leaves no number behind; one in a longer last column leaves a wrong one.
-        if layout.columns[3] != max(layout.columns) and not _ends_in_newline(path):
-            raise RecordingError("the last line must end in a newline; is it cut off?")
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message=".*input contained no data")
-            rows = np.loadtxt(
-                path, _ROW, delimiter=layout.separator, usecols=layout.columns, skiprows=layout.skip, ndmin=1, encoding="utf-8"
-            )
-    except UnicodeDecodeError as error:
-        raise RecordingError(f"is not text: byte {error.start} is {error.object[error.start]:#04x}") from error
-    except RecordingError:
-        raise
-    except ValueError as error:
-        raise RecordingError(f"{str(error).rstrip('.')}; must be whole numbers t (microseconds), x, y, p") from error
-    rows["p"][rows["p"] == -1] = 0
-    events = events_from_columns(rows["t"], rows["x"], rows["y"], rows["p"])
-    return Decoded(events, layout.sensor or smallest_sensor(events))
-
-
-def _is_text(start: bytes, _: Path) -> bool:
-    return start.isascii() and start.decode("ascii").replace("\r", "").replace("\n", "").replace("\t", "").isprintable()
+    def close(self) -> None:
+        """Nothing stays open."""
 
 
-FORMATS = (Format("csv", "CSV", _is_text, opens_whole(read_csv)),)
+def _parse(text: NDArray[np.uint8], length: int, layout: Layout) -> tuple[Events, int, int]:
+    """The events in the first bytes of a buffer, how many lines they take, and the cell at fault in the next; -1 if none is."""
+    room = length // SHORTEST_LINE_BYTES + 1
+    events = Events(np.empty(room, np.int64), np.empty(room, np.uint16), np.empty(room, np.uint16), np.empty(room, np.uint8))
+    count, lines, fault = parse_lines(
+        text, length, ord(layout.separator), layout.columns, layout.power, layout.exact,
+        events.t_us, events.x, events.y, events.p,
+    )  # fmt: skip
+    return events[:count], lines, fault
+
+
+class _CsvSink:
+    """See `source.Sink`."""
+
+    def __init__(self, file: BinaryIO, sensor: Sensor) -> None:
+        self._file = file
+        file.write("t_us,x@{},y@{},p\n".format(*sensor).encode())
+
+    def write(self, events: Events) -> None:
+        text = np.empty(len(events) * LINE_BYTES, np.uint8)
+        length = format_lines(events.t_us, events.x, events.y, events.p, text)
+        self._file.write(text[:length].data)
+
+    def close(self) -> None:
+        """Nothing stands at the end."""
+
+
+FORMATS = (Format("text", "CSV or text", lambda start, _: is_text(start), _TextSource),)
+WRITABLE = (WritableFormat("csv", "CSV", ".csv", _CsvSink),)
