@@ -70,11 +70,21 @@ def changes(before, after, width, height):  # type: ignore[no-untyped-def]
 def draw(rectangles, shapes, background, scratch, linear, frame):  # type: ignore[no-untyped-def]
     """Draw the rectangles of a frame again: `background` (linear) and shapes, the farthest first, into `linear` and its
     logarithm, `frame`. `scratch`: a map to work in."""
+    height, width = frame.shape
+    places, edges = np.empty((len(shapes), 4), np.int64), np.empty((len(shapes), 4, 3))
+    for i in range(len(shapes)):
+        left, top, right, bottom = bounds(shapes[i])
+        places[i, 0], places[i, 1], places[i, 2], places[i, 3] = _pixels(left, top, right, bottom, width, height)
+        if shapes[i, KIND] != DISC:
+            _edges(shapes[i], edges[i])
     for r in range(len(rectangles)):
         left, top, right, bottom = rectangles[r]
         scratch[top:bottom, left:right] = background[top:bottom, left:right]
         for i in range(len(shapes)):
-            _blend(shapes[i], scratch, left, top, right, bottom)
+            first_x, first_y = max(places[i, 0], left), max(places[i, 1], top)
+            past_x, past_y = min(places[i, 2], right), min(places[i, 3], bottom)
+            if first_x < past_x and first_y < past_y:
+                _blend(shapes[i], edges[i], scratch, first_x, first_y, past_x, past_y)
         for y in range(top, bottom):
             for x in range(left, right):
                 if scratch[y, x] != linear[y, x]:
@@ -83,11 +93,8 @@ def draw(rectangles, shapes, background, scratch, linear, frame):  # type: ignor
 
 
 @njit(cache=True, nogil=True)
-def _blend(shape, picture, left, top, right, bottom):  # type: ignore[no-untyped-def]
+def _blend(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ignore[no-untyped-def]
     """Mix a shape into a rectangle of a picture."""
-    low_x, low_y, high_x, high_y = bounds(shape)
-    first_x, first_y, past_x, past_y = _pixels(low_x, low_y, high_x, high_y, right, bottom)
-    first_x, first_y = max(first_x, left), max(first_y, top)
     if shape[KIND] == DISC:
         for y in range(first_y, past_y):
             for x in range(first_x, past_x):
@@ -95,7 +102,6 @@ def _blend(shape, picture, left, top, right, bottom):  # type: ignore[no-untyped
                 part = min(max(depth + 0.5, 0.0), 1.0)
                 picture[y, x] += part * (shape[INTENSITY] - picture[y, x])
         return
-    edges = _edges(shape)
     for y in range(first_y, past_y):
         for x in range(first_x, past_x):
             part = 1.0
@@ -108,9 +114,8 @@ def _blend(shape, picture, left, top, right, bottom):  # type: ignore[no-untyped
 
 
 @njit(cache=True, nogil=True)
-def _edges(shape):  # type: ignore[no-untyped-def]
-    """Of each edge a, b, c: a x + b y + c is how far inside the edge a point lies, pixels. Points may go round either way."""
-    edges = np.empty((4, 3))
+def _edges(shape, edges):  # type: ignore[no-untyped-def]
+    """Into `edges`, of each edge a, b, c: a x + b y + c is how far inside the edge a point lies, pixels. Points may go round either way."""
     area = 0.0
     for i in range(4):
         j = (i + 1) % 4
@@ -125,7 +130,6 @@ def _edges(shape):  # type: ignore[no-untyped-def]
             continue
         a, b = -turn * dy / length, turn * dx / length
         edges[i, 0], edges[i, 1], edges[i, 2] = a, b, -a * shape[X + i] - b * shape[Y + i]
-    return edges
 
 
 @njit(cache=True, nogil=True)

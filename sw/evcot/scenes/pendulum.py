@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A damped pendulum: a bob on a rod, hung from the middle of the upper edge.
+
+The angle from the vertical is that of small swings, angle * exp(-t / damping) * cos(2 pi t / period).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from .ranges import Range
+from .scene import Scene
+from .shapes import discs, quadrangles
+from .stage import StageSettings, film, texture
+from .truth import TRUTH
+
+__all__ = ["BOB", "ROD", "Pendulum", "simulate"]
+
+BOB, ROD = 0, 1
+
+
+@dataclass(frozen=True)
+class Pendulum(StageSettings):
+    """One swinging pendulum.
+
+    Raises:
+        ConfigError: a value outside its range, or a bob that swings off the sensor.
+    """
+
+    NAME: ClassVar[str] = "pendulum"
+    RANGES: ClassVar[dict[str, Range]] = {
+        "length_px": (8.0, 4096.0, "from the pivot to the middle of the bob"),
+        "bob_px": (1.0, 512.0, "radius of the bob"),
+        "rod_px": (0.5, 64.0, "width of the rod"),
+        "angle_deg": (0.1, 80.0, "first angle"),
+        "period_s": (0.05, 100.0, "time of a swing there and back"),
+        "damping_s": (0.1, 10_000.0, "time in which the swing falls to 1/e"),
+        "contrast": (0.05, 5.0, "log intensity between the pendulum, which is darker, and the background"),
+    }
+
+    length_px: float = 180.0
+    bob_px: float = 16.0
+    rod_px: float = 3.0
+    angle_deg: float = 35.0
+    period_s: float = 1.6
+    damping_s: float = 8.0
+    contrast: float = 0.9
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.length_px + self.bob_px > self.height:
+            raise ConfigError(
+                f"pendulum.length_px = {self.length_px:g}: with the bob's {self.bob_px:g} must be at most the sensor's "
+                f"{self.height} pixels down"
+            )
+
+
+def simulate(settings: Pendulum) -> Scene:
+    """See `stage.film`. object_id 0 is the bob, which hides the end of 1, the rod."""
+    return film(_Stage(settings), settings)
+
+
+class _Stage:
+    def __init__(self, settings: Pendulum) -> None:
+        self._settings = settings
+        self._pivot = (settings.width - 1) / 2, -0.5
+        self._intensity = float(np.exp(-settings.contrast))
+        self.background = texture(settings, np.random.default_rng(settings.seed), 3.0, 0.05)
+
+    def _swing(self, t_us: float) -> tuple[float, float]:
+        """Angle and its speed, radians and radians per second."""
+        settings, t_s = self._settings, t_us * 1e-6
+        turn = 2 * np.pi / settings.period_s
+        size = np.radians(settings.angle_deg) * np.exp(-t_s / settings.damping_s)
+        angle = size * np.cos(turn * t_s)
+        return float(angle), float(-angle / settings.damping_s - size * turn * np.sin(turn * t_s))
+
+    def shapes(self, t_us: float) -> NDArray[np.float64]:
+        settings, (pivot_x, pivot_y) = self._settings, self._pivot
+        angle, _ = self._swing(t_us)
+        along, half = np.array([np.sin(angle), np.cos(angle)]) * settings.length_px, settings.rod_px / 2
+        side = np.array([np.cos(angle), -np.sin(angle)]) * half
+        corners_x, corners_y = np.array([side, side + along, along - side, -side]).T
+        rod = quadrangles(ROD, corners_x[None] + pivot_x, corners_y[None] + pivot_y, self._intensity)
+        return np.concatenate((rod, discs(BOB, pivot_x + along[0], pivot_y + along[1], settings.bob_px, self._intensity)))
+
+    def objects(self, t_us: float) -> NDArray[np.void]:
+        settings, (pivot_x, pivot_y) = self._settings, self._pivot
+        angle, speed = self._swing(t_us)
+        sine, cosine, length = np.sin(angle), np.cos(angle), settings.length_px
+        objects = np.zeros(2, TRUTH)
+        for number, part in ((BOB, 1.0), (ROD, 0.5)):
+            mine = objects[number]
+            mine["object_id"] = number
+            mine["x"], mine["y"] = pivot_x + part * length * sine, pivot_y + part * length * cosine
+            mine["vx"], mine["vy"] = part * length * cosine * speed, -part * length * sine * speed
+        objects["width"] = 2 * settings.bob_px, length * abs(sine) + settings.rod_px * cosine
+        objects["height"] = 2 * settings.bob_px, length * cosine + settings.rod_px * abs(sine)
+        return objects
+
+    def shift(self, _t_us: float) -> tuple[float, float]:
+        return 0.0, 0.0

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A camera that trembles before a textured wall, and boxes that cross it.
+
+The picture moves by the sum of a few sines of random frequency and phase, across and down independently; everything moves with
+it, so the truth contains it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from .ranges import Range
+from .scene import Scene
+from .shapes import quadrangles
+from .stage import MARGIN_PX, StageSettings, film, texture
+from .truth import TRUTH
+
+__all__ = ["Shake", "simulate"]
+
+_SINES = 4
+_SPREAD = 0.5  # of frequencies around the mean
+
+
+@dataclass(frozen=True)
+class Shake(StageSettings):
+    """Boxes in straight motion that enter again on the other side, seen by a shaken camera.
+
+    Raises:
+        ConfigError: a value outside its range, or boxes higher than their lanes.
+    """
+
+    NAME: ClassVar[str] = "shake"
+    RANGES: ClassVar[dict[str, Range]] = {
+        "count": (0, 64, "how many boxes"),
+        "side_px": (2.0, 512.0, "side of a box"),
+        "speed_px_s": (1.0, 20_000.0, "mean speed of a box"),
+        "contrast": (0.05, 5.0, "log intensity between a box and the background"),
+        "shake_px": (0.0, MARGIN_PX - 2.0, "farthest that the picture moves"),
+        "shake_hz": (0.1, 200.0, "mean frequency of the tremor"),
+        "texture_contrast": (0.0, 2.0, "standard deviation of the wall's log intensity"),
+        "grain_px": (1.0, 64.0, "size of the wall's spots"),
+    }
+
+    count: int = 4
+    side_px: float = 24.0
+    speed_px_s: float = 90.0
+    contrast: float = 1.2
+    shake_px: float = 4.0
+    shake_hz: float = 6.0
+    texture_contrast: float = 0.5
+    grain_px: float = 2.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.count and self.side_px > self.height / self.count:
+            raise ConfigError(f"shake.side_px = {self.side_px:g}: must be at most a lane's {self.height / self.count:g} pixels")
+
+
+def simulate(settings: Shake) -> Scene:
+    """See `stage.film`; object_id counts the lanes from the top."""
+    return film(_Stage(settings), settings)
+
+
+class _Stage:
+    def __init__(self, settings: Shake) -> None:
+        random = np.random.default_rng(settings.seed)
+        self._settings = settings
+        self.background = texture(settings, random, settings.grain_px, settings.texture_contrast)
+        self._turn = 2 * np.pi * settings.shake_hz * (1 + _SPREAD * random.uniform(-1, 1, (2, _SINES)))
+        self._phase = random.uniform(0, 2 * np.pi, (2, _SINES))
+        self._size_px = settings.shake_px / _SINES
+        direction = np.where(np.arange(settings.count) % 2 == 0, 1.0, -1.0)
+        self._speed = direction * settings.speed_px_s * random.uniform(0.7, 1.3, settings.count)
+        self._start = random.uniform(0, 1, settings.count) * (settings.width + settings.side_px)
+        self._y = (np.arange(settings.count) + 0.5) * settings.height / max(settings.count, 1) - 0.5
+        self._intensity = np.exp(settings.contrast * np.where(random.permutation(settings.count) % 2 == 0, 1.0, -1.0))
+
+    def shift(self, t_us: float) -> tuple[float, float]:
+        x, y = self._size_px * np.sin(self._turn * (t_us * 1e-6) + self._phase).sum(axis=1)
+        return float(x), float(y)
+
+    def _centres(self, t_us: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        around = self._settings.width + self._settings.side_px
+        right, down = self.shift(t_us)
+        x = (self._start + self._speed * (t_us * 1e-6)) % around - self._settings.side_px / 2 - 0.5
+        return x + right, self._y + down
+
+    def shapes(self, t_us: float) -> NDArray[np.float64]:
+        x, y = self._centres(t_us)
+        half = self._settings.side_px / 2
+        corners_x, corners_y = np.array([-half, half, half, -half]), np.array([-half, -half, half, half])
+        return quadrangles(np.arange(len(x)), x[:, None] + corners_x, y[:, None] + corners_y, self._intensity)
+
+    def objects(self, t_us: float) -> NDArray[np.void]:
+        vx, vy = self._size_px * (self._turn * np.cos(self._turn * (t_us * 1e-6) + self._phase)).sum(axis=1)
+        objects = np.zeros(self._settings.count, TRUTH)
+        objects["object_id"] = np.arange(self._settings.count)
+        objects["x"], objects["y"] = self._centres(t_us)
+        objects["vx"], objects["vy"] = self._speed + vx, vy
+        objects["width"] = objects["height"] = self._settings.side_px
+        return objects
