@@ -10,6 +10,7 @@ A camera's stream may start between two time marks. Events before the first one 
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -50,10 +51,18 @@ def _is(name: str, start: bytes, path: Path) -> bool:
     if not start.startswith(b"% "):
         return False
     try:
-        version = _read_header(path).evt_version
+        version = _first_header(start, path).evt_version
     except RecordingError:
         version = None
     return name == _EVT_NAMES.get(version or "", "dat")
+
+
+def _first_header(start: bytes, path: Path) -> Header:
+    with suppress(RecordingError):
+        header = parse_header(start)
+        if header.length < len(start):
+            return header
+    return _read_header(path)
 
 
 def _open(path: Path, layout: Layout, header: Header, offset: int) -> WordFile:

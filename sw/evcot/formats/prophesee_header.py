@@ -46,9 +46,7 @@ class Header:
         named = {self.fields.get("evt", ""), self._format[0].removeprefix("evt")} - {""}
         versions = {{"21": "2.1"}.get(version, version.removesuffix(".0")) for version in named}
         if len(versions) > 1:
-            raise RecordingError(
-                f"header: evt {self.fields['evt']} and format {self.fields['format']}: must be the same version"
-            )
+            raise RecordingError(f"header: EVT version {' and '.join(sorted(versions))}: evt and format must say the same")
         return next(iter(versions), None)
 
     @property
