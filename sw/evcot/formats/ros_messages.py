@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS messages that hold events, taken apart from their bytes: no object is made per event.
+
+Two kinds: arrays of stamped events (dvs_msgs/EventArray, prophesee_event_msgs/EventArray) and packets in a camera's own
+encoding (event_camera_msgs/EventPacket, event_array_msgs/EventArray). ROS 1 packs fields without gaps; ROS 2 (CDR) puts each
+number at a multiple of its own size, counted from behind the four bytes that name the encoding.
+https://github.com/uzh-rpg/rpg_dvs_ros, https://github.com/ros-event-camera/event_camera_msgs
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..errors import RecordingError
+from ..events import Events
+from .columns import Sensor
+
+__all__ = ["PACKETS", "STAMPED", "STAMPED_ENCODING", "Packet", "Stamped", "events_of", "read_packet", "read_stamped"]
+
+STAMPED = ("dvs_msgs/EventArray", "prophesee_event_msgs/EventArray")
+PACKETS = ("event_camera_msgs/EventPacket", "event_array_msgs/EventArray")
+
+STAMPED_ENCODING = "stamped"
+
+_NS = 1_000_000_000
+_LITTLE_ENDIAN_CDR = 1
+# Bytes from one event to the next, and to the end of the last.
+_ROS1_EVENT = 13
+_CDR_EVENT, _CDR_LAST = 16, 13
+
+
+class _Fields:
+    """The fields of a message, one after another."""
+
+    def __init__(self, data: memoryview, is_cdr: bool) -> None:
+        self.data, self.is_cdr = data, is_cdr
+        self.at = 4 if is_cdr else 0
+        if is_cdr and (len(data) < 4 or data[1] != _LITTLE_ENDIAN_CDR):
+            raise RecordingError(f"is encoded as {bytes(data[:4]).hex()}: must be little-endian CDR, 0001")
+
+    def number(self, size: int) -> int:
+        """An unsigned integer of `size` bytes."""
+        if self.is_cdr:
+            self.at += -(self.at - 4) % size
+        return int.from_bytes(self.take(size), "little")
+
+    def text(self) -> str:
+        """A string."""
+        return bytes(self.take(self.number(4))).rstrip(b"\0").decode("latin-1")
+
+    def take(self, count: int) -> memoryview:
+        """The next bytes."""
+        if self.at + count > len(self.data):
+            raise RecordingError(f"of {len(self.data)} bytes has a field that needs {self.at + count}; is it cut off?")
+        self.at += count
+        return self.data[self.at - count : self.at]
+
+    def sensor(self) -> Sensor:
+        """(width, height), behind the header that every such message starts with."""
+        if not self.is_cdr:
+            self.number(4)  # a sequence number
+        self.number(4), self.number(4), self.text()  # when and where from
+        height, width = self.number(4), self.number(4)
+        return width, height
+
+    def end(self) -> None:
+        """The message must end here, but for what CDR fills up with."""
+        left = len(self.data) - self.at
+        if left > (3 if self.is_cdr else 0):
+            raise RecordingError(f"of {len(self.data)} bytes ends {left} bytes early: is it another version of this message?")
+
+
+@dataclass(frozen=True)
+class Stamped:
+    """A message of stamped events: views of (n,) numbers into its bytes.
+
+    Attributes:
+        sensor: (width, height) in pixels.
+        first: x and y of the first event, where its place is out of step with the others.
+    """
+
+    sensor: Sensor
+    x: NDArray[np.uint16]
+    y: NDArray[np.uint16]
+    seconds: NDArray[Any]
+    nanoseconds: NDArray[np.uint32]
+    p: NDArray[np.uint8]
+    first: tuple[int, int] | None
+
+    encoding: ClassVar[str] = STAMPED_ENCODING
+
+    def __len__(self) -> int:
+        return len(self.p)
+
+    @property
+    def last_us(self) -> int:
+        """Time of the last event; there must be one."""
+        return int(self.seconds[-1]) * 1_000_000 + int(self.nanoseconds[-1]) // 1000
+
+
+def read_stamped(data: bytes | memoryview, is_cdr: bool) -> Stamped:
+    """Take apart a message of `STAMPED`.
+
+    Raises:
+        RecordingError: it is shorter or longer than its fields say.
+    """
+    fields = _Fields(memoryview(data), is_cdr)
+    sensor = fields.sensor()
+    count = fields.number(4)
+    start = fields.at
+    if is_cdr:
+        # An event ends at an odd byte. The next x follows at the next even one: two before the multiple of 16 that y is at.
+        # Only the first x has no such gap before it, and so that event's x and y are two bytes behind.
+        fields.take(_CDR_EVENT * (count - 1) + _CDR_LAST if count else 0)
+        step, layout = _CDR_EVENT, (("<u2", -2), ("<u2", 0), ("<i4", 4), ("<u4", 8), ("u1", 12))
+    else:
+        fields.take(_ROS1_EVENT * count)
+        step, layout = _ROS1_EVENT, (("<u2", 0), ("<u2", 2), ("<u4", 4), ("<u4", 8), ("u1", 12))
+    fields.end()
+    x, y, seconds, nanoseconds, p = (
+        np.ndarray((count,), dtype, data, start + offset if count else 0, (step,)) for dtype, offset in layout
+    )
+    first = np.frombuffer(data, "<u2", 2, start).tolist() if is_cdr and count else None
+    return Stamped(sensor, x, y, seconds, nanoseconds, p, first and (first[0], first[1]))
+
+
+@njit(cache=True, nogil=True)
+def _fill(x, y, seconds, nanoseconds, p, at, t_us_out, x_out, y_out, p_out):  # type: ignore[no-untyped-def]
+    """One message's events into the columns from `at` on; the index of the first impossible time, or how many there are."""
+    for i in range(len(p)):
+        if nanoseconds[i] >= _NS:
+            return i
+        t_us_out[at + i] = np.int64(seconds[i]) * 1_000_000 + np.int64(nanoseconds[i] // np.uint32(1000))
+        x_out[at + i] = x[i]
+        y_out[at + i] = y[i]
+        p_out[at + i] = p[i]
+    return len(p)
+
+
+def events_of(messages: list[Stamped]) -> Events:
+    """The events of messages, one after another; nanoseconds are rounded down to microseconds.
+
+    Raises:
+        RecordingError: a time with 10^9 nanoseconds or more.
+    """
+    count = sum(len(message) for message in messages)
+    t_us, x = np.empty(count, np.int64), np.empty(count, np.uint16)
+    y, p = np.empty(count, np.uint16), np.empty(count, np.uint8)
+    at = 0
+    for each in messages:
+        filled = _fill(each.x, each.y, each.seconds, each.nanoseconds, each.p, at, t_us, x, y, p)
+        if filled < len(each):
+            value = each.nanoseconds[filled]
+            raise RecordingError(f"event {filled} of its message: nanoseconds = {value}: must be below 10^9")
+        if each.first is not None:
+            x[at], y[at] = each.first
+        at += filled
+    return Events(t_us, x, y, p)
+
+
+@dataclass(frozen=True)
+class Packet:
+    """A message in a camera's own encoding.
+
+    Attributes:
+        sensor: (width, height) in pixels.
+        encoding: its name.
+        order: of the bytes in a word, "<" or ">".
+        time_base_ns: what some encodings count from.
+        payload: the encoded events.
+    """
+
+    sensor: Sensor
+    encoding: str
+    order: str
+    time_base_ns: int
+    payload: memoryview
+
+    def __len__(self) -> int:
+        return len(self.payload)
+
+    def words(self, dtype: str) -> NDArray[Any]:
+        """The payload as words of an unsigned dtype, in the machine's order.
+
+        Raises:
+            RecordingError: the payload ends within a word.
+        """
+        kind = np.dtype(self.order + dtype)
+        if len(self.payload) % kind.itemsize:
+            raise RecordingError(f"has {len(self.payload)} bytes of events: must be a multiple of {kind.itemsize}")
+        words: NDArray[Any] = np.frombuffer(self.payload, kind)
+        return words if kind.isnative else words.astype(kind.newbyteorder("="))
+
+
+def read_packet(data: bytes | memoryview, is_cdr: bool) -> Packet:
+    """Take apart a message of `PACKETS`.
+
+    Raises:
+        RecordingError: it is shorter or longer than its fields say.
+    """
+    fields = _Fields(memoryview(data), is_cdr)
+    sensor = fields.sensor()
+    fields.number(8)  # a sequence number
+    time_base_ns, encoding, is_big_endian = fields.number(8), fields.text(), fields.number(1)
+    payload = fields.take(fields.number(4))
+    fields.end()
+    return Packet(sensor, encoding, ">" if is_big_endian else "<", time_base_ns, payload)
