@@ -3,7 +3,7 @@
 
 A pixel is hot when it is much busier than pixels are, much busier than those around it, and busy all the time:
 
-- it gave at least `COUNT_MIN` events, and `OVER_MEDIAN` times the median of all pixels that gave any;
+- it gave `OVER_MEDIAN` times as many events as the median of all pixels that gave any;
 - it gave `OVER_NEIGHBOURS` times as many as the second busiest of its 8 neighbours: a busy road or a fast object passes over
   pixels that lie side by side, a defect sits on one, or on two;
 - it gave events in at least `SHARE_MIN` of all slices of `SLICE_US` in which anything happened: a glint is over soon.
@@ -29,7 +29,6 @@ from ..outputs import written_aside
 from .base import per_pixel
 
 __all__ = [
-    "COUNT_MIN",
     "OVER_MEDIAN",
     "OVER_NEIGHBOURS",
     "SHARE_MIN",
@@ -40,7 +39,6 @@ __all__ = [
     "save_hot_pixels",
 ]
 
-COUNT_MIN = 20
 OVER_MEDIAN = 20
 OVER_NEIGHBOURS = 5
 SHARE_MIN = 0.5
@@ -75,7 +73,7 @@ def learn_hot_pixels(events: Events | Iterable[Events], sensor: tuple[int, int])
     if not len(active):
         return ()
     hot = (
-        (counts >= max(COUNT_MIN, OVER_MEDIAN * np.median(active)))
+        (counts >= OVER_MEDIAN * np.median(active))
         & (counts >= OVER_NEIGHBOURS * _second_busiest_neighbour(counts))
         & (slices >= SHARE_MIN * total)
     )

@@ -11,7 +11,7 @@ import pytest
 from evcot.errors import ConfigError, OutputError
 from evcot.events import Events
 from evcot.files import read_recording
-from evcot.filters.hot_pixels import COUNT_MIN, SLICE_US, learn_hot_pixels, load_hot_pixels, save_hot_pixels
+from evcot.filters.hot_pixels import OVER_MEDIAN, SLICE_US, learn_hot_pixels, load_hot_pixels, save_hot_pixels
 from evcot.scenes.boxes import BoxExperiment, simulate
 
 SHARED = Path(__file__).parents[4] / "shared" / "data"
@@ -49,9 +49,9 @@ class TestLearning:
         assert learn_hot_pixels(events_at(*background(4), (9, 7, 75)), SENSOR) == ()  # 79 of the needed 80
         assert learn_hot_pixels(events_at(*background(4), (9, 7, 76)), SENSOR) == ((9, 7),)
 
-    def test_and_busy_at_all(self) -> None:
-        assert learn_hot_pixels(events_at((1, 1, 1), (20, 20, 1), (9, 7, COUNT_MIN - 1)), SENSOR) == ()
-        assert learn_hot_pixels(events_at((1, 1, 1), (20, 20, 1), (9, 7, COUNT_MIN)), SENSOR) == ((9, 7),)
+    def test_nothing_is_hot_where_little_happens(self) -> None:
+        assert learn_hot_pixels(events_at((1, 1, 1), (20, 20, 1), (9, 7, OVER_MEDIAN - 1)), SENSOR) == ()
+        assert learn_hot_pixels(events_at((1, 1, 1), (20, 20, 1), (9, 7, OVER_MEDIAN)), SENSOR) == ((9, 7),)
 
     def test_a_busy_road_is_not_hot(self) -> None:
         """An outline one pixel wide, and a strip with one pixel on it four times as busy as the rest."""
