@@ -133,15 +133,17 @@ class Aedat2File:
         before: tuple[int, int] | None = None
         with self._path.open("rb") as file:
             for records in self._records(file, 0 if from_us is None else self._find(file, from_us)):
-                kept = records[records["address"] & layout.other == 0]
-                spare = kept["address"] & layout.spare != 0
-                if spare.any():
-                    self.left_out["address bits that the chip does not have"] += int(np.count_nonzero(spare))
-                    kept = kept[~spare]
-                if not len(kept):
+                address, t_us = records["address"].astype(np.uint32), records["t"].astype(np.int64)
+                event = address & layout.other == 0
+                strange = event & (address & layout.spare != 0)
+                if strange.any():
+                    self.left_out["address bits that the chip does not have"] += int(np.count_nonzero(strange))
+                    event &= ~strange
+                if not event.all():
+                    address, t_us = address[event], t_us[event]
+                if not len(address):
                     continue
-                address = kept["address"].astype(np.uint32)
-                t_us, before = _unwrapped(kept["t"].astype(np.int64), before)
+                t_us, before = _unwrapped(t_us, before)
                 yield Events(
                     t_us,
                     mirrored(layout.x(address), width),
