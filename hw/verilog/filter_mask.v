@@ -57,7 +57,6 @@ module filter_mask #(
     parameter_check #(.OK(TICK_W >= `EVCOT_TICK_W_MIN && TICK_W <= `EVCOT_TICK_W_MAX)) TICK_W_must_be_1_to_32 ();
     parameter_check #(.OK(WIDTH >= `EVCOT_WIDTH_MIN && WIDTH <= `EVCOT_WIDTH_MAX)) WIDTH_must_be_1_to_65536 ();
     parameter_check #(.OK(HEIGHT >= `EVCOT_HEIGHT_MIN && HEIGHT <= `EVCOT_HEIGHT_MAX)) HEIGHT_must_be_1_to_65536 ();
-    parameter_check #(.OK(WIDTH <= 16777216 / HEIGHT)) WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24 ();
 
     localparam PIXELS  = WIDTH * HEIGHT;
     localparam ADDR_W  = (PIXELS > 1) ? $clog2(PIXELS) : 1;
@@ -66,6 +65,8 @@ module filter_mask #(
     localparam [31:0] LAST    = PIXELS - 1;
     localparam [31:0] COLUMNS = WIDTH;
     localparam [31:0] ROWS    = HEIGHT;
+
+    parameter_check #(.OK({32'd0, COLUMNS} * {32'd0, ROWS} <= 64'd16777216)) WIDTH_times_HEIGHT_must_be_at_most_2_to_the_24 ();
 
     // ---- marks, and the walk that unmarks all pixels after reset -----------------------------------------------------
 
