@@ -127,7 +127,7 @@ class _WordSink:
             self._check(axis, values, values >= _ADDRESSES, f"must be below {_ADDRESSES} in EVT {self._number}.0")
         if not self._count:
             first_us = self._last_us = int(t_us[0])
-            self._check("t", t_us, t_us[:1] > T0_LIMIT_US, "must be at most 2^62 us at the start")
+            self._check("t", t_us, t_us[:1] >= T0_LIMIT_US, "must be below 2^62 at the start")
             self._t0_us = self._t0_for(first_us)
             self._write_header()
         self._check_times(t_us)
