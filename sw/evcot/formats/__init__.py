@@ -8,7 +8,7 @@ puts it in front.
 
 from __future__ import annotations
 
-from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, numpy_files, prophesee, ros, text
+from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, npz_sink, numpy_files, prophesee, ros, text
 from .source import Format, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
@@ -27,5 +27,5 @@ FORMATS: tuple[Format, ...] = (
 )
 
 WRITABLE: dict[str, WritableFormat] = {
-    kind.name: kind for kind in (*numpy_files.WRITABLE, *text.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
+    kind.name: kind for kind in (*npz_sink.WRITABLE, *text.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
 }

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ._text_kernel import UNUSED, P, T, X, Y
 from .columns import Sensor
-from .fields import Naming, find_fields
+from .fields import UNITS, Naming, find_fields
 
-__all__ = ["LONGEST_LINE_BYTES", "SEPARATORS", "UNITS", "Layout", "is_text", "read_layout"]
+__all__ = ["LONGEST_LINE_BYTES", "SEPARATORS", "Layout", "is_text", "read_layout"]
 
 LONGEST_LINE_BYTES = 1 << 16
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blanks"}
-UNITS = {6: "seconds", 3: "milliseconds", 0: "microseconds", -3: "nanoseconds"}
 
 _NAMES = {T: "t", X: "x", Y: "y", P: "p", UNUSED: "text"}
 _ADDRESS = "must be a whole number from 0 to 65535"

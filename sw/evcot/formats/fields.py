@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ..errors import RecordingError
 
-__all__ = ["Naming", "find_fields"]
+__all__ = ["UNITS", "Naming", "find_fields"]
 
 _MEANINGS = {
     **dict.fromkeys(("t", "ts", "time", "timestamp", "timestamps"), "t"),
@@ -18,6 +18,7 @@ _MEANINGS = {
     **dict.fromkeys(("p", "on", "pol", "polarity", "polarities"), "p"),
 }
 _POWERS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
+UNITS = {6: "seconds", 3: "milliseconds", 0: "microseconds", -3: "nanoseconds"}  # of 10**power us
 _NAME = re.compile(rf"(.*?)(?:(?:_|\s*[(\[])({'|'.join(_POWERS)})[)\]]?)?")
 
 

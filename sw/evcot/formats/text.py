@@ -27,8 +27,9 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..events import Events
 from ._text_kernel import LINE_BYTES, PADDING_BYTES, SHORTEST_LINE_BYTES, format_lines, parse_lines
-from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, UNITS, Layout, is_text, read_layout
+from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, Layout, is_text, read_layout
 from .columns import Sensor
+from .fields import UNITS
 from .source import BLOCK_EVENTS, Format, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
