@@ -22,6 +22,7 @@ from evcot.scenes.boxes import BoxExperiment, simulate
 
 from .artifacts import folder_written_aside, write_mismatch, write_run
 from .commands import filter as filter_command
+from .commands import simulate as simulate_command
 from .cosim import check_addresses, run_cosim, stalls_from
 from .lockstep import MismatchError
 from .progress import Progress
@@ -95,6 +96,7 @@ def _parser() -> argparse.ArgumentParser:
     presets.add_argument("--json", action="store_true", help="print every field")
     presets.set_defaults(command=_presets)
     filter_command.add(commands)
+    simulate_command.add(commands)
     return parser
 
 

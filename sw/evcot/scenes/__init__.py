@@ -3,7 +3,21 @@
 
 from __future__ import annotations
 
-from .boxes import BoxExperiment, Scene, simulate
+from .boxes import BoxExperiment, simulate
+from .pixel import PixelCamera, PixelModel
+from .registry import SCENES, simulate_scene
+from .scene import Scene
 from .truth import TRUTH, Box, Truth
 
-__all__ = ["TRUTH", "Box", "BoxExperiment", "Scene", "Truth", "simulate"]
+__all__ = [
+    "SCENES",
+    "TRUTH",
+    "Box",
+    "BoxExperiment",
+    "PixelCamera",
+    "PixelModel",
+    "Scene",
+    "Truth",
+    "simulate",
+    "simulate_scene",
+]

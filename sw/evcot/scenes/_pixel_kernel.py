@@ -32,7 +32,7 @@ def pixel_events(rectangles, frame, pixels, head, own, from_us, span_us, refract
     by themselves, in time order. All maps but the thresholds are updated. Where a log intensity is not from -LOG_INTENSITY_MAX
     to LOG_INTENSITY_MAX the answer ends there, and its second part is the pixel's index, else -1.
     """
-    last, on, off = pixels[0], pixels[3], pixels[4]
+    last, memory, ready, on, off = pixels
     link = np.empty(len(own), np.int64)
     for i in range(len(own) - 1, -1, -1):
         link[i] = head[own[i].y, own[i].x]
@@ -47,6 +47,10 @@ def pixel_events(rectangles, frame, pixels, head, own, from_us, span_us, refract
                     continue
                 if not abs(after) <= LOG_INTENSITY_MAX:
                     return keys[:n], y * frame.shape[1] + x
+                change = after - memory[y, x]
+                if -off[y, x] * _ROUNDING < change < on[y, x] * _ROUNDING and ready[y, x] == NEVER and head[y, x] < 0:
+                    last[y, x] = after
+                    continue
                 most = int((abs(after - last[y, x]) + on[y, x] + off[y, x]) / min(on[y, x], off[y, x])) + 2 + len(own)
                 if n + most > len(keys):
                     longer = np.empty(2 * (n + most), np.int64)

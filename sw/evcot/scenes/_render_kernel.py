@@ -115,7 +115,8 @@ def _blend(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ig
 
 @njit(cache=True, nogil=True)
 def _edges(shape, edges):  # type: ignore[no-untyped-def]
-    """Into `edges`, of each edge a, b, c: a x + b y + c is how far inside the edge a point lies, pixels. Points may go round either way."""
+    """Into `edges`, of each edge a, b, c: a x + b y + c is how far inside the edge a point lies, pixels. Points may go round
+    either way."""
     area = 0.0
     for i in range(4):
         j = (i + 1) % 4

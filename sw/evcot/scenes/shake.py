@@ -50,10 +50,10 @@ class Shake(StageSettings):
     side_px: float = 24.0
     speed_px_s: float = 90.0
     contrast: float = 1.2
-    shake_px: float = 4.0
+    shake_px: float = 2.5
     shake_hz: float = 6.0
-    texture_contrast: float = 0.5
-    grain_px: float = 2.0
+    texture_contrast: float = 0.3
+    grain_px: float = 2.5
 
     def __post_init__(self) -> None:
         super().__post_init__()

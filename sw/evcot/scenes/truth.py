@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,26 +81,30 @@ class Truth:
     samples: NDArray[np.void]
     boxes: tuple[Box, ...] = ()
 
-    def save(self, path: Path | str) -> None:
+    def write(self, file: BinaryIO) -> None:
         """Write the samples as CSV with the columns `TRUTH_COLUMNS`: left and top edge and size of the box, in pixels to 4
-        digits (the sensor begins at -0.5), and velocity, in pixels per second to 3.
-
-        Raises:
-            OutputError: the file cannot be written.
-        """
+        digits (the sensor begins at -0.5), and velocity, in pixels per second to 3."""
         samples = self.samples
         left, top = samples["x"] - samples["width"] / 2, samples["y"] - samples["height"] / 2
         columns = (
             samples["t_us"], samples["object_id"], left, top, samples["width"], samples["height"], samples["vx"], samples["vy"],
             samples["visible"], samples["occluded"],
         )  # fmt: skip
+        table = np.stack(columns, axis=1, dtype=np.float64)
+        np.savetxt(file, table, _FORMATS, ",", header=",".join(TRUTH_COLUMNS), comments="")
+
+    def save(self, path: Path | str) -> None:
+        """`write` to a file, which appears under its name only when it is whole.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
         with written_aside(Path(path)) as file:
-            header = ",".join(TRUTH_COLUMNS)
-            np.savetxt(file, np.stack(columns, axis=1, dtype=np.float64), _FORMATS, ",", header=header, comments="")
+            self.write(file)
 
     @classmethod
     def load(cls, path: Path | str) -> Truth:
-        """Samples that `save` has written.
+        """Samples that `write` has written.
 
         Raises:
             RecordingError: the file is missing, has other columns, or a line that is no sample.
