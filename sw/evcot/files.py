@@ -33,6 +33,7 @@ class RecordingFile:
         path, name: the file, and its name without suffix.
         format: the format's title, for people.
         details: what else the file says about itself.
+        left_out: why events were left out -> how many, of the pass that `blocks` last began; complete when it has ended.
     """
 
     def __init__(self, path: Path, format_title: str, source: Source, sensor: Sensor | None, damage: Damage) -> None:
@@ -43,15 +44,14 @@ class RecordingFile:
         self._sensor = sensor or source.sensor
         self._damage = damage
         self._t0_us: int | None = None
+        self.left_out: Counter[str] = Counter()
         if self._sensor is not None:
             check_sensor(str(path), *self._sensor)
 
     def __enter__(self) -> RecordingFile:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._source.close()
 
     @property
@@ -64,7 +64,7 @@ class RecordingFile:
         """(width, height) in pixels: the caller's, else the file's, else the smallest that fits, found in one pass."""
         if self._sensor is None:
             width = height = 1
-            for block in self._source_blocks(None):
+            for block in self._source_blocks(None, telling=False):
                 if len(block):
                     width, height = max(width, int(block.x.max()) + 1), max(height, int(block.y.max()) + 1)
             self._sensor = self._source.smallest_sensor(width, height)
@@ -78,21 +78,22 @@ class RecordingFile:
             RecordingError: the file holds no events, or is damaged before the first one.
         """
         if self._t0_us is None:
-            self._t0_us = next((int(block.t_us[0]) for block in self._source_blocks(None) if len(block)), None)
+            self._t0_us = next((int(block.t_us[0]) for block in self._source_blocks(None, telling=False) if len(block)), None)
             if self._t0_us is None:
                 raise RecordingError(f"{self.path}: holds no events")
         return self._t0_us
 
-    def blocks(self, from_us: int = 0, to_us: int | None = None) -> Iterator[Events]:
+    def blocks(self, from_us: int = 0, to_us: int | None = None, *, required: bool = False) -> Iterator[Events]:
         """The events with from_us <= t - t0_us < to_us, checked, in the file's order.
 
         Args:
             from_us, to_us: times since the first event; None: to the end.
+            required: whether to refuse a window without events.
 
         Raises:
             RecordingError: the file is damaged, time runs back, or an event lies outside the sensor; names file, place, value
                 and rule. With damage "skip" such events are left out instead, and so is all behind a place that cannot be
-                read.
+                read. Or there is no event where one is `required`.
         Warns:
             RecordingWarning: events were left out; how many and why.
         """
@@ -101,15 +102,14 @@ class RecordingFile:
         begin = t0_us + from_us
         end = None if to_us is None else t0_us + to_us
         last_us = np.iinfo(np.int64).min
-        seen = 0
+        seen = given = 0
         broken: Counter[str] = Counter()
         for block in self._source_blocks(begin if from_us > 0 else None):
             fault = find_fault(block, width, height, last_us)
             first_index, seen = seen, seen + len(block)
             if fault is not None:
                 if self._damage == "refuse":
-                    place = fault.describe(first_index)
-                    raise RecordingError(f"{self.path}: {place}" + (f" (counted from {from_us / 1e6:g} s)" if from_us else ""))
+                    raise RecordingError(f"{self.path}: {fault.describe(first_index)}{_counted_from(from_us)}")
                 block = _sound(block, width, height, last_us, broken)
             if not len(block):
                 continue
@@ -117,11 +117,16 @@ class RecordingFile:
             first = int(np.searchsorted(block.t_us, begin)) if block.t_us[0] < begin else 0
             past = len(block) if end is None or last_us < end else int(np.searchsorted(block.t_us, end))
             if first < past:
+                given += past - first
                 yield block[first:past]
             if past < len(block):
                 break
-        for why, count in (Counter(self._source.left_out) + broken).items():
+        self.left_out = Counter(self._source.left_out) + broken
+        for why, count in self.left_out.items():
             warnings.warn(RecordingWarning(f"{self.path}: {count} events left out: {why}"), stacklevel=2)
+        if required and not given:
+            window = f"from {from_us / 1e6:g} s" + ("" if to_us is None else f" to {to_us / 1e6:g} s")
+            raise RecordingError(f"{self.path}: holds no events {window}")
 
     def read(self, from_us: int = 0, to_us: int | None = None) -> Recording:
         """The events of `blocks` as one recording in memory.
@@ -129,14 +134,14 @@ class RecordingFile:
         Raises:
             RecordingError: as `blocks`, or there is no event in the window.
         """
-        events = Events.joined(self.blocks(from_us, to_us))
-        if not len(events):
-            window = f"from {from_us / 1e6:g} s" + ("" if to_us is None else f" to {to_us / 1e6:g} s")
-            raise RecordingError(f"{self.path}: holds no events {window}")
-        return Recording(events, *self.sensor, self.name)
+        return Recording(Events.joined(self.blocks(from_us, to_us, required=True)), *self.sensor, self.name)
 
-    def _source_blocks(self, from_us: int | None) -> Iterator[Events]:
-        """The source's blocks, with the file's name in front of whatever goes wrong."""
+    def _source_blocks(self, from_us: int | None, *, telling: bool = True) -> Iterator[Events]:
+        """The source's blocks, with the file's name in front of whatever goes wrong.
+
+        Args:
+            telling: whether to warn of what is left out behind a place that cannot be read.
+        """
         given = 0
         try:
             for block in self._source.blocks(from_us):
@@ -147,7 +152,14 @@ class RecordingFile:
         except RecordingError as error:
             if self._damage == "refuse" or not given:
                 raise RecordingError(f"{self.path}: {error}") from error
-            warnings.warn(RecordingWarning(f"{self.path}: all after {given} events left out: {error}"), stacklevel=2)
+            if telling:
+                after = f"{given} events{_counted_from(0 if from_us is None else from_us - self.t0_us)}"
+                warnings.warn(RecordingWarning(f"{self.path}: all after {after} left out: {error}"), stacklevel=2)
+
+
+def _counted_from(from_us: int) -> str:
+    """Where indices and counts of a window begin, as far as it is not the file's start."""
+    return f" (counted from {from_us / 1e6:g} s)" if from_us else ""
 
 
 def _sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:
@@ -198,6 +210,8 @@ def _open(path: Path) -> tuple[str, Source]:
             raise RecordingError("is empty")
     elif not path.exists():
         raise FileNotFoundError(2, "No such file or directory")
+    elif not path.is_dir():
+        raise RecordingError("is a device or a pipe: must be a file")
     for kind in FORMATS:
         if kind.matches(start, path):
             return kind.title, kind.open(path)
@@ -223,9 +237,7 @@ def read_recording(
         return file.read(from_us, to_us)
 
 
-def write_events(
-    path: Path | str, sensor: Sensor, blocks: Iterable[Events], format_name: str | None = None
-) -> int:
+def write_events(path: Path | str, sensor: Sensor, blocks: Iterable[Events], format_name: str | None = None) -> int:
     """Write blocks of events, in time order, and return how many; the file appears under its name only when it is whole.
 
     Args:
@@ -238,6 +250,7 @@ def write_events(
     """
     path = Path(path)
     kind = WRITABLE[_format_for(path, format_name)]
+    check_sensor(str(path), *sensor)
     count, last_us = 0, np.iinfo(np.int64).min
     with written_aside(path) as file:
         sink = kind.begin(file, sensor)
