@@ -17,7 +17,7 @@ __all__ = ["ActivityFilter"]
 class ActivityFilter(EventFilter):
     """An event stays when at least `activity_support` of its 8 neighbours had an event at most `activity_ticks` ticks ago.
 
-    About 6 ns per event, whatever the support. The memory has a border of one pixel in which nothing ever happens, so no
+    About 8 ns per event, whatever the support. The memory has a border of one pixel in which nothing ever happens, so no
     neighbour needs a test of its place.
     """
 

@@ -21,18 +21,18 @@ CLOCK_FRAC = 24  # fractional bits of the clock that counts units
 _AGES = 9 * UNITS_PER_HALF_LIFE + 1  # 256 has 9 bits: from the last of these ages on nothing is left
 
 
-def weights(epsilon: int) -> NDArray[np.int32]:
-    """Weight in 1/256 of an event by its age in units, (289,) int32: 0 where it is not above `epsilon`, and at the end."""
+def weights(epsilon: int) -> NDArray[np.int64]:
+    """Weight in 1/256 of an event by its age in units, (289,) int64: 0 where it is not above `epsilon`, and at the end."""
     age = np.arange(_AGES)
-    fraction = np.rint(256 * np.exp2(-np.arange(UNITS_PER_HALF_LIFE) / UNITS_PER_HALF_LIFE)).astype(np.int32)
+    fraction = np.rint(256 * np.exp2(-np.arange(UNITS_PER_HALF_LIFE) / UNITS_PER_HALF_LIFE)).astype(np.int64)
     weight = fraction[age % UNITS_PER_HALF_LIFE] >> (age // UNITS_PER_HALF_LIFE)
-    return np.where(weight > epsilon, weight, 0).astype(np.int32)
+    return np.where(weight > epsilon, weight, 0)
 
 
 class DecayFilter(EventFilter):
     """An event stays when the weights of its 8 neighbours' last events add up to at least `decay_support`.
 
-    About 8 ns per event where one neighbour is enough, 25 ns where several must add up.
+    About 12 ns per event.
     """
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
@@ -72,24 +72,15 @@ def _narrow(last, rate, weight, support, ticks, x, y, keep):  # type: ignore[no-
             left, top = np.uint64(x[i]), np.uint64(y[i])
             middle, right = left + one, left + two
             centre, bottom = top + one, top + two
-            newest = max(
-                max(max(last[top, left], last[top, middle]), max(last[top, right], last[centre, left])),
-                max(max(last[centre, right], last[bottom, left]), max(last[bottom, middle], last[bottom, right])),
+            total = (
+                _weight(weight, unit - last[top, left])
+                + _weight(weight, unit - last[top, middle])
+                + _weight(weight, unit - last[top, right])
+                + _weight(weight, unit - last[centre, left])
+                + _weight(weight, unit - last[centre, right])
+                + _weight(weight, unit - last[bottom, left])
+                + _weight(weight, unit - last[bottom, middle])
+                + _weight(weight, unit - last[bottom, right])
             )
-            # No neighbour weighs more than the newest: it alone decides most cases.
-            most = _weight(weight, unit - newest)
-            if most >= support:
-                keep[i] = True
-            elif 8 * most >= support:
-                total = (
-                    _weight(weight, unit - last[top, left])
-                    + _weight(weight, unit - last[top, middle])
-                    + _weight(weight, unit - last[top, right])
-                    + _weight(weight, unit - last[centre, left])
-                    + _weight(weight, unit - last[centre, right])
-                    + _weight(weight, unit - last[bottom, left])
-                    + _weight(weight, unit - last[bottom, middle])
-                    + _weight(weight, unit - last[bottom, right])
-                )
-                keep[i] = total >= support
+            keep[i] = total >= support
             last[centre, middle] = unit

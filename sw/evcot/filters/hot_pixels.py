@@ -50,7 +50,7 @@ _HEADER = re.compile(r"# hot pixels of a (\d{1,5})x(\d{1,5}) sensor")
 
 
 def learn_hot_pixels(events: Events | Iterable[Events], sensor: tuple[int, int]) -> Pixels:
-    """The hot pixels of a recording, (x, y) in order of their counts, the busiest first. About 3 ns per event.
+    """The hot pixels of a recording, (x, y) in order of their counts, the busiest first. About 15 ns per event.
 
     Args:
         events: a recording's events, in one piece or in blocks, in time order and on the sensor.

@@ -15,7 +15,7 @@ __all__ = ["MaskFilter"]
 
 
 class MaskFilter(EventFilter):
-    """An event stays when its pixel lies on the sensor and is not marked as hot. About 1 ns per event."""
+    """An event stays when its pixel lies on the sensor and is not marked as hot. About 1.5 ns per event."""
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._quiet = per_pixel(shape, True)

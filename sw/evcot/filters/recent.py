@@ -19,7 +19,7 @@ _NOWHERE = -(1 << 20)
 
 class RecentFilter(EventFilter):
     """An event stays when at least `recent_support` of the last `recent_depth` events lie within `recent_radius` of it, on
-    other pixels, and are at most `recent_ticks` ticks old. About 10 ns per event at a depth of 32.
+    other pixels, and are at most `recent_ticks` ticks old. About 17 ns per event at a depth of 32.
 
     Knows no border: it keeps addresses, and no memory of pixels.
     """
@@ -31,7 +31,7 @@ class RecentFilter(EventFilter):
         self._x = np.full(shape.recent_depth, _NOWHERE, np.int32)
         self._y = np.full(shape.recent_depth, _NOWHERE, np.int32)
         self._at = np.zeros(shape.recent_depth, np.int64)
-        self._ends = np.zeros(2, np.int64)  # the newest entry's successor, the oldest entry; counted without end
+        self._place = np.zeros(2, np.int64)  # where the next entry goes, and how many are held
 
     def narrow(
         self,
@@ -41,31 +41,38 @@ class RecentFilter(EventFilter):
         p: NDArray[np.uint8],
         keep: NDArray[np.bool_],
     ) -> None:
-        _narrow(self._x, self._y, self._at, self._ends, self._ticks, self._radius, self._support, ticks, x, y, keep)
+        _narrow(self._x, self._y, self._at, self._place, self._ticks, self._radius, self._support, ticks, x, y, keep)
 
 
 @njit(cache=True, nogil=True)
-def _narrow(fifo_x, fifo_y, fifo_at, ends, window, radius, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
+def _narrow(fifo_x, fifo_y, fifo_at, place, window, radius, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
     depth = len(fifo_at)
-    head, tail = ends
+    head, held = place
+    tail = head - held + (depth if held > head else 0)
     for i in range(len(keep)):
         if not keep[i]:
             continue
-        while tail < head and ticks[i] - fifo_at[tail % depth] > window:
-            fifo_x[tail % depth] = _NOWHERE
-            tail += 1
+        while held and ticks[i] - fifo_at[tail] > window:
+            fifo_x[tail] = _NOWHERE
+            tail = tail + 1 if tail + 1 < depth else 0
+            held -= 1
         keep[i] = _near(fifo_x, fifo_y, np.int32(x[i]), np.int32(y[i]), radius) >= support
-        tail += head - tail == depth
-        fifo_x[head % depth], fifo_y[head % depth], fifo_at[head % depth] = x[i], y[i], ticks[i]
-        head += 1
-    ends[0], ends[1] = head, tail
+        fifo_x[head], fifo_y[head], fifo_at[head] = x[i], y[i], ticks[i]
+        head = head + 1 if head + 1 < depth else 0
+        if held < depth:
+            held += 1
+        else:
+            tail = head
+    place[0], place[1] = head, held
 
 
 @njit(cache=True, nogil=True)
 def _near(fifo_x, fifo_y, x, y, radius):  # type: ignore[no-untyped-def]
-    """How many entries lie at a distance from 1 to `radius`; 32 bits throughout, so that the loop becomes vector code."""
-    count = np.int32(0)
+    """How many entries lie at a distance from 1 to `radius`."""
+    # 32 bits throughout, casts included: vector code takes twice as many entries at once.
+    count, one = np.int32(0), np.int32(1)
     for k in range(len(fifo_x)):
-        distance = max(abs(fifo_x[k] - x), abs(fifo_y[k] - y))
-        count += np.int32((distance >= 1) & (distance <= radius))
+        dx, dy = np.int32(abs(np.int32(fifo_x[k] - x))), np.int32(abs(np.int32(fifo_y[k] - y)))
+        distance = max(dx, dy)
+        count = np.int32(count + np.int32((distance >= one) & (distance <= radius)))
     return count

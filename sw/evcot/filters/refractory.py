@@ -15,7 +15,7 @@ __all__ = ["RefractoryFilter"]
 
 
 class RefractoryFilter(EventFilter):
-    """An event stays when its pixel gave no event that stayed in the last `refractory_ticks` ticks. About 2 ns per event."""
+    """An event stays when its pixel gave no event that stayed in the last `refractory_ticks` ticks. About 6 ns per event."""
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._ticks = registers.refractory_ticks

@@ -27,12 +27,6 @@ def test_the_table_is_the_pages_formula() -> None:
     assert weights(0)[287 - 31] == 1
 
 
-def test_no_older_event_weighs_more() -> None:
-    """What lets the newest neighbour alone decide most cases."""
-    for epsilon in (0, 20, 255):
-        assert (np.diff(weights(epsilon)) <= 0).all()
-
-
 def test_a_weight_is_within_the_bound_of_exp_at_every_age_in_units() -> None:
     """Over all ages, and over the whole unit by which two stamps rounded down may be off on either side."""
     table = weights(0) / 256
