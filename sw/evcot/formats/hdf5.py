@@ -20,6 +20,7 @@ from ..events import Events
 from .columns import Sensor
 from .hdf5_survey import Part, Survey, survey
 from .numeric import events_from_numbers, microseconds
+from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format
 
 __all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file"]
@@ -60,8 +61,9 @@ class Rows:
         try:
             rows: NDArray[Any] = self._dataset[begin:end]
         except (OSError, RuntimeError, ValueError, MemoryError) as error:
-            what = " ".join(str(error).split()) or type(error).__name__
-            raise RecordingError(f"{self._dataset.name}: values {begin} to {end - 1} cannot be read: {what}") from error
+            raise RecordingError(
+                f"{self._dataset.name}: values {begin} to {end - 1} cannot be read: {reason(error)}"
+            ) from error
         if len(rows) != end - begin:
             raise RecordingError(f"{self._dataset.name}: {len(rows)} values from {begin} on: must be {end - begin}")
         return rows
@@ -162,7 +164,7 @@ def open_file(path: Path) -> Any:
     try:
         return h5py.File(path, "r")
     except (OSError, RuntimeError) as error:
-        raise RecordingError(f"cannot be opened as HDF5: {' '.join(str(error).split())}") from error
+        raise RecordingError(f"cannot be opened as HDF5: {reason(error)}") from error
 
 
 def open_dataset(file: Any, part: Part) -> Any:
@@ -176,7 +178,7 @@ def open_dataset(file: Any, part: Part) -> Any:
     try:
         return file[part["dataset"]]
     except (KeyError, OSError, RuntimeError, ValueError) as error:
-        raise RecordingError(f"{part['dataset']}: cannot be opened: {' '.join(str(error).split())}") from error
+        raise RecordingError(f"{part['dataset']}: cannot be opened: {reason(error)}") from error
 
 
 def _check_filter(dataset: str, code: int, name: str) -> None:
@@ -195,7 +197,7 @@ def _check_filter(dataset: str, code: int, name: str) -> None:
             if h5z.filter_avail(code):
                 return
             need = "its plugin in $HDF5_PLUGIN_PATH"
-    called = {_ECF: "ECF", 32001: "Blosc"}.get(code, name.split(";")[0].strip() or "unnamed")
+    called = {_ECF: "ECF", 32001: "Blosc"}.get(code, printable(name.split(";")[0]) or "unnamed")
     raise RecordingError(f"{dataset}: is compressed by {called} (HDF5 filter {code}): needs {need}")
 
 

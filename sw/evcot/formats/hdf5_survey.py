@@ -53,6 +53,7 @@ def survey(path: Path, *, matlab: bool = False) -> Survey:
         RecordingError: the file holds no events in a known layout, or its tables are damaged.
     """
     from ..errors import RecordingError
+    from .printable import printable
 
     command = [sys.executable, "-P", __file__, str(path.absolute()), "matlab" if matlab else ""]
     try:
@@ -65,9 +66,9 @@ def survey(path: Path, *, matlab: bool = False) -> Survey:
         found: Survey = json.loads(child.stdout)
     except ValueError:
         told = child.stderr.decode(errors="replace").strip().splitlines()[-1:] or [f"status {child.returncode}"]
-        raise RecordingError(f"the HDF5 library ended its process ({told[0]}): is the file damaged?") from None
+        raise RecordingError(f"the HDF5 library ended its process ({printable(told[0])}): is the file damaged?") from None
     if "error" in found:
-        raise RecordingError(found["error"])
+        raise RecordingError(printable(found["error"]))
     return found
 
 
@@ -224,10 +225,10 @@ def _main() -> None:
     try:
         found = _survey(path, kind == "matlab")
     except _Refusal as error:
-        found = {"error": " ".join(str(error).split())}
+        found = {"error": str(error)}
     except Exception as error:
         # Whatever h5py raises, it raises because of the file.
-        found = {"error": f"its HDF5 tables are damaged: {' '.join(str(error).split()) or type(error).__name__}"}
+        found = {"error": f"its HDF5 tables are damaged: {error or type(error).__name__}"}
     print(json.dumps(found))
 
 

@@ -23,6 +23,7 @@ from .columns import Decoded, smallest_sensor
 from .hdf5 import open_dataset, open_file
 from .hdf5_survey import survey
 from .numeric import whole_numbers
+from .printable import printable, reason
 from .source import Format
 from .whole import WholeFile
 
@@ -146,7 +147,7 @@ def _inflated(element: memoryview) -> bytes:
     try:
         return zlib.decompress(element)
     except zlib.error as error:
-        raise RecordingError(f"a compressed variable is damaged: {error}") from error
+        raise RecordingError(f"a compressed variable is damaged: {reason(error)}") from error
 
 
 def _read_version_7_3(path: Path) -> tuple[str, _Columns]:
@@ -157,7 +158,7 @@ def _read_version_7_3(path: Path) -> tuple[str, _Columns]:
             try:
                 columns["ts" if field == "t" else field] = open_dataset(file, part)[()].ravel()
             except (OSError, RuntimeError, ValueError, MemoryError) as error:
-                raise RecordingError(f"{part['dataset']}: cannot be read: {' '.join(str(error).split())}") from error
+                raise RecordingError(f"{part['dataset']}: cannot be read: {reason(error)}") from error
     return found["details"]["events"], columns
 
 
@@ -185,7 +186,7 @@ def _open(path: Path) -> WholeFile:
         is_hdf5 = _is_version_7_3(file.read(_HEADER_BYTES))
     name, columns = _read_version_7_3(path) if is_hdf5 else _read_version_5(path)
     events, details = _events(columns)
-    return WholeFile(Decoded(events, smallest_sensor(events)), {"struct": name, **details})
+    return WholeFile(Decoded(events, smallest_sensor(events)), {"struct": printable(name), **details})
 
 
 def _is_version_7_3(start: bytes) -> bool:

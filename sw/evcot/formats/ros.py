@@ -16,6 +16,7 @@ from ..events import Events
 from .columns import Sensor
 from .evt3 import evt3_layout
 from .gather import gathered
+from .printable import printable
 from .ros_messages import PACKETS, STAMPED, STAMPED_ENCODING, Packet, Stamped, events_of, read_packet, read_stamped
 from .rosbag1 import MAGIC, Bag1
 from .rosbag2 import MCAP_MAGIC, METADATA, SQLITE_MAGIC, Bag2
@@ -53,9 +54,9 @@ class RosBag:
         self._encoding = first.encoding
         others = [topic for topic in self._event_topics() if topic != self._topic]
         self.details: Mapping[str, str] = (
-            {"topic": self._topic}
+            {"topic": printable(self._topic)}
             | ({"encoding": self._encoding} if self._encoding != STAMPED_ENCODING else {})
-            | ({"also holds": ", ".join(others)} if others else {})
+            | ({"also holds": printable(", ".join(others))} if others else {})
         )
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
@@ -92,7 +93,7 @@ class RosBag:
             for message in self._messages(topic, read):
                 if len(message):
                     return topic, message
-        raise RecordingError(f"holds no events in {', '.join(topics)}")
+        raise RecordingError(f"holds no events in {printable(', '.join(topics))}")
 
     def _messages(self, topic: str, read: Callable[[memoryview, bool], Any]) -> Iterator[Any]:
         """A topic's messages, taken apart; all with events must be of one sensor and encoding."""
@@ -107,7 +108,7 @@ class RosBag:
                 if len(message) and kind != first:
                     raise RecordingError(f"sensor and encoding are {kind}: must be {first}, as before")
             except RecordingError as error:
-                raise RecordingError(f"topic {topic}, message {number}: {error}") from error
+                raise RecordingError(f"topic {printable(topic)}, message {number}: {error}") from error
             yield message
 
     def _stamped_blocks(self, from_us: int | None) -> Iterator[Events]:

@@ -10,6 +10,7 @@ https://github.com/uzh-rpg/rpg_dvs_ros, https://github.com/ros-event-camera/even
 from __future__ import annotations
 
 from dataclasses import dataclass
+from struct import Struct
 from typing import Any, ClassVar
 
 import numpy as np
@@ -29,9 +30,13 @@ STAMPED_ENCODING = "stamped"
 
 _NS = 1_000_000_000
 _LITTLE_ENDIAN_CDR = 1
-# Bytes from one event to the next, and to the end of the last.
-_ROS1_EVENT = 13
-_CDR_EVENT, _CDR_LAST = 16, 13
+_POINT = Struct("<HH")
+_NAMES = ["x", "y", "seconds", "nanoseconds", "p"]
+_ROS1_EVENT = np.dtype({"names": _NAMES, "formats": ["<u2", "<u2", "<u4", "<u4", "u1"]})
+# In CDR, an event ends at an odd byte. The next one's x follows at the next even byte: two before the multiple of 16 that its y
+# is at. Only the first x has no such gap before it, and so that event's x and y are two bytes behind.
+_CDR_EVENT = np.dtype({"names": _NAMES, "formats": ["<u2", "<u2", "<i4", "<u4", "u1"], "offsets": [0, 2, 6, 10, 14]})
+_CDR_STEP, _CDR_EARLY = 16, 2
 
 
 class _Fields:
@@ -77,30 +82,28 @@ class _Fields:
 
 @dataclass(frozen=True)
 class Stamped:
-    """A message of stamped events: views of (n,) numbers into its bytes.
+    """A message of stamped events.
 
     Attributes:
         sensor: (width, height) in pixels.
-        first: x and y of the first event, where its place is out of step with the others.
+        rows: (n,) view into its bytes, with the fields x, y, seconds, nanoseconds, p.
+        first: x and y of the first event, where they are out of step with the others.
     """
 
     sensor: Sensor
-    x: NDArray[np.uint16]
-    y: NDArray[np.uint16]
-    seconds: NDArray[Any]
-    nanoseconds: NDArray[np.uint32]
-    p: NDArray[np.uint8]
+    rows: NDArray[np.void]
     first: tuple[int, int] | None
 
     encoding: ClassVar[str] = STAMPED_ENCODING
 
     def __len__(self) -> int:
-        return len(self.p)
+        return len(self.rows)
 
     @property
     def last_us(self) -> int:
         """Time of the last event; there must be one."""
-        return int(self.seconds[-1]) * 1_000_000 + int(self.nanoseconds[-1]) // 1000
+        last = self.rows[-1]
+        return int(last["seconds"]) * 1_000_000 + int(last["nanoseconds"]) // 1000
 
 
 def read_stamped(data: bytes | memoryview, is_cdr: bool) -> Stamped:
@@ -113,33 +116,27 @@ def read_stamped(data: bytes | memoryview, is_cdr: bool) -> Stamped:
     sensor = fields.sensor()
     count = fields.number(4)
     start = fields.at
-    if is_cdr:
-        # An event ends at an odd byte. The next x follows at the next even one: two before the multiple of 16 that y is at.
-        # Only the first x has no such gap before it, and so that event's x and y are two bytes behind.
-        fields.take(_CDR_EVENT * (count - 1) + _CDR_LAST if count else 0)
-        step, layout = _CDR_EVENT, (("<u2", -2), ("<u2", 0), ("<i4", 4), ("<u4", 8), ("u1", 12))
-    else:
-        fields.take(_ROS1_EVENT * count)
-        step, layout = _ROS1_EVENT, (("<u2", 0), ("<u2", 2), ("<u4", 4), ("<u4", 8), ("u1", 12))
+    dtype, step, early = (_CDR_EVENT, _CDR_STEP, _CDR_EARLY) if is_cdr else (_ROS1_EVENT, _ROS1_EVENT.itemsize, 0)
+    fields.take(step * (count - 1) + dtype.itemsize - early if count else 0)
     fields.end()
-    x, y, seconds, nanoseconds, p = (
-        np.ndarray((count,), dtype, data, start + offset if count else 0, (step,)) for dtype, offset in layout
-    )
-    first = np.frombuffer(data, "<u2", 2, start).tolist() if is_cdr and count else None
-    return Stamped(sensor, x, y, seconds, nanoseconds, p, first and (first[0], first[1]))
+    if not count:
+        return Stamped(sensor, np.empty(0, dtype), None)
+    rows: NDArray[np.void] = np.ndarray((count,), dtype, data, start - early, (step,))
+    return Stamped(sensor, rows, _POINT.unpack_from(data, start) if is_cdr else None)
 
 
 @njit(cache=True, nogil=True)
-def _fill(x, y, seconds, nanoseconds, p, at, t_us_out, x_out, y_out, p_out):  # type: ignore[no-untyped-def]
+def _fill(rows, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
     """One message's events into the columns from `at` on; the index of the first impossible time, or how many there are."""
-    for i in range(len(p)):
-        if nanoseconds[i] >= _NS:
+    for i in range(len(rows)):
+        row = rows[i]
+        if row.nanoseconds >= _NS:
             return i
-        t_us_out[at + i] = np.int64(seconds[i]) * 1_000_000 + np.int64(nanoseconds[i] // np.uint32(1000))
-        x_out[at + i] = x[i]
-        y_out[at + i] = y[i]
-        p_out[at + i] = p[i]
-    return len(p)
+        t_us[at + i] = np.int64(row.seconds) * 1_000_000 + np.int64(row.nanoseconds // np.uint32(1000))
+        x[at + i] = row.x
+        y[at + i] = row.y
+        p[at + i] = row.p
+    return len(rows)
 
 
 def events_of(messages: list[Stamped]) -> Events:
@@ -153,9 +150,9 @@ def events_of(messages: list[Stamped]) -> Events:
     y, p = np.empty(count, np.uint16), np.empty(count, np.uint8)
     at = 0
     for each in messages:
-        filled = _fill(each.x, each.y, each.seconds, each.nanoseconds, each.p, at, t_us, x, y, p)
+        filled = _fill(each.rows, at, t_us, x, y, p)
         if filled < len(each):
-            value = each.nanoseconds[filled]
+            value = each.rows[filled]["nanoseconds"]
             raise RecordingError(f"event {filled} of its message: nanoseconds = {value}: must be below 10^9")
         if each.first is not None:
             x[at], y[at] = each.first

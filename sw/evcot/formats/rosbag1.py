@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import RecordingError
+from .printable import printable, reason
 
 __all__ = ["MAGIC", "Bag1"]
 
@@ -111,7 +112,7 @@ class Bag1:
         if first is None or first.op != _BAG:
             raise RecordingError(f"byte {len(MAGIC)}: must be the bag's header; is it cut off?")
         if first.header.get(b"encryptor"):
-            raise RecordingError(f"is encrypted by {first.header[b'encryptor'].decode('latin-1')!r}: must not be")
+            raise RecordingError(f"is encrypted by {_text(first.header[b'encryptor'])!r}: must not be")
         return first.number(b"index_pos", 8)
 
     def _find_connections(self) -> None:
@@ -158,7 +159,7 @@ class Bag1:
     def _connect(self, record: _Record, data: bytes) -> None:
         kind = _parse(data, record.place).get(b"type", b"")
         topic = record.header.get(b"topic", b"")
-        found = _Connection(topic.decode("latin-1"), kind.decode("latin-1"))
+        found = _Connection(_text(topic), _text(kind))
         if self._connections.setdefault(record.number(b"conn", 4), found) != found:
             raise RecordingError(f"{record.place}: connection {record.number(b'conn', 4)}: is described in two ways")
 
@@ -195,9 +196,9 @@ class Bag1:
         try:
             content = _unpack(kind, packed, size)
         except (OSError, RuntimeError, EOFError) as error:
-            raise RecordingError(f"{chunk.place}: a damaged {kind.decode('latin-1')} chunk: {error}") from error
+            raise RecordingError(f"{chunk.place}: a damaged {_text(kind)} chunk: {reason(error)}") from error
         if content is None:
-            raise RecordingError(f"{chunk.place}: compression {kind.decode('latin-1')!r}: must be none, bz2 or lz4")
+            raise RecordingError(f"{chunk.place}: compression {_text(kind)!r}: must be none, bz2 or lz4")
         if len(content) != size:
             raise RecordingError(f"{chunk.place}: a chunk of {len(content)} bytes: must be the {size} that its header gives")
         return content
@@ -221,6 +222,10 @@ def _unpack(kind: bytes, packed: bytes, size: int) -> bytes | None:
         content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(packed, size + 1)
         return content
     return None
+
+
+def _text(value: bytes) -> str:
+    return printable(value.decode("latin-1"))
 
 
 def _parse(header: bytes, place: str) -> _Header:

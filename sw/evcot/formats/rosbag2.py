@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RecordingError
+from .printable import printable, reason
 
 __all__ = ["MCAP_MAGIC", "METADATA", "SQLITE_MAGIC", "Bag2"]
 
@@ -31,7 +32,7 @@ class Bag2:
             self._reader = _reader(path)(path)
             self._reader.open()
             self._connections = [each for each in self._reader.connections if isinstance(each.topic, str)]
-            self.topics = {each.topic: str(each.msgtype).replace("/msg/", "/") for each in self._connections}
+            self.topics = {each.topic: printable(str(each.msgtype)).replace("/msg/", "/") for each in self._connections}
 
     def messages(self, topic: str) -> Iterator[memoryview]:
         """The messages of a topic, in the order of the times at which they were recorded.
@@ -44,7 +45,7 @@ class Bag2:
         with _damage_told("is damaged"):
             messages = iter(self._reader.messages(chosen))
         while True:
-            with _damage_told(f"topic {topic}: is damaged after message {seen}"):
+            with _damage_told(f"topic {printable(topic)}: is damaged after message {seen}"):
                 message = next(messages, None)
             if message is None:
                 break
@@ -52,7 +53,9 @@ class Bag2:
             yield memoryview(message[2])
         expected = sum(each.msgcount for each in chosen)
         if seen != expected:
-            raise RecordingError(f"topic {topic}: {seen} messages, of which the bag counts {expected}: must be the same")
+            raise RecordingError(
+                f"topic {printable(topic)}: {seen} messages, of which the bag counts {expected}: must be the same"
+            )
 
     def close(self) -> None:
         """Close the files."""
@@ -67,8 +70,7 @@ def _damage_told(what: str) -> Iterator[None]:
     except PermissionError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())
-        raise RecordingError(f"{what}: {told or type(error).__name__}") from error
+        raise RecordingError(f"{what}: {reason(error)}") from error
 
 
 def _reader(path: Path) -> Callable[[Path], Any]:
