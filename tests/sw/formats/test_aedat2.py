@@ -251,6 +251,12 @@ def test_a_record_that_starts_like_a_header_line_is_a_record(path: Path, end: st
     assert read(path, file_of((address, 0x10), header=f"# AEChip: DAVIS240C\r\n{end}")) == [row]
 
 
+def test_after_the_header_s_last_line_even_text_is_a_record(path: Path) -> None:
+    address, t_us = struct.unpack(">II", b"#abcdef\n")
+    content = file_of((address, t_us), header="# AEChip: Davis640\r\n#End Of ASCII Header\r\n")
+    assert read(path, content) == [(t_us, 639 - (address >> 12 & 1023), 479 - (address >> 22), 0)]
+
+
 def test_aedat_1_has_16_bits_of_address(path: Path) -> None:
     expected = make_rows(100, 128, 128)
     assert read(path, dvs128_file(expected, header="", version="1.0")) == expected

@@ -196,7 +196,10 @@ def test_a_window_reads_no_packet_that_ends_before_it(tmp_path: Path, monkeypatc
     got = Events.joined(source.blocks(from_us))
     assert read == [7, 8, 9]
     assert_same(got, events[7 * PACKET_EVENTS :])
+    read.clear()
+    assert_same(Events.joined(source.blocks(int(events.t_us[-1]))), events[9 * PACKET_EVENTS :])
     assert not len(Events.joined(source.blocks(int(events.t_us[-1]) + 1)))
+    assert read == [9]
 
 
 def test_a_packet_larger_than_a_block_comes_in_blocks(tmp_path: Path) -> None:
@@ -290,6 +293,38 @@ def test_a_packet_must_be_what_the_table_says(tmp_path: Path) -> None:
     )
 
 
+def changed(content: bytes, at: int, layout: str, value: int) -> bytes:
+    return content[:at] + struct.pack(layout, value) + content[at + struct.calcsize(layout) :]
+
+
+def test_the_table_and_the_packets_must_agree_in_every_number(tmp_path: Path) -> None:
+    content = written_by_faery(tmp_path / "events.aedat4", make_events(3, start_us=1000), "plain").read_bytes()
+    (table_at,) = struct.unpack_from("<q", content, table_place(content))
+    packet = content.index(b"EVTS", content.index(b"</dv>")) - 16
+    (length,) = struct.unpack_from("<i", content, packet + 4)
+    offset_at = content.index(struct.pack("<q", packet + 8), table_at)
+    count_at = content.index(struct.pack("<q", 3), table_at)
+    link_at = table_at + 32
+    path = tmp_path / "changed.aedat4"
+    for damaged, message in (
+        (
+            changed(content, packet, "<i", 1),
+            f"packet at byte {packet}: stream and length (1, {length}), (0, {length}) by the table",
+        ),
+        (
+            changed(content, packet + 4, "<i", 8),
+            f"packet at byte {packet}: stream and length (0, 8), (0, {length}) by the table",
+        ),
+        (changed(content, count_at, "<q", 4), f"packet at byte {packet}: 3 events from t ="),
+        (changed(content, offset_at, "<q", packet), f"packet table at byte {table_at}: entry 0 does not begin where the one"),
+        (
+            changed(content, link_at, "<I", 1 << 31),
+            f"packet table at byte {table_at}: offset {28 + (1 << 31)}: must lie within",
+        ),
+    ):
+        assert refusal(path, damaged).startswith(message)
+
+
 def test_what_comes_before_a_packet_unlike_the_table_is_given(tmp_path: Path) -> None:
     events = make_events(3 * 4096, start_us=1000)  # faery's packets hold up to 4096 of them
     content = written_by_faery(tmp_path / "events.aedat4", events, "plain").read_bytes()
@@ -345,6 +380,9 @@ def test_no_length_is_believed(tmp_path: Path) -> None:
     assert refusal(path, plain_file(stream_node(0), (0, many))) == (
         f"packet at byte {head}: 4294967295 items of 16 bytes at offset 28: must lie within {len(buffer) - 4} bytes"
     )
+    assert refusal(path, plain_file(stream_node(0), (0, changed(buffer, 20, "<i", 100)))) == (
+        f"packet at byte {head}: offset -84: must lie within {len(buffer) - 4} bytes"
+    )
     short = struct.pack("<I", 1 << 31) + buffer[4:]
     assert refusal(path, plain_file(stream_node(0), (0, short))) == (
         f"packet at byte {head}: {len(buffer) - 4} bytes, {1 << 31} by its own length: must be the same"
@@ -361,6 +399,12 @@ def test_a_frame_gives_no_more_than_the_bound(tmp_path: Path, monkeypatch: pytes
     assert_same(read_recording(path).events, make_events(1000))
     monkeypatch.setattr(packing, "UNPACKED_BYTES_MAX", len(buffer) - 1)
     assert refusal(path).endswith(f"unpacks to more than {len(buffer) - 1} bytes: must be at most that")
+
+
+def test_nothing_may_follow_a_packet_s_frame(tmp_path: Path) -> None:
+    packed = lz4.frame.compress(event_buffer(make_events(10))) + b"more"
+    message = refusal(tmp_path / "file.aedat4", plain_file(stream_node(0), (0, packed), compression=1))
+    assert message.endswith("4 bytes follow the LZ4 frame: must be none")
 
 
 def test_a_zstandard_frame_that_claims_a_huge_size_is_not_believed(tmp_path: Path) -> None:
