@@ -12,6 +12,7 @@ import pytest
 from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Events
 from evcot.files import open_recording, read_recording
+from evcot.formats import aedat2
 from evcot.formats.aedat2 import Aedat2File
 
 from .fuzzing import fuzz
@@ -169,7 +170,9 @@ def test_an_address_beyond_the_sensor_is_refused(path: Path) -> None:
     assert refusal(path, content) == "event 1: y = 180: must be below the sensor's 180"
 
 
-def test_time_goes_on_where_its_32_bits_wrap_around(path: Path) -> None:
+@pytest.mark.parametrize("block_events", [1, 2, 100])
+def test_time_goes_on_where_its_32_bits_wrap_around(path: Path, monkeypatch: pytest.MonkeyPatch, block_events: int) -> None:
+    monkeypatch.setattr(aedat2, "BLOCK_EVENTS", block_events)
     times = [TURN - 2, TURN - 1, 3, 1 << 31, TURN - 1, 0]
     expected = [TURN - 2, TURN - 1, TURN + 3, TURN + (1 << 31), 2 * TURN - 1, 2 * TURN]
     assert [row[0] for row in read(path, file_of(*((0, t) for t in times)))] == expected
