@@ -7,14 +7,16 @@ import argparse
 import json
 import shlex
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import evcot
 from evcot.config import RunConfig, load_toml
-from evcot.errors import ConfigError, EvcotError
+from evcot.errors import ConfigError, EvcotError, RecordingWarning
 from evcot.events import Recording
 from evcot.files import read_recording
 from evcot.presets import PRESETS, fit, for_sensor, preset
@@ -22,6 +24,7 @@ from evcot.scenes.boxes import BoxExperiment, simulate
 
 from .artifacts import folder_written_aside, write_mismatch, write_run
 from .commands import filter as filter_command
+from .commands import recordings
 from .commands import simulate as simulate_command
 from .cosim import check_addresses, run_cosim, stalls_from
 from .lockstep import MismatchError
@@ -39,6 +42,8 @@ _EXAMPLES = """examples:
   evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
   evcot waves drive.aedat4 --from 120 --to 125  a waveform of 5 ms, to open in GTKWave
   evcot presets --json
+  evcot info drive.aedat4                       sensor, length, rates, busiest pixels
+  evcot convert drive.aedat4 drive.csv --to 500 its first half second, as text
 """
 
 
@@ -56,7 +61,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     options = _parser().parse_args(arguments)
     try:
-        code: int = options.command(options, arguments)
+        with _warnings_in_one_line():
+            code: int = options.command(options, arguments)
         return code
     except MismatchError as error:
         print(f"evcot: MISMATCH: {error}", file=sys.stderr)
@@ -66,6 +72,23 @@ def main(argv: Sequence[str] | None = None) -> int:
         return USER_ERROR
     except BrokenPipeError:
         return 0
+
+
+@contextmanager
+def _warnings_in_one_line() -> Iterator[None]:
+    """What is left out of a recording is told as errors are."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", RecordingWarning)
+        show = warnings.showwarning
+
+        def show_in_one_line(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if issubclass(category, RecordingWarning):
+                print(f"evcot: warning: {message}", file=sys.stderr)
+            else:
+                show(message, category, *place, **more)
+
+        warnings.showwarning = show_in_one_line
+        yield
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -97,6 +120,7 @@ def _parser() -> argparse.ArgumentParser:
     presets.set_defaults(command=_presets)
     filter_command.add(commands)
     simulate_command.add(commands)
+    recordings.add(commands)
     return parser
 
 

@@ -16,10 +16,10 @@ from .errors import ConfigError, RecordingError, RecordingWarning
 from .events import Events, Recording, check_sensor, find_fault
 from .formats import FORMATS, WRITABLE
 from .formats.columns import Sensor
-from .formats.source import BLOCK_EVENTS, Source
+from .formats.source import BLOCK_EVENTS, Source, WritableFormat
 from .outputs import written_aside
 
-__all__ = ["Damage", "RecordingFile", "open_recording", "read_recording", "write_events", "write_recording"]
+__all__ = ["Damage", "RecordingFile", "format_for", "open_recording", "read_recording", "write_events", "write_recording"]
 
 Damage = Literal["refuse", "skip"]
 
@@ -32,6 +32,7 @@ class RecordingFile:
     Attributes:
         path, name: the file, and its name without suffix.
         format: the format's title, for people.
+        assumes_sensor: whether neither the caller nor the file says what the sensor is.
         details: what else the file says about itself.
         left_out: why events were left out -> how many, of the pass that `blocks` last began; complete when it has ended.
     """
@@ -42,6 +43,7 @@ class RecordingFile:
         self.format = format_title
         self._source = source
         self._sensor = sensor or source.sensor
+        self.assumes_sensor = self._sensor is None
         self._damage = damage
         self._t0_us: int | None = None
         self.left_out: Counter[str] = Counter()
@@ -249,7 +251,7 @@ def write_events(path: Path | str, sensor: Sensor, blocks: Iterable[Events], for
         OutputError: the file cannot be written.
     """
     path = Path(path)
-    kind = WRITABLE[_format_for(path, format_name)]
+    kind = format_for(path, format_name)
     check_sensor(str(path), *sensor)
     count, last_us = 0, np.iinfo(np.int64).min
     with written_aside(path) as file:
@@ -274,12 +276,19 @@ def write_recording(recording: Recording, path: Path | str, format_name: str | N
     write_events(path, (recording.width, recording.height), [recording.events], format_name)
 
 
-def _format_for(path: Path, name: str | None) -> str:
-    if name is None:
-        name = next((kind.name for kind in WRITABLE.values() if kind.suffix == path.suffix.lower()), None)
-        if name is None:
-            suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in WRITABLE.values()))
-            raise ConfigError(f"{path}: suffix {path.suffix!r}: must be one of {suffixes}, or a format be named")
-    if name not in WRITABLE:
-        raise ConfigError(f"format {name!r}: must be one of {', '.join(WRITABLE)}")
-    return name
+def format_for(path: Path | str, name: str | None = None) -> WritableFormat:
+    """The format that a file is written in: the one of that name, else the one of the path's suffix.
+
+    Raises:
+        ConfigError: there is none.
+    """
+    if name is not None:
+        if name not in WRITABLE:
+            raise ConfigError(f"format {name!r}: must be one of {', '.join(WRITABLE)}")
+        return WRITABLE[name]
+    suffix = Path(path).suffix
+    kind = next((kind for kind in WRITABLE.values() if kind.suffix == suffix.lower()), None)
+    if kind is None:
+        suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in WRITABLE.values()))
+        raise ConfigError(f"{path}: suffix {suffix!r}: must be one of {suffixes}, or a format be named")
+    return kind

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The options that every command which reads a recording has: a window of time, the sensor, and what to do about damage."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from pathlib import Path
+
+from evcot.errors import ConfigError
+from evcot.events import Recording
+from evcot.files import RecordingFile, open_recording
+
+__all__ = ["open_from", "read_from", "recording_options", "window_from"]
+
+
+def recording_options(parser: argparse.ArgumentParser) -> None:
+    """Add --from, --to, --sensor and --skip-damaged."""
+    parser.add_argument("--from", dest="from_ms", type=float, default=0.0, metavar="MS", help="begin, after the first event")
+    parser.add_argument("--to", dest="to_ms", type=float, metavar="MS", help="end (default: the recording's)")
+    parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: what the file says, else the smallest)")
+    parser.add_argument("--skip-damaged", action="store_true", help="leave out what is damaged, and say how much")
+
+
+def window_from(options: argparse.Namespace) -> tuple[int, int | None]:
+    """(from, to) in microseconds after the first event, to None for the recording's end.
+
+    Raises:
+        ConfigError: no time, or an end that does not follow the beginning.
+    """
+    for option, ms in (("--from", options.from_ms), ("--to", options.to_ms)):
+        if ms is not None and not (math.isfinite(ms) and 0 <= ms <= 1e15):
+            raise ConfigError(f"{option} {ms:g}: must be from 0 to 1e15 ms")
+    if options.to_ms is not None and options.to_ms <= options.from_ms:
+        raise ConfigError(f"--to {options.to_ms:g}: must be after --from {options.from_ms:g}")
+    return round(options.from_ms * 1000), None if options.to_ms is None else round(options.to_ms * 1000)
+
+
+def open_from(options: argparse.Namespace, path: Path) -> RecordingFile:
+    """Open a recording as the options say.
+
+    Raises:
+        ConfigError: --sensor that is no size.
+        RecordingError: as `open_recording`.
+    """
+    sensor = None
+    if options.sensor is not None:
+        size = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", options.sensor)
+        if size is None:
+            raise ConfigError(f"--sensor {options.sensor}: must be WIDTHxHEIGHT in pixels, as 346x260")
+        sensor = int(size[1]), int(size[2])
+    return open_recording(path, sensor, damage="skip" if options.skip_damaged else "refuse")
+
+
+def read_from(options: argparse.Namespace, path: Path) -> Recording:
+    """Read what the options choose of a recording into memory; as `open_from` and `window_from`."""
+    from_us, to_us = window_from(options)
+    with open_from(options, path) as file:
+        return file.read(from_us, to_us)
