@@ -180,7 +180,8 @@ class Aedat2File:
 def _read_header(file: BinaryIO) -> tuple[list[str], int]:
     """The lines behind their "#", and the offset of the first record.
 
-    A first record may start with the code of "#" too; but it has a control character before the next newline, or none follows.
+    A first record may start with the code of "#" too, but mostly has a control character before the next newline. jAER's newer
+    files have a last line that says so.
     """
     lines: list[str] = []
     while True:
