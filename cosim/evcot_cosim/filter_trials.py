@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from .filter_device import FilterDevice
 
-__all__ = ["FilterTraffic", "exact", "filter_traffic"]
+__all__ = ["FilterTraffic", "exact", "filter_traffic", "parameters", "tell"]
 
 
 class FilterTraffic(NamedTuple):
@@ -77,23 +78,39 @@ def filter_traffic(
     )  # fmt: skip
 
 
-def exact(device: FilterDevice, traffic: FilterTraffic, oracle: Callable[[FilterTraffic], NDArray[np.bool_]]) -> float:
+def parameters(width: int, height: int, *, tick_w: int, **others: int) -> dict[str, int]:
+    """Verilog parameters of a filter on this sensor, with addresses wide enough for a pixel beyond it."""
+    return {"X_W": width.bit_length(), "Y_W": height.bit_length(), "WIDTH": width, "HEIGHT": height, "TICK_W": tick_w, **others}
+
+
+def tell(device: FilterDevice, events: Iterable[tuple[int, int, int]]) -> list[bool]:
+    """A short story, from reset: which of the events (tick, x, y) stay."""
+    device.reset()
+    ticks, x, y = np.array(list(events), np.int64).reshape(-1, 3).T
+    p = np.arange(len(ticks)) % 2
+    return [bool(stays) for stays in device.stream(ticks, x.astype(np.uint16), y.astype(np.uint16), p.astype(np.uint8))]
+
+
+def exact(
+    device: FilterDevice, traffic: FilterTraffic, oracle: Callable[[FilterTraffic], NDArray[np.bool_]], parts: int = 1
+) -> float:
     """Streams the traffic through hardware and oracle alike and returns which part of the events stays.
 
     Args:
         oracle: which of the events stay, (n,), given all of them; what it says of skipped ones is not asked.
+        parts: how many runs the hardware gets the events in; it becomes idle in between.
 
     Raises:
         AssertionError: they differ; the message names the first event.
     """
-    keep = device.stream(*traffic)
-    wanted = oracle(traffic) & ~traffic.skip
-    differ = np.flatnonzero(keep != wanted)
+    ticks, x, y, p, skip = traffic
+    cuts = np.linspace(0, len(ticks), parts + 1).astype(int)
+    keep = np.concatenate([device.stream(ticks[a:b], x[a:b], y[a:b], p[a:b], skip[a:b]) for a, b in pairwise(cuts)])
+    differ = np.flatnonzero(keep != (oracle(traffic) & ~skip))
     if len(differ):
         i = int(differ[0])
-        event = f"tick {traffic.ticks[i]}, x {traffic.x[i]}, y {traffic.y[i]}, skip {traffic.skip[i]}"
         raise AssertionError(
-            f"{device.top}: {len(differ)} of {len(keep)} events differ, first event {i} ({event}): "
-            f"hardware {'keeps' if keep[i] else 'drops'} it"
+            f"{device.top}: {len(differ)} of {len(keep)} events differ, the first is event {i} "
+            f"(tick {ticks[i]}, x {x[i]}, y {y[i]}, skip {skip[i]}): hardware {'keeps' if keep[i] else 'drops'} it"
         )
     return float(np.mean(keep)) if len(keep) else 0.0

@@ -12,7 +12,7 @@
 // Latency:    4 clocks from s_ to m_: time and address, addresses of the banks, RAM, ages.
 // Throughput: 1 token per clock; for stalls by the walk, which are rare, see stamp_walk.v.
 // Stall:      while advance is low nothing moves; m_ outputs hold.
-// Reset:      no token inside; then all cells are emptied, which takes as many clocks as a bank has cells, and 4 more.
+// Reset:      no token inside; then all cells are emptied, which takes as many clocks as a bank has cells, and 3 more.
 //             Meanwhile idle and s_ready are low.
 // RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * STAMP_W bits. One read and one write port per bank, contents not reset.
 // Combinational paths: advance -> s_ready.
@@ -42,7 +42,7 @@ module stamp_memory #(
     input  wire [Y_W-1:0]        s_y,
     input  wire [DATA_W-1:0]     s_data,
 
-    // bank 4 * (y % 4) + x % 4: the age of what it holds near the event, in m_age[bank*STAMP_W +: STAMP_W]
+    // bank 4 * (y % 4) + x % 4: the age of what it holds near the event, if it was looked up, in m_age[bank*STAMP_W +: STAMP_W]
     output wire                  m_valid,
     output wire [DATA_W-1:0]     m_data,
     output wire                  m_inside,  // the event lies on the sensor

@@ -119,7 +119,7 @@ def test_exact_names_the_first_difference(folder: Path) -> None:
     events = traffic()
     device = FilterDevice("echo", {"TICK_W": 4}, ports={"above": 60}, verilog=folder)
     i = int(np.flatnonzero((events.x == 60) & ~events.skip)[0])
-    with pytest.raises(AssertionError, match=rf"first event {i} .*x 60, .*hardware keeps it"):
+    with pytest.raises(AssertionError, match=rf"the first is event {i} .*x 60, .*hardware keeps it"):
         exact(device, events, lambda told: above(61, told))
 
 
