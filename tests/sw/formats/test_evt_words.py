@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from evcot.formats.prophesee import FORMATS
+from evcot.formats.source import BLOCK_EVENTS
 from evcot.formats.words import WordFile
 
 from .reference_evt import (
@@ -223,10 +224,39 @@ def test_random_words_mean_what_the_tables_say_wherever_the_pieces_are_cut(tmp_p
             assert sum(source.left_out.values()) == expected.untimed + expected.strange
 
 
-def test_a_block_is_given_whenever_one_is_full(tmp_path: Path) -> None:
-    full = [evt21_event(0, 0, 0, 0, 0xFFFFFFFF)] * 20_000
-    with closing(opened(write(tmp_path / "events", "evt21", [evt21_high(0), *full]))) as source:
+@pytest.mark.parametrize("kind", [kind for kind in FILES if kind.startswith("evt")])
+@pytest.mark.parametrize("seed", range(4))
+def test_from_any_time_on_random_words_mean_the_same(tmp_path: Path, kind: str, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    mark_bits = 12 if kind == "evt3" else 28
+    words, mark = [], 0
+    for word in random_words(kind, 2000, seed):
+        if word >> {"evt2": 28, "evt3": 12}.get(kind, 60) == 8:
+            mark += int(random.choice([0, 1, 5, 900]))
+            word = {"evt2": evt2_high, "evt3": evt3_high}.get(kind, evt21_high)(mark % (1 << mark_bits))
+        words.append(word)
+    low_bits = 12 if kind == "evt3" else 6
+    with closing(opened(write(tmp_path / "events", kind, words), 100)) as source:
+        full = rows(source)
+        assert full == reference(kind, words).rows
+        for from_us in [*random.integers(0, mark << low_bits, 40).tolist(), 0, mark << low_bits]:
+            part = rows(source, from_us)
+            rest = full[: len(full) - len(part)]
+            assert rest + part == full
+            assert all(event[0] < from_us for event in rest)
+            assert len(part) < len(full) or from_us < full[0][0] + (1 << low_bits)
+
+
+@pytest.mark.parametrize(
+    ("kind", "start", "word", "most"),
+    [
+        ("evt21", [evt21_high(0)], evt21_event(0, 0, 0, 0, 0xFFFFFFFF), 32),
+        ("evt3", [evt3_high(0), evt3_row(1), evt3_base(1, 7)], evt3_vector12(0xFFF), 12),
+    ],
+)
+def test_a_block_is_given_whenever_one_is_full(tmp_path: Path, kind: str, start: list[int], word: int, most: int) -> None:
+    with closing(opened(write(tmp_path / "events", kind, start + [word] * 60_000))) as source:
         counts = [len(block) for block in source.blocks()]
-    assert sum(counts) == 32 * len(full)
-    assert max(counts) <= (1 << 18) + 32
-    assert len(counts) == 3
+    assert sum(counts) == most * 60_000
+    assert max(counts) <= BLOCK_EVENTS + most
+    assert len(counts) == -(-sum(counts) // BLOCK_EVENTS)
