@@ -92,7 +92,7 @@ class StoredArray:
             return np.frombuffer(content, self.dtype, len(content) // self.dtype.itemsize)
 
     def check_end(self, stream: IO[bytes]) -> None:
-        """When all rows have been read, from the first on: refuse a file that goes on, and one whose checksum tells of damage."""
+        """When all rows have been read: refuse a file that goes on, and one whose checksum tells of damage."""
         with damage_named(f"{self.name} is damaged"):
             if not self.following_bytes and stream.read(1):
                 raise RecordingError(f"{self.name}: goes on after {self.shape[0]} rows: its header must tell of all")

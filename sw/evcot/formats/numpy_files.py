@@ -171,8 +171,9 @@ def _of_one_array(array: StoredArray) -> _NumpySource:
 
 def _open_npz(path: Path) -> _NumpySource:
     arrays = npz_arrays(path)
-    if len(arrays) == 1:
-        return _of_one_array(next(iter(arrays.values())))
+    only = next(iter(arrays.values())) if len(arrays) == 1 else None
+    if only is not None and (only.dtype.names or len(only.shape) == 2):
+        return _of_one_array(only)
     names = list(arrays)
     try:
         naming = find_fields(names)

@@ -176,6 +176,7 @@ def test_pickles_are_left_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arrays", "message"),
     [
+        ({"t_us": [1]}, "has arrays 't_us': must name each of t, x, y, p once; x is not"),
         ({"t_us": [1], "y": [1]}, "has arrays 't_us', 'y': must name each of t, x, y, p once; x is not"),
         ({"t_us": [1], "t": [1], "x": [1]}, "has arrays 't_us', 't', 'x': must name each of t, x, y, p once; t is not"),
         ({"t_us": [1], "x": [-1], "y": [1], "p": [1]}, "event 0: x = -1: must be a whole number from 0 to 65535"),
