@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot info` and `evcot convert` as a user meets them."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.events import Events
+from evcot.files import read_recording, write_events
+from evcot.formats import WRITABLE
+from evcot_cosim.cli import main
+
+Capture = pytest.CaptureFixture[str]
+EPOCH_US = 1_718_925_184_590_631
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def drive() -> Path:
+    """Ten seconds, an event every 100 us, of which pixel (5, 7) sends every second one."""
+    n = 100_000
+    random = np.random.default_rng(1)
+    hot = np.arange(n) % 2 == 0
+    x = np.where(hot, 5, random.integers(0, 346, n)).astype(np.uint16)
+    y = np.where(hot, 7, random.integers(0, 130, n)).astype(np.uint16)
+    path = Path("drive.npz")
+    write_events(path, (346, 260), [Events(EPOCH_US + 100 * np.arange(n), x, y, hot.astype(np.uint8))])
+    return path
+
+
+def csv(name: str, *rows: str) -> str:
+    Path(name).write_text("".join(f"{row}\n" for row in rows))
+    return name
+
+
+def error_of(capture: Capture, *arguments: str) -> str:
+    """The one line that a command which cannot be done prints, after exit code 2."""
+    before = sorted(Path().iterdir())
+    assert main(arguments) == 2
+    printed = capture.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("evcot: ")
+    assert printed.err.count("\n") == 1
+    assert sorted(Path().iterdir()) == before
+    return printed.err.removeprefix("evcot: ").rstrip()
+
+
+def table(capture: Capture, *arguments: str) -> dict[str, str]:
+    assert main(["info", *arguments]) == 0
+    printed = capture.readouterr()
+    assert printed.err == ""
+    rows = [line.split("  ", 1) for line in printed.out.splitlines()]
+    assert len({len(line) - len(line.split("  ", 1)[1].lstrip()) for line in printed.out.splitlines()}) == 1, "aligned"
+    return {name: value.strip() for name, value in rows}
+
+
+def test_info_says_what_is_in_a_recording(drive: Path, capsys: Capture) -> None:
+    rows = table(capsys, "drive.npz")
+    busiest = rows.pop("busiest pixels")
+    silent = rows.pop("silent pixels")
+    assert rows == {
+        "file": "drive.npz",
+        "format": "NumPy npz",
+        "times in": "microseconds",
+        "sensor": "346x260 pixels",
+        "events": "100,000",
+        "first event": "2024-06-20 23:13:04 UTC (1,718,925,184.590631 s)",
+        "duration": "9.999900 s",
+        "mean rate": "10 k events/s",
+        "peak rate": "10 k events/s, over 10 ms",
+        "ON events": "50.0 %",
+        "pixel interval": "200 us from event to event of a pixel, median",
+    }
+    assert busiest.startswith("(5, 7) 50 %, (")
+    assert busiest.count("(") == 5
+    assert 50 < float(silent.removesuffix(" %")) < 70
+
+
+def test_info_of_a_window_and_another_sensor(drive: Path, capsys: Capture) -> None:
+    rows = table(capsys, "drive.npz", "--from", "1000", "--to", "1000.35", "--sensor", "400X300")
+    assert (rows["events"], rows["duration"], rows["sensor"]) == ("4", "0.000300 s", "400x300 pixels")
+    assert "peak rate" not in rows
+
+
+def test_info_of_little_is_little(capsys: Capture) -> None:
+    rows = table(capsys, csv("a.csv", "0.25 1 2 1"))
+    assert rows == {
+        "file": "a.csv",
+        "format": "CSV or text",
+        "separator": "blanks",
+        "times in": "seconds",
+        "sensor": "2x3 pixels, the smallest that holds every event",
+        "events": "1",
+        "first event": "0.250000 s",
+        "duration": "0.000000 s",
+        "ON events": "100.0 %",
+        "silent pixels": "83.3 %",
+        "busiest pixels": "(1, 2) 100 %",
+    }
+
+
+def test_info_as_json(drive: Path, capsys: Capture) -> None:
+    assert main(["info", "drive.npz", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["file"] == "drive.npz"
+    assert (found["events"], found["width"], found["first_us"]) == (100_000, 346, EPOCH_US)
+    assert found["pixels"]["busiest"][0]["share"] > 0.5
+
+
+def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
+    csv("a.csv", "1,1,1,1", "2,1,1,7", "0,1,1,1", "3,2,1,0", "oh")
+    why = "line 5: 'oh': must have 4 cells, as the first event; it has 1"
+    assert error_of(capsys, "info", "a.csv") == f"a.csv: {why}"
+    for _ in range(2):  # and again, if done again
+        assert main(["info", "a.csv", "--skip-damaged"]) == 0
+        printed = capsys.readouterr()
+        assert printed.err.splitlines() == [
+            f"evcot: warning: a.csv: all after 4 events left out: {why}",
+            "evcot: warning: a.csv: 1 events left out: outside the sensor, or without a polarity",
+            "evcot: warning: a.csv: 1 events left out: time runs back",
+        ]
+        assert printed.out.splitlines()[-2:] == [
+            "left out        1 events: outside the sensor, or without a polarity",
+            "left out        1 events: time runs back",
+        ]
+    assert main(["convert", "a.csv", "b.npz", "--skip-damaged", "-q"]) == 0
+    assert len(capsys.readouterr().err.splitlines()) == 3
+    assert read_recording("b.npz").events.t_us.tolist() == [1, 3]
+
+
+@pytest.mark.parametrize("name", WRITABLE)
+def test_convert_gives_the_same_recording_in_another_format(drive: Path, name: str, capsys: Capture) -> None:
+    target = f"out{WRITABLE[name].suffix}"
+    assert main(["convert", "drive.npz", target, "--format", name]) == 0
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err) == (f"100,000 events in {target}, {WRITABLE[name].title}\n", "")
+    ours, theirs = read_recording(drive), read_recording(target)
+    assert (ours.width, ours.height) == (theirs.width, theirs.height)
+    for field in ("t_us", "x", "y", "p"):
+        np.testing.assert_array_equal(getattr(ours.events, field), getattr(theirs.events, field))
+
+
+def test_convert_of_a_window_goes_by_the_suffix_and_may_be_quiet(drive: Path, capsys: Capture) -> None:
+    Path("out.csv").write_text("older")
+    assert main(["convert", "drive.npz", "out.csv", "--from", "0.1", "--to", "0.4", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert read_recording("out.csv").events.t_us.tolist() == [EPOCH_US + 100, EPOCH_US + 200, EPOCH_US + 300]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("info", "absent.raw"), "absent.raw: cannot be read: No such file or directory"),
+        (("info", "."), ".: is a directory, and no ROS 2 bag: has no metadata.yaml"),
+        (("info", "drive.npz", "--from", "-1"), "--from -1: must be from 0 to 1e15 ms"),
+        (("info", "drive.npz", "--to", "nan"), "--to nan: must be from 0 to 1e15 ms"),
+        (("info", "drive.npz", "--from", "5", "--to", "5"), "--to 5: must be after --from 5"),
+        (("info", "drive.npz", "--from", "20000"), "drive.npz: holds no events from 20 s"),
+        (("info", "drive.npz", "--sensor", "346"), "--sensor 346: must be WIDTHxHEIGHT in pixels, as 346x260"),
+        (("info", "drive.npz", "--sensor", "0x5"), "drive.npz: sensor 0x5: each side must be from 1 to 65536 pixels"),
+        (("info", "drive.npz", "--sensor", "5x5"), "drive.npz: event 0: x = 5: must be below the sensor's 5"),
+        (("convert", "drive.npz", "out.jpeg"), "out.jpeg: suffix '.jpeg': must be one of .npz, "),
+        (("convert", "drive.npz", "out", "--format", "gif"), "format 'gif': must be one of npz, csv"),
+        (("convert", "drive.npz", "drive.npz"), "drive.npz: must be another file than the one that is read"),
+        (("convert", "drive.npz", "link.npz"), "link.npz: must be another file than the one that is read"),
+        (("convert", "drive.npz", "out.csv", "--from", "20000"), "drive.npz: holds no events from 20 s"),
+        (("convert", "drive.npz", "absent/out.csv"), "absent/out.csv: cannot be written: No such file or directory"),
+        (("convert", "bad.csv", "out.npz"), "bad.csv: event 1: t = 1 us follows t = 2 us: time must not run back"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line(drive: Path, arguments: tuple[str, ...], message: str, capsys: Capture) -> None:
+    Path("link.npz").symlink_to("drive.npz")
+    csv("bad.csv", "2,1,1,1", "1,1,1,1")
+    assert error_of(capsys, *arguments).startswith(message)
+
+
+def test_a_terminal_sees_how_far_it_is_and_a_pipe_does_not(drive: Path) -> None:
+    command = [sys.executable, "-m", "evcot_cosim", "convert", "drive.npz", "out.csv"]
+    ours, theirs = pty.openpty()
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, check=True)
+    os.close(theirs)
+    assert "writing out.csv" in os.read(ours, 100_000).decode()
+    os.close(ours)
+    assert done.stdout == b"100,000 events in out.csv, CSV\n"
+    done = subprocess.run(command, capture_output=True, check=True)
+    assert done.stderr == b""
