@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,14 @@ from typing import Any
 from evcot.config import FilterConfig, RunConfig, load_toml
 from evcot.contract import Filter
 from evcot.errors import ConfigError
-from evcot.files import RecordingFile, open_recording, write_events
+from evcot.events import Events
+from evcot.files import format_for, write_events
 from evcot.filters.chain import Total
 from evcot.filters.hot_pixels import Pixels, learn_hot_pixels, load_hot_pixels, save_hot_pixels
 from evcot.filters.run import filtered
 from evcot.presets import for_sensor
+
+from .options import open_from, recording_options, window_from
 
 __all__ = ["add"]
 
@@ -56,6 +59,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser("filter", help="take noise, hot pixels or a region out of a recording")
     parser.add_argument("source", type=Path, metavar="A", help="the recording, in any format that evcot reads")
     parser.add_argument("target", type=Path, metavar="B", help="what to write; its suffix tells the format")
+    recording_options(parser)
     parser.add_argument("--config", type=Path, metavar="TOML", help="its table [filters]; the options below come on top")
     parser.add_argument("--region", type=region, metavar="X0,Y0,X1,Y1", help="keep these columns and rows, the last ones too")
     parser.add_argument("--polarity", choices=("on", "off"), help="keep events of this polarity")
@@ -72,13 +76,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def _filter(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    with open_recording(options.source) as file:
+    window = window_from(options)
+    kind = format_for(options.target)  # refused before the recording is read
+    with open_from(options, options.source) as file:
         run = load_toml(options.config, for_sensor(file.sensor[0])) if options.config else RunConfig()
-        config = _with_hot_pixels(_on_top(run.filters, options), options, file)
+        config = _with_hot_pixels(_on_top(run.filters, options), options, file.blocks(*window), file.sensor)
         if not config.enabled and options.learn_hot_pixels is None:
             raise ConfigError("no filter is on: see `evcot filter --help`")
-        blocks = filtered(file.blocks(), config, file.sensor, run.cot.tick_us)
-        kept = write_events(options.target, file.sensor, blocks)
+        blocks = filtered(file.blocks(*window, required=True), config, file.sensor, run.cot.tick_us)
+        kept = write_events(options.target, file.sensor, blocks, kind.name)
     if options.json:
         print(json.dumps(_summary(blocks.totals, kept) | {"config": asdict(config)}, indent=2))
     elif not options.quiet:
@@ -92,14 +98,16 @@ def _on_top(config: FilterConfig, options: argparse.Namespace) -> FilterConfig:
     return replace(config, **{name: value for name, value in given.items() if value is not None})
 
 
-def _with_hot_pixels(config: FilterConfig, options: argparse.Namespace, file: RecordingFile) -> FilterConfig:
-    """The configuration with the hot pixels that are listed, and those that are found."""
-    listed = load_hot_pixels(options.hot_pixels, file.sensor) if options.hot_pixels else ()
+def _with_hot_pixels(
+    config: FilterConfig, options: argparse.Namespace, blocks: Iterable[Events], sensor: tuple[int, int]
+) -> FilterConfig:
+    """The configuration with the hot pixels that are listed, and those that are found in the blocks."""
+    listed = load_hot_pixels(options.hot_pixels, sensor) if options.hot_pixels else ()
     learned: Pixels = ()
     if options.learn_hot_pixels is not None:
-        learned = learn_hot_pixels(file.blocks(), file.sensor)
+        learned = learn_hot_pixels(blocks, sensor)
         if options.learn_hot_pixels:
-            save_hot_pixels(options.learn_hot_pixels, learned, file.sensor)
+            save_hot_pixels(options.learn_hot_pixels, learned, sensor)
     return replace(config, hot_pixels=config.hot_pixels + listed + learned)
 
 

@@ -86,6 +86,21 @@ def test_the_suffix_tells_what_is_written(source: Path) -> None:
     assert len(read_recording("out.csv", (64, 48)).events) == len(filtered(source, "--polarity", "on"))
 
 
+def test_an_unknown_suffix_is_refused_before_anything_is_done(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["filter", str(source), "out.xyz", "--learn-hot-pixels", "hot.txt"]) == 2
+    assert "out.xyz: suffix '.xyz': must be one of " in capsys.readouterr().err
+    assert not Path("hot.txt").exists()
+
+
+def test_the_window_and_the_sensor_are_chosen_as_elsewhere(source: Path) -> None:
+    events = read_recording(source).events
+    from_us = events.t_us[0] + 200_000
+    part = events[int(np.searchsorted(events.t_us, from_us)) : int(np.searchsorted(events.t_us, from_us + 300_000))]
+    got = filtered(source, "--from", "200", "--to", "500", "--sensor", "70x50", "--region", "0,0,69,49")
+    np.testing.assert_array_equal(got.t_us, part.t_us)
+    assert (read_recording("out.npz").width, read_recording("out.npz").height) == (70, 50)
+
+
 def test_the_table_says_what_each_filter_dropped(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["filter", str(source), "out.npz", "--polarity", "on", "--region", "0,0,31,47"]) == 0
     lines = capsys.readouterr().out.splitlines()
