@@ -134,9 +134,8 @@ def test_far_into_a_plain_npz_the_place_is_found_without_reading(tmp_path: Path)
     content = bytearray(path.read_bytes())
     content[content.index(b"t_us.npy") + 300] ^= 1
     path.write_bytes(content)
-    assert_same(
-        read_recording(path, from_us=1_500_000).events, events[int(np.searchsorted(events.t_us, EPOCH_US + 1_500_000)) :]
-    )
+    first = int(np.searchsorted(events.t_us, events.t_us[0] + 1_500_000))
+    assert_same(read_recording(path, from_us=1_500_000).events, events[first:])
     assert refusal(path).endswith("Bad CRC-32 for file 't_us.npy'")
 
 
@@ -248,20 +247,20 @@ def test_a_failed_write_leaves_the_older_file_alone(tmp_path: Path, monkeypatch:
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    ("name", "save", "array"),
+    ("name", "save", "array", "corruptions"),
     [
-        ("records.npy", np.save, records(EVENTS.t_us)[:40]),
-        ("rows.npy", np.save, np.asfortranarray(rows(SECONDS)[:40])),
-        ("plain.npz", np.savez, None),
-        ("packed.npz", np.savez_compressed, None),
+        ("records.npy", np.save, records(EVENTS.t_us)[:40], 10_000),
+        ("rows.npy", np.save, np.asfortranarray(rows(SECONDS)[:40]), 1_000),
+        ("plain.npz", np.savez, None, 10_000),
+        ("packed.npz", np.savez_compressed, None, 1_000),
     ],
 )
-def test_a_damaged_file_is_refused_or_read(tmp_path: Path, name: str, save, array) -> None:  # type: ignore[no-untyped-def]
+def test_a_damaged_file_is_refused_or_read(tmp_path: Path, name: str, save, array, corruptions: int) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / name
     if array is None:
         few = EVENTS[:40]
         save(path, t=few.t_us, x=few.x, y=few.y, p=few.p, width=640, height=480)
     else:
         save(path, array)
-    outcomes = fuzz(path, path.read_bytes(), corruptions=3000, seed=len(name))
-    assert min(outcomes.refused, outcomes.read) > 100
+    outcomes = fuzz(path, path.read_bytes(), corruptions=corruptions, seed=len(name))
+    assert min(outcomes.refused, outcomes.read) > 20
