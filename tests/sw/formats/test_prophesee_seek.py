@@ -117,14 +117,16 @@ def test_most_of_a_long_file_stays_unread_or_undecoded(tmp_path: Path, kind: str
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "evt3"])
-def test_where_time_turns_on_the_way_all_is_read_through(tmp_path: Path, kind: str) -> None:
+@pytest.mark.parametrize("turns", [0.01, 2.8])
+def test_where_time_turns_on_the_way_all_is_read_through(tmp_path: Path, kind: str, turns: float) -> None:
     turn_us = 1 << (32 if kind == "dat" else 34)
-    events = make_events(300_000, 60_000_000, seed=4)  # enough to be searched and not read through anyway
-    t_us = events.t_us - events.t_us[0] + turn_us - 30_000_000
+    duration_us = int(turns * turn_us)
+    events = make_events(300_000, duration_us, seed=4)  # enough to be searched and not read through anyway
+    t_us = events.t_us - events.t_us[0] + turn_us - duration_us // 3
     path = write(tmp_path / "events", kind, Events(t_us % turn_us, events.x, events.y, events.p))
     full = joined(path)
     assert_same(full, Events(t_us, events.x, events.y, events.p))
-    for from_us in (0, 29_000_000, 31_000_000, 59_000_000):
+    for from_us in (duration_us * np.linspace(0, 0.99, 12)).astype(np.int64).tolist():
         assert_same(joined(path, from_us), full[int(np.searchsorted(t_us, t_us[0] + from_us)) :])
 
 
