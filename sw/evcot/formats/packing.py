@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 
 import lz4.frame
 import zstandard
@@ -19,25 +20,28 @@ _ZSTD_WINDOW_BYTES_MAX = 1 << 27
 
 def unpack_lz4() -> Callable[[bytes], bytes]:
     """A function that unpacks one LZ4 frame a call, and raises RecordingError for what is not one whole frame."""
-    frame = lz4.frame.LZ4FrameDecompressor()
+    context = lz4.frame.create_decompression_context()
 
-    def parts(packed: bytes) -> Iterator[bytes]:
-        step = _step(packed)
-        frame.reset()
-        yield frame.decompress(packed, max_length=step)
-        while not frame.eof and (part := frame.decompress(b"", max_length=step)):
+    def rest_of(packed: bytes, used: int, step: int, whole: bool) -> Iterator[bytes]:
+        while not whole:
+            part, more, whole = lz4.frame.decompress_chunk(context, memoryview(packed)[used:], max_length=step)
+            if not (part or more or whole):
+                raise RecordingError(f"LZ4 frame of {len(packed)} bytes: must be whole")
+            used += more
             yield part
+        if used < len(packed):
+            raise RecordingError(f"{len(packed) - used} bytes follow the LZ4 frame: must be none")
 
     def unpack(packed: bytes) -> bytes:
+        step = _step(packed)
         try:
-            unpacked = _joined(parts(packed))
-        except (RuntimeError, ValueError) as error:
+            lz4.frame.reset_decompression_context(context)
+            first, used, whole = lz4.frame.decompress_chunk(context, packed, max_length=step)
+            if whole and used == len(packed):
+                return bytes(first)
+            return _joined(chain((first,), rest_of(packed, used, step, whole)))
+        except RuntimeError as error:
             raise RecordingError(f"is no LZ4 frame: {error}") from error
-        if not frame.eof:
-            raise RecordingError(f"LZ4 frame of {len(packed)} bytes: must be whole")
-        if frame.unused_data:
-            raise RecordingError(f"{len(frame.unused_data)} bytes follow the LZ4 frame: must be none")
-        return unpacked
 
     return unpack
 
@@ -65,7 +69,7 @@ def _step(packed: bytes) -> int:
     return min(8 * len(packed) + (1 << 16), UNPACKED_BYTES_MAX)
 
 
-def _joined(parts: Iterator[bytes]) -> bytes:
+def _joined(parts: Iterable[bytes]) -> bytes:
     kept: list[bytes] = []
     count = 0
     for part in parts:

@@ -140,6 +140,8 @@ def test_a_window_reads_no_packet_that_ends_before_it(path: Path, monkeypatch: p
     monkeypatch.setattr(Aedat3File, "_read_events", counting)
     assert rows(Events.joined(source.blocks(expected[750][0]))) == expected[700:]
     assert len(read_at) == 3
+    last = [row for row in expected[900:] if row[0] == expected[-1][0]]
+    assert rows(Events.joined(source.blocks(expected[-1][0])))[-len(last) :] == last
 
 
 def test_small_packets_come_in_blocks_and_a_large_one_too(path: Path) -> None:

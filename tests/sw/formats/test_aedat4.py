@@ -12,6 +12,7 @@ import lz4.frame
 import numpy as np
 import pytest
 import zstandard
+from numpy.typing import NDArray
 
 from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Events, Recording
@@ -184,14 +185,14 @@ def test_a_window_reads_no_packet_that_ends_before_it(tmp_path: Path, monkeypatc
     events = make_events(10 * PACKET_EVENTS)
     path = written(tmp_path / "events.aedat4", events)
     read: list[int] = []
-    read_events = Aedat4File._read_events
+    read_elements = Aedat4File._read_elements
 
-    def counting(self: Aedat4File, file: object, packet: object, unpack: object) -> memoryview:
+    def counting(self: Aedat4File, file: object, packet: object, unpack: object) -> NDArray[np.void]:
         read.append(packet.row)  # type: ignore[attr-defined]
-        return read_events(self, file, packet, unpack)  # type: ignore[arg-type]
+        return read_elements(self, file, packet, unpack)  # type: ignore[arg-type]
 
     source = Aedat4File(path)
-    monkeypatch.setattr(Aedat4File, "_read_events", counting)
+    monkeypatch.setattr(Aedat4File, "_read_elements", counting)
     from_us = int(events.t_us[7 * PACKET_EVENTS + 5])
     got = Events.joined(source.blocks(from_us))
     assert read == [7, 8, 9]
