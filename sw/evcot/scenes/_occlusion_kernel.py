@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Kernel: how much of each object is hidden, by lines across it.
 
-On each of `_LINES` lines the stretches that shapes cover are exact; between the lines nothing is looked at, so a straight edge
-along the lines errs by at most half a line: 0.8 % of the object's height.
+On each of `_LINES` lines the stretches that shapes cover are exact; between the lines nothing is looked at, so each straight
+edge along the lines errs by at most half a line: 0.8 % of the object's height.
 """
 
 from __future__ import annotations

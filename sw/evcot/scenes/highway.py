@@ -35,7 +35,7 @@ _MARGIN_PX = 4.0  # so far off the sensor a vehicle is put on the stage
 
 def _pixel() -> PixelModel:
     return PixelModel(
-        on_threshold=0.22, off_threshold=0.22, mismatch=0.05, refractory_us=1_200, noise_hz=0.05, hot_pixels=1, hot_hz=9_140.0
+        on_threshold=0.36, off_threshold=0.36, mismatch=0.1, refractory_us=100, noise_hz=0.02, hot_pixels=1, hot_hz=9_140.0
     )
 
 
@@ -54,10 +54,10 @@ class Highway(StageSettings):
 
     pixel: PixelModel = field(default_factory=_pixel)
     camera_height_m: float = 7.5
-    speed_m_s: float = 22.0
-    vehicles_per_s: float = 1.3
+    speed_m_s: float = 20.0
+    vehicles_per_s: float = 2.0
     lorry_share: float = 0.12
-    contrast: float = 0.9
+    contrast: float = 1.1
 
 
 def simulate(settings: Highway) -> Scene:

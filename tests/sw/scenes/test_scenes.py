@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every filmed scene: what is drawn is where the truth says, moves as the truth says, and makes its events there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot.errors import ConfigError
+from evcot.events import Events
+from evcot.scenes import discs, highway, insects, pendulum, shake
+from evcot.scenes._render_kernel import bounds, draw
+from evcot.scenes.pixel import PixelModel
+from evcot.scenes.registry import SCENES, scene_settings, simulate_scene
+from evcot.scenes.scene import Scene
+from evcot.scenes.shapes import OBJECT
+from evcot.scenes.stage import _samples
+
+FILMED = {"discs": discs, "highway": highway, "insects": insects, "pendulum": pendulum, "shake": shake}
+QUIET = PixelModel(0.2, 0.2)
+SHORT = {"duration_us": 300_000}
+
+
+def content(scene: Scene) -> bytes:
+    events = scene.recording.events
+    return b"".join(part.tobytes() for part in (events.t_us, events.x, events.y, events.p, scene.truth.samples))
+
+
+def stage_of(name: str, **overrides: Any) -> Any:
+    return FILMED[name]._Stage(scene_settings(name, 3, overrides))
+
+
+def truth_of(name: str, **overrides: Any) -> NDArray[np.void]:
+    """The truth of 4 s, every 10 ms."""
+    return _samples(stage_of(name, **overrides), range(0, 4_000_000, 10_000), (346, 260))
+
+
+def drawn(shapes: NDArray[np.float64], width: int, height: int) -> NDArray[np.float64]:
+    """Linear intensity of shapes before a background of 1."""
+    background, scratch, linear, frame = (np.ones((height, width)) for _ in range(4))
+    draw(np.array([[0, 0, width, height]]), shapes, background, scratch, linear, frame)
+    return linear
+
+
+def of_object(samples: NDArray[np.void], number: int) -> NDArray[np.void]:
+    return samples[samples["object_id"] == number]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_equal_seeds_give_equal_bytes_and_other_seeds_other_events(name: str) -> None:
+    once, again, other = (simulate_scene(name, seed, SHORT) for seed in (4, 4, 5))
+    assert content(once) == content(again)
+    assert content(once) != content(other)
+    events = once.recording.events  # a Recording refuses events out of order or off the sensor
+    assert len(events) > 5_000
+    assert events.t_us[-1] < SHORT["duration_us"]
+    assert 0.2 < events.p.mean() < 0.8
+    assert once.seed == 4
+
+
+@pytest.mark.parametrize("name", FILMED)
+def test_velocities_are_the_derivatives_of_positions(name: str) -> None:
+    """Central differences over 20 us, at moments all over the scene; only turns, where there is no derivative, may differ."""
+    stage = stage_of(name, duration_us=4_000_000)
+    wrong = compared = 0
+    for t_us in np.linspace(1_000, 3_990_000, 150):
+        before, now, after = (stage.objects(float(t)) for t in (t_us - 10, t_us, t_us + 10))
+        kept = [set(each["object_id"]) for each in (before, now, after)]
+        both = sorted(kept[0] & kept[1] & kept[2])
+        before, now, after = (each[np.isin(each["object_id"], both)] for each in (before, now, after))
+        for place, speed in (("x", "vx"), ("y", "vy")):
+            found = (after[place] - before[place]) / 20e-6
+            wrong += np.count_nonzero(abs(found - now[speed]) > 0.05 + 1e-3 * abs(now[speed]))
+            compared += len(both)
+    assert compared >= 300
+    assert wrong <= 0.01 * compared
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides", "number"),
+    [
+        ("discs", {"count": 1}, 0),
+        ("insects", {"count": 1, "blades": 0, "glints": 0}, 0),
+        ("pendulum", {"length_px": 120.0, "angle_deg": 20.0}, 0),
+        ("pendulum", {"length_px": 120.0, "angle_deg": 20.0}, 1),
+        ("shake", {"count": 1}, 0),
+    ],
+)
+def test_what_is_drawn_has_its_centroid_and_its_box_where_the_truth_says(
+    name: str, overrides: dict[str, Any], number: int
+) -> None:
+    stage = stage_of(name, **overrides)
+    grid_y, grid_x = np.mgrid[:260, :346]
+    compared = 0
+    for t_us in range(0, 2_000_000, 37_003):
+        truth = of_object(stage.objects(t_us), number)[0]
+        half = truth["width"] / 2 + 2, truth["height"] / 2 + 2
+        if not (half[0] < truth["x"] < 345 - half[0] and half[1] - 4 < truth["y"] < 259 - half[1]):
+            continue
+        shapes = stage.shapes(t_us)
+        shapes = shapes[shapes[:, OBJECT] == number]
+        part = abs(drawn(shapes, 346, 260) - 1)
+        if part[0].any():
+            part = part[1:]  # the rod hangs from the edge
+            assert (part.sum(axis=1) > 0).sum() == pytest.approx(truth["height"], abs=2.0)
+        else:
+            assert (part * grid_x).sum() / part.sum() == pytest.approx(truth["x"], abs=0.1)
+            assert (part * grid_y).sum() / part.sum() == pytest.approx(truth["y"], abs=0.1)
+        sides = np.array([bounds(shape) for shape in shapes])
+        assert sides[:, 2].max() - sides[:, 0].min() == pytest.approx(truth["width"], abs=1e-6)
+        assert (sides[:, 2].max() + sides[:, 0].min()) / 2 == pytest.approx(truth["x"], abs=1e-6)
+        assert (sides[:, 3].max() + sides[:, 1].min()) / 2 == pytest.approx(truth["y"], abs=1e-6)
+        compared += 1
+    assert compared > 20
+
+
+def test_a_vehicle_is_drawn_within_its_box_and_fills_it() -> None:
+    """All faces but the shadow; to half a pixel, where the contour's own pixel ends."""
+    stage = stage_of("highway")
+    compared = 0
+    for t_us in range(0, 4_000_000, 250_000):
+        for truth in stage.objects(t_us):
+            left, top = truth["x"] - truth["width"] / 2, truth["y"] - truth["height"] / 2
+            right, bottom = truth["x"] + truth["width"] / 2, truth["y"] + truth["height"] / 2
+            if left < 2 or top < 2 or right > 343 or bottom > 257:
+                continue
+            shapes = stage.shapes(t_us)
+            faces = shapes[shapes[:, OBJECT] == truth["object_id"]][1:]
+            rows, columns = np.nonzero(drawn(faces, 346, 260) != 1)
+            assert (columns.min(), rows.min()) == (pytest.approx(left, abs=1.0), pytest.approx(top, abs=1.0))
+            assert (columns.max(), rows.max()) == (pytest.approx(right, abs=1.0), pytest.approx(bottom, abs=1.0))
+            compared += 1
+    assert compared > 30
+
+
+def test_an_edge_that_passes_makes_floor_of_contrast_over_threshold_events_in_each_pixel() -> None:
+    """A disc that crosses the sensor on a row of its own: ON and OFF, as many as thresholds fit into its contrast."""
+    settings = discs.Discs(
+        width=128, height=64, duration_us=400_000, count=1, radius_px=8.0, speed_px_s=150.0, speed_spread=0.0, contrast=0.9,
+        ways="separate", pixel=QUIET, seed=2,
+    )  # fmt: skip
+    scene = discs.simulate(settings)
+    events, samples = scene.recording.events, scene.truth.samples
+    assert np.ptp(samples["x"]) > 40
+    row = round(float(samples["y"][0]))
+    # Columns that the whole disc has passed, and whose texture is nearly that of the background.
+    low, high = samples["x"].min() + 10, samples["x"].max() - 10
+    counts = {p: np.bincount(events.x[(events.y == row) & (events.p == p)], minlength=128) for p in (0, 1)}
+    passed = np.arange(int(low) + 1, int(high))
+    turned = np.diff(np.sign(samples["vx"])).any()
+    assert not turned
+    assert abs(np.median(counts[0][passed]) - 4) <= 1
+    assert (abs(counts[0][passed] - counts[1][passed]) <= 1).all()
+
+
+@pytest.mark.parametrize("name", ["discs", "pendulum"])
+def test_events_free_of_noise_lie_on_the_contours(name: str) -> None:
+    """Within a pixel and a half of a disc's contour, or of the rod."""
+    scene = FILMED[name].simulate(replace(scene_settings(name, 3, SHORT), pixel=QUIET))
+    events, samples = scene.recording.events, scene.truth.samples
+    step = events.t_us // 1_000
+    nearest = np.full(len(events), np.inf)
+    for number in np.unique(samples["object_id"]):
+        if name == "pendulum" and number == pendulum.ROD:
+            continue
+        mine = of_object(samples, int(number))[step]
+        ahead = (events.t_us - mine["t_us"]) * 1e-6
+        distance = np.hypot(events.x - mine["x"] - mine["vx"] * ahead, events.y - mine["y"] - mine["vy"] * ahead)
+        nearest = np.minimum(nearest, abs(distance - mine["width"] / 2))
+    if name == "pendulum":
+        bob = of_object(samples, pendulum.BOB)[step]
+        middle = (346 - 1) / 2
+        angle = np.arctan2(bob["x"] - middle, bob["y"] + 0.5)
+        nearest = np.minimum(nearest, abs((events.x - middle) * np.cos(angle) - (events.y + 0.5) * np.sin(angle)))
+        assert np.mean(nearest < 2.6) > 0.999
+    else:
+        assert np.mean(nearest < 1.5) > 0.999
+    assert len(events) > 5_000
+
+
+def test_the_highway_tells_its_story() -> None:
+    """0 comes towards the camera and grows, 1 stands on the shoulder for a while, 2 passes the lorry; the rest drive away."""
+    samples = truth_of("highway")
+    wrong, stopping, overtaking, lorry = (of_object(samples, number) for number in range(4))
+    assert (wrong["vy"] > 0).all()
+    assert (np.diff(wrong["width"]) > 0).all()
+    standing = stopping[(stopping["t_us"] > 1_600_000) & (stopping["t_us"] < 2_400_000)]
+    assert (standing["vx"] == 0).all()
+    assert (standing["vy"] == 0).all()
+    assert standing["visible"].all()
+    assert (stopping["vy"][stopping["t_us"] < 1_500_000] < 0).all()
+    assert stopping["vy"][-1] < 0
+    passing = np.isin(overtaking["t_us"], lorry["t_us"])
+    bottom = (overtaking["y"] + overtaking["height"] / 2)[passing]
+    other = lorry[np.isin(lorry["t_us"], overtaking["t_us"])]
+    behind = bottom > other["y"] + other["height"] / 2
+    assert behind[0]
+    assert not behind[-1]
+    others = samples[(samples["object_id"] > 3) & (samples["vy"] >= 0)]
+    assert not len(others)
+    assert len(np.unique(samples["object_id"])) > 6
+    assert samples["occluded"].max() > 0.5
+
+
+def test_no_two_vehicles_of_the_highway_ever_collide() -> None:
+    stage = stage_of("highway", duration_us=30_000_000, vehicles_per_s=3.0)
+    traffic = stage._traffic
+    assert len(traffic.is_lorry) > 30
+    for t_s in np.arange(0, 30, 0.25):
+        now = traffic.at(float(t_s))
+        gap_x = abs(now.across_m[:, None] - now.across_m) - (traffic.width_m[:, None] + traffic.width_m) / 2
+        rear, front = now.along_m, now.along_m + traffic.length_m
+        beside = (gap_x < 0) & ~np.eye(len(rear), dtype=bool)
+        overlap = np.minimum(front[:, None], front) - np.maximum(rear[:, None], rear)
+        in_sight = (rear[:, None] > 15) & (rear[:, None] < 145)
+        assert not (beside & in_sight & (overlap > 0)).any()
+
+
+def test_separate_discs_keep_to_their_lanes_and_all_discs_to_the_sensor() -> None:
+    for ways in ("separate", "crossing"):
+        samples = truth_of("discs", ways=ways, count=12)
+        assert samples["visible"].all()
+        assert (samples["x"] >= 8.5 - 1e-9).all()
+        assert (samples["x"] <= 345.5 - 9 + 1e-9).all()
+        if ways == "separate":
+            assert not samples["vy"].any()
+            assert samples["occluded"].max() == 0
+        else:
+            assert samples["occluded"].max() > 0.3
+
+
+def test_a_shaken_picture_moves_as_one() -> None:
+    stage = stage_of("shake", shake_px=5.0)
+    for t_us in (0, 123_456, 1_000_000):
+        right, down = stage.shift(t_us)
+        objects = stage.objects(t_us)
+        lanes = (np.arange(4) + 0.5) * 65 - 0.5
+        np.testing.assert_allclose(objects["y"] - down, lanes)
+        assert abs(right) <= 5.0
+    shifts = np.array([stage.shift(t) for t in range(0, 2_000_000, 1_000)])
+    assert 2.0 < abs(shifts).max() <= 5.0
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides", "message"),
+    [
+        ("nothing", {}, "scene 'nothing': must be one of boxes, discs, highway, insects, pendulum, shake"),
+        ("discs", {"wings": 2}, "discs.wings: no such setting: must be one of width, height, duration_us, seed, truth_step_us"),
+        ("discs", {"count": "many"}, "discs.count = 'many': must be a whole number"),
+        ("discs", {"contrast": "much"}, "discs.contrast = 'much': must be a number"),
+        ("discs", {"count": 0}, "discs.count = 0: must be from 1 to 256 (how many discs)"),
+        ("discs", {"ways": "lost"}, "discs.ways = 'lost': must be one of crossing, separate"),
+        ("discs", {"radius_px": 140.0}, "discs.radius_px = 140: must be at most 130, so that a disc has room"),
+        ("discs", {"noise_hz": "-1"}, "pixel.noise_hz = -1.0: must be from 0.0 to 1000.0 (background activity"),
+        (
+            "pendulum",
+            {"length_px": 250.0},
+            "pendulum.length_px = 250: with the bob's 16 must be at most the sensor's 260 pixels",
+        ),
+        ("shake", {"shake_px": 15.0}, "shake.shake_px = 15.0: must be from 0.0 to 14.0 (farthest that the picture moves)"),
+        ("shake", {"side_px": 70.0}, "shake.side_px = 70: must be at most a lane's 65 pixels"),
+        ("highway", {"duration_us": 1}, "highway.duration_us = 1: must be from 1000 to 1000000000 (length of the scene)"),
+        ("insects", {"seed": -1}, "insects.seed = -1: must be from 0 to"),
+    ],
+)
+def test_settings_that_make_no_scene_are_refused(name: str, overrides: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        simulate_scene(name, 1, overrides)
+    assert str(caught.value).startswith(message)
+
+
+def test_text_is_read_as_the_settings_kind_of_value() -> None:
+    settings = scene_settings("discs", 7, {"count": "3", "contrast": "1", "ways": "separate", "noise_hz": "2.5"})
+    assert (settings.count, settings.contrast, settings.ways, settings.pixel.noise_hz, settings.seed) == (
+        3,
+        1.0,
+        "separate",
+        2.5,
+        7,
+    )
+
+
+def test_a_scene_may_be_empty() -> None:
+    assert not len(simulate_scene("shake", 1, {"count": 0, "duration_us": 5_000}).truth.samples)
+    assert isinstance(simulate_scene("pendulum", 1, {"duration_us": 1_000, "noise_hz": 0.0}).recording.events, Events)
