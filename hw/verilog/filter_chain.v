@@ -64,7 +64,8 @@ module filter_chain #(
         .OK(RECENT_DEPTH >= `EVCOT_RECENT_DEPTH_MIN && RECENT_DEPTH <= `EVCOT_RECENT_DEPTH_MAX)
     ) RECENT_DEPTH_must_be_1_to_256 ();
 
-    localparam [6:0] BUILT = HAS;
+    localparam [31:0] FILTERS = HAS;
+    localparam [6:0]  BUILT   = FILTERS[6:0];
 
     localparam REGION     = `EVCOT_FILTER_REGION;
     localparam POLARITY   = `EVCOT_FILTER_POLARITY;
