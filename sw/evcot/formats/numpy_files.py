@@ -171,6 +171,8 @@ def _of_one_array(array: StoredArray) -> _NumpySource:
 
 def _open_npz(path: Path) -> _NumpySource:
     arrays = npz_arrays(path)
+    if not arrays:
+        raise RecordingError("is a zip file without NumPy arrays")
     only = next(iter(arrays.values())) if len(arrays) == 1 else None
     if only is not None and (only.dtype.names or len(only.shape) == 2):
         return _of_one_array(only)

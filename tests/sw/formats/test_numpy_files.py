@@ -197,6 +197,13 @@ def test_an_npz_of_other_arrays_is_refused(tmp_path: Path, arrays: dict[str, obj
     assert refusal(path) == message
 
 
+def test_another_zip_file_is_told_apart(tmp_path: Path) -> None:
+    path = tmp_path / "events.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("events.csv", "1,2,3,1\n")
+    assert refusal(path) == "is a zip file without NumPy arrays"
+
+
 def test_a_file_cut_short_gives_what_there_is_if_asked_to(tmp_path: Path) -> None:
     path = tmp_path / "events.npy"
     np.save(path, records(EVENTS.t_us))
