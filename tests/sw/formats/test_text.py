@@ -124,6 +124,9 @@ WHOLE_US = "must be a whole number of microseconds, below 2^63 us"
         ("10,1,2,1\n11,1,2,3\n", "event 1: p = 3: must be 0 or 1"),
         ("10,-1,2,1\n", "line 1: x = '-1': must be a whole number from 0 to 65535"),
         ("#\n\n10,1,70000,1\n", "line 3: y = '70000': must be a whole number from 0 to 65535"),
+        ("10,65536,2,1\n", "line 1: x = '65536': must be a whole number from 0 to 65535"),
+        ("10,1,2,1\n10,1,2.0000000000000000000001,1\n",
+         "line 2: y = '2.0000000000000000000001': must be a whole number from 0 to 65535"),
         ("10,1,2,1\n10,1,2.5,1\n", "line 2: y = '2.5': must be a whole number from 0 to 65535"),
         ("10,1,2,-2\n", "line 1: p = '-2': must be 0, 1 or -1"),
         ("10,1,2,256\n", "line 1: p = '256': must be 0, 1 or -1"),
@@ -155,7 +158,7 @@ WHOLE_US = "must be a whole number of microseconds, below 2^63 us"
         ("10,1,2,1\n" + "1" * 70_000, "byte 70009: no line ends in the 65536 bytes before: must be text"),
         ("99999 99999\n10 1 2 1\n", "sensor 99999x99999: each side must be from 1 to 65536 pixels"),
     ],
-)
+)  # fmt: skip
 def test_what_is_wrong_is_named_with_its_line(path: Path, content: str | bytes, message: str) -> None:
     assert refusal(path, content) == message
 
