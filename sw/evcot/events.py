@@ -149,6 +149,20 @@ class Recording:
         if fault is not None:
             raise RecordingError(f"{self.name}: {fault.describe()}")
 
+    def window(self, from_us: int = 0, to_us: int | None = None) -> Recording:
+        """The events with from_us <= t - t of the first < to_us, to_us None for the end, as a recording of their own.
+
+        Raises:
+            RecordingError: there are none.
+        """
+        since = self.events.t_us - self.events.t_us[:1]
+        first = int(np.searchsorted(since, from_us))
+        end = len(since) if to_us is None else int(np.searchsorted(since, to_us))
+        if first >= end:
+            last = "its end" if to_us is None else f"{to_us} us"
+            raise RecordingError(f"{self.name}: holds no events from {from_us} us to {last}")
+        return Recording(self.events[first:end], self.width, self.height, self.name)
+
     @property
     def duration_us(self) -> int:
         """Time from the first to the last event."""

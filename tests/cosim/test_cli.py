@@ -182,7 +182,7 @@ def csv(*lines: str) -> bytes:
         ("empty.raw", b"", "empty.raw: is empty"),
         ("what.bin", b"\x00\x01\x02\x03" * 9, "what.bin: "),
         ("back.csv", csv("t,x,y,p", "5,1,1,1", "3,1,1,0"), "back.csv: event 1: t = 3 us follows t = 5 us: "),
-        ("cut.raw", b"% evt 2.0\n% geometry 640x480\n% end\n" + bytes(10), "cut.raw: 10 bytes of events: must be"),
+        ("cut.raw", b"% evt 2.0\n% geometry 640x480\n% end\n" + bytes(10), "cut.raw: ends within a word of 4 bytes, at byte 45"),
     ],
 )  # fmt: skip
 def test_a_bad_file(name: str, content: bytes | None, message: str, capsys: Capture) -> None:
@@ -217,7 +217,7 @@ def test_a_bad_configuration(recording: Path, toml: str, message: str, capsys: C
         (("cosim", "--preset", "warp"), "preset 'warp': must be one of slow, fast, fast5, dvs128"),
         (("cosim", "--seed", "-1"), "--seed -1: must not be negative"),
         (("cosim", "--hardware", "cot", "--slots", "2"), "shape.n_slots = 2: must be 1 for a single tracker"),
-        (("waves", "--from", "9000"), "waveform from 9000000 us to 2000 us: no event there"),
+        (("waves", "--from", "9000"), "waveform from 9000000 us to 9002000 us: no event there"),
     ],
 )
 def test_a_bad_option(arguments: tuple[str, ...], message: str, capsys: Capture) -> None:

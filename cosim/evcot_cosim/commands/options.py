@@ -12,13 +12,23 @@ from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.files import RecordingFile, open_recording
 
-__all__ = ["open_from", "read_from", "recording_options", "window_from"]
+__all__ = ["damage_options", "open_from", "read_from", "recording_options", "window_from", "window_options"]
 
 
 def recording_options(parser: argparse.ArgumentParser) -> None:
     """Add --from, --to, --sensor and --skip-damaged."""
+    window_options(parser)
+    damage_options(parser)
+
+
+def window_options(parser: argparse.ArgumentParser) -> None:
+    """Add --from and --to."""
     parser.add_argument("--from", dest="from_ms", type=float, default=0.0, metavar="MS", help="begin, after the first event")
     parser.add_argument("--to", dest="to_ms", type=float, metavar="MS", help="end (default: the recording's)")
+
+
+def damage_options(parser: argparse.ArgumentParser) -> None:
+    """Add --sensor and --skip-damaged."""
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: what the file says, else the smallest)")
     parser.add_argument("--skip-damaged", action="store_true", help="leave out what is damaged, and say how much")
 

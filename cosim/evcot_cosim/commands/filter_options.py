@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The options of every command that has filters in front."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from evcot.config import FilterConfig
+from evcot.events import Events
+from evcot.filters.hot_pixels import Pixels, learn_hot_pixels, load_hot_pixels, save_hot_pixels
+
+__all__ = ["filter_options", "filters_from"]
+
+
+def milliseconds(text: str) -> int:
+    """Milliseconds as whole microseconds; less than one is none only where it says 0. The name is what argparse prints."""
+    ms = float(text)
+    if not math.isfinite(ms) or (ms != 0 and round(1000 * ms) == 0):
+        raise ValueError(text)
+    return round(1000 * ms)
+
+
+def region(text: str) -> tuple[int, ...]:
+    """`X0,Y0,X1,Y1`. The name is what argparse prints."""
+    return tuple(int(part) for part in text.split(","))
+
+
+# option -> (field of FilterConfig, type, argument, help)
+_NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
+    "--refractory": ("refractory_us", milliseconds, "MS", "silence each pixel for so long after an event"),
+    "--activity": ("activity_us", milliseconds, "MS", "keep events that a neighbour preceded by at most so long"),
+    "--activity-support": ("activity_support", int, "N", "how many neighbours (default: 1)"),
+    "--recent": ("recent_us", milliseconds, "MS", "keep events near one of the last few, at most so old"),
+    "--recent-radius": ("recent_radius", int, "PX", "how near (default: 4)"),
+    "--recent-support": ("recent_support", int, "N", "near how many (default: 1)"),
+    "--recent-depth": ("recent_depth", int, "N", "of how many last events (default: 32)"),
+    "--decay-tau": ("decay_tau_us", milliseconds, "MS", "keep events whose neighbours' weights, decaying so, add up"),
+    "--decay-epsilon": ("decay_epsilon", float, "W", "weight up to which an event is forgotten (default: 0.1)"),
+    "--decay-support": ("decay_support", float, "W", "sum of weights that an event needs (default: 1)"),
+}
+
+
+def filter_options(parser: argparse.ArgumentParser) -> None:
+    """Add an option for each filter's settings."""
+    group = parser.add_argument_group("filters", "on top of the table [filters] of --config; see docs/filters.md")
+    group.add_argument("--region", type=region, metavar="X0,Y0,X1,Y1", help="keep these columns and rows, the last ones too")
+    group.add_argument("--polarity", choices=("on", "off"), help="keep events of this polarity")
+    group.add_argument("--hot-pixels", type=Path, metavar="FILE", help="silence the pixels listed there, one `x y` a line")
+    group.add_argument(
+        "--learn-hot-pixels", nargs="?", const="", metavar="FILE",
+        help="find hot pixels in the recording and silence them; with a FILE also list them there",
+    )  # fmt: skip
+    for option, (field, kind, metavar, meaning) in _NUMBERS.items():
+        group.add_argument(option, dest=field, type=kind, metavar=metavar, help=meaning)
+
+
+def filters_from(
+    options: argparse.Namespace, base: FilterConfig, blocks: Iterable[Events], sensor: tuple[int, int]
+) -> FilterConfig:
+    """A configuration with what the options say on top.
+
+    Args:
+        blocks: the recording, from which hot pixels are learned where the options ask for it.
+
+    Raises:
+        ConfigError: a value outside its range, or a list of hot pixels that cannot be used.
+    """
+    return _with_hot_pixels(_on_top(base, options), options, blocks, sensor)
+
+
+def _on_top(config: FilterConfig, options: argparse.Namespace) -> FilterConfig:
+    """The configuration with what the options say."""
+    given = {name: getattr(options, name) for name in ("region", "polarity", *(field for field, *_ in _NUMBERS.values()))}
+    return replace(config, **{name: value for name, value in given.items() if value is not None})
+
+
+def _with_hot_pixels(
+    config: FilterConfig, options: argparse.Namespace, blocks: Iterable[Events], sensor: tuple[int, int]
+) -> FilterConfig:
+    """The configuration with the hot pixels that are listed, and those that are found in the blocks."""
+    listed = load_hot_pixels(options.hot_pixels, sensor) if options.hot_pixels else ()
+    learned: Pixels = ()
+    if options.learn_hot_pixels is not None:
+        learned = learn_hot_pixels(blocks, sensor)
+        if options.learn_hot_pixels:
+            save_hot_pixels(options.learn_hot_pixels, learned, sensor)
+    return replace(config, hot_pixels=config.hot_pixels + listed + learned)
