@@ -32,6 +32,7 @@ concerned on each broken copy and fails when one of them goes unnoticed. Named i
 """
 
 ARRAY, CHAIN, COT, UPDATE = "test_cot_array.py", "test_cot_chain.py", "test_cot.py", "test_cot_update.py"
+FILTERS = "test_filter_chain.py"
 
 
 @dataclass(frozen=True)
@@ -178,6 +179,35 @@ MUTATIONS = (
         "seed_error = load && (&seed)",
         "seed_error = 1'b0",
         ("test_lfsr.py",),
+    ),
+    Mutation(
+        "a mark beyond the sensor hits a pixel on it",
+        "filter_mask.v",
+        "mask_valid && mask_column < COLUMNS &&",
+        "mask_valid &&",
+        ("test_filter_mask.py",),
+    ),
+    Mutation(
+        "tokens move on while a mark has the memory's port",
+        "filter_mask.v",
+        "advance = space && !marks",
+        "advance = space",
+        ("test_filter_mask.py",),
+    ),
+    Mutation("a stamp wraps", "filter_recent.v", "!jump && !quarters[1]", "!jump", ("test_filter_recent.py",)),
+    Mutation(
+        "a pixel vouches for itself",
+        "filter_recent.v",
+        "near_x && near_y && !same",
+        "near_x && near_y",
+        ("test_filter_recent.py", FILTERS),
+    ),
+    Mutation(
+        "two filters in each other's place",
+        "filter_chain.v",
+        "REFRACTORY = `EVCOT_FILTER_REFRACTORY; localparam ACTIVITY = `EVCOT_FILTER_ACTIVITY;",
+        "REFRACTORY = `EVCOT_FILTER_ACTIVITY; localparam ACTIVITY = `EVCOT_FILTER_REFRACTORY;",
+        (FILTERS,),
     ),
 )
 

@@ -4,7 +4,7 @@
 // The RAM has one port, so a read never meets a write: a mark holds the tokens up for a clock. It counts for every token that
 // is taken in its own clock or later; for a token inside, it may. Marks beyond WIDTH x HEIGHT are ignored.
 //
-// Latency:    3 clocks from s_ to m_: the pixel's address, the RAM, the decision.
+// Latency:    4 clocks from s_ to m_: the pixel's address, the RAM, which of its blocks, the decision.
 // Throughput: 1 token per clock, but for the clock after a mark.
 // Stall:      while the output is full, nothing moves.
 // Reset:      becomes empty, then unmarks every pixel, one a clock. Meanwhile idle and s_ready are low and marks are lost.
@@ -97,12 +97,13 @@ module filter_mask #(
 
     // ---- tokens: address, RAM, decision ------------------------------------------------------------------------------
 
-    reg addressed_valid, addressed_event, read_valid, read_event;
-    reg addressed_outside, read_outside;
-    reg [TOKEN_W-1:0] addressed, read;
+    reg addressed_valid, addressed_event, addressed_outside;
+    reg read_valid, read_event, read_outside;
+    reg known_valid, known_event, hot;
+    reg [TOKEN_W-1:0] addressed, read, known;
     reg [ADDR_W-1:0] address;
     reg memory [0:PIXELS-1];
-    reg hot;
+    reg marked;
 
     wire space;
     wire advance = space && !marks;
@@ -115,7 +116,7 @@ module filter_mask #(
 
     always @(posedge clk) begin
         if (marks) memory[port] <= mark_hot;
-        else if (space) hot <= memory[port];
+        else if (space) marked <= memory[port];
     end
 
     always @(posedge clk) begin
@@ -129,35 +130,40 @@ module filter_mask #(
             read_event        <= addressed_event;
             read_outside      <= addressed_outside;
             read              <= addressed;
+            known_valid       <= read_valid;
+            known_event       <= read_event;
+            known             <= read;
+            hot               <= marked || read_outside;
         end
         if (rst) begin
             addressed_valid <= 1'b0;
             read_valid      <= 1'b0;
+            known_valid     <= 1'b0;
         end
     end
 
     wire [TICK_W-1:0] tick;
     wire              skip;
     wire [X_W+Y_W:0]  rest;  // x, y, p
-    assign {tick, skip, rest} = read;
+    assign {tick, skip, rest} = known;
 
-    wire drops = read_event && enable && (read_outside || hot);
+    wire drops = known_event && enable && hot;
 
     skid_buffer #(
         .W(TICK_W + X_W + Y_W + 3)
     ) u_output (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(read_valid && !marks),
+        .s_valid(known_valid && !marks),
         .s_ready(space),
-        .s_data ({tick, read_event && !drops, skip || drops, rest}),
+        .s_data ({tick, known_event && !drops, skip || drops, rest}),
         .m_valid(m_valid),
         .m_ready(m_ready),
         .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
     );
 
     assign s_ready = advance;
-    assign idle    = !mask_valid && !marks && !addressed_valid && !read_valid && !m_valid;
+    assign idle    = !mask_valid && !marks && !addressed_valid && !read_valid && !known_valid && !m_valid;
 
     wire unused = &{1'b0, at, mask_at};
 

@@ -22,7 +22,7 @@ SHAPE = FilterShape(width=29, height=22, stamp_w=10, recent_depth=12)
 LATENCY = {
     Filter.REGION: 1,
     Filter.POLARITY: 1,
-    Filter.MASK: 3,
+    Filter.MASK: 4,
     Filter.REFRACTORY: 5,
     Filter.ACTIVITY: 6,
     Filter.RECENT: 4,
