@@ -175,7 +175,7 @@ def _check(dataset: Any, part: Part, file_bytes: int, matlab: bool) -> int:
         held = dataset.id.get_num_chunks()
         if held != chunks:
             raise _Refusal(f"{name}: holds {held} of {chunks} chunks: must hold all")
-    elif dataset.id.get_storage_size() < dataset.nbytes or (dataset.id.get_offset() or 0) + dataset.nbytes > file_bytes:
+    elif dataset.id.get_storage_size() != dataset.nbytes or (dataset.id.get_offset() or 0) + dataset.nbytes > file_bytes:
         raise _Refusal(f"{name}: of its {dataset.nbytes} bytes not all are in the file; is it cut off?")
     return int(dataset.size if pick is None else dataset.shape[0])
 

@@ -38,7 +38,7 @@ def _fill_rounded(values, scale, least, most, signed, out):  # type: ignore[no-u
     for i in range(len(values)):
         value = np.float64(values[i])
         if signed & (value == -1.0):
-            value = 0.0
+            value = np.float64(0.0)
         rounded = np.rint(value * scale)
         if not ((rounded >= least) & (rounded <= most)) or ((scale == 1.0) & (rounded != value)):
             return i

@@ -178,7 +178,10 @@ def evt3_words() -> tuple[np.ndarray[Any, Any], list[tuple[int, int, int, int]]]
 
 @pytest.mark.parametrize("big", [False, True], ids=["little", "big"])
 @pytest.mark.parametrize("kind", ["ros1", "mcap", "sqlite3"])
-def test_packets_of_evt3_are_one_stream_wherever_they_are_cut(tmp_path: Path, kind: str, big: bool) -> None:
+def test_packets_of_evt3_are_one_stream_wherever_they_are_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, big: bool
+) -> None:
+    monkeypatch.setattr(ros, "BLOCK_EVENTS", 3)
     words, wanted = evt3_words()
     content = words.astype(">u2" if big else "<u2").tobytes()
     cuts = [0, 2, 14, 14, 16, 100, 102, len(content)]
