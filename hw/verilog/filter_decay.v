@@ -5,12 +5,12 @@
 // Time runs in units of 1/32 of a half-life, and the memory holds units. A weight is halved once per 32 units, so after 257
 // nothing is left of it, and stamps of 9 bits, exact below an age of 384, do for any rate: see stamp_walk.v.
 //
-// Latency:    10 clocks from s_ to m_: product and sum of the clock, 4 of the memory, table, halving, sums, sum and decision.
+// Latency:    11 clocks from s_ to m_: products and sum of the clock, 5 of the memory, table, halving, sums, sum and decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
 // Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events: ceil(WIDTH/4) * ceil(HEIGHT/4) + 4 clocks with idle low, in which two
+// Reset:      becomes empty and forgets all events: ceil(WIDTH/4) * ceil(HEIGHT/4) + 5 clocks with idle low, in which two
 //             tokens at most are taken.
-// RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * 9 bits. One multiplier, TICK_W x 25 bits.
+// RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * 9 bits. Two multipliers, TICK_W x 13 and TICK_W x 12 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -67,13 +67,14 @@ module filter_decay #(
 
     reg                  scaled_valid, passed_valid;
     reg [TOKEN_W-1:0]    scaled, passed;
-    reg [PRODUCT_W-1:0]  product;
+    reg [TICK_W+12:0]    low_product;
+    reg [TICK_W+11:0]    high_product;
     reg [CLOCK_FRAC-1:0] fraction;  // of a unit, that has passed so far
     reg [UNITS_W-1:0]    units;
 
     wire               memory_ready;
     wire               moves = memory_ready || !passed_valid;
-    wire [PRODUCT_W:0] clock = {{UNITS_W{1'b0}}, fraction} + {1'b0, product};
+    wire [PRODUCT_W:0] clock = {{UNITS_W{1'b0}}, fraction} + {13'd0, low_product} + {1'b0, high_product, 13'd0};
 
     assign s_ready = moves;
 
@@ -81,7 +82,8 @@ module filter_decay #(
         if (moves) begin
             scaled_valid <= s_valid;
             scaled       <= {s_event && enable, s_tick, s_event, s_skip, s_x, s_y, s_p};
-            product      <= {25'd0, s_tick} * {{TICK_W{1'b0}}, decay_rate};
+            low_product  <= {13'd0, s_tick} * {{TICK_W{1'b0}}, decay_rate[12:0]};
+            high_product <= {12'd0, s_tick} * {{TICK_W{1'b0}}, decay_rate[24:13]};
 
             passed_valid <= scaled_valid;
             passed       <= scaled;

@@ -2,14 +2,14 @@
 // Silences each pixel for a while after an event that stayed (docs/filters.md).
 //
 // One bank of block RAM holds when each pixel's last event stayed; stamp_walk.v keeps stamps of STAMP_W bits exact while they
-// wrap. A pixel is read two clocks before the decision and written with it, as only events that stay are remembered. So an
+// wrap. A pixel is read three clocks before the decision and written with it, as only events that stay are remembered. So an
 // event whose pixel is decided upon in between gets the new stamp passed on; a visit of the walk, which is decided and written
 // in the same place, does too. A read never counts on what it finds at the address that is written in the same clock.
 //
-// Latency:    5 clocks from s_ to m_: time and address, address, RAM, age, decision.
+// Latency:    6 clocks from s_ to m_: time and address, address, RAM, its output, age, decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
 // Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events: WIDTH * HEIGHT + 4 clocks with idle and s_ready low.
+// Reset:      becomes empty and forgets all events: WIDTH * HEIGHT + 5 clocks with idle and s_ready low.
 // RAM:        WIDTH * HEIGHT * STAMP_W bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
@@ -94,10 +94,11 @@ module filter_refractory #(
 
     reg                read_valid, read_access, read_visits;
     reg                found_valid, found_access, found_visits;
+    reg                then_valid, then_access, then_visits;
     reg                age_valid, age_access, age_visits;
-    reg [TOKEN_W-1:0]  read_token, found_token, age_token;
-    reg [ADDR_W-1:0]   read_at, found_at, age_at;
-    reg [STAMP_W-1:0]  read_now, found_now, age_now;
+    reg [TOKEN_W-1:0]  read_token, found_token, then_token, age_token;
+    reg [ADDR_W-1:0]   read_at, found_at, then_at, age_at;
+    reg [STAMP_W-1:0]  read_now, found_now, then_now, age_now;
 
     stamp_walk #(
         .W        (STAMP_W),
@@ -129,25 +130,29 @@ module filter_refractory #(
 
     (* ram_style = "block", no_rw_check *)
     reg [STAMP_W-1:0] stamps [0:PIXELS-1];
-    reg [STAMP_W-1:0] found, age;
+    reg [STAMP_W-1:0] found, then, age;
 
-    // What the read could not find: written one slot ahead, in this clock, or two slots ahead, in the clock of the read.
-    reg               next_same, passed;
+    // What the read could not find: written by the slot ahead or the next one, in this clock, or by the third one ahead, in
+    // the clock of the read.
+    reg               same_as_first, same_as_second, passed;
     reg [STAMP_W-1:0] passed_stamp;
 
     wire stays  = age_access && age >= {1'b0, refractory_ticks};
     wire writes = stays || (age_visits && (age[STAMP_W-1] || clearing));
     wire [STAMP_W-1:0] stamp = stays ? age_now : age_now - KEEP;
-    wire [STAMP_W-1:0] then  = (next_same && stays) ? age_now : passed ? passed_stamp : found;
 
     always @(posedge clk)
         if (space) begin
             if (writes) stamps[age_at] <= stamp;
-            found        <= stamps[read_at];
-            next_same    <= read_at == found_at;
-            passed       <= read_at == age_at && writes;
-            passed_stamp <= stamp;
-            age          <= found_now - then;
+            found          <= stamps[read_at];
+            passed         <= read_at == age_at && writes;
+            passed_stamp   <= stamp;
+
+            same_as_second <= read_at == then_at;
+            then           <= (same_as_second && writes) ? stamp : passed ? passed_stamp : found;
+
+            same_as_first  <= found_at == then_at;
+            age            <= then_now - ((same_as_first && stays) ? age_now : then);
         end
 
     // ---- the way to the decision -------------------------------------------------------------------------------------
@@ -168,12 +173,19 @@ module filter_refractory #(
             found_at     <= read_at;
             found_now    <= read_now;
 
-            age_valid    <= found_valid;
-            age_access   <= found_access;
-            age_visits   <= found_visits;
-            age_token    <= found_token;
-            age_at       <= found_at;
-            age_now      <= found_now;
+            then_valid   <= found_valid;
+            then_access  <= found_access;
+            then_visits  <= found_visits;
+            then_token   <= found_token;
+            then_at      <= found_at;
+            then_now     <= found_now;
+
+            age_valid    <= then_valid;
+            age_access   <= then_access;
+            age_visits   <= then_visits;
+            age_token    <= then_token;
+            age_at       <= then_at;
+            age_now      <= then_now;
         end
         if (rst) begin
             read_valid   <= 1'b0;
@@ -182,6 +194,9 @@ module filter_refractory #(
             found_valid  <= 1'b0;
             found_access <= 1'b0;
             found_visits <= 1'b0;
+            then_valid   <= 1'b0;
+            then_access  <= 1'b0;
+            then_visits  <= 1'b0;
             age_valid    <= 1'b0;
             age_access   <= 1'b0;
             age_visits   <= 1'b0;
@@ -208,7 +223,7 @@ module filter_refractory #(
         .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
     );
 
-    assign idle = !clearing && !waits && !read_valid && !found_valid && !age_valid && !m_valid;
+    assign idle = !clearing && !waits && !read_valid && !found_valid && !then_valid && !age_valid && !m_valid;
 
 endmodule
 

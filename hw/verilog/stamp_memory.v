@@ -5,14 +5,14 @@
 // An event asks the banks of its neighbours and is written into its own in the same clock, so it finds every event before it
 // and not itself. stamp_walk.v keeps stamps exact while they wrap: m_age is exact below KEEP = 2^STAMP_W - 2^(SEGMENT_W+1);
 // KEEP or more says that the pixel had no event, or none of an age that matters.
-// A visit reads a row of all banks and writes it back two clocks later. An event in between would want the port, or might have
-// written what the visit writes: then the visit is done again. So no cell is ever read and written in one clock, but for the
-// own bank of an event, whose answer is not used.
+// A visit reads a row of all banks and writes it back three clocks later. An event in between would want the port, or might
+// have written what the visit writes: then the visit is done again. So no cell is ever read and written in one clock, but for
+// the own bank of an event, whose answer is not used.
 //
-// Latency:    4 clocks from s_ to m_: time and address, addresses of the banks, RAM, ages.
+// Latency:    5 clocks from s_ to m_: time and address, addresses of the banks, RAM, its output, ages.
 // Throughput: 1 token per clock; for stalls by the walk, which are rare, see stamp_walk.v.
 // Stall:      while advance is low nothing moves; m_ outputs hold.
-// Reset:      no token inside; then all cells are emptied, which takes as many clocks as a bank has cells, and 3 more.
+// Reset:      no token inside; then all cells are emptied, which takes as many clocks as a bank has cells, and 4 more.
 //             Meanwhile idle and s_ready are low.
 // RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * STAMP_W bits. One read and one write port per bank, contents not reset.
 // Combinational paths: advance -> s_ready.
@@ -113,11 +113,12 @@ module stamp_memory #(
 
     reg                 read_valid, read_access, read_visits, read_on_sensor;
     reg                 found_valid, found_access, found_visits, found_on_sensor;
+    reg                 then_valid, then_access, then_visits, then_on_sensor;
     reg                 age_valid, age_visits, age_on_sensor;
-    reg [DATA_W-1:0]    read_data, found_data, age_data;
-    reg [ADDR_W-1:0]    read_base, found_base, age_base;
-    reg [STAMP_W-1:0]   read_now, found_now, age_now;
-    reg [15:0]          read_near, found_near, age_near;
+    reg [DATA_W-1:0]    read_data, found_data, then_data, age_data;
+    reg [ADDR_W-1:0]    read_base, found_base, then_base, age_base;
+    reg [STAMP_W-1:0]   read_now, found_now, then_now, age_now;
+    reg [15:0]          read_near, found_near, then_near, age_near;
     reg [15:0]          read_own;
 
     stamp_walk #(
@@ -147,7 +148,7 @@ module stamp_memory #(
     );
 
     assign visited = age_visits;
-    assign missed  = age_visits && (read_access || found_access);
+    assign missed  = age_visits && (read_access || found_access || then_access);
 
     always @(posedge clk) begin
         if (advance) begin
@@ -168,13 +169,22 @@ module stamp_memory #(
             found_near      <= read_near;
             found_on_sensor <= read_on_sensor;
 
-            age_valid       <= found_valid;
-            age_visits      <= found_visits && !missed;
-            age_data        <= found_data;
-            age_base        <= found_base;
-            age_now         <= found_now;
-            age_near        <= found_near;
-            age_on_sensor   <= found_on_sensor;
+            then_valid      <= found_valid;
+            then_access     <= found_access;
+            then_visits     <= found_visits && !missed;
+            then_data       <= found_data;
+            then_base       <= found_base;
+            then_now        <= found_now;
+            then_near       <= found_near;
+            then_on_sensor  <= found_on_sensor;
+
+            age_valid       <= then_valid;
+            age_visits      <= then_visits && !missed;
+            age_data        <= then_data;
+            age_base        <= then_base;
+            age_now         <= then_now;
+            age_near        <= then_near;
+            age_on_sensor   <= then_on_sensor;
         end
         if (rst) begin
             read_valid   <= 1'b0;
@@ -183,6 +193,9 @@ module stamp_memory #(
             found_valid  <= 1'b0;
             found_access <= 1'b0;
             found_visits <= 1'b0;
+            then_valid   <= 1'b0;
+            then_access  <= 1'b0;
+            then_visits  <= 1'b0;
             age_valid    <= 1'b0;
             age_visits   <= 1'b0;
         end
@@ -214,7 +227,7 @@ module stamp_memory #(
 
             (* ram_style = "block", no_rw_check *)
             reg [STAMP_W-1:0] stamps [0:CELLS-1];
-            reg [STAMP_W-1:0] found, age;
+            reg [STAMP_W-1:0] found, then, age;
             reg [ADDR_W-1:0]  at;
 
             wire too_old = &age[STAMP_W-1:SEGMENT_W+1];
@@ -229,7 +242,8 @@ module stamp_memory #(
                     if (writes) stamps[write_base] <= write_stamp;
                     found <= stamps[at];
 
-                    age <= found_now - found;
+                    then <= found;  // a RAM gives late in its clock
+                    age  <= then_now - then;
                 end
 
             assign m_age[b*STAMP_W +: STAMP_W] = age;
@@ -240,7 +254,7 @@ module stamp_memory #(
     assign m_data   = age_data;
     assign m_inside = age_on_sensor;
     assign m_near   = age_near;
-    assign idle     = !clearing && !waits && !read_valid && !found_valid && !age_valid;
+    assign idle     = !clearing && !waits && !read_valid && !found_valid && !then_valid && !age_valid;
 
 endmodule
 
