@@ -47,10 +47,11 @@ class Bag2:
         while True:
             with _damage_told(f"topic {printable(topic)}: is damaged after message {seen}"):
                 message = next(messages, None)
-            if message is None:
+                data = message and memoryview(message[2])  # in a table, it need not be bytes
+            if data is None:
                 break
             seen += 1
-            yield memoryview(message[2])
+            yield data
         expected = sum(each.msgcount for each in chosen)
         if seen != expected:
             raise RecordingError(

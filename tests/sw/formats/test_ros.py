@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -282,6 +283,15 @@ def test_a_message_that_the_index_does_not_count_is_missed(tmp_path: Path) -> No
     last = content.rindex((7).to_bytes(4, "little"))
     path.write_bytes(content[:last] + (8).to_bytes(4, "little") + content[last + 4 :])
     assert refusal(path) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must be the same"
+
+
+def test_a_table_that_holds_no_bytes_is_refused(tmp_path: Path) -> None:
+    maker = Maker("sqlite3")
+    path = maker.write(tmp_path, maker.arrays())
+    with sqlite3.connect(path) as database:
+        database.execute("UPDATE messages SET data = 7 WHERE id = 3")
+    database.close()
+    assert refusal(path).startswith("topic /dvs/events: is damaged after message 2: ")
 
 
 @pytest.mark.parametrize("damage", ["refuse", "skip"])
