@@ -13,8 +13,8 @@ from .columns import Sensor
 
 __all__ = ["BLOCK_EVENTS", "Format", "Sink", "Source", "WritableFormat"]
 
-# About how many events a block holds: memory is bounded by it, and a block's fixed cost is spread over many events.
-BLOCK_EVENTS = 1 << 18
+# About how many events a block holds: a fixed cost of a block spread over many, and little enough to stay in a core's cache.
+BLOCK_EVENTS = 1 << 15
 
 
 class Source(Protocol):
