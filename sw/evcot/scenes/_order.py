@@ -15,7 +15,7 @@ __all__ = ["KEY_T_SHIFT", "events_of"]
 KEY_T_SHIFT = 33
 
 _FEW = 512  # below, a comparison sort is faster
-_SHORT = 32  # so many keys of one bucket are sorted by insertion
+_SHORT = 32  # so many keys of one bucket are left to insertion
 
 
 def events_of(keys: NDArray[np.int64], end_us: int) -> Events:
@@ -29,7 +29,7 @@ def events_of(keys: NDArray[np.int64], end_us: int) -> Events:
 
 @njit(cache=True, nogil=True)
 def _by_key(keys):  # type: ignore[no-untyped-def]
-    """A sorted copy: keys go to buckets of equal time, one or two to a bucket on average, and are sorted there."""
+    """A sorted copy: keys go to buckets of equal time, one or two to a bucket on average, and then a few places on."""
     base = keys.min() >> KEY_T_SHIFT << KEY_T_SHIFT
     span, shift = keys.max() - base, KEY_T_SHIFT
     while span >> shift > len(keys):
@@ -47,16 +47,16 @@ def _by_key(keys):  # type: ignore[no-untyped-def]
     begin = 0
     for bucket in range(len(ends) - 1):
         end = int(ends[bucket])
-        _sort_few(ordered[begin:end])
+        if end - begin > _SHORT:
+            ordered[begin:end].sort()
         begin = end
+    _insert(ordered)
     return ordered
 
 
 @njit(cache=True, nogil=True)
-def _sort_few(keys):  # type: ignore[no-untyped-def]
-    if len(keys) > _SHORT:
-        keys.sort()
-        return
+def _insert(keys):  # type: ignore[no-untyped-def]
+    """Sort keys that are near their places."""
     for i in range(1, len(keys)):
         key, at = keys[i], i
         while at > 0 and keys[at - 1] > key:
