@@ -38,7 +38,7 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
         import faery
     except ImportError as missing:
         raise Skip("faery is not installed: it makes some of the files") from missing
-    events = streams.joined(500_000 if quick else 2_000_000)
+    events = streams.joined(500_000 if quick else 4_000_000)
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder) as place:
         files = _files(faery, events, Path(place))

@@ -20,7 +20,18 @@ from evcot.outputs import written_aside
 from evcot_cosim.toolchain import find_toolchain
 from measure import Result, Skip
 
-_BENCHMARKS = ("streaming", "cocotb_drive", "rates", "reading", "filters", "scenes", "latency", "starts", "memory", "recordings")
+_BENCHMARKS = (
+    "streaming",
+    "cocotb_drive",
+    "rates",
+    "reading",
+    "filters",
+    "scenes",
+    "latency",
+    "starts",
+    "memory",
+    "recordings",
+)
 _FOLDER = Path("build") / "bench"
 
 

@@ -209,6 +209,55 @@ MUTATIONS = (
         "REFRACTORY = `EVCOT_FILTER_ACTIVITY; localparam ACTIVITY = `EVCOT_FILTER_REFRACTORY;",
         (FILTERS,),
     ),
+    Mutation(
+        "time goes on before the walk has ended",
+        "stamp_walk.v",
+        "goes = held && !clearing && (walked || !crosses)",
+        "goes = held && !clearing",
+        ("test_filter_activity.py", "test_filter_refractory.py"),
+    ),
+    Mutation(
+        "steps beyond what stamps can tell wrap",
+        "stamp_walk.v",
+        "(wide_step > {{(WIDE_W - W) {1'b0}}, KEEP}) ? KEEP : wide_step[W-1:0]",
+        "wide_step[W-1:0]",
+        ("test_filter_activity.py",),
+    ),
+    Mutation(
+        "a visit undoes the event that came between",
+        "stamp_memory.v",
+        "missed = age_visits && (read_access || found_access || then_access)",
+        "missed = 1'b0",
+        ("test_stamp_memory.py",),
+    ),
+    Mutation(
+        "a neighbour comes round the border",
+        "stamp_memory.v",
+        "y != 32'd0, y + 32'd1 < DOWN",
+        "1'b1, 1'b1",
+        ("test_filter_decay.py",),
+    ),
+    Mutation(
+        "an event right behind another does not know that it stayed",
+        "filter_refractory.v",
+        "(same_as_first && stays) ? age_now : then",
+        "then",
+        ("test_filter_refractory.py",),
+    ),
+    Mutation(
+        "an event does not know that the third one before it stayed",
+        "filter_refractory.v",
+        "passed <= read_at == age_at && writes",
+        "passed <= 1'b0",
+        ("test_filter_refractory.py",),
+    ),
+    Mutation(
+        "fractions of a unit are lost",
+        "filter_decay.v",
+        "fraction <= clock[CLOCK_FRAC-1:0]",
+        "fraction <= 0",
+        ("test_filter_decay.py",),
+    ),
 )
 
 
