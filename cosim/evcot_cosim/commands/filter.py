@@ -19,7 +19,7 @@ from evcot.filters.run import filtered
 from evcot.presets import for_sensor
 
 from .filter_options import filter_options, filters_from
-from .options import open_from, recording_options, window_from
+from .options import check_other_file, open_from, recording_options, window_from
 
 __all__ = ["add"]
 
@@ -40,6 +40,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def _filter(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     window = window_from(options)
     kind = format_for(options.target)  # refused before the recording is read
+    check_other_file(options.source, options.target)
     with open_from(options, options.source) as file:
         run = load_toml(options.config, for_sensor(file.sensor[0])) if options.config else RunConfig()
         config = filters_from(options, run.filters, file.blocks(*window), file.sensor)

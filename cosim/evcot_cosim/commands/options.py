@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import re
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.files import RecordingFile, open_recording
 
-__all__ = ["damage_options", "open_from", "read_from", "recording_options", "window_from", "window_options"]
+__all__ = ["check_other_file", "damage_options", "open_from", "read_from", "recording_options", "window_from", "window_options"]
 
 
 def recording_options(parser: argparse.ArgumentParser) -> None:
@@ -68,3 +69,9 @@ def read_from(options: argparse.Namespace, path: Path) -> Recording:
     from_us, to_us = window_from(options)
     with open_from(options, path) as file:
         return file.read(from_us, to_us)
+
+
+def check_other_file(source: Path, target: Path) -> None:
+    """Raise ConfigError where a recording would be written over the one that is read."""
+    if target.exists() and source.exists() and os.path.samefile(source, target):
+        raise ConfigError(f"{target}: must be another file than the one that is read")

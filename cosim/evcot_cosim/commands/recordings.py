@@ -5,19 +5,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
 from evcot.describe import PEAK_WINDOW_US, Description, PixelFigures, describe
-from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.files import RecordingFile, format_for, write_events
 from evcot.formats import WRITABLE
 
 from .counting import Counting
-from .options import open_from, recording_options, window_from
+from .options import check_other_file, open_from, recording_options, window_from
 
 __all__ = ["add"]
 
@@ -115,8 +113,7 @@ def _convert(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     from_us, to_us = window_from(options)
     source, target = options.source, options.target
     kind = format_for(target, options.format)
-    if target.exists() and source.exists() and os.path.samefile(source, target):
-        raise ConfigError(f"{target}: must be another file than the one that is read")
+    check_other_file(source, target)
     with Counting(f"writing {target}", enabled=not options.quiet) as counting, open_from(options, source) as file:
         blocks = _watched(file, from_us, to_us, counting)
         count = write_events(target, file.sensor, blocks, kind.name)

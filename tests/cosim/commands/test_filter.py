@@ -184,3 +184,10 @@ class TestConfig:
         with pytest.raises(SystemExit, match="2"):
             main(["filter", str(source), "out.npz", "--activity", text])
         assert f"argument --activity: invalid milliseconds value: '{text}'" in capsys.readouterr().err
+
+
+def test_a_recording_is_not_written_over_itself(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = source.read_bytes()
+    assert main(["filter", str(source), str(source), "--activity", "5"]) == 2
+    assert capsys.readouterr().err == f"evcot: {source}: must be another file than the one that is read\n"
+    assert source.read_bytes() == before
