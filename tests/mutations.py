@@ -227,8 +227,8 @@ MUTATIONS = (
         "a visit undoes the event that came between",
         "stamp_memory.v",
         "missed = age_visits && (read_access || found_access || then_access)",
-        "missed = 1'b0",
-        ("test_stamp_memory.py",),
+        "missed = age_visits && (read_access || then_access)",
+        ("test_stamp_memory.py", "test_filter_activity.py"),
     ),
     Mutation(
         "a neighbour comes round the border",
