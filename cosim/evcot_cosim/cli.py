@@ -14,8 +14,8 @@ from typing import Any
 import evcot
 from evcot.errors import EvcotError, RecordingWarning
 
+from .commands import evaluate, hardware, presets, recordings, simulate
 from .commands import filter as filter_command
-from .commands import hardware, presets, recordings, simulate
 from .commands.hardware import MISMATCH
 from .lockstep import MismatchError
 
@@ -78,6 +78,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for group in (hardware, simulate, recordings, filter_command, presets):
+    for group in (hardware, simulate, recordings, filter_command, evaluate, presets):
         group.add(commands)
     return parser

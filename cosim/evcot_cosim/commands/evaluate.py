@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot evaluate`: tracks against ground truth."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from evcot.errors import ConfigError, TrackLogError
+from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth
+from evcot.tracklog import TrackLog
+
+__all__ = ["add"]
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    parser = commands.add_parser("evaluate", help="score tracks against ground truth: HOTA, CLEAR, ID scores, errors")
+    parser.add_argument("log", type=Path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others")
+    parser.add_argument("--truth", type=Path, required=True, metavar="CSV", help="the ground truth")
+    known = ", ".join(RULES)
+    parser.add_argument("--rule", default="scene", metavar="RULE", help=f"{known}, or a .toml file (default: scene)")
+    parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the rule's)")
+    parser.add_argument("--json", action="store_true", help="print every figure as JSON")
+    parser.set_defaults(command=_evaluate)
+
+
+def _evaluate(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
+    rule = load_rule(options.rule).on(_sensor(options.sensor))
+    truth = read_truth(options.truth, rule)
+    log = TrackLog.load_npz(options.log)
+    try:
+        scores = evaluate(log, truth, rule)
+    except TrackLogError as error:
+        raise TrackLogError(f"{options.log}: {error}") from error
+    if options.json:
+        print(json.dumps(scores.to_dict(), indent=2, allow_nan=False))
+        return 0
+    rows = _rows(scores)
+    width = max(len(name) for name, _ in rows)
+    for name, value in rows:
+        print(f"{name:{width}}  {value}")
+    return 0
+
+
+def _sensor(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    size = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", text)
+    if size is None:
+        raise ConfigError(f"--sensor {text}: must be WIDTHxHEIGHT in pixels, as 346x260")
+    return int(size[1]), int(size[2])
+
+
+def _rows(s: Scores) -> list[tuple[str, str]]:
+    """The table: (what, value)."""
+    return [
+        ("HOTA", f"{s.hota:.3f}  DetA {s.deta:.3f} (recall {s.detre:.3f}, precision {s.detpr:.3f})"),
+        ("", f"       AssA {s.assa:.3f} (recall {s.assre:.3f}, precision {s.asspr:.3f})"),
+        ("", f"       LocA {s.loca:.3f}"),
+        ("MOTA", f"{s.mota:.3f}  {s.tp} found, {s.fn} missed, {s.fp} false, {s.idsw} switches, {s.frag} interruptions"),
+        ("MOTP", f"{s.motp:.3f}"),
+        ("IDF1", f"{s.idf1:.3f}  recall {s.idr:.3f}, precision {s.idp:.3f}"),
+        ("objects", f"{s.truth_ids}: {s.mt} mostly tracked, {s.ml} mostly lost"),
+        ("tracks", f"{s.track_ids}"),
+        ("instants", f"{s.frames}"),
+        ("position error", f"{_with(s.position_error_px_median, 'px')} median, {_with(s.position_error_px_p90, 'px')} at 90 %"),
+        ("velocity error", f"{_with(s.velocity_error_median, 'px/s')} median"),
+        ("latency", _with(s.latency_ms, "ms")),
+    ]
+
+
+def _with(value: float | None, unit: str) -> str:
+    return "none" if value is None else f"{value:.3g} {unit}"

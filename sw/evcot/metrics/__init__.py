@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tracks held against ground truth: CLEAR, ID scores, HOTA, errors of position and velocity, latency."""
+
+from .evaluate import Scores, evaluate
+from .rule import RULES, Rule, load_rule
+from .truth import GroundTruth, read_truth
+
+__all__ = ["RULES", "GroundTruth", "Rule", "Scores", "evaluate", "load_rule", "read_truth"]

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All scores of one TrackLog against one ground truth."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import TrackLogError
+from ..tracklog import TrackLog
+from .clear import clear
+from .frames import Frames, Matches, line_up
+from .hota import hota
+from .identity import identity
+from .motion import motion
+from .rule import Rule
+from .sampling import checked, expiring
+from .truth import GroundTruth
+
+__all__ = ["Scores", "evaluate"]
+
+_APART_US = 1_000_000  # a log and a truth further apart than this, and than the truth is long, have different clocks
+
+
+@dataclass(frozen=True)
+class Scores:
+    """What `evaluate` finds; meanings as in `hota.Hota`, `clear.Clear`, `identity.Identity` and `motion.Motion`.
+
+    Attributes:
+        frames: instants evaluated; truth_ids, track_ids: objects and tracks that counted at any of them.
+    """
+
+    hota: float
+    deta: float
+    assa: float
+    loca: float
+    detre: float
+    detpr: float
+    assre: float
+    asspr: float
+    mota: float
+    motp: float
+    idf1: float
+    idp: float
+    idr: float
+    idsw: int
+    frag: int
+    tp: int
+    fp: int
+    fn: int
+    mt: int
+    ml: int
+    position_error_px_median: float | None
+    position_error_px_p90: float | None
+    velocity_error_median: float | None
+    latency_ms: float | None
+    frames: int
+    truth_ids: int
+    track_ids: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values by name."""
+        return asdict(self)
+
+
+def evaluate(log: TrackLog, truth: GroundTruth, rule: Rule) -> Scores:
+    """Hold tracks against a truth, as a rule says.
+
+    Raises:
+        TrackLogError: a log whose records no engine writes, or whose times are not those of the truth.
+        ConfigError: the rule ignores bands along the sensor's edges, and its size is not known.
+    """
+    _check_clock(checked(log), truth)
+    states = expiring(log, rule.max_age_us)
+    frames, objects, outputs = line_up(states, truth, rule)
+    followed = clear(frames, rule.threshold)
+    identified = identity(frames, rule.threshold)
+    row, column = _rows(frames, followed.matches)
+    moved = motion(states, objects[row], outputs["track_id"][column], truth.instants_us[followed.matches.frame])
+    return Scores(
+        **asdict(hota(frames)),
+        **{name: getattr(followed, name) for name in ("mota", "motp", "idsw", "frag", "tp", "fp", "fn", "mt", "ml")},
+        **{name: getattr(identified, name) for name in ("idf1", "idp", "idr")},
+        **asdict(moved),
+        frames=len(truth.instants_us),
+        truth_ids=frames.n_truth,
+        track_ids=frames.n_tracks,
+    )
+
+
+def _check_clock(log: TrackLog, truth: GroundTruth) -> None:
+    t_us, instants_us = log.records["t_us"], truth.instants_us
+    if not len(t_us):
+        return
+    span_us = int(instants_us[-1] - instants_us[0])
+    apart_us = max(int(t_us[0] - instants_us[-1]), int(instants_us[0] - t_us[-1]))
+    if apart_us > max(span_us, _APART_US):
+        spans = f"t_us from {t_us[0]} to {t_us[-1]}, the truth's from {instants_us[0]} to {instants_us[-1]}"
+        raise TrackLogError(f"{spans}: must be of one clock (the rule's origin_us moves the truth)")
+
+
+def _rows(frames: Frames, matches: Matches) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Where each matched pair stands among all objects and all outputs."""
+    return (
+        _places(frames.truth, frames.n_truth, matches.frame, matches.truth),
+        _places(frames.tracks, frames.n_tracks, matches.frame, matches.track),
+    )
+
+
+def _places(
+    ids: tuple[NDArray[np.int64], ...], n: int, frame: NDArray[np.int64], number: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Index of (frame, number) in the numbers of all frames, one after the other."""
+    keys = np.repeat(np.arange(len(ids)), [len(own) for own in ids]) * n + np.concatenate([np.empty(0, np.int64), *ids])
+    order = np.argsort(keys)
+    return np.asarray(order[np.searchsorted(keys[order], frame * n + number)], np.int64)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Truth and tracks side by side: for each instant the objects, the outputs, and how similar each is to each.
+
+Every score is computed from this alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..timeline import SAMPLE, sample
+from ..tracklog import TrackLog
+from .rule import Rule
+from .truth import OBJECT, GroundTruth
+
+__all__ = ["Frames", "Matches", "line_up"]
+
+Ids = tuple[NDArray[np.int64], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """f instants; objects and tracks are numbered from 0, each number at most once an instant.
+
+    Attributes:
+        truth, tracks: per instant, the numbers of the g objects and the k tracks.
+        similarity: per instant, (g, k) from 0 to 1.
+        n_truth, n_tracks: how many numbers there are.
+    """
+
+    truth: Ids
+    tracks: Ids
+    similarity: tuple[NDArray[np.float64], ...]
+    n_truth: int
+    n_tracks: int
+
+    @cached_property
+    def truth_lengths(self) -> NDArray[np.int64]:
+        """(n_truth,) at how many instants each object is there."""
+        return _lengths(self.truth, self.n_truth)
+
+    @cached_property
+    def track_lengths(self) -> NDArray[np.int64]:
+        """(n_tracks,) at how many instants each track is there."""
+        return _lengths(self.tracks, self.n_tracks)
+
+
+@dataclass(frozen=True, eq=False)
+class Matches:
+    """Pairs that a score has matched, by instant: (n,) arrays of frame, object, track and their similarity."""
+
+    frame: NDArray[np.int64]
+    truth: NDArray[np.int64]
+    track: NDArray[np.int64]
+    similarity: NDArray[np.float64]
+
+    @classmethod
+    def joined(cls, parts: list[tuple[int, NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]]) -> Matches:
+        """Of (frame, objects, tracks, similarities), one per instant."""
+        frame = np.repeat([part[0] for part in parts], [len(part[1]) for part in parts]).astype(np.int64)
+        whole = [np.empty(0, np.int64)]
+        return cls(
+            frame,
+            np.concatenate(whole + [part[1] for part in parts]),
+            np.concatenate(whole + [part[2] for part in parts]),
+            np.concatenate([np.empty(0), *(part[3] for part in parts)]),
+        )
+
+
+def line_up(log: TrackLog, truth: GroundTruth, rule: Rule) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
+    """Sample the tracks (`sampling.expiring`) at the truth's instants and leave out what does not count.
+
+    Returns:
+        The frames, and the objects (dtype `OBJECT`) and outputs (dtype `timeline.SAMPLE`) in them, by frame; within a frame
+        in the order of `Frames.truth` and `Frames.tracks`.
+    """
+    outputs = sample(log, truth.instants_us)
+    n = len(truth.instants_us)
+    objects_in, outputs_in = _split(truth.objects, "frame", n), _split(outputs, "sample", n)
+    # What is no object and no output any more:
+    kept_objects, kept_outputs, similarities = [], [], []
+    for boxes, states in zip(objects_in, outputs_in, strict=True):
+        counted = boxes[boxes["counted"]]
+        states = states[~_ignored(states, counted, boxes[~boxes["counted"]], rule)]
+        kept_objects.append(counted)
+        kept_outputs.append(states)
+        similarities.append(_overlap(counted, states, rule) if rule.similarity == "iou" else _nearness(counted, states))
+    objects = np.concatenate([np.empty(0, OBJECT), *kept_objects])
+    outputs = np.concatenate([np.empty(0, SAMPLE), *kept_outputs])
+    truth_ids, truth_number = np.unique(objects["object"], return_inverse=True)
+    track_ids, track_number = np.unique(outputs["track_id"], return_inverse=True)
+    frames = Frames(
+        _cut(truth_number, kept_objects),
+        _cut(track_number, kept_outputs),
+        tuple(similarities),
+        len(truth_ids),
+        len(track_ids),
+    )
+    return frames, objects, outputs
+
+
+def _lengths(ids: Ids, n: int) -> NDArray[np.int64]:
+    return np.bincount(np.concatenate([np.empty(0, np.int64), *ids]), minlength=n).astype(np.int64)
+
+
+def _split(rows: NDArray[np.void], name: str, n: int) -> list[NDArray[np.void]]:
+    return np.split(rows, np.searchsorted(rows[name], np.arange(1, n)))
+
+
+def _cut(numbers: NDArray[np.int64], parts: list[NDArray[np.void]]) -> Ids:
+    return tuple(np.split(numbers.astype(np.int64), np.cumsum([len(part) for part in parts])[:-1]))
+
+
+def _ignored(states: NDArray[np.void], counted: NDArray[np.void], excused: NDArray[np.void], rule: Rule) -> NDArray[np.bool_]:
+    """Which outputs do not count: outside every box that counts, and in one that does not count or in a band to ignore."""
+    return ~_within(states, counted) & (_within(states, excused) | _in_bands(states, rule))
+
+
+def _within(states: NDArray[np.void], boxes: NDArray[np.void]) -> NDArray[np.bool_]:
+    """Whether the centre of each output lies in any of the boxes."""
+    dx, dy = (np.abs(states[axis] - boxes[axis][:, None]) for axis in "xy")
+    within: NDArray[np.bool_] = ((dx <= boxes["width"][:, None] / 2) & (dy <= boxes["height"][:, None] / 2)).any(axis=0)
+    return within
+
+
+def _in_bands(states: NDArray[np.void], rule: Rule) -> NDArray[np.bool_]:
+    inside = np.zeros(len(states), bool)
+    if rule.ignore:
+        for axis, low, high, size in zip("xy", ("left", "top"), ("right", "bottom"), rule.size(), strict=True):
+            from_edge = states[axis] - rule.edge_px
+            inside |= (from_edge < rule.ignore.get(low, -np.inf)) | (size - from_edge < rule.ignore.get(high, -np.inf))
+    return inside
+
+
+def _nearness(boxes: NDArray[np.void], states: NDArray[np.void]) -> NDArray[np.float64]:
+    """1 - d / (half the diagonal), at least 0; (boxes, states)."""
+    distance = np.hypot(*(states[axis] - boxes[axis][:, None] for axis in "xy"))
+    reach = np.hypot(boxes["width"], boxes["height"])[:, None] / 2
+    return np.asarray(np.maximum(1 - distance / reach, 0), np.float64)
+
+
+def _overlap(boxes: NDArray[np.void], states: NDArray[np.void], rule: Rule) -> NDArray[np.float64]:
+    """Intersection over union of boxes and windows; (boxes, states)."""
+    shared, box_area, window_area = np.ones((len(boxes), len(states))), np.ones((len(boxes), 1)), np.ones(len(states))
+    limits = [(rule.edge_px, rule.edge_px + size) for size in rule.size()] if rule.clip else [(-np.inf, np.inf)] * 2
+    for axis, side, (lowest, highest) in zip("xy", ("width", "height"), limits, strict=True):
+        box_low, box_high = (boxes[axis] + sign * boxes[side] / 2 for sign in (-1, 1))
+        low, high = (np.clip(states[axis] + sign * states["radius"], lowest, highest) for sign in (-1, 1))
+        shared *= np.maximum(np.minimum(box_high[:, None], high) - np.maximum(box_low[:, None], low), 0)
+        box_area *= boxes[side][:, None]
+        window_area *= np.maximum(high - low, 0)
+    return shared / (box_area + window_area - shared)

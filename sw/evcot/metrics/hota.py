@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""HOTA: J. Luiten, A. Ošep, P. Dendorfer, P. Torr, A. Geiger, L. Leal-Taixé, B. Leibe, "HOTA: A Higher Order Metric for
+Evaluating Multi-Object Tracking", International Journal of Computer Vision 129, 2021.
+
+At every instant objects and tracks are matched one to one for the largest sum of similarity times global alignment, which is
+how well object and track agree over all time. From these pairs each threshold keeps those that are similar enough.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from .frames import Frames, Matches
+
+__all__ = ["THRESHOLDS", "Hota", "hota"]
+
+THRESHOLDS = np.arange(0.05, 0.99, 0.05)
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class Hota:
+    """HOTA scores, each the mean over `THRESHOLDS`.
+
+    With TP, FP, FN the matched pairs, tracks alone and objects alone at all instants, and for a pair c of TP, TPA, FPA, FNA
+    the instants at which its track and its object are matched, and those at which the track, the object is otherwise:
+
+    Attributes:
+        hota: sqrt(DetA AssA).
+        deta: TP / (TP + FN + FP); dere: TP / (TP + FN); depr: TP / (TP + FP).
+        assa: mean over c of TPA / (TPA + FNA + FPA); asre: of TPA / (TPA + FNA); aspr: of TPA / (TPA + FPA).
+        loca: mean similarity of matched pairs; 1 where there is none.
+    """
+
+    hota: float
+    deta: float
+    assa: float
+    loca: float
+    detre: float
+    detpr: float
+    assre: float
+    asspr: float
+
+
+def hota(frames: Frames) -> Hota:
+    """HOTA scores of tracks; all 0 but LocA where there are no objects or no tracks."""
+    matches = _match(frames)
+    at = [_scores(frames, matches, float(threshold)) for threshold in THRESHOLDS]
+    return Hota(*(float(mean) for mean in np.mean(at, axis=0)))
+
+
+def _match(frames: Frames) -> Matches:
+    alignment = _alignment(frames)
+    parts = []
+    for frame, (truth, tracks, similarity) in enumerate(zip(frames.truth, frames.tracks, frames.similarity, strict=True)):
+        row, column = linear_sum_assignment(alignment[np.ix_(truth, tracks)] * similarity, maximize=True)
+        parts.append((frame, truth[row], tracks[column], similarity[row, column]))
+    return Matches.joined(parts)
+
+
+def _alignment(frames: Frames) -> NDArray[np.float64]:
+    """(n_truth, n_tracks): a Jaccard index of object and track over all time, each instant weighted by how similar they are
+    there and how little others are."""
+    together = np.zeros((frames.n_truth, frames.n_tracks))
+    for truth, tracks, similarity in zip(frames.truth, frames.tracks, frames.similarity, strict=True):
+        either = similarity.sum(0) + similarity.sum(1)[:, None] - similarity
+        together[np.ix_(truth, tracks)] += np.divide(similarity, either, out=np.zeros_like(similarity), where=either > _EPS)
+    return together / (frames.truth_lengths[:, None] + frames.track_lengths - together)
+
+
+def _scores(frames: Frames, matches: Matches, threshold: float) -> tuple[float, ...]:
+    """The fields of `Hota` at one threshold."""
+    kept = matches.similarity >= threshold - _EPS
+    tp = int(kept.sum())
+    fn, fp = int(frames.truth_lengths.sum()) - tp, int(frames.track_lengths.sum()) - tp
+    pairs, tpa = np.unique(np.column_stack((matches.truth[kept], matches.track[kept])), axis=0, return_counts=True)
+    truth, track = frames.truth_lengths[pairs[:, 0]], frames.track_lengths[pairs[:, 1]]
+    assa, assre, asspr = (float(np.sum(tpa * tpa / of)) / max(tp, 1) for of in (truth + track - tpa, truth, track))
+    deta = tp / max(tp + fn + fp, 1)
+    loca = float(matches.similarity[kept].mean()) if tp else 1.0
+    return (deta * assa) ** 0.5, deta, assa, loca, tp / max(tp + fn, 1), tp / max(tp + fp, 1), assre, asspr

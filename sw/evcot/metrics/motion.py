@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How far matched tracks are from their objects: in place, in velocity, in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..tracklog import TrackLog
+from .sampling import positions
+
+__all__ = ["Motion", "motion"]
+
+_SPAN_US = 50_000  # over which a track's velocity is taken
+_SHIFT_MAX_US = 100_000
+_SHIFT_US = 1_000
+_FLAT_PX = 1e-6
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Errors of matched pairs; None where there is nothing to measure.
+
+    Attributes:
+        position_error_px_median, position_error_px_p90: distance between object and track.
+        velocity_error_median: distance between their velocities, pixels per second; of a track, the difference of its places
+            25 ms later and earlier. None without velocities in the truth.
+        latency_ms: the time by which the tracks must be moved forward so that the median distance is smallest, within 100 ms
+            to either side, to 1 ms; above 0 the tracks are late. None where the smallest lies at an end of the range, or
+            where nothing moves.
+    """
+
+    position_error_px_median: float | None
+    position_error_px_p90: float | None
+    velocity_error_median: float | None
+    latency_ms: float | None
+
+
+def motion(log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]) -> Motion:
+    """Errors of (n,) matched pairs.
+
+    Args:
+        log: as `sampling.expiring` makes it.
+        objects: (n,) of dtype `truth.OBJECT`.
+        track_ids: (n,) the track of each.
+        instants_us: (n,) when.
+    """
+    error_px = _distances(log, objects, track_ids, instants_us[:, None])[:, 0]
+    return Motion(
+        position_error_px_median=_quantile(error_px, 0.5),
+        position_error_px_p90=_quantile(error_px, 0.9),
+        velocity_error_median=_velocity_error(log, objects, track_ids, instants_us),
+        latency_ms=_latency_ms(log, objects, track_ids, instants_us),
+    )
+
+
+def _distances(
+    log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], times_us: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """(n, k) between each object and its track at (n, k) other times; not a number where the track was not there."""
+    x, y = positions(log, track_ids, times_us)
+    return np.asarray(np.hypot(x - objects["x"][:, None], y - objects["y"][:, None]), np.float64)
+
+
+def _velocity_error(
+    log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
+) -> float | None:
+    around_us = instants_us[:, None] + np.array([-_SPAN_US // 2, _SPAN_US // 2])
+    vx, vy = (np.diff(axis)[:, 0] / (_SPAN_US * 1e-6) for axis in positions(log, track_ids, around_us))
+    return _quantile(np.hypot(vx - objects["vx"], vy - objects["vy"]), 0.5)
+
+
+def _latency_ms(
+    log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
+) -> float | None:
+    shifts_us = np.arange(-_SHIFT_MAX_US, _SHIFT_MAX_US + 1, _SHIFT_US)
+    shifts_us = shifts_us[np.argsort(np.abs(shifts_us), kind="stable")]  # of equals the smallest shift wins
+    errors_px = _distances(log, objects, track_ids, instants_us[:, None] + shifts_us)
+    # A shift at which most tracks have begun or ended says nothing about the pairs.
+    medians_px = np.array(
+        [
+            np.median(there) if 2 * len(there) >= len(objects) and len(there) else np.inf
+            for there in (column[~np.isnan(column)] for column in errors_px.T)
+        ]
+    )
+    known = medians_px[np.isfinite(medians_px)]
+    if not len(known) or np.ptp(known) < _FLAT_PX:
+        return None
+    best_us = int(shifts_us[np.argmin(medians_px)])
+    return best_us / 1000 if abs(best_us) < _SHIFT_MAX_US else None
+
+
+def _quantile(values: NDArray[np.float64], q: float) -> float | None:
+    values = values[~np.isnan(values)]
+    return float(np.quantile(values, q)) if len(values) else None

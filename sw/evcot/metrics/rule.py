@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a ground truth in a CSV file is to be read and scored: data, one small TOML file per kind of truth."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ..errors import ConfigError
+
+__all__ = ["RULES", "Rule", "load_rule"]
+
+_FOLDER = files(__package__) / "rules"
+RULES = tuple(sorted(file.name.removesuffix(".toml") for file in _FOLDER.iterdir() if file.name.endswith(".toml")))
+
+_BOX = ("left", "top", "width", "height")
+_POINT = ("x", "y")
+_COLUMNS = ("id", "t_us", "t_begin_us", "t_end_us", *_BOX, *_POINT, "vx", "vy")
+_EDGES = ("left", "top", "right", "bottom")
+_SIMILARITIES = ("centre", "iou")
+
+# field -> (lowest, highest, meaning); integer limits ask for an integer
+_RANGES: Mapping[str, tuple[float, float, str]] = {
+    "origin_us": (-(2**60), 2**60, "added to the truth's times to make them the recording's"),
+    "at_us": (-(10**9), 10**9, "when a line is evaluated, after its t_us or t_end_us"),
+    "max_age_us": (0, 10**12, "age past which a track's state is no output"),
+    "threshold": (0.0, 1.0, "similarity from which on a pair may match"),
+    "edge_px": (-1.0, 1.0, "where the first pixel begins in the truth's coordinates"),
+}
+_REACH = (0.01, 1e6, "distance at which a point's similarity is 0")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A description of a ground truth.
+
+    Attributes:
+        columns: meaning -> name of the CSV's column. `id`; `t_us`, or `t_begin_us` and `t_end_us`, in us; `left`, `top`,
+            `width`, `height`, or `x` and `y`, in pixels; if there, `vx` and `vy`, in pixels per second.
+        title: one line for people.
+        sensor: (width, height) in pixels; needed to clip and to ignore.
+        origin_us: added to the truth's times to make them the recording's.
+        at_us: a line is evaluated so long after its `t_us` or `t_end_us`.
+        max_age_us: a track's newest state counts as an output while it is at most so old.
+        similarity: "centre": 1 - d / (half the box's diagonal), at least 0, at distance d between the centres; "iou":
+            intersection over union of the box and the track's window, the square of half side `radius`.
+        reach_px: for points: the distance at which the similarity is 0.
+        threshold: similarity from which on CLEAR and ID scores match.
+        clip: whether boxes are clipped to the sensor; with "iou" the tracks' windows too.
+        edge_px: where the first pixel's left and upper edge lies.
+        ignore: edge -> width in pixels of a band along it, in which an output outside every box does not count.
+        counted: column -> (lowest, highest): an object counts only where all lie within; elsewhere its box neither has to be
+            found nor makes an output in it a false one.
+
+    Raises:
+        ConfigError: a field outside its range, or fields that contradict each other.
+    """
+
+    columns: Mapping[str, str]
+    title: str = ""
+    sensor: tuple[int, int] | None = None
+    origin_us: int = 0
+    at_us: int = 0
+    max_age_us: int = 60_000
+    similarity: str = "centre"
+    reach_px: float | None = None
+    threshold: float = 0.5
+    clip: bool = False
+    edge_px: float = -0.5
+    ignore: Mapping[str, float] = field(default_factory=dict)
+    counted: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _check_columns(self.columns)
+        for name, limits in _RANGES.items():
+            _check_number(name, getattr(self, name), *limits)
+        if self.similarity not in _SIMILARITIES:
+            raise ConfigError(f"similarity = {self.similarity!r}: must be one of {', '.join(_SIMILARITIES)}")
+        if not isinstance(self.clip, bool):
+            raise ConfigError(f"clip = {self.clip!r}: must be true or false")
+        if not isinstance(self.title, str):
+            raise ConfigError(f"title = {self.title!r}: must be text")
+        self._check_points()
+        self._check_sensor()
+        for edge, width in _entries(self.ignore, _EDGES, "ignore"):
+            _check_number(f"ignore.{edge}", width, 0.0, 1e6, "width of a band in pixels")
+        for column, limits in _table(self.counted, "counted").items():
+            if not _is_interval(limits):
+                raise ConfigError(f"counted.{column} = {limits!r}: must be [lowest, highest]")
+
+    @property
+    def of_points(self) -> bool:
+        """Whether the truth has points and not boxes."""
+        return "x" in self.columns
+
+    def on(self, sensor: tuple[int, int] | None) -> Rule:
+        """The same for a sensor of this (width, height); None keeps the rule's own."""
+        return self if sensor is None else replace(self, sensor=sensor)
+
+    def size(self) -> tuple[int, int]:
+        """(width, height) of the sensor.
+
+        Raises:
+            ConfigError: nobody said it.
+        """
+        if self.sensor is None:
+            raise ConfigError("sensor: must be given (--sensor WxH, or the rule's field), to clip boxes or to ignore bands")
+        return self.sensor
+
+    def _check_points(self) -> None:
+        if not self.of_points:
+            if self.reach_px is not None:
+                raise ConfigError(f"reach_px = {self.reach_px!r}: must be given for points alone, boxes have a diagonal")
+            return
+        _check_number("reach_px", self.reach_px, *_REACH)
+        if self.similarity == "iou" or self.clip:
+            raise ConfigError("columns x, y: points must have similarity 'centre' and no clip")
+
+    def _check_sensor(self) -> None:
+        if self.sensor is None:
+            return
+        sensor = self.sensor
+        if not (
+            isinstance(sensor, list | tuple) and len(sensor) == 2 and all(type(n) is int and 1 <= n <= 65_536 for n in sensor)
+        ):
+            raise ConfigError(f"sensor = {sensor!r}: must be [width, height], each from 1 to 65536")
+
+
+def load_rule(name: str | Path) -> Rule:
+    """A rule by its name in `RULES`, or from a TOML file whose keys are the fields of `Rule`.
+
+    Raises:
+        ConfigError: no such rule, a file that cannot be read or is not TOML, an unknown field, or one outside its range.
+    """
+    shipped = str(name) in RULES
+    if not shipped and Path(name).suffix.lower() != ".toml":
+        raise ConfigError(f"rule {str(name)!r}: must be one of {', '.join(RULES)}, or a .toml file")
+    try:
+        text = (_FOLDER / f"{name}.toml" if shipped else Path(name)).read_text(encoding="utf-8")
+        data = tomllib.loads(text)
+    except OSError as error:
+        raise ConfigError(f"{name}: cannot be read: {error.strerror or error}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{name}: is not TOML: {error}") from error
+    try:
+        _entries(data, [f.name for f in fields(Rule)], "rule")
+        if "columns" not in data:
+            raise ConfigError("columns: must be there")
+        return Rule(**data)
+    except ConfigError as error:
+        raise ConfigError(f"{name}: {error}") from error
+
+
+def _check_columns(columns: object) -> None:
+    for meaning, name in _entries(columns, _COLUMNS, "columns"):
+        if not isinstance(name, str):
+            raise ConfigError(f"columns.{meaning} = {name!r}: must be a column's name")
+    assert isinstance(columns, Mapping)
+    choices = ((("id",),), (("t_us",), ("t_begin_us", "t_end_us")), (_BOX, _POINT))
+    for ways in choices:
+        there = [way for way in ways if set(way) <= set(columns)]
+        partly = {name for way in ways for name in way} & set(columns)
+        if len(there) != 1 or partly != set(there[0]):
+            raise ConfigError(f"columns {', '.join(columns)}: must have {' or '.join(' + '.join(way) for way in ways)}")
+    if ("vx" in columns) != ("vy" in columns):
+        raise ConfigError("columns vx, vy: must both be there, or none")
+
+
+def _table(value: object, where: str) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise ConfigError(f"{where} = {value!r}: must be a table")
+    return value
+
+
+def _entries(value: object, allowed: Iterable[str], where: str) -> list[tuple[str, Any]]:
+    """The entries of a table, all of known names."""
+    table = _table(value, where)
+    for key in table:
+        if key not in allowed:
+            raise ConfigError(f"{where}: unknown field {key!r}: must be one of {', '.join(allowed)}")
+    return list(table.items())
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_interval(limits: object) -> bool:
+    return isinstance(limits, list | tuple) and len(limits) == 2 and all(map(_is_number, limits)) and limits[0] <= limits[1]
+
+
+def _check_number(name: str, value: object, low: float, high: float, meaning: str) -> None:
+    whole = isinstance(low, int)
+    if not _is_number(value) or (whole and not isinstance(value, int)) or not low <= value <= high:  # type: ignore[operator]
+        kind = "an integer" if whole else "a number"
+        raise ConfigError(f"{name} = {value!r}: must be {kind} from {low:g} to {high:g} ({meaning})")

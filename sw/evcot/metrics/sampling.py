@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a tracker says at an instant: the newest state of each track, unless the track has ended or the state is too old."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contract import Kind
+from ..errors import TrackLogError
+from ..tracklog import TrackLog
+
+__all__ = ["checked", "expiring", "positions"]
+
+_TIME_MAX_US = 2**61
+
+
+def checked(log: TrackLog) -> TrackLog:
+    """The log itself.
+
+    Raises:
+        TrackLogError: a record that no engine writes: out of order in time, of unknown kind, or at no place.
+    """
+    records = log.records
+    t_us = records["t_us"]
+    rules = (
+        ("t_us", np.abs(t_us) <= _TIME_MAX_US, "must be at most 2^61"),
+        ("t_us", np.append(True, t_us[1:] >= t_us[:-1])[: len(t_us)], "must not be before the record before it"),
+        ("kind", np.isin(records["kind"], list(Kind)), f"must be from 0 to {max(Kind):d}"),
+        *((name, np.isfinite(records[name]), "must be a finite number") for name in ("x", "y", "radius")),
+    )
+    for name, good, rule in rules:
+        if not good.all():
+            row = int(np.argmin(good))
+            raise TrackLogError(f"record {row}: {name} = {records[name][row]}: {rule}")
+    return log
+
+
+def expiring(log: TrackLog, max_age_us: int) -> TrackLog:
+    """The same tracks, but a track whose newest state (BORN or MOVED) gets older than `max_age_us` is lost until its next.
+
+    `timeline.sample` of it then gives the outputs at any instants.
+    """
+    records = log.records
+    order = np.argsort(records["track_id"], kind="stable")
+    track_id, t_us = records["track_id"][order], records["t_us"][order]
+    silent = np.ones(len(records), bool)
+    silent[:-1] = (track_id[1:] != track_id[:-1]) | (t_us[1:] - t_us[:-1] > max_age_us)
+    silent &= records["kind"][order] <= Kind.MOVED
+    lost = records[order[silent]]
+    lost["kind"] = Kind.LOST
+    lost["t_us"] += max_age_us + 1
+    # First those: at the same microsecond a new state ends the silence.
+    every = np.concatenate((lost, records))
+    return TrackLog(log.engine, every[np.argsort(every["t_us"], kind="stable")], log.owner)
+
+
+def positions(
+    log: TrackLog, track_ids: NDArray[np.int64], times_us: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Where tracks were: track_ids[i] at each of times_us[i].
+
+    Args:
+        track_ids: (n,)
+        times_us: (n, k)
+
+    Returns:
+        x, y: (n, k) in pixels, not a number where the track was not there.
+    """
+    order = np.argsort(log.records["track_id"], kind="stable")
+    records = log.records[order]
+    x, y = np.full((2, *times_us.shape), np.nan)
+    for track_id in np.unique(track_ids):
+        first, end = np.searchsorted(records["track_id"], (track_id, track_id + 1))
+        own, rows = records[first:end], np.flatnonzero(track_ids == track_id)
+        newest = np.searchsorted(own["t_us"], times_us[rows], "right") - 1
+        there = (newest >= 0) & (own["kind"][newest] <= Kind.MOVED)
+        x[rows], y[rows] = (np.where(there, own[axis][newest], np.nan) for axis in "xy")
+    return x, y

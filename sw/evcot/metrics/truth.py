@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A ground truth, read from CSV by a rule: boxes at instants, in the recording's microseconds."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RecordingError
+from .rule import Rule
+
+__all__ = ["OBJECT", "GroundTruth", "read_truth"]
+
+OBJECT = np.dtype(
+    [
+        ("frame", "<i8"),  # index into the instants
+        ("object", "<i8"),  # index into the ids
+        ("x", "<f8"),  # centre
+        ("y", "<f8"),
+        ("width", "<f8"),
+        ("height", "<f8"),
+        ("vx", "<f8"),  # pixels per second; not a number where the truth has none
+        ("vy", "<f8"),
+        ("counted", "?"),
+    ]
+)
+
+_TIME_MAX_US = 2**60
+_PIXELS_MAX = 1e9
+
+Rows = list[tuple[int, list[str]]]  # number of the line, its cells
+
+
+@dataclass(frozen=True, eq=False)
+class GroundTruth:
+    """Where the objects were.
+
+    Attributes:
+        instants_us: (f,) int64, ascending: when tracks are held against it, in the recording's microseconds.
+        objects: (n,) of dtype `OBJECT`, by frame, then in the file's order; clipped as the rule says. A point is the square
+            whose half diagonal is the rule's `reach_px`.
+        ids: the objects' ids as the file has them.
+    """
+
+    instants_us: NDArray[np.int64]
+    objects: NDArray[np.void]
+    ids: tuple[str, ...]
+
+
+def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
+    """Read a CSV file with a header, by a rule.
+
+    Its instants are those of its lines: a moment without any object is known only if there is a line for it.
+
+    Raises:
+        RecordingError: the file cannot be read, lacks a column, or has a line that is not as it must be: names file, line,
+            field, value and rule.
+        ConfigError: the rule clips, and the sensor is not known.
+    """
+    path = Path(path)
+    header, rows = _read(path)
+    take = _Columns(path, header, rows)
+    columns, named = rule.columns, {meaning: take.numbers(name) for meaning, name in rule.columns.items() if meaning in _REAL}
+    end_us = take.times(columns.get("t_us") or columns["t_end_us"])
+    at_us = end_us + rule.at_us
+    if "t_begin_us" in columns:
+        begin_us = take.times(columns["t_begin_us"])
+        take.check(columns["t_begin_us"], (begin_us <= at_us) & (at_us <= end_us), f"must hold the instant, {_instant(rule)}")
+    instants_us, frame = np.unique(at_us + rule.origin_us, return_inverse=True)
+    ids, number = _numbered(take.texts(columns["id"]))
+    _, first = np.unique(frame * max(len(ids), 1) + number, return_index=True)
+    take.check(columns["id"], np.isin(np.arange(len(rows)), first), "must stand once at a time")
+
+    objects = np.zeros(len(rows), OBJECT)
+    objects["frame"], objects["object"] = frame, number
+    for axis, low, side in (("x", "left", "width"), ("y", "top", "height")):
+        if rule.of_points:
+            assert rule.reach_px is not None
+            objects[axis], objects[side] = named[axis], rule.reach_px * math.sqrt(2)
+        else:
+            take.check(columns[side], named[side] > 0, "must be more than 0")
+            objects[axis], objects[side] = named[low] + named[side] / 2, named[side]
+        objects[f"v{axis}"] = named.get(f"v{axis}", math.nan)
+    objects["counted"] = True
+    for name, (low_limit, high_limit) in rule.counted.items():
+        value = take.numbers(name)
+        objects["counted"] &= (low_limit <= value) & (value <= high_limit)
+    if rule.clip:
+        objects = _clipped(objects, rule)
+    return GroundTruth(instants_us, objects[np.argsort(objects["frame"], kind="stable")], ids)
+
+
+_REAL = ("left", "top", "width", "height", "x", "y", "vx", "vy")
+
+
+def _instant(rule: Rule) -> str:
+    return f"t_end_us {'-' if rule.at_us < 0 else '+'} {abs(rule.at_us)}"
+
+
+def _read(path: Path) -> tuple[list[str], Rows]:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file)
+            header = [name.strip() for name in next(reader, [])]
+            rows = [(reader.line_num, row) for row in reader if row]
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise RecordingError(f"{path}: byte {error.start}: must be UTF-8 text") from error
+    except csv.Error as error:
+        raise RecordingError(f"{path}: line {reader.line_num}: is no CSV: {error}") from error
+    if not rows:
+        raise RecordingError(
+            f"{path}: has {'no line after the header' if header else 'no header'}: must have one line an object"
+        )
+    for line, row in rows:
+        if len(row) != len(header):
+            raise RecordingError(f"{path}: line {line}: {len(row)} values: must be {len(header)}, as the header")
+    return header, rows
+
+
+class _Columns:
+    """The cells of a file by column, and complaints about them."""
+
+    def __init__(self, path: Path, header: list[str], rows: Rows) -> None:
+        self._path, self._header, self._rows = path, header, rows
+
+    def texts(self, name: str) -> list[str]:
+        if self._header.count(name) != 1:
+            shown = ",".join(self._header)[:120]
+            raise RecordingError(f"{self._path}: line 1: {shown!r}: must have one column {name} (the rule's `columns`)")
+        column = self._header.index(name)
+        return [row[column].strip() for _, row in self._rows]
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        return np.array(self._parsed(name, _real, "must be a number"), np.float64)
+
+    def times(self, name: str) -> NDArray[np.int64]:
+        return np.array(self._parsed(name, _time, "must be an integer, microseconds, of at most 2^60"), np.int64)
+
+    def check(self, name: str, good: NDArray[np.bool_], rule: str) -> None:
+        """Raise RecordingError for the first line that is not good."""
+        if not good.all():
+            row = int(np.argmin(good))
+            raise RecordingError(f"{self._path}: line {self._rows[row][0]}: {name} = {self.texts(name)[row][:40]}: {rule}")
+
+    def _parsed(self, name: str, parse: Callable[[str], float | None], rule: str) -> list[Any]:
+        values = [parse(text) for text in self.texts(name)]
+        self.check(name, np.array([value is not None for value in values]), rule)
+        return values
+
+
+def _real(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if abs(value) <= _PIXELS_MAX else None
+
+
+def _time(text: str) -> int | None:
+    try:
+        value = int(text)
+    except ValueError:
+        return None
+    return value if abs(value) <= _TIME_MAX_US else None
+
+
+def _numbered(texts: list[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    """The different texts in order of appearance, and the number of each."""
+    numbers: Mapping[str, int] = {text: number for number, text in enumerate(dict.fromkeys(texts))}
+    return tuple(numbers), np.array([numbers[text] for text in texts], np.int64)
+
+
+def _clipped(objects: NDArray[np.void], rule: Rule) -> NDArray[np.void]:
+    """The parts of the boxes on the sensor; what lies wholly outside is left out."""
+    clipped = objects.copy()
+    for axis, side, size in zip("xy", ("width", "height"), rule.size(), strict=True):
+        low = np.maximum(objects[axis] - objects[side] / 2, rule.edge_px)
+        high = np.minimum(objects[axis] + objects[side] / 2, rule.edge_px + size)
+        clipped[axis], clipped[side] = (low + high) / 2, high - low
+    inside: NDArray[np.void] = clipped[(clipped["width"] > 0) & (clipped["height"] > 0)]
+    return inside
