@@ -74,4 +74,4 @@ def _rows(s: Scores) -> list[tuple[str, str]]:
 
 
 def _with(value: float | None, unit: str) -> str:
-    return "none" if value is None else f"{value:.3g} {unit}"
+    return "unknown" if value is None else f"{value:.3g} {unit}"

@@ -81,7 +81,7 @@ def clear(frames: Frames, threshold: float = 0.5) -> Clear:
     ratio = np.bincount(matches.truth, minlength=frames.n_truth) / np.maximum(frames.truth_lengths, 1)
     mt, ml = int(np.sum(ratio > 0.8)), int(np.sum(ratio < 0.2))
     return Clear(
-        mota=(tp - fp - idsw) / max(objects_all, 1),
+        mota=(tp - fp - idsw) / objects_all if objects_all else 0.0,
         motp=float(matches.similarity.sum()) / max(tp, 1),
         tp=tp,
         fp=fp,

@@ -124,15 +124,18 @@ class Rule:
     def _check_sensor(self) -> None:
         if self.sensor is None:
             return
-        sensor = self.sensor
+        sensor: object = self.sensor
         if not (
             isinstance(sensor, list | tuple) and len(sensor) == 2 and all(type(n) is int and 1 <= n <= 65_536 for n in sensor)
         ):
             raise ConfigError(f"sensor = {sensor!r}: must be [width, height], each from 1 to 65536")
+        object.__setattr__(self, "sensor", tuple(sensor))
 
 
 def load_rule(name: str | Path) -> Rule:
     """A rule by its name in `RULES`, or from a TOML file whose keys are the fields of `Rule`.
+
+    With the key `base`, the name of a rule, the fields that are not there are that rule's.
 
     Raises:
         ConfigError: no such rule, a file that cannot be read or is not TOML, an unknown field, or one outside its range.
@@ -148,6 +151,11 @@ def load_rule(name: str | Path) -> Rule:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{name}: is not TOML: {error}") from error
     try:
+        base = data.pop("base", None)
+        if base is not None:
+            if base not in RULES:
+                raise ConfigError(f"base = {base!r}: must be one of {', '.join(RULES)}")
+            data = {f.name: getattr(load_rule(base), f.name) for f in fields(Rule)} | data
         _entries(data, [f.name for f in fields(Rule)], "rule")
         if "columns" not in data:
             raise ConfigError("columns: must be there")

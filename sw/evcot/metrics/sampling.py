@@ -12,7 +12,8 @@ from ..tracklog import TrackLog
 
 __all__ = ["checked", "expiring", "positions"]
 
-_TIME_MAX_US = 2**61
+_TIME_MAX_US = 2**60
+_PIXELS_MAX = 1e9
 
 
 def checked(log: TrackLog) -> TrackLog:
@@ -24,10 +25,13 @@ def checked(log: TrackLog) -> TrackLog:
     records = log.records
     t_us = records["t_us"]
     rules = (
-        ("t_us", np.abs(t_us) <= _TIME_MAX_US, "must be at most 2^61"),
+        ("t_us", (t_us >= -_TIME_MAX_US) & (t_us <= _TIME_MAX_US), "must be from -2^60 to 2^60"),
         ("t_us", np.append(True, t_us[1:] >= t_us[:-1])[: len(t_us)], "must not be before the record before it"),
         ("kind", np.isin(records["kind"], list(Kind)), f"must be from 0 to {max(Kind):d}"),
-        *((name, np.isfinite(records[name]), "must be a finite number") for name in ("x", "y", "radius")),
+        *(
+            (name, np.abs(records[name]) <= _PIXELS_MAX, f"must be a number of at most {_PIXELS_MAX:g}")
+            for name in ("x", "y", "radius")
+        ),
     )
     for name, good, rule in rules:
         if not good.all():
@@ -67,12 +71,13 @@ def positions(
     Returns:
         x, y: (n, k) in pixels, not a number where the track was not there.
     """
-    order = np.argsort(log.records["track_id"], kind="stable")
-    records = log.records[order]
+    records = log.records[np.argsort(log.records["track_id"], kind="stable")]
+    by_track = np.argsort(track_ids, kind="stable")
+    wanted, starts = np.unique(track_ids[by_track], return_index=True)
+    begin, end = (np.searchsorted(records["track_id"], wanted, side) for side in ("left", "right"))
     x, y = np.full((2, *times_us.shape), np.nan)
-    for track_id in np.unique(track_ids):
-        first, end = np.searchsorted(records["track_id"], (track_id, track_id + 1))
-        own, rows = records[first:end], np.flatnonzero(track_ids == track_id)
+    for i, rows in enumerate(np.split(by_track, starts[1:])[: len(wanted)]):
+        own = records[begin[i] : end[i]]
         newest = np.searchsorted(own["t_us"], times_us[rows], "right") - 1
         there = (newest >= 0) & (own["kind"][newest] <= Kind.MOVED)
         x[rows], y[rows] = (np.where(there, own[axis][newest], np.nan) for axis in "xy")

@@ -34,6 +34,7 @@ OBJECT = np.dtype(
 
 _TIME_MAX_US = 2**60
 _PIXELS_MAX = 1e9
+_SIDE_MIN = 1e-3
 
 Rows = list[tuple[int, list[str]]]  # number of the line, its cells
 
@@ -85,7 +86,7 @@ def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
             assert rule.reach_px is not None
             objects[axis], objects[side] = named[axis], rule.reach_px * math.sqrt(2)
         else:
-            take.check(columns[side], named[side] > 0, "must be more than 0")
+            take.check(columns[side], named[side] >= _SIDE_MIN, f"must be at least {_SIDE_MIN:g}")
             objects[axis], objects[side] = named[low] + named[side] / 2, named[side]
         objects[f"v{axis}"] = named.get(f"v{axis}", math.nan)
     objects["counted"] = True
