@@ -16,7 +16,8 @@ HW = Path(__file__).parents[2] / "hw"
 BIN = Path(sys.executable).parent
 
 pytestmark = pytest.mark.skipif(
-    not (BIN / "yowasp-sby").exists(), reason="SymbiYosys is not installed: pip install 'evcot[prove]', or make prove"
+    not ((BIN / "yowasp-sby").exists() and (BIN / "z3").exists()),
+    reason="SymbiYosys or z3 is not installed: pip install 'evcot[prove]', or make prove",
 )
 
 
