@@ -78,6 +78,8 @@ def positions(
     x, y = np.full((2, *times_us.shape), np.nan)
     for i, rows in enumerate(np.split(by_track, starts[1:])[: len(wanted)]):
         own = records[begin[i] : end[i]]
+        if not len(own):
+            continue
         newest = np.searchsorted(own["t_us"], times_us[rows], "right") - 1
         there = (newest >= 0) & (own["kind"][newest] <= Kind.MOVED)
         x[rows], y[rows] = (np.where(there, own[axis][newest], np.nan) for axis in "xy")

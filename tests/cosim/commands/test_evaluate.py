@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot evaluate` as a user meets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.contract import Kind
+from evcot.tracklog import TRACK, TrackLog
+from evcot_cosim.cli import main
+
+Capture = pytest.CaptureFixture[str]
+KEYS = {
+    "hota", "deta", "assa", "loca", "mota", "motp", "idf1", "idp", "idr", "idsw", "frag", "tp", "fp", "fn", "mt", "ml",
+    "position_error_px_median", "position_error_px_p90", "velocity_error_median", "latency_ms", "frames", "truth_ids",
+    "track_ids",
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def story(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A box that drives to the right for a second at 100 px/s, and a track that is 2 px below it, for half the time."""
+    monkeypatch.chdir(tmp_path)
+    lines = ["t_us,object_id,left,top,width,height,vx,vy,visible,occluded"]
+    lines += [f"{t},0,{10 + t * 1e-4:.4f},20,30,40,100,0,1,0" for t in range(0, 1_000_000, 10_000)]
+    Path("truth.csv").write_text("\n".join(lines) + "\n")
+    records = np.zeros(500, TRACK)
+    records["t_us"] = np.arange(0, 500_000, 1_000)
+    records["kind"] = Kind.MOVED
+    records["kind"][0], records["kind"][-1] = Kind.BORN, Kind.LOST
+    records["x"], records["y"] = 25 + records["t_us"] * 1e-4, 42.0
+    TrackLog("rct", records, np.empty(0, np.int16)).save_npz("software.npz")
+    return tmp_path
+
+
+def error_of(capture: Capture, *arguments: str) -> str:
+    assert main(["evaluate", *arguments]) == 2
+    printed = capture.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("evcot: ")
+    assert printed.err.count("\n") == 1
+    return printed.err.removeprefix("evcot: ").rstrip()
+
+
+def test_every_figure_as_json(capsys: Capture) -> None:
+    assert main(["evaluate", "software.npz", "--truth", "truth.csv", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found) >= KEYS
+    assert (found["frames"], found["truth_ids"], found["track_ids"]) == (100, 1, 1)
+    assert (found["tp"], found["fp"], found["fn"], found["mota"]) == (50, 0, 50, 0.5)
+    assert found["idf1"] == pytest.approx(2 / 3)
+    assert found["motp"] == pytest.approx(1 - 2 / 25)
+    assert found["position_error_px_median"] == pytest.approx(2.0)
+    assert found["velocity_error_median"] == pytest.approx(0.0, abs=1e-6)
+    assert found["latency_ms"] == 0.0
+
+
+def test_the_table_for_people(capsys: Capture) -> None:
+    assert main(["evaluate", "software.npz", "--truth", "truth.csv"]) == 0
+    printed = capsys.readouterr()
+    table = {line[:16].strip(): line[16:].strip() for line in printed.out.splitlines() if line[0] != " "}
+    assert table["MOTA"] == "0.500  50 found, 50 missed, 0 false, 0 switches, 0 interruptions"
+    assert table["IDF1"] == "0.667  recall 0.500, precision 1.000"
+    assert table["objects"] == "1: 0 mostly tracked, 0 mostly lost"
+    assert table["position error"] == "2 px median, 2 px at 90 %"
+    assert table["latency"] == "0 ms"
+    assert printed.err == ""
+
+
+def test_what_is_not_known_is_null(capsys: Capture) -> None:
+    TrackLog.empty("rct").save_npz("nobody.npz")
+    assert main(["evaluate", "nobody.npz", "--truth", "truth.csv", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["latency_ms"] is None
+    assert main(["evaluate", "nobody.npz", "--truth", "truth.csv"]) == 0
+    assert "latency         unknown\n" in capsys.readouterr().out
+
+
+def test_a_rule_of_ones_own_and_the_sensor(capsys: Capture) -> None:
+    Path("left.toml").write_text('base = "scene"\nclip = true\n')
+    arguments = ["evaluate", "software.npz", "--truth", "truth.csv", "--rule", "left.toml", "--json"]
+    assert error_of(capsys, *arguments[1:]).startswith("sensor: must be given (--sensor WxH")
+    assert main([*arguments, "--sensor", "40x100"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["tp"] + found["fn"] == 30  # left edges from 10 to 39 px lie on 40 columns
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["none.npz", "--truth", "truth.csv"], "none.npz: cannot be read: No such file or directory"),
+        (["truth.csv", "--truth", "truth.csv"], "truth.csv: is not an npz file, or is cut off"),
+        (["software.npz", "--truth", "none.csv"], "none.csv: cannot be read: No such file or directory"),
+        (["software.npz", "--truth", "truth.csv", "--rule", "cars"], "rule 'cars': must be one of scene, traffic, or a .toml"),
+        (["software.npz", "--truth", "truth.csv", "--rule", "traffic"], "truth.csv: line 1: 't_us,object_id,left,"),
+        (["software.npz", "--truth", "truth.csv", "--sensor", "big"], "--sensor big: must be WIDTHxHEIGHT in pixels"),
+        (["software.npz", "--truth", "truth.csv", "--sensor", "0x5"], "sensor = (0, 5): must be [width, height]"),
+    ],
+)
+def test_what_cannot_be_used_is_named(arguments: list[str], message: str, capsys: Capture) -> None:
+    assert error_of(capsys, *arguments).startswith(message)
+
+
+def test_a_log_that_no_engine_writes_is_named(capsys: Capture) -> None:
+    log = TrackLog.load_npz("software.npz")
+    log.records["x"][3] = np.nan
+    log.save_npz("bad.npz")
+    assert (
+        error_of(capsys, "bad.npz", "--truth", "truth.csv") == "bad.npz: record 3: x = nan: must be a number of at most 1e+09"
+    )

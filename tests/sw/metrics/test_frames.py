@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Truth and tracks side by side: what counts, and how similar it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from evcot.contract import Kind
+from evcot.errors import ConfigError
+from evcot.metrics import GroundTruth, Rule
+from evcot.metrics.frames import Frames, line_up
+from evcot.metrics.truth import OBJECT
+
+from .stories import logged
+
+RULE = Rule({"id": "id", "t_us": "t", "left": "l", "top": "t", "width": "w", "height": "h"})
+
+
+def truth_of(*boxes: tuple[int, int, float, float, float, float, bool]) -> GroundTruth:
+    """(frame, object, x, y, width, height, counted) at instants 0, 100, ..."""
+    objects = np.zeros(len(boxes), OBJECT)
+    for name, column in zip(("frame", "object", "x", "y", "width", "height", "counted"), zip(*boxes, strict=True), strict=True):
+        objects[name] = column
+    return GroundTruth(100 * np.arange(max(box[0] for box in boxes) + 1), objects, ("a", "b", "c"))
+
+
+def frames_of(truth: GroundTruth, places: Sequence[tuple[float, float]], rule: Rule = RULE) -> Frames:
+    """Tracks 10, 11, ... stand at these places from the first instant on, with windows of radius 5."""
+    log = logged(*((0, 10 + i, Kind.BORN, x, y) for i, (x, y) in enumerate(places)))
+    return line_up(log, truth, rule)[0]
+
+
+def test_similarity_falls_from_the_centre_to_half_a_diagonal_away() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 6.0, 8.0, True))
+    frames = frames_of(truth, [(50, 50), (52, 50), (50, 55), (90, 50)])
+    np.testing.assert_allclose(frames.similarity[0], [[1.0, 0.6, 0.0, 0.0]])
+
+
+def test_overlap_of_box_and_window() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
+    frames = frames_of(truth, [(50, 50), (55, 60), (60, 50)], Rule(RULE.columns, similarity="iou"))
+    np.testing.assert_allclose(frames.similarity[0], [[100 / 200, 25 / 275, 0.0]])
+
+
+def test_windows_are_clipped_as_boxes_are() -> None:
+    truth = truth_of((0, 0, 2.5, 5.0, 5.0, 10.0, True))
+    clipping = Rule(RULE.columns, similarity="iou", clip=True, edge_px=0.0, sensor=(100, 100))
+    np.testing.assert_allclose(frames_of(truth, [(0, 5)], clipping).similarity[0], [[1.0]])
+    np.testing.assert_allclose(frames_of(truth, [(0, 5)], Rule(RULE.columns, similarity="iou")).similarity[0], [[0.5]])
+
+
+def test_an_output_in_a_band_counts_only_inside_a_box() -> None:
+    rule = Rule(RULE.columns, ignore={"top": 28, "left": 10, "right": 12, "bottom": 14}, edge_px=0.0, sensor=(346, 260))
+    truth = truth_of((0, 0, 20.0, 20.0, 10.0, 10.0, True))
+    places = {
+        "in the box, above": (20, 20), "above": (40, 27.9), "below that": (40, 28), "left": (9.9, 90),
+        "right of that": (10, 90),
+        "right": (334.1, 90), "left of that": (334, 90), "bottom": (90, 246.1), "above that": (90, 246),
+    }  # fmt: skip
+    frames, _, outputs = line_up(logged(*((0, i, Kind.BORN, x, y) for i, (x, y) in enumerate(places.values()))), truth, rule)
+    assert [list(places)[i] for i in outputs["track_id"]] == [
+        "in the box, above", "below that", "right of that", "left of that", "above that",
+    ]  # fmt: skip
+    assert frames.n_tracks == 5
+    with pytest.raises(ConfigError, match=r"^sensor: must be given"):
+        frames_of(truth, [(0, 0)], Rule(RULE.columns, ignore={"top": 3}))
+
+
+def test_a_box_that_does_not_count_excuses_what_is_in_it_alone() -> None:
+    truth = truth_of((0, 0, 20.0, 20.0, 10.0, 10.0, True), (0, 1, 26.0, 20.0, 10.0, 10.0, False))
+    frames, objects, outputs = line_up(
+        logged((0, 1, Kind.BORN, 28.0, 20.0), (0, 2, Kind.BORN, 23.0, 20.0), (0, 3, Kind.BORN, 40.0, 20.0)), truth, RULE
+    )
+    np.testing.assert_array_equal(objects["object"], [0])
+    np.testing.assert_array_equal(outputs["track_id"], [2, 3])
+    assert (frames.n_truth, frames.n_tracks) == (1, 2)
+
+
+def test_numbers_stay_with_objects_and_tracks_over_time() -> None:
+    truth = truth_of((0, 2, 10.0, 10.0, 8.0, 8.0, True), (2, 0, 50.0, 50.0, 8.0, 8.0, True), (2, 2, 20.0, 20.0, 8.0, 8.0, True))
+    log = logged(
+        (0, 70, Kind.BORN, 10.0, 10.0), (50, 30, Kind.BORN, 50.0, 50.0), (150, 70, Kind.MOVED, 20.0, 20.0),
+        (150, 90, Kind.BORN, 0.0, 0.0), (160, 90, Kind.LOST, 0.0, 0.0),
+    )  # fmt: skip
+    frames, objects, outputs = line_up(log, truth, RULE)
+    assert [ids.tolist() for ids in frames.truth] == [[1], [], [0, 1]]
+    assert [ids.tolist() for ids in frames.tracks] == [[1], [0, 1], [0, 1]]
+    assert [part.shape for part in frames.similarity] == [(1, 1), (0, 2), (2, 2)]
+    np.testing.assert_allclose(frames.similarity[2], np.eye(2))
+    np.testing.assert_array_equal(frames.truth_lengths, [1, 2])
+    np.testing.assert_array_equal(frames.track_lengths, [2, 3])
+    np.testing.assert_array_equal(objects["object"], [2, 0, 2])
+    np.testing.assert_array_equal(outputs["track_id"], [70, 30, 70, 30, 70])
+    np.testing.assert_array_equal(outputs["x"], [10, 50, 10, 50, 20])

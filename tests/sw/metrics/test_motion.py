@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Errors of place, velocity and time, on a ball that bounces: one whose way does not look like its own past."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot.contract import Kind
+from evcot.metrics.motion import Motion, motion
+from evcot.metrics.truth import OBJECT
+from evcot.tracklog import TRACK, TrackLog
+
+INSTANTS_US = np.arange(300_000, 1_700_000, 10_000)
+
+
+def ball(t_us: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return 100 + 80 * np.sin(t_us * 3e-6), 100 + 60 * np.sin(t_us * 7e-6)
+
+
+def objects_at(instants_us: NDArray[np.int64], velocity: bool = True) -> NDArray[np.void]:
+    objects = np.zeros(len(instants_us), OBJECT)
+    objects["x"], objects["y"] = ball(instants_us)
+    (x0, y0), (x1, y1) = ball(instants_us - 500), ball(instants_us + 500)
+    objects["vx"], objects["vy"] = ((x1 - x0) * 1e3, (y1 - y0) * 1e3) if velocity else (np.nan, np.nan)
+    return objects
+
+
+def track(late_us: int = 0, dx: float = 0.0, faster: float = 1.0) -> TrackLog:
+    records = np.zeros(2_000, TRACK)
+    records["t_us"] = 1_000 * np.arange(len(records))
+    records["kind"] = Kind.MOVED
+    records["x"], records["y"] = ball(records["t_us"] - late_us)
+    records["x"] += dx + (faster - 1) * records["t_us"] * 1e-6
+    return TrackLog("test", records, np.empty(0, np.int16))
+
+
+def measured(log: TrackLog, objects: NDArray[np.void] | None = None) -> Motion:
+    return motion(
+        log, objects_at(INSTANTS_US) if objects is None else objects, np.zeros(len(INSTANTS_US), np.int64), INSTANTS_US
+    )
+
+
+def test_a_track_on_its_object_has_no_errors() -> None:
+    found = measured(track())
+    assert (found.position_error_px_median, found.position_error_px_p90, found.latency_ms) == (0.0, 0.0, 0.0)
+    assert found.velocity_error_median == pytest.approx(0, abs=3)  # of a curved way, over 50 ms
+
+
+def test_a_track_beside_its_object_is_off_in_place_alone() -> None:
+    found = measured(track(dx=2.0))
+    assert found.position_error_px_median == pytest.approx(2.0)
+    assert found.velocity_error_median == pytest.approx(measured(track()).velocity_error_median)
+
+
+def test_a_quantile_of_places() -> None:
+    objects = objects_at(INSTANTS_US)
+    objects["x"] += np.where(np.arange(len(objects)) % 4 == 0, 8.0, 1.0)
+    found = measured(track(), objects)
+    assert (found.position_error_px_median, found.position_error_px_p90) == pytest.approx((1.0, 8.0))
+
+
+@pytest.mark.parametrize("late_ms", [-37, 1, 40, 99])
+def test_lateness_is_found_and_has_its_sign(late_ms: int) -> None:
+    assert measured(track(late_us=1_000 * late_ms)).latency_ms == late_ms
+
+
+def test_lateness_outside_the_range_is_none() -> None:
+    assert measured(track(late_us=150_000)).latency_ms is None
+
+
+def test_what_stands_still_has_no_lateness() -> None:
+    log, objects = track(), objects_at(INSTANTS_US)
+    for axis in "xy":
+        log.records[axis], objects[axis] = 5.0, 5.5
+    assert measured(log, objects).latency_ms is None
+
+
+def test_a_track_that_is_too_fast_by_so_much() -> None:
+    found, usual = measured(track(faster=31.0)), measured(track())
+    assert usual.velocity_error_median is not None
+    assert found.velocity_error_median == pytest.approx(30.0, abs=usual.velocity_error_median)
+
+
+def test_without_velocities_or_pairs_there_are_no_figures() -> None:
+    assert measured(track(), objects_at(INSTANTS_US, velocity=False)).velocity_error_median is None
+    nobody = motion(track(), objects_at(INSTANTS_US[:0]), np.empty(0, np.int64), INSTANTS_US[:0])
+    assert nobody == Motion(None, None, None, None)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An output at an instant is a track's newest state, unless the track ended or the state is too old."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evcot.contract import Kind
+from evcot.errors import TrackLogError
+from evcot.metrics.sampling import checked, expiring, positions
+from evcot.timeline import sample
+from evcot.tracklog import TrackLog
+
+from .stories import logged
+
+BORN, MOVED, MERGED, LOST = Kind
+
+
+@pytest.fixture
+def log() -> TrackLog:
+    return logged(
+        (100, 7, BORN, 1.0, 10.0),
+        (120, 9, BORN, 5.0, 50.0),
+        (130, 7, MOVED, 2.0, 20.0),
+        (135, 9, MERGED, 5.0, 50.0),
+        (190, 7, MOVED, 3.0, 30.0),
+        (240, 7, LOST, 3.0, 30.0),
+    )
+
+
+def seen(log: TrackLog, *times_us: int) -> list[list[tuple[int, float]]]:
+    rows = sample(log, np.array(times_us))
+    return [rows[rows["sample"] == i][["track_id", "x"]].tolist() for i in range(len(times_us))]
+
+
+def test_the_newest_state_holds_until_the_next_or_the_end(log: TrackLog) -> None:
+    got = seen(expiring(log, 1_000), 99, 100, 134, 135, 189, 190, 239, 240)
+    assert got == [[], [(7, 1.0)], [(7, 2.0), (9, 5.0)], [(7, 2.0)], [(7, 2.0)], [(7, 3.0)], [(7, 3.0)], []]
+
+
+def test_a_state_may_be_just_so_old_and_the_track_comes_back_with_its_next(log: TrackLog) -> None:
+    got = seen(expiring(log, 20), 120, 121, 150, 151, 189, 190, 210, 211)
+    assert got == [[(7, 1.0), (9, 5.0)], [(9, 5.0)], [(7, 2.0)], [], [], [(7, 3.0)], [(7, 3.0)], []]
+
+
+def test_a_state_that_follows_at_the_very_end_of_the_age_goes_on(log: TrackLog) -> None:
+    assert seen(expiring(log, 29), 129, 130) == [[(7, 1.0), (9, 5.0)], [(7, 2.0), (9, 5.0)]]
+
+
+def test_the_last_state_of_an_open_track_gets_old_too() -> None:
+    assert seen(expiring(logged((0, 1, BORN, 4.0, 4.0)), 60), 60, 61) == [[(1, 4.0)], []]
+
+
+def test_places_of_tracks_at_any_times(log: TrackLog) -> None:
+    ids, times_us = np.array([7, 9, 7, 8]), np.array([[99, 100], [119, 134], [239, 240], [100, 200]])
+    x, y = positions(log, ids, times_us)
+    np.testing.assert_array_equal(x, [[np.nan, 1.0], [np.nan, 5.0], [3.0, np.nan], [np.nan, np.nan]])
+    np.testing.assert_array_equal(y, 10 * x)
+    assert positions(log, ids[:0], times_us[:0])[0].shape == (0, 2)
+
+
+def test_an_empty_log_has_no_outputs() -> None:
+    assert seen(expiring(checked(TrackLog.empty("rct")), 60), 0, 1) == [[], []]
+    assert np.isnan(positions(TrackLog.empty("rct"), np.array([1]), np.array([[0, 1]]))[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("t_us", 99, "record 1: t_us = 99: must not be before the record before it"),
+        ("t_us", -(2**63), "record 1: t_us = -9223372036854775808: must be from -2^60 to 2^60"),
+        ("kind", 4, "record 1: kind = 4: must be from 0 to 3"),
+        ("x", np.nan, "record 1: x = nan: must be a number of at most 1e+09"),
+        ("y", -1e300, "record 1: y = -1e+300: must be a number of at most 1e+09"),
+        ("radius", np.inf, "record 1: radius = inf: must be a number of at most 1e+09"),
+    ],
+)
+def test_a_record_that_no_engine_writes_is_refused(log: TrackLog, field: str, value: float, message: str) -> None:
+    log.records[field][1] = value
+    with pytest.raises(TrackLogError) as caught:
+        checked(log)
+    assert str(caught.value) == message

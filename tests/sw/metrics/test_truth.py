@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A truth is read as its rule says, or refused by line and field."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.errors import RecordingError
+from evcot.metrics import Rule, load_rule, read_truth
+from evcot.scenes.registry import SCENES, scene_settings
+
+HEADER = "t_begin_us,t_end_us,who,left,top,width,height"
+RULE = Rule({"id": "who", **{name: name for name in ("t_begin_us", "t_end_us", "left", "top", "width", "height")}}, at_us=-10)
+
+
+def written(folder: Path, *lines: str, header: str = HEADER) -> Path:
+    path = folder / "truth.csv"
+    path.write_text("\n".join((header, *lines)) + "\n")
+    return path
+
+
+def test_boxes_become_centres_at_instants(tmp_path: Path) -> None:
+    path = written(tmp_path, "100,150,b,0,0,4,6", "50,99,a,10,20,2,2", "100,150,a,11,20,2,2")
+    truth = read_truth(path, RULE)
+    np.testing.assert_array_equal(truth.instants_us, [89, 140])
+    assert truth.ids == ("b", "a")
+    np.testing.assert_array_equal(truth.objects["frame"], [0, 1, 1])
+    np.testing.assert_array_equal(truth.objects["object"], [1, 0, 1])
+    np.testing.assert_array_equal(truth.objects["x"], [11, 2, 12])
+    np.testing.assert_array_equal(truth.objects["y"], [21, 3, 21])
+    assert np.isnan(truth.objects["vx"]).all()
+    assert truth.objects["counted"].all()
+
+
+def test_a_camera_that_began_earlier_moves_the_truth(tmp_path: Path) -> None:
+    truth = read_truth(written(tmp_path, "0,100,a,0,0,1,1"), replace(RULE, origin_us=1_718_925_184_590_631))
+    np.testing.assert_array_equal(truth.instants_us, [1_718_925_184_590_721])
+
+
+def test_boxes_are_clipped_to_the_sensor(tmp_path: Path) -> None:
+    path = written(tmp_path, "0,100,a,-10,250,20,20", "0,100,b,400,0,5,5")
+    objects = read_truth(path, replace(RULE, clip=True, edge_px=0.0, sensor=(346, 260))).objects
+    assert objects[["object", "x", "y", "width", "height"]].tolist() == [(0, 5.0, 255.0, 10.0, 10.0)]
+
+
+def test_a_point_is_a_square_of_its_reach(tmp_path: Path) -> None:
+    rule = Rule({"id": "id", "t_us": "t", "x": "u", "y": "v"}, reach_px=10.0)
+    objects = read_truth(written(tmp_path, "5,7,1.5,2.5", header="t,id,u,v"), rule).objects
+    assert (objects["x"][0], objects["y"][0]) == (1.5, 2.5)
+    assert np.hypot(objects["width"][0], objects["height"][0]) / 2 == pytest.approx(10.0)
+
+
+def test_what_does_not_count_is_marked_and_stays(tmp_path: Path) -> None:
+    path = written(tmp_path, "0,9,a,0,0,1,1,0.5", "0,9,b,0,0,1,1,0.51", header=HEADER + ",hidden")
+    objects = read_truth(path, replace(RULE, at_us=0, counted={"hidden": (0, 0.5)})).objects
+    np.testing.assert_array_equal(objects["counted"], [True, False])
+
+
+def test_a_scene_is_read_as_it_was_written(tmp_path: Path) -> None:
+    scene = SCENES["boxes"].simulate(scene_settings("boxes", 1, {"duration_us": 50_000}))
+    scene.truth.save(tmp_path / "truth.csv")
+    truth, samples = read_truth(tmp_path / "truth.csv", load_rule("scene")), scene.truth.samples
+    np.testing.assert_array_equal(truth.instants_us[truth.objects["frame"]], samples["t_us"])
+    np.testing.assert_array_equal(np.array(truth.ids, int)[truth.objects["object"]], samples["object_id"])
+    for name in ("x", "y", "width", "height", "vx", "vy"):
+        np.testing.assert_allclose(truth.objects[name], samples[name], atol=2e-3)
+    np.testing.assert_array_equal(truth.objects["counted"], samples["visible"] & (samples["occluded"] <= 0.5))
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ((), "has no line after the header: must have one line an object"),
+        (("0,100,a,0,0,1",), "line 2: 6 values: must be 7, as the header"),
+        (("0,100,a,0,0,1,1", "0,100,b,0,zero,1,1"), "line 3: top = zero: must be a number"),
+        (("0,100,a,nan,0,1,1",), "line 2: left = nan: must be a number"),
+        (("0,100,a,1e300,0,1,1",), "line 2: left = 1e300: must be a number"),
+        (("0,1e2,a,0,0,1,1",), "line 2: t_end_us = 1e2: must be an integer, microseconds, of at most 2^60"),
+        (("0,9999999999999999999,a,0,0,1,1",), "line 2: t_end_us = 9999999999999999999: must be an integer, "),
+        (("95,100,a,0,0,1,1",), "line 2: t_begin_us = 95: must hold the instant, t_end_us - 10"),
+        (("0,100,a,0,0,0,1",), "line 2: width = 0: must be at least 0.001"),
+        (("0,100,a,0,0,1,1", "0,100,b,0,0,1,1", "0,100,a,5,5,1,1"), "line 4: who = a: must stand once at a time"),
+    ],
+)
+def test_a_line_that_is_wrong_is_named(lines: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    path = written(tmp_path, *lines)
+    with pytest.raises(RecordingError) as caught:
+        read_truth(path, RULE)
+    assert str(caught.value).startswith(f"{path}: {message}")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (None, "cannot be read: No such file or directory"),
+        (b"", "has no header: must have one line an object"),
+        (b"a,b\n\xff,1\n", "byte 4: must be UTF-8 text"),
+        (b'a,b\n"' + b"x" * 200_000 + b'",2\n', "line 2: is no CSV: "),
+        (b"t_us,id\n1,2\n", "line 1: 't_us,id': must have one column left (the rule's `columns`)"),
+    ],
+)
+def test_a_file_that_is_no_truth_is_named(content: bytes | None, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "truth.csv"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(RecordingError) as caught:
+        read_truth(path, RULE)
+    assert str(caught.value).startswith(f"{path}: {message}")
