@@ -136,7 +136,7 @@ class _Columns:
     def texts(self, name: str) -> list[str]:
         if self._header.count(name) != 1:
             shown = ",".join(self._header)[:120]
-            raise RecordingError(f"{self._path}: line 1: {shown!r}: must have one column {name} (the rule's `columns`)")
+            raise RecordingError(f"{self._path}: line 1: {shown!r}: must have one column {name!r} (the rule's `columns`)")
         column = self._header.index(name)
         return [row[column].strip() for _, row in self._rows]
 
@@ -150,7 +150,7 @@ class _Columns:
         """Raise RecordingError for the first line that is not good."""
         if not good.all():
             row = int(np.argmin(good))
-            raise RecordingError(f"{self._path}: line {self._rows[row][0]}: {name} = {self.texts(name)[row][:40]}: {rule}")
+            raise RecordingError(f"{self._path}: line {self._rows[row][0]}: {name} = {self.texts(name)[row][:40]!r}: {rule}")
 
     def _parsed(self, name: str, parse: Callable[[str], float | None], rule: str) -> list[Any]:
         values = [parse(text) for text in self.texts(name)]

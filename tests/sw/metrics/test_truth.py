@@ -76,14 +76,15 @@ def test_a_scene_is_read_as_it_was_written(tmp_path: Path) -> None:
     [
         ((), "has no line after the header: must have one line an object"),
         (("0,100,a,0,0,1",), "line 2: 6 values: must be 7, as the header"),
-        (("0,100,a,0,0,1,1", "0,100,b,0,zero,1,1"), "line 3: top = zero: must be a number"),
-        (("0,100,a,nan,0,1,1",), "line 2: left = nan: must be a number"),
-        (("0,100,a,1e300,0,1,1",), "line 2: left = 1e300: must be a number"),
-        (("0,1e2,a,0,0,1,1",), "line 2: t_end_us = 1e2: must be an integer, microseconds, of at most 2^60"),
-        (("0,9999999999999999999,a,0,0,1,1",), "line 2: t_end_us = 9999999999999999999: must be an integer, "),
-        (("95,100,a,0,0,1,1",), "line 2: t_begin_us = 95: must hold the instant, t_end_us - 10"),
-        (("0,100,a,0,0,0,1",), "line 2: width = 0: must be at least 0.001"),
-        (("0,100,a,0,0,1,1", "0,100,b,0,0,1,1", "0,100,a,5,5,1,1"), "line 4: who = a: must stand once at a time"),
+        (("0,100,a,0,0,1,1", "0,100,b,0,zero,1,1"), "line 3: top = 'zero': must be a number"),
+        (("0,100,a,nan,0,1,1",), "line 2: left = 'nan': must be a number"),
+        (("0,100,a,1e300,0,1,1",), "line 2: left = '1e300': must be a number"),
+        (("0,1e2,a,0,0,1,1",), "line 2: t_end_us = '1e2': must be an integer, microseconds, of at most 2^60"),
+        (("0,9999999999999999999,a,0,0,1,1",), "line 2: t_end_us = '9999999999999999999': must be an integer, "),
+        (("95,100,a,0,0,1,1",), "line 2: t_begin_us = '95': must hold the instant, t_end_us - 10"),
+        (('0,100,a,0,0,1,"1\n2"',), "line 3: height = '1\\n2': must be a number"),
+        (("0,100,a,0,0,0,1",), "line 2: width = '0': must be at least 0.001"),
+        (("0,100,a,0,0,1,1", "0,100,b,0,0,1,1", "0,100,a,5,5,1,1"), "line 4: who = 'a': must stand once at a time"),
     ],
 )
 def test_a_line_that_is_wrong_is_named(lines: tuple[str, ...], message: str, tmp_path: Path) -> None:
@@ -101,7 +102,7 @@ def test_a_line_that_is_wrong_is_named(lines: tuple[str, ...], message: str, tmp
         (b"", "has no header: must have one line an object"),
         (b"a,b\n\xff,1\n", "byte 4: must be UTF-8 text"),
         (b'a,b\n"' + b"x" * 200_000 + b'",2\n', "line 2: is no CSV: "),
-        (b"t_us,id\n1,2\n", "line 1: 't_us,id': must have one column left (the rule's `columns`)"),
+        (b"t_us,id\n1,2\n", "line 1: 't_us,id': must have one column 'left' (the rule's `columns`)"),
     ],
 )
 def test_a_file_that_is_no_truth_is_named(content: bytes | None, message: str, tmp_path: Path) -> None:
