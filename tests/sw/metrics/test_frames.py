@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,6 +66,8 @@ def test_an_output_in_a_band_counts_only_inside_a_box() -> None:
         "in the box, above", "below that", "right of that", "left of that", "above that",
     ]  # fmt: skip
     assert frames.n_tracks == 5
+    from_half = replace(rule, edge_px=-0.5)
+    assert [frames_of(truth, [(x, 90)], from_half).n_tracks for x in (9.4, 9.6, 333.4, 333.6)] == [0, 1, 1, 0]
     with pytest.raises(ConfigError, match=r"^sensor: must be given"):
         frames_of(truth, [(0, 0)], Rule(RULE.columns, ignore={"top": 3}))
 

@@ -87,3 +87,30 @@ def test_without_velocities_or_pairs_there_are_no_figures() -> None:
     assert measured(track(), objects_at(INSTANTS_US, velocity=False)).velocity_error_median is None
     nobody = motion(track(), objects_at(INSTANTS_US[:0]), np.empty(0, np.int64), INSTANTS_US[:0])
     assert nobody == Motion(None, None, None, None)
+
+
+def test_of_equal_shifts_the_smallest_counts() -> None:
+    """States every 40 ms, each 40 ms early: any shift from -40 ms up to the next state fits."""
+    log = track()
+    records = log.records[::40].copy()
+    records["x"], records["y"] = ball(records["t_us"] + 40_000)
+    instants_us = INSTANTS_US[INSTANTS_US % 40_000 == 0]
+    found = motion(
+        TrackLog("test", records, log.owner), objects_at(instants_us), np.zeros(len(instants_us), np.int64), instants_us
+    )
+    assert found.latency_ms == -1.0
+
+
+def test_a_shift_at_which_most_tracks_are_not_there_says_nothing() -> None:
+    """A track of 40 ms, 3 px beside its object, whose last state happens to lie where the object was first."""
+    instants_us = np.arange(0, 50_000, 10_000)
+    objects = np.zeros(len(instants_us), OBJECT)
+    objects["x"] = instants_us * 1e-3
+    records = np.zeros(42, TRACK)
+    records["t_us"] = 1_000 * np.arange(len(records))
+    records["kind"] = Kind.MOVED
+    records["kind"][-1] = Kind.LOST
+    records["x"], records["y"] = records["t_us"] * 1e-3, 3.0
+    records["x"][40], records["y"][40] = 0.0, 0.0
+    found = motion(TrackLog("test", records, np.empty(0, np.int16)), objects, np.zeros(5, np.int64), instants_us)
+    assert found.latency_ms == 0.0

@@ -46,6 +46,7 @@ def test_a_state_may_be_just_so_old_and_the_track_comes_back_with_its_next(log: 
 
 def test_a_state_that_follows_at_the_very_end_of_the_age_goes_on(log: TrackLog) -> None:
     assert seen(expiring(log, 29), 129, 130) == [[(7, 1.0), (9, 5.0)], [(7, 2.0), (9, 5.0)]]
+    assert seen(expiring(log, 30), 130, 131) == [[(7, 2.0), (9, 5.0)], [(7, 2.0), (9, 5.0)]]
 
 
 def test_the_last_state_of_an_open_track_gets_old_too() -> None:

@@ -109,7 +109,7 @@ def test_nothing_to_find_or_nothing_found_scores_zero(truth: list[list[int]], tr
     assert (found.hota, found.deta, found.assa, found.loca) == (0.0, 0.0, 0.0, 1.0)
     assert clear(frames).fp == identity(frames).idfp == sum(map(len, tracks))
     assert clear(frames).fn == identity(frames).idfn == sum(map(len, truth))
-    assert identity(frames).idf1 == 0.0
+    assert identity(frames).idf1 == clear(frames).mota == 0.0
 
 
 def random_frames(seed: int) -> Frames:
