@@ -65,6 +65,14 @@ def test_a_log_without_tracks_misses_everything(discs: GroundTruth) -> None:
     assert (scores.position_error_px_median, scores.velocity_error_median, scores.latency_ms) == (None, None, None)
 
 
+def test_a_state_is_an_output_while_it_is_young_enough(discs: GroundTruth) -> None:
+    """A track outside all boxes that says something only once, at the first instant."""
+    log = logged((0, 1, Kind.BORN, -1_000.0, -1_000.0))
+    ages_us = discs.instants_us - discs.instants_us[0]
+    assert evaluate(log, discs, SCENE).fp == np.count_nonzero(ages_us <= 60_000)
+    assert evaluate(log, discs, replace(SCENE, max_age_us=100_000)).fp == np.count_nonzero(ages_us <= 100_000)
+
+
 def test_logs_of_another_clock_are_refused(discs: GroundTruth) -> None:
     epoch_us = 1_718_925_184_590_631
     with pytest.raises(TrackLogError, match=rf"^t_us from {epoch_us} to {epoch_us}, .*: must be of one clock \(the rule's"):

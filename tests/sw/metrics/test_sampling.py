@@ -82,3 +82,8 @@ def test_a_record_that_no_engine_writes_is_refused(log: TrackLog, field: str, va
     with pytest.raises(TrackLogError) as caught:
         checked(log)
     assert str(caught.value) == message
+
+
+def test_an_open_track_is_nowhere_before_its_birth() -> None:
+    x, _ = positions(logged((5, 1, BORN, 4.0, 4.0)), np.array([1]), np.array([[4, 5, 10**9]]))
+    np.testing.assert_array_equal(x, [[np.nan, 4.0, 4.0]])
