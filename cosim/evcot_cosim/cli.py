@@ -31,6 +31,9 @@ _EXAMPLES = """examples:
   evcot presets --json
   evcot info drive.aedat4                       sensor, length, rates, busiest pixels
   evcot convert drive.aedat4 drive.csv --to 500 its first half second, as text
+  evcot simulate highway -o highway.aedat4      a scene, and its truth beside it
+  evcot cosim highway --activity 5              filters, then hardware, model and software tracker, on a scene
+  evcot evaluate build/cosim/highway/software.npz --truth highway.truth.csv
 """
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from evcot.errors import ConfigError, TrackLogError
+from evcot.errors import TrackLogError
 from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth
 from evcot.tracklog import TrackLog
+
+from .options import sensor_from
 
 __all__ = ["add"]
 
@@ -29,7 +30,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def _evaluate(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    rule = load_rule(options.rule).on(_sensor(options.sensor))
+    rule = load_rule(options.rule).on(sensor_from(options))
     truth = read_truth(options.truth, rule)
     log = TrackLog.load_npz(options.log)
     try:
@@ -44,15 +45,6 @@ def _evaluate(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     for name, value in rows:
         print(f"{name:{width}}  {value}")
     return 0
-
-
-def _sensor(text: str | None) -> tuple[int, int] | None:
-    if text is None:
-        return None
-    size = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", text)
-    if size is None:
-        raise ConfigError(f"--sensor {text}: must be WIDTHxHEIGHT in pixels, as 346x260")
-    return int(size[1]), int(size[2])
 
 
 def _rows(s: Scores) -> list[tuple[str, str]]:

@@ -13,7 +13,16 @@ from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.files import RecordingFile, open_recording
 
-__all__ = ["check_other_file", "damage_options", "open_from", "read_from", "recording_options", "window_from", "window_options"]
+__all__ = [
+    "check_other_file",
+    "damage_options",
+    "open_from",
+    "read_from",
+    "recording_options",
+    "sensor_from",
+    "window_from",
+    "window_options",
+]
 
 
 def recording_options(parser: argparse.ArgumentParser) -> None:
@@ -55,13 +64,17 @@ def open_from(options: argparse.Namespace, path: Path) -> RecordingFile:
         ConfigError: --sensor that is no size.
         RecordingError: as `open_recording`.
     """
-    sensor = None
-    if options.sensor is not None:
-        size = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", options.sensor)
-        if size is None:
-            raise ConfigError(f"--sensor {options.sensor}: must be WIDTHxHEIGHT in pixels, as 346x260")
-        sensor = int(size[1]), int(size[2])
-    return open_recording(path, sensor, damage="skip" if options.skip_damaged else "refuse")
+    return open_recording(path, sensor_from(options), damage="skip" if options.skip_damaged else "refuse")
+
+
+def sensor_from(options: argparse.Namespace) -> tuple[int, int] | None:
+    """(width, height) of --sensor, None where it is not given; ConfigError where it is no size."""
+    if options.sensor is None:
+        return None
+    size = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", options.sensor)
+    if size is None:
+        raise ConfigError(f"--sensor {options.sensor}: must be WIDTHxHEIGHT in pixels, as 346x260")
+    return int(size[1]), int(size[2])
 
 
 def read_from(options: argparse.Namespace, path: Path) -> Recording:

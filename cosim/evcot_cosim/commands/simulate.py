@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -16,6 +15,8 @@ from evcot.events import Events
 from evcot.files import write_events
 from evcot.outputs import written_aside
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
+
+from .options import sensor_from
 
 __all__ = ["add"]
 
@@ -107,11 +108,9 @@ def _overrides(options: argparse.Namespace, name: str) -> dict[str, Any]:
         if not 0 < options.duration < 1e9:
             raise ConfigError(f"--duration {options.duration:g}: must be more than 0 seconds")
         overrides["duration_us"] = round(options.duration * 1e6)
-    if options.sensor is not None:
-        size = re.fullmatch(r"(\d{1,6})x(\d{1,6})", options.sensor)
-        if size is None:
-            raise ConfigError(f"--sensor {options.sensor}: must be WIDTHxHEIGHT in pixels, as 346x260")
-        overrides["width"], overrides["height"] = int(size[1]), int(size[2])
+    sensor = sensor_from(options)
+    if sensor is not None:
+        overrides["width"], overrides["height"] = sensor
     for setting in options.set:
         key, equals, value = setting.partition("=")
         if not equals:
