@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint prove mutants clean
+.PHONY: help setup cosim waves test bench lint prove mutants fuzz clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -44,6 +44,9 @@ prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array
 
 mutants: $(VENV)/.installed-test ## Break the RTL in one place at a time and see that a test fails each time (minutes)
 	@$(BIN)/python tests/mutations.py $(ARGS)
+
+fuzz: $(VENV)/.installed-test ## Damage recordings of every format in every way that the tests know, leaving nothing out (an hour)
+	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/formats -k "damage or cut or corruption" $(ARGS)
 
 clean: ## Remove everything that was built; .venv stays
 	@rm -rf build .pytest_cache .mypy_cache .ruff_cache

@@ -29,11 +29,15 @@ MAGIC = b"\x89HDF\r\n\x1a\n"
 _ECF = 0x8ECF
 
 
+_READ_ROWS = 1 << 17  # at least so many rows are read at once: a call of the library takes long, whatever it reads
+
+
 class Rows:
     """A dataset's rows, in slices that follow one another: every chunk is read, and its compression undone, once."""
 
     def __init__(self, dataset: Any, chunk_rows: int) -> None:
-        self._dataset, self._chunk_rows = dataset, chunk_rows
+        self._dataset = dataset
+        self._step = chunk_rows * -(-_READ_ROWS // chunk_rows)
         self._begin = self._end = 0
         self._held: NDArray[Any] = np.empty(0)
 
@@ -47,7 +51,7 @@ class Rows:
         if end > self._end or begin < self._begin:
             kept = self._held[begin - self._begin :] if self._begin <= begin < self._end else None
             at = begin if kept is None else self._end
-            stop = min(-(-end // self._chunk_rows) * self._chunk_rows, len(self._dataset))
+            stop = min(-(-end // self._step) * self._step, len(self._dataset))
             rows = self._read(at, stop)
             self._held = rows if kept is None else np.concatenate((kept, rows))
             self._begin, self._end = begin, stop

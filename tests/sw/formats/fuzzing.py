@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import warnings
 from collections.abc import Iterator
@@ -16,9 +17,22 @@ from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Recording
 from evcot.files import Damage, read_recording
 
-__all__ = ["Outcomes", "fuzz"]
+__all__ = ["Outcomes", "cut_lengths", "fuzz", "sample_of"]
+
+# `make fuzz` leaves nothing out where the usual tests take a sample, because each damaged file takes long to read.
+_THOROUGH = bool(os.environ.get("EVCOT_FUZZ"))
 
 _LOSS = re.compile(r": (\d+ events left out: |all after \d+ events left out: )")
+
+
+def sample_of(corruptions: int, usual: int) -> int:
+    """How many corruptions to try: the usual few, or all."""
+    return corruptions if _THOROUGH else usual
+
+
+def cut_lengths(content: bytes, usual: int) -> range:
+    """Where to cut a file: at the usual few places, or after every byte."""
+    return range(1, len(content), 1 if _THOROUGH else max(1, len(content) // usual))
 
 
 @dataclass

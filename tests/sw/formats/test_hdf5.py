@@ -22,7 +22,7 @@ from evcot.files import open_recording, read_recording
 from evcot.formats import hdf5, hdf5_survey
 from evcot.formats.printable import printable
 
-from .fuzzing import fuzz
+from .fuzzing import cut_lengths, fuzz, sample_of
 
 WIDTH, HEIGHT = 64, 48
 COUNT = 500
@@ -32,7 +32,7 @@ X, Y, P = (RANDOM.integers(0, limit, COUNT) for limit in (WIDTH, HEIGHT, 2))
 OFFSET_US = 49_599_300_523
 
 # A sample: where the library hangs, seconds pass.
-CORRUPTIONS = 400
+CORRUPTIONS = sample_of(10_000, 400)
 
 Write = Callable[[h5py.File], Any]
 
@@ -320,7 +320,7 @@ def test_damage_is_told_or_does_not_matter(tmp_path: Path, surveyor: Surveyor, w
     assert outcomes.refused
     assert outcomes.read
     cut = tmp_path / "cut.h5"
-    for length in range(1, len(content), len(content) // 60):
+    for length in cut_lengths(content, 60):
         cut.write_bytes(content[:length])
         refusal(cut)
     print(f"the HDF5 library was stopped {surveyor.stopped} times")

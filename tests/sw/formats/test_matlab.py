@@ -18,7 +18,7 @@ from evcot.files import open_recording, read_recording
 from .fuzzing import fuzz
 
 COUNT = 60
-CORRUPTIONS = 2000
+CORRUPTIONS = 10_000
 RANDOM = np.random.default_rng(5)
 T_US = np.sort(RANDOM.integers(0, 9000, COUNT))
 X, Y, P = (RANDOM.integers(0, limit, COUNT) for limit in (34, 30, 2))

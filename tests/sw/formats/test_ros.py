@@ -23,7 +23,7 @@ from evcot.events import Events
 from evcot.files import open_recording, read_recording
 from evcot.formats import ros
 
-from .fuzzing import fuzz
+from .fuzzing import cut_lengths, fuzz, sample_of
 from .reference_evt import evt3_base, evt3_event, evt3_high, evt3_low, evt3_row, evt3_vector12, reference
 
 WIDTH, HEIGHT = 64, 48
@@ -31,7 +31,7 @@ COUNT = 100
 RANDOM = np.random.default_rng(17)
 T_NS = 1_718_925_184 * 10**9 + np.sort(RANDOM.integers(0, 10**8, COUNT))
 X, Y, P = (RANDOM.integers(0, limit, COUNT) for limit in (WIDTH, HEIGHT, 2))
-CORRUPTIONS = 200
+CORRUPTIONS = sample_of(10_000, 200)
 
 DVS, PACKET = "dvs_msgs/msg/EventArray", "event_camera_msgs/msg/EventPacket"
 EVENT_FIELDS = "uint16 x\nuint16 y\n{time} ts\nbool polarity\n"
@@ -305,7 +305,7 @@ def test_damage_is_told_or_does_not_matter(tmp_path: Path, kind: str, damage: An
     assert outcomes.refused
     assert outcomes.read
     cut = tmp_path / "cut"
-    for length in range(1, len(content) - 20, len(content) // 100):
+    for length in cut_lengths(content[:-20], 100):
         cut.write_bytes(content[:length])
         refusal(cut)
 
