@@ -25,8 +25,8 @@ cosim: $(VENV)/.installed-run ## RTL, model and software tracker in lock-step [R
 waves: $(VENV)/.installed-run ## A waveform with its GTKWave view [RECORDING=file PRESET=name CONFIG=file.toml]
 	@$(call evcot,waves)
 
-test: $(VENV)/.installed-test ## Run all tests
-	@$(BIN)/pytest $(ARGS)
+test: $(VENV)/.installed-test ## Run all tests, on all cores
+	@$(BIN)/pytest -n auto --maxprocesses 8 --dist loadfile $(ARGS)
 
 bench: $(VENV)/.installed-bench ## Measure speeds: a table, and build/bench/bench.json
 	@$(BIN)/python benchmarks/run.py $(ARGS)
