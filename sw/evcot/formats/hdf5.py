@@ -19,7 +19,7 @@ from ..errors import RecordingError
 from ..events import Events
 from .columns import Sensor
 from .hdf5_survey import Part, Survey, survey
-from .numeric import events_from_numbers, microseconds
+from .numeric import events_from_numbers, events_from_records, microseconds
 from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format
 
@@ -97,8 +97,19 @@ class Hdf5File:
         first = 0 if from_us is None else self._place_of(from_us - self._t_offset)
         for begin in range(first, self._count, BLOCK_EVENTS):
             end = min(begin + BLOCK_EVENTS, self._count)
-            t, x, y, p = (self._picked(field, slice(begin, end)) for field in "txyp")
-            yield events_from_numbers(t, x, y, p, begin, self._t_offset)
+            window = slice(begin, end)
+            events = self._from_records(window)
+            if events is None:
+                t, x, y, p = (self._picked(field, window) for field in "txyp")
+                events = events_from_numbers(t, x, y, p, begin, self._t_offset)
+            yield events
+
+    def _from_records(self, window: slice) -> Events | None:
+        """The events of a dataset of whole records, in one pass; None where the columns lie otherwise."""
+        rows, _ = self._columns["t"]
+        if any(self._columns[field] != (rows, field) for field in "txyp"):
+            return None
+        return events_from_records(rows[window], self._t_offset)
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""

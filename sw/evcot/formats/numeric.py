@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..events import Events
 
-__all__ = ["events_from_numbers", "microseconds", "whole_numbers"]
+__all__ = ["events_from_numbers", "events_from_records", "microseconds", "whole_numbers"]
 
 _Width = TypeVar("_Width", bound=np.integer[Any])
 # From here on, floating numbers are not told apart from their neighbours; and sums of times stay within 64 bits.
@@ -110,6 +110,34 @@ def _plain(values: NDArray[Any]) -> NDArray[Any]:
     if values.dtype == np.float16:
         return values.astype(np.float32)
     return values if values.dtype.isnative else values.astype(values.dtype.newbyteorder("="))
+
+
+# The fields of Prophesee's record in HDF5, which `events_from_records` takes apart in one pass.
+_RECORD = {"x": np.dtype("<u2"), "y": np.dtype("<u2"), "p": np.dtype("<i2"), "t": np.dtype("<i8")}
+
+
+@njit(cache=True, nogil=True)
+def _fill_records(records, latest_us, t0_us, t_us, x, y, p):  # type: ignore[no-untyped-def]
+    """Fills the four columns; false where some time or polarity is not an ordinary one."""
+    odd = False
+    for i in range(len(records)):
+        record = records[i]
+        odd |= (record.p & 1) != record.p or not -latest_us <= record.t <= latest_us
+        t_us[i] = record.t + t0_us
+        x[i] = record.x
+        y[i] = record.y
+        p[i] = record.p
+    return not odd
+
+
+def events_from_records(records: NDArray[np.void], t0_us: int = 0) -> Events | None:
+    """Records with the fields x, y, p, t of Prophesee's types as events; None where they are others, or a value is no ordinary
+    one: `events_from_numbers` then says which."""
+    if {name: records.dtype[name] for name in records.dtype.names or ()} != _RECORD:
+        return None
+    n = len(records)
+    events = Events(np.empty(n, np.int64), np.empty(n, np.uint16), np.empty(n, np.uint16), np.empty(n, np.uint8))
+    return events if _fill_records(records, _LATEST_US, t0_us, events.t_us, events.x, events.y, events.p) else None
 
 
 def events_from_numbers(

@@ -335,3 +335,19 @@ def test_another_reader_finds_the_same(tmp_path: Path) -> None:
     np.testing.assert_array_equal(events.y, y)
     np.testing.assert_array_equal(events.p, p > 0)
     np.testing.assert_array_equal(events.t_us - events.t_us[0], t_us - t_us[0])
+
+
+@pytest.mark.parametrize("align", [False, True])
+@pytest.mark.parametrize(("p", "wanted"), [([1, 0, 1], [1, 0, 1]), ([1, -1, 1], [1, 0, 1]), ([1, 0, 2], None)])
+def test_whole_records_mean_what_columns_mean(tmp_path: Path, p: list[int], wanted: list[int] | None, align: bool) -> None:
+    records = np.zeros(3, np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=align))
+    records["x"], records["y"], records["p"], records["t"] = [5, 6, 7], [1, 2, 3], p, [10, 11, 12]
+    path = tmp_path / "events.h5"
+    with h5py.File(path, "w") as file:
+        file["CD/events"] = records
+    if wanted is None:
+        assert refusal(path) == "event 2: p = 2: must be 0 or 1"
+        return
+    events = read_recording(path).events
+    assert (events.t_us.tolist(), events.x.tolist(), events.y.tolist()) == ([10, 11, 12], [5, 6, 7], [1, 2, 3])
+    assert events.p.tolist() == wanted
