@@ -14,7 +14,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from evcot.config import FilterConfig
+from evcot.filters.config import FilterConfig
 from evcot.filters.effect import Effect, add_noise, area_under_curve, effect
 from evcot.scenes.boxes import BoxExperiment, simulate
 

@@ -11,7 +11,7 @@ import numpy as np
 
 import streams
 from evcot.cot import Arrangement, CotModel, tick_times
-from evcot.rct import RctTracker
+from evcot.rct.tracker import RctTracker
 from evcot_cosim.lockstep import chunks
 from measure import Clock, Goal, Result, Timing, take_turns, timed
 

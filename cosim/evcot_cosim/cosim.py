@@ -16,7 +16,7 @@ from evcot.contract import DROPPED
 from evcot.cot import CotModel, tick_times, to_track_records
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Recording
-from evcot.rct import RctTracker, track
+from evcot.rct.tracker import RctTracker, track
 from evcot.tracklog import TRACK, TrackLog
 
 from .build import BuiltModel

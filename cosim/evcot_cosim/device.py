@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
 from evcot.config import CotConfig, SlotConfig
-from evcot.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, RECORD, REGISTERS, Kind, Shape
+from evcot.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, RECORD, REGISTERS, Kind, Shape, mask_word
 from evcot.cot import Arrangement, Decisions
 from evcot.errors import ConfigError, EvcotError, OutputError
 from evcot.filters.registers import FilterRegisters
@@ -195,7 +195,7 @@ class Device:
 
     def write_filters(self, registers: FilterRegisters) -> None:
         """Write the registers of the filters in front, `enable` last."""
-        writes = [(FILTER_REGISTERS["mask"].address, 1 << 31 | y << 16 | x) for x, y in registers.hot_pixels]
+        writes = [(FILTER_REGISTERS["mask"].address, mask_word(x, y)) for x, y in registers.hot_pixels]
         for name in sorted(FILTER_REGISTERS.keys() - {"mask"}, key="enable".__eq__):
             writes.append((FILTER_REGISTERS[name].address, int(getattr(registers, name))))
         io = self.sim.io

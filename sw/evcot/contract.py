@@ -30,6 +30,7 @@ __all__ = [
     "Register",
     "Shape",
     "State",
+    "mask_word",
 ]
 
 SLOTS_MAX = 64
@@ -257,9 +258,14 @@ FILTER_REGISTERS: dict[str, FilterRegister] = {
     "decay_rate": FilterRegister(12, 1, (1 << 24), "units of 1/32 half-life per tick, in 2^-24"),
     "decay_epsilon": FilterRegister(13, 0, 255, "weight in 1/256 up to which an event is discarded"),
     "decay_support": FilterRegister(14, 1, 2048, "sum of weights in 1/256 that an event needs"),
-    # Bit 31: hot or not; 30..16: y; 15..0: x.
-    "mask": FilterRegister(15, 0, (1 << 32) - 1, "marks one pixel as hot, or not"),
+    "mask": FilterRegister(15, 0, (1 << 32) - 1, "marks one pixel as hot, or not: see `mask_word`"),
 }
+
+
+def mask_word(x: int, y: int, hot: bool = True) -> int:
+    """What to write to the register `mask` for a pixel: hot or not in bit 31, y in bits 30 to 16, x in 15 to 0."""
+    return int(hot) << 31 | y << 16 | x
+
 
 # One record as the hardware gives it: centres in fixed point with `Shape.frac` fractional bits.
 RECORD = np.dtype(

@@ -52,9 +52,14 @@ class Events:
         return cls(*(np.concatenate([getattr(part, field) for part in parts]) for field in ("t_us", "x", "y", "p")))
 
     @classmethod
+    def allocated(cls, count: int) -> Events:
+        """Room for so many events, to be filled."""
+        return cls(np.empty(count, np.int64), np.empty(count, np.uint16), np.empty(count, np.uint16), np.empty(count, np.uint8))
+
+    @classmethod
     def empty(cls) -> Events:
         """No events."""
-        return cls(np.empty(0, np.int64), np.empty(0, np.uint16), np.empty(0, np.uint16), np.empty(0, np.uint8))
+        return cls.allocated(0)
 
 
 @dataclass(frozen=True)

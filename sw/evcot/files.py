@@ -15,8 +15,7 @@ import numpy as np
 from .errors import ConfigError, RecordingError, RecordingWarning
 from .events import Events, Recording, check_sensor, find_fault
 from .formats import FORMATS, WRITABLE
-from .formats.columns import Sensor
-from .formats.source import BLOCK_EVENTS, Source, WritableFormat
+from .formats.source import BLOCK_EVENTS, Sensor, Source, WritableFormat
 from .outputs import written_aside
 
 __all__ = ["Damage", "RecordingFile", "format_for", "open_recording", "read_recording", "write_events", "write_recording"]

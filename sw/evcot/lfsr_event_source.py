@@ -67,9 +67,7 @@ class LfsrEventSource:
         Raises:
             ConfigError: a whole period of the LFSR passes without an event.
         """
-        events = Events(
-            np.empty(count, np.int64), np.empty(count, np.uint16), np.empty(count, np.uint16), np.empty(count, np.uint8)
-        )
+        events = Events.allocated(count)
         lfsr = np.array([self.seed, tap_mask(self.lfsr_w), (1 << self.lfsr_w) - 1], np.uint64)
         window = np.array([self.x_min, self.x_span, self.y_min, self.y_span], np.uint64)
         found = _fill(lfsr, window, self.x_w, self.y_w, self.gap + 1, events.t_us, events.x, events.y, events.p)

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .config import CotConfig, RctConfig, RunConfig, SlotConfig
+from .config import CotConfig, RunConfig, SlotConfig
 from .contract import Shape
 from .errors import ConfigError
+from .rct.config import RctConfig
 
 __all__ = ["PRESETS", "fit", "for_sensor", "preset"]
 

@@ -16,7 +16,7 @@ from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.files import read_recording
 from evcot.presets import fit, for_sensor, preset
-from evcot.rct import track as rct_track
+from evcot.rct.tracker import track as rct_track
 from evcot.tracklog import TrackLog
 from evcot_cosim.cosim import CosimRun, check_addresses, run_cosim, stalls_from
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.config import FilterConfig
 from evcot.contract import DROPPED
 from evcot.events import Events, Recording
 from evcot.files import read_recording, write_recording
+from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.presets import fit, for_sensor

@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from evcot.config import RCT_RANGES, CotConfig, RctConfig, RunConfig, SlotConfig, load_toml
+from evcot.config import CotConfig, RunConfig, SlotConfig, load_toml
 from evcot.contract import REGISTERS, Mode, Shape
 from evcot.errors import ConfigError
+from evcot.ranges import span
+from evcot.rct.config import RCT_RANGES, RctConfig
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=6, radix_w=5, nev_w=6, tc_w=12)
 SLOT = SlotConfig(max_ticks=500, nev_th=50, detect_ticks=200)
@@ -83,7 +85,7 @@ def test_rct_takes_its_limits_and_nothing_beyond(name: str) -> None:
     for wrong in (low - 1, high + 1, True, "2"):
         with pytest.raises(ConfigError) as caught:
             RctConfig(**{name: wrong})  # type: ignore[arg-type]
-        assert str(caught.value) == f"rct.{name} = {wrong!r}: must be from {low:g} to {high:g} ({meaning})"
+        assert str(caught.value) == f"rct.{name} = {wrong!r}: must be from {span(low, high)} ({meaning})"
 
 
 def test_a_run_as_plain_values_survives_json() -> None:

@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from evcot.config import FilterConfig
 from evcot.events import Events
+from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import Pixels, learn_hot_pixels, load_hot_pixels, save_hot_pixels
 
 __all__ = ["filter_options", "filters_from"]

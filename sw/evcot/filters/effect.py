@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..config import FilterConfig
 from ..events import Events, Recording
+from .config import FilterConfig
 from .run import apply
 
 __all__ = ["Effect", "add_noise", "area_under_curve", "effect"]

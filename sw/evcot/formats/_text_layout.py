@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ._text_kernel import UNUSED, P, T, X, Y
-from .columns import Sensor
 from .fields import UNITS, Naming, find_fields
+from .source import Sensor
 
 __all__ = ["LONGEST_LINE_BYTES", "SEPARATORS", "Layout", "is_text", "read_layout"]
 

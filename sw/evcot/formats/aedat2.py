@@ -31,8 +31,7 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..events import Events
 from .chips import chip_sensor
-from .columns import Sensor
-from .source import BLOCK_EVENTS, Format
+from .source import BLOCK_EVENTS, Format, Sensor
 from .upright import mirrored
 
 __all__ = ["FORMATS", "Aedat2File"]

@@ -22,9 +22,8 @@ import numpy as np
 from ..errors import RecordingError
 from ..events import Events
 from .chips import chip_sensor
-from .columns import Sensor
 from .gather import gathered
-from .source import BLOCK_EVENTS, Format
+from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS", "MAGIC", "Aedat3File"]
 

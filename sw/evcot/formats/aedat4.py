@@ -27,10 +27,9 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Sensor
 from .flatbuffers import root_table, size_prefixed, table_columns, usual_vector, vector_head
 from .packing import UNPACKED_BYTES_MAX, unpack_lz4, unpack_zstd
-from .source import BLOCK_EVENTS, Format
+from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["EVENT", "FORMATS", "MAGIC", "PACKET_HEAD", "Aedat4File"]
 
@@ -250,9 +249,7 @@ def _fill(words, t_us, x, y, p):  # type: ignore[no-untyped-def]
 def _columns(words: NDArray[np.int64]) -> Events:
     """Events from their two words each: the time; and x, y, polarity from the low bits up, as `EVENT` has them."""
     count = len(words) // 2
-    events = Events(
-        np.empty(count, np.int64), np.empty(count, np.uint16), np.empty(count, np.uint16), np.empty(count, np.uint8)
-    )
+    events = Events.allocated(count)
     _fill(words, events.t_us, events.x, events.y, events.p)
     return events
 

@@ -16,9 +16,8 @@ import numpy as np
 from ..errors import RecordingError
 from ..events import Events
 from .aedat4 import EVENT, MAGIC, PACKET_HEAD
-from .columns import Sensor
 from .flatbuffers import vector_head
-from .source import WritableFormat
+from .source import Sensor, WritableFormat
 
 __all__ = ["WRITABLE", "Aedat4Sink"]
 

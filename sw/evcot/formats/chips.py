@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from .columns import Sensor
+from .source import Sensor
 
 __all__ = ["chip_sensor"]
 

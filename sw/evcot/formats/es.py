@@ -21,8 +21,7 @@ from numba import njit
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Sensor
-from .source import BLOCK_EVENTS, Format
+from .source import BLOCK_EVENTS, Format, Sensor
 from .upright import mirrored
 
 __all__ = ["FORMATS", "MAGIC", "EsFile"]
@@ -89,9 +88,7 @@ class EsFile:
             while chunk := file.read(BLOCK_EVENTS * _EVENT_BYTES):
                 data = np.frombuffer(rest + chunk, np.uint8)
                 most = len(data) // _EVENT_BYTES
-                found = Events(
-                    np.empty(most, np.int64), np.empty(most, np.uint16), np.empty(most, np.uint16), np.empty(most, np.uint8)
-                )
+                found = Events.allocated(most)
                 count, used, t_us = _decode(data, self._atis, t_us, found.t_us, found.x, found.y, found.p)
                 at, rest = at + used, data[used:].tobytes()
                 found = found[:count]

@@ -7,6 +7,7 @@ the words' own.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, BinaryIO, ClassVar
 
@@ -17,8 +18,8 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..events import Events
 from . import evt2, evt3
-from .columns import Sensor
 from .prophesee_header import T0_LIMIT_US
+from .source import Sensor
 
 __all__ = ["Evt2Sink", "Evt3Sink"]
 
@@ -96,7 +97,7 @@ def _encode_evt3(t_us, x, y, p, at, high, low, row, words):  # type: ignore[no-u
     return at, n, high, low, row
 
 
-class _WordSink:
+class _WordSink(ABC):
     """A file of words; the header waits for the first event, whose time it may have to hold."""
 
     _number: ClassVar[int]
@@ -109,13 +110,13 @@ class _WordSink:
         self._t0_us = self._last_us = 0
         self._high = self._low = self._row = -1
 
+    @abstractmethod
     def _t0_for(self, first_us: int) -> int:
         """What to add to the words' times, for events from `first_us` on."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _check_times(self, t_us: NDArray[np.int64]) -> None:
         """Raise RecordingError for times that the words cannot hold."""
-        raise NotImplementedError
 
     def write(self, events: Events) -> None:
         """See `source.Sink`."""

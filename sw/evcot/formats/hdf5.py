@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Sensor
 from .hdf5_survey import Part, Survey, survey
 from .numeric import events_from_numbers, events_from_records, microseconds
 from .printable import printable, reason
-from .source import BLOCK_EVENTS, Format
+from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file"]
 

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Decoded, smallest_sensor
 from .hdf5 import open_dataset, open_file
 from .hdf5_survey import survey
 from .numeric import whole_numbers
@@ -186,7 +185,7 @@ def _open(path: Path) -> WholeFile:
         is_hdf5 = _is_version_7_3(file.read(_HEADER_BYTES))
     name, columns = _read_version_7_3(path) if is_hdf5 else _read_version_5(path)
     events, details = _events(columns)
-    return WholeFile(Decoded(events, smallest_sensor(events)), {"struct": printable(name), **details})
+    return WholeFile(events, {"struct": printable(name), **details})
 
 
 def _is_version_7_3(start: bytes) -> bool:

@@ -15,8 +15,7 @@ from typing import IO, Any, BinaryIO
 import numpy as np
 
 from ..events import Events
-from .columns import Sensor
-from .source import WritableFormat
+from .source import Sensor, WritableFormat
 
 __all__ = ["WRITABLE"]
 

@@ -136,7 +136,7 @@ def events_from_records(records: NDArray[np.void], t0_us: int = 0) -> Events | N
     if {name: records.dtype[name] for name in records.dtype.names or ()} != _RECORD:
         return None
     n = len(records)
-    events = Events(np.empty(n, np.int64), np.empty(n, np.uint16), np.empty(n, np.uint16), np.empty(n, np.uint8))
+    events = Events.allocated(n)
     return events if _fill_records(records, _LATEST_US, t0_us, events.t_us, events.x, events.y, events.p) else None
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RecordingError
+from .printable import reason
 
 __all__ = ["StoredArray", "damage_named", "npy_array", "npz_arrays"]
 
@@ -40,8 +41,7 @@ def damage_named(what: str) -> Iterator[None]:
     except RecordingError:
         raise
     except _DAMAGE as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise RecordingError(f"{what}: {''.join(c if c.isprintable() else '?' for c in reason)}") from error
+        raise RecordingError(f"{what}: {reason(error)}") from error
 
 
 @dataclass(frozen=True)

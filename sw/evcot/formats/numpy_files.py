@@ -21,11 +21,10 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Sensor
 from .fields import UNITS, find_fields
 from .numeric import microseconds, whole_numbers
 from .numpy_arrays import StoredArray, npy_array, npz_arrays
-from .source import BLOCK_EVENTS, Format
+from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS"]
 

@@ -15,13 +15,12 @@ from functools import partial
 from pathlib import Path
 
 from ..errors import RecordingError
-from .columns import Sensor
 from .dat import dat_layout
 from .evt2 import evt2_layout, evt21_layout, is_upper_first
 from .evt3 import evt3_layout
 from .evt_writers import Evt2Sink, Evt3Sink
 from .prophesee_header import HEADER_BYTES, Header, parse_header
-from .source import Format, WritableFormat
+from .source import Format, Sensor, WritableFormat
 from .words import Layout, WordFile, Words
 
 __all__ = ["FORMATS", "PROPHESEE_SENSORS", "WRITABLE"]

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..errors import RecordingError
-from .columns import Sensor
+from .printable import printable
+from .source import Sensor
 
 __all__ = ["HEADER_BYTES", "T0_LIMIT_US", "Header", "parse_header"]
 
@@ -110,8 +111,7 @@ def parse_header(content: bytes) -> Header:
         end = content.find(b"\n", at)
         if end < 0:
             raise RecordingError(f"ends within its header, at byte {len(content)}: a header line must end in a newline")
-        line = content[at + 1 : end].decode("latin-1").strip()
-        key, _, value = "".join(each if each.isprintable() else "?" for each in line).partition(" ")
+        key, _, value = printable(content[at + 1 : end].decode("latin-1")).partition(" ")
         at = end + 1
         if key.lower() == "end":
             break

@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Sensor
 from .evt3 import evt3_layout
 from .gather import gathered
 from .printable import printable
 from .ros_messages import PACKETS, STAMPED, STAMPED_ENCODING, Packet, Stamped, events_of, read_packet, read_stamped
 from .rosbag1 import MAGIC, Bag1
 from .rosbag2 import MCAP_MAGIC, METADATA, SQLITE_MAGIC, Bag2
-from .source import BLOCK_EVENTS, Format
+from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS", "RosBag"]
 

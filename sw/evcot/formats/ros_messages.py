@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Sensor
+from .source import Sensor
 
 __all__ = ["PACKETS", "STAMPED", "STAMPED_ENCODING", "Packet", "Stamped", "events_of", "read_packet", "read_stamped"]
 

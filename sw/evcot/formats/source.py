@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import BinaryIO, Protocol
 
 from ..events import Events
-from .columns import Sensor
 
-__all__ = ["BLOCK_EVENTS", "Format", "Sink", "Source", "WritableFormat"]
+__all__ = ["BLOCK_EVENTS", "Format", "Sensor", "Sink", "Source", "WritableFormat"]
 
 # About how many events a block holds: a fixed cost of a block spread over many, and little enough to stay in a core's cache.
 BLOCK_EVENTS = 1 << 15
+
+Sensor = tuple[int, int]  # width, height in pixels
 
 
 class Source(Protocol):

@@ -28,9 +28,8 @@ from ..errors import RecordingError
 from ..events import Events
 from ._text_kernel import LINE_BYTES, PADDING_BYTES, SHORTEST_LINE_BYTES, format_lines, parse_lines
 from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, Layout, is_text, read_layout
-from .columns import Sensor
 from .fields import UNITS
-from .source import BLOCK_EVENTS, Format, WritableFormat
+from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
 
 __all__ = ["FORMATS", "WRITABLE"]
 
@@ -100,7 +99,7 @@ class _TextSource:
 def _parse(text: NDArray[np.uint8], length: int, layout: Layout) -> tuple[Events, int, int]:
     """The events in the first bytes of a buffer, how many lines they take, and the cell at fault in the next; -1 if none is."""
     room = length // SHORTEST_LINE_BYTES + 1
-    events = Events(np.empty(room, np.int64), np.empty(room, np.uint16), np.empty(room, np.uint16), np.empty(room, np.uint8))
+    events = Events.allocated(room)
     count, lines, fault = parse_lines(
         text, length, ord(layout.separator), layout.columns, layout.power, layout.exact,
         events.t_us, events.x, events.y, events.p,

@@ -1,42 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A source for files whose library reads them at once: they are bounded by memory."""
+"""A source for files that are read at once: they are bounded by memory."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 
 from ..events import Events
-from .columns import Decoded, Sensor
-from .source import BLOCK_EVENTS, Source
+from .source import BLOCK_EVENTS, Sensor
 
-__all__ = ["WholeFile", "opens_whole"]
+__all__ = ["WholeFile"]
 
 
 class WholeFile:
-    """Reads the file when it is opened and hands it out in blocks.
+    """All events of a file that states no sensor, handed out in blocks. See `source.Source`."""
 
-    Args:
-        decoded: what the file holds; a sensor of None is not stated.
-    """
-
-    def __init__(self, decoded: Decoded, details: Mapping[str, str] | None = None) -> None:
-        self._decoded = decoded
-        self.details: Mapping[str, str] = details or {}
+    def __init__(self, events: Events, details: Mapping[str, str]) -> None:
+        self._events = events
+        self.sensor: Sensor | None = None
+        self.details = details
         self.left_out: Counter[str] = Counter()
-
-    @cached_property
-    def sensor(self) -> Sensor | None:
-        """(width, height) in pixels, None where the file states none."""
-        return self._decoded.sensor
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""
-        events = self._decoded.events
-        for begin in range(0, len(events), BLOCK_EVENTS):
-            yield events[begin : begin + BLOCK_EVENTS]
+        for begin in range(0, len(self._events), BLOCK_EVENTS):
+            yield self._events[begin : begin + BLOCK_EVENTS]
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""
@@ -44,8 +32,3 @@ class WholeFile:
 
     def close(self) -> None:
         """Nothing is open."""
-
-
-def opens_whole(read: Callable[[Path], Decoded]) -> Callable[[Path], Source]:
-    """A reader of a whole file as `Format.open` wants it."""
-    return lambda path: WholeFile(read(path))

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
-from .columns import Sensor
-from .source import BLOCK_EVENTS
+from .source import BLOCK_EVENTS, Sensor
 
 __all__ = ["Layout", "State", "WordArray", "WordFile", "Words"]
 

@@ -22,7 +22,7 @@ def events_of(keys: NDArray[np.int64], end_us: int) -> Events:
     """The events before `end_us`, by time, then x, y and p; from (n,) keys in any order."""
     ordered = np.sort(keys) if len(keys) < _FEW else _by_key(keys)
     n = int(np.searchsorted(ordered, end_us << KEY_T_SHIFT))
-    events = Events(np.empty(n, np.int64), np.empty(n, np.uint16), np.empty(n, np.uint16), np.empty(n, np.uint8))
+    events = Events.allocated(n)
     _unpack(ordered, events.t_us, events.x, events.y, events.p)
     return events
 

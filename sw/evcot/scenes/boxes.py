@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Recording
+from ..ranges import Range, check_ranges
 from ._contours import leg_events
 from ._order import KEY_T_SHIFT, events_of
 from .cast import LANES, cast
-from .ranges import Range, check_ranges
 from .scene import Scene
 from .truth import Box, Truth, sample
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from .ranges import Range
+from ..ranges import Range
 from .scene import Scene
 from .shapes import discs
 from .stage import StageSettings, film, texture

@@ -20,8 +20,8 @@ from PIL import Image
 
 from ..errors import ConfigError, RecordingError
 from ..events import Events
+from ..ranges import Range, check_ranges
 from .pixel import PixelCamera, PixelModel
-from .ranges import Range, check_ranges
 
 __all__ = ["FOOTAGE_RANGES", "SUFFIXES", "TIMES_FILE", "Film", "Footage", "open_film"]
 

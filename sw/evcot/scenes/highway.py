@@ -15,9 +15,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..ranges import Range
 from ._vehicles import FACES, SHADOW, outline
 from .pixel import PixelModel
-from .ranges import Range
 from .scene import Scene
 from .shapes import quadrangles
 from .stage import StageSettings, film, texture

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .ranges import Range
+from ..ranges import Range
 from .scene import Scene
 from .shapes import discs, quadrangles
 from .stage import StageSettings, film, texture

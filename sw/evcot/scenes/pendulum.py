@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from .ranges import Range
+from ..ranges import Range
 from .scene import Scene
 from .shapes import discs, quadrangles
 from .stage import StageSettings, film, texture

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Events, check_sensor
+from ..ranges import Range, check_ranges
 from ._order import events_of
 from ._pixel_kernel import LOG_INTENSITY_MAX, NEVER, pixel_events
 from ._spontaneous import Spontaneous
-from .ranges import Range, check_ranges
 
 __all__ = ["MODEL_RANGES", "PixelCamera", "PixelModel"]
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from .ranges import Range
+from ..ranges import Range
 from .scene import Scene
 from .shapes import quadrangles
 from .stage import MARGIN_PX, StageSettings, film, texture

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..events import Events, Recording
+from ..ranges import Range, check_ranges
 from ._occlusion_kernel import hidden_parts
 from ._render_kernel import changes, draw, shift_texture
 from .pixel import PixelCamera, PixelModel
-from .ranges import Range, check_ranges
 from .scene import Scene
 from .truth import TRUTH, Truth, on_sensor
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.config import FilterConfig
 from evcot.events import Events, Recording
 from evcot.files import read_recording, write_recording
+from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import save_hot_pixels
 from evcot.filters.run import apply
 from evcot_cosim.cli import main

@@ -12,9 +12,10 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot import cot, rct
-from evcot.config import FilterConfig, RunConfig
+from evcot.config import RunConfig
 from evcot.events import Events, Recording
 from evcot.files import read_recording
+from evcot.filters.config import FilterConfig
 from evcot.filters.effect import Effect, add_noise, area_under_curve, effect
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply

@@ -11,11 +11,13 @@ from typing import Any
 
 import pytest
 
-from evcot.config import FILTER_RANGES, FilterConfig, RunConfig, load_toml
+from evcot.config import RunConfig, load_toml
 from evcot.contract import Filter, FilterShape
 from evcot.errors import ConfigError
+from evcot.filters.config import FILTER_RANGES, FilterConfig
 from evcot.filters.hot_pixels import save_hot_pixels
 from evcot.filters.registers import FilterRegisters
+from evcot.ranges import span
 
 EVERYTHING = FilterConfig(
     region=(1, 2, 30, 40),
@@ -67,7 +69,7 @@ class TestConfig:
         for value in (low, high):
             assert getattr(FilterConfig(**{"recent_depth": 256, name: value}), name) == value  # type: ignore[arg-type]
         for wrong in (low - 1, high + 1, True, "2"):
-            rule = f"must be from {low:g} to {high:g} ({meaning})"
+            rule = f"must be from {span(low, high)} ({meaning})"
             assert refusal(**{name: wrong}) == f"filters.{name} = {wrong!r}: {rule}"
 
     @pytest.mark.parametrize(
@@ -188,7 +190,7 @@ class TestToml:
         [
             ("filters = 3", "top level: [filters] must be a table, not 3"),
             ("[filters]\nradius = 3", "[filters]: unknown field 'radius': must be one of activity_support, "),
-            ("[filters]\nactivity_us = 1.5", "filters.activity_us = 1.5: must be from 0 to 1e+09 "),
+            ("[filters]\nactivity_us = 1.5", "filters.activity_us = 1.5: must be from 0 to 1000000000 "),
             ("[filters]\nhot_pixels_file = 3", "[filters]: hot_pixels_file = 3: must be a file's name, and stand "),
             (
                 "[filters]\nhot_pixels_file = 'a'\nhot_pixels = []",

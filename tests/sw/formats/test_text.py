@@ -12,7 +12,7 @@ from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.files import open_recording, read_recording, write_events
 from evcot.formats import text
-from evcot.formats.columns import Sensor
+from evcot.formats.source import Sensor
 
 from .fuzzing import fuzz
 

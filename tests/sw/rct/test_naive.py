@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from evcot.config import RctConfig
 from evcot.contract import Kind
 from evcot.events import Events, Recording
-from evcot.rct import RctTracker, track
+from evcot.rct.config import RctConfig
+from evcot.rct.tracker import RctTracker, track
 
 
 @dataclass

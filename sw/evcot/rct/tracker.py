@@ -19,12 +19,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ._rct_kernel import CLUSTER, CURSOR, NEVER_US, RECORDS_PER_PACKET, Rules, close_last_packet, feed
+from ..contract import DROPPED
+from ..errors import RecordingError
+from ..events import Events, Recording
+from ..tracklog import TRACK, TrackLog
 from .config import RctConfig
-from .contract import DROPPED
-from .errors import RecordingError
-from .events import Events, Recording
-from .tracklog import TRACK, TrackLog
+from .kernel import CLUSTER, CURSOR, NEVER_US, RECORDS_PER_PACKET, Rules, close_last_packet, feed
 
 __all__ = ["RctTracker", "track"]
 

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .contract import Kind
+from ..contract import Kind
 
 __all__ = ["CLUSTER", "CURSOR", "NEVER_US", "RECORDS_PER_PACKET", "Rules", "close_last_packet", "feed"]
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.config import RctConfig
 from evcot.contract import Kind
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
-from evcot.rct import RctTracker, track
+from evcot.rct.config import RctConfig
+from evcot.rct.tracker import RctTracker, track
 from evcot.tracklog import TRACK
 
 SMALL = RctConfig(max_clusters=4, radius_px=10.0, alpha=0.01, visible_events=5, lifetime_us=10_000, packet_us=1_000)

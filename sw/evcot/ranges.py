@@ -6,12 +6,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import ConfigError
+from .errors import ConfigError
 
-__all__ = ["Range", "check_ranges"]
+__all__ = ["Range", "check_ranges", "span"]
 
 Range = tuple[float, float, str]
 """Lowest, highest, meaning; two integers stand for an integer setting."""
+
+
+def span(low: float, high: float) -> str:
+    """Limits as a message says them: integers in full."""
+    return " to ".join(str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (low, high))
 
 
 def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range]) -> None:
@@ -20,4 +25,4 @@ def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range]) -> None:
         value = getattr(settings, field)
         wanted = int if isinstance(low, int) else (int, float)
         if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
-            raise ConfigError(f"{name}.{field} = {value!r}: must be from {low} to {high} ({meaning})")
+            raise ConfigError(f"{name}.{field} = {value!r}: must be from {span(low, high)} ({meaning})")
