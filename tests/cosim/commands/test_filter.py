@@ -165,7 +165,7 @@ class TestConfig:
         [
             ("", "no filter is on: see `evcot filter --help`"),
             ("--activity 0", "no filter is on: see `evcot filter --help`"),
-            ("--activity -1", "filters.activity_us = -1000: must be from 0 to 1e+09 (oldest neighbour that supports "),
+            ("--activity -1", "filters.activity_us = -1000: must be from 0 to 1000000000 (oldest neighbour that supports "),
             ("--activity 600", "filters.activity_us = 600000: must be from 1 to 524287, 1 to 524287 ticks of 1 us"),
             ("--activity 3 --activity-support 9", "filters.activity_support = 9: must be from 1 to 8 (neighbours "),
             ("--region 5,0,4,9", "filters.region = [5, 0, 4, 9]: must have x0 <= x1 and y0 <= y1"),

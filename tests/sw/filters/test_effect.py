@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot import cot, rct
+from evcot import cot
 from evcot.config import RunConfig
 from evcot.events import Events, Recording
 from evcot.files import read_recording
@@ -20,6 +20,7 @@ from evcot.filters.effect import Effect, add_noise, area_under_curve, effect
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.presets import fit, preset
+from evcot.rct.tracker import track
 from evcot.scenes.boxes import BoxExperiment, simulate
 from evcot.tracklog import TrackLog
 
@@ -133,7 +134,7 @@ class TestHotPixel:
         """Both trackers with the preset for the sensor, behind the filters."""
         run: RunConfig = fit(preset("davis346"), self.recording().width, self.recording().height)
         recording = apply(self.recording(), filters, run.cot.tick_us)[0]
-        return [cot.track(recording, run.cot), rct.track(recording, run.rct)]
+        return [cot.track(recording, run.cot), track(recording, run.rct)]
 
     @staticmethod
     def stay_s(log: TrackLog) -> float:

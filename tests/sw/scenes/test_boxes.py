@@ -271,9 +271,9 @@ def test_a_chosen_side_is_used() -> None:
         ({"duration_us": 0}, "boxes.duration_us = 0: must be from 1000 to 1000000000 (length of the scene)"),
         (
             {"noise_hz_per_px": -0.1},
-            "boxes.noise_hz_per_px = -0.1: must be from 0.0 to 1000.0 (background events per pixel and second)",
+            "boxes.noise_hz_per_px = -0.1: must be from 0 to 1000 (background events per pixel and second)",
         ),
-        ({"slow_px_s": float("nan")}, "boxes.slow_px_s = nan: must be from 1.0 to 10000.0 (speed of a slow box)"),
+        ({"slow_px_s": float("nan")}, "boxes.slow_px_s = nan: must be from 1 to 10000 (speed of a slow box)"),
         ({"seed": True}, "boxes.seed = True: must be from 0 to 9223372036854775807 (seed of all noise)"),
         ({"speed": "warp"}, "boxes.speed = 'warp': must be one of slow, fast, both"),
         ({"side_px": 44.0}, "boxes.side_px = 44: must be 0, or from 1 to a lane's 43.3 pixels"),

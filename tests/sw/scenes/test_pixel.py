@@ -206,10 +206,10 @@ def test_noise_does_not_depend_on_how_time_is_cut() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"on_threshold": 0.0}, "pixel.on_threshold = 0.0: must be from 0.01 to 5.0 (rise of log intensity, to base e, that"),
-        ({"mismatch": 0.6}, "pixel.mismatch = 0.6: must be from 0.0 to 0.5 (standard deviation of thresholds"),
+        ({"on_threshold": 0.0}, "pixel.on_threshold = 0.0: must be from 0.01 to 5 (rise of log intensity, to base e, that"),
+        ({"mismatch": 0.6}, "pixel.mismatch = 0.6: must be from 0 to 0.5 (standard deviation of thresholds"),
         ({"refractory_us": 0.5}, "pixel.refractory_us = 0.5: must be from 0 to 1000000 (time after an event"),
-        ({"noise_hz": float("nan")}, "pixel.noise_hz = nan: must be from 0.0 to 1000.0 (background activity"),
+        ({"noise_hz": float("nan")}, "pixel.noise_hz = nan: must be from 0 to 1000 (background activity"),
         ({"hot_pixels": True}, "pixel.hot_pixels = True: must be from 0 to 1000000 (how many pixels fire all the time)"),
     ],
 )
