@@ -18,11 +18,13 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
 from .chips import chip_sensor
-from .gather import gathered
+from .gather import batches
 from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS", "MAGIC", "Aedat3File"]
@@ -35,7 +37,7 @@ _LINE_BYTES_MAX = 1 << 16
 _LINES_MAX = 1 << 12
 _PACKET = struct.Struct("<hh6i")
 _POLARITY = 1
-_POLARITY_EVENT = np.dtype([("data", "<u4"), ("t", "<i4")])
+_EVENT_BYTES = 8
 _TIME_BITS = 31
 _MARKED_INVALID = "marked as not valid"
 
@@ -52,6 +54,14 @@ class _Packet(NamedTuple):
     capacity: int
     events: int
     valid: int
+
+
+class _Piece(NamedTuple):
+    """Some of a packet's events: where they stand, what their times count from, and their words, two each."""
+
+    at: int
+    base_us: int
+    words: NDArray[np.uint32]
 
 
 class Aedat3File:
@@ -77,14 +87,36 @@ class Aedat3File:
         """See `source.Source`."""
         self.left_out = Counter()
         with self._path.open("rb") as file:
-            yield from gathered(self._parts(file, from_us))
+            for read in batches(self._read(file, from_us), BLOCK_EVENTS, lambda piece: len(piece.words) // 2):
+                events, fault = self._decode(read)
+                yield events
+                if fault is not None:
+                    raise fault
 
-    def _parts(self, file: BinaryIO, from_us: int | None) -> Iterator[Events]:
+    def _read(self, file: BinaryIO, from_us: int | None) -> Iterator[_Piece]:
         for packet in self._packets(file):
             if packet.source != self._source or (from_us is not None and self._last_us(file, packet) < from_us):
                 continue
             for first in range(0, packet.events, BLOCK_EVENTS):
-                yield self._read_events(file, packet, first, min(BLOCK_EVENTS, packet.events - first))
+                at = packet.at + first * _EVENT_BYTES
+                file.seek(at)
+                data = file.read(min(BLOCK_EVENTS, packet.events - first) * _EVENT_BYTES)
+                yield _Piece(at, packet.turns << _TIME_BITS, np.frombuffer(data, "<u4"))
+
+    def _decode(self, read: list[_Piece]) -> tuple[Events, RecordingError | None]:
+        """The events of some pieces up to the first with a negative time, and that as a fault; invalid ones are counted."""
+        events = Events.allocated(sum(len(piece.words) // 2 for piece in read))
+        count = 0
+        for piece in read:
+            done, filled = _fill(piece.words, piece.base_us, count, events.t_us, events.x, events.y, events.p)
+            if filled < count + done:
+                self.left_out[_MARKED_INVALID] += count + done - filled
+            count = filled
+            if 2 * done < len(piece.words):
+                t = np.int32(piece.words.view("<i4")[2 * done + 1])
+                what = f"event at byte {piece.at + done * _EVENT_BYTES}: t = {t}: must not be negative"
+                return events[:count], RecordingError(what)
+        return events[:count], None
 
     def _packets(self, file: BinaryIO) -> Iterator[_Packet]:
         """Every packet with polarity events."""
@@ -113,37 +145,15 @@ class Aedat3File:
             raise RecordingError(
                 f"{place}: type {packet.kind}, source {packet.source}: must be 0 or more, and one of {sorted(self._sources)}"
             )
-        if packet.kind == _POLARITY and (packet.event_bytes, packet.time_at) != (_POLARITY_EVENT.itemsize, 4):
+        if packet.kind == _POLARITY and (packet.event_bytes, packet.time_at) != (_EVENT_BYTES, 4):
             raise RecordingError(
                 f"{place}: polarity events of {packet.event_bytes} bytes with their time at byte {packet.time_at}: must be of "
-                f"{_POLARITY_EVENT.itemsize} with it at 4"
+                f"{_EVENT_BYTES} with it at 4"
             )
 
     def _last_us(self, file: BinaryIO, packet: _Packet) -> int:
-        file.seek(packet.at + (packet.events - 1) * _POLARITY_EVENT.itemsize + packet.time_at)
+        file.seek(packet.at + (packet.events - 1) * _EVENT_BYTES + packet.time_at)
         return (packet.turns << _TIME_BITS) + int.from_bytes(file.read(4), "little")
-
-    def _read_events(self, file: BinaryIO, packet: _Packet, first: int, count: int) -> Events:
-        file.seek(packet.at + first * _POLARITY_EVENT.itemsize)
-        elements = np.frombuffer(file.read(count * _POLARITY_EVENT.itemsize), _POLARITY_EVENT)
-        data, time = elements["data"], elements["t"]
-        negative = np.flatnonzero(time < 0)
-        if len(negative):
-            i = int(negative[0])
-            raise RecordingError(
-                f"event at byte {packet.at + (first + i) * _POLARITY_EVENT.itemsize}: t = {time[i]}: must not be negative"
-            )
-        events = Events(
-            time + np.int64(packet.turns << _TIME_BITS),
-            (data >> 17).astype(np.uint16),
-            (data >> 2 & 0x7FFF).astype(np.uint16),
-            (data >> 1 & 1).astype(np.uint8),
-        )
-        valid = data & 1 == 1
-        if valid.all():
-            return events
-        self.left_out[_MARKED_INVALID] += int(np.count_nonzero(~valid))
-        return events.where(valid)
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""
@@ -151,6 +161,23 @@ class Aedat3File:
 
     def close(self) -> None:
         """Nothing stays open between passes."""
+
+
+@njit(cache=True, nogil=True)
+def _fill(words, base_us, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
+    """Valid events into the columns from `at` on, up to one with a negative time: how many were looked at, and the new end."""
+    for i in range(len(words) // 2):
+        data = words[2 * i]
+        time = words[2 * i + 1]
+        if time >> _TIME_BITS:
+            return i, at
+        if data & 1:
+            t_us[at] = base_us + np.int64(time)
+            x[at] = data >> 17
+            y[at] = data >> 2 & 0x7FFF
+            p[at] = data >> 1 & 1
+            at += 1
+    return len(words) // 2, at
 
 
 def _sources(lines: list[str]) -> dict[int, str]:

@@ -27,7 +27,9 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
+from .ahead import in_order
 from .flatbuffers import root_table, size_prefixed, table_columns, usual_vector, vector_head
+from .gather import batches
 from .packing import UNPACKED_BYTES_MAX, unpack_lz4, unpack_zstd
 from .source import BLOCK_EVENTS, Format, Sensor
 
@@ -39,9 +41,9 @@ EVENT = np.dtype(
     {"names": ["t", "x", "y", "on"], "formats": ["<i8", "<u2", "<u2", "u1"], "offsets": [0, 8, 10, 12], "itemsize": 16}
 )
 
-_ELEMENT = np.dtype(f"V{EVENT.itemsize}")  # an event in one piece
 _USUAL_HEAD = vector_head(b"EVTS")
 _HEADER_BYTES_MAX = 1 << 24
+_BATCH_BYTES = 4 * BLOCK_EVENTS  # packed, to be decoded at once
 _COMPRESSIONS = ("none", "LZ4", "LZ4", "Zstandard", "Zstandard")
 # Field of a FileDataDefinition -> (index, bytes into it, type).
 _TABLE_FIELDS = {
@@ -70,6 +72,13 @@ class _Packet(NamedTuple):
     row: int
     at: int
     length: int
+
+
+class _Decoded(NamedTuple):
+    """Events, and what ends them."""
+
+    events: Events
+    fault: RecordingError | None
 
 
 class Aedat4File:
@@ -121,27 +130,18 @@ class Aedat4File:
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""
-        unpack = self._new_unpacker()
-        read: list[tuple[_Packet, NDArray[np.void]]] = []
-        count = 0
         with self._path.open("rb") as file:
-            try:
-                for packet in self._packets(file, from_us, unpack):
-                    elements = self._read_elements(file, packet, unpack)
-                    read.append((packet, elements))
-                    count += len(elements)
-                    if count >= BLOCK_EVENTS:
-                        ready, read, count = read, [], 0
-                        yield from self._events(ready)
-            except RecordingError:
-                yield from self._events(read)
-                raise
-            yield from self._events(read)
+            read = ((packet, self._read(file, packet)) for packet in self._packets(file, from_us))
+            for decoded in in_order(self._decode, batches(read, _BATCH_BYTES, lambda each: len(each[1]))):
+                for begin in range(0, len(decoded.events), BLOCK_EVENTS):
+                    yield decoded.events[begin : begin + BLOCK_EVENTS]
+                if decoded.fault is not None:
+                    raise decoded.fault
 
-    def _packets(self, file: BinaryIO, from_us: int | None, unpack: Callable[[bytes], bytes]) -> Iterator[_Packet]:
+    def _packets(self, file: BinaryIO, from_us: int | None) -> Iterator[_Packet]:
         """Every packet of events; with a table, from the first on that ends at `from_us` or later."""
         if self._table is None:
-            yield from self._packets_in_turn(file, unpack)
+            yield from self._packets_in_turn(file)
             return
         rows = np.flatnonzero(self._table["stream"] == self._stream)
         if from_us is not None:
@@ -150,8 +150,9 @@ class Aedat4File:
         columns = (rows, self._table["at"][rows], self._table["length"][rows])
         yield from map(_Packet, *(column.tolist() for column in columns))
 
-    def _packets_in_turn(self, file: BinaryIO, unpack: Callable[[bytes], bytes]) -> Iterator[_Packet]:
+    def _packets_in_turn(self, file: BinaryIO) -> Iterator[_Packet]:
         """Every packet of events, found by following the lengths."""
+        unpack = self._new_unpacker()
         at = self._begin
         while at < self._end:
             file.seek(at)
@@ -172,43 +173,43 @@ class Aedat4File:
                 raise RecordingError(f"packet at byte {at - PACKET_HEAD.size}: holds events: stream {stream} must not")
             at += length
 
-    def _read_elements(self, file: BinaryIO, packet: _Packet, unpack: Callable[[bytes], bytes]) -> NDArray[np.void]:
-        """A packet's vector of events."""
-        try:
-            if packet.length > UNPACKED_BYTES_MAX:
-                raise RecordingError(f"{packet.length} bytes: must be at most {UNPACKED_BYTES_MAX}")
-            file.seek(packet.at - PACKET_HEAD.size)
-            data = file.read(PACKET_HEAD.size + packet.length)
-            if not data.startswith(PACKET_HEAD.pack(self._stream, packet.length)):
-                head = PACKET_HEAD.unpack_from(data) if len(data) >= PACKET_HEAD.size else None
-                raise RecordingError(
-                    f"stream and length {head}, {(self._stream, packet.length)} by the table: must be the same"
-                )
-            data = unpack(data[PACKET_HEAD.size :])
-            vector = usual_vector(data, _USUAL_HEAD, EVENT.itemsize)
-            if vector is None:
-                buffer = size_prefixed(data)
-                at, count = root_table(buffer, b"EVTS").vector(0, EVENT.itemsize)
-                vector = buffer[at : at + count * EVENT.itemsize]
-            return np.frombuffer(vector, _ELEMENT)
-        except RecordingError as error:
-            raise RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}") from error
+    def _read(self, file: BinaryIO, packet: _Packet) -> memoryview:
+        """A packet's bytes, packed as they are."""
+        place = f"packet at byte {packet.at - PACKET_HEAD.size}"
+        if packet.length > UNPACKED_BYTES_MAX:
+            raise RecordingError(f"{place}: {packet.length} bytes: must be at most {UNPACKED_BYTES_MAX}")
+        file.seek(packet.at - PACKET_HEAD.size)
+        data = file.read(PACKET_HEAD.size + packet.length)
+        if not data.startswith(PACKET_HEAD.pack(self._stream, packet.length)):
+            head = PACKET_HEAD.unpack_from(data) if len(data) >= PACKET_HEAD.size else None
+            raise RecordingError(
+                f"{place}: stream and length {head}, {(self._stream, packet.length)} by the table: must be the same"
+            )
+        return memoryview(data)[PACKET_HEAD.size :]
 
-    def _events(self, read: list[tuple[_Packet, NDArray[np.void]]]) -> Iterator[Events]:
-        """The events of some packets in blocks, up to the first packet that is not what the table says."""
-        if not read:
-            return
-        packets, parts = zip(*read, strict=True)
-        events = _columns(np.concatenate(parts).view("<i8"))
-        ends = np.cumsum([len(part) for part in parts], dtype=np.int64)
+    def _decode(self, read: list[tuple[_Packet, memoryview]]) -> _Decoded:
+        """The events of some packets, up to the first that is damaged or not what the table says."""
+        unpack = self._new_unpacker()
+        parts: list[NDArray[np.int64]] = []
+        fault: RecordingError | None = None
+        for packet, data in read:
+            try:
+                parts.append(_elements(unpack(data)))
+            except RecordingError as error:
+                fault = RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}")
+                break
+        packets = [packet for packet, _ in read[: len(parts)]]
+        ends = np.cumsum([len(part) // 2 for part in parts], dtype=np.int64)
+        events = Events.allocated(int(ends[-1]) if parts else 0)
+        for part, end in zip(parts, ends, strict=True):
+            _fill(part, end - len(part) // 2, events.t_us, events.x, events.y, events.p)
         wrong = self._first_unlike_table(packets, events.t_us, ends)
-        good = len(events) if wrong is None else int(ends[wrong - 1]) if wrong else 0
-        for begin in range(0, good, BLOCK_EVENTS):
-            yield events[begin : min(good, begin + BLOCK_EVENTS)]
-        if wrong is not None:
-            raise RecordingError(self._mismatch(packets[wrong], events.t_us[good : ends[wrong]]))
+        if wrong is None:
+            return _Decoded(events, fault)
+        good = int(ends[wrong - 1]) if wrong else 0
+        return _Decoded(events[:good], RecordingError(self._mismatch(packets[wrong], events.t_us[good : ends[wrong]])))
 
-    def _first_unlike_table(self, packets: tuple[_Packet, ...], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
+    def _first_unlike_table(self, packets: list[_Packet], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
         if self._table is None:
             return None
         rows = [packet.row for packet in packets]
@@ -236,22 +237,25 @@ class Aedat4File:
         """Nothing stays open between passes."""
 
 
+def _elements(data: bytes) -> NDArray[np.int64]:
+    """The vector of events in an unpacked packet, two words each."""
+    vector = usual_vector(data, _USUAL_HEAD, EVENT.itemsize)
+    if vector is None:
+        buffer = size_prefixed(data)
+        at, count = root_table(buffer, b"EVTS").vector(0, EVENT.itemsize)
+        vector = buffer[at : at + count * EVENT.itemsize]
+    return np.frombuffer(vector, "<i8")
+
+
 @njit(cache=True, nogil=True)
-def _fill(words, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    for i in range(len(t_us)):
-        t_us[i] = words[2 * i]
-        word = words[2 * i + 1]
-        x[i] = word
-        y[i] = word >> 16
-        p[i] = word >> 32
-
-
-def _columns(words: NDArray[np.int64]) -> Events:
+def _fill(words, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
     """Events from their two words each: the time; and x, y, polarity from the low bits up, as `EVENT` has them."""
-    count = len(words) // 2
-    events = Events.allocated(count)
-    _fill(words, events.t_us, events.x, events.y, events.p)
-    return events
+    for i in range(len(words) // 2):
+        t_us[at + i] = words[2 * i]
+        word = words[2 * i + 1]
+        x[at + i] = word
+        y[at + i] = word >> 16
+        p[at + i] = word >> 32
 
 
 def _read_header(file: BinaryIO, size: int) -> _Header:
@@ -305,7 +309,7 @@ def _sensor(stream: dict[str, str]) -> Sensor | None:
     return width, height
 
 
-def _unpackers(compression: int) -> Callable[[], Callable[[bytes], bytes]]:
+def _unpackers(compression: int) -> Callable[[], Callable[[bytes | memoryview], bytes]]:
     """A function that makes unpackers of the header's kind of compression."""
     if not 0 <= compression < len(_COMPRESSIONS):
         raise RecordingError(f"header: compression {compression}: must be from 0 to {len(_COMPRESSIONS) - 1}")

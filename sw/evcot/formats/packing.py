@@ -18,11 +18,11 @@ UNPACKED_BYTES_MAX = 1 << 30
 _ZSTD_WINDOW_BYTES_MAX = 1 << 27
 
 
-def unpack_lz4() -> Callable[[bytes], bytes]:
+def unpack_lz4() -> Callable[[bytes | memoryview], bytes]:
     """A function that unpacks one LZ4 frame a call, and raises RecordingError for what is not one whole frame."""
     context = lz4.frame.create_decompression_context()
 
-    def rest_of(packed: bytes, used: int, step: int, whole: bool) -> Iterator[bytes]:
+    def rest_of(packed: bytes | memoryview, used: int, step: int, whole: bool) -> Iterator[bytes]:
         while not whole:
             part, more, whole = lz4.frame.decompress_chunk(context, memoryview(packed)[used:], max_length=step)
             if not (part or more or whole):
@@ -32,7 +32,7 @@ def unpack_lz4() -> Callable[[bytes], bytes]:
         if used < len(packed):
             raise RecordingError(f"{len(packed) - used} bytes follow the LZ4 frame: must be none")
 
-    def unpack(packed: bytes) -> bytes:
+    def unpack(packed: bytes | memoryview) -> bytes:
         step = _step(packed)
         try:
             lz4.frame.reset_decompression_context(context)
@@ -46,16 +46,16 @@ def unpack_lz4() -> Callable[[bytes], bytes]:
     return unpack
 
 
-def unpack_zstd() -> Callable[[bytes], bytes]:
+def unpack_zstd() -> Callable[[bytes | memoryview], bytes]:
     """A function that unpacks one Zstandard frame a call, and raises RecordingError for what is none; a cut is not seen."""
     decompressor = zstandard.ZstdDecompressor(max_window_size=_ZSTD_WINDOW_BYTES_MAX)
 
-    def parts(packed: bytes) -> Iterator[bytes]:
+    def parts(packed: bytes | memoryview) -> Iterator[bytes]:
         reader = decompressor.stream_reader(packed, read_across_frames=False)
         while part := reader.read(_step(packed)):
             yield part
 
-    def unpack(packed: bytes) -> bytes:
+    def unpack(packed: bytes | memoryview) -> bytes:
         try:
             return _joined(parts(packed))
         except zstandard.ZstdError as error:
@@ -64,7 +64,7 @@ def unpack_zstd() -> Callable[[bytes], bytes]:
     return unpack
 
 
-def _step(packed: bytes) -> int:
+def _step(packed: bytes | memoryview) -> int:
     """How much to ask for at once: in most cases all of it."""
     return min(8 * len(packed) + (1 << 16), UNPACKED_BYTES_MAX)
 

@@ -6,15 +6,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
+from .ahead import in_order
 from .evt3 import evt3_layout
-from .gather import gathered
+from .gather import batches, gathered
 from .printable import printable
 from .ros_messages import PACKETS, STAMPED, STAMPED_ENCODING, Packet, Stamped, events_of, read_packet, read_stamped
 from .rosbag1 import MAGIC, Bag1
@@ -22,9 +23,6 @@ from .rosbag2 import MCAP_MAGIC, METADATA, SQLITE_MAGIC, Bag2
 from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS", "RosBag"]
-
-
-_Part = TypeVar("_Part", Stamped, NDArray[Any])
 
 
 class Bag(Protocol):
@@ -113,15 +111,17 @@ class RosBag:
     def _stamped_blocks(self, from_us: int | None) -> Iterator[Events]:
         messages = self._messages(self._topic, read_stamped)
         late = (each for each in messages if len(each) and (from_us is None or each.last_us >= from_us))
-        for batch in _batches(late):
-            yield events_of(batch)
+        for events, fault in in_order(events_of, batches(late, BLOCK_EVENTS, len)):
+            yield events
+            if fault is not None:
+                raise RecordingError(fault)
 
     def _evt3_blocks(self) -> Iterator[Events]:
         """Packets decoded as the one stream that they were cut from."""
         layout = evt3_layout(0)
         state = layout.start
         packets = (packet.words("u2") for packet in self._messages(self._topic, read_packet))
-        for batch in _batches(packets):
+        for batch in batches(packets, BLOCK_EVENTS, len):
             words = np.concatenate([np.empty(0, "u2"), *batch])
             while len(words):
                 room = min(len(words) * layout.most_events, BLOCK_EVENTS) + layout.most_events
@@ -132,23 +132,6 @@ class RosBag:
                 if count:
                     yield Events(t_us[:count], x[:count], y[:count], p[:count])
             self.left_out = Counter({why: getattr(state, field) for why, field in layout.lost.items()})
-
-
-def _batches(parts: Iterator[_Part]) -> Iterator[list[_Part]]:
-    """Parts in lists of `BLOCK_EVENTS` elements or a little more; those before a RecordingError are given before it."""
-    waiting: list[_Part] = []
-    count = 0
-    try:
-        for part in parts:
-            waiting.append(part)
-            count += len(part)
-            if count >= BLOCK_EVENTS:
-                yield waiting
-                waiting, count = [], 0
-    except RecordingError:
-        yield waiting
-        raise
-    yield waiting
 
 
 def _decode_mono(packet: Packet) -> Events:

@@ -139,25 +139,22 @@ def _fill(rows, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
     return len(rows)
 
 
-def events_of(messages: list[Stamped]) -> Events:
-    """The events of messages, one after another; nanoseconds are rounded down to microseconds.
+def events_of(messages: list[Stamped]) -> tuple[Events, str | None]:
+    """The events of messages, one after another, up to the first that has an impossible time; and what is wrong with that one.
 
-    Raises:
-        RecordingError: a time with 10^9 nanoseconds or more.
+    Nanoseconds are rounded down to microseconds.
     """
-    count = sum(len(message) for message in messages)
-    t_us, x = np.empty(count, np.int64), np.empty(count, np.uint16)
-    y, p = np.empty(count, np.uint16), np.empty(count, np.uint8)
+    events = Events.allocated(sum(map(len, messages)))
     at = 0
     for each in messages:
-        filled = _fill(each.rows, at, t_us, x, y, p)
+        filled = _fill(each.rows, at, events.t_us, events.x, events.y, events.p)
+        if filled and each.first is not None:
+            events.x[at], events.y[at] = each.first
+        at += filled
         if filled < len(each):
             value = each.rows[filled]["nanoseconds"]
-            raise RecordingError(f"event {filled} of its message: nanoseconds = {value}: must be below 10^9")
-        if each.first is not None:
-            x[at], y[at] = each.first
-        at += filled
-    return Events(t_us, x, y, p)
+            return events[:at], f"event {filled} of its message: nanoseconds = {value}: must be below 10^9"
+    return events, None
 
 
 @dataclass(frozen=True)

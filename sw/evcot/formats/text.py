@@ -19,7 +19,7 @@ from collections import Counter
 from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,8 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..events import Events
 from ._text_kernel import LINE_BYTES, PADDING_BYTES, SHORTEST_LINE_BYTES, format_lines, parse_lines
-from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, Layout, is_text, read_layout
+from ._text_layout import LONGEST_LINE_BYTES, SEPARATORS, is_text, read_layout
+from .ahead import in_order
 from .fields import UNITS
 from .source import BLOCK_EVENTS, Format, Sensor, WritableFormat
 
@@ -35,6 +36,14 @@ __all__ = ["FORMATS", "WRITABLE"]
 
 _CHUNK_BYTES = BLOCK_EVENTS * SHORTEST_LINE_BYTES
 _NEWLINE = ord("\n")
+
+
+class _Parsed(NamedTuple):
+    """The events of some lines, how many lines those are, and what is wrong with the next; None if nothing is."""
+
+    events: Events
+    lines: int
+    fault: str | None
 
 
 class _TextSource:
@@ -54,39 +63,54 @@ class _TextSource:
         line = self._layout.lines + 1
         with self._path.open("rb") as file:
             file.seek(self._layout.offset)
-            for text, length in self._whole_lines(file):
-                events, lines, fault = _parse(text, length, self._layout)
-                yield events
-                line += lines
-                if fault >= 0:
-                    raw = text[:length].tobytes().split(b"\n", lines + 1)[lines] + b"\n"
-                    raise RecordingError(f"line {line}: {self._layout.fault(raw, fault)}")
+            for parsed in in_order(self._parse, self._whole_lines(file)):
+                yield parsed.events
+                line += parsed.lines
+                if parsed.fault is not None:
+                    raise RecordingError(f"line {line}: {parsed.fault}")
 
     def _whole_lines(self, file: BufferedReader) -> Iterator[tuple[NDArray[np.uint8], int]]:
-        """The rest of a file as pieces that end in a newline, in a buffer that is used again, and their lengths."""
+        """The rest of a file as pieces that end in a newline, with room behind them, and their lengths."""
         room = min(_CHUNK_BYTES, self._size + 1)
-        buffer = bytearray((room // 8 + 1) * 8 + PADDING_BYTES)
-        text, view = np.frombuffer(buffer, np.uint8), memoryview(buffer)
-        begun = 0  # bytes of a line that are there already
-        while got := file.readinto(view[begun:room]):
-            filled = begun + got
+        begun = b""  # of a line that does not end in the piece before
+        while True:
+            text = np.empty((room // 8 + 1) * 8 + PADDING_BYTES, np.uint8)
+            view = text.data
+            view[: len(begun)] = begun
+            got = file.readinto(view[len(begun) : room])
+            filled = len(begun) + got
             tail = max(0, filled - LONGEST_LINE_BYTES)
-            length = tail + buffer[tail:filled].rfind(b"\n") + 1
+            length = tail + bytes(view[tail:filled]).rfind(b"\n") + 1
+            if not got:
+                break
             if length > tail:
                 yield text, length
-                buffer[: filled - length] = buffer[length:filled]
-                begun = filled - length
+                begun = bytes(view[length:filled])
             elif tail or filled == room:
                 raise RecordingError(f"byte {file.tell()}: no line ends in the {filled - tail} bytes before: must be text")
             else:
-                begun = filled
+                begun = bytes(view[:filled])
         if file.tell() < self._size:
             raise RecordingError(f"ends at byte {file.tell()}: held {self._size} bytes when it was opened")
         if begun:
             if self._layout.needs_newline:
                 raise RecordingError("the last line must end in a newline; is it cut off?")
-            buffer[begun] = _NEWLINE
-            yield text, begun + 1
+            view[len(begun)] = _NEWLINE
+            yield text, len(begun) + 1
+
+    def _parse(self, piece: tuple[NDArray[np.uint8], int]) -> _Parsed:
+        """The events of a piece up to the first line at fault."""
+        text, length = piece
+        layout = self._layout
+        events = Events.allocated(length // SHORTEST_LINE_BYTES + 1)
+        count, lines, cell = parse_lines(
+            text, length, ord(layout.separator), layout.columns, layout.power, layout.exact,
+            events.t_us, events.x, events.y, events.p,
+        )  # fmt: skip
+        fault = None
+        if cell >= 0:
+            fault = layout.fault(text[:length].tobytes().split(b"\n", lines + 1)[lines] + b"\n", cell)
+        return _Parsed(events[:count], lines, fault)
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""
@@ -94,17 +118,6 @@ class _TextSource:
 
     def close(self) -> None:
         """Nothing stays open."""
-
-
-def _parse(text: NDArray[np.uint8], length: int, layout: Layout) -> tuple[Events, int, int]:
-    """The events in the first bytes of a buffer, how many lines they take, and the cell at fault in the next; -1 if none is."""
-    room = length // SHORTEST_LINE_BYTES + 1
-    events = Events.allocated(room)
-    count, lines, fault = parse_lines(
-        text, length, ord(layout.separator), layout.columns, layout.power, layout.exact,
-        events.t_us, events.x, events.y, events.p,
-    )  # fmt: skip
-    return events[:count], lines, fault
 
 
 class _CsvSink:

@@ -12,7 +12,7 @@ import pytest
 from evcot.errors import RecordingError, RecordingWarning
 from evcot.events import Events
 from evcot.files import open_recording, read_recording
-from evcot.formats.aedat3 import Aedat3File
+from evcot.formats.aedat3 import Aedat3File, _Piece
 from evcot.formats.source import BLOCK_EVENTS
 
 from .fuzzing import fuzz
@@ -130,14 +130,14 @@ def test_events_marked_invalid_are_counted(path: Path) -> None:
 def test_a_window_reads_no_packet_that_ends_before_it(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     expected = make_rows(1000)
     path.write_bytes(header() + b"".join(polarity(expected[at : at + 100]) for at in range(0, 1000, 100)))
-    read_events, read_at = Aedat3File._read_events, []
+    decode, read_at = Aedat3File._decode, []
 
-    def counting(self: Aedat3File, file: object, packet: object, first: int, count: int) -> Events:
-        read_at.append(packet.at)  # type: ignore[attr-defined]
-        return read_events(self, file, packet, first, count)  # type: ignore[arg-type]
+    def counting(self: Aedat3File, read: list[_Piece]) -> tuple[Events, RecordingError | None]:
+        read_at.extend(piece.at for piece in read)
+        return decode(self, read)
 
     source = Aedat3File(path)
-    monkeypatch.setattr(Aedat3File, "_read_events", counting)
+    monkeypatch.setattr(Aedat3File, "_decode", counting)
     assert rows(Events.joined(source.blocks(expected[750][0]))) == expected[700:]
     assert len(read_at) == 3
     last = [row for row in expected[900:] if row[0] == expected[-1][0]]

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Decoding ahead: while a reader's caller is busy with one block, other cores work on the next ones."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
+
+from ..errors import RecordingError
+
+__all__ = ["in_order"]
+
+# A reader of files needs no more to be faster than what follows it.
+_WORKERS = min(2, os.cpu_count() or 1)
+_AHEAD = 2 * _WORKERS
+
+_Piece = TypeVar("_Piece")
+_Result = TypeVar("_Result")
+
+
+def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece]) -> Iterator[_Result]:
+    """`map(decode, pieces)` on other threads, a few pieces ahead; `pieces` themselves are made on the caller's.
+
+    Worth it where `decode` leaves Python: compiled kernels and decompression do. What `pieces` or `decode` raise comes in its
+    turn: after the results of all pieces before it, of which no later one is given.
+    """
+    waiting: deque[Future[_Result]] = deque()
+    failure: RecordingError | None = None
+    with ThreadPoolExecutor(_WORKERS, "decode") as pool:
+        try:
+            source = iter(pieces)
+            while failure is None:
+                try:
+                    waiting.append(pool.submit(decode, next(source)))
+                except StopIteration:
+                    break
+                except RecordingError as error:
+                    failure = error
+                if len(waiting) > _AHEAD:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            for each in waiting:
+                each.cancel()
+    if failure is not None:
+        raise failure
