@@ -9,7 +9,7 @@ camera whose picture plane stands upright projects (across, up, along) to
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from ..ranges import Range
 from ._vehicles import FACES, SHADOW, outline
 from .pixel import PixelModel
+from .planted import KINDS, Road, plant
 from .scene import Scene
 from .shapes import quadrangles
 from .stage import StageSettings, film, texture
-from .traffic import traffic
-from .truth import TRUTH
+from .traffic import story, traffic
+from .truth import TRUTH, Label
 
 __all__ = ["Highway", "simulate"]
 
@@ -50,6 +51,12 @@ class Highway(StageSettings):
         "vehicles_per_s": (0.0, 3.0, "how many come, in all lanes together"),
         "lorry_share": (0.0, 1.0, "how many of them are lorries"),
         "contrast": (0.1, 3.0, "log intensity between paint and road"),
+        "story": (0, 1, "whether the first come the wrong way, stop and overtake"),
+        "wrong_way": (0, 1_000, "how many come the wrong way besides"),
+        "stopping": (0, 1_000, "how many stop on the shoulder and drive on besides"),
+        "crossing": (0, 1_000, "people and animals that cross the road"),
+        "loitering": (0, 1_000, "people who stay on the shoulder"),
+        "speeding": (0, 1_000, "how many drive about twice as fast"),
     }
 
     pixel: PixelModel = field(default_factory=_pixel)
@@ -58,12 +65,25 @@ class Highway(StageSettings):
     vehicles_per_s: float = 2.0
     lorry_share: float = 0.12
     contrast: float = 1.1
+    story: int = 1
+    wrong_way: int = 0
+    stopping: int = 0
+    crossing: int = 0
+    loitering: int = 0
+    speeding: int = 0
 
 
 def simulate(settings: Highway) -> Scene:
-    """See `stage.film`. The truth has a vehicle while its box is on the sensor: object_id 0 comes the wrong way, 1 stops on the
-    shoulder, 2 overtakes; the others follow in the order in which they enter the road."""
-    return film(_Stage(settings), settings)
+    """See `stage.film`. The truth has a vehicle while its box is on the sensor. With the story, object_id 0 comes the wrong
+    way, 1 stops on the shoulder, 2 overtakes the lorry 3; then come the planted anomalies, by time, which have labels; then
+    the others in the order in which they enter the road.
+
+    Raises:
+        ConfigError: more anomalies than the scene has time for.
+    """
+    stage = _Stage(settings)
+    scene = film(stage, settings)
+    return replace(scene, truth=replace(scene.truth, labels=stage.labels(scene.truth.samples)))
 
 
 class _Stage:
@@ -78,9 +98,16 @@ class _Stage:
         self._near_m = reach / (settings.height + _MARGIN_PX - self._vanishing_y)
         self._far_m = reach / (-_MARGIN_PX - self._vanishing_y)
         self.background = texture(settings, random, 1.0, 0.03)
+        duration_s, speed_m_s = settings.duration_us * 1e-6, settings.speed_m_s
+        told = story(duration_s, speed_m_s) if settings.story else []
+        self._planted = plant(
+            {kind: getattr(settings, kind) for kind in KINDS}, Road(self._near_m, self._far_m, speed_m_s), duration_s, told,
+            np.random.default_rng((settings.seed, 1)),
+        )  # fmt: skip
+        self._first_planted = len(told)
         self._traffic = traffic(
-            settings.duration_us * 1e-6, settings.speed_m_s, settings.vehicles_per_s, settings.lorry_share,
-            (self._near_m, self._far_m), random,
+            [*told, *(each.vehicle for each in self._planted)], duration_s, speed_m_s, settings.vehicles_per_s,
+            settings.lorry_share, (self._near_m, self._far_m), random,
         )  # fmt: skip
         vehicles = self._traffic
         tones = random.uniform(0.25, 1.0, len(vehicles.is_lorry)) * random.choice((-1, 1), len(vehicles.is_lorry))
@@ -106,6 +133,16 @@ class _Stage:
             objects[size] = at[rows, high] - at[rows, low]
             objects[speed] = (moves[rows, low] + moves[rows, high]) / 2
         return objects[np.argsort(seen)]
+
+    def labels(self, samples: NDArray[np.void]) -> tuple[Label, ...]:
+        """What the planted do while they are visible."""
+        labels = []
+        for object_id, planted in enumerate(self._planted, self._first_planted):
+            t_us = samples["t_us"][(samples["object_id"] == object_id) & samples["visible"]]
+            t_us = t_us[(t_us >= planted.begin_s * 1e6) & (t_us <= planted.end_s * 1e6)]
+            if len(t_us):
+                labels.append(Label(object_id, planted.kind, int(t_us[0]), int(t_us[-1])))
+        return tuple(labels)
 
     def _project(self, t_us: float) -> tuple[NDArray[Any], ...]:
         """The vehicles in the picture, the farthest first; places and speeds of their corners there, (n, FACES, 4) each."""

@@ -1,24 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who drives where on the highway: three with a story, and the others at random, each where it meets nobody."""
+"""Who drives where on the highway: those with a story, and the others at random, each where it meets nobody."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Traffic", "Vehicle", "traffic"]
+__all__ = [
+    "LEFT_M",
+    "MIDDLE_M",
+    "SHOULDER_M",
+    "LaneChange",
+    "Stretch",
+    "Traffic",
+    "Vehicle",
+    "car",
+    "meets",
+    "stopping_car",
+    "story",
+    "traffic",
+]
 
-_LEFT_M, _MIDDLE_M, _RIGHT_M, _SHOULDER_M = -3.4, 0.2, 3.8, 7.4  # middles of the lanes, right of the camera
+LEFT_M, MIDDLE_M, _RIGHT_M, SHOULDER_M = -3.4, 0.2, 3.8, 7.4  # middles of the lanes, right of the camera
 _LANE_SPEEDS = (1.2, 1.0, 0.85)  # of the mean speed, from the left
 _SPEED_SPREAD = 0.08
 _GAP_M = 5.0  # kept along the road, and a tenth of it across
 _BRAKING_M_S2, _STARTING_M_S2 = 6.0, 3.0
 _LANE_CHANGE_S = 2.5
 _CHECK_S = 0.1
+_LATEST = 40  # vehicles that a new one may meet
 _BEFORE_M = 2.0  # so far before the picture begins a vehicle enters the road
 
 
@@ -96,6 +110,7 @@ def _padded(ways: Sequence[Sequence[tuple[float, ...]]], filler: tuple[float, ..
 
 
 def traffic(
+    fixed: Sequence[Vehicle],
     duration_s: float,
     speed_m_s: float,
     vehicles_per_s: float,
@@ -103,48 +118,51 @@ def traffic(
     road_m: tuple[float, float],
     random: np.random.Generator,
 ) -> Traffic:
-    """Vehicles on a road that is in sight from `road_m` to `road_m` metres along, for `duration_s` from 0 on."""
-    vehicles = _story(duration_s, speed_m_s)
+    """Vehicles on a road that is in sight from `road_m` to `road_m` metres along, for `duration_s` from 0 on: first those that
+    are fixed, then others at random."""
+    vehicles = list(fixed)
     before_s = (road_m[1] - road_m[0]) / speed_m_s
     lasts_s = duration_s + before_s
     entries_s = np.sort(random.uniform(-before_s, duration_s, random.poisson(vehicles_per_s * lasts_s)))
     for entry_s in entries_s.tolist():
         vehicle = _passer_by(entry_s, speed_m_s, lorry_share, road_m[0], random)
-        if not _meets(vehicle, vehicles, entry_s, min(entry_s + 2 * before_s, duration_s)):
+        latest = vehicles[len(fixed) :][-_LATEST:]
+        if not meets(vehicle, [*fixed, *latest], entry_s, min(entry_s + 2 * before_s, duration_s)):
             vehicles.append(vehicle)
     return Traffic(vehicles)
 
 
-def _story(duration_s: float, speed_m_s: float) -> list[Vehicle]:
-    """The wrong-way driver, the one that stops, the one that overtakes, and the lorry that is overtaken."""
-    car = Vehicle(False, 1.8, 1.5, 4.4, _MIDDLE_M, ())
-    middle_s, stop_s, go_s = 0.5 * duration_s, 0.4 * duration_s, 0.6 * duration_s
-    slow, quick = 0.7 * speed_m_s, 1.25 * speed_m_s
+def car(across_m: float, *stretches: Stretch, changes: tuple[LaneChange, ...] = ()) -> Vehicle:
+    """An ordinary car."""
+    return Vehicle(False, 1.8, 1.5, 4.4, across_m, stretches, changes)
+
+
+def stopping_car(speed_m_s: float, stop_s: float, go_s: float, stops_at_m: float) -> Vehicle:
+    """A car that brakes in the right lane, stands on the shoulder from `stop_s` to `go_s`, and drives on; `changes` has the way
+    there, which takes as long as braking, and the way back."""
     brakes_s, starts_s = 0.8 * speed_m_s / _BRAKING_M_S2, 0.8 * speed_m_s / _STARTING_M_S2
-    stops_at_m = 58.0
     brakes_at_m = stops_at_m - _BRAKING_M_S2 * brakes_s**2 / 2
-    stopping = (
+    aside = SHOULDER_M - _RIGHT_M
+    return car(
+        _RIGHT_M,
+        Stretch(stop_s - brakes_s - 60.0, brakes_at_m - 48.0 * speed_m_s, 0.8 * speed_m_s),
         Stretch(stop_s - brakes_s, brakes_at_m, 0.8 * speed_m_s, -_BRAKING_M_S2),
         Stretch(stop_s, stops_at_m, 0.0),
         Stretch(go_s, stops_at_m, 0.0, _STARTING_M_S2),
         Stretch(go_s + starts_s, stops_at_m + _STARTING_M_S2 * starts_s**2 / 2, 0.8 * speed_m_s),
+        changes=(LaneChange(stop_s - brakes_s, brakes_s, aside), LaneChange(go_s + 3.0, _LANE_CHANGE_S, -aside)),
     )
-    aside = _SHOULDER_M - _RIGHT_M
+
+
+def story(duration_s: float, speed_m_s: float) -> list[Vehicle]:
+    """The wrong-way driver, the one that stops, the one that overtakes, and the lorry that is overtaken."""
+    middle_s = 0.5 * duration_s
+    overtakes = LaneChange(middle_s - _LANE_CHANGE_S, _LANE_CHANGE_S, MIDDLE_M - _RIGHT_M)
     return [
-        replace(car, across_m=_LEFT_M, stretches=(Stretch(middle_s, 55.0, -0.8 * speed_m_s),)),
-        replace(
-            car,
-            across_m=_RIGHT_M,
-            stretches=(Stretch(stop_s - brakes_s - 60.0, brakes_at_m - 48.0 * speed_m_s, 0.8 * speed_m_s), *stopping),
-            changes=(LaneChange(stop_s - brakes_s, brakes_s, aside), LaneChange(go_s + 3.0, _LANE_CHANGE_S, -aside)),
-        ),
-        replace(
-            car,
-            across_m=_RIGHT_M,
-            stretches=(Stretch(middle_s, 46.0, quick),),
-            changes=(LaneChange(middle_s - _LANE_CHANGE_S, _LANE_CHANGE_S, _MIDDLE_M - _RIGHT_M),),
-        ),
-        Vehicle(True, 2.5, 3.4, 9.0, _RIGHT_M, (Stretch(middle_s, 44.0, slow),)),
+        car(LEFT_M, Stretch(middle_s, 55.0, -0.8 * speed_m_s)),
+        stopping_car(speed_m_s, 0.4 * duration_s, 0.6 * duration_s, 58.0),
+        car(_RIGHT_M, Stretch(middle_s, 46.0, 1.25 * speed_m_s), changes=(overtakes,)),
+        Vehicle(True, 2.5, 3.4, 9.0, _RIGHT_M, (Stretch(middle_s, 44.0, 0.7 * speed_m_s),)),
     ]
 
 
@@ -156,12 +174,12 @@ def _passer_by(entry_s: float, speed_m_s: float, lorry_share: float, near_m: flo
     speed = speed_m_s * _LANE_SPEEDS[lane] * (1 + _SPEED_SPREAD * pace)
     width, height, length = (2.5, 3.4, 9.0) if lorry else (1.8, 1.5, 4.4)
     entry = Stretch(entry_s, near_m - _BEFORE_M - length * size, speed)
-    return Vehicle(lorry, width * size, height * size, length * size, (_LEFT_M, _MIDDLE_M, _RIGHT_M)[lane], (entry,))
+    return Vehicle(lorry, width * size, height * size, length * size, (LEFT_M, MIDDLE_M, _RIGHT_M)[lane], (entry,))
 
 
-def _meets(vehicle: Vehicle, others: Sequence[Vehicle], from_s: float, to_s: float) -> bool:
-    """Whether a vehicle comes too close to one of the first or the latest others."""
-    both = Traffic([vehicle, *others[:4], *others[4:][-40:]])
+def meets(vehicle: Vehicle, others: Sequence[Vehicle], from_s: float, to_s: float) -> bool:
+    """Whether a vehicle comes too close to one of the others."""
+    both = Traffic([vehicle, *others])
     half_m, length_m = both.width_m / 2, both.length_m
     for t_s in np.arange(from_s, to_s, _CHECK_S).tolist():
         now = both.at(t_s)

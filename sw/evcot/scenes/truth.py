@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..outputs import written_aside
 
-__all__ = ["TRUTH", "TRUTH_COLUMNS", "Box", "Truth", "on_sensor", "sample"]
+__all__ = ["TRUTH", "TRUTH_COLUMNS", "Box", "Label", "Truth", "on_sensor", "sample"]
 
 TRUTH = np.dtype(
     [
@@ -67,6 +67,15 @@ class Box:
         return vx[leg], vy[leg]
 
 
+class Label(NamedTuple):
+    """What an object does that does not belong into the scene, and from when to when, both included."""
+
+    object_id: int
+    kind: str
+    begin_us: int
+    end_us: int
+
+
 @dataclass(frozen=True, eq=False)
 class Truth:
     """The objects of a scene: sampled, and, in the box experiment, in closed form.
@@ -76,10 +85,12 @@ class Truth:
             its size in pixels, velocity of that centre in pixels per second; `visible` while the centre lies on the sensor;
             `occluded`, the part of the object's area that nearer objects hide or that lies outside the sensor.
         boxes: the objects of the box experiment; `object_id` is the index.
+        labels: what is abnormal in the scene; not part of the file.
     """
 
     samples: NDArray[np.void]
     boxes: tuple[Box, ...] = ()
+    labels: tuple[Label, ...] = ()
 
     def write(self, file: BinaryIO) -> None:
         """Write the samples as CSV with the columns `TRUTH_COLUMNS`: left and top edge and size of the box, in pixels to 4
