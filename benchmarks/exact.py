@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording through hardware and golden model in lock-step: one log, which both wrote bit for bit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from evcot.config import RunConfig
+from evcot.contract import RECORD
+from evcot.cot import to_track_records, track
+from evcot.events import Recording
+from evcot.tracklog import TrackLog
+from evcot_cosim.device import build_device
+from evcot_cosim.lockstep import Lockstep, chunks
+
+__all__ = ["cot_log"]
+
+
+def cot_log(recording: Recording, config: RunConfig, *, rtl: bool = True) -> TrackLog:
+    """What the hardware tracker does with a recording of at least one event; without `rtl`, by the model's word alone.
+
+    Raises:
+        MismatchError: hardware and model differ.
+    """
+    cot = config.hardware(recording.width, recording.height)
+    if not rtl:
+        return track(recording, cot)
+    events = recording.events
+    with Lockstep(cot, model=build_device(cot)) as lockstep:
+        steps = [lockstep.feed(run).hardware for run in chunks(events)]
+    raw = np.concatenate([np.empty(0, RECORD), *(step.records for step in steps)])
+    records = to_track_records(raw, cot, events.t_us, 0, int(events.t_us[0]))
+    return TrackLog("cot-rtl", records, np.concatenate([step.owner for step in steps]))
