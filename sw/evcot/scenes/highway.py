@@ -75,7 +75,7 @@ class Highway(StageSettings):
 
 def simulate(settings: Highway) -> Scene:
     """See `stage.film`. The truth has a vehicle while its box is on the sensor. With the story, object_id 0 comes the wrong
-    way, 1 stops on the shoulder, 2 overtakes the lorry 3; then come the planted anomalies, by time, which have labels; then
+    way, 1 stops on the shoulder, 2 overtakes the lorry 3; then come the planted anomalies, by kind, which have labels; then
     the others in the order in which they enter the road.
 
     Raises:

@@ -50,7 +50,7 @@ def _stopping(road: Road, random: np.random.Generator) -> Planted:
 
 
 def _crossing(_road: Road, random: np.random.Generator) -> Planted:
-    along_m, speed_m_s = random.uniform(32.0, 50.0), random.uniform(2.0, 4.0)
+    along_m, speed_m_s = random.uniform(30.0, 50.0), random.uniform(2.0, 4.0)
     left_m, right_m = -_SIDE_M[0] * along_m - 1.0, _SIDE_M[1] * along_m + 1.0
     from_m, to_m = (left_m, right_m) if random.random() < 0.5 else (right_m, left_m)
     lasts_s = (right_m - left_m) / speed_m_s
@@ -61,7 +61,7 @@ def _crossing(_road: Road, random: np.random.Generator) -> Planted:
 
 
 def _loitering(_road: Road, random: np.random.Generator) -> Planted:
-    along_m, stays_s = random.uniform(35.0, 52.0), random.uniform(12.0, 18.0)
+    along_m, stays_s = random.uniform(42.0, 54.0), random.uniform(10.0, 16.0)
     outside_m, place_m = _SIDE_M[1] * along_m + 1.0, SHOULDER_M + random.uniform(-0.5, 0.3)
     comes_s, pace_s, pace_m = 3.0, random.uniform(1.6, 2.4), random.uniform(0.8, 1.2)
     paces = 2 * round(stays_s / pace_s / 2)
@@ -79,10 +79,10 @@ def _speeding(road: Road, random: np.random.Generator) -> Planted:
 
 
 KINDS: Mapping[str, Callable[[Road, np.random.Generator], Planted]] = {
-    "wrong_way": _wrong_way,
-    "stopping": _stopping,
-    "crossing": _crossing,
     "loitering": _loitering,
+    "stopping": _stopping,
+    "wrong_way": _wrong_way,
+    "crossing": _crossing,
     "speeding": _speeding,
 }
 
@@ -90,23 +90,22 @@ KINDS: Mapping[str, Callable[[Road, np.random.Generator], Planted]] = {
 def plant(
     counts: Mapping[str, int], road: Road, duration_s: float, others: Sequence[Vehicle], random: np.random.Generator
 ) -> list[Planted]:
-    """So many of each kind, in random order, each in its own share of the time and meeting none of the others.
+    """So many of each kind, at random times, meeting none of the others; those that take longest come first.
 
     Raises:
         ConfigError: the scene is too short for them.
     """
-    kinds = random.permutation([kind for kind, count in counts.items() for _ in range(count)]).tolist()
     planted: list[Planted] = []
-    for i, kind in enumerate(kinds):
+    for kind in [name for name in KINDS for _ in range(counts[name])]:
         fixed = [*others, *(each.vehicle for each in planted)]
         for _ in range(_TRIES):
             one = KINDS[kind](road, random)
-            one = _later(one, (i + random.uniform(0.0, 0.6)) / len(kinds) * (duration_s - one.end_s) - one.begin_s)
+            one = _later(one, random.uniform() * (duration_s - one.end_s) - one.begin_s)
             if one.end_s <= duration_s and not meets(one.vehicle, fixed, one.begin_s, one.end_s):
                 planted.append(one)
                 break
         else:
-            raise ConfigError(f"highway.{kind}: {len(kinds)} anomalies have no room in {duration_s:g} s: must be fewer")
+            raise ConfigError(f"highway.{kind} = {counts[kind]}: no room for so many in {duration_s:g} s")
     return planted
 
 
