@@ -15,21 +15,21 @@ __all__ = ["in_order"]
 
 # A reader of files needs no more to be faster than what follows it.
 _WORKERS = min(2, os.cpu_count() or 1)
-_AHEAD = 2 * _WORKERS
+_PIECES_AHEAD = 4
 
 _Piece = TypeVar("_Piece")
 _Result = TypeVar("_Result")
 
 
-def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece]) -> Iterator[_Result]:
+def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece], workers: int = _WORKERS) -> Iterator[_Result]:
     """`map(decode, pieces)` on other threads, a few pieces ahead; `pieces` themselves are made on the caller's.
 
     Worth it where `decode` leaves Python: compiled kernels and decompression do. What `pieces` or `decode` raise comes in its
-    turn: after the results of all pieces before it, of which no later one is given.
+    turn: after the results of all pieces before it, and none is given after it. With one worker, pieces are decoded one by one.
     """
     waiting: deque[Future[_Result]] = deque()
     failure: RecordingError | None = None
-    with ThreadPoolExecutor(_WORKERS, "decode") as pool:
+    with ThreadPoolExecutor(workers, "decode") as pool:
         try:
             source = iter(pieces)
             while failure is None:
@@ -39,7 +39,7 @@ def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece]) -> I
                     break
                 except RecordingError as error:
                     failure = error
-                if len(waiting) > _AHEAD:
+                if len(waiting) > _PIECES_AHEAD:
                     yield waiting.popleft().result()
             while waiting:
                 yield waiting.popleft().result()

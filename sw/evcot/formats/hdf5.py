@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
+from .ahead import in_order
 from .hdf5_survey import Part, Survey, survey
 from .numeric import events_from_numbers, events_from_records, microseconds
 from .printable import printable, reason
@@ -26,8 +27,6 @@ __all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file"]
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 _ECF = 0x8ECF
-
-
 _READ_ROWS = 1 << 17  # at least so many rows are read at once: a call of the library takes long, whatever it reads
 
 
@@ -84,6 +83,8 @@ class Hdf5File:
             self._file.close()
             raise
         self._columns = {field: (held[part["dataset"]], part["pick"]) for field, part in found["columns"].items()}
+        rows, _ = self._columns["t"]
+        self._records = rows if all(self._columns[field] == (rows, field) for field in "txyp") else None
         self._count: int = found["count"]
         self._t_offset: int = found["t_offset"]
         self._index = found["index"] and self._file[found["index"]]
@@ -94,21 +95,29 @@ class Hdf5File:
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""
         first = 0 if from_us is None else self._place_of(from_us - self._t_offset)
-        for begin in range(first, self._count, BLOCK_EVENTS):
-            end = min(begin + BLOCK_EVENTS, self._count)
-            window = slice(begin, end)
-            events = self._from_records(window)
-            if events is None:
-                t, x, y, p = (self._picked(field, window) for field in "txyp")
-                events = events_from_numbers(t, x, y, p, begin, self._t_offset)
-            yield events
+        pieces = range(first, self._count, _READ_ROWS)
+        # Columns need little work here while the library reads the next; records want the core that has just read them.
+        read = map(self._read, pieces) if self._records else in_order(self._read, pieces, workers=1)
+        for piece, columns in zip(pieces, read, strict=True):
+            for begin in range(0, len(columns[0]), BLOCK_EVENTS):
+                yield self._events([column[begin : begin + BLOCK_EVENTS] for column in columns], piece + begin)
 
-    def _from_records(self, window: slice) -> Events | None:
-        """The events of a dataset of whole records, in one pass; None where the columns lie otherwise."""
-        rows, _ = self._columns["t"]
-        if any(self._columns[field] != (rows, field) for field in "txyp"):
-            return None
-        return events_from_records(rows[window], self._t_offset)
+    def _read(self, begin: int) -> list[NDArray[Any]]:
+        """The next columns t, x, y, p; or one of whole records."""
+        window = slice(begin, min(begin + _READ_ROWS, self._count))
+        if self._records:
+            return [self._records[window]]
+        return [_pick(rows[window], pick) for rows, pick in (self._columns[field] for field in "txyp")]
+
+    def _events(self, columns: list[NDArray[Any]], first_index: int) -> Events:
+        if len(columns) == 1:
+            (records,) = columns
+            columns = [records[field] for field in "txyp"]
+            events = events_from_records(records, self._t_offset)
+            if events is not None:
+                return events
+        t, x, y, p = columns
+        return events_from_numbers(t, x, y, p, first_index, self._t_offset)
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""
@@ -117,10 +126,6 @@ class Hdf5File:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-    def _picked(self, field: str, window: slice) -> NDArray[Any]:
-        rows, pick = self._columns[field]
-        return _pick(rows[window], pick)
 
     def _time_at(self, i: int) -> int:
         rows, pick = self._columns["t"]
