@@ -2,8 +2,8 @@
 """How fast files are read and written, beside the libraries that read the same files; wall time, for ours decodes ahead.
 
 One stream in every format, in the page cache. Ours gives checked blocks of events, theirs what they make of the file: h5py the
-columns as they are stored, rosbags an object of every event (of a few messages only); raw_mcap is rosbags without decoding. HDF5
-is opened outside the reading and has its own row for that: a child process looks such a file over first.
+columns as they are stored, rosbags an object of every event (of a few messages only); raw_mcap is rosbags without decoding.
+HDF5 is opened outside the reading and has its own row for that: a child process looks such a file over first.
 """
 
 from __future__ import annotations
