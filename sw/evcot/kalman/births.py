@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""New objects: neighbouring cells in which enough different pixels sent events that belong to nobody.
+
+Pixels are counted, not events: a hot pixel is one pixel.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .layout import CELL_BITS, PROFILE, Rules, World
+
+__all__ = ["find_births"]
+
+Table = NDArray[Any]
+
+_CELL_PIXELS = 2  # fewer in a cell are noise
+_PLACE_PX = 3.0  # how well a new object's sides are known
+_GROWTH_PX_S = 50.0
+
+
+@njit(cache=True, nogil=True)
+def _count(word: Any) -> int:
+    """Bits that are set in a word of 64."""
+    n = 0
+    while word != np.uint64(0):
+        word &= word - np.uint64(1)
+        n += 1
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _free_slot(world: World) -> int:
+    for i in range(len(world.objects)):
+        if not world.objects[i].alive:
+            return i
+    return -1
+
+
+@njit(cache=True, nogil=True)
+def _gather(world: World, row: int, column: int, box: Table) -> int:
+    """Take the group of cells that a cell belongs to away; its pixels, and in `box` the outermost of them."""
+    rows, columns = world.pixels.shape
+    box[:] = (1e9, -1e9, 1e9, -1e9)
+    n, done = 1, 0
+    world.queue[0] = row * columns + column
+    found = 0
+    words = world.pixels
+    held = words[row, column]
+    words[row, column] = np.uint64(0)
+    world.group[0] = held
+    while done < n:
+        at = world.queue[done]
+        word = world.group[done]
+        done += 1
+        found += _count(word)
+        r, c = at // columns, at % columns
+        for y in range(8):
+            for x in range(8):
+                if word & world.bits[y, x]:
+                    box[0] = min(box[0], (c << CELL_BITS) + x)
+                    box[1] = max(box[1], (c << CELL_BITS) + x)
+                    box[2] = min(box[2], (r << CELL_BITS) + y)
+                    box[3] = max(box[3], (r << CELL_BITS) + y)
+        for rr in range(max(r - 1, 0), min(r + 2, rows)):
+            for cc in range(max(c - 1, 0), min(c + 2, columns)):
+                if _count(words[rr, cc]) >= _CELL_PIXELS:
+                    world.queue[n] = rr * columns + cc
+                    world.group[n] = words[rr, cc]
+                    words[rr, cc] = np.uint64(0)
+                    n += 1
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _touches(rules: Rules, world: World, box: Table) -> bool:
+    """Whether a box lies at an object: then it is a part of it that its gate will reach."""
+    for i in range(len(world.objects)):
+        if world.objects[i].alive:
+            s = world.state[i]
+            if (
+                box[0] <= s[0, 0] + s[0, 2] + 2.0 * world.objects[i].gate
+                and box[1] >= s[0, 0] - s[0, 2] - 2.0 * world.objects[i].gate
+                and box[2] <= s[1, 0] + s[1, 2] + 2.0 * world.objects[i].gate
+                and box[3] >= s[1, 0] - s[1, 2] - 2.0 * world.objects[i].gate
+            ):
+                return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int) -> None:
+    run = world.run[0]
+    o = world.objects[i]
+    o.alive = True
+    o.gate = rules.gate_px
+    o.track_id = -1
+    o.supported_us = o.born_us = t_us
+    o.left = o.right = o.top = o.bottom = 1.0
+    o.support = pixels
+    o.packet_events = pixels
+    o.rate = pixels * rules.packet_us / rules.birth_us
+    for axis in range(2):
+        s, p = world.state[i, axis], world.cov[i, axis]
+        s[0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])
+        s[1] = 0.0
+        s[2] = max(0.5 * (box[2 * axis + 1] - box[2 * axis]), 1.0)
+        s[3] = 0.0
+        p[:] = 0.0
+        p[0, 0] = p[2, 2] = _PLACE_PX * _PLACE_PX
+        p[1, 1] = rules.speed_px_s * rules.speed_px_s
+        p[3, 3] = min(_GROWTH_PX_S, rules.growth_walk) ** 2
+    world.profile[i] = 0.0
+    world.total[i] = PROFILE * PROFILE
+    run.live += 1
+
+
+@njit(cache=True, nogil=True)
+def find_births(rules: Rules, world: World, t_us: int) -> None:
+    """Start an object in each group of cells that has the pixels for one, and forget the pixels of all."""
+    rows, columns = world.pixels.shape
+    box = np.empty(4)
+    for row in range(rows):
+        for column in range(columns):
+            if _count(world.pixels[row, column]) >= _CELL_PIXELS:
+                found = _gather(world, row, column, box)
+                if found >= rules.birth_pixels and not _touches(rules, world, box):
+                    i = _free_slot(world)
+                    if i >= 0:
+                        _start(rules, world, i, box, found, t_us)
+    world.pixels[:] = np.uint64(0)

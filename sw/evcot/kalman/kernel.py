@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The loop over events."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+from numpy.typing import NDArray
+
+from .layout import NOBODY, Rules, World
+from .life import RECORDS_PER_PACKET, open_packet
+from .sharing import share
+
+__all__ = ["feed"]
+
+Table = NDArray[Any]
+
+
+@njit(cache=True, nogil=True)
+def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int, owner: Table, out: Table) -> int:
+    """Track events from `begin` on until all are done or `out` could overflow; returns how many are done."""
+    run = world.run[0]
+    most = RECORDS_PER_PACKET * len(world.objects)
+    for e in range(begin, len(ts)):
+        t_us = ts[e]
+        while t_us >= run.packet_end_us:
+            if run.records + most > len(out):
+                return e
+            if open_packet(rules, world, t_us, out):
+                break
+        x = int(xs[e])
+        y = int(ys[e])
+        owner[e] = NOBODY
+        if t_us - world.heard_us[y, x] >= rules.refractory_us:
+            world.heard_us[y, x] = t_us
+            owner[e] = share(world, x, y)
+        run.last_us = t_us
+        run.index += 1
+    return len(ts)

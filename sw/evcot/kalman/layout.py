@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the compiled parts share: settings as they take them, the objects, the cells, and where the run stands."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .config import KalmanConfig
+
+__all__ = ["CELL_BITS", "MANY", "NOBODY", "OBJECT", "PROFILE", "RUN", "UNSET_US", "Rules", "World", "make_rules", "make_world"]
+
+Table = NDArray[Any]
+
+UNSET_US = -(1 << 62)
+CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
+PROFILE = 8  # parts of a box along each side, in which the density of its events is kept
+NOBODY, MANY = -1, -2  # in `World.near`, beside the slot of the only object near a cell
+
+OBJECT = np.dtype(
+    [
+        ("alive", "?"),
+        ("track_id", "<i8"),
+        ("born_us", "<i8"),
+        ("supported_us", "<i8"),  # end of the last packet in which it had the events that it should have
+        ("support", "<i8"),  # events so far
+        ("packet_events", "<i8"),
+        ("rate", "<f8"),  # events per packet, a mean over the recent past
+        ("weight", "<f8"),  # of the open packet's events, shares counted
+        ("x", "<f8"),  # the box in which the open packet's events are looked for: centre and half sides
+        ("y", "<f8"),
+        ("half_x", "<f8"),
+        ("half_y", "<f8"),
+        ("gate", "<f8"),  # how far outside it
+        ("left", "<f8"),  # the box and the gate
+        ("right", "<f8"),
+        ("top", "<f8"),
+        ("bottom", "<f8"),
+    ]
+)
+
+RUN = np.dtype(
+    [
+        ("index", "<i8"),  # events so far
+        ("last_us", "<i8"),  # the last event
+        ("packet_end_us", "<i8"),  # exclusive; UNSET_US before the first event
+        ("birth_end_us", "<i8"),
+        ("births", "<i8"),  # the next track id
+        ("live", "<i8"),
+        ("records", "<i8"),  # in the buffer
+    ]
+)
+
+
+class Rules(NamedTuple):
+    """`config.KalmanConfig` as the kernel takes it, and the sensor."""
+
+    width: int
+    height: int
+    packet_us: int
+    refractory_us: int
+    quantile: float
+    gate_px: float
+    gate_share: float
+    events_per_sample: float
+    velocity_walk: float
+    growth_walk: float
+    speed_px_s: float
+    birth_us: int
+    birth_pixels: int
+    coast_us: int
+    merge_gap: float
+    merge_px_s: float
+
+
+class World(NamedTuple):
+    """All that a tracker remembers.
+
+    n objects by slot; c cells of 8 x 8 pixels by row; axis 0 is x, 1 is y.
+    """
+
+    run: Table  # (1,) of dtype RUN
+    objects: Table  # (n,) of dtype OBJECT
+    state: Table  # (n, 2, 4): centre, velocity, half side, growth of the half side; px and px/s
+    cov: Table  # (n, 2, 4, 4)
+    beyond: Table  # (n, 2, 2): weight of the open packet's events beyond the low and the high side
+    abreast: Table  # (n, 2): weight of the events between the other axis's sides
+    profile: Table  # (n, PROFILE * PROFILE): events in each part of the box, fading
+    total: Table  # (n,) of all parts
+    heard_us: Table  # (height, width): when each pixel was last heard
+    near: Table  # (rows, columns): the object near each cell, or NOBODY or MANY
+    pixels: Table  # (rows, columns) uint64: pixels of each cell that sent events that belong to nobody
+    bits: Table  # (8, 8) uint64: the bit of each pixel of a cell
+    queue: Table  # (cells,) the cells of a group
+    group: Table  # (cells,) uint64: their pixels
+
+
+def make_rules(config: KalmanConfig, width: int, height: int) -> Rules:
+    """The rules for a sensor."""
+    fields = {name: getattr(config, name) for name in Rules._fields[2:]}
+    return Rules(width, height, **{n: (v if "us" in n.split("_") or n == "birth_pixels" else float(v)) for n, v in fields.items()})
+
+
+def make_world(n_objects: int, width: int, height: int) -> World:
+    """A world in which nothing has happened."""
+    rows, columns = (height + 7) >> CELL_BITS, (width + 7) >> CELL_BITS
+    run = np.zeros(1, RUN)
+    run["packet_end_us"] = run["last_us"] = UNSET_US
+    return World(
+        run,
+        np.zeros(n_objects, OBJECT),
+        np.zeros((n_objects, 2, 4)),
+        np.zeros((n_objects, 2, 4, 4)),
+        np.zeros((n_objects, 2, 2)),
+        np.zeros((n_objects, 2)),
+        np.zeros((n_objects, PROFILE * PROFILE)),
+        np.zeros(n_objects),
+        np.full((height, width), UNSET_US),
+        np.full((rows, columns), NOBODY, np.int16),
+        np.zeros((rows, columns), np.uint64),
+        np.uint64(1) << np.arange(64, dtype=np.uint64).reshape(8, 8),
+        np.zeros(rows * columns, np.int64),
+        np.zeros(rows * columns, np.uint64),
+    )

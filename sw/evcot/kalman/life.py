@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The end of a packet: correct every object, end those without support, make one of two that are one, report."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+from numpy.typing import NDArray
+
+from ..contract import Kind
+from .births import find_births
+from .layout import UNSET_US, Rules, World
+from .motion import correct, predict
+from .sharing import look_out
+
+__all__ = ["RECORDS_PER_PACKET", "close_packet", "open_packet"]
+
+Table = NDArray[Any]
+
+RECORDS_PER_PACKET = 3  # an object is born or moves, and ends
+BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
+_MIN_HALF_PX = 1.0
+_RATE_MEAN_US = 30_000.0
+_LEAST_SUPPORT = 0.5  # of the rate at which an object is born
+_ENTERING_US = 200_000
+_ENTERING_GAP = 0.6
+_PROFILE_KEEPS_US = 100_000.0
+
+
+@njit(cache=True, nogil=True)
+def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
+    run = world.run[0]
+    o = world.objects[i]
+    row = out[run.records]
+    row.t_us = t_us
+    row.event_index = run.index - 1 if kind != LOST else run.index
+    row.kind = kind
+    row.track_id = o.track_id
+    row.slot = i
+    row.x, half_x = _seen(world.state[i, 0], rules.width)
+    row.y, half_y = _seen(world.state[i, 1], rules.height)
+    row.radius = 0.5 * (half_x + half_y)
+    row.n_ev = o.packet_events
+    row.support = o.support
+    row.other_id = other_id
+    run.records += 1
+
+
+@njit(cache=True, nogil=True)
+def _seen(s: Table, size: int) -> tuple[float, float]:
+    """Centre and half side of the part on the sensor."""
+    low = min(max(s[0] - s[2], -0.5), size - 0.5)
+    high = min(max(s[0] + s[2], -0.5), size - 0.5)
+    return 0.5 * (low + high), 0.5 * (high - low)
+
+
+@njit(cache=True, nogil=True)
+def _hidden(world: World, i: int, axis: int, high: int) -> bool:
+    """Whether the middle of a side lies in another object's box: what is beyond it cannot be told."""
+    o = world.objects[i]
+    sign = 1.0 if high else -1.0
+    x = o.x + (sign * o.half_x if axis == 0 else 0.0)
+    y = o.y + (sign * o.half_y if axis == 1 else 0.0)
+    for k in range(len(world.objects)):
+        other = world.objects[k]
+        if k != i and other.alive and abs(x - other.x) <= other.half_x and abs(y - other.y) <= other.half_y:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _correct(rules: Rules, world: World, i: int) -> None:
+    q = rules.quantile
+    for axis in range(2):
+        n = world.abreast[i, axis]
+        if n <= 0.0:
+            continue
+        s, p = world.state[i, axis], world.cov[i, axis]
+        density = 1.0 / (2.0 * s[2])
+        variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density)
+        for high in range(2):
+            if _hidden(world, i, axis, high):
+                continue
+            sign = 1.0 if high else -1.0
+            off = sign * (world.beyond[i, axis, high] / n - q) / density
+            correct(s, p, sign, off, variance)
+
+
+@njit(cache=True, nogil=True)
+def _covered(world: World, i: int) -> bool:
+    """Whether another object's box holds the centre of this one."""
+    o = world.objects[i]
+    for k in range(len(world.objects)):
+        other = world.objects[k]
+        if k != i and other.alive and abs(o.x - other.x) <= other.half_x and abs(o.y - other.y) <= other.half_y:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
+    if world.objects[i].track_id >= 0:
+        _record(rules, world, out, kind, t_us, i, other_id)
+    world.objects[i].alive = False
+    world.run[0].live -= 1
+
+
+@njit(cache=True, nogil=True)
+def _is_one(rules: Rules, world: World, i: int, k: int) -> bool:
+    a, b = world.state[i], world.state[k]
+    gap, mean, most = -1e9, 0.0, 0.0
+    for axis in range(2):
+        gap = max(gap, abs(a[axis, 0] - b[axis, 0]) - a[axis, 2] - b[axis, 2])
+        most = max(most, a[axis, 2], b[axis, 2])
+    mean = 0.5 * max(a[0, 2] + a[1, 2], b[0, 2] + b[1, 2])
+    if gap <= _ENTERING_GAP * most and _enter_together(rules, world, i, k):
+        return True
+    if gap > rules.merge_gap * mean:
+        return False
+    speed = ((a[0, 1] - b[0, 1]) ** 2 + (a[1, 1] - b[1, 1]) ** 2) ** 0.5
+    return speed <= rules.merge_px_s
+
+
+@njit(cache=True, nogil=True)
+def _enter_together(rules: Rules, world: World, i: int, k: int) -> bool:
+    """Whether both are new and end at the same edge of the sensor: of what is entering there, no velocity is known."""
+    a, b = world.objects[i], world.objects[k]
+    if world.run[0].packet_end_us - min(a.born_us, b.born_us) > _ENTERING_US:
+        return False
+    return (
+        (a.left < 0.0 and b.left < 0.0)
+        or (a.top < 0.0 and b.top < 0.0)
+        or (a.right > rules.width and b.right > rules.width)
+        or (a.bottom > rules.height and b.bottom > rules.height)
+    )
+
+
+@njit(cache=True, nogil=True)
+def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
+    """Of two objects that are one, the one that was born first stays, around both."""
+    n = len(world.objects)
+    for i in range(n):
+        for k in range(n):
+            a, b = world.objects[i], world.objects[k]
+            if i == k or not (a.alive and b.alive and a.track_id < b.track_id and _is_one(rules, world, i, k)):
+                continue
+            for axis in range(2):
+                into, gone = world.state[i, axis], world.state[k, axis]
+                low = min(into[0] - into[2], gone[0] - gone[2])
+                high = max(into[0] + into[2], gone[0] + gone[2])
+                into[0], into[2] = 0.5 * (low + high), 0.5 * (high - low)
+            a.support += b.support
+            _end(rules, world, out, MERGED, t_us, k, a.track_id)
+
+
+@njit(cache=True, nogil=True)
+def _outside(rules: Rules, world: World, i: int) -> bool:
+    s = world.state[i]
+    return s[0, 0] < -0.5 or s[0, 0] > rules.width - 0.5 or s[1, 0] < -0.5 or s[1, 0] > rules.height - 0.5
+
+
+@njit(cache=True, nogil=True)
+def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
+    """Do at `t_us` what follows from the packet's events."""
+    run = world.run[0]
+    n = len(world.objects)
+    step_s = 1e-6 * rules.packet_us
+    mix = min(rules.packet_us / _RATE_MEAN_US, 1.0)
+    least = _LEAST_SUPPORT * rules.birth_pixels * rules.packet_us / rules.birth_us
+    fade = 1.0 - min(rules.packet_us / _PROFILE_KEEPS_US, 1.0)
+    for i in range(n):
+        if world.objects[i].alive:
+            for axis in range(2):
+                predict(world.state[i, axis], world.cov[i, axis], step_s, rules.velocity_walk, rules.growth_walk)
+            _correct(rules, world, i)
+            for axis in range(2):
+                world.state[i, axis, 2] = max(world.state[i, axis, 2], _MIN_HALF_PX)
+    for i in range(n):
+        o = world.objects[i]
+        if not o.alive:
+            continue
+        o.rate += mix * (o.weight - o.rate)
+        if o.rate >= least:
+            o.supported_us = t_us
+        o.support += o.packet_events
+        world.profile[i] *= fade
+        world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
+        if (t_us - o.supported_us >= rules.coast_us and not _covered(world, i)) or _outside(rules, world, i):
+            _end(rules, world, out, LOST, t_us, i, -1)
+    _merge(rules, world, out, t_us)
+    if t_us >= run.birth_end_us:
+        find_births(rules, world, t_us)
+        run.birth_end_us = t_us + rules.birth_us
+    for i in range(n):
+        o = world.objects[i]
+        if not o.alive:
+            continue
+        if o.track_id < 0:
+            o.track_id = run.births
+            run.births += 1
+            _record(rules, world, out, BORN, t_us, i, -1)
+        else:
+            _record(rules, world, out, MOVED, t_us, i, -1)
+
+
+@njit(cache=True, nogil=True)
+def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
+    """Close the open packet and open the next; True when that holds `t_us`."""
+    run = world.run[0]
+    if run.packet_end_us == UNSET_US:
+        run.packet_end_us = t_us + rules.packet_us
+        run.birth_end_us = t_us + rules.birth_us
+    else:
+        close_packet(rules, world, run.packet_end_us, out)
+        run.packet_end_us += rules.packet_us
+        if run.live == 0 and t_us >= run.packet_end_us:
+            run.packet_end_us += (t_us - run.packet_end_us) // rules.packet_us * rules.packet_us + rules.packet_us
+    look_out(rules, world)
+    return t_us < run.packet_end_us
