@@ -15,11 +15,11 @@ class Progress:
 
     Args:
         title: what is being run.
-        events: how many there are.
+        events: how many there are; None where nobody knows yet.
         enabled: False shows nothing at all.
     """
 
-    def __init__(self, title: str, events: int, *, enabled: bool = True) -> None:
+    def __init__(self, title: str, events: int | None, *, enabled: bool = True) -> None:
         console = Console(stderr=True)
         self._bars = Bars(
             TextColumn("{task.description}"),

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from .filters.hot_pixels import load_hot_pixels
 from .filters.registers import FilterRegisters
 from .rct.config import RctConfig
 
-__all__ = ["CotConfig", "RunConfig", "SlotConfig", "load_toml"]
+__all__ = ["CotConfig", "RunConfig", "SlotConfig", "load_toml", "load_tracker"]
 
 
 @dataclass(frozen=True)
@@ -148,16 +149,38 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
         ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
             starts with the file's name.
     """
+    with _named(path):
+        return _override(base, _tables(path), path.parent)
+
+
+def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) -> tuple[Any, FilterConfig]:
+    """Read a TOML file whose table of a tracker's name, and `[filters]`, override its settings and the filters in front.
+
+    Raises:
+        ConfigError: as `load_toml`.
+    """
+    with _named(path):
+        data = _section(_tables(path), {name, "filters"}, "top level")
+        own = _section(_table(data, name, "top level"), _names(type(settings)), f"[{name}]")
+        return replace(settings, **own), _filters(filters, _table(data, "filters", "top level"), path.parent)
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Puts the file's name in front of what is wrong with it."""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: is not TOML: {error}") from error
-    try:
-        return _override(base, data, path.parent)
+        yield
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from error
+
+
+def _tables(path: Path) -> Mapping[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"is not TOML: {error}") from error
 
 
 def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:

@@ -20,9 +20,10 @@ from .contract import RECORD, REGISTERS, Kind
 from .errors import ConfigError
 from .events import Events, Recording
 from .filters.chain import FilterChain
+from .tracking import Told, log_of
 from .tracklog import TRACK, TrackLog
 
-__all__ = ["Arrangement", "CotModel", "Decisions", "tick_times", "to_track_records", "track"]
+__all__ = ["Arrangement", "CotModel", "CotTracker", "Decisions", "tick_times", "to_track_records", "track"]
 
 _ALL = np.empty(0, np.bool_)
 
@@ -154,11 +155,30 @@ def to_track_records(
     return out
 
 
+class CotTracker:
+    """The model on a recording's own time, tick 0 at its first event. See `tracking.Tracker`."""
+
+    def __init__(self, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> None:
+        self._config = config
+        self._model = CotModel(config, arrangement)
+        self._t0_us: int | None = None
+        self._seen = 0
+
+    def feed(self, events: Events) -> Told:
+        """See `tracking.Tracker`."""
+        if self._t0_us is None:
+            self._t0_us = int(events.t_us[0]) if len(events) else None
+        t0_us = self._t0_us or 0
+        decided = self._model.feed(tick_times(events.t_us, t0_us, self._config.tick_us), events.x, events.y, events.p)
+        records = to_track_records(decided.records, self._config, events.t_us, self._seen, t0_us)
+        self._seen += len(events)
+        return records, decided.owner
+
+    def finish(self) -> NDArray[np.void]:
+        """Nothing: time stands still after the last event."""
+        return np.empty(0, TRACK)
+
+
 def track(recording: Recording, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> TrackLog:
     """Run the golden model over a recording; tick 0 is the time of the first event."""
-    events: Events = recording.events
-    if not len(events):
-        return TrackLog("cot-model", np.empty(0, TRACK), np.empty(0, np.int16))
-    t0_us = int(events.t_us[0])
-    decisions = CotModel(config, arrangement).feed(tick_times(events.t_us, t0_us, config.tick_us), events.x, events.y, events.p)
-    return TrackLog("cot-model", to_track_records(decisions.records, config, events.t_us, 0, t0_us), decisions.owner)
+    return log_of("cot-model", CotTracker(config, arrangement), [recording.events])

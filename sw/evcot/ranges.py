@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from .errors import ConfigError
 
-__all__ = ["Range", "check_ranges", "span"]
+__all__ = ["Range", "check_ranges", "read_value", "span"]
 
 Range = tuple[float, float, str]
 """Lowest, highest, meaning; two integers stand for an integer setting."""
@@ -26,3 +26,22 @@ def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range]) -> None:
         wanted = int if isinstance(low, int) else (int, float)
         if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
             raise ConfigError(f"{name}.{field} = {value!r}: must be from {span(low, high)} ({meaning})")
+
+
+def read_value(name: str, text: str, default: Any) -> Any:
+    """A setting from text, as the kind of value that its default is.
+
+    Raises:
+        ConfigError: it is no such value.
+    """
+    if isinstance(default, str):
+        return text
+    kind: Callable[[str], Any]
+    if isinstance(default, bool):
+        kind, meaning = {"true": True, "false": False}.__getitem__, "true or false"
+    else:
+        kind, meaning = (int, "a whole number") if isinstance(default, int) else (float, "a number")
+    try:
+        return kind(text)
+    except (ValueError, KeyError) as error:
+        raise ConfigError(f"{name} = {text!r}: must be {meaning}") from error

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from ..errors import ConfigError
+from ..ranges import read_value
 from . import boxes, discs, highway, insects, pendulum, shake
 from .scene import Scene
 
@@ -66,20 +67,9 @@ def adjusted(name: str, settings: Any, overrides: Mapping[str, Any]) -> Any:
     for key, value in overrides.items():
         if key not in known:
             raise ConfigError(f"{name}.{key}: no such setting: must be one of {', '.join(known)}")
-        values[key] = _read(f"{name}.{key}", value, known[key]) if isinstance(value, str) else value
+        values[key] = read_value(f"{name}.{key}", value, known[key]) if isinstance(value, str) else value
     own = {key: value for key, value in values.items() if key in own_keys}
     of_pixel = {key: value for key, value in values.items() if key not in own_keys}
     if pixel is not None and of_pixel:
         own["pixel"] = replace(pixel, **of_pixel)
     return replace(settings, **own)
-
-
-def _read(name: str, text: str, default: Any) -> Any:
-    """A value of the default's kind."""
-    if isinstance(default, str):
-        return text
-    kind, meaning = (int, "a whole number") if isinstance(default, int) else (float, "a number")
-    try:
-        return kind(text)
-    except ValueError as error:
-        raise ConfigError(f"{name} = {text!r}: must be {meaning}") from error
