@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tracking by detection as a stream: events are cut into frames, objects detected in each, and followed across them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contract import DROPPED
+from ..errors import RecordingError
+from ..events import Events, Recording
+from ..tracklog import TRACK, TrackLog
+from .config import IdentityConfig
+from .framing import Framing
+from .identity import Identities
+from .kernel import DETECTION, FRAME
+
+__all__ = ["Detect", "DetectionTracker", "run"]
+
+_CHUNK_EVENTS = 1 << 18
+
+Detect = Callable[[Events, NDArray[np.void]], NDArray[np.void]]
+"""Events and (f,) frames of dtype `kernel.FRAME` in, of which `begin` and `end` are set; sets `found` and `found_end` and
+returns (d,) detections of dtype `kernel.DETECTION`."""
+
+
+class DetectionTracker:
+    """A stream: feed events in runs of any length, the result does not depend on where they are cut.
+
+    Memory is that of one frame's events, beyond the arrays that are returned.
+    """
+
+    def __init__(self, config: IdentityConfig, framing: Framing, detect: Detect) -> None:
+        self._identities = Identities(config)
+        self._framing = framing
+        self._detect = detect
+        self._open: list[Events] = []  # the frame that is not yet complete
+        self._last_us: int | None = None
+
+    def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        """Track a run of events.
+
+        Args:
+            events: (n,) events in time order, none before an event that was fed earlier.
+
+        Returns:
+            (m,) records of dtype `TRACK`, of the frames that these events completed, and (n,) int16 owners: the slot of the
+            visible track that took each event, -1 for none.
+
+        Raises:
+            RecordingError: the run starts before the last event of the previous one, or a frame cannot be detected in.
+        """
+        if not len(events):
+            return np.empty(0, TRACK), np.empty(0, np.int16)
+        if self._last_us is not None and events.t_us[0] < self._last_us:
+            index = self._identities.seen + self._held
+            raise RecordingError(
+                f"event {index}: t = {events.t_us[0]} us follows t = {self._last_us} us: time must not run back"
+            )
+        self._last_us = int(events.t_us[-1])
+        ends = self._framing.cut(events.t_us)
+        if not len(ends):
+            self._open.append(events)
+            return self._identities.follow(events, 0, np.empty(0, FRAME), np.empty(0, DETECTION))
+        owned = self._held
+        together = Events.joined([*self._open, events])
+        ends += owned
+        rest = together[int(ends[-1]) :]
+        # A copy: the caller may fill its arrays anew, and a slice would keep all of them.
+        self._open = [rest.where(np.ones(len(rest), np.bool_))] if len(rest) else []
+        return self._follow(together, owned, ends)
+
+    def finish(self) -> NDArray[np.void]:
+        """Complete the last frame when no more events come; (m,) records of dtype `TRACK`.
+
+        A track whose life would end after the last event is still alive.
+        """
+        if not self._held:
+            return np.empty(0, TRACK)
+        events = Events.joined(self._open)
+        self._open = []
+        return self._follow(events, len(events), np.array([len(events)]))[0]
+
+    def tracks(self) -> NDArray[np.void]:
+        """The live tracks, started first first: (k,) of dtype `kernel.TRACKED`; velocities in px/s."""
+        return self._identities.tracks()
+
+    @property
+    def _held(self) -> int:
+        return sum(map(len, self._open))
+
+    def _follow(self, events: Events, owned: int, ends: NDArray[np.int64]) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        frames = np.zeros(len(ends), FRAME)
+        frames["begin"][1:], frames["end"] = ends[:-1], ends
+        found = self._detect(events, frames)
+        return self._identities.follow(events, owned, frames, found)
+
+
+def run(engine: str, tracker: DetectionTracker, recording: Recording, keep: NDArray[np.bool_] | None = None) -> TrackLog:
+    """A tracker's log of a recording, or of the events in it that filters let stay.
+
+    Args:
+        engine: the log's `engine`.
+        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+    """
+    events = recording.events if keep is None else recording.events.where(keep)
+    parts = [tracker.feed(events[begin : begin + _CHUNK_EVENTS]) for begin in range(0, len(events), _CHUNK_EVENTS)]
+    records = np.concatenate([np.empty(0, TRACK), *(part[0] for part in parts), tracker.finish()])
+    owner = np.concatenate([np.empty(0, np.int16), *(part[1] for part in parts)])
+    if keep is None:
+        return TrackLog(engine, records, owner)
+    kept = np.flatnonzero(keep)
+    every = np.full(len(keep), DROPPED, np.int16)
+    every[kept] = owner
+    # After the last event that stayed comes what follows the recording.
+    records["event_index"] = np.append(kept, len(keep))[records["event_index"]]
+    return TrackLog(engine, records, every)
