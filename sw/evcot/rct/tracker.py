@@ -24,7 +24,8 @@ from ..errors import RecordingError
 from ..events import Events, Recording
 from ..tracklog import TRACK, TrackLog
 from .config import RctConfig
-from .kernel import CLUSTER, CURSOR, NEVER_US, RECORDS_PER_PACKET, Rules, close_last_packet, feed
+from .kernel import close_last_packet, feed
+from .state import Rules, new_state, summary
 
 __all__ = ["RctTracker", "track"]
 
@@ -47,12 +48,8 @@ class RctTracker:
             lifetime_us=config.lifetime_us,
             packet_us=config.packet_us,
         )
-        self._clusters = np.zeros(config.max_clusters, CLUSTER)
-        self._slot_taken = np.zeros(config.max_clusters, np.bool_)
-        self._cursor = np.zeros(1, CURSOR)
-        self._cursor["packet_end_us"] = self._cursor["last_us"] = -NEVER_US
-        self._cursor["next_due_us"] = NEVER_US
-        self._buffer = np.zeros(2 * RECORDS_PER_PACKET * config.max_clusters + 4096, TRACK)
+        self._state = new_state(config.max_clusters)
+        self._cursor = self._state.cursor
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """Track a run of events.
@@ -75,10 +72,7 @@ class RctTracker:
         parts: list[NDArray[np.void]] = []
         done = 0
         while done < len(events):
-            done = feed(
-                self._rules, self._cursor, self._clusters, self._slot_taken,
-                events.t_us, events.x, events.y, done, owner, self._buffer,
-            )  # fmt: skip
+            done += feed(self._rules, self._state, events.t_us[done:], events.x[done:], events.y[done:], owner[done:])
             parts.append(self._take_closed())
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 
@@ -87,20 +81,21 @@ class RctTracker:
 
         A cluster whose life would end after the last event is still alive.
         """
-        close_last_packet(self._rules, self._cursor, self._clusters, self._slot_taken, self._buffer)
+        close_last_packet(self._rules, self._state)
         return self._take_closed()
 
     def clusters(self) -> NDArray[np.void]:
         """The live clusters, seeded first first: (k,) with x, y (px), velocity_x, velocity_y (px/s), events, last_us,
         track_id (-1 while invisible) and slot."""
-        live = self._clusters[: int(self._cursor["live"][0])]
-        return live[["x", "y", "velocity_x", "velocity_y", "events", "last_us", "track_id", "slot"]].copy()
+        slots = self._state.live[: int(self._cursor["live"][0])]
+        return summary(self._state.clusters[slots], slots)
 
     def _take_closed(self) -> NDArray[np.void]:
         """Records of closed packets leave the buffer, those of the open packet move to its front."""
         closed, records = int(self._cursor["closed"][0]), int(self._cursor["records"][0])
-        taken = self._buffer[:closed].copy()
-        self._buffer[: records - closed] = self._buffer[closed:records].copy()
+        out = self._state.out
+        taken: NDArray[np.void] = out[:closed].copy()
+        out[: records - closed] = out[closed:records].copy()
         self._cursor["records"] = records - closed
         self._cursor["closed"] = 0
         return taken

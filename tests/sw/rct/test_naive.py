@@ -166,6 +166,27 @@ def test_record_for_record_like_the_naive_tracker(name: str, noise: float) -> No
         assert len(rows) > 5
 
 
+@pytest.mark.parametrize(
+    ("radius_px", "alpha", "max_clusters", "blobs"),
+    [(6.0, 0.01, 200, 90), (40.0, 0.2, 64, 20), (9.5, 1.0, 30, 10), (400.0, 0.5, 3, 10), (12.0, 0.05, 80, 5)],
+)
+def test_like_the_naive_tracker_over_a_wide_sensor(radius_px: float, alpha: float, max_clusters: int, blobs: int) -> None:
+    """Ways over many of the lookup's cells and beyond their end, more clusters than a word holds, windows wider than all."""
+    config = RctConfig(max_clusters=max_clusters, radius_px=radius_px, alpha=alpha, lifetime_us=20_000, packet_us=700)
+    rng = np.random.default_rng(5)
+    n = 6_000
+    t_us = np.cumsum(rng.integers(0, 40, n))
+    blob = rng.integers(0, blobs, n)
+    ways = rng.uniform(0, [1280, 720], (blobs, 2)) + rng.uniform(-2_000, 2_000, (blobs, 2)) * t_us[:, None, None] * 1e-6
+    x, y = np.abs(ways[np.arange(n), blob] + rng.uniform(-5, 5, (n, 2))).T
+    events = Events(t_us, x.astype(np.uint16), y.astype(np.uint16), np.ones(n, np.uint8))
+    tracker = RctTracker(config)
+    records, owner = tracker.feed(events)
+    rows, naive_owner, _ = naive_track(events, config)
+    assert owner.tolist() == naive_owner
+    assert [*records.tolist(), *tracker.finish().tolist()] == rows
+
+
 def test_the_traffic_exercises_every_kind_of_record_and_keeps_the_log_in_order() -> None:
     events = traffic(0, 4_000, 0.2)
     records = track(Recording(events, 128, 128), CONFIGS["roomy"]).records

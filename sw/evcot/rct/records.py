@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Records go into a buffer whose tail belongs to the packet that is still open."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from ..contract import Kind
+from .state import Rules, State
+
+__all__ = ["BORN", "LOST", "MERGED", "MOVED", "record", "show"]
+
+BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
+
+
+@njit(cache=True, nogil=True)
+def record(rules: Rules, state: State, kind: int, index: int, t_us: int, slot: int, other_id: int) -> None:
+    """Write one record where its event index puts it; a loss stands before what the event itself causes."""
+    cur = state.cursor[0]
+    out = state.out
+    at = cur.records
+    while at > cur.closed:
+        before = out[at - 1]
+        if kind == LOST and before.event_index == index:
+            stays = before.kind == LOST and before.t_us <= t_us
+        else:
+            stays = before.event_index <= index
+        if stays:
+            break
+        out[at] = before
+        at -= 1
+    cluster = state.clusters[slot]
+    row = out[at]
+    row.t_us = t_us
+    row.event_index = index
+    row.kind = kind
+    row.track_id = cluster.track_id
+    row.slot = slot
+    row.x = cluster.x
+    row.y = cluster.y
+    row.radius = rules.radius_px
+    row.n_ev = cluster.packet_events
+    row.support = cluster.before + cluster.packet_events
+    row.other_id = other_id
+    cur.records += 1
+
+
+@njit(cache=True, nogil=True)
+def show(rules: Rules, state: State, slot: int, index: int, t_us: int) -> None:
+    """A cluster becomes visible, and a track."""
+    cur = state.cursor[0]
+    state.clusters[slot].track_id = cur.births
+    cur.births += 1
+    record(rules, state, BORN, index, t_us, slot, -1)
