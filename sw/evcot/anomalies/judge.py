@@ -1,0 +1,318 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules, one function each, applied to a track whenever one of its steps closes.
+
+Rules about motion gather evidence: the time for which they were broken, less the time for which they were not, never below 0.
+An alarm needs `hold_us` of it, and each is raised once per track, for zones and lines once per track and zone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .alarm import Anomaly
+from .config import AnomalyConfig
+from .geometry import crosses, holds, offset
+from .motion import MOTION
+
+__all__ = ["ALARMS_PER_STEP", "TRACE", "Field", "Places", "Rules", "judge", "rules"]
+
+_KINDS = len(Anomaly)
+WRONG_WAY, CROSSING, FAST, SLOW, STOPPING = (
+    int(kind) for kind in (Anomaly.WRONG_WAY, Anomaly.CROSSING, Anomaly.FAST, Anomaly.SLOW, Anomaly.STOPPING)
+)
+LOITERING, PLACE, FORBIDDEN, DWELL, LINE = (
+    int(kind) for kind in (Anomaly.LOITERING, Anomaly.PLACE, Anomaly.FORBIDDEN, Anomaly.DWELL, Anomaly.LINE)
+)
+ALARMS_PER_STEP = FORBIDDEN  # besides one for each zone and line
+
+_SCORE_MAX = 99.0
+_AMONG = 0.5  # of the normal speed: something so fast has been in motion
+
+# What is known of one track.
+TRACE = np.dtype(
+    [
+        *MOTION.descr,
+        ("track_id", "<i8"),
+        ("birth_us", "<i8"),
+        ("ended_us", "<i8"),  # -1 while it lives
+        ("settled", "?"),  # whether it has a place yet
+        ("first_x", "<f8"),
+        ("first_y", "<f8"),
+        ("farthest_px", "<f8"),  # from its first place
+        ("moved", "?"),  # whether it has been about as fast as others there
+        ("anchor_t", "<f8"),
+        ("anchor_x", "<f8"),
+        ("anchor_y", "<f8"),
+        ("raised", "u1", _KINDS),
+        ("evidence_us", "<f8", _KINDS),
+        ("since_t", "<f8", _KINDS),
+        ("travel_px", "<f8", _KINDS),  # while the evidence was gathered
+    ]
+)
+
+
+class Rules(NamedTuple):
+    """`AnomalyConfig` as the rules take it; angles as cosines."""
+
+    significance: float
+    hold_us: float
+    evidence_px: float
+    longest_us: float
+    travel_px: float
+    min_support: float
+    min_concentration: float
+    crossing_cos: float
+    wrong_way_cos: float
+    fast_ratio: float
+    slow_ratio: float
+    stop_ratio: float
+    speed_deviations: float
+    place_support: float
+    loiter_us: float
+    loiter_radius_px: float
+    loiter_factor: float
+    line_margin_px: float
+
+
+class Field(NamedTuple):
+    """Normal motion as the rules take it: (rows, columns) arrays over cells of `cell_px`, (0, 0) at pixel (0, 0).
+
+    support: tracks per cell. x, y: unit vector of the mean direction; concentration: length of the mean unit vector.
+    log_speed, deviation: mean and standard deviation of log(px/s). near_speed: px/s there or in the nearest cells that have a
+    support, not a number far from all.
+    """
+
+    cell_px: float
+    support: NDArray[np.float64]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    concentration: NDArray[np.float64]
+    log_speed: NDArray[np.float64]
+    deviation: NDArray[np.float64]
+    near_speed: NDArray[np.float64]
+
+
+class Places(NamedTuple):
+    """Zones and lines as the rules take them, and what the (capacity, zones or lines) tracks did there.
+
+    since: us at which a stay began, -1 for none; left: at which it was interrupted, -1 for not; side: of a line, 1 right, -1
+    left, 0 not known; x, y: the last place that had a side. counts: (lines, 2) crossings to the right and to the left.
+    """
+
+    corners: NDArray[np.float64]
+    starts: NDArray[np.int64]
+    dwell_us: NDArray[np.float64]
+    lines: NDArray[np.float64]
+    allowed: NDArray[np.int64]
+    counts: NDArray[np.int64]
+    since: NDArray[np.float64]
+    left: NDArray[np.float64]
+    raised: NDArray[np.bool_]
+    side: NDArray[np.int64]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    line_raised: NDArray[np.bool_]
+
+
+def rules(config: AnomalyConfig) -> Rules:
+    """The part of the settings that says when an alarm is raised."""
+    values: dict[str, Any] = {name: float(getattr(config, name)) for name in Rules._fields if hasattr(config, name)}
+    return Rules(
+        **values,
+        evidence_px=config.travel_px / 2,
+        longest_us=float(config.window_us),
+        crossing_cos=math.cos(math.radians(config.crossing_deg)),
+        wrong_way_cos=math.cos(math.radians(config.wrong_way_deg)),
+    )
+
+
+@njit(cache=True, nogil=True)
+def _raise(cur, out, trace, kind, zone, score, expected, seen, since_t):  # type: ignore[no-untyped-def]
+    row = out[cur.alarms]
+    cur.alarms += 1
+    row.t_us = cur.t_us
+    row.event_index = cur.event_index
+    row.track_id = trace.track_id
+    row.kind = kind
+    row.zone = zone
+    row.x = trace.x
+    row.y = trace.y
+    row.score = min(score, _SCORE_MAX)
+    row.expected = expected
+    row.seen = seen
+    row.begin_us = cur.origin_us + int(since_t)
+    row.birth_us = trace.birth_us
+
+
+@njit(cache=True, nogil=True)
+def _gather(trace, kind, broken, elapsed_us, travel_px, least_us, least_px):  # type: ignore[no-untyped-def]
+    """Take a step into the evidence of a rule; whether an alarm is due."""
+    if broken:
+        if trace.evidence_us[kind] == 0:
+            trace.since_t[kind] = trace.t - elapsed_us
+            trace.travel_px[kind] = 0.0
+        trace.evidence_us[kind] += elapsed_us
+        trace.travel_px[kind] += travel_px
+    else:
+        trace.evidence_us[kind] = max(0.0, trace.evidence_us[kind] - elapsed_us)
+    enough = trace.evidence_us[kind] >= least_us and trace.travel_px[kind] >= least_px
+    if not (broken and enough) or trace.raised[kind]:
+        return False
+    trace.raised[kind] = 1
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _cell(field, x, y):  # type: ignore[no-untyped-def]
+    """Row and column of a place; row -1 outside."""
+    column = int((x + 0.5) // field.cell_px)
+    row = int((y + 0.5) // field.cell_px)
+    if 0 <= row < field.support.shape[0] and 0 <= column < field.support.shape[1]:
+        return row, column
+    return -1, -1
+
+
+@njit(cache=True, nogil=True)
+def _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
+    normal_x = field.x[row, column]
+    normal_y = field.y[row, column]
+    along = trace.vx * normal_x + trace.vy * normal_y
+    across = abs(trace.vx * normal_y - trace.vy * normal_x)
+    sure = rules.significance * trace.error
+    wrong = along < -sure and along < rules.wrong_way_cos * speed
+    crossing = not wrong and across > sure and along < rules.crossing_cos * speed
+    expected = math.degrees(math.atan2(normal_y, normal_x))
+    seen = math.degrees(math.atan2(trace.vy, trace.vx))
+    turn = math.acos(max(-1.0, min(1.0, along / max(speed, 1e-9))))
+    way_s = 1e-6 * elapsed_us
+    if _gather(trace, WRONG_WAY, wrong, elapsed_us, -along * way_s, rules.hold_us, rules.evidence_px):
+        score = turn / math.acos(rules.wrong_way_cos)
+        _raise(cur, out, trace, WRONG_WAY, -1, score, expected, seen, trace.since_t[WRONG_WAY])
+    if _gather(trace, CROSSING, crossing, elapsed_us, across * way_s, rules.hold_us, rules.evidence_px):
+        score = turn / math.acos(rules.crossing_cos)
+        _raise(cur, out, trace, CROSSING, -1, score, expected, seen, trace.since_t[CROSSING])
+
+
+@njit(cache=True, nogil=True)
+def _speed(rules, field, row, column, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
+    normal = math.exp(field.log_speed[row, column])
+    sure = rules.significance * trace.error
+    far_off = rules.speed_deviations * field.deviation[row, column]
+    apart = math.log(max(speed, 1e-3) / normal)
+    way_px = speed * 1e-6 * elapsed_us
+    if speed - sure > _AMONG * normal:
+        trace.moved = True
+    fast = speed - sure > rules.fast_ratio * normal and apart > far_off
+    if _gather(trace, FAST, fast, elapsed_us, way_px, rules.hold_us, rules.evidence_px):
+        _raise(cur, out, trace, FAST, -1, speed / (rules.fast_ratio * normal), normal, speed, trace.since_t[FAST])
+    slow = speed + sure < rules.slow_ratio * normal and apart < -far_off
+    slow = slow and trace.farthest_px >= rules.travel_px
+    if _gather(trace, SLOW, slow, elapsed_us, way_px, rules.hold_us, 0.0):
+        score = rules.slow_ratio * normal / max(speed, 1e-3)
+        _raise(cur, out, trace, SLOW, -1, score, normal, speed, trace.since_t[SLOW])
+
+
+@njit(cache=True, nogil=True)
+def _stopping(rules, normal, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
+    stopped = trace.moved and speed + trace.error < rules.stop_ratio * normal
+    if _gather(trace, STOPPING, stopped, elapsed_us, 0.0, rules.hold_us, 0.0):
+        score = rules.stop_ratio * normal / max(speed, 1e-3)
+        _raise(cur, out, trace, STOPPING, -1, score, normal, speed, trace.since_t[STOPPING])
+
+
+@njit(cache=True, nogil=True)
+def _loitering(rules, normal, cur, trace, out):  # type: ignore[no-untyped-def]
+    if math.hypot(trace.x - trace.anchor_x, trace.y - trace.anchor_y) > rules.loiter_radius_px:
+        trace.anchor_t = trace.t
+        trace.anchor_x = trace.x
+        trace.anchor_y = trace.y
+    limit_us = rules.loiter_us
+    if normal > 0:  # not where nothing is known
+        limit_us = max(limit_us, 1e6 * rules.loiter_factor * rules.loiter_radius_px / normal)
+    stay_us = trace.t - trace.anchor_t
+    if stay_us >= limit_us and not trace.raised[LOITERING]:
+        trace.raised[LOITERING] = 1
+        _raise(cur, out, trace, LOITERING, -1, stay_us / limit_us, 1e-6 * limit_us, 1e-6 * stay_us, trace.anchor_t)
+
+
+@njit(cache=True, nogil=True)
+def _zones(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
+    for zone in range(len(places.dwell_us)):
+        if holds(places.corners, places.starts[zone], places.starts[zone + 1], trace.x, trace.y):
+            places.left[i, zone] = -1.0
+            if places.since[i, zone] < 0:
+                places.since[i, zone] = trace.t
+        elif places.since[i, zone] >= 0:
+            if places.left[i, zone] < 0:
+                places.left[i, zone] = trace.t
+            if trace.t - places.left[i, zone] >= rules.hold_us:
+                places.since[i, zone] = -1.0
+            continue
+        else:
+            continue
+        stay_us = trace.t - places.since[i, zone]
+        limit_us = places.dwell_us[zone]
+        if stay_us >= max(limit_us, rules.hold_us) and not places.raised[i, zone]:
+            places.raised[i, zone] = True
+            kind = DWELL if limit_us > 0 else FORBIDDEN
+            score = stay_us / limit_us if limit_us > 0 else 1.0
+            _raise(cur, out, trace, kind, zone, score, 1e-6 * limit_us, 1e-6 * stay_us, places.since[i, zone])
+
+
+@njit(cache=True, nogil=True)
+def _lines(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
+    for line in range(len(places.lines)):
+        ax, ay, bx, by = places.lines[line]
+        away = offset(ax, ay, bx, by, trace.x, trace.y)
+        if abs(away) < rules.line_margin_px * math.hypot(bx - ax, by - ay):
+            continue
+        side = 1 if away > 0 else -1
+        if places.side[i, line] == -side:
+            way = crosses(places.lines[line], places.x[i, line], places.y[i, line], trace.x, trace.y)
+            if way != 0:
+                places.counts[line, 0 if way > 0 else 1] += 1
+                if places.allowed[line] == -way and not places.line_raised[i, line]:
+                    places.line_raised[i, line] = True
+                    _raise(cur, out, trace, LINE, line, 1.0, places.allowed[line], way, trace.t)
+        places.side[i, line] = side
+        places.x[i, line] = trace.x
+        places.y[i, line] = trace.y
+
+
+@njit(cache=True, nogil=True)
+def judge(rules, field, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
+    """Apply all rules to the step that track i has just closed."""
+    if not trace.settled:
+        trace.settled = True
+        trace.first_x = trace.anchor_x = trace.x
+        trace.first_y = trace.anchor_y = trace.y
+        trace.anchor_t = trace.t
+    trace.farthest_px = max(trace.farthest_px, math.hypot(trace.x - trace.first_x, trace.y - trace.first_y))
+    elapsed_us = min(trace.elapsed_us, rules.longest_us)
+    row, column = _cell(field, trace.x, trace.y)
+    normal = field.near_speed[row, column] if row >= 0 else math.nan
+    _zones(rules, places, i, cur, trace, out)
+    _lines(rules, places, i, cur, trace, out)
+    _loitering(rules, normal, cur, trace, out)
+    support = field.support[row, column] if row >= 0 else 0.0
+    strange = support < rules.place_support and trace.farthest_px >= rules.travel_px
+    if _gather(trace, PLACE, strange, elapsed_us, 0.0, rules.hold_us, 0.0):
+        score = rules.place_support / max(support, rules.place_support / _SCORE_MAX)
+        _raise(cur, out, trace, PLACE, -1, score, rules.place_support, support, trace.since_t[PLACE])
+    if not trace.known:
+        return
+    speed = math.hypot(trace.vx, trace.vy)
+    row, column = _cell(field, trace.mid_x, trace.mid_y)
+    if row < 0:
+        return
+    if field.support[row, column] >= rules.min_support:
+        if field.concentration[row, column] >= rules.min_concentration:
+            _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed)
+        _speed(rules, field, row, column, cur, trace, out, elapsed_us, speed)
+    if normal > 0:
+        _stopping(rules, normal, cur, trace, out, elapsed_us, speed)

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Alarms as tracks grow: a stream of records in, alarms out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError, TrackLogError
+from ..metrics.sampling import checked
+from ..tracklog import TrackLog
+from .alarm import ALARM
+from .config import AnomalyConfig
+from .field import NormalMotion
+from .judge import ALARMS_PER_STEP, TRACE, Field, Places, rules
+from .kernel import CURSOR, feed
+from .motion import steps
+from .zones import Zones
+
+__all__ = ["Monitor", "Verdict", "anomalies"]
+
+_ROWS = 32  # of the table at first
+_BUFFER = 256
+_BEFORE = -(1 << 62)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What `anomalies` finds: (n,) alarms of dtype `ALARM` by time, and (lines, 2) crossings to the right and to the left."""
+
+    alarms: NDArray[np.void]
+    counts: NDArray[np.int64]
+
+
+class Monitor:
+    """The rules as a stream: feed records of a TrackLog in runs of any length; alarms do not depend on where they are cut.
+
+    Memory is constant for every track that is alive. Without a field of normal motion the rules on direction, speed, stopping
+    and unusual places are silent; without zones those on zones and lines.
+
+    Attributes:
+        counts: (lines, 2) crossings so far, to the right and to the left.
+
+    Raises:
+        ConfigError: zones and field are of different sensors.
+    """
+
+    def __init__(
+        self, config: AnomalyConfig | None = None, normal: NormalMotion | None = None, zones: Zones | None = None
+    ) -> None:
+        self.config = config or AnomalyConfig()
+        self._zones = zones or Zones()
+        self._sensor = _one_sensor(normal, self._zones)
+        self._steps, self._rules = steps(self.config), rules(self.config)
+        if normal is None:
+            self._rules = self._rules._replace(place_support=0.0)
+        self._field = normal.smoothed(self.config.min_support) if normal else _nothing_known()
+        self._table = np.zeros(_ROWS, TRACE)
+        self._places = _places(self._zones, _ROWS)
+        self.counts = self._places.counts
+        self._cursor = np.zeros(1, CURSOR)
+        self._cursor["origin_us"] = self._last_us = _BEFORE
+        self._records = 0
+
+    def feed(self, records: NDArray[np.void]) -> NDArray[np.void]:
+        """Take (n,) records of dtype `TRACK`, in their order; returns the (k,) alarms that they raise, of dtype `ALARM`.
+
+        Raises:
+            TrackLogError: a record that no engine writes, that precedes one fed before, or that lies off the sensor.
+        """
+        self._check(records)
+        spare = ALARMS_PER_STEP + len(self._zones.zones) + len(self._zones.lines)
+        out = np.zeros(max(_BUFFER, 2 * spare), ALARM)
+        parts: list[NDArray[np.void]] = [out[:0]]
+        done = 0
+        while done < len(records):
+            done = feed(
+                self._steps, self._rules, self._field, self._places, self.config.stitch_us, float(self.config.stitch_px),
+                self._cursor, self._table, records, done, spare, out,
+            )  # fmt: skip
+            parts.append(out[: int(self._cursor["alarms"][0])].copy())
+            self._cursor["alarms"] = 0
+            if int(self._cursor["rows"][0]) == len(self._table):
+                self._grow()
+        self._records += len(records)
+        return np.concatenate(parts)
+
+    def _check(self, records: NDArray[np.void]) -> None:
+        try:
+            checked(TrackLog("", records, np.empty(0, np.int16)))
+        except TrackLogError as error:
+            raise TrackLogError(f"{error} (counted from record {self._records})" if self._records else str(error)) from error
+        if not len(records):
+            return
+        if records["t_us"][0] < self._last_us:
+            raise TrackLogError(
+                f"record {self._records}: t_us = {records['t_us'][0]} follows {self._last_us}: time must not run back"
+            )
+        self._last_us = int(records["t_us"][-1])
+        if self._sensor is None:
+            return
+        for axis, size in zip("xy", self._sensor, strict=True):
+            off = (records[axis] + records["radius"] < -0.5) | (records[axis] - records["radius"] > size - 0.5)
+            if off.any():
+                row = int(np.argmax(off))
+                width, height = self._sensor
+                raise TrackLogError(
+                    f"record {self._records + row}: {axis} = {records[axis][row]:g}: must lie on the {width}x{height} "
+                    "pixels of the normal motion or the zones"
+                )
+
+    def _grow(self) -> None:
+        more = len(self._table)
+        self._table = np.concatenate((self._table, np.zeros(more, TRACE)))
+        fresh = _places(self._zones, more)
+        per_track = ("since", "left", "raised", "side", "x", "y", "line_raised")
+        grown = {name: np.concatenate((getattr(self._places, name), getattr(fresh, name))) for name in per_track}
+        self._places = self._places._replace(**grown)
+
+
+def anomalies(
+    log: TrackLog, config: AnomalyConfig | None = None, normal: NormalMotion | None = None, zones: Zones | None = None
+) -> Verdict:
+    """All alarms of a log; as `Monitor`.
+
+    Raises:
+        ConfigError, TrackLogError: as `Monitor`.
+    """
+    monitor = Monitor(config, normal, zones)
+    alarms = monitor.feed(log.records)
+    return Verdict(alarms, monitor.counts.copy())
+
+
+def _one_sensor(normal: NormalMotion | None, zones: Zones) -> tuple[int, int] | None:
+    if normal is None or zones.sensor is None:
+        return normal.sensor if normal else zones.sensor
+    if normal.sensor != zones.sensor:
+        sizes = ["x".join(map(str, sensor)) for sensor in (zones.sensor, normal.sensor)]
+        raise ConfigError(f"sensor: zones of {sizes[0]} and normal motion of {sizes[1]} pixels: must be of one sensor")
+    return normal.sensor
+
+
+def _nothing_known() -> Field:
+    nothing = np.zeros((1, 1))
+    return Field(1e12, *(nothing,) * 6, near_speed=np.full((1, 1), np.nan))
+
+
+def _places(zones: Zones, tracks: int) -> Places:
+    corners, starts = zones.corners()
+    n_zones, n_lines = len(zones.zones), len(zones.lines)
+    return Places(
+        corners=corners,
+        starts=starts,
+        dwell_us=np.array([zone.dwell_us for zone in zones.zones], np.float64),
+        lines=np.array([(*line.begin, *line.end) for line in zones.lines], np.float64).reshape(-1, 4),
+        allowed=np.array([line.allowed for line in zones.lines], np.int64),
+        counts=np.zeros((n_lines, 2), np.int64),
+        since=np.full((tracks, n_zones), -1.0),
+        left=np.full((tracks, n_zones), -1.0),
+        raised=np.zeros((tracks, n_zones), np.bool_),
+        side=np.zeros((tracks, n_lines), np.int64),
+        x=np.zeros((tracks, n_lines)),
+        y=np.zeros((tracks, n_lines)),
+        line_raised=np.zeros((tracks, n_lines), np.bool_),
+    )

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a track moves, from its records as they come: places averaged over steps, and a straight line through the latest.
+
+The compiled part that learning and rules share. Time is cut into steps of `step_us`; a step of a track is closed by the track's
+first record in a later one. The line is fitted by least squares, x and y over time, through as few of the latest places as span
+`travel_px`, but no more than `window_us` of them. A place further from where the track was expected than its window reaches (a
+merge, a switch) starts the line anew.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .config import RING, AnomalyConfig
+
+__all__ = ["MOTION", "Steps", "add_place", "begin", "close_step", "steps"]
+
+_PLACES_MIN = 5  # that a line is fitted through
+_SPAN_MIN = 4  # steps between the first and the last of them
+
+# One track's motion; a part of every row of a table of tracks.
+MOTION = np.dtype(
+    [
+        ("step", "<i8"),  # number of the open step
+        ("n", "<i8"),  # records in it
+        ("sum_t", "<f8"),  # of their times after the step's begin, us
+        ("sum_x", "<f8"),
+        ("sum_y", "<f8"),
+        ("places", "<i8"),  # in the ring
+        ("head", "<i8"),  # where the next goes
+        ("ring_t", "<f8", RING),  # us after the first record of the run
+        ("ring_x", "<f8", RING),
+        ("ring_y", "<f8", RING),
+        # Of the newest closed step:
+        ("t", "<f8"),
+        ("x", "<f8"),
+        ("y", "<f8"),
+        ("elapsed_us", "<f8"),  # since the one before it; 0 for the first after a jump
+        # Of the line, if it is known: place and velocity in the middle of its window.
+        ("known", "?"),
+        ("mid_x", "<f8"),
+        ("mid_y", "<f8"),
+        ("vx", "<f8"),  # px/s
+        ("vy", "<f8"),
+        ("error", "<f8"),  # standard error of each of the two, px/s
+    ]
+)
+
+
+class Steps(NamedTuple):
+    """`AnomalyConfig` as this part takes it."""
+
+    step_us: int
+    window_us: float
+    travel_px: float
+
+
+def steps(config: AnomalyConfig) -> Steps:
+    """The part of the settings that says how motion is measured."""
+    return Steps(config.step_us, float(config.window_us), float(config.travel_px))
+
+
+@njit(cache=True, nogil=True)
+def begin(motion: Any, step: int) -> None:
+    """A track without a past."""
+    motion.step = step
+    motion.n = 0
+    motion.sum_t = motion.sum_x = motion.sum_y = 0.0
+    motion.places = motion.head = 0
+    motion.known = False
+
+
+@njit(cache=True, nogil=True)
+def add_place(motion: Any, after_us: int, step: int, step_us: int, x: float, y: float) -> None:
+    """One record in the open step; `after_us` after the first of the run."""
+    motion.step = step
+    motion.n += 1
+    motion.sum_t += after_us - step * step_us
+    motion.sum_x += x
+    motion.sum_y += y
+
+
+@njit(cache=True, nogil=True)
+def close_step(settings: Steps, motion: Any, reach_px: float) -> None:
+    """Turn the open step, which has a record at least, into a place, and fit the line anew."""
+    t = motion.step * settings.step_us + motion.sum_t / motion.n
+    x = motion.sum_x / motion.n
+    y = motion.sum_y / motion.n
+    motion.n = 0
+    motion.sum_t = motion.sum_x = motion.sum_y = 0.0
+    motion.elapsed_us = 0.0
+    if motion.places > 0:
+        elapsed_us = t - motion.t
+        ahead_s = 1e-6 * elapsed_us if motion.known else 0.0
+        off_px = max(abs(motion.x + motion.vx * ahead_s - x), abs(motion.y + motion.vy * ahead_s - y))
+        if off_px > reach_px:
+            motion.places = motion.head = 0
+        else:
+            motion.elapsed_us = elapsed_us
+    motion.t = t
+    motion.x = x
+    motion.y = y
+    motion.ring_t[motion.head] = t
+    motion.ring_x[motion.head] = x
+    motion.ring_y[motion.head] = y
+    motion.head = (motion.head + 1) % RING
+    motion.places = min(motion.places + 1, RING)
+    _fit(settings, motion)
+
+
+@njit(cache=True, nogil=True)
+def _fit(settings: Steps, motion: Any) -> None:
+    n = 0
+    st = sx = sy = stt = stx = sty = sxx = syy = 0.0
+    span_us = 0.0
+    for back in range(motion.places):
+        i = (motion.head - 1 - back) % RING
+        dt = 1e-6 * (motion.ring_t[i] - motion.t)
+        dx = motion.ring_x[i] - motion.x
+        dy = motion.ring_y[i] - motion.y
+        if -1e6 * dt > settings.window_us:
+            break
+        n += 1
+        span_us = -1e6 * dt
+        st += dt
+        sx += dx
+        sy += dy
+        stt += dt * dt
+        stx += dt * dx
+        sty += dt * dy
+        sxx += dx * dx
+        syy += dy * dy
+        enough = n >= _PLACES_MIN and span_us >= (_SPAN_MIN - 0.5) * settings.step_us
+        if enough and dx * dx + dy * dy >= settings.travel_px * settings.travel_px:
+            break
+    motion.known = n >= _PLACES_MIN and span_us >= (_SPAN_MIN - 0.5) * settings.step_us
+    if not motion.known:
+        return
+    spread = stt - st * st / n
+    motion.vx = (stx - st * sx / n) / spread
+    motion.vy = (sty - st * sy / n) / spread
+    motion.mid_x = motion.x + sx / n
+    motion.mid_y = motion.y + sy / n
+    left = sxx - sx * sx / n - motion.vx * (stx - st * sx / n) + syy - sy * sy / n - motion.vy * (sty - st * sy / n)
+    motion.error = (max(left, 0.0) / (2 * n - 4) / spread) ** 0.5

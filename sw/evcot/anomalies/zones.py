@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Zones and lines that rules are bound to, from a TOML file."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+
+__all__ = ["Line", "Zone", "Zones", "load_zones"]
+
+_PIXELS_MAX = 1e6
+_CORNERS_MAX = 10_000
+_DWELL_MAX_US = 10**12
+_ALLOWED = {"both": 0, "to_right": 1, "to_left": -1}
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A polygon, its border included: no track may be in it, or none longer than `dwell_us`.
+
+    Attributes:
+        name: for people.
+        corners: at least three, in turn, (x, y) in pixels.
+        dwell_us: longest stay; 0 forbids every stay.
+    """
+
+    name: str
+    corners: tuple[Point, ...]
+    dwell_us: int = 0
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight line on which crossings are counted.
+
+    Attributes:
+        begin, end: (x, y) in pixels.
+        allowed: 1: to the right of one who walks from begin to end on the picture as it is seen; -1: to the left; 0: both.
+    """
+
+    name: str
+    begin: Point
+    end: Point
+    allowed: int = 0
+
+
+@dataclass(frozen=True)
+class Zones:
+    """All zones and lines of a picture; `sensor` is its (width, height), None where the file does not say it."""
+
+    zones: tuple[Zone, ...] = ()
+    lines: tuple[Line, ...] = ()
+    sensor: tuple[int, int] | None = None
+
+    def corners(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Corners of all zones, (n, 2), and where each begins, (zones + 1,)."""
+        corners = np.array([corner for zone in self.zones for corner in zone.corners], np.float64).reshape(-1, 2)
+        return corners, np.cumsum([0, *(len(zone.corners) for zone in self.zones)], dtype=np.int64)
+
+
+def load_zones(path: Path | str) -> Zones:
+    """Read a TOML file: `sensor = [width, height]`, tables `[[zone]]` and `[[line]]` (docs/anomalies.md).
+
+    Raises:
+        ConfigError: the file cannot be read, is not TOML, or has a field that is not as it must be.
+    """
+    try:
+        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: is not TOML: {error}") from error
+    try:
+        _fields(data, ("sensor", "zone", "line"), "zones")
+        zones = tuple(_zone(table, f"zone[{i}]") for i, table in enumerate(_tables(data, "zone")))
+        lines = tuple(_line(table, f"line[{i}]") for i, table in enumerate(_tables(data, "line")))
+        if not zones and not lines:
+            raise ConfigError("zone, line: must have one at least")
+        names = [zone.name for zone in zones] + [line.name for line in lines]
+        for name in names:
+            if names.count(name) > 1:
+                raise ConfigError(f"name = {name!r}: must be one zone's or line's alone")
+        return Zones(zones, lines, _sensor(data))
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from error
+
+
+def _zone(table: Mapping[str, Any], where: str) -> Zone:
+    kind = table.get("kind")
+    if kind not in ("forbidden", "dwell"):
+        raise ConfigError(f"{where}.kind = {kind!r}: must be one of forbidden, dwell")
+    _fields(table, ("name", "kind", "polygon", *(("dwell_us",) if kind == "dwell" else ())), where)
+    polygon = table.get("polygon")
+    if not isinstance(polygon, list) or not 3 <= len(polygon) <= _CORNERS_MAX:
+        raise ConfigError(f"{where}.polygon: must have from 3 to {_CORNERS_MAX} corners [x, y]")
+    corners = tuple(_point(corner, f"{where}.polygon[{i}]") for i, corner in enumerate(polygon))
+    dwell_us = table.get("dwell_us") if kind == "dwell" else 0
+    if type(dwell_us) is not int or not 0 <= dwell_us <= _DWELL_MAX_US or (kind == "dwell" and not dwell_us):
+        raise ConfigError(f"{where}.dwell_us = {dwell_us!r}: must be an integer from 1 to {_DWELL_MAX_US} (longest stay)")
+    return Zone(_name(table, where), corners, dwell_us)
+
+
+def _line(table: Mapping[str, Any], where: str) -> Line:
+    _fields(table, ("name", "begin", "end", "allowed"), where)
+    allowed = table.get("allowed", "both")
+    if not isinstance(allowed, str) or allowed not in _ALLOWED:
+        raise ConfigError(f"{where}.allowed = {allowed!r}: must be one of {', '.join(_ALLOWED)}")
+    begin, end = (_point(table.get(which), f"{where}.{which}") for which in ("begin", "end"))
+    if begin == end:
+        raise ConfigError(f"{where}.end = {list(end)}: must be another point than begin")
+    return Line(_name(table, where), begin, end, _ALLOWED[allowed])
+
+
+def _tables(data: Mapping[str, Any], key: str) -> list[Mapping[str, Any]]:
+    tables = data.get(key, [])
+    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+        raise ConfigError(f"{key}: must be tables [[{key}]]")
+    return tables
+
+
+def _fields(table: Mapping[str, Any], known: Iterable[str], where: str) -> None:
+    for key in table:
+        if key not in known:
+            raise ConfigError(f"{where}: unknown field {key!r}: must be one of {', '.join(known)}")
+
+
+def _name(table: Mapping[str, Any], where: str) -> str:
+    name = table.get("name")
+    if not isinstance(name, str) or not name or not name.isprintable():
+        raise ConfigError(f"{where}.name = {name!r}: must be a text of one line")
+    return name
+
+
+def _point(value: object, where: str) -> Point:
+    if not isinstance(value, list) or len(value) != 2 or not all(map(_is_pixel, value)):
+        raise ConfigError(f"{where} = {value!r}: must be [x, y], each from -{_PIXELS_MAX:g} to {_PIXELS_MAX:g}")
+    return float(value[0]), float(value[1])
+
+
+def _is_pixel(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) and abs(value) <= _PIXELS_MAX
+
+
+def _sensor(data: Mapping[str, Any]) -> tuple[int, int] | None:
+    sensor = data.get("sensor")
+    if sensor is None:
+        return None
+    if not isinstance(sensor, list) or len(sensor) != 2 or not all(type(n) is int and 1 <= n <= 65_536 for n in sensor):
+        raise ConfigError(f"sensor = {sensor!r}: must be [width, height], each from 1 to 65536")
+    return sensor[0], sensor[1]
