@@ -46,7 +46,7 @@ def without_lowest(word: Any) -> Any:
 @njit(cache=True, nogil=True, inline="always")
 def slack_px(reach_px: float) -> float:
     """How much wider than its window a cluster is registered: rarely moved, and in few cells in vain."""
-    return max(1.0, 0.1 * reach_px)
+    return max(2.0, 0.4 * reach_px)
 
 
 @njit(cache=True, nogil=True)
