@@ -20,6 +20,7 @@ Table = NDArray[Any]
 
 _CELL_PIXELS = 2  # fewer in a cell are noise
 _PLACE_PX = 3.0  # how well a new object's sides are known
+_EDGE_PX = 8.0
 _GROWTH_PX_S = 50.0
 
 
@@ -93,6 +94,21 @@ def _touches(rules: Rules, world: World, box: Table) -> bool:
 
 
 @njit(cache=True, nogil=True)
+def _edge(rules: Rules, box: Table) -> int:
+    """At which edge of the sensor a box ends; of several, the one along which it is longest."""
+    edge, most = -1, -1.0
+    for k, near, along in (
+        (0, box[0] < _EDGE_PX, box[3] - box[2]),
+        (1, box[1] >= rules.width - _EDGE_PX, box[3] - box[2]),
+        (2, box[2] < _EDGE_PX, box[1] - box[0]),
+        (3, box[3] >= rules.height - _EDGE_PX, box[1] - box[0]),
+    ):
+        if near and along > most:
+            edge, most = k, along
+    return edge
+
+
+@njit(cache=True, nogil=True)
 def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int) -> None:
     run = world.run[0]
     o = world.objects[i]
@@ -100,7 +116,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.gate = rules.gate_px
     o.track_id = -1
     o.supported_us = o.born_us = t_us
-    o.left = o.right = o.top = o.bottom = 1.0
+    o.enters = _edge(rules, box)
     o.support = pixels
     o.packet_events = pixels
     o.rate = pixels * rules.packet_us / rules.birth_us

@@ -24,8 +24,8 @@ KALMAN_RANGES: dict[str, Range] = {
     "birth_us": (100, 10_000_000, "time over which events outside all boxes are collected for births"),
     "birth_pixels": (2, 1_000_000, "different pixels in that time that make an object"),
     "coast_us": (0, 10**12, "time without support after which an object is removed"),
-    "merge_gap": (-2.0, 2.0, "gap between two boxes, in half sides, up to which objects with one motion are one"),
-    "merge_px_s": (0.0, 1e6, "difference of velocities up to which motion is one"),
+    "merge_gap": (0.0, 2.0, "gap between two parts of an object, as a part of its mean half side"),
+    "merge_velocity": (0.0, 2.0, "difference of velocities, as a part of the greater, up to which motion is one"),
 }
 
 
@@ -50,8 +50,8 @@ class KalmanConfig:
     birth_us: int = 10_000
     birth_pixels: int = 20
     coast_us: int = 100_000
-    merge_gap: float = 0.35
-    merge_px_s: float = 60.0
+    merge_gap: float = 0.7
+    merge_velocity: float = 0.3
 
     def __post_init__(self) -> None:
         check_ranges("kalman", self, KALMAN_RANGES)

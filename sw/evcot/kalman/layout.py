@@ -24,6 +24,7 @@ OBJECT = np.dtype(
         ("alive", "?"),
         ("track_id", "<i8"),
         ("born_us", "<i8"),
+        ("enters", "<i8"),  # over which edge of the sensor: 0 left, 1 right, 2 top, 3 bottom; -1 when it is in
         ("supported_us", "<i8"),  # end of the last packet in which it had the events that it should have
         ("support", "<i8"),  # events so far
         ("packet_events", "<i8"),
@@ -72,7 +73,7 @@ class Rules(NamedTuple):
     birth_pixels: int
     coast_us: int
     merge_gap: float
-    merge_px_s: float
+    merge_velocity: float
 
 
 class World(NamedTuple):

@@ -13,6 +13,8 @@ from .births import find_births
 from .layout import UNSET_US, Rules, World
 from .motion import correct, predict
 from .sharing import look_out
+from .splits import split
+from .unity import are_one
 
 __all__ = ["RECORDS_PER_PACKET", "close_packet", "open_packet"]
 
@@ -23,8 +25,9 @@ BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), i
 _MIN_HALF_PX = 1.0
 _RATE_MEAN_US = 30_000.0
 _LEAST_SUPPORT = 0.5  # of the rate at which an object is born
-_ENTERING_US = 200_000
-_ENTERING_GAP = 0.6
+_ENTERED = 0.8
+_EDGE_VARIANCE = 1.0
+_EDGE_GATES = 2.0
 _PROFILE_KEEPS_US = 100_000.0
 
 
@@ -107,33 +110,19 @@ def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, o
 
 
 @njit(cache=True, nogil=True)
-def _is_one(rules: Rules, world: World, i: int, k: int) -> bool:
-    a, b = world.state[i], world.state[k]
-    gap, mean, most = -1e9, 0.0, 0.0
-    for axis in range(2):
-        gap = max(gap, abs(a[axis, 0] - b[axis, 0]) - a[axis, 2] - b[axis, 2])
-        most = max(most, a[axis, 2], b[axis, 2])
-    mean = 0.5 * max(a[0, 2] + a[1, 2], b[0, 2] + b[1, 2])
-    if gap <= _ENTERING_GAP * most and _enter_together(rules, world, i, k):
-        return True
-    if gap > rules.merge_gap * mean:
-        return False
-    speed = ((a[0, 1] - b[0, 1]) ** 2 + (a[1, 1] - b[1, 1]) ** 2) ** 0.5
-    return speed <= rules.merge_px_s
-
-
-@njit(cache=True, nogil=True)
-def _enter_together(rules: Rules, world: World, i: int, k: int) -> bool:
-    """Whether both are new and end at the same edge of the sensor: of what is entering there, no velocity is known."""
-    a, b = world.objects[i], world.objects[k]
-    if world.run[0].packet_end_us - min(a.born_us, b.born_us) > _ENTERING_US:
-        return False
-    return (
-        (a.left < 0.0 and b.left < 0.0)
-        or (a.top < 0.0 and b.top < 0.0)
-        or (a.right > rules.width and b.right > rules.width)
-        or (a.bottom > rules.height and b.bottom > rules.height)
-    )
+def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
+    """What enters reaches to the edge until it is about as long as it is wide."""
+    o = world.objects[i]
+    axis = o.enters >> 1
+    s, p = world.state[i, axis], world.cov[i, axis]
+    high = o.enters & 1
+    sign = 1.0 if high else -1.0
+    edge = ((rules.width if axis == 0 else rules.height) - 0.5) if high else -0.5
+    away = edge - (s[0] + sign * s[2])
+    if s[2] < _ENTERED * world.state[i, 1 - axis, 2]:
+        correct(s, p, sign, away, _EDGE_VARIANCE)
+    elif sign * away > _EDGE_GATES * o.gate:
+        o.enters = -1
 
 
 @njit(cache=True, nogil=True)
@@ -143,7 +132,7 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
     for i in range(n):
         for k in range(n):
             a, b = world.objects[i], world.objects[k]
-            if i == k or not (a.alive and b.alive and a.track_id < b.track_id and _is_one(rules, world, i, k)):
+            if i == k or not (a.alive and b.alive and a.track_id < b.track_id and are_one(rules, world, i, k)):
                 continue
             for axis in range(2):
                 into, gone = world.state[i, axis], world.state[k, axis]
@@ -174,8 +163,13 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
             for axis in range(2):
                 predict(world.state[i, axis], world.cov[i, axis], step_s, rules.velocity_walk, rules.growth_walk)
             _correct(rules, world, i)
+            if world.objects[i].enters >= 0:
+                _keep_at_edge(rules, world, i)
             for axis in range(2):
-                world.state[i, axis, 2] = max(world.state[i, axis, 2], _MIN_HALF_PX)
+                s = world.state[i, axis]
+                if s[2] < _MIN_HALF_PX:
+                    s[2] = _MIN_HALF_PX
+                    s[3] = max(s[3], 0.0)
     for i in range(n):
         o = world.objects[i]
         if not o.alive:
@@ -190,6 +184,9 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
             _end(rules, world, out, LOST, t_us, i, -1)
     _merge(rules, world, out, t_us)
     if t_us >= run.birth_end_us:
+        for i in range(n):
+            if world.objects[i].alive and world.objects[i].enters < 0:
+                split(rules, world, i)
         find_births(rules, world, t_us)
         run.birth_end_us = t_us + rules.birth_us
     for i in range(n):

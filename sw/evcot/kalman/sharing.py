@@ -15,7 +15,6 @@ __all__ = ["look_out", "share"]
 Table = NDArray[Any]
 
 _OUTSIDE = 0.1  # density in the gate around a box, as a part of that inside
-_EDGE = 2.0  # gates
 _PRIOR = 1.0  # events that each part of a profile is taken to have had
 
 
@@ -46,17 +45,16 @@ def look_out(rules: Rules, world: World) -> None:
 
 @njit(cache=True, nogil=True)
 def _open_gate(o: Any, width: int, height: int) -> None:
-    """The gate around a box; where the sensor's edge is near, up to it: what enters or leaves is all that is there."""
-    near = _EDGE * o.gate
+    """The gate around a box; of an object that enters, up to the edge."""
     o.left, o.right = o.x - o.half_x - o.gate, o.x + o.half_x + o.gate
     o.top, o.bottom = o.y - o.half_y - o.gate, o.y + o.half_y + o.gate
-    if o.left < near:
+    if o.enters == 0:
         o.left = -1.0
-    if o.right > width - near:
+    elif o.enters == 1:
         o.right = width + 1.0
-    if o.top < near:
+    elif o.enters == 2:
         o.top = -1.0
-    if o.bottom > height - near:
+    elif o.enters == 3:
         o.bottom = height + 1.0
 
 

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When are two boxes parts of one object?"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .layout import Rules, World
+
+__all__ = ["are_one", "are_parts"]
+
+Table = NDArray[Any]
+
+_ENTERING_GAP = 0.6  # between two that enter, as a part of the longest half side
+_WITHIN = 0.7  # of the smaller box, in the greater
+_ABREAST = 0.6  # of the wider, covered by the other
+_ELONGATED = 1.6  # length of an object by its width, at most
+
+
+@njit(cache=True, nogil=True)
+def are_parts(rules: Rules, a: Table, b: Table) -> bool:
+    """Whether two boxes (2, 2) of centre and half side by axis lie so that they can be parts of one object: one in the other
+    for the most part; or one behind the other, as wide as each other, and together no longer than an object is."""
+    overlap, together = np.empty(2), np.empty(2)
+    for axis in range(2):
+        low_a, high_a = a[axis, 0] - a[axis, 1], a[axis, 0] + a[axis, 1]
+        low_b, high_b = b[axis, 0] - b[axis, 1], b[axis, 0] + b[axis, 1]
+        overlap[axis] = min(high_a, high_b) - max(low_a, low_b)
+        together[axis] = max(high_a, high_b) - min(low_a, low_b)
+    if overlap[0] >= 2.0 * _WITHIN * min(a[0, 1], b[0, 1]) and overlap[1] >= 2.0 * _WITHIN * min(a[1, 1], b[1, 1]):
+        return True
+    for axis in range(2):
+        across = 1 - axis
+        if (
+            overlap[across] >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1])
+            and -overlap[axis] <= rules.merge_gap * 0.25 * (together[0] + together[1])
+            and together[axis] <= _ELONGATED * together[across]
+        ):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
+    """Whether two objects are one: parts of one by place, and with one motion; or both entering over one edge, side by side."""
+    a, b = world.state[i], world.state[k]
+    if world.objects[i].enters >= 0 and world.objects[i].enters == world.objects[k].enters:
+        gap, most = -1e9, 0.0
+        for axis in range(2):
+            gap = max(gap, abs(a[axis, 0] - b[axis, 0]) - a[axis, 2] - b[axis, 2])
+            most = max(most, a[axis, 2], b[axis, 2])
+        if gap <= _ENTERING_GAP * most:
+            return True
+    fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
+    if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * fast:
+        return False
+    return are_parts(rules, a[:, ::2], b[:, ::2])
