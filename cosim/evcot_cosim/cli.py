@@ -14,7 +14,7 @@ from typing import Any
 import evcot
 from evcot.errors import EvcotError, RecordingWarning
 
-from .commands import evaluate, hardware, presets, recordings, simulate
+from .commands import anomalies, evaluate, hardware, presets, recordings, simulate
 from .commands import filter as filter_command
 from .commands.hardware import MISMATCH
 from .lockstep import MismatchError
@@ -81,6 +81,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for group in (hardware, simulate, recordings, filter_command, evaluate, presets):
+    for group in (hardware, simulate, recordings, filter_command, evaluate, anomalies, presets):
         group.add(commands)
     return parser

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ..outputs import written_aside
 
-__all__ = ["ALARM", "UNITS", "Anomaly", "rows", "write_alarms"]
+__all__ = ["ALARM", "UNITS", "Anomaly", "check_table_path", "rows", "write_alarms"]
 
 
 class Anomaly(IntEnum):
@@ -89,6 +89,12 @@ def rows(alarms: NDArray[np.void], zones: Sequence[str] = (), lines: Sequence[st
     return found
 
 
+def check_table_path(path: Path) -> None:
+    """Raise ConfigError for a file that `write_alarms` does not write."""
+    if path.suffix.lower() not in (".csv", ".json"):
+        raise ConfigError(f"{path}: must end in .csv or .json")
+
+
 def write_alarms(path: Path, table: Sequence[dict[str, Any]]) -> None:
     """Write `rows` as .csv or .json.
 
@@ -96,10 +102,8 @@ def write_alarms(path: Path, table: Sequence[dict[str, Any]]) -> None:
         ConfigError: another suffix.
         OutputError: the file cannot be written.
     """
-    suffix = path.suffix.lower()
-    if suffix not in (".csv", ".json"):
-        raise ConfigError(f"{path}: must end in .csv or .json")
-    if suffix == ".json":
+    check_table_path(path)
+    if path.suffix.lower() == ".json":
         text = json.dumps(list(table), indent=2, allow_nan=False) + "\n"
     else:
         lines = [",".join(_cell(row[name]) for name in _COLUMNS) for row in table]

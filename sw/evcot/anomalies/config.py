@@ -37,7 +37,7 @@ ANOMALY_RANGES: dict[str, Range] = {
     ),
     "line_margin_px": (0.0, 1000.0, "a side of a line is taken once a track is so far from it"),
     "stitch_us": (0, 60_000_000, "a track born so soon after another has ended"),
-    "stitch_px": (0.0, 1000.0, "and so near to where it would be, goes on for it"),
+    "stitch_px": (0.0, 1000.0, "and so near to where it would be, or within its window there, goes on for it"),
 }
 
 
@@ -52,7 +52,7 @@ class AnomalyConfig:
     step_us: int = 25_000
     window_us: int = 500_000
     travel_px: float = 16.0
-    hold_us: int = 250_000
+    hold_us: int = 500_000
     significance: float = 3.0
     min_support: float = 0.5
     min_concentration: float = 0.7
@@ -64,7 +64,7 @@ class AnomalyConfig:
     speed_deviations: float = 3.0
     place_support: float = 0.02
     loiter_us: int = 6_000_000
-    loiter_radius_px: float = 30.0
+    loiter_radius_px: float = 40.0
     loiter_factor: float = 3.0
     line_margin_px: float = 2.0
     stitch_us: int = 1_000_000

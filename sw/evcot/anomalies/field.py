@@ -17,6 +17,7 @@ from ..errors import ConfigError
 from ..outputs import written_aside
 from ..ranges import Range, check_ranges
 from .judge import Field
+from .motion import Steps
 
 __all__ = ["FIELD_RANGES", "FieldConfig", "NormalMotion"]
 
@@ -54,6 +55,7 @@ class NormalMotion:
     Attributes:
         sensor: (width, height) in pixels.
         config: size of the cells, which begin at pixel (0, 0), and smoothing.
+        measured: how velocities were measured.
         tracks: how many were learned from.
         visits: (rows, columns) how many tracks came through.
         turns: how many of them had a direction; x, y: sums of their unit vectors.
@@ -62,6 +64,7 @@ class NormalMotion:
 
     sensor: tuple[int, int]
     config: FieldConfig
+    measured: Steps
     tracks: int
     visits: NDArray[np.float64]
     turns: NDArray[np.float64]
@@ -104,6 +107,7 @@ class NormalMotion:
         head = {"format": _FORMAT, "sensor": self.sensor, "tracks": self.tracks}
         arrays: dict[str, Any] = {name: np.array(value, np.int64) for name, value in head.items()}
         arrays |= {f.name: np.array(float(getattr(self.config, f.name))) for f in fields(FieldConfig)}
+        arrays |= {name: np.array(float(value)) for name, value in self.measured._asdict().items()}
         arrays |= {name: getattr(self, name) for name in _SUMS}
         with written_aside(Path(path)) as file:
             np.savez_compressed(file, **arrays)
@@ -127,10 +131,13 @@ class NormalMotion:
         assert number == _FORMAT
         width, height = _integers(stored, "sensor", 2, 1, 65_536)
         (tracks,) = _integers(stored, "tracks", 1, 0, 2**53)
-        settings = {f.name: float(_array(stored, f.name, np.float64, ())) for f in fields(FieldConfig)}
-        if not settings["cell_px"].is_integer():
-            raise ConfigError(f"cell_px = {settings['cell_px']}: must be an integer")
+        names = (*(f.name for f in fields(FieldConfig)), *Steps._fields)
+        settings = {name: float(_array(stored, name, np.float64, ())) for name in names}
+        for name in ("cell_px", "step_us"):
+            if not settings[name].is_integer():
+                raise ConfigError(f"{name} = {settings[name]}: must be an integer")
         config = FieldConfig(int(settings["cell_px"]), settings["smooth_cells"])
+        measured = Steps(int(settings["step_us"]), settings["window_us"], settings["travel_px"])
         shape = grid((width, height), config)
         sums = {name: _array(stored, name, np.float64, shape) for name in _SUMS}
         for name, values in sums.items():
@@ -140,7 +147,7 @@ class NormalMotion:
                 raise ConfigError(
                     f"{name}[{row}, {column}] = {values[row, column]}: must be a number, sums of squares not below 0"
                 )
-        return cls((width, height), config, tracks, **sums)
+        return cls((width, height), config, measured, tracks, **sums)
 
 
 def grid(sensor: tuple[int, int], config: FieldConfig) -> tuple[int, int]:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rules, one function each, applied to a track whenever one of its steps closes.
 
-Rules about motion gather evidence: the time for which they were broken, less the time for which they were not, never below 0.
-An alarm needs `hold_us` of it, and each is raised once per track, for zones and lines once per track and zone.
+Rules about motion gather evidence: the time for which they were broken, less the time for which they were not. An alarm needs
+`hold_us` of it; a track that has kept to the rule owes as much again, so that a tracker's slip from one object to the next is
+no alarm. Each is raised once per track, for zones and lines once per track and zone.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from .config import AnomalyConfig
 from .geometry import crosses, holds, offset
 from .motion import MOTION
 
-__all__ = ["ALARMS_PER_STEP", "TRACE", "Field", "Places", "Rules", "judge", "rules"]
+__all__ = ["ALARMS_PER_STEP", "TRACE", "Field", "Places", "Rules", "judge", "rules", "vanished"]
 
 _KINDS = len(Anomaly)
 WRONG_WAY, CROSSING, FAST, SLOW, STOPPING = (
@@ -39,16 +40,19 @@ TRACE = np.dtype(
         *MOTION.descr,
         ("track_id", "<i8"),
         ("birth_us", "<i8"),
-        ("ended_us", "<i8"),  # -1 while it lives
+        ("ended_us", "<i8"),  # after the first record of the run; -1 while it lives
+        ("radius", "<f8"),  # of its window
         ("settled", "?"),  # whether it has a place yet
         ("first_x", "<f8"),
         ("first_y", "<f8"),
         ("farthest_px", "<f8"),  # from its first place
+        ("normal", "<f8"),  # speed where it is, px/s; not a number where that is not known
         ("moved", "?"),  # whether it has been about as fast as others there
         ("anchor_t", "<f8"),
         ("anchor_x", "<f8"),
         ("anchor_y", "<f8"),
         ("raised", "u1", _KINDS),
+        ("open", "u1", _KINDS),  # whether evidence is being gathered
         ("evidence_us", "<f8", _KINDS),
         ("since_t", "<f8", _KINDS),
         ("travel_px", "<f8", _KINDS),  # while the evidence was gathered
@@ -153,13 +157,16 @@ def _raise(cur, out, trace, kind, zone, score, expected, seen, since_t):  # type
 def _gather(trace, kind, broken, elapsed_us, travel_px, least_us, least_px):  # type: ignore[no-untyped-def]
     """Take a step into the evidence of a rule; whether an alarm is due."""
     if broken:
-        if trace.evidence_us[kind] == 0:
+        if not trace.open[kind]:
+            trace.open[kind] = 1
             trace.since_t[kind] = trace.t - elapsed_us
             trace.travel_px[kind] = 0.0
         trace.evidence_us[kind] += elapsed_us
         trace.travel_px[kind] += travel_px
     else:
-        trace.evidence_us[kind] = max(0.0, trace.evidence_us[kind] - elapsed_us)
+        trace.evidence_us[kind] = max(-least_us, trace.evidence_us[kind] - elapsed_us)
+        if trace.evidence_us[kind] <= 0:
+            trace.open[kind] = 0
     enough = trace.evidence_us[kind] >= least_us and trace.travel_px[kind] >= least_px
     if not (broken and enough) or trace.raised[kind]:
         return False
@@ -223,6 +230,18 @@ def _stopping(rules, normal, cur, trace, out, elapsed_us, speed):  # type: ignor
     if _gather(trace, STOPPING, stopped, elapsed_us, 0.0, rules.hold_us, 0.0):
         score = rules.stop_ratio * normal / max(speed, 1e-3)
         _raise(cur, out, trace, STOPPING, -1, score, normal, speed, trace.since_t[STOPPING])
+
+
+@njit(cache=True, nogil=True)
+def vanished(rules, cur, trace, out):  # type: ignore[no-untyped-def]
+    """What stands still makes no events: a track that is lost while it is slower and slower has stopped."""
+    slowing = trace.open[SLOW] and trace.evidence_us[SLOW] > 0
+    if not (slowing and trace.moved and trace.known) or trace.raised[STOPPING]:
+        return
+    trace.raised[STOPPING] = 1
+    speed = math.hypot(trace.vx, trace.vy)
+    score = trace.normal * rules.stop_ratio / max(speed, 1e-3)
+    _raise(cur, out, trace, STOPPING, -1, score, trace.normal, speed, trace.since_t[SLOW])
 
 
 @njit(cache=True, nogil=True)
@@ -295,7 +314,7 @@ def judge(rules, field, places, i, cur, trace, out):  # type: ignore[no-untyped-
     trace.farthest_px = max(trace.farthest_px, math.hypot(trace.x - trace.first_x, trace.y - trace.first_y))
     elapsed_us = min(trace.elapsed_us, rules.longest_us)
     row, column = _cell(field, trace.x, trace.y)
-    normal = field.near_speed[row, column] if row >= 0 else math.nan
+    normal = trace.normal = field.near_speed[row, column] if row >= 0 else math.nan
     _zones(rules, places, i, cur, trace, out)
     _lines(rules, places, i, cur, trace, out)
     _loitering(rules, normal, cur, trace, out)

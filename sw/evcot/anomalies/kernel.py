@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from ..contract import Kind
-from .judge import judge
+from .judge import judge, vanished
 from .motion import add_place, begin, close_step
 
 __all__ = ["CURSOR", "feed"]
@@ -39,6 +39,7 @@ def _clear(table, places, i):  # type: ignore[no-untyped-def]
     trace.farthest_px = 0.0
     trace.moved = False
     trace.raised[:] = 0
+    trace.open[:] = 0
     trace.evidence_us[:] = 0.0
     places.since[i] = -1.0
     places.left[i] = -1.0
@@ -69,14 +70,14 @@ def _forget(cur, table, places, stitch_us):  # type: ignore[no-untyped-def]
 def _ended_near(cur, table, x, y, stitch_px):  # type: ignore[no-untyped-def]
     """The row of the ended track that would be nearest to a place, -1 if none is near."""
     best = -1
-    best_px = stitch_px
+    best_px = math.inf
     for i in range(cur.rows):
         trace = table[i]
         if trace.ended_us < 0 or not trace.settled:
             continue
         ahead_s = 1e-6 * (cur.t_us - cur.origin_us - trace.t) if trace.known else 0.0
         away_px = math.hypot(trace.x + trace.vx * ahead_s - x, trace.y + trace.vy * ahead_s - y)
-        if away_px <= best_px:
+        if away_px <= max(stitch_px, trace.radius) and away_px < best_px:
             best = i
             best_px = away_px
     return best
@@ -105,7 +106,7 @@ def _row(cur, table, places, track_id, born, x, y, stitch_us, stitch_px):  # typ
 
 @njit(cache=True, nogil=True)
 def feed(steps, rules, field, places, stitch_us, stitch_px, cursor, table, records, first, spare, out):  # type: ignore[no-untyped-def]
-    """Take records from `first` on; returns the first not taken, for which the table or the buffer of alarms may be too small."""
+    """Take records from `first` on; returns the first not taken: the table or the buffer of alarms may be too small."""
     cur = cursor[0]
     for k in range(first, len(records)):
         if cur.rows == len(table) or cur.alarms + spare > len(out):
@@ -124,7 +125,10 @@ def feed(steps, rules, field, places, stitch_us, stitch_px, cursor, table, recor
             close_step(steps, trace, record.radius)
             judge(rules, field, places, i, cur, trace, out)
         if ends:
+            if record.kind == LOST:
+                vanished(rules, cur, trace, out)
             trace.ended_us = after_us
         else:
+            trace.radius = record.radius
             add_place(trace, after_us, step, steps.step_us, record.x, record.y)
     return len(records)

@@ -20,7 +20,8 @@ from ..metrics.sampling import checked
 from ..tracklog import TrackLog
 from .config import AnomalyConfig
 from .field import FieldConfig, NormalMotion, grid
-from .motion import MOTION, Steps, add_place, begin, close_step, steps
+from .judge import TRACE
+from .motion import Steps, add_place, begin, close_step, steps
 
 __all__ = ["learn", "smallest_sensor"]
 
@@ -62,7 +63,7 @@ def learn(
         raise ConfigError("learning: no track in the logs is long enough to have a velocity on the sensor")
     kept = np.ones(len(visits), bool)
     for _ in range(_ROUNDS):
-        normal = _summed(visits[kept], sensor, config)
+        normal = _summed(visits[kept], sensor, config, measured)
         fits = _fits(visits, normal)
         if (fits == kept).all():
             break
@@ -89,7 +90,7 @@ def _observed(logs: Sequence[TrackLog], measured: Steps) -> NDArray[np.void]:
             continue
         out = np.zeros(len(records) + 1, OBSERVED)
         track = np.cumsum(np.append(0, np.diff(records["track_id"]) != 0)) + first
-        found = _follow(measured, records, track, int(records["t_us"].min()), np.zeros(1, MOTION), out)
+        found = _follow(measured, records, track, int(records["t_us"].min()), np.zeros(1, TRACE), out)
         parts.append(out[:found])
         first = int(track[-1]) + 1
     return np.concatenate(parts)
@@ -145,7 +146,7 @@ def _visits(observed: NDArray[np.void], sensor: tuple[int, int], config: FieldCo
     return visits
 
 
-def _summed(visits: NDArray[np.void], sensor: tuple[int, int], config: FieldConfig) -> NormalMotion:
+def _summed(visits: NDArray[np.void], sensor: tuple[int, int], config: FieldConfig, measured: Steps) -> NormalMotion:
     shape = grid(sensor, config)
     cell = visits["row"] * shape[1] + visits["column"]
 
@@ -154,7 +155,7 @@ def _summed(visits: NDArray[np.void], sensor: tuple[int, int], config: FieldConf
 
     turns, log_speed = visits["turns"].astype(np.float64), visits["log_speed"]
     return NormalMotion(
-        sensor, config, len(np.unique(visits["track"])), total(np.ones(len(visits))), total(turns),
+        sensor, config, measured, len(np.unique(visits["track"])), total(np.ones(len(visits))), total(turns),
         total(turns * visits["x"]), total(turns * visits["y"]), total(log_speed), total(log_speed**2),
     )  # fmt: skip
 

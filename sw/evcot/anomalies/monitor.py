@@ -16,7 +16,7 @@ from .config import AnomalyConfig
 from .field import NormalMotion
 from .judge import ALARMS_PER_STEP, TRACE, Field, Places, rules
 from .kernel import CURSOR, feed
-from .motion import steps
+from .motion import Steps, steps
 from .zones import Zones
 
 __all__ = ["Monitor", "Verdict", "anomalies"]
@@ -44,7 +44,7 @@ class Monitor:
         counts: (lines, 2) crossings so far, to the right and to the left.
 
     Raises:
-        ConfigError: zones and field are of different sensors.
+        ConfigError: zones and field are of different sensors, or the field was learned with other steps or windows.
     """
 
     def __init__(
@@ -54,6 +54,10 @@ class Monitor:
         self._zones = zones or Zones()
         self._sensor = _one_sensor(normal, self._zones)
         self._steps, self._rules = steps(self.config), rules(self.config)
+        if normal is not None and normal.measured != self._steps:
+            raise ConfigError(
+                f"{_told(self._steps)}: must be those with which normal motion was learned, {_told(normal.measured)}"
+            )
         if normal is None:
             self._rules = self._rules._replace(place_support=0.0)
         self._field = normal.smoothed(self.config.min_support) if normal else _nothing_known()
@@ -71,7 +75,7 @@ class Monitor:
             TrackLogError: a record that no engine writes, that precedes one fed before, or that lies off the sensor.
         """
         self._check(records)
-        spare = ALARMS_PER_STEP + len(self._zones.zones) + len(self._zones.lines)
+        spare = 1 + ALARMS_PER_STEP + len(self._zones.zones) + len(self._zones.lines)
         out = np.zeros(max(_BUFFER, 2 * spare), ALARM)
         parts: list[NDArray[np.void]] = [out[:0]]
         done = 0
@@ -140,6 +144,10 @@ def _one_sensor(normal: NormalMotion | None, zones: Zones) -> tuple[int, int] | 
         sizes = ["x".join(map(str, sensor)) for sensor in (zones.sensor, normal.sensor)]
         raise ConfigError(f"sensor: zones of {sizes[0]} and normal motion of {sizes[1]} pixels: must be of one sensor")
     return normal.sensor
+
+
+def _told(measured: Steps) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in measured._asdict().items())
 
 
 def _nothing_known() -> Field:

@@ -61,13 +61,13 @@ def _crossing(_road: Road, random: np.random.Generator) -> Planted:
 
 
 def _loitering(_road: Road, random: np.random.Generator) -> Planted:
-    along_m, stays_s = random.uniform(42.0, 54.0), random.uniform(10.0, 16.0)
-    outside_m, place_m = _SIDE_M[1] * along_m + 1.0, SHOULDER_M + random.uniform(-0.5, 0.3)
-    comes_s, pace_s, pace_m = 3.0, random.uniform(1.6, 2.4), random.uniform(0.8, 1.2)
+    along_m, stays_s = random.uniform(44.0, 56.0), random.uniform(10.0, 16.0)
+    outside_m, place_m = _SIDE_M[1] * along_m + 1.0, SHOULDER_M + random.uniform(0.0, 0.5)
+    comes_s, pace_s, pace_m = 3.0, random.uniform(1.4, 2.0), random.uniform(1.0, 1.5)
     paces = 2 * round(stays_s / pace_s / 2)
     goes_s = comes_s + paces * pace_s
     there, back = LaneChange(0.0, comes_s, place_m - outside_m), LaneChange(goes_s, comes_s, outside_m - place_m)
-    steps = [LaneChange(comes_s + i * pace_s, pace_s, pace_m * (-1) ** i) for i in range(paces)]
+    steps = [LaneChange(comes_s + i * pace_s, pace_s, -pace_m * (-1) ** i) for i in range(paces)]
     person = Vehicle(True, 0.6, 1.75, 0.5, outside_m, (Stretch(0.0, along_m, 0.0),), (there, *steps, back))
     return Planted(person, "loitering", 0.0, goes_s + comes_s)
 

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot anomalies`: trajectories that do not fit, and what is normal."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+from evcot.anomalies import AnomalyConfig, FieldConfig, NormalMotion, Verdict, Zones, anomalies, learn, load_zones
+from evcot.anomalies.alarm import check_table_path, rows, write_alarms
+from evcot.anomalies.belongs import check_belongs
+from evcot.anomalies.learn import smallest_sensor
+from evcot.errors import ConfigError, TrackLogError
+from evcot.files import open_recording
+from evcot.scenes.registry import adjusted
+from evcot.timeline import lifetimes
+from evcot.tracklog import TrackLog
+
+from .options import sensor_from
+from .tables import print_table
+
+__all__ = ["add"]
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    parser = commands.add_parser("anomalies", help="flag trajectories that do not fit: zones, direction, speed, stays")
+    parser.add_argument("logs", type=Path, nargs="+", metavar="LOG", help="a track log; with --learn one or more")
+    parser.add_argument("--learn", action="store_true", help="learn normal motion from the logs, and write it to -o FILE.npz")
+    parser.add_argument("--normal", type=Path, metavar="NPZ", help="normal motion, as --learn has written it")
+    parser.add_argument("--zones", type=Path, metavar="TOML", help="zones and counting lines (docs/anomalies.md)")
+    parser.add_argument("--recording", type=Path, metavar="FILE", help="refuse a log that is not of this recording")
+    parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the recording's, else the smallest)")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the rules; again for more"
+    )
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="alarms as .csv or .json; with --learn the .npz")
+    parser.add_argument("--picture", type=Path, metavar="PNG", help="draw tracks and alarms")
+    parser.add_argument("--json", action="store_true", help="print everything as JSON")
+    parser.set_defaults(command=_anomalies)
+
+
+def _anomalies(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
+    sensor = sensor_from(options)
+    logs = [TrackLog.load_npz(path) for path in options.logs]
+    if options.recording is not None:
+        sensor = _check_recording(options, logs, sensor)
+    return _learn(options, logs, sensor) if options.learn else _watch(options, logs, sensor)
+
+
+def _check_recording(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> tuple[int, int]:
+    count, last_us = 0, 0
+    with open_recording(options.recording, sensor) as file:
+        for block in file.blocks(required=True):
+            count, last_us = count + len(block), int(block.t_us[-1])
+        for path, log in zip(options.logs, logs, strict=True):
+            try:
+                check_belongs(log, count, file.t0_us, last_us)
+            except TrackLogError as error:
+                raise TrackLogError(f"{path}: does not belong to {options.recording}: {error}") from error
+        return file.sensor
+
+
+def _learn(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> int:
+    for option in ("normal", "zones", "picture"):
+        if getattr(options, option) is not None:
+            raise ConfigError(f"--{option}: must not be given with --learn")
+    if options.output is None or options.output.suffix.lower() != ".npz":
+        raise ConfigError("-o FILE.npz: must say where normal motion goes")
+    overrides = _overrides(options)
+    of_field = {key: overrides.pop(key) for key in [f.name for f in fields(FieldConfig)] if key in overrides}
+    config = adjusted("anomalies", AnomalyConfig(), overrides)
+    normal = learn(logs, sensor, adjusted("field", FieldConfig(), of_field), config)
+    normal.save(options.output)
+    width, height = normal.sensor
+    report = {
+        "normal": str(options.output), "tracks": normal.tracks, "width": width, "height": height,
+        "cells": int((normal.smoothed().support >= config.min_support).sum()),
+    }  # fmt: skip
+    if options.json:
+        print(json.dumps(report, indent=2))
+    else:
+        print(f"{report['tracks']} tracks, {report['cells']} cells with a say, {width}x{height} pixels, in {options.output}")
+    return 0
+
+
+def _watch(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> int:
+    if len(logs) != 1:
+        raise ConfigError(f"{len(logs)} logs: must be one, unless --learn is given")
+    if options.output is not None:
+        check_table_path(options.output)
+    (log,) = logs
+    config = adjusted("anomalies", AnomalyConfig(), _overrides(options))
+    normal = NormalMotion.load(options.normal) if options.normal else None
+    zones = load_zones(options.zones) if options.zones else Zones()
+    known = (normal.sensor if normal else None) or zones.sensor
+    if sensor is not None and known is not None and sensor != known:
+        told = ["x".join(map(str, size)) for size in (sensor, known)]
+        raise ConfigError(f"sensor {told[0]}: must be that of the normal motion and the zones, {told[1]}")
+    try:
+        verdict = anomalies(log, config, normal, zones)
+    except TrackLogError as error:
+        raise TrackLogError(f"{options.logs[0]}: {error}") from error
+    table = rows(verdict.alarms, [zone.name for zone in zones.zones], [line.name for line in zones.lines])
+    if options.output is not None:
+        write_alarms(options.output, table)
+    if options.picture is not None:
+        from evcot.anomalies.picture import draw_alarms
+
+        size = sensor or known or smallest_sensor(logs)
+        title = f"{options.logs[0].name}: {len(table)} alarms (kind, track, time)"
+        draw_alarms(log, verdict.alarms, options.picture, title, size, normal, zones)
+    _report(options, log, verdict, table, zones, config)
+    return 0
+
+
+def _report(
+    options: argparse.Namespace,
+    log: TrackLog,
+    verdict: Verdict,
+    table: list[dict[str, Any]],
+    zones: Zones,
+    config: AnomalyConfig,
+) -> None:
+    tracks = len(lifetimes(log, 0))
+    lines = [
+        {"name": line.name, "to_right": int(right), "to_left": int(left)}
+        for line, (right, left) in zip(zones.lines, verdict.counts, strict=True)
+    ]
+    if options.json:
+        report = {"tracks": tracks, "alarms": table, "lines": lines, "settings": asdict(config)}
+        print(json.dumps(report, indent=2, allow_nan=False))
+        return
+    if table:
+        head = ("time s", "track", "kind", "where", "x", "y", "seen", "expected", "unit", "score", "after s")
+        print_table([head, *map(_row, table)])
+    for line in lines:
+        print(f"{line['name']}: {line['to_right']} to the right, {line['to_left']} to the left")
+    print(f"{len(table)} alarms on {tracks} tracks")
+
+
+def _row(alarm: dict[str, Any]) -> tuple[Any, ...]:
+    after_s = (alarm["t_us"] - alarm["begin_us"]) * 1e-6
+    return (
+        f"{alarm['t_us'] * 1e-6:.3f}", alarm["track_id"], alarm["kind"], alarm["zone"] or "", f"{alarm['x']:.1f}",
+        f"{alarm['y']:.1f}", f"{alarm['seen']:.4g}", f"{alarm['expected']:.4g}", alarm["unit"], f"{alarm['score']:.2f}",
+        f"{after_s:.2f}",
+    )  # fmt: skip
+
+
+def _overrides(options: argparse.Namespace) -> dict[str, Any]:
+    overrides: dict[str, Any] = {}
+    for setting in options.set:
+        key, equals, value = setting.partition("=")
+        if not equals:
+            raise ConfigError(f"--set {setting}: must be KEY=VALUE")
+        overrides[key.strip()] = value.strip()
+    return overrides
