@@ -29,7 +29,7 @@ def fired(events: Events, margin_px: int) -> tuple[Image, int, int]:
     left, top = int(events.x.min()) - margin_px, int(events.y.min()) - margin_px
     width, height = int(events.x.max()) + margin_px + 1 - left, int(events.y.max()) + margin_px + 1 - top
     if width * height > _PIXELS_MAX:
-        raise RecordingError(f"a frame of {width}x{height} pixels: must have at most 2^26 (`FrameConfig`)")
+        raise RecordingError(f"frame from t = {events.t_us[0]} us: spans {width}x{height} pixels: must be at most 2^26 in all")
     image = np.zeros((height, width), bool)
     image[events.y.astype(np.int64) - top, events.x.astype(np.int64) - left] = True
     return image, left, top

@@ -129,7 +129,7 @@ def group(
 ) -> tuple[Table, Cost]:  # fmt: skip
     """Cluster each frame on its own, and note in `frames` which clusters are whose; returns (d,) `DETECTION` and the cost."""
     out = np.zeros(64, DETECTION)
-    at = points_all = shifts = iterations = evaluations = 0
+    at = points_all = shifts = iterations = evaluations = pairs = 0
     for frame in frames:
         part = slice(frame.begin, frame.end)
         if of_pixels:
@@ -141,6 +141,7 @@ def group(
         shifts += cost.shifts
         iterations += cost.iterations
         evaluations += cost.evaluations
+        pairs += cost.pairs
         cluster, n = fuse(mode_of, modes, scale.fuse_px)
         while at + n > len(out):
             more = np.zeros(2 * len(out), DETECTION)
@@ -149,4 +150,4 @@ def group(
         frame.found = at
         at = _describe(points, after_us, cluster, n, scale.points_min, out, at)
         frame.found_end = at
-    return out[:at], Cost(points_all, shifts, iterations, evaluations)
+    return out[:at], Cost(points_all, shifts, iterations, evaluations, pairs)

@@ -12,7 +12,7 @@ What makes it fast:
 
 - K is 0 past `cutoff` bandwidths. Points are kept in strips of that height, by x within a strip, so that those within reach of
   a place are in three runs. What each sum leaves out is below exp(-cutoff^2 / 2) a point.
-- K within reach is a polynomial, without a branch: off by less than 1e-13.
+- K within reach is a polynomial: off by less than 1e-13.
 - A point that moves no farther than the tolerance has arrived and is not computed again.
 - Points in one cell of the four-dimensional grid of `fold_px` are one trajectory from then on, at their mean: events of one
   pixel before the first iteration, and whatever meets on its way.
@@ -48,13 +48,15 @@ class Cost(NamedTuple):
         points: that were clustered.
         shifts: a trajectory's moves; iterations, summed over trajectories.
         iterations: until the last trajectory of a packet had arrived, summed over packets.
-        evaluations: of the kernel.
+        evaluations: of the kernel, as made.
+        pairs: evaluations without a cutoff: of every shift with every original point.
     """
 
     points: int
     shifts: int
     iterations: int
     evaluations: int
+    pairs: int
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
@@ -64,8 +66,8 @@ def _sums(
 ) -> Any:  # fmt: skip
     """Sums of weight and of weighted coordinates over a run of points; `narrow` = 1 / (2 h^2), `reach` the squared cutoff."""
     s_w = s_x = s_y = s_p = s_f = 0.0
-    # Unsigned, so that no index counts from the end.
-    for j in range(np.uint64(begin), np.uint64(end)):  # type: ignore[call-overload]
+    first: Any = np.uint64(begin)  # unsigned, so that no index counts from the end
+    for j in range(first, np.uint64(end)):
         dx = x[j] - at_x
         dy = y[j] - at_y
         dp = p[j] - at_p
@@ -209,7 +211,7 @@ def converge(rules: Iteration, points: Table, weights: Table) -> tuple[Table, Ta
             shifts += 1
             at = z[:, i]
             s_w = s_x = s_y = s_p = s_f = 0.0
-            strip = np.int64((at[1] - top) / reach_px)
+            strip: Any = np.int64((at[1] - top) / reach_px)
             for s in range(max(strip - 1, 0), min(strip + 2, len(strips) - 1)):
                 begin = _after(x, strips[s], strips[s + 1], at[0] - reach_px)
                 end = _after(x, begin, strips[s + 1], at[0] + reach_px)
@@ -235,4 +237,4 @@ def converge(rules: Iteration, points: Table, weights: Table) -> tuple[Table, Ta
                 source[j] = into[source[j]]
             for j in range(n):
                 mode_of[j] = into[mode_of[j]]
-    return mode_of, z[:, :m].copy(), Cost(n, shifts, iterations, evaluations)
+    return mode_of, z[:, :m].copy(), Cost(n, shifts, iterations, evaluations, shifts * originals)

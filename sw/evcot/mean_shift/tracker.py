@@ -41,7 +41,7 @@ class MeanShiftTracker(DetectionTracker):
             points_min=config.points_min,
         )
         self._of_pixels = config.source == "frames"
-        self._cost = Cost(0, 0, 0, 0)
+        self._cost = Cost(0, 0, 0, 0, 0)
         self._frames = 0
         framing = Framing(config.frame_us) if self._of_pixels else Framing(config.packet_us, config.packet_events)
         super().__init__(config, framing, self._clusters)
