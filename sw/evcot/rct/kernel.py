@@ -8,33 +8,39 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from .find import NOBODY, find_by_options, find_nearest
 from .life import check, note_ends_of_life, seed
-from .lookup import cell_of, lowest, without_lowest
+from .move import move, pull_size
 from .packet import close_packet, open_packet
-from .state import NEVER_US, RECORDS_PER_PACKET, Rules, State, Table
+from .state import NEVER_US, RECORDS_PER_PACKET, State, Table, choice
 
-__all__ = ["close_last_packet", "feed"]
+__all__ = ["close_last_packet", "feed", "place"]
+
+_ON, _OFF = choice("polarity", "on"), choice("polarity", "off")
 
 
 @njit(cache=True, nogil=True)
-def _at_times(rules: Rules, state: State, t_us: int) -> Any:
+def _at_times(state: State, t_us: int) -> Any:
     """What time brings before an event; returns when to come again."""
     cur = state.cursor[0]
     if t_us >= cur.packet_end_us:
-        open_packet(rules, state, t_us)
+        open_packet(state, t_us)
     if t_us >= cur.next_due_us:
-        note_ends_of_life(rules, state, t_us)
+        note_ends_of_life(state, t_us)
     return min(cur.packet_end_us, cur.next_due_us)
 
 
 @njit(cache=True, nogil=True)
-def feed(rules: Rules, state: State, ts: Table, xs: Table, ys: Table, owner: Table) -> int:
+def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table, owner: Table) -> int:
     """Track events until all are done or the buffer could overflow; returns how many are done."""
-    cursor, clusters, _, cells, out = state
+    rules_array, cursor, clusters, _, cells, _, alphas, out = state
+    rules = rules_array[0]
     cur = cursor[0]
     n_max = len(clusters)
-    words = cells.shape[1]
-    keep = 1.0 - rules.alpha
+    radius_px, alpha = rules.radius_px, rules.alpha
+    keep = 1.0 - alpha
+    whole = rules.whole > 0
+    seeds_max = n_max if rules.seeding > 0 else 0
     wake_us = min(cur.packet_end_us, cur.next_due_us)
     first_index = cur.index
     for e in range(len(ts)):
@@ -45,34 +51,37 @@ def feed(rules: Rules, state: State, ts: Table, xs: Table, ys: Table, owner: Tab
             cur.index = first_index + e
             if t_us >= cur.packet_end_us and cur.records + RECORDS_PER_PACKET * n_max > len(out):
                 return e
-            wake_us = _at_times(rules, state, t_us)
+            wake_us = _at_times(state, t_us)
         x = float(xs[e])
         y = float(ys[e])
-        cell = cell_of(xs[e], ys[e])
-        nearest: Any = np.uint64(0)
-        nearest_px = np.inf
-        for word in range(words):
-            near = cells[cell, word]
-            while near != np.uint64(0):
-                slot = lowest(near) + np.uint64(64 * word)
-                near = without_lowest(near)
-                distance_px = max(abs(x - clusters[slot].x), abs(y - clusters[slot].y))
-                # A window of radius R holds exactly the points at most R away. Of two equally near, the older takes it.
-                if distance_px < nearest_px or (distance_px == nearest_px and clusters[slot].order < clusters[nearest].order):
-                    nearest_px = distance_px
-                    nearest = slot
-        if nearest_px <= rules.radius_px:
-            cluster = clusters[nearest]
-            cluster.x = keep * cluster.x + rules.alpha * x
-            cluster.y = keep * cluster.y + rules.alpha * y
+        around: Any = np.uint64(NOBODY)
+        if whole:
+            if (rules.polarity == _ON and ps[e] == 0) or (rules.polarity == _OFF and ps[e] != 0):
+                owner[e] = -1
+                continue
+            slot, around = find_by_options(rules, clusters, cells, xs[e], ys[e], ps[e])
+        else:
+            slot = find_nearest(radius_px, clusters, cells, xs[e], ys[e])
+        if slot != np.uint64(NOBODY):
+            cluster = clusters[slot]
+            due = False
+            if whole:
+                move(rules, alphas, cluster, x, y, t_us - cluster.last_us)
+                due = max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y)) > cluster.room
+            else:
+                cluster.x = keep * cluster.x + alpha * x
+                cluster.y = keep * cluster.y + alpha * y
             cluster.last_us = t_us
             cluster.packet_events += 1
-            owner[e] = nearest
-            if cluster.packet_events >= cluster.check_at:
-                check(rules, state, np.int64(nearest), first_index + e, t_us)  # type: ignore[arg-type]
-        elif cur.live < n_max:
-            slot_new = seed(rules, state, x, y, t_us)
-            check(rules, state, slot_new, first_index + e, t_us)
+            owner[e] = slot
+            if due or cluster.packet_events >= cluster.check_at:
+                check(state, np.int64(slot), first_index + e, t_us)  # type: ignore[arg-type]
+        elif around != np.uint64(NOBODY):
+            pull_size(rules, clusters[around], x, y)
+            owner[e] = -1
+        elif cur.live < seeds_max:
+            slot_new = seed(state, x, y, t_us, np.int64(ps[e]))  # type: ignore[arg-type]
+            check(state, slot_new, first_index + e, t_us)
             owner[e] = slot_new
         else:
             owner[e] = -1
@@ -83,9 +92,22 @@ def feed(rules: Rules, state: State, ts: Table, xs: Table, ys: Table, owner: Tab
 
 
 @njit(cache=True, nogil=True)
-def close_last_packet(rules: Rules, state: State) -> None:
+def close_last_packet(state: State) -> None:
     """Close the open packet when no more events come: time has passed until the last event and no further."""
     cur = state.cursor[0]
     if cur.packet_end_us != -NEVER_US:
-        close_packet(rules, state, cur.last_us)
+        close_packet(state, cur.last_us)
     cur.closed = cur.records
+
+
+@njit(cache=True, nogil=True)
+def place(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
+    """Set a cluster up by hand, as if an event had seeded it; returns its slot, -1 where none is free."""
+    cur = state.cursor[0]
+    if cur.live == len(state.clusters):
+        return -1
+    slot = seed(state, x, y, t_us, polarity)
+    state.clusters[slot].packet_events = 0
+    check(state, slot, cur.index, t_us)
+    cur.next_due_us = min(cur.next_due_us, t_us)
+    return slot

@@ -3,17 +3,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba import njit
 
-from .lookup import checked_after, register, unregister
-from .records import LOST, record, show
-from .state import NEVER_US, Rules, State
+from .lookup import register, registered_for, unregister
+from .records import LOST, record
+from .size import start_size
+from .state import NEVER_US, State
+from .visible import missing_events, show_if_due
 
-__all__ = ["check", "drop", "note_ends_of_life", "remove_silent", "seed"]
+__all__ = ["check", "drop", "lose", "note_ends_of_life", "remove_silent", "seed"]
 
 
 @njit(cache=True, nogil=True)
-def seed(rules: Rules, state: State, x: float, y: float, t_us: int) -> int:
+def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
     """A new cluster at an event; returns its slot, the lowest that is free."""
     cur = state.cursor[0]
     slot = 0
@@ -27,37 +31,46 @@ def seed(rules: Rules, state: State, x: float, y: float, t_us: int) -> int:
     cluster.from_us = NEVER_US
     cluster.last_us = t_us
     cluster.due_us = -NEVER_US
+    cluster.apart_us = -NEVER_US
     cluster.before = 0
     cluster.packet_events = 1
+    cluster.places = 0
+    cluster.measured = 0
+    cluster.mass = 0.0
+    cluster.two = 0
     cluster.track_id = -1
+    cluster.polarity = polarity
     cluster.order = cur.seeded
     cur.seeded += 1
     state.live[cur.live] = slot
     cur.live += 1
-    register(rules, state.cells, state.clusters, slot)
+    start_size(state.rules[0], cluster)
+    register(state, slot)
     return slot
 
 
 @njit(cache=True, nogil=True)
-def check(rules: Rules, state: State, slot: int, index: int, t_us: int) -> None:
+def check(state: State, slot: int, index: int, t_us: int) -> None:
     """What need not be asked with every event: is the cluster visible by now, is it still where it was registered?"""
     cluster = state.clusters[slot]
-    again = checked_after(rules, state.cells, state.clusters, slot)
+    again = registered_for(state, slot)
     if cluster.track_id < 0:
-        missing = rules.visible_events - cluster.before - cluster.packet_events
+        missing = missing_events(state.rules[0], cluster)
         if missing <= 0:
-            show(rules, state, slot, index, t_us)
+            taken_over = show_if_due(state, slot, index, t_us)
+            if taken_over >= 0:
+                drop(state, taken_over)
         else:
             again = min(again, missing)
     cluster.check_at = cluster.packet_events + again
 
 
 @njit(cache=True, nogil=True)
-def drop(rules: Rules, state: State, i: int) -> None:
+def drop(state: State, i: int) -> None:
     """The i-th live cluster is gone."""
     cur = state.cursor[0]
     slot = state.live[i]
-    unregister(rules, state.cells, state.clusters, slot)
+    unregister(state, slot)
     state.clusters[slot].order = -1
     cur.live -= 1
     for k in range(i, cur.live):
@@ -65,14 +78,30 @@ def drop(rules: Rules, state: State, i: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def note_ends_of_life(rules: Rules, state: State, t_us: int) -> None:
+def lose(state: State, i: int, now_us: int) -> None:
+    """The i-th live cluster ends before its time."""
+    cur = state.cursor[0]
+    slot = state.live[i]
+    if state.clusters[slot].track_id >= 0:
+        record(state, LOST, cur.index, now_us, slot, -1)
+    drop(state, i)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _end_us(rules: Any, cluster: Any) -> Any:
+    return cluster.last_us + rules.lifetime_us + (rules.coast_us if cluster.track_id >= 0 else 0)
+
+
+@njit(cache=True, nogil=True)
+def note_ends_of_life(state: State, t_us: int) -> None:
     """Remember, for clusters whose life has ended by now, that the coming event is the first that finds them gone."""
     cur = state.cursor[0]
+    rules = state.rules[0]
     cur.next_due_us = t_us + rules.lifetime_us  # of those that take an event from now on
     for i in range(cur.live):
         cluster = state.clusters[state.live[i]]
         if cluster.due_us != cluster.last_us:
-            end_us = cluster.last_us + rules.lifetime_us
+            end_us = _end_us(rules, cluster)
             if end_us <= t_us:
                 cluster.due_index = cur.index
                 cluster.due_us = cluster.last_us
@@ -81,18 +110,19 @@ def note_ends_of_life(rules: Rules, state: State, t_us: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def remove_silent(rules: Rules, state: State, now_us: int) -> None:
-    """Clusters without an event for a lifetime end."""
+def remove_silent(state: State, now_us: int) -> None:
+    """Clusters without an event for a lifetime end; visible ones may coast for a while before."""
     cur = state.cursor[0]
+    rules = state.rules[0]
     i = 0
     while i < cur.live:
         slot = state.live[i]
         cluster = state.clusters[slot]
-        end_us = cluster.last_us + rules.lifetime_us
+        end_us = _end_us(rules, cluster)
         if end_us <= now_us:
             if cluster.track_id >= 0:
                 index = cluster.due_index if cluster.due_us == cluster.last_us else cur.index
-                record(rules, state, LOST, index, end_us, slot, -1)
-            drop(rules, state, i)
+                record(state, LOST, index, end_us, slot, -1)
+            drop(state, i)
         else:
             i += 1

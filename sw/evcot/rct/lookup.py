@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which clusters an event can belong to: the plane in cells of 8x8 pixels, and per cell the set of clusters that may reach it.
 
-A cluster is registered in every cell that its window touches, the window being widened by a slack; as long as it has moved
+A cluster is registered in every cell that its window (or its surround) touches, widened by a slack; as long as it has moved
 no farther than that, the sets hold every window that holds an event, and an event is compared with the few clusters of its
 cell. The cells wrap around after 512 pixels either way, so that no sensor size need be known: pixels so far apart share their
 sets, which only means more comparisons. Sets are bits, 64 to a word.
@@ -15,12 +15,13 @@ import numpy as np
 from numba import njit
 from numba.cpython.unsafe.numbers import trailing_zeros
 
-from .state import CELLS, Rules, Table
+from .state import CELLS, State, Table
 
-__all__ = ["cell_of", "checked_after", "lowest", "register", "slack_px", "unregister", "without_lowest"]
+__all__ = ["cell_of", "lowest", "register", "registered_for", "unregister", "without_lowest"]
 
 _SHIFT = 3  # a cell is 8 pixels wide
 _WORD = 64
+_LONG = 1 << 40  # events
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -44,20 +45,19 @@ def without_lowest(word: Any) -> Any:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def slack_px(reach_px: float) -> float:
+def _slack_px(reach_px: float) -> float:
     """How much wider than its window a cluster is registered: rarely moved, and in few cells in vain."""
     return max(2.0, 0.4 * reach_px)
 
 
 @njit(cache=True, nogil=True)
-def _set(cells: Table, slot: int, x: float, y: float, reach_px: float, there: bool) -> None:
+def _set(cells: Table, slot: int, cluster: Any, there: bool) -> None:
     word = slot // _WORD
     bit = np.uint64(1) << np.uint64(slot % _WORD)
-    reach = reach_px + slack_px(reach_px)
-    left = np.int64(np.floor(x - reach)) >> _SHIFT
-    top = np.int64(np.floor(y - reach)) >> _SHIFT
-    right = min(np.int64(np.floor(x + reach)) >> _SHIFT, left + CELLS - 1)
-    bottom = min(np.int64(np.floor(y + reach)) >> _SHIFT, top + CELLS - 1)
+    left = np.int64(np.floor(cluster.cells_x - cluster.cells_reach_x)) >> _SHIFT
+    top = np.int64(np.floor(cluster.cells_y - cluster.cells_reach_y)) >> _SHIFT
+    right = min(np.int64(np.floor(cluster.cells_x + cluster.cells_reach_x)) >> _SHIFT, left + CELLS - 1)
+    bottom = min(np.int64(np.floor(cluster.cells_y + cluster.cells_reach_y)) >> _SHIFT, top + CELLS - 1)
     for row in range(top, bottom + 1):
         first = (row & (CELLS - 1)) * CELLS
         for column in range(left, right + 1):
@@ -69,33 +69,45 @@ def _set(cells: Table, slot: int, x: float, y: float, reach_px: float, there: bo
 
 
 @njit(cache=True, nogil=True)
-def unregister(rules: Rules, cells: Table, clusters: Table, slot: int) -> None:
+def unregister(state: State, slot: int) -> None:
     """Take a cluster out of all sets."""
-    cluster = clusters[slot]
-    _set(cells, slot, cluster.cells_x, cluster.cells_y, rules.radius_px, False)
+    _set(state.cells, slot, state.clusters[slot], False)
 
 
 @njit(cache=True, nogil=True)
-def register(rules: Rules, cells: Table, clusters: Table, slot: int) -> None:
+def register(state: State, slot: int) -> None:
     """Put a cluster into the sets of the cells around it."""
-    cluster = clusters[slot]
+    cluster = state.clusters[slot]
+    reach_x = state.rules[0].surround * cluster.reach_x
+    reach_y = state.rules[0].surround * cluster.reach_y
+    slack = _slack_px(max(cluster.reach_x, cluster.reach_y))
     cluster.cells_x = cluster.x
     cluster.cells_y = cluster.y
-    _set(cells, slot, cluster.x, cluster.y, rules.radius_px, True)
+    cluster.cells_reach_x = reach_x + slack
+    cluster.cells_reach_y = reach_y + slack
+    cluster.room = slack
+    _set(state.cells, slot, cluster, True)
 
 
 @njit(cache=True, nogil=True)
-def checked_after(rules: Rules, cells: Table, clusters: Table, slot: int) -> Any:
-    """Register a cluster anew if its next event could take it out of its slack; returns after how many events to ask again.
+def registered_for(state: State, slot: int) -> Any:
+    """Register a cluster anew where it could leave its slack; returns after how many events to ask again.
 
-    An event moves it by at most the mixing factor's share of the window's reach.
+    An event moves the paper's cluster by at most the mixing factor's share of the window's reach; with options, each event
+    looks for itself whether there is `room` left.
     """
-    cluster = clusters[slot]
-    slack = slack_px(rules.radius_px)
-    step = rules.alpha * rules.radius_px
+    rules = state.rules[0]
+    cluster = state.clusters[slot]
+    step = 0.0 if rules.whole else rules.alpha * rules.radius_px
+    slack = min(
+        cluster.cells_reach_x - rules.surround * cluster.reach_x, cluster.cells_reach_y - rules.surround * cluster.reach_y
+    )
     moved = max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y))
-    if moved + step >= slack:
-        unregister(rules, cells, clusters, slot)
-        register(rules, cells, clusters, slot)
+    wanted = _slack_px(max(cluster.reach_x, cluster.reach_y))
+    if moved + step >= slack or slack > 3.0 * wanted:
+        unregister(state, slot)
+        register(state, slot)
         moved = 0.0
-    return max(1, np.int64((slack - moved) / step))
+        slack = wanted
+    cluster.room = slack
+    return _LONG if rules.whole else max(1, np.int64((slack - moved) / step))

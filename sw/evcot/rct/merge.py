@@ -3,24 +3,71 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from numba import njit
 
 from .life import drop
-from .records import MERGED, record, show
-from .state import Rules, State
+from .records import MERGED, record
+from .size import set_reach
+from .state import State, Table, choice
+from .velocity import jump
+from .visible import missing_events, show_if_due
 
 __all__ = ["merge_overlapping"]
 
+_SEPARATE = choice("polarity", "separate")
+
 
 @njit(cache=True, nogil=True)
-def _merge(rules: Rules, state: State, i: int, j: int) -> int:
+def _grow(rules: Any, into: Any, gone: Any) -> None:
+    """The window of the one that stays, at its new centre, covers both windows; so does its box."""
+    most = rules.radius_max_px
+    wide = max(abs(into.x - gone.x) + gone.half_width, into.half_width)
+    high = max(abs(into.y - gone.y) + gone.half_height, into.half_height)
+    into.half_width = min(wide, most)
+    into.half_height = min(high, most)
+    into.left, into.right = min(into.left, gone.left), max(into.right, gone.right)
+    into.top, into.bottom = min(into.top, gone.top), max(into.bottom, gone.bottom)
+    into.deviation_x = max(into.deviation_x, into.half_width / rules.size_ratio)
+    into.deviation_y = max(into.deviation_y, into.half_height / rules.size_ratio)
+
+
+@njit(cache=True, nogil=True)
+def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
+    """Means weighted by the events of each."""
+    own = into.before + into.packet_events
+    other = gone.before + gone.packet_events
+    total = own + other
+    x, y = into.x, into.y
+    into.x = (into.x * own + gone.x * other) / total
+    into.y = (into.y * own + gone.y * other) / total
+    into.velocity_x = (into.velocity_x * own + gone.velocity_x * other) / total
+    into.velocity_y = (into.velocity_y * own + gone.velocity_y * other) / total
+    jump(into, now_us)
+    into.last_us = max(into.last_us, gone.last_us)
+    into.before += gone.before
+    into.packet_events += gone.packet_events
+    into.mass += gone.mass
+    if rules.merge_grow > 0:
+        _grow(rules, into, gone)
+    else:
+        into.left += into.x - x
+        into.right += into.x - x
+        into.top += into.y - y
+        into.bottom += into.y - y
+    set_reach(rules, into)
+
+
+@njit(cache=True, nogil=True)
+def _merge(state: State, i: int, j: int) -> Any:
     """Merge the live clusters i < j: the one that became visible first stays; of two invisible ones, the one seeded first.
 
-    Returns where the one that stays then stands among the live ones.
+    Returns where the one that stays then stands among the live ones, or -1 if others have gone too.
     """
     cur = state.cursor[0]
+    rules = state.rules[0]
     a = state.clusters[state.live[i]].track_id
     b = state.clusters[state.live[j]].track_id
     stays, goes = (j, i) if b >= 0 and (a < 0 or b < a) else (i, j)
@@ -29,49 +76,74 @@ def _merge(rules: Rules, state: State, i: int, j: int) -> int:
     gone = state.clusters[state.live[goes]]
     index = cur.index - 1
     if gone.track_id >= 0:
-        record(rules, state, MERGED, index, cur.last_us, state.live[goes], into.track_id)
-    own = into.before + into.packet_events
-    other = gone.before + gone.packet_events
-    total = own + other
-    into.x = (into.x * own + gone.x * other) / total
-    into.y = (into.y * own + gone.y * other) / total
-    into.velocity_x = (into.velocity_x * own + gone.velocity_x * other) / total
-    into.velocity_y = (into.velocity_y * own + gone.velocity_y * other) / total
-    into.from_x = into.x
-    into.from_y = into.y
-    into.from_us = cur.packet_end_us
-    into.last_us = max(into.last_us, gone.last_us)
-    into.before += gone.before
-    into.packet_events += gone.packet_events
-    if into.track_id < 0 and total >= rules.visible_events:
-        show(rules, state, slot, index, cur.last_us)
-    drop(rules, state, goes)
+        record(state, MERGED, index, cur.last_us, state.live[goes], into.track_id)
+    _blend(rules, into, gone, cur.packet_end_us)
+    drop(state, goes)
+    if into.track_id < 0 and missing_events(rules, into) <= 0:
+        taken_over = show_if_due(state, slot, index, cur.last_us)
+        if taken_over >= 0:
+            drop(state, taken_over)
+            return -1
     return i if stays == i else j - 1
 
 
 @njit(cache=True, nogil=True)
-def _overlap(rules: Rules, state: State, i: int, j: int) -> Any:
-    """Whether the windows of two live clusters share a point. None did after the last packet: one must have moved since."""
-    a = state.clusters[state.live[i]]
-    b = state.clusters[state.live[j]]
-    reach_px = 2.0 * rules.radius_px
-    return abs(a.x - b.x) <= reach_px and abs(a.y - b.y) <= reach_px and a.packet_events + b.packet_events > 0
+def _may_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
+    """Whether two windows that touch share enough, and nothing speaks against it."""
+    if now_us < a.apart_us and now_us < b.apart_us:
+        return False
+    if rules.polarity == _SEPARATE and a.polarity != b.polarity:
+        return False
+    if rules.coast_us > 0 and now_us - min(a.last_us, b.last_us) >= rules.lifetime_us:
+        return False  # who coasts may be behind the other
+    wide = min(a.reach_x + b.reach_x - abs(a.x - b.x), 2.0 * min(a.reach_x, b.reach_x))
+    high = min(a.reach_y + b.reach_y - abs(a.y - b.y), 2.0 * min(a.reach_y, b.reach_y))
+    smaller = 4.0 * min(a.reach_x * a.reach_y, b.reach_x * b.reach_y)
+    if wide * high < rules.merge_overlap * smaller:
+        return False
+    speed_a = math.hypot(a.velocity_x, a.velocity_y)
+    speed_b = math.hypot(b.velocity_x, b.velocity_y)
+    fast = min(speed_a, speed_b) > rules.merge_speed_px_s
+    along = a.velocity_x * b.velocity_x + a.velocity_y * b.velocity_y
+    return not (fast and along < rules.merge_cos * speed_a * speed_b)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _touch(a: Any, b: Any) -> Any:
+    """Whether two windows share a point."""
+    return abs(a.x - b.x) <= a.reach_x + b.reach_x and abs(a.y - b.y) <= a.reach_y + b.reach_y
 
 
 @njit(cache=True, nogil=True)
-def merge_overlapping(rules: Rules, state: State) -> None:
-    """Merge until no two windows share a point, always the two that were seeded first."""
+def _shall_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
+    """Two that touch. The paper's did not after the last packet, so that one must have had events since."""
+    return _may_merge(rules, a, b, now_us) if rules.whole > 0 else a.packet_events + b.packet_events > 0
+
+
+@njit(cache=True, nogil=True)
+def _partner(rules: Any, clusters: Table, live: Table, i: int, begin: int, end: int, now_us: int) -> Any:
+    """The first of the live clusters from `begin` to `end` that shall merge with the i-th, or -1."""
+    a = clusters[live[i]]
+    for j in range(begin, end):
+        b = clusters[live[j]]
+        if _touch(a, b) and _shall_merge(rules, a, b, now_us):
+            return j
+    return -1
+
+
+@njit(cache=True, nogil=True)
+def merge_overlapping(state: State) -> None:
+    """Merge until no two shall, always the two that were seeded first."""
     cur = state.cursor[0]
+    rules, clusters, live = state.rules[0], state.clusters, state.live
+    now_us = cur.packet_end_us
     i = 0
     while i < cur.live - 1:
-        for j in range(i + 1, cur.live):
-            if _overlap(rules, state, i, j):
-                survivor = _merge(rules, state, i, j)
-                # Of the clusters before these two, which overlapped nobody, one may overlap what came of them.
-                for k in range(i):
-                    if _overlap(rules, state, k, survivor):
-                        i = k
-                        break
-                break
-        else:
+        j = _partner(rules, clusters, live, i, i + 1, cur.live, now_us)
+        if j < 0:
             i += 1
+            continue
+        survivor = _merge(state, i, j)
+        # Of the clusters before these two, which had no partner, one may have one in what came of them.
+        first = _partner(rules, clusters, live, survivor, 0, i, now_us) if survivor >= 0 else 0
+        i = first if first >= 0 else i

@@ -3,49 +3,136 @@
 
 from __future__ import annotations
 
+import math
+
 from numba import njit
 
-from .life import check, remove_silent
+from .advance import advance
+from .border import remove_failing
+from .life import check, drop, remove_silent
 from .merge import merge_overlapping
 from .records import MOVED, record
-from .state import NEVER_US, Rules, State
+from .size import follow_size
+from .split import split_apart
+from .state import NEVER_US, State
 from .velocity import measure_velocity
+from .visible import grow_mass, hide_weak, show_if_due
 
 __all__ = ["close_packet", "open_packet"]
 
 
 @njit(cache=True, nogil=True)
-def close_packet(rules: Rules, state: State, now_us: int) -> None:
+def close_packet(state: State, now_us: int) -> None:
     """Close the open packet; time has passed until `now_us`."""
     cur = state.cursor[0]
-    remove_silent(rules, state, now_us)
+    rules = state.rules[0]
+    remove_silent(state, now_us)
     for i in range(cur.live):
-        cluster = state.clusters[state.live[i]]
-        if cluster.packet_events > 0:
-            measure_velocity(rules, cluster, cur.packet_end_us)
-    merge_overlapping(rules, state)
+        slot = state.live[i]
+        if state.clusters[slot].packet_events > 0:
+            measure_velocity(state, slot, cur.packet_end_us)
+    if rules.whole > 0:
+        _look(state, now_us)
+    if rules.merging > 0:
+        merge_overlapping(state)
+    if rules.whole > 0:
+        _judge(state, now_us)
     for i in range(cur.live):
         slot = state.live[i]
         cluster = state.clusters[slot]
-        if cluster.packet_events > 0:
-            if cluster.track_id >= 0:
-                record(rules, state, MOVED, cur.index - 1, cur.last_us, slot, -1)
-            cluster.before += cluster.packet_events
-            cluster.packet_events = 0
-            check(rules, state, slot, cur.index - 1, cur.last_us)
+        coasts = rules.coast_us > 0 and now_us - cluster.last_us >= rules.lifetime_us
+        if cluster.track_id >= 0 and (cluster.packet_events > 0 or coasts):
+            record(state, MOVED, cur.index - 1, cur.last_us, slot, -1)
+    _settle(state)
 
 
 @njit(cache=True, nogil=True)
-def open_packet(rules: Rules, state: State, t_us: int) -> None:
-    """Close the packets before the one that holds `t_us`: in the silent ones among them, clusters can only end."""
+def _look(state: State, now_us: int) -> None:
+    """Options: mass, and what size and number of clusters the events of the packet want."""
+    rules = state.rules[0]
+    decay = math.exp(-rules.packet_us / rules.mass_tau_us)
+    for i in range(state.cursor[0].live):
+        cluster = state.clusters[state.live[i]]
+        grow_mass(rules, cluster, decay)
+        if cluster.packet_events > 0:
+            follow_size(rules, cluster)
+    split_apart(state, now_us)
+
+
+@njit(cache=True, nogil=True)
+def _judge(state: State, now_us: int) -> None:
+    """Options: who is gone, who is no track any more, who has become one."""
     cur = state.cursor[0]
+    remove_failing(state, now_us)
+    for i in range(cur.live):
+        hide_weak(state, state.live[i], now_us)
+    i = 0
+    while i < cur.live:
+        slot = state.live[i]
+        cluster = state.clusters[slot]
+        taken_over = -1
+        if cluster.track_id < 0 and cluster.packet_events > 0:
+            taken_over = show_if_due(state, slot, cur.index - 1, cur.last_us)
+            if taken_over >= 0:
+                drop(state, taken_over)
+        if taken_over < 0 or taken_over > i:
+            i += 1
+
+
+@njit(cache=True, nogil=True)
+def _settle(state: State) -> None:
+    """The packet's events become the past; where prediction is on, clusters go on to where they will be."""
+    cur = state.cursor[0]
+    rules = state.rules[0]
+    moves = rules.whole > 0
+    if moves:
+        advance(state, cur.packet_end_us, cur.packet_end_us + rules.packet_us)
+    for i in range(cur.live):
+        slot = state.live[i]
+        cluster = state.clusters[slot]
+        if cluster.packet_events > 0 or moves:
+            cluster.before += cluster.packet_events
+            cluster.packet_events = 0
+            check(state, slot, cur.index - 1, cur.last_us)
+
+
+@njit(cache=True, nogil=True)
+def open_packet(state: State, t_us: int) -> None:
+    """Close the packets before the one that holds `t_us`: in the silent ones among them, clusters can only end or go on."""
+    cur = state.cursor[0]
+    rules = state.rules[0]
     if cur.packet_end_us == -NEVER_US:
         cur.packet_end_us = t_us + rules.packet_us
         return
-    close_packet(rules, state, cur.packet_end_us)
+    close_packet(state, cur.packet_end_us)
     silent = (t_us - cur.packet_end_us) // rules.packet_us
     if silent > 0:
+        begin_us = cur.packet_end_us
         cur.packet_end_us += silent * rules.packet_us
-        remove_silent(rules, state, cur.packet_end_us)
+        remove_silent(state, cur.packet_end_us)
+        if rules.whole > 0:
+            _pass_time(state, begin_us)
     cur.packet_end_us += rules.packet_us
     cur.closed = cur.records
+
+
+@njit(cache=True, nogil=True)
+def _pass_time(state: State, begin_us: int) -> None:
+    """Silent packets from `begin_us` on."""
+    cur = state.cursor[0]
+    rules = state.rules[0]
+    decay = math.exp(-(cur.packet_end_us - begin_us) / rules.mass_tau_us)
+    for i in range(cur.live):
+        grow_mass(rules, state.clusters[state.live[i]], decay)
+    remove_failing(state, cur.packet_end_us)
+    for i in range(cur.live):
+        hide_weak(state, state.live[i], cur.packet_end_us)
+    advance(state, begin_us + rules.packet_us, cur.packet_end_us + rules.packet_us)
+    _reregister(state)
+
+
+@njit(cache=True, nogil=True)
+def _reregister(state: State) -> None:
+    cur = state.cursor[0]
+    for i in range(cur.live):
+        check(state, state.live[i], cur.index - 1, cur.last_us)

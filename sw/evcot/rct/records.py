@@ -6,15 +6,16 @@ from __future__ import annotations
 from numba import njit
 
 from ..contract import Kind
-from .state import Rules, State
+from .state import State, choice
 
-__all__ = ["BORN", "LOST", "MERGED", "MOVED", "record", "show"]
+__all__ = ["BORN", "LOST", "MERGED", "MOVED", "record"]
 
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
+_BOX = choice("centre", "box")
 
 
 @njit(cache=True, nogil=True)
-def record(rules: Rules, state: State, kind: int, index: int, t_us: int, slot: int, other_id: int) -> None:
+def record(state: State, kind: int, index: int, t_us: int, slot: int, other_id: int) -> None:
     """Write one record where its event index puts it; a loss stands before what the event itself causes."""
     cur = state.cursor[0]
     out = state.out
@@ -38,17 +39,11 @@ def record(rules: Rules, state: State, kind: int, index: int, t_us: int, slot: i
     row.slot = slot
     row.x = cluster.x
     row.y = cluster.y
-    row.radius = rules.radius_px
+    if state.rules[0].centre == _BOX:
+        row.radius = 0.5 * max(cluster.right - cluster.left, cluster.bottom - cluster.top, 1.0)
+    else:
+        row.radius = max(cluster.half_width, cluster.half_height)
     row.n_ev = cluster.packet_events
     row.support = cluster.before + cluster.packet_events
     row.other_id = other_id
     cur.records += 1
-
-
-@njit(cache=True, nogil=True)
-def show(rules: Rules, state: State, slot: int, index: int, t_us: int) -> None:
-    """A cluster becomes visible, and a track."""
-    cur = state.cursor[0]
-    state.clusters[slot].track_id = cur.births
-    cur.births += 1
-    record(rules, state, BORN, index, t_us, slot, -1)

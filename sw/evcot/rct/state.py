@@ -1,16 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the compiled tracker remembers between two events: plain arrays of these records."""
+"""What the compiled tracker knows: its settings, and what it remembers between two events, as plain arrays of records."""
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..tracklog import TRACK
+from .config import RCT_CHOICES, RctConfig
 
-__all__ = ["CELLS", "CLUSTER", "CURSOR", "NEVER_US", "RECORDS_PER_PACKET", "Rules", "State", "Table", "new_state", "summary"]
+__all__ = [
+    "ALPHAS",
+    "CELLS",
+    "NEVER_US",
+    "PLACE",
+    "RECORDS_PER_PACKET",
+    "SUMMARY",
+    "State",
+    "Table",
+    "choice",
+    "new_state",
+    "summary",
+]
 
 Table = NDArray[Any]
 
@@ -18,6 +32,20 @@ NEVER_US = 1 << 62
 # A cluster is born, and ends or moves, in one packet, and may be lost in the silence after it; then the next packet's births.
 RECORDS_PER_PACKET = 4
 CELLS = 64  # to a side of the lookup
+ALPHAS = 4096  # intervals in us whose mixing factor stands in a table
+
+# The settings by their names; choices as numbers; and what follows from them.
+RULES = np.dtype(
+    [(f.name, "<f8" if isinstance(f.default, float) else "<i8") for f in fields(RctConfig)]
+    + [
+        ("whole", "<i8"),  # any option beyond the paper's tracker
+        ("shaped", "<i8"),  # deviations are needed
+        ("boxed", "<i8"),  # the box is needed
+        ("merge_cos", "<f8"),
+        ("width", "<f8"),  # of the sensor, 0 where unknown
+        ("height", "<f8"),
+    ]
+)
 
 # One per slot. What every event touches stands first, in one line of the cache.
 CLUSTER = np.dtype(
@@ -27,20 +55,55 @@ CLUSTER = np.dtype(
         ("last_us", "<i8"),  # its last event
         ("packet_events", "<i8"),  # events in the open packet
         ("check_at", "<i8"),  # at so many of these it is looked at: visible by now? far from where it was registered?
-        ("order", "<i8"),  # how many were seeded before it
+        ("order", "<i8"),  # how many were seeded before it; -1: the slot is free
         ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
         ("track_id", "<i8"),  # -1 until it is visible
+        # Options: the window, half its sides and its direction.
+        ("half_width", "<f8"),
+        ("half_height", "<f8"),
+        ("cos", "<f8"),
+        ("sin", "<f8"),
+        ("room", "<f8"),  # how far it may move before it is registered anew
+        ("polarity", "<i8"),  # of the event that seeded it
+        # Options: what its events look like, seen from the centre along the window's axes.
+        ("mix", "<f8"),  # mixing factor of these, larger in youth
+        ("deviation_x", "<f8"),  # mean absolute
+        ("deviation_y", "<f8"),
+        ("middle_x", "<f8"),  # share of events nearer to the centre than half of that
+        ("middle_y", "<f8"),
+        ("moment_xx", "<f8"),  # second moments, along the sensor's axes
+        ("moment_xy", "<f8"),
+        ("moment_yy", "<f8"),
+        ("left", "<f8"),  # the box
+        ("right", "<f8"),
+        ("top", "<f8"),
+        ("bottom", "<f8"),
+        ("step_x", "<f8"),  # of its sides
+        ("step_y", "<f8"),
+        # Once per packet.
         ("velocity_x", "<f8"),  # pixels per second
         ("velocity_y", "<f8"),
         ("from_x", "<f8"),  # where and when velocity was last measured
         ("from_y", "<f8"),
         ("from_us", "<i8"),  # NEVER_US before the end of its first packet
+        ("places", "<i8"),  # in the path so far
+        ("measured", "<i8"),  # of which since it last jumped
+        ("mass", "<f8"),  # at the end of the last packet
+        ("two", "<i8"),  # packets for which it has looked like two
+        ("apart_us", "<i8"),  # until then it does not merge with others of which the same is true
+        ("reach_x", "<f8"),  # half the extent of the window along the sensor's axes
+        ("reach_y", "<f8"),
         ("due_index", "<i8"),  # first event at or after the end of its life, as of
         ("due_us", "<i8"),  # the `last_us` for which that was found
-        ("cells_x", "<f8"),  # where it is registered in the lookup
+        ("cells_x", "<f8"),  # where it is registered in the lookup, and how far around
         ("cells_y", "<f8"),
+        ("cells_reach_x", "<f8"),
+        ("cells_reach_y", "<f8"),
     ]
 )
+
+# A place on a path.
+PLACE = np.dtype([("t_us", "<i8"), ("x", "<f8"), ("y", "<f8")])
 
 CURSOR = np.dtype(
     [
@@ -63,6 +126,10 @@ SUMMARY = np.dtype(
         ("y", "<f8"),
         ("velocity_x", "<f8"),
         ("velocity_y", "<f8"),
+        ("half_width", "<f8"),
+        ("half_height", "<f8"),
+        ("angle", "<f8"),
+        ("mass", "<f8"),
         ("events", "<i8"),
         ("last_us", "<i8"),
         ("track_id", "<i8"),
@@ -71,56 +138,73 @@ SUMMARY = np.dtype(
 )
 
 
-class Rules(NamedTuple):
-    """`config.RctConfig` as the kernel takes it."""
-
-    radius_px: float
-    alpha: float
-    velocity_alpha: float
-    visible_events: int
-    lifetime_us: int
-    packet_us: int
-
-
 class State(NamedTuple):
     """All that a tracker carries along.
 
     Attributes:
+        rules: (1,) of `RULES`.
         cursor: (1,) of `CURSOR`.
         clusters: (max_clusters,) of `CLUSTER`, by slot.
         live: (max_clusters,) int64: the slots in use, seeded first first.
         cells: (CELLS * CELLS, words) uint64: the sets of `lookup`.
+        paths: (max_clusters, path_points) of `PLACE`, rings by slot.
+        alphas: (ALPHAS,) the mixing factor by the time in us since a cluster's last event, where it depends on that.
         out: the records that were not yet taken, of dtype `TRACK`.
     """
 
+    rules: Table
     cursor: Table
     clusters: Table
     live: Table
     cells: Table
+    paths: Table
+    alphas: Table
     out: Table
 
 
-def new_cells(max_clusters: int) -> NDArray[np.uint64]:
-    """Empty sets: (cells, words)."""
-    return np.zeros((CELLS * CELLS, -(-max_clusters // 64)), np.uint64)
+def choice(field: str, name: str) -> int:
+    """The number that stands for a choice in the rules."""
+    return RCT_CHOICES[field].index(name)
 
 
-def new_state(max_clusters: int) -> State:
+def new_state(config: RctConfig, width: int, height: int) -> State:
     """Before the first event."""
+    n = config.max_clusters
     cursor = np.zeros(1, CURSOR)
-    cursor["packet_end_us"] = cursor["last_us"] = -NEVER_US
-    cursor["next_due_us"] = -NEVER_US
-    clusters = np.zeros(max_clusters, CLUSTER)
+    cursor["packet_end_us"] = cursor["last_us"] = cursor["next_due_us"] = -NEVER_US
+    clusters = np.zeros(n, CLUSTER)
     clusters["order"] = -1
-    out = np.zeros(2 * RECORDS_PER_PACKET * max_clusters + 4096, TRACK)
-    return State(cursor, clusters, np.zeros(max_clusters, np.int64), new_cells(max_clusters), out)
+    return State(
+        _rules(config, width, height),
+        cursor,
+        clusters,
+        np.zeros(n, np.int64),
+        np.zeros((CELLS * CELLS, -(-n // 64)), np.uint64),
+        np.zeros((n, max(1, config.path_points)), PLACE),
+        -np.expm1(-np.arange(ALPHAS) / config.alpha_tau_us) if config.alpha_tau_us else np.zeros(ALPHAS),
+        np.zeros(2 * RECORDS_PER_PACKET * n + 4096, TRACK),
+    )
+
+
+def _rules(config: RctConfig, width: int, height: int) -> Table:
+    rules = np.zeros(1, RULES)
+    for f in fields(config):
+        value = getattr(config, f.name)
+        rules[f.name] = choice(f.name, value) if f.name in RCT_CHOICES else value
+    rules["whole"] = config.whole
+    rules["shaped"] = config.size == "deviation" or config.angle or config.birth_spread_px > 0 or config.split_share > 0
+    rules["boxed"] = config.size == "quantile" or config.centre == "box"
+    rules["merge_cos"] = np.cos(np.radians(config.merge_angle_deg))
+    rules["width"], rules["height"] = width, height
+    return rules
 
 
 def summary(clusters: NDArray[np.void], slots: NDArray[np.int64]) -> NDArray[np.void]:
-    """What `RctTracker.clusters` shows of them."""
+    """What `RctTracker.clusters` shows of them, (k,) of dtype `SUMMARY`."""
     shown = np.zeros(len(clusters), SUMMARY)
     for name in set(SUMMARY.names or ()) & set(CLUSTER.names or ()):
         shown[name] = clusters[name]
+    shown["angle"] = np.arctan2(clusters["sin"], clusters["cos"])
     shown["events"] = clusters["before"] + clusters["packet_events"]
     shown["slot"] = slots
     return shown

@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contract import DROPPED
-from ..errors import RecordingError
+from ..errors import ConfigError, RecordingError
 from ..events import Events, Recording
 from ..tracklog import TRACK, TrackLog
 from .config import RctConfig
-from .kernel import close_last_packet, feed
-from .state import Rules, new_state, summary
+from .kernel import close_last_packet, feed, place
+from .state import new_state, summary
 
 __all__ = ["RctTracker", "track"]
 
@@ -38,17 +38,19 @@ class RctTracker:
     Memory is constant beyond the arrays that are returned.
     """
 
-    def __init__(self, config: RctConfig) -> None:
+    def __init__(self, config: RctConfig, width: int = 0, height: int = 0) -> None:
+        """A tracker before its first event.
+
+        Args:
+            width, height: of the sensor, px; 0: not known. Only `border_share` needs it, and prediction stays within it.
+
+        Raises:
+            ConfigError: `border_share` without a size.
+        """
+        if config.border_share < 1.0 and not (width > 0 and height > 0):
+            raise ConfigError(f"rct.border_share = {config.border_share:g}: needs the sensor's width and height")
         self.config = config
-        self._rules = Rules(
-            radius_px=float(config.radius_px),
-            alpha=float(config.alpha),
-            velocity_alpha=float(config.velocity_alpha),
-            visible_events=config.visible_events,
-            lifetime_us=config.lifetime_us,
-            packet_us=config.packet_us,
-        )
-        self._state = new_state(config.max_clusters)
+        self._state = new_state(config, width, height)
         self._cursor = self._state.cursor
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
@@ -72,7 +74,8 @@ class RctTracker:
         parts: list[NDArray[np.void]] = []
         done = 0
         while done < len(events):
-            done += feed(self._rules, self._state, events.t_us[done:], events.x[done:], events.y[done:], owner[done:])
+            rest = events[done:]
+            done += feed(self._state, rest.t_us, rest.x, rest.y, rest.p, owner[done:])
             parts.append(self._take_closed())
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 
@@ -81,14 +84,39 @@ class RctTracker:
 
         A cluster whose life would end after the last event is still alive.
         """
-        close_last_packet(self._rules, self._state)
+        close_last_packet(self._state)
         return self._take_closed()
 
+    def place(self, x: float, y: float, t_us: int, polarity: int = 1) -> int:
+        """Set up a cluster at (x, y) px and at t_us, the time of the events so far or later, as seeding does at an event.
+
+        Returns its slot.
+
+        Raises:
+            RecordingError: every slot is in use, or a time before the last event.
+        """
+        last_us = int(self._cursor["last_us"][0])
+        if t_us < last_us:
+            raise RecordingError(f"place: t = {t_us} us follows t = {last_us} us: time must not run back")
+        slot = int(place(self._state, float(x), float(y), t_us, polarity))
+        if slot < 0:
+            raise RecordingError(f"place: all {self.config.max_clusters} slots are in use: max_clusters must be larger")
+        return slot
+
     def clusters(self) -> NDArray[np.void]:
-        """The live clusters, seeded first first: (k,) with x, y (px), velocity_x, velocity_y (px/s), events, last_us,
-        track_id (-1 while invisible) and slot."""
+        """The live clusters, seeded first first: (k,) with x, y, half_width, half_height (px), velocity_x, velocity_y (px/s),
+        angle (rad, of the width's side), mass, events, last_us, track_id (-1 while invisible) and slot."""
         slots = self._state.live[: int(self._cursor["live"][0])]
         return summary(self._state.clusters[slots], slots)
+
+    def paths(self) -> list[NDArray[np.void]]:
+        """Where the live clusters have been, in the order of `clusters`: per cluster (m,) with t_us, x, y (px), oldest first,
+        a place per packet that brought it events, the last `path_points` of them."""
+        paths = []
+        for slot in self._state.live[: int(self._cursor["live"][0])]:
+            places, size = int(self._state.clusters["places"][slot]), self.config.path_points
+            paths.append(self._state.paths[slot, np.arange(max(0, places - size), places) % max(1, size)])
+        return paths
 
     def _take_closed(self) -> NDArray[np.void]:
         """Records of closed packets leave the buffer, those of the open packet move to its front."""
@@ -112,7 +140,7 @@ def track(recording: Recording, config: RctConfig, keep: NDArray[np.bool_] | Non
     """
     if keep is not None:
         return _track_kept(recording, config, keep)
-    tracker = RctTracker(config)
+    tracker = RctTracker(config, recording.width, recording.height)
     events = recording.events
     owner = np.empty(len(events), np.int16)
     parts: list[NDArray[np.void]] = []

@@ -3,23 +3,86 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from numba import njit
 
-from .state import NEVER_US, Rules
+from .state import NEVER_US, State, choice
 
-__all__ = ["measure_velocity"]
+__all__ = ["jump", "measure_velocity"]
+
+_REGRESSION = choice("velocity", "regression")
+_FEW = 3  # places that say nothing about velocity yet
 
 
 @njit(cache=True, nogil=True)
-def measure_velocity(rules: Rules, cluster: Any, now_us: int) -> None:
+def measure_velocity(state: State, slot: int, now_us: int) -> None:
+    """After a packet that brought the cluster events."""
+    rules = state.rules[0]
+    cluster = state.clusters[slot]
+    if rules.path_points > 0:
+        place = state.paths[slot, cluster.places % rules.path_points]
+        place.t_us = cluster.last_us
+        place.x = cluster.x
+        place.y = cluster.y
+        cluster.places += 1
+    cluster.measured += 1
+    if rules.velocity == _REGRESSION:
+        _regress(state, slot)
+    else:
+        _filter(rules, cluster, now_us)
+    cluster.from_x = cluster.x
+    cluster.from_y = cluster.y
+    cluster.from_us = now_us
+    if rules.speed_max_px_s > 0.0:
+        speed = math.hypot(cluster.velocity_x, cluster.velocity_y)
+        if speed > rules.speed_max_px_s:
+            cluster.velocity_x *= rules.speed_max_px_s / speed
+            cluster.velocity_y *= rules.speed_max_px_s / speed
+
+
+@njit(cache=True, nogil=True)
+def _filter(rules: Any, cluster: Any, now_us: int) -> None:
     """Displacement since the last packet that brought events, mixed like a location."""
     if cluster.from_us != NEVER_US:
         elapsed_s = 1e-6 * (now_us - cluster.from_us)
         keep = 1.0 - rules.velocity_alpha
         cluster.velocity_x = keep * cluster.velocity_x + rules.velocity_alpha * ((cluster.x - cluster.from_x) / elapsed_s)
         cluster.velocity_y = keep * cluster.velocity_y + rules.velocity_alpha * ((cluster.y - cluster.from_y) / elapsed_s)
+
+
+@njit(cache=True, nogil=True)
+def _regress(state: State, slot: int) -> None:
+    """The slope of the line through the last places that fits best: sum dt dx / sum dt dt, about their means."""
+    cluster = state.clusters[slot]
+    size = state.paths.shape[1]
+    n = min(cluster.measured, size)
+    if n < _FEW:
+        return
+    path = state.paths[slot]
+    sum_t = sum_x = sum_y = sum_tt = sum_tx = sum_ty = 0.0
+    for k in range(cluster.places - n, cluster.places):
+        place = path[k % size]
+        t_s = 1e-6 * (place.t_us - cluster.last_us)
+        x = place.x - cluster.x
+        y = place.y - cluster.y
+        sum_t += t_s
+        sum_x += x
+        sum_y += y
+        sum_tt += t_s * t_s
+        sum_tx += t_s * x
+        sum_ty += t_s * y
+    spread = sum_tt - sum_t * sum_t / n
+    if spread > 0.0:
+        cluster.velocity_x = (sum_tx - sum_t * sum_x / n) / spread
+        cluster.velocity_y = (sum_ty - sum_t * sum_y / n) / spread
+
+
+@njit(cache=True, nogil=True)
+def jump(cluster: Any, now_us: int) -> None:
+    """The cluster was put elsewhere: no velocity can be told from before to after."""
     cluster.from_x = cluster.x
     cluster.from_y = cluster.y
     cluster.from_us = now_us
+    cluster.measured = 0

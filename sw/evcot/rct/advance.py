@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Prediction: between packets, clusters go on with the velocity that they have shown, whether events come or not."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from numba import njit
+
+from .state import State
+
+__all__ = ["advance", "shift"]
+
+
+@njit(cache=True, nogil=True)
+def shift(cluster: Any, dx: float, dy: float) -> None:
+    """Put a cluster elsewhere, with its box."""
+    cluster.x += dx
+    cluster.y += dy
+    cluster.left += dx
+    cluster.right += dx
+    cluster.top += dy
+    cluster.bottom += dy
+
+
+@njit(cache=True, nogil=True)
+def advance(state: State, begin_us: int, end_us: int) -> None:
+    """Carry every cluster whose velocity is trusted over the time from `begin_us` to `end_us`, within the sensor.
+
+    With friction the velocity decays, v exp(-silence / tau), from the cluster's last event on.
+    """
+    rules = state.rules[0]
+    if rules.predict == 0.0:
+        return
+    for i in range(state.cursor[0].live):
+        cluster = state.clusters[state.live[i]]
+        if cluster.measured < rules.predict_points:
+            continue
+        seconds = 1e-6 * (end_us - begin_us)
+        tau_us = rules.friction_tau_us
+        if tau_us > 0.0:
+            after = math.exp(-max(0, end_us - cluster.last_us) / tau_us)
+            before = math.exp(-max(0, begin_us - cluster.last_us) / tau_us)
+            seconds = 1e-6 * tau_us * (before - after)
+        dx = rules.predict * cluster.velocity_x * seconds
+        dy = rules.predict * cluster.velocity_y * seconds
+        if rules.width > 0.0:
+            dx = min(max(cluster.x + dx, 0.0), rules.width - 1.0) - cluster.x
+            dy = min(max(cluster.y + dy, 0.0), rules.height - 1.0) - cluster.y
+        shift(cluster, dx, dy)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clusters whose windows leave the sensor, or that have too few events left, end before they fall silent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+
+from .life import lose
+from .state import State
+from .visible import rate_hz
+
+__all__ = ["remove_failing"]
+
+
+@njit(cache=True, nogil=True)
+def _share_outside(rules: Any, cluster: Any) -> Any:
+    """Of the window, the part outside the sensor, whose first pixel begins at -0.5."""
+    left, right = max(cluster.x - cluster.reach_x, -0.5), min(cluster.x + cluster.reach_x, rules.width - 0.5)
+    top, bottom = max(cluster.y - cluster.reach_y, -0.5), min(cluster.y + cluster.reach_y, rules.height - 0.5)
+    inside = max(0.0, right - left) * max(0.0, bottom - top)
+    return 1.0 - inside / (4.0 * cluster.reach_x * cluster.reach_y)
+
+
+@njit(cache=True, nogil=True)
+def remove_failing(state: State, now_us: int) -> None:
+    """After a packet."""
+    rules = state.rules[0]
+    i = 0
+    while i < state.cursor[0].live:
+        cluster = state.clusters[state.live[i]]
+        gone = rules.border_share < 1.0 and _share_outside(rules, cluster) > rules.border_share
+        coasts = rules.coast_us > 0 and cluster.track_id >= 0
+        if rules.support_rate_hz > 0.0 and not coasts and cluster.before >= rules.visible_events:
+            gone = gone or rate_hz(rules, cluster) < rules.support_rate_hz
+        if gone:
+            lose(state, i, now_us)
+        else:
+            i += 1

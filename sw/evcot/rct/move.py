@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an event does to its cluster where options are on."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from numba import njit
+
+from .state import ALPHAS, Table, choice
+
+__all__ = ["move", "pull_size"]
+
+_BOX = choice("centre", "box")
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _mixing(rules: Any, alphas: Table, elapsed_us: Any) -> Any:
+    """alpha, or 1 - exp(-dt / tau)."""
+    if rules.alpha_tau_us == 0.0:
+        return rules.alpha
+    if elapsed_us < ALPHAS:
+        return alphas[elapsed_us]
+    return -math.expm1(-elapsed_us / rules.alpha_tau_us)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def pull_size(rules: Any, cluster: Any, x: float, y: float) -> None:
+    """An event in the window or its surround tells of the cluster's size, direction and spread."""
+    if rules.shaped > 0:
+        dx = x - cluster.x
+        dy = y - cluster.y
+        u = abs(cluster.cos * dx + cluster.sin * dy)
+        v = abs(cluster.cos * dy - cluster.sin * dx)
+        mix = cluster.mix
+        if rules.split_share > 0.0:
+            cluster.middle_x += mix * ((1.0 if 2.0 * u < cluster.deviation_x else 0.0) - cluster.middle_x)
+            cluster.middle_y += mix * ((1.0 if 2.0 * v < cluster.deviation_y else 0.0) - cluster.middle_y)
+        cluster.deviation_x += mix * (u - cluster.deviation_x)
+        cluster.deviation_y += mix * (v - cluster.deviation_y)
+        if rules.angle > 0:
+            cluster.moment_xx += mix * (dx * dx - cluster.moment_xx)
+            cluster.moment_xy += mix * (dx * dy - cluster.moment_xy)
+            cluster.moment_yy += mix * (dy * dy - cluster.moment_yy)
+    if rules.boxed > 0:
+        # A side steps outwards for an event beyond it and inwards for any other, so far that both balance at its quantile.
+        low = rules.box_quantile
+        high = 1.0 - low
+        cluster.left += cluster.step_x * (low - (1.0 if x < cluster.left else 0.0))
+        cluster.right += cluster.step_x * (high - (1.0 if x < cluster.right else 0.0))
+        cluster.top += cluster.step_y * (low - (1.0 if y < cluster.top else 0.0))
+        cluster.bottom += cluster.step_y * (high - (1.0 if y < cluster.bottom else 0.0))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def move(rules: Any, alphas: Table, cluster: Any, x: float, y: float, elapsed_us: Any) -> None:
+    """An event in the window moves the centre: to the mixed mean, or to the middle of the box."""
+    pull_size(rules, cluster, x, y)
+    if rules.centre == _BOX:
+        cluster.x = 0.5 * (cluster.left + cluster.right)
+        cluster.y = 0.5 * (cluster.top + cluster.bottom)
+    else:
+        alpha = _mixing(rules, alphas, elapsed_us)
+        cluster.x = (1.0 - alpha) * cluster.x + alpha * x
+        cluster.y = (1.0 - alpha) * cluster.y + alpha * y

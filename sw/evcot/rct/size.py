@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Windows: how large, of which shape and direction. Sizes change between packets, never in one."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from numba import njit
+
+from .state import choice
+
+__all__ = ["follow_size", "set_reach", "start_size"]
+
+_FIXED, _QUANTILE = choice("size", "fixed"), choice("size", "quantile")
+_ROW, _POINT = choice("perspective", "row"), choice("perspective", "point")
+_SCALES = (0.05, 20.0)
+_ROUND = 0.1  # anisotropy below which a cluster has no direction
+_YOUNG_MIX, _YOUNG_STEP = 0.2, 0.1  # of the first events
+
+
+@njit(cache=True, nogil=True)
+def _scale(rules: Any, x: float, y: float) -> Any:
+    """Of sizes, at a place: its distance from where things vanish over that of the reference."""
+    across, down = x - rules.vanishing_x_px, y - rules.vanishing_y_px
+    whole_across, whole_down = rules.reference_x_px - rules.vanishing_x_px, rules.reference_y_px - rules.vanishing_y_px
+    if rules.perspective == _ROW:
+        scale = abs(down / whole_down)
+    elif rules.perspective == _POINT:
+        scale = math.hypot(across, down) / math.hypot(whole_across, whole_down)
+    else:
+        return 1.0
+    return min(max(scale, _SCALES[0]), _SCALES[1])
+
+
+@njit(cache=True, nogil=True)
+def set_reach(rules: Any, cluster: Any) -> None:
+    """Half the extent of the turned window along the sensor's axes."""
+    cos, sin = abs(cluster.cos), abs(cluster.sin)
+    cluster.reach_x = cos * cluster.half_width + sin * cluster.half_height
+    cluster.reach_y = sin * cluster.half_width + cos * cluster.half_height
+    young = 1.0 / max(1.0, float(cluster.before + cluster.packet_events))
+    cluster.mix = max(rules.size_alpha, min(_YOUNG_MIX, 2.0 * young))
+    step = max(rules.box_alpha, min(_YOUNG_STEP, young))
+    cluster.step_x = step * cluster.half_width
+    cluster.step_y = step * cluster.half_height
+
+
+@njit(cache=True, nogil=True)
+def start_size(rules: Any, cluster: Any) -> None:
+    """A new cluster's window, and events of which nothing is known but one."""
+    scale = _scale(rules, cluster.x, cluster.y)
+    cluster.half_width = rules.radius_px * scale
+    cluster.half_height = rules.radius_px * scale * rules.aspect
+    cluster.cos = 1.0
+    cluster.sin = 0.0
+    cluster.deviation_x = 0.0
+    cluster.deviation_y = 0.0
+    cluster.middle_x = 0.25
+    cluster.middle_y = 0.25
+    cluster.moment_xx = 0.0
+    cluster.moment_xy = 0.0
+    cluster.moment_yy = 0.0
+    cluster.left = cluster.right = cluster.x
+    cluster.top = cluster.bottom = cluster.y
+    set_reach(rules, cluster)
+
+
+@njit(cache=True, nogil=True)
+def follow_size(rules: Any, cluster: Any) -> None:
+    """After a packet: the window as perspective and, once the cluster is visible, its events want it."""
+    scale = _scale(rules, cluster.x, cluster.y) if rules.perspective > 0 else 1.0
+    if rules.size == _FIXED:
+        if rules.perspective > 0:
+            cluster.half_width = rules.radius_px * scale
+            cluster.half_height = rules.radius_px * scale * rules.aspect
+    elif cluster.track_id >= 0:
+        if rules.size == _QUANTILE:
+            wide, high = 0.5 * (cluster.right - cluster.left), 0.5 * (cluster.bottom - cluster.top)
+        else:
+            wide, high = cluster.deviation_x, cluster.deviation_y
+        if not rules.free_aspect:
+            wide = max(wide, high / rules.aspect)
+            high = wide * rules.aspect
+        low, top = rules.radius_min_px * scale, rules.radius_max_px * scale
+        cluster.half_width = min(max(rules.size_ratio * wide, low), top)
+        cluster.half_height = min(max(rules.size_ratio * high, low), top)
+    if rules.angle > 0:
+        _turn(cluster)
+    set_reach(rules, cluster)
+
+
+@njit(cache=True, nogil=True)
+def _turn(cluster: Any) -> None:
+    """Along the axis in which the second moment is largest, where there is one."""
+    apart, across = cluster.moment_xx - cluster.moment_yy, 2.0 * cluster.moment_xy
+    if math.hypot(apart, across) > _ROUND * (cluster.moment_xx + cluster.moment_yy):
+        angle = 0.5 * math.atan2(across, apart)
+        cluster.cos = math.cos(angle)
+        cluster.sin = math.sin(angle)

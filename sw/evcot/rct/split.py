@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A cluster whose events have become two groups becomes two."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+
+from .advance import shift
+from .life import seed
+from .size import set_reach
+from .state import State
+from .velocity import jump
+
+__all__ = ["split_apart"]
+
+
+@njit(cache=True, nogil=True)
+def _halve(rules: Any, cluster: Any, along_x: bool, now_us: int) -> None:
+    """A window as wide as half the distance between the groups, events to match, and no merging back for a lifetime."""
+    if along_x:
+        cluster.half_width = max(rules.radius_min_px, 0.95 * cluster.deviation_x)
+        cluster.deviation_x = cluster.half_width / rules.size_ratio
+        middle = 0.5 * (cluster.left + cluster.right)
+        half = min(0.5 * (cluster.right - cluster.left), cluster.deviation_x)
+        cluster.left, cluster.right = middle - half, middle + half
+    else:
+        cluster.half_height = max(rules.radius_min_px, 0.95 * cluster.deviation_y)
+        cluster.deviation_y = cluster.half_height / rules.size_ratio
+        middle = 0.5 * (cluster.top + cluster.bottom)
+        half = min(0.5 * (cluster.bottom - cluster.top), cluster.deviation_y)
+        cluster.top, cluster.bottom = middle - half, middle + half
+    cluster.middle_x = cluster.middle_y = 0.25
+    cluster.two = 0
+    cluster.before = max(1, cluster.before // 2)
+    cluster.mass *= 0.5
+    cluster.apart_us = now_us + rules.lifetime_us
+    set_reach(rules, cluster)
+    jump(cluster, now_us)
+
+
+@njit(cache=True, nogil=True)
+def _split(state: State, slot: int, along_x: bool, now_us: int) -> None:
+    """Two groups, each a mean deviation from the centre: the older keeps the one ahead, of two at rest the right or lower."""
+    rules = state.rules[0]
+    old = state.clusters[slot]
+    away = old.deviation_x if along_x else old.deviation_y
+    dx = away * old.cos if along_x else -away * old.sin
+    dy = away * old.sin if along_x else away * old.cos
+    if dx * old.velocity_x + dy * old.velocity_y < 0.0:
+        dx, dy = -dx, -dy
+    new_slot = seed(state, old.x - dx, old.y - dy, old.last_us, old.polarity)
+    new = state.clusters[new_slot]
+    for twin in (new, old):
+        twin.half_width, twin.half_height = old.half_width, old.half_height
+        twin.deviation_x, twin.deviation_y = old.deviation_x, old.deviation_y
+    new.cos, new.sin = old.cos, old.sin
+    new.velocity_x, new.velocity_y = old.velocity_x, old.velocity_y
+    new.mass = old.mass
+    new.before, new.packet_events = old.before, old.packet_events - old.packet_events // 2
+    old.packet_events //= 2
+    new.left, new.right = old.left - dx, old.right - dx
+    new.top, new.bottom = old.top - dy, old.bottom - dy
+    shift(old, dx, dy)
+    _halve(rules, old, along_x, now_us)
+    _halve(rules, new, along_x, now_us)
+
+
+@njit(cache=True, nogil=True)
+def split_apart(state: State, now_us: int) -> None:
+    """After a packet: for so many packets, few events fell into the middle half of a visible cluster, along its longer axis."""
+    rules = state.rules[0]
+    cur = state.cursor[0]
+    if rules.split_share == 0.0:
+        return
+    for i in range(cur.live):
+        slot = state.live[i]
+        cluster = state.clusters[slot]
+        if cluster.track_id < 0 or cluster.packet_events == 0:
+            continue
+        along_x = cluster.deviation_x >= cluster.deviation_y
+        middle = cluster.middle_x if along_x else cluster.middle_y
+        cluster.two = cluster.two + 1 if middle < rules.split_share else 0
+        if cluster.two >= rules.split_packets and cur.live < len(state.clusters):
+            _split(state, slot, along_x, now_us)

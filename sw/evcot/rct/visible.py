@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a cluster becomes a track, and when it is one no more."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+
+from .records import BORN, LOST, record
+from .state import State, choice
+
+__all__ = ["grow_mass", "hide_weak", "missing_events", "rate_hz", "show_if_due"]
+
+_EVENTS, _RATE = choice("visibility", "events"), choice("visibility", "rate")
+_LONG = 1 << 40  # events
+
+
+@njit(cache=True, nogil=True, inline="always")
+def missing_events(rules: Any, cluster: Any) -> Any:
+    """How many more a cluster needs to be visible; with rates and masses, which only packets tell, very many."""
+    return rules.visible_events - cluster.before - cluster.packet_events if rules.visibility == _EVENTS else _LONG
+
+
+@njit(cache=True, nogil=True)
+def grow_mass(rules: Any, cluster: Any, decay: float) -> None:
+    """Mass decays over the packet, and each of its events adds 1."""
+    cluster.mass = cluster.mass * decay + cluster.packet_events
+
+
+@njit(cache=True, nogil=True)
+def rate_hz(rules: Any, cluster: Any) -> Any:
+    """Events per second: a steady rate builds up a mass of rate times time constant."""
+    return cluster.mass * 1e6 / rules.mass_tau_us
+
+
+@njit(cache=True, nogil=True)
+def _weight(rules: Any, cluster: Any) -> Any:
+    """What makes it visible, as a multiple of what is asked for."""
+    if rules.visibility == _EVENTS:
+        return (cluster.before + cluster.packet_events) / rules.visible_events
+    if rules.visibility == _RATE:
+        return rate_hz(rules, cluster) / max(rules.visible_rate_hz, 1e-9)
+    return cluster.mass / max(rules.visible_mass, 1e-9)
+
+
+@njit(cache=True, nogil=True)
+def show_if_due(state: State, slot: int, index: int, t_us: int) -> Any:
+    """An invisible cluster that has what it takes becomes a track: a new one, or one that coasted nearby.
+
+    Returns where among the live clusters the one stands whose track this one took over and which must now be dropped, or -1.
+    """
+    rules = state.rules[0]
+    cluster = state.clusters[slot]
+    if _weight(rules, cluster) < 1.0 or cluster.deviation_x + cluster.deviation_y < rules.birth_spread_px:
+        return -1
+    lost = _coasting_nearby(state, slot, t_us) if rules.coast_us > 0 else -1
+    if lost >= 0:
+        gone = state.clusters[state.live[lost]]
+        cluster.track_id = gone.track_id
+        cluster.before += gone.before
+        cluster.velocity_x = gone.velocity_x
+        cluster.velocity_y = gone.velocity_y
+    else:
+        cur = state.cursor[0]
+        cluster.track_id = cur.births
+        cur.births += 1
+        record(state, BORN, index, t_us, slot, -1)
+    return lost
+
+
+@njit(cache=True, nogil=True)
+def _coasting_nearby(state: State, slot: int, now_us: int) -> Any:
+    """The nearest visible cluster that has been silent for a lifetime, within the reach of its predicted place."""
+    rules = state.rules[0]
+    cluster = state.clusters[slot]
+    nearest = -1
+    nearest_px = rules.coast_reach_px
+    for i in range(state.cursor[0].live):
+        other = state.clusters[state.live[i]]
+        if other.track_id >= 0 and now_us - other.last_us >= rules.lifetime_us and other.polarity == cluster.polarity:
+            distance_px = max(abs(other.x - cluster.x), abs(other.y - cluster.y))
+            if distance_px <= nearest_px:
+                nearest_px = distance_px
+                nearest = i
+    return nearest
+
+
+@njit(cache=True, nogil=True)
+def hide_weak(state: State, slot: int, now_us: int) -> None:
+    """A track whose rate or mass has fallen below its share of what is asked for ends; its cluster lives on, invisible."""
+    rules = state.rules[0]
+    cluster = state.clusters[slot]
+    if rules.visibility != _EVENTS and cluster.track_id >= 0 and _weight(rules, cluster) < rules.hidden_share:
+        coasts = rules.coast_us > 0 and now_us - cluster.last_us < rules.lifetime_us + rules.coast_us
+        if not coasts:
+            record(state, LOST, state.cursor[0].index, now_us, slot, -1)
+            cluster.track_id = -1
