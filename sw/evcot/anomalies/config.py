@@ -35,6 +35,7 @@ ANOMALY_RANGES: dict[str, Range] = {
         1000.0,
         "times that normal motion takes to cross the radius: where it is slow, a stay may be longer",
     ),
+    "loiter_gap_us": (0, 10**12, "who lingers at a place again before that goes on with the stay"),
     "line_margin_px": (0.0, 1000.0, "a side of a line is taken once a track is so far from it"),
     "stitch_us": (0, 60_000_000, "a track born so soon after another has ended"),
     "stitch_px": (0.0, 1000.0, "and so near to where it would be, or within its window there, goes on for it"),
@@ -60,12 +61,13 @@ class AnomalyConfig:
     wrong_way_deg: float = 120.0
     fast_ratio: float = 1.35
     slow_ratio: float = 0.5
-    stop_ratio: float = 0.2
+    stop_ratio: float = 0.25
     speed_deviations: float = 3.0
     place_support: float = 0.02
     loiter_us: int = 6_000_000
     loiter_radius_px: float = 40.0
     loiter_factor: float = 3.0
+    loiter_gap_us: int = 3_000_000
     line_margin_px: float = 2.0
     stitch_us: int = 1_000_000
     stitch_px: float = 12.0

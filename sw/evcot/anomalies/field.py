@@ -23,7 +23,7 @@ __all__ = ["FIELD_RANGES", "FieldConfig", "NormalMotion"]
 
 _FORMAT = 1
 _NEAR_PX = 64.0  # so far from a cell with support its speed is still of use
-_LEAST_DEVIATION = 0.05  # of the logarithm of speed
+_LEAST_DEVIATION = 0.1  # of the logarithm of speed
 _SUMS = ("visits", "turns", "x", "y", "log_speed", "log_speed_squared")
 _SMALL = 1e-9
 
@@ -74,13 +74,14 @@ class NormalMotion:
     log_speed_squared: NDArray[np.float64]
 
     def smoothed(self, min_support: float = 0.0) -> Field:
-        """What the rules look up. Sums are smoothed before they are divided, so neighbours count by their number of visits;
+        """What the rules look up. Sums are smoothed before they are divided, so neighbours count by their number of visits.
+        Deviations are those within cells: that speeds change from cell to cell, as far things seem slower, is no deviation.
         `near_speed` is that of the nearest cell with `min_support`."""
-        sums = {name: gaussian_filter(getattr(self, name), self.config.smooth_cells, mode="constant") for name in _SUMS}
+        sums = {name: self._shared(getattr(self, name)) for name in _SUMS}
         support, length = sums["visits"], np.hypot(sums["x"], sums["y"])
-        known = np.maximum(support, _SMALL)
-        log_speed = sums["log_speed"] / known
-        variance = np.maximum(sums["log_speed_squared"] / known - log_speed**2, 0.0)
+        log_speed = sums["log_speed"] / np.maximum(support, _SMALL)
+        squares = self._shared(self.log_speed_squared - self.log_speed**2 / np.maximum(self.visits, 1.0))
+        variance = np.maximum(squares / np.maximum(self._shared(np.maximum(self.visits - 1.0, 0.0)), _SMALL), 0.0)
         return Field(
             cell_px=float(self.config.cell_px),
             support=support,
@@ -91,6 +92,9 @@ class NormalMotion:
             deviation=np.maximum(np.sqrt(variance), _LEAST_DEVIATION),
             near_speed=self._near(np.exp(log_speed), support >= max(min_support, _SMALL)),
         )
+
+    def _shared(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(gaussian_filter(values, self.config.smooth_cells, mode="constant"), np.float64)
 
     def _near(self, speed: NDArray[np.float64], there: NDArray[np.bool_]) -> NDArray[np.float64]:
         if not there.any():

@@ -19,8 +19,9 @@ from .alarm import Anomaly
 from .config import AnomalyConfig
 from .geometry import crosses, holds, offset
 from .motion import MOTION
+from .stays import leave, settle
 
-__all__ = ["ALARMS_PER_STEP", "TRACE", "Field", "Places", "Rules", "judge", "rules", "vanished"]
+__all__ = ["ALARMS_PER_STEP", "TRACE", "Field", "Places", "Rules", "end", "judge", "rules"]
 
 _KINDS = len(Anomaly)
 WRONG_WAY, CROSSING, FAST, SLOW, STOPPING = (
@@ -32,6 +33,7 @@ LOITERING, PLACE, FORBIDDEN, DWELL, LINE = (
 ALARMS_PER_STEP = FORBIDDEN  # besides one for each zone and line
 
 _SCORE_MAX = 99.0
+_MOST = 0.4  # of a stay, in which something was seen to linger
 _AMONG = 0.5  # of the normal speed: something so fast has been in motion
 
 # What is known of one track.
@@ -48,9 +50,13 @@ TRACE = np.dtype(
         ("farthest_px", "<f8"),  # from its first place
         ("normal", "<f8"),  # speed where it is, px/s; not a number where that is not known
         ("moved", "?"),  # whether it has been about as fast as others there
-        ("anchor_t", "<f8"),
+        ("slow_us", "<f8"),  # for how long it has been slow, and since when
+        ("slow_t", "<f8"),
+        ("anchor_t", "<f8"),  # of its stay: since when and where
         ("anchor_x", "<f8"),
         ("anchor_y", "<f8"),
+        ("lingered_t", "<f8"),  # when it was last slow there, and for how long in all
+        ("lingered_us", "<f8"),
         ("raised", "u1", _KINDS),
         ("open", "u1", _KINDS),  # whether evidence is being gathered
         ("evidence_us", "<f8", _KINDS),
@@ -80,6 +86,7 @@ class Rules(NamedTuple):
     loiter_us: float
     loiter_radius_px: float
     loiter_factor: float
+    loiter_gap_us: float
     line_margin_px: float
 
 
@@ -225,36 +232,49 @@ def _speed(rules, field, row, column, cur, trace, out, elapsed_us, speed):  # ty
 
 
 @njit(cache=True, nogil=True)
-def _stopping(rules, normal, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
-    stopped = trace.moved and speed + trace.error < rules.stop_ratio * normal
-    if _gather(trace, STOPPING, stopped, elapsed_us, 0.0, rules.hold_us, 0.0):
-        score = rules.stop_ratio * normal / max(speed, 1e-3)
-        _raise(cur, out, trace, STOPPING, -1, score, normal, speed, trace.since_t[STOPPING])
+def _stopping(rules, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
+    """Whether it stands; and, for the time when it is lost, for how long it has been slow."""
+    stands = trace.moved and speed + trace.error < rules.stop_ratio * trace.normal
+    if _gather(trace, STOPPING, stands, elapsed_us, 0.0, rules.hold_us, 0.0):
+        _stopped(rules, cur, trace, out, trace.since_t[STOPPING])
+    slows = trace.moved and speed + trace.error < rules.slow_ratio * trace.normal
+    if slows and trace.slow_us == 0:
+        trace.slow_t = trace.t - elapsed_us
+    trace.slow_us = trace.slow_us + elapsed_us if slows else 0.0
 
 
 @njit(cache=True, nogil=True)
-def vanished(rules, cur, trace, out):  # type: ignore[no-untyped-def]
-    """What stands still makes no events: a track that is lost while it is slower and slower has stopped."""
-    slowing = trace.open[SLOW] and trace.evidence_us[SLOW] > 0
-    if not (slowing and trace.moved and trace.known) or trace.raised[STOPPING]:
-        return
-    trace.raised[STOPPING] = 1
+def _stopped(rules, cur, trace, out, since_t):  # type: ignore[no-untyped-def]
     speed = math.hypot(trace.vx, trace.vy)
-    score = trace.normal * rules.stop_ratio / max(speed, 1e-3)
-    _raise(cur, out, trace, STOPPING, -1, score, trace.normal, speed, trace.since_t[SLOW])
+    _raise(cur, out, trace, STOPPING, -1, rules.stop_ratio * trace.normal / max(speed, 1e-3), trace.normal, speed, since_t)
 
 
 @njit(cache=True, nogil=True)
-def _loitering(rules, normal, cur, trace, out):  # type: ignore[no-untyped-def]
+def end(rules, stays, cur, trace, out):  # type: ignore[no-untyped-def]
+    """A track is lost: what stands makes no events, so who was slow at last has stopped."""
+    leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
+    if trace.slow_us >= rules.hold_us and not trace.raised[STOPPING]:
+        trace.raised[STOPPING] = 1
+        _stopped(rules, cur, trace, out, trace.slow_t)
+
+
+@njit(cache=True, nogil=True)
+def _loitering(rules, stays, cur, trace, out, elapsed_us):  # type: ignore[no-untyped-def]
     if math.hypot(trace.x - trace.anchor_x, trace.y - trace.anchor_y) > rules.loiter_radius_px:
-        trace.anchor_t = trace.t
-        trace.anchor_x = trace.x
-        trace.anchor_y = trace.y
+        leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
+        trace.raised[LOITERING] |= settle(stays, trace, rules.loiter_radius_px, rules.loiter_gap_us)
+        trace.evidence_us[LOITERING] = 0.0
     limit_us = rules.loiter_us
-    if normal > 0:  # not where nothing is known
-        limit_us = max(limit_us, 1e6 * rules.loiter_factor * rules.loiter_radius_px / normal)
+    if trace.normal > 0:  # not where nothing is known
+        limit_us = max(limit_us, 1e6 * rules.loiter_factor * rules.loiter_radius_px / trace.normal)
+        if not trace.known or math.hypot(trace.vx, trace.vy) >= rules.slow_ratio * trace.normal:
+            return
+    trace.lingered_t = trace.t
+    trace.lingered_us += elapsed_us
+    trace.evidence_us[LOITERING] += elapsed_us
     stay_us = trace.t - trace.anchor_t
-    if stay_us >= limit_us and not trace.raised[LOITERING]:
+    lingers = trace.evidence_us[LOITERING] >= rules.hold_us and trace.lingered_us >= _MOST * stay_us
+    if lingers and stay_us >= limit_us and not trace.raised[LOITERING]:
         trace.raised[LOITERING] = 1
         _raise(cur, out, trace, LOITERING, -1, stay_us / limit_us, 1e-6 * limit_us, 1e-6 * stay_us, trace.anchor_t)
 
@@ -304,20 +324,20 @@ def _lines(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def judge(rules, field, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
+def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-untyped-def]
     """Apply all rules to the step that track i has just closed."""
     if not trace.settled:
         trace.settled = True
-        trace.first_x = trace.anchor_x = trace.x
-        trace.first_y = trace.anchor_y = trace.y
-        trace.anchor_t = trace.t
+        trace.first_x = trace.x
+        trace.first_y = trace.y
+        trace.raised[LOITERING] = settle(stays, trace, rules.loiter_radius_px, rules.loiter_gap_us)
     trace.farthest_px = max(trace.farthest_px, math.hypot(trace.x - trace.first_x, trace.y - trace.first_y))
     elapsed_us = min(trace.elapsed_us, rules.longest_us)
     row, column = _cell(field, trace.x, trace.y)
-    normal = trace.normal = field.near_speed[row, column] if row >= 0 else math.nan
+    trace.normal = field.near_speed[row, column] if row >= 0 else math.nan
     _zones(rules, places, i, cur, trace, out)
     _lines(rules, places, i, cur, trace, out)
-    _loitering(rules, normal, cur, trace, out)
+    _loitering(rules, stays, cur, trace, out, elapsed_us)
     support = field.support[row, column] if row >= 0 else 0.0
     strange = support < rules.place_support and trace.farthest_px >= rules.travel_px
     if _gather(trace, PLACE, strange, elapsed_us, 0.0, rules.hold_us, 0.0):
@@ -333,5 +353,5 @@ def judge(rules, field, places, i, cur, trace, out):  # type: ignore[no-untyped-
         if field.concentration[row, column] >= rules.min_concentration:
             _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed)
         _speed(rules, field, row, column, cur, trace, out, elapsed_us, speed)
-    if normal > 0:
-        _stopping(rules, normal, cur, trace, out, elapsed_us, speed)
+    if trace.normal > 0:
+        _stopping(rules, cur, trace, out, elapsed_us, speed)

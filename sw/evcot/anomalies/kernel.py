@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from ..contract import Kind
-from .judge import judge, vanished
+from .judge import end, judge
 from .motion import add_place, begin, close_step
 
 __all__ = ["CURSOR", "feed"]
@@ -38,6 +38,7 @@ def _clear(table, places, i):  # type: ignore[no-untyped-def]
     trace.settled = False
     trace.farthest_px = 0.0
     trace.moved = False
+    trace.slow_us = 0.0
     trace.raised[:] = 0
     trace.open[:] = 0
     trace.evidence_us[:] = 0.0
@@ -105,7 +106,7 @@ def _row(cur, table, places, track_id, born, x, y, stitch_us, stitch_px):  # typ
 
 
 @njit(cache=True, nogil=True)
-def feed(steps, rules, field, places, stitch_us, stitch_px, cursor, table, records, first, spare, out):  # type: ignore[no-untyped-def]
+def feed(steps, rules, field, places, stays, stitch_us, stitch_px, cursor, table, records, first, spare, out):  # type: ignore[no-untyped-def]
     """Take records from `first` on; returns the first not taken: the table or the buffer of alarms may be too small."""
     cur = cursor[0]
     for k in range(first, len(records)):
@@ -123,10 +124,10 @@ def feed(steps, rules, field, places, stitch_us, stitch_px, cursor, table, recor
         step = after_us // steps.step_us
         if trace.n > 0 and (ends or step > trace.step):
             close_step(steps, trace, record.radius)
-            judge(rules, field, places, i, cur, trace, out)
+            judge(rules, field, places, stays, i, cur, trace, out)
         if ends:
             if record.kind == LOST:
-                vanished(rules, cur, trace, out)
+                end(rules, stays, cur, trace, out)
             trace.ended_us = after_us
         else:
             trace.radius = record.radius

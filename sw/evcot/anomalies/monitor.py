@@ -17,6 +17,7 @@ from .field import NormalMotion
 from .judge import ALARMS_PER_STEP, TRACE, Field, Places, rules
 from .kernel import CURSOR, feed
 from .motion import Steps, steps
+from .stays import no_stays
 from .zones import Zones
 
 __all__ = ["Monitor", "Verdict", "anomalies"]
@@ -55,15 +56,14 @@ class Monitor:
         self._sensor = _one_sensor(normal, self._zones)
         self._steps, self._rules = steps(self.config), rules(self.config)
         if normal is not None and normal.measured != self._steps:
-            raise ConfigError(
-                f"{_told(self._steps)}: must be those with which normal motion was learned, {_told(normal.measured)}"
-            )
+            raise ConfigError(f"{_told(self._steps)}: must be as normal motion was learned, {_told(normal.measured)}")
         if normal is None:
             self._rules = self._rules._replace(place_support=0.0)
         self._field = normal.smoothed(self.config.min_support) if normal else _nothing_known()
         self._table = np.zeros(_ROWS, TRACE)
         self._places = _places(self._zones, _ROWS)
         self.counts = self._places.counts
+        self._stays = no_stays()
         self._cursor = np.zeros(1, CURSOR)
         self._cursor["origin_us"] = self._last_us = _BEFORE
         self._records = 0
@@ -81,8 +81,8 @@ class Monitor:
         done = 0
         while done < len(records):
             done = feed(
-                self._steps, self._rules, self._field, self._places, self.config.stitch_us, float(self.config.stitch_px),
-                self._cursor, self._table, records, done, spare, out,
+                self._steps, self._rules, self._field, self._places, self._stays,
+                self.config.stitch_us, float(self.config.stitch_px), self._cursor, self._table, records, done, spare, out,
             )  # fmt: skip
             parts.append(out[: int(self._cursor["alarms"][0])].copy())
             self._cursor["alarms"] = 0

@@ -40,8 +40,8 @@ def draw_alarms(
     normal: NormalMotion | None = None,
     zones: Zones | None = None,
 ) -> None:
-    """Draw a PNG: arrows of the normal direction, zones, the ways of all tracks, those with an alarm strong, and each alarm with
-    its kind, its track's id and its time. Of very many alarms the first are labelled.
+    """Draw a PNG: arrows of the normal direction, zones, the ways of all tracks, those with an alarm strong, and each alarm
+    with its kind, its track's id and its time. Of very many alarms the first are labelled.
 
     Raises:
         OutputError: the file cannot be written.
