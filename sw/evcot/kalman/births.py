@@ -21,7 +21,7 @@ Table = NDArray[Any]
 _CELL_PIXELS = 2  # fewer in a cell are noise
 _PLACE_PX = 3.0  # how well a new object's sides are known
 _EDGE_PX = 8.0
-_GROWTH_PX_S = 50.0
+_GROWTH = 0.3  # of the speed: how fast a half side may change
 
 
 @njit(cache=True, nogil=True)
@@ -120,6 +120,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.support = pixels
     o.packet_events = pixels
     o.rate = pixels * rules.packet_us / rules.birth_us
+    half_px = 0.25 * (box[1] - box[0] + box[3] - box[2])
     for axis in range(2):
         s, p = world.state[i, axis], world.cov[i, axis]
         s[0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])
@@ -128,8 +129,8 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
         s[3] = 0.0
         p[:] = 0.0
         p[0, 0] = p[2, 2] = _PLACE_PX * _PLACE_PX
-        p[1, 1] = rules.speed_px_s * rules.speed_px_s
-        p[3, 3] = min(_GROWTH_PX_S, rules.growth_walk) ** 2
+        p[1, 1] = (rules.speed * half_px) ** 2
+        p[3, 3] = (_GROWTH * rules.speed * half_px) ** 2
     world.profile[i] = 0.0
     world.total[i] = PROFILE * PROFILE
     run.live += 1

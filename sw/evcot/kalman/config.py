@@ -18,9 +18,9 @@ KALMAN_RANGES: dict[str, Range] = {
     "gate_px": (0.5, 1000.0, "how far outside a box events still belong to it"),
     "gate_share": (0.0, 10.0, "the same as a part of the mean half side; the greater counts"),
     "events_per_sample": (0.1, 1e6, "events that say as much as one independent one"),
-    "velocity_walk": (0.1, 1e6, "how far a centre's velocity wanders in a second, px/s"),
-    "growth_walk": (0.001, 1e6, "how far a half side's growth wanders in a second, px/s"),
-    "speed_px_s": (0.0, 1e6, "typical speed of a new object"),
+    "velocity_walk": (0.001, 1e4, "how far a centre's velocity wanders in a second, half sides per second"),
+    "growth_walk": (0.0001, 1e4, "how far a half side's growth wanders in a second, half sides per second"),
+    "speed": (0.0, 1e4, "typical speed of a new object, half sides per second"),
     "birth_us": (100, 10_000_000, "time over which events outside all boxes are collected for births"),
     "birth_pixels": (2, 1_000_000, "different pixels in that time that make an object"),
     "coast_us": (0, 10**12, "time without support after which an object is removed"),
@@ -43,15 +43,15 @@ class KalmanConfig:
     quantile: float = 0.03
     gate_px: float = 3.0
     gate_share: float = 0.35
-    events_per_sample: float = 5.0
-    velocity_walk: float = 500.0
-    growth_walk: float = 200.0
-    speed_px_s: float = 200.0
+    events_per_sample: float = 10.0
+    velocity_walk: float = 15.0
+    growth_walk: float = 5.0
+    speed: float = 8.0
     birth_us: int = 10_000
-    birth_pixels: int = 20
+    birth_pixels: int = 30
     coast_us: int = 100_000
     merge_gap: float = 0.7
-    merge_velocity: float = 0.3
+    merge_velocity: float = 0.5
 
     def __post_init__(self) -> None:
         check_ranges("kalman", self, KALMAN_RANGES)

@@ -68,7 +68,7 @@ class Rules(NamedTuple):
     events_per_sample: float
     velocity_walk: float
     growth_walk: float
-    speed_px_s: float
+    speed: float
     birth_us: int
     birth_pixels: int
     coast_us: int

@@ -160,8 +160,10 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
     fade = 1.0 - min(rules.packet_us / _PROFILE_KEEPS_US, 1.0)
     for i in range(n):
         if world.objects[i].alive:
+            half_px = 0.5 * (world.state[i, 0, 2] + world.state[i, 1, 2])
             for axis in range(2):
-                predict(world.state[i, axis], world.cov[i, axis], step_s, rules.velocity_walk, rules.growth_walk)
+                s, p = world.state[i, axis], world.cov[i, axis]
+                predict(s, p, step_s, half_px * rules.velocity_walk, half_px * rules.growth_walk)
             _correct(rules, world, i)
             if world.objects[i].enters >= 0:
                 _keep_at_edge(rules, world, i)

@@ -18,6 +18,7 @@ Table = NDArray[Any]
 
 _EMPTY = 0.1  # events in a part of a side that is empty, of the mean
 _GAP = 2  # parts that must be empty
+_SLACK = 1.5  # so much farther apart than what makes two one
 _ENOUGH = 200.0  # events in a profile that tells
 
 
@@ -78,7 +79,7 @@ def split(rules: Rules, world: World, i: int) -> bool:
                 after += 1
             if after - k >= _GAP and after < end:
                 more = _bounds(world, i, axis, begin, k, a) >= _bounds(world, i, axis, after, end, b)
-                if not are_parts(rules, a, b):
+                if not are_parts(a, b, rules.merge_gap, _SLACK):
                     _leave(world, i, a if more else b)
                     return True
             k = after + 1

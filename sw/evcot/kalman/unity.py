@@ -18,11 +18,11 @@ Table = NDArray[Any]
 _ENTERING_GAP = 0.6  # between two that enter, as a part of the longest half side
 _WITHIN = 0.7  # of the smaller box, in the greater
 _ABREAST = 0.6  # of the wider, covered by the other
-_ELONGATED = 1.6  # length of an object by its width, at most
+_ELONGATED = 2.0  # length of an object by its width, at most
 
 
 @njit(cache=True, nogil=True)
-def are_parts(rules: Rules, a: Table, b: Table) -> bool:
+def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
     """Whether two boxes (2, 2) of centre and half side by axis lie so that they can be parts of one object: one in the other
     for the most part; or one behind the other, as wide as each other, and together no longer than an object is."""
     overlap, together = np.empty(2), np.empty(2)
@@ -36,9 +36,9 @@ def are_parts(rules: Rules, a: Table, b: Table) -> bool:
     for axis in range(2):
         across = 1 - axis
         if (
-            overlap[across] >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1])
-            and -overlap[axis] <= rules.merge_gap * 0.25 * (together[0] + together[1])
-            and together[axis] <= _ELONGATED * together[across]
+            overlap[across] >= 2.0 * _ABREAST / slack * max(a[across, 1], b[across, 1])
+            and -overlap[axis] <= slack * gap * 0.25 * (together[0] + together[1])
+            and together[axis] <= slack * _ELONGATED * together[across]
         ):
             return True
     return False
@@ -55,7 +55,10 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
             most = max(most, a[axis, 2], b[axis, 2])
         if gap <= _ENTERING_GAP * most:
             return True
+    unsure = 0.0
+    for axis in range(2):
+        unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
     fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
-    if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * fast:
+    if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
         return False
-    return are_parts(rules, a[:, ::2], b[:, ::2])
+    return are_parts(a[:, ::2], b[:, ::2], rules.merge_gap, 1.0)
