@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The published tracker, clock by clock: the golden model of `cot_published.v` and `cot_published_chain.v`.
+
+docs/published.md is the contract of all three. For trackers without the published hardware's oddities see `evcot.cot`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._published_kernel import CASCADE_FIELDS, REGISTER_NAMES, TRACKER_FIELDS, TRACKERS, run, run_one
+from .errors import ConfigError
+from .ranges import Range, check_ranges
+
+__all__ = [
+    "CASCADE_INPUT",
+    "CASCADE_OUTPUT",
+    "REGISTERS",
+    "SELECT",
+    "SELECT_NONE",
+    "TRACKER_INPUT",
+    "TRACKER_OUTPUT",
+    "WORD",
+    "PublishedCascade",
+    "PublishedConfig",
+    "PublishedTracker",
+    "decode",
+]
+
+# Register -> first address, bytes (low byte first).
+REGISTERS: dict[str, tuple[int, int]] = {
+    "init_cm_low": (78, 1),
+    "init_cm_high": (79, 1),
+    "radix_th": (80, 1),
+    "init_radix": (81, 1),
+    "max_time": (82, 4),
+    "nev_th": (86, 1),
+    "hist_avg": (87, 1),
+    "enable": (88, 1),
+    "radix_step": (89, 1),
+    "radix_max": (90, 1),
+    "radix_min": (91, 1),
+}
+SELECT = 127  # the tracker number written here is held in reset and takes the writes to the registers above
+SELECT_NONE = 255
+
+_RANGES: dict[str, Range] = {
+    "init_cm_low": (0, 255, "low coordinate of the initial centre"),
+    "init_cm_high": (0, 255, "high coordinate of the initial centre"),
+    "radix_th": (0, 7, "width of the ring around g"),
+    "init_radix": (0, 255, "initial g"),
+    "max_time": (0, (1 << 32) - 1, "clocks after a centre update at which the cell re-initialises"),
+    "nev_th": (0, 255, "initial N_ev"),
+    "hist_avg": (1, 8, "k in the averages' alpha = 2^-k"),
+    "radix_step": (0, 7, "how far g grows or shrinks"),
+    "radix_max": (0, 255, "bound of g when it grows"),
+    "radix_min": (0, 255, "bound of g when it shrinks"),
+}
+
+
+@dataclass(frozen=True)
+class PublishedConfig:
+    """The registers of one published tracker; the defaults are those after its reset, except that it is enabled.
+
+    Raises:
+        ConfigError: a field is outside its range.
+    """
+
+    init_cm_low: int = 0
+    init_cm_high: int = 0
+    radix_th: int = 3
+    init_radix: int = 64
+    max_time: int = 20_000_000
+    nev_th: int = 15
+    hist_avg: int = 1
+    enable: bool = True
+    radix_step: int = 3
+    radix_max: int = 17
+    radix_min: int = 1
+
+    def __post_init__(self) -> None:
+        check_ranges("published", self, _RANGES)
+        if not isinstance(self.enable, bool):
+            raise ConfigError(f"published.enable = {self.enable!r}: must be true or false")
+
+    def writes(self, tracker: int) -> list[tuple[int, int]]:
+        """(address, data) of every write that sets tracker 0 to 3 up, from its selection on; `SELECT_NONE` lets it go."""
+        found = [(SELECT, tracker)]
+        for name, (address, n_bytes) in REGISTERS.items():
+            value = 255 * self.enable if name == "enable" else int(getattr(self, name))
+            found += [(address + i, value >> 8 * i & 255) for i in range(n_bytes)]
+        return found
+
+
+# The ports of cot_published.v and of cot_published_chain.v at one clock; a payload that is not on offer reads 0.
+TRACKER_INPUT = np.dtype([(name, "u1") for name in ("rst", "s_req_n", "s_high", "s_low", "m_pass_ack_n", "m_ack_n")])
+TRACKER_OUTPUT = np.dtype(
+    [(name, "u1") for name in ("s_ack_n", "m_pass_req_n", "m_pass_high", "m_pass_low", "m_req_n", "m_event", "m_high", "m_low")]
+)
+CASCADE_INPUT = np.dtype(
+    [
+        (name, "u1")
+        for name in ("rst", "cfg_valid", "cfg_addr", "cfg_data", "s_req_n", "s_high", "s_low", "m_ack_n", "m_pass_ack_n")
+    ]
+)
+CASCADE_OUTPUT = np.dtype(
+    [
+        ("s_ack_n", "u1"),
+        ("m_req_n", "u1"),
+        ("m_word", "<u4"),
+        ("m_pass_req_n", "u1"),
+        ("m_pass_high", "u1"),
+        ("m_pass_low", "u1"),
+    ]
+)
+
+# What an output word says: of which tracker, whether an event of its cluster (else its centre), and where.
+WORD = np.dtype([("tracker", "u1"), ("event", "?"), ("high", "u1"), ("low", "u1")])
+
+
+def decode(words: NDArray[Any]) -> NDArray[np.void]:
+    """25-bit output words, (n,) integers, as (n,) WORD."""
+    words = np.asarray(words, np.int64)
+    decoded = np.zeros(words.shape, WORD)
+    decoded["tracker"] = words >> 17 & 3
+    decoded["event"] = words & 1
+    decoded["high"] = words >> 9 & 255
+    decoded["low"] = words >> 1 & 255
+    return decoded
+
+
+def _idle(dtype: np.dtype[np.void], n: int) -> NDArray[np.void]:
+    """n clocks in which nobody requests or acknowledges anything."""
+    rows = np.zeros(n, dtype)
+    for name in dtype.names or ():
+        if name.endswith("_n"):
+            rows[name] = 1
+    return rows
+
+
+class PublishedTracker:
+    """One tracker, `cot_published.v`, clock by clock from reset.
+
+    Args:
+        config: its registers; `enable` does nothing here.
+    """
+
+    def __init__(self, config: PublishedConfig) -> None:
+        self.config = config
+        self._registers = np.array([int(getattr(config, name)) for name in REGISTER_NAMES], np.int64)
+        self._state = np.zeros(TRACKER_FIELDS, np.int64)
+
+    def clocks(self, inputs: NDArray[np.void]) -> NDArray[np.void]:
+        """What the ports show just before each of n edges: (n,) TRACKER_OUTPUT for (n,) TRACKER_INPUT."""
+        outputs = np.zeros(len(inputs), TRACKER_OUTPUT)
+        run_one(self._state, self._registers, inputs, outputs)
+        return outputs
+
+
+class PublishedCascade:
+    """Four trackers with registers and output line, `cot_published_chain.v`, clock by clock from reset.
+
+    Args:
+        configs: registers of up to four trackers, first come first served; the rest stays disabled.
+
+    Raises:
+        ConfigError: more than four.
+    """
+
+    def __init__(self, configs: Sequence[PublishedConfig] = ()) -> None:
+        if len(configs) > TRACKERS:
+            raise ConfigError(f"{len(configs)} published trackers: must be at most {TRACKERS}, the cascade's length")
+        self._cascade = np.zeros(CASCADE_FIELDS, np.int64)
+        self._trackers = np.zeros((TRACKERS, TRACKER_FIELDS), np.int64)
+        self._registers = np.zeros((TRACKERS, len(REGISTER_NAMES)), np.int64)
+        reset = _idle(CASCADE_INPUT, 1)
+        reset["rst"] = 1
+        self.clocks(reset)
+        if configs:
+            self.write([write for i, config in enumerate(configs) for write in config.writes(i)] + [(SELECT, SELECT_NONE)])
+            self.clocks(_idle(CASCADE_INPUT, 1))  # INIT_CELL
+
+    def write(self, writes: Sequence[tuple[int, int]]) -> None:
+        """Register writes, (address, data), one per clock."""
+        inputs = _idle(CASCADE_INPUT, len(writes))
+        inputs["cfg_valid"] = 1
+        inputs["cfg_addr"], inputs["cfg_data"] = np.array(writes, np.uint8).T
+        self.clocks(inputs)
+
+    def clocks(self, inputs: NDArray[np.void]) -> NDArray[np.void]:
+        """What the ports show just before each of n edges: (n,) CASCADE_OUTPUT for (n,) CASCADE_INPUT."""
+        outputs = np.zeros(len(inputs), CASCADE_OUTPUT)
+        run(self._cascade, self._trackers, self._registers, inputs, outputs)
+        return outputs
