@@ -31,6 +31,7 @@ _BENCHMARKS = (
     "starts",
     "memory",
     "recordings",
+    "clustering",
     "table2",
 )
 _FOLDER = Path("build") / "bench"

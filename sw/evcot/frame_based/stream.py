@@ -30,12 +30,15 @@ class DetectionTracker:
     """A stream: feed events in runs of any length, the result does not depend on where they are cut.
 
     Memory is that of one frame's events, beyond the arrays that are returned.
+
+    Attributes:
+        detect: what finds the objects; may be wrapped, to look at what is found.
     """
 
     def __init__(self, config: IdentityConfig, framing: Framing, detect: Detect) -> None:
         self._identities = Identities(config)
         self._framing = framing
-        self._detect = detect
+        self.detect = detect
         self._open: list[Events] = []  # the frame that is not yet complete
         self._last_us: int | None = None
 
@@ -94,7 +97,7 @@ class DetectionTracker:
     def _follow(self, events: Events, owned: int, ends: NDArray[np.int64]) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         frames = np.zeros(len(ends), FRAME)
         frames["begin"][1:], frames["end"] = ends[:-1], ends
-        found = self._detect(events, frames)
+        found = self.detect(events, frames)
         return self._identities.follow(events, owned, frames, found)
 
 
