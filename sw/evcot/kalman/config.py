@@ -44,14 +44,14 @@ class KalmanConfig:
     gate_px: float = 3.0
     gate_share: float = 0.35
     events_per_sample: float = 10.0
-    velocity_walk: float = 15.0
+    velocity_walk: float = 7.0
     growth_walk: float = 5.0
     speed: float = 8.0
     birth_us: int = 10_000
     birth_pixels: int = 30
     coast_us: int = 100_000
     merge_gap: float = 0.7
-    merge_velocity: float = 0.5
+    merge_velocity: float = 0.6
 
     def __post_init__(self) -> None:
         check_ranges("kalman", self, KALMAN_RANGES)
