@@ -40,6 +40,7 @@ class DetectionTracker:
         self._framing = framing
         self.detect = detect
         self._open: list[Events] = []  # the frame that is not yet complete
+        self._held = 0  # its events
         self._last_us: int | None = None
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
@@ -65,14 +66,13 @@ class DetectionTracker:
         self._last_us = int(events.t_us[-1])
         ends = self._framing.cut(events.t_us)
         if not len(ends):
-            self._open.append(events)
+            self._hold(events)
             return self._identities.follow(events, 0, np.empty(0, FRAME), np.empty(0, DETECTION))
         owned = self._held
         together = Events.joined([*self._open, events])
         ends += owned
-        rest = together[int(ends[-1]) :]
-        # A copy: the caller may fill its arrays anew, and a slice would keep all of them.
-        self._open = [rest.where(np.ones(len(rest), np.bool_))] if len(rest) else []
+        self._open, self._held = [], 0
+        self._hold(together[int(ends[-1]) :])
         return self._follow(together, owned, ends)
 
     def finish(self) -> NDArray[np.void]:
@@ -83,16 +83,17 @@ class DetectionTracker:
         if not self._held:
             return np.empty(0, TRACK)
         events = Events.joined(self._open)
-        self._open = []
+        self._open, self._held = [], 0
         return self._follow(events, len(events), np.array([len(events)]))[0]
 
     def tracks(self) -> NDArray[np.void]:
         """The live tracks, started first first: (k,) of dtype `kernel.TRACKED`; velocities in px/s."""
         return self._identities.tracks()
 
-    @property
-    def _held(self) -> int:
-        return sum(map(len, self._open))
+    def _hold(self, events: Events) -> None:
+        """Keep a copy: the caller may fill its arrays anew, and a slice would keep all of them alive."""
+        self._open.append(events.where(np.ones(len(events), np.bool_)))
+        self._held += len(events)
 
     def _follow(self, events: Events, owned: int, ends: NDArray[np.int64]) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         frames = np.zeros(len(ends), FRAME)
