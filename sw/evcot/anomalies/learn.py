@@ -25,10 +25,10 @@ from .motion import Steps, add_place, begin, close_step, steps
 
 __all__ = ["learn", "smallest_sensor"]
 
-_ROUNDS = 4
+_ROUNDS = 6
 _ANGLE_COS = 0.5  # a visit further off the mean direction is left out, where there is one
 _CLEAR = 0.5  # concentration from which on there is
-_DEVIATIONS = 3.0
+_DEVIATIONS = 2.5
 _LEAST_SPEED = 0.5  # px/s
 _SURE = 2.0  # standard errors from which on a velocity has a direction
 
