@@ -25,6 +25,7 @@ OBJECT = np.dtype(
         ("track_id", "<i8"),
         ("born_us", "<i8"),
         ("enters", "<i8"),  # over which edge of the sensor: 0 left, 1 right, 2 top, 3 bottom; -1 when it is in
+        ("edge", "<i8"),  # the edge at which it was born, or -1
         ("supported_us", "<i8"),  # end of the last packet in which it had the events that it should have
         ("support", "<i8"),  # events so far
         ("packet_events", "<i8"),

@@ -15,7 +15,8 @@ __all__ = ["are_one", "are_parts"]
 
 Table = NDArray[Any]
 
-_ENTERING_GAP = 0.6  # between two that enter, as a part of the longest half side
+_NEW_US = 200_000
+_ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
 _WITHIN = 0.7  # of the smaller box, in the greater
 _ABREAST = 0.6  # of the wider, covered by the other
 _ELONGATED = 2.0  # length of an object by its width, at most
@@ -48,7 +49,9 @@ def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
 def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     """Whether two objects are one: parts of one by place, and with one motion; or both entering over one edge, side by side."""
     a, b = world.state[i], world.state[k]
-    if world.objects[i].enters >= 0 and world.objects[i].enters == world.objects[k].enters:
+    one, other = world.objects[i], world.objects[k]
+    new_us = world.run[0].packet_end_us - _NEW_US
+    if one.edge >= 0 and one.edge == other.edge and min(one.born_us, other.born_us) > new_us:
         gap, most = -1e9, 0.0
         for axis in range(2):
             gap = max(gap, abs(a[axis, 0] - b[axis, 0]) - a[axis, 2] - b[axis, 2])
