@@ -8,8 +8,8 @@ from typing import Any
 from numba import njit
 
 from .life import lose
-from .state import State
-from .visible import rate_hz
+from .state import NEVER_US, State
+from .visible import falls_at, rate_hz
 
 __all__ = ["remove_failing"]
 
@@ -24,17 +24,19 @@ def _share_outside(rules: Any, cluster: Any) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def remove_failing(state: State, now_us: int) -> None:
-    """After a packet."""
+def remove_failing(state: State, begin_us: int, end_us: int) -> None:
+    """In the silence from `begin_us`, the end of a packet, to `end_us`."""
     rules = state.rules[0]
     i = 0
     while i < state.cursor[0].live:
         cluster = state.clusters[state.live[i]]
-        gone = rules.border_share < 1.0 and _share_outside(rules, cluster) > rules.border_share
+        at_us = NEVER_US
         coasts = rules.coast_us > 0 and cluster.track_id >= 0
         if rules.support_rate_hz > 0.0 and not coasts and cluster.before >= rules.visible_events:
-            gone = gone or rate_hz(rules, cluster) < rules.support_rate_hz
-        if gone:
-            lose(state, i, now_us)
+            at_us = falls_at(rules, rate_hz(rules, cluster), rules.support_rate_hz, begin_us)
+        if rules.border_share < 1.0 and _share_outside(rules, cluster) > rules.border_share:
+            at_us = begin_us
+        if at_us <= end_us:
+            lose(state, i, at_us)
         else:
             i += 1

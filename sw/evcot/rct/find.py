@@ -54,9 +54,10 @@ def _remoteness(rules: Any, cluster: Any, dx: float, dy: float) -> Any:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def find_by_options(rules: Any, clusters: Table, cells: Table, ex: Any, ey: Any, polarity: Any) -> Any:
+def find_by_options(rules: Any, clusters: Table, cells: Table, ex: Any, ey: Any, p: Any) -> Any:
     """(slot whose window holds the event, slot whose surround does), each the nearest or first of such, or `NOBODY`."""
     x, y = float(ex), float(ey)
+    polarity = np.int64(p) if rules.polarity == _SEPARATE else 0
     cell = cell_of(ex, ey)
     holder = around = np.uint64(NOBODY)
     least = least_around = np.inf
@@ -66,7 +67,7 @@ def find_by_options(rules: Any, clusters: Table, cells: Table, ex: Any, ey: Any,
             slot = lowest(near) + np.uint64(64 * word)
             near = without_lowest(near)
             cluster = clusters[slot]
-            if rules.polarity == _SEPARATE and cluster.polarity != polarity:
+            if cluster.polarity != polarity:
                 continue
             dx = x - cluster.x
             dy = y - cluster.y

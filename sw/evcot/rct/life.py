@@ -10,10 +10,12 @@ from numba import njit
 from .lookup import register, registered_for, unregister
 from .records import LOST, record
 from .size import start_size
-from .state import NEVER_US, State
+from .state import NEVER_US, State, choice
 from .visible import missing_events, show_if_due
 
 __all__ = ["check", "drop", "lose", "note_ends_of_life", "remove_silent", "seed"]
+
+_SEPARATE = choice("polarity", "separate")
 
 
 @njit(cache=True, nogil=True)
@@ -39,7 +41,7 @@ def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
     cluster.mass = 0.0
     cluster.two = 0
     cluster.track_id = -1
-    cluster.polarity = polarity
+    cluster.polarity = polarity if state.rules[0].polarity == _SEPARATE else 0
     cluster.order = cur.seeded
     cur.seeded += 1
     state.live[cur.live] = slot

@@ -11,13 +11,11 @@ from numba import njit
 from .life import drop
 from .records import MERGED, record
 from .size import set_reach
-from .state import State, Table, choice
+from .state import State, Table
 from .velocity import jump
 from .visible import missing_events, show_if_due
 
 __all__ = ["merge_overlapping"]
-
-_SEPARATE = choice("polarity", "separate")
 
 
 @njit(cache=True, nogil=True)
@@ -92,7 +90,7 @@ def _may_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
     """Whether two windows that touch share enough, and nothing speaks against it."""
     if now_us < a.apart_us and now_us < b.apart_us:
         return False
-    if rules.polarity == _SEPARATE and a.polarity != b.polarity:
+    if a.polarity != b.polarity:
         return False
     if rules.coast_us > 0 and now_us - min(a.last_us, b.last_us) >= rules.lifetime_us:
         return False  # who coasts may be behind the other

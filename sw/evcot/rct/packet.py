@@ -63,9 +63,9 @@ def _look(state: State, now_us: int) -> None:
 def _judge(state: State, now_us: int) -> None:
     """Options: who is gone, who is no track any more, who has become one."""
     cur = state.cursor[0]
-    remove_failing(state, now_us)
+    remove_failing(state, now_us, now_us)
     for i in range(cur.live):
-        hide_weak(state, state.live[i], now_us)
+        hide_weak(state, state.live[i], now_us, now_us)
     i = 0
     while i < cur.live:
         slot = state.live[i]
@@ -109,30 +109,31 @@ def open_packet(state: State, t_us: int) -> None:
     if silent > 0:
         begin_us = cur.packet_end_us
         cur.packet_end_us += silent * rules.packet_us
+        if rules.whole > 0:
+            _fade(state, begin_us)
         remove_silent(state, cur.packet_end_us)
         if rules.whole > 0:
-            _pass_time(state, begin_us)
+            _go_on(state, begin_us)
     cur.packet_end_us += rules.packet_us
     cur.closed = cur.records
 
 
 @njit(cache=True, nogil=True)
-def _pass_time(state: State, begin_us: int) -> None:
-    """Silent packets from `begin_us` on."""
+def _fade(state: State, begin_us: int) -> None:
+    """Options, in the silent packets from `begin_us` on: clusters become too weak."""
     cur = state.cursor[0]
     rules = state.rules[0]
+    remove_failing(state, begin_us, cur.packet_end_us)
     decay = math.exp(-(cur.packet_end_us - begin_us) / rules.mass_tau_us)
     for i in range(cur.live):
+        hide_weak(state, state.live[i], begin_us, cur.packet_end_us)
         grow_mass(rules, state.clusters[state.live[i]], decay)
-    remove_failing(state, cur.packet_end_us)
-    for i in range(cur.live):
-        hide_weak(state, state.live[i], cur.packet_end_us)
-    advance(state, begin_us + rules.packet_us, cur.packet_end_us + rules.packet_us)
-    _reregister(state)
 
 
 @njit(cache=True, nogil=True)
-def _reregister(state: State) -> None:
+def _go_on(state: State, begin_us: int) -> None:
+    """Options: where prediction is on, clusters have moved in those packets, and will in the next."""
     cur = state.cursor[0]
+    advance(state, begin_us + state.rules[0].packet_us, cur.packet_end_us + state.rules[0].packet_us)
     for i in range(cur.live):
         check(state, state.live[i], cur.index - 1, cur.last_us)

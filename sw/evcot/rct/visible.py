@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+import numpy as np
 from numba import njit
 
 from .records import BORN, LOST, record
-from .state import State, choice
+from .state import NEVER_US, State, choice
 
-__all__ = ["grow_mass", "hide_weak", "missing_events", "rate_hz", "show_if_due"]
+__all__ = ["falls_at", "grow_mass", "hide_weak", "missing_events", "rate_hz", "show_if_due"]
 
 _EVENTS, _RATE = choice("visibility", "events"), choice("visibility", "rate")
 _LONG = 1 << 40  # events
@@ -87,12 +89,29 @@ def _coasting_nearby(state: State, slot: int, now_us: int) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def hide_weak(state: State, slot: int, now_us: int) -> None:
-    """A track whose rate or mass has fallen below its share of what is asked for ends; its cluster lives on, invisible."""
+def falls_at(rules: Any, level: float, least: float, begin_us: int) -> Any:
+    """The end of the packet in which a level that decays like mass falls below the least: `begin_us` if it is there already."""
+    if level < least:
+        return begin_us
+    if least <= 0.0:
+        return NEVER_US
+    packets = np.int64(rules.mass_tau_us / rules.packet_us * math.log(level / least)) + 1
+    return begin_us + packets * rules.packet_us
+
+
+@njit(cache=True, nogil=True)
+def hide_weak(state: State, slot: int, begin_us: int, end_us: int) -> None:
+    """A track whose rate or mass falls below its share of what is asked for, in the silence from `begin_us` to `end_us`, ends.
+
+    Its cluster lives on, invisible.
+    """
     rules = state.rules[0]
     cluster = state.clusters[slot]
-    if rules.visibility != _EVENTS and cluster.track_id >= 0 and _weight(rules, cluster) < rules.hidden_share:
-        coasts = rules.coast_us > 0 and now_us - cluster.last_us < rules.lifetime_us + rules.coast_us
-        if not coasts:
-            record(state, LOST, state.cursor[0].index, now_us, slot, -1)
-            cluster.track_id = -1
+    if rules.visibility == _EVENTS or cluster.track_id < 0:
+        return
+    at_us = falls_at(rules, _weight(rules, cluster), rules.hidden_share, begin_us)
+    if rules.coast_us > 0:
+        at_us = max(at_us, cluster.last_us + rules.lifetime_us + rules.coast_us)
+    if at_us <= end_us:
+        record(state, LOST, state.cursor[0].index, at_us, slot, -1)
+        cluster.track_id = -1
