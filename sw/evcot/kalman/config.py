@@ -15,6 +15,7 @@ KALMAN_RANGES: dict[str, Range] = {
     "packet_us": (100, 1_000_000, "time between two corrections"),
     "refractory_us": (0, 1_000_000, "time for which a pixel is not heard again"),
     "quantile": (0.001, 0.4, "share of an object's events that lie beyond each of its sides"),
+    "afterglow": (0.0, 0.4, "share of an object's events that pixels send behind it, when it has passed"),
     "gate_px": (0.5, 1000.0, "how far outside a box events still belong to it"),
     "gate_share": (0.0, 10.0, "the same as a part of the mean half side; the greater counts"),
     "events_per_sample": (0.1, 1e6, "events that say as much as one independent one"),
@@ -41,6 +42,7 @@ class KalmanConfig:
     packet_us: int = 2_000
     refractory_us: int = 1_000
     quantile: float = 0.03
+    afterglow: float = 0.03
     gate_px: float = 3.0
     gate_share: float = 0.35
     events_per_sample: float = 10.0

@@ -64,6 +64,7 @@ class Rules(NamedTuple):
     packet_us: int
     refractory_us: int
     quantile: float
+    afterglow: float
     gate_px: float
     gate_share: float
     events_per_sample: float

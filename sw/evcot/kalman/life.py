@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -74,18 +75,20 @@ def _hidden(world: World, i: int, axis: int, high: int) -> bool:
 
 @njit(cache=True, nogil=True)
 def _correct(rules: Rules, world: World, i: int) -> None:
-    q = rules.quantile
+    v = np.hypot(world.state[i, 0, 1], world.state[i, 1, 1]) + 1e-9
     for axis in range(2):
         n = world.abreast[i, axis]
         if n <= 0.0:
             continue
         s, p = world.state[i, axis], world.cov[i, axis]
         density = 1.0 / (2.0 * s[2])
-        variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density)
+        ahead = s[1] / v
         for high in range(2):
             if _hidden(world, i, axis, high):
                 continue
             sign = 1.0 if high else -1.0
+            q = rules.quantile + rules.afterglow * max(-sign * ahead, 0.0)
+            variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density)
             off = sign * (world.beyond[i, axis, high] / n - q) / density
             correct(s, p, sign, off, variance)
 
