@@ -64,7 +64,7 @@ module cot_published (
 
     reg [7:0]  ev_high, ev_low;             // the event being decided
     reg [7:0]  lo_high, hi_high, lo_low, hi_low;
-    reg        inside;
+    reg        inside_window;
 
     reg [7:0]  cm_high, cm_low, av_high, av_low;
     reg [7:0]  g;
@@ -193,12 +193,12 @@ module cot_published (
             end
 
             REQ_RECEIVED: begin
-                inside <= is_inside;
+                inside_window <= is_inside;
                 count  <= count + {7'd0, is_inside};
                 state  <= EV_DISCRI;
             end
 
-            EV_DISCRI: state <= !inside ? EV_PASS_TH : (count >= n_ev) ? EV_PROC : EV_NO_PROC;
+            EV_DISCRI: state <= !inside_window ? EV_PASS_TH : (count >= n_ev) ? EV_PROC : EV_NO_PROC;
 
             // Offers the event to the next tracker until it is acknowledged.
             EV_PASS_TH: if (!m_pass_ack_n) state <= IDLE;

@@ -9,9 +9,21 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["CASCADE_FIELDS", "REGISTER_NAMES", "TRACKER_FIELDS", "run", "run_one"]
+__all__ = [
+    "CASCADE_FIELDS",
+    "REGISTER_NAMES",
+    "TRACKERS",
+    "TRACKER_FIELDS",
+    "acknowledges",
+    "edge",
+    "requests",
+    "run",
+    "run_one",
+]
 
 Table = NDArray[Any]
+Row = Any
+"""A record of a structured table: a port per field."""
 
 TRACKERS = 4
 
@@ -188,7 +200,7 @@ def run_one(s: Table, r: Table, inputs: Table, outputs: Table) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _requests(c: Table, s: Table, r: Table, wires: Table, out: Table) -> None:
+def requests(c: Table, s: Table, r: Table, wires: Table, out: Row) -> None:
     """What the cascade offers, from what it is offered.
 
     `wires` has a row per link, tracker i between links i and i + 1: request, high, low, acknowledge. Row 0 holds the request.
@@ -227,7 +239,7 @@ def _requests(c: Table, s: Table, r: Table, wires: Table, out: Table) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _acknowledges(s: Table, r: Table, pass_ack_n: int, wires: Table, out: Table) -> None:
+def acknowledges(s: Table, r: Table, pass_ack_n: int, wires: Table, out: Row) -> None:
     """What the cascade acknowledges, once its receivers have said what they do."""
     wires[TRACKERS, 3] = pass_ack_n
     for i in range(TRACKERS - 1, -1, -1):
@@ -236,7 +248,7 @@ def _acknowledges(s: Table, r: Table, pass_ack_n: int, wires: Table, out: Table)
 
 
 @njit(cache=True, nogil=True)
-def _edge(c: Table, s: Table, r: Table, at: Table, wires: Table, out: Table) -> None:
+def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
     """One clock edge of the cascade and of its registers."""
     for i in range(TRACKERS):
         req_n = wires[i, 0] or not r[i, ENABLE]
@@ -266,7 +278,7 @@ def _write(r: Table, address: int, data: int) -> None:
         r[MAX_TIME] = r[MAX_TIME] & ~(255 << shift) | data << shift
     elif 78 <= address <= 91:
         column = address - 78 if address < 82 else address - 81
-        if column == RADIX_TH or column == RADIX_STEP:
+        if column in (RADIX_TH, RADIX_STEP):
             data &= 7
         elif column == HIST_AVG:
             data &= 15
@@ -282,6 +294,6 @@ def run(c: Table, s: Table, r: Table, inputs: Table, outputs: Table) -> None:
     for i in range(len(inputs)):
         at, out = inputs[i], outputs[i]
         wires[0, 0], wires[0, 1], wires[0, 2] = at.s_req_n, at.s_high, at.s_low
-        _requests(c, s, r, wires, out)
-        _acknowledges(s, r, at.m_pass_ack_n, wires, out)
-        _edge(c, s, r, at, wires, out)
+        requests(c, s, r, wires, out)
+        acknowledges(s, r, at.m_pass_ack_n, wires, out)
+        edge(c, s, r, at, wires, out)

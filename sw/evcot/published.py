@@ -7,14 +7,15 @@ docs/published.md is the contract of all three. For trackers without the publish
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._published_bench import BENCH_FIELDS, CLOCK, PASSED, WORDS, play
 from ._published_kernel import CASCADE_FIELDS, REGISTER_NAMES, TRACKER_FIELDS, TRACKERS, run, run_one
-from .errors import ConfigError
+from .errors import ConfigError, RecordingError
 from .ranges import Range, check_ranges
 
 __all__ = [
@@ -26,6 +27,8 @@ __all__ = [
     "TRACKER_INPUT",
     "TRACKER_OUTPUT",
     "WORD",
+    "Handshakes",
+    "Played",
     "PublishedCascade",
     "PublishedConfig",
     "PublishedTracker",
@@ -48,6 +51,8 @@ REGISTERS: dict[str, tuple[int, int]] = {
 }
 SELECT = 127  # the tracker number written here is held in reset and takes the writes to the registers above
 SELECT_NONE = 255
+
+_CLOCKS = 1 << 48  # more than a run can last: two months at 50 MHz
 
 _RANGES: dict[str, Range] = {
     "init_cm_low": (0, 255, "low coordinate of the initial centre"),
@@ -143,6 +148,48 @@ def _idle(dtype: np.dtype[np.void], n: int) -> NDArray[np.void]:
     return rows
 
 
+@dataclass(frozen=True)
+class Handshakes:
+    """How long the other side of each port takes, in clocks: (m,) int64 each, read from the start again at the end.
+
+    Attributes:
+        release: how long the sender keeps a request after it saw the acknowledge; 0 lets go at the next edge.
+        ack: how long the receiver of words takes to acknowledge; 0 is within the same clock.
+        pass_ack: how long the receiver of passed events takes.
+    """
+
+    release: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+    ack: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+    pass_ack: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+
+    def __post_init__(self) -> None:
+        for name in ("release", "ack", "pass_ack"):
+            pattern = np.ascontiguousarray(getattr(self, name), np.int64)
+            if pattern.ndim != 1 or not len(pattern) or pattern.min() < 0:
+                raise ConfigError(f"handshakes.{name}: must be a row of at least one number of clocks, none below 0")
+            object.__setattr__(self, name, pattern)
+
+
+class Played(NamedTuple):
+    """What came of a run of n events; clocks are counted from reset.
+
+    Attributes:
+        acknowledged: (n,) int64, clock at which the sender saw each acknowledged.
+        word_clock, word: (m,) int64, clock at which each output word was taken, and the word: see `decode`.
+        pass_clock, pass_high, pass_low: (k,) int64, the events that no tracker took.
+        inputs, outputs: CASCADE_INPUT and CASCADE_OUTPUT of every clock, if asked for; else empty.
+    """
+
+    acknowledged: NDArray[np.int64]
+    word_clock: NDArray[np.int64]
+    word: NDArray[np.int64]
+    pass_clock: NDArray[np.int64]
+    pass_high: NDArray[np.int64]
+    pass_low: NDArray[np.int64]
+    inputs: NDArray[np.void]
+    outputs: NDArray[np.void]
+
+
 class PublishedTracker:
     """One tracker, `cot_published.v`, clock by clock from reset.
 
@@ -178,6 +225,7 @@ class PublishedCascade:
         self._cascade = np.zeros(CASCADE_FIELDS, np.int64)
         self._trackers = np.zeros((TRACKERS, TRACKER_FIELDS), np.int64)
         self._registers = np.zeros((TRACKERS, len(REGISTER_NAMES)), np.int64)
+        self._clock = 0
         reset = _idle(CASCADE_INPUT, 1)
         reset["rst"] = 1
         self.clocks(reset)
@@ -196,4 +244,74 @@ class PublishedCascade:
         """What the ports show just before each of n edges: (n,) CASCADE_OUTPUT for (n,) CASCADE_INPUT."""
         outputs = np.zeros(len(inputs), CASCADE_OUTPUT)
         run(self._cascade, self._trackers, self._registers, inputs, outputs)
+        self._clock += len(inputs)
         return outputs
+
+    @property
+    def clock(self) -> int:
+        """Clocks since reset."""
+        return self._clock
+
+    def play(
+        self,
+        clock: NDArray[np.integer[Any]],
+        high: NDArray[np.integer[Any]],
+        low: NDArray[np.integer[Any]],
+        handshakes: Handshakes | None = None,
+        *,
+        trace: bool = False,
+    ) -> Played:
+        """Send events through 4-phase handshakes and collect what comes out, until all is quiet.
+
+        Silence costs no time, so real recordings at a real clock rate are fine. An event that meets an initialisation is
+        acknowledged and appears nowhere.
+
+        Args:
+            clock: (n,) clock from which each event may be requested, never decreasing; later where the cascade is busy.
+            high, low: (n,) coordinates, 0 to 255.
+            handshakes: delays of sender and receivers (default: none).
+            trace: keep the ports of every clock; silence then costs time.
+
+        Raises:
+            RecordingError: a coordinate is outside 0 to 255, or a clock lies before the one before it.
+        """
+        clock, high, low = (np.ascontiguousarray(column, np.int64) for column in (clock, high, low))
+        n = len(clock)
+        if not n == len(high) == len(low):
+            raise RecordingError(f"{n} clocks, {len(high)} high and {len(low)} low coordinates: must be as many of each")
+        if n and not 0 <= clock[0] <= clock[-1] < _CLOCKS:
+            raise RecordingError(f"events from clock {clock[0]} to {clock[-1]}: must be from 0 to {_CLOCKS - 1}")
+        for name, column in (("high", high), ("low", low)):
+            if len(beyond := np.flatnonzero((column < 0) | (column > 255))):
+                raise RecordingError(f"event {beyond[0]}: {name} = {column[beyond[0]]}: must be from 0 to 255")
+        if len(back := np.flatnonzero(np.diff(clock) < 0)):
+            raise RecordingError(f"event {back[0] + 1}: clock {clock[back[0] + 1]} lies before that of the event before it")
+        delays = handshakes or Handshakes()
+        told = tuple(np.zeros(n + 2 * TRACKERS, np.int64) for _ in range(6))
+        bench = np.zeros(BENCH_FIELDS, np.int64)
+        bench[CLOCK] = self._clock
+        inputs, outputs = [], []
+        finished = n == 0
+        while not finished:
+            rows = 4096 if trace else 1
+            at, out = _idle(CASCADE_INPUT, rows), np.zeros(rows, CASCADE_OUTPUT)
+            finished, traced = play(
+                bench, self._cascade, self._trackers, self._registers, (clock, high, low),
+                (delays.release, delays.ack, delays.pass_ack), told, at, out, trace,
+            )  # fmt: skip
+            inputs.append(at[:traced])
+            outputs.append(out[:traced])
+        self._clock = int(bench[CLOCK])
+        acknowledged, word_clock, word, *passed = told
+        n_words, n_passed = int(bench[WORDS]), int(bench[PASSED])
+        pass_clock, pass_high, pass_low = (column[:n_passed] for column in passed)
+        return Played(
+            acknowledged[:n],
+            word_clock[:n_words],
+            word[:n_words],
+            pass_clock,
+            pass_high,
+            pass_low,
+            np.concatenate([_idle(CASCADE_INPUT, 0), *inputs]),
+            np.concatenate([np.zeros(0, CASCADE_OUTPUT), *outputs]),
+        )

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The compiled test bench around the model of the published cascade: a sender of events and two receivers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ._published_kernel import (
+    BUSY,
+    FREE,
+    IDLE,
+    MASK32,
+    MAX_TIME,
+    SELECTED,
+    STATE,
+    TC,
+    TC2,
+    TRACKERS,
+    acknowledges,
+    edge,
+    requests,
+)
+
+__all__ = ["BENCH_FIELDS", "CLOCK", "PASSED", "WORDS", "play"]
+
+Table = NDArray[Any]
+
+# Fields of the test bench around the cascade: what the sender does, then how long each receiver has waited, and for which word.
+CLOCK, SENT, SENDER, HOLDING, WAITED, WORDS, PASS_WAITED, PASSED = range(8)
+BENCH_FIELDS = 8
+READY, REQUESTS, RELEASED = range(3)
+
+
+@njit(cache=True, nogil=True)
+def _rests(c: Table, s: Table) -> bool:
+    """Whether every tracker is idle or held in reset, and the line is free."""
+    for i in range(TRACKERS):
+        if s[i, STATE] != IDLE and c[SELECTED] != i:
+            return False
+    return bool(c[BUSY] == 0 and c[FREE] == 1)
+
+
+@njit(cache=True, nogil=True)
+def _quiet_clocks(b: Table, c: Table, s: Table, r: Table, clock: Table) -> int:
+    """Clocks from now on in which nothing can happen but that timers run."""
+    if b[SENDER] != READY or not _rests(c, s):
+        return 0
+    quiet = clock[b[SENT]] - b[CLOCK]
+    for i in range(TRACKERS):
+        quiet = min(quiet, (r[i, MAX_TIME] - s[i, TC]) & MASK32)
+    return int(max(quiet, 0))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _receive(b: Table, req_n: int, delays: Table, waited: int, count: int) -> int:
+    """The acknowledge of a receiver that takes each word after its delay and lets go with the request."""
+    return int(req_n or b[waited] < delays[b[count] % len(delays)])
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _received(b: Table, req_n: int, ack_n: int, waited: int, count: int) -> int:
+    """The clock edge of a receiver: whether it took a word."""
+    takes = int(not req_n and not ack_n)
+    b[waited] = 0 if req_n or takes else b[waited] + 1
+    b[count] += takes
+    return takes
+
+
+@njit(cache=True, nogil=True)
+def play(
+    b: Table,
+    c: Table,
+    s: Table,
+    r: Table,
+    events: tuple[Table, ...],
+    delays: tuple[Table, ...],
+    told: tuple[Table, ...],
+    inputs: Table,
+    outputs: Table,
+    traces: bool,
+) -> tuple[bool, int]:
+    """Clocks of the cascade between a sender and two receivers until all events are through, or until the trace is full.
+
+    Args:
+        b, c, s, r: state of the test bench, of the cascade, of its trackers, and their registers.
+        events: clock from which each may be requested, high, low.
+        delays: clocks that the sender keeps a request after it was acknowledged, that the receiver of words takes, and that
+            of passed events takes; each read from the start again at its end.
+        told: clock at which each event was seen acknowledged; of the words, clock and word; of the passed, clock, high, low.
+        inputs, outputs: ports per clock, if `traces`; else one row of each, to work with.
+
+    Returns:
+        Whether it is finished, and how many rows were traced.
+    """  # fmt: skip
+    clock, high, low = events
+    release, ack, pass_ack = delays
+    acknowledged, word_clock, word, pass_clock, pass_high, pass_low = told
+    wires = np.ones((TRACKERS + 1, 4), np.int64)
+    n, rows = len(clock), 0
+    while b[SENT] < n or b[SENDER] != READY or not _rests(c, s):
+        if traces:
+            if rows == len(inputs):
+                return False, rows
+        elif b[SENT] < n:
+            quiet = _quiet_clocks(b, c, s, r, clock)
+            b[CLOCK] += quiet
+            for i in range(TRACKERS):
+                s[i, TC] = (s[i, TC] + quiet) & MASK32
+                s[i, TC2] = (s[i, TC2] + quiet) & MASK32
+        at, out = inputs[rows], outputs[rows]
+        rows += traces
+
+        if b[SENDER] == READY and b[SENT] < n and b[CLOCK] >= clock[b[SENT]]:
+            b[SENDER], b[HOLDING] = REQUESTS, -1
+        at.s_req_n = wires[0, 0] = b[SENDER] != REQUESTS
+        event = min(b[SENT], n - 1)
+        at.s_high = wires[0, 1] = high[event]
+        at.s_low = wires[0, 2] = low[event]
+        requests(c, s, r, wires, out)
+        at.m_ack_n = _receive(b, out.m_req_n, ack, WAITED, WORDS)
+        at.m_pass_ack_n = _receive(b, out.m_pass_req_n, pass_ack, PASS_WAITED, PASSED)
+        acknowledges(s, r, at.m_pass_ack_n, wires, out)
+        edge(c, s, r, at, wires, out)
+
+        if _received(b, out.m_req_n, at.m_ack_n, WAITED, WORDS):
+            word_clock[b[WORDS] - 1], word[b[WORDS] - 1] = b[CLOCK], out.m_word
+        if _received(b, out.m_pass_req_n, at.m_pass_ack_n, PASS_WAITED, PASSED):
+            k = b[PASSED] - 1
+            pass_clock[k], pass_high[k], pass_low[k] = b[CLOCK], out.m_pass_high, out.m_pass_low
+        if b[SENDER] == REQUESTS:
+            if b[HOLDING] < 0 and not out.s_ack_n:
+                acknowledged[b[SENT]] = b[CLOCK]
+                b[HOLDING] = release[b[SENT] % len(release)]
+            if b[HOLDING] == 0:
+                b[SENDER] = RELEASED
+            elif b[HOLDING] > 0:
+                b[HOLDING] -= 1
+        elif b[SENDER] == RELEASED and out.s_ack_n:
+            b[SENDER] = READY
+            b[SENT] += 1
+        b[CLOCK] += 1
+    return True, rows
