@@ -84,6 +84,8 @@ class NormalMotion:
         variance = np.maximum(squares / np.maximum(self._shared(np.maximum(self.visits - 1.0, 0.0)), _SMALL), 0.0)
         return Field(
             cell_px=float(self.config.cell_px),
+            width=float(self.sensor[0]),
+            height=float(self.sensor[1]),
             support=support,
             x=sums["x"] / np.maximum(length, _SMALL),
             y=sums["y"] / np.maximum(length, _SMALL),

@@ -93,12 +93,15 @@ class Rules(NamedTuple):
 class Field(NamedTuple):
     """Normal motion as the rules take it: (rows, columns) arrays over cells of `cell_px`, (0, 0) at pixel (0, 0).
 
+    width, height: of the sensor, pixels.
     support: tracks per cell. x, y: unit vector of the mean direction; concentration: length of the mean unit vector.
     log_speed, deviation: mean and standard deviation of log(px/s). near_speed: px/s there or in the nearest cells that have a
     support, not a number far from all.
     """
 
     cell_px: float
+    width: float
+    height: float
     support: NDArray[np.float64]
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -244,18 +247,45 @@ def _stopping(rules, cur, trace, out, elapsed_us, speed):  # type: ignore[no-unt
 
 
 @njit(cache=True, nogil=True)
+def _leaves(field, trace):  # type: ignore[no-untyped-def]
+    """Whether a track is so near to the picture's edge that a part of its object may be outside."""
+    reach_px = max(trace.radius, field.cell_px)
+    away_x = min(trace.x, field.width - 1 - trace.x)
+    return min(away_x, trace.y, field.height - 1 - trace.y) < reach_px
+
+
+@njit(cache=True, nogil=True)
+def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
+    """A track is lost, or has jumped to something else: what stands makes no events, so who was slow at last has stopped."""
+    slow = trace.slow_us >= rules.hold_us / 2 and not _leaves(field, trace)
+    if slow and not trace.raised[STOPPING]:
+        trace.raised[STOPPING] = 1
+        _stopped(rules, cur, trace, out, trace.slow_t)
+
+
+@njit(cache=True, nogil=True)
+def _jumped(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
+    """What the evidence was about is no longer what the track is on."""
+    x, y = trace.x, trace.y
+    trace.x, trace.y = trace.was_x, trace.was_y
+    _vanished(rules, field, cur, trace, out)
+    trace.x, trace.y = x, y
+    trace.slow_us = 0.0
+    trace.evidence_us[:] = 0.0
+    trace.open[:] = 0
+
+
+@njit(cache=True, nogil=True)
 def _stopped(rules, cur, trace, out, since_t):  # type: ignore[no-untyped-def]
     speed = math.hypot(trace.vx, trace.vy)
     _raise(cur, out, trace, STOPPING, -1, rules.stop_ratio * trace.normal / max(speed, 1e-3), trace.normal, speed, since_t)
 
 
 @njit(cache=True, nogil=True)
-def end(rules, stays, cur, trace, out):  # type: ignore[no-untyped-def]
-    """A track is lost: what stands makes no events, so who was slow at last has stopped."""
+def end(rules, field, stays, cur, trace, out):  # type: ignore[no-untyped-def]
+    """A track is lost."""
     leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
-    if trace.slow_us >= rules.hold_us and not trace.raised[STOPPING]:
-        trace.raised[STOPPING] = 1
-        _stopped(rules, cur, trace, out, trace.slow_t)
+    _vanished(rules, field, cur, trace, out)
 
 
 @njit(cache=True, nogil=True)
@@ -331,6 +361,8 @@ def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-u
         trace.first_x = trace.x
         trace.first_y = trace.y
         trace.raised[LOITERING] = settle(stays, trace, rules.loiter_radius_px, rules.loiter_gap_us)
+    if trace.jumped:
+        _jumped(rules, field, cur, trace, out)
     trace.farthest_px = max(trace.farthest_px, math.hypot(trace.x - trace.first_x, trace.y - trace.first_y))
     elapsed_us = min(trace.elapsed_us, rules.longest_us)
     row, column = _cell(field, trace.x, trace.y)

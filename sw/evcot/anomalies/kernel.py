@@ -127,7 +127,7 @@ def feed(steps, rules, field, places, stays, stitch_us, stitch_px, cursor, table
             judge(rules, field, places, stays, i, cur, trace, out)
         if ends:
             if record.kind == LOST:
-                end(rules, stays, cur, trace, out)
+                end(rules, field, stays, cur, trace, out)
             trace.ended_us = after_us
         else:
             trace.radius = record.radius

@@ -25,10 +25,9 @@ from .motion import Steps, add_place, begin, close_step, steps
 
 __all__ = ["learn", "smallest_sensor"]
 
-_ROUNDS = 6
 _ANGLE_COS = 0.5  # a visit further off the mean direction is left out, where there is one
 _CLEAR = 0.5  # concentration from which on there is
-_DEVIATIONS = 2.5
+_DEVIATIONS = (2.0, 2.5, 3.0, 3.0, 3.0)  # round by round: strict while what is left out still counts in them
 _LEAST_SPEED = 0.5  # px/s
 _SURE = 2.0  # standard errors from which on a velocity has a direction
 
@@ -62,13 +61,9 @@ def learn(
     if not len(visits):
         raise ConfigError("learning: no track in the logs is long enough to have a velocity on the sensor")
     kept = np.ones(len(visits), bool)
-    for _ in range(_ROUNDS):
-        normal = _summed(visits[kept], sensor, config, measured)
-        fits = _fits(visits, normal)
-        if (fits == kept).all():
-            break
-        kept = fits
-    return normal
+    for deviations in _DEVIATIONS:
+        kept = _fits(visits, _summed(visits[kept], sensor, config, measured), deviations)
+    return _summed(visits[kept], sensor, config, measured)
 
 
 def smallest_sensor(logs: Sequence[TrackLog]) -> tuple[int, int]:
@@ -160,11 +155,11 @@ def _summed(visits: NDArray[np.void], sensor: tuple[int, int], config: FieldConf
     )  # fmt: skip
 
 
-def _fits(visits: NDArray[np.void], normal: NormalMotion) -> NDArray[np.bool_]:
+def _fits(visits: NDArray[np.void], normal: NormalMotion, deviations: float) -> NDArray[np.bool_]:
     """Which visits agree with the field around them."""
     field = normal.smoothed()
     at = visits["row"], visits["column"]
     cosine = visits["x"] * field.x[at] + visits["y"] * field.y[at]
     turned = visits["turns"] & (field.concentration[at] >= _CLEAR) & (cosine < _ANGLE_COS)
-    apart = np.abs(visits["log_speed"] - field.log_speed[at]) > _DEVIATIONS * field.deviation[at]
+    apart = np.abs(visits["log_speed"] - field.log_speed[at]) > deviations * field.deviation[at]
     return np.asarray(~turned & ~apart)

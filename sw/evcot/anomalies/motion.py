@@ -38,6 +38,9 @@ MOTION = np.dtype(
         ("t", "<f8"),
         ("x", "<f8"),
         ("y", "<f8"),
+        ("jumped", "?"),  # from where it was before, and could not have come from
+        ("was_x", "<f8"),
+        ("was_y", "<f8"),
         ("elapsed_us", "<f8"),  # since the one before it; 0 for the first after a jump
         # Of the line, if it is known: place and velocity in the middle of its window.
         ("known", "?"),
@@ -92,14 +95,18 @@ def close_step(settings: Steps, motion: Any, reach_px: float) -> None:
     motion.n = 0
     motion.sum_t = motion.sum_x = motion.sum_y = 0.0
     motion.elapsed_us = 0.0
+    motion.jumped = False
     if motion.places > 0:
         elapsed_us = t - motion.t
         ahead_s = 1e-6 * elapsed_us if motion.known else 0.0
         off_px = max(abs(motion.x + motion.vx * ahead_s - x), abs(motion.y + motion.vy * ahead_s - y))
         if off_px > reach_px:
             motion.places = motion.head = 0
+            motion.jumped = True
         else:
             motion.elapsed_us = elapsed_us
+    motion.was_x = motion.x
+    motion.was_y = motion.y
     motion.t = t
     motion.x = x
     motion.y = y
