@@ -33,6 +33,7 @@ _BENCHMARKS = (
     "recordings",
     "clustering",
     "table2",
+    "cot_quality",
 )
 _FOLDER = Path("build") / "bench"
 

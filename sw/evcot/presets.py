@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Named configurations: the paper's two situations, and one for each common sensor size."""
+"""Named configurations: the paper's two situations, one for each common sensor size, and what was tuned for a kind of scene."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 from .config import CotConfig, RunConfig, SlotConfig
 from .contract import Shape
 from .errors import ConfigError
+from .filters.config import FilterConfig
 from .rct.config import RctConfig
 
 __all__ = ["PRESETS", "fit", "for_sensor", "preset"]
@@ -58,6 +59,45 @@ def _sensor(name: str, radius_px: int, n_ev: int, lifetime_us: int) -> RunConfig
     return RunConfig(name, CotConfig.uniform(Shape(), slot), rct)
 
 
+def _traffic() -> RunConfig:
+    """Cars seen from a bridge, on a sensor of about 346x260; docs/evaluation.md has how it was found and what it reaches.
+
+    Events of one polarity show a car as one edge instead of two, which a window holds whole.
+    """
+    slot = SlotConfig(
+        init_radix=19,
+        radix_th=3,
+        radix_min=2,
+        radix_max=50,
+        max_ticks=40_000,
+        clust_nev=24,
+        nev_min=24,
+        nev_max=48,
+        nev_th=100,
+        detect_ticks=7_000,
+    )
+    rct = RctConfig(radius_px=22.0, visible_events=48, lifetime_us=40_000)
+    filters = FilterConfig(refractory_us=2_000, polarity="off")
+    return RunConfig("traffic", CotConfig.uniform(Shape(n_slots=12), slot), rct, filters)
+
+
+def _discs() -> RunConfig:
+    """Things of about 9 px radius that keep their size; N_ev stays, as docs/table2.md advises."""
+    slot = SlotConfig(
+        init_radix=10,
+        radix_th=4,
+        radix_min=6,
+        radix_max=12,
+        max_ticks=10_000,
+        clust_nev=6,
+        nev_min=6,
+        nev_max=6,
+        detect_ticks=10_000,
+    )
+    rct = RctConfig(radius_px=14.0, visible_events=12, lifetime_us=10_000)
+    return RunConfig("discs", CotConfig.uniform(Shape(), slot), rct, FilterConfig(refractory_us=500))
+
+
 PRESETS: dict[str, RunConfig] = {
     config.name: config
     for config in (
@@ -68,6 +108,8 @@ PRESETS: dict[str, RunConfig] = {
         _sensor("davis346", 16, 24, 15_000),
         _sensor("vga", 24, 32, 12_000),
         _sensor("hd", 32, 48, 10_000),
+        _traffic(),
+        _discs(),
     )
 }
 

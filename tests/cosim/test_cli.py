@@ -134,7 +134,17 @@ def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
 def test_presets_are_listed(capsys: Capture) -> None:
     assert main(["presets"]) == 0
     rows = capsys.readouterr().out.splitlines()
-    assert [row.split()[0] for row in rows[1:]] == ["slow", "fast", "fast5", "dvs128", "davis346", "vga", "hd"]
+    assert [row.split()[0] for row in rows[1:]] == [
+        "slow",
+        "fast",
+        "fast5",
+        "dvs128",
+        "davis346",
+        "vga",
+        "hd",
+        "traffic",
+        "discs",
+    ]
     assert main(["presets", "--json"]) == 0
     slow = json.loads(capsys.readouterr().out)["slow"]["cot"]
     assert (slow["slots"][0]["clust_nev"], slow["slots"][0]["max_ticks"]) == (8, 20)

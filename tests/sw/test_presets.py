@@ -28,6 +28,15 @@ def test_every_preset_can_find_something_and_says_its_name(name: str) -> None:
         assert slot.nev_min < slot.clust_nev < slot.nev_max or slot.clust_nev == slot.nev_min
 
 
+@pytest.mark.parametrize("name", ["traffic", "discs"])
+def test_what_was_tuned_stands_for_itself_on_its_sensor(name: str) -> None:
+    """Filters and all: no mask of one camera's pixels, nothing that its hardware could not be built with."""
+    run = fit(preset(name), 346, 260)
+    assert run.filters.hot_pixels == ()
+    assert run.filters.enabled
+    assert run.hardware(346, 260).filtered
+
+
 def test_an_unknown_name_lists_the_known_ones() -> None:
     with pytest.raises(ConfigError) as caught:
         preset("quick")

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How good the hardware tracker's tracks are: its presets for traffic and for discs, in hardware and golden model, bit for bit.
+
+On the real motorway (whole, and both halves apart: the preset was tuned on the first) and on simulated motorways and discs of
+seeds that it was not tuned on; beside the preset for the sensor, which nobody tuned, and the software tracker.
+`python benchmarks/cot_quality.py` prints the tables of docs/evaluation.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from evcot.config import RunConfig
+from evcot.events import Recording
+from evcot.files import read_recording
+from evcot.filters.config import FilterConfig
+from evcot.filters.hot_pixels import learn_hot_pixels
+from evcot.filters.run import apply
+from evcot.metrics import Scores, evaluate, load_rule, read_truth
+from evcot.metrics.frames import line_up
+from evcot.metrics.rule import Rule
+from evcot.metrics.sampling import expiring
+from evcot.metrics.truth import GroundTruth
+from evcot.presets import fit, for_sensor, preset
+from evcot.rct.tracker import track
+from evcot.scenes.registry import simulate_scene
+from evcot.tracklog import TrackLog
+from exact import cot_log
+from measure import Result
+from what_if import WHAT_IF, what_if
+
+__all__ = ["ENGINES", "Case", "between", "cases", "measure", "score", "simulated"]
+
+_FOLDER = Path(__file__).parents[2] / "shared" / "data"
+_TRUTH_STEP_US = 20_000
+_SEEDS = (11, 12, 13)  # the presets were tuned on others
+_SCENES: dict[str, tuple[str, str, dict[str, object]]] = {
+    "motorway, simulated": ("traffic", "highway", {}),
+    "discs that cross": ("discs", "discs", {}),
+    "discs in lanes": ("discs", "discs", {"ways": "separate"}),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A recording, its truth, how that is scored, and the preset for its kind."""
+
+    name: str
+    preset: str
+    recording: Recording
+    truth: GroundTruth
+    rule: Rule
+
+
+Engine = Callable[[Case], TrackLog]
+
+
+def _configured(config: RunConfig, case: Case) -> RunConfig:
+    """For the recording's sensor, with its hot pixels masked."""
+    sensor = case.recording.width, case.recording.height
+    hot = learn_hot_pixels(case.recording.events, sensor)
+    return replace(fit(config, *sensor), filters=replace(config.filters, hot_pixels=hot))
+
+
+def _hardware(case: Case) -> TrackLog:
+    return cot_log(case.recording, _configured(preset(case.preset), case))
+
+
+def _untuned(case: Case) -> TrackLog:
+    return cot_log(case.recording, _configured(for_sensor(case.recording.width), case), rtl=False)
+
+
+def _software(case: Case) -> TrackLog:
+    config = _configured(preset(case.preset), case)
+    _, keep = apply(case.recording, FilterConfig(hot_pixels=config.filters.hot_pixels))
+    return track(case.recording, config.rct, keep)
+
+
+ENGINES: Mapping[str, Engine] = {"hardware": _hardware, "hardware, untuned": _untuned, "software": _software}
+
+
+def between(truth: GroundTruth, from_us: int, to_us: int) -> GroundTruth:
+    """The truth at the instants in [from_us, to_us)."""
+    begin, end = np.searchsorted(truth.instants_us, (from_us, to_us))
+    objects = truth.objects[(truth.objects["frame"] >= begin) & (truth.objects["frame"] < end)].copy()
+    objects["frame"] -= begin
+    return GroundTruth(truth.instants_us[begin:end], objects, truth.ids)
+
+
+def cases(quick: bool = False) -> Iterator[list[Case]]:
+    """Groups of recordings whose scores are averaged; the real one only where it is at hand."""
+    path = _FOLDER / "traffic_outbound.aedat4"
+    if path.is_file():
+        rule, recording = load_rule("traffic"), read_recording(path)
+        truth = read_truth(_FOLDER / "traffic_outbound_gt.csv", rule)
+        begin_us, end_us = (int(t_us) for t_us in recording.events.t_us[[0, -1]])
+        middle_us = (begin_us + end_us) // 2
+        case = Case("motorway, real", "traffic", recording, truth, rule)
+        yield [case]
+        yield [replace(case, name="its first half", truth=between(truth, begin_us, middle_us))]
+        yield [replace(case, name="its second half", truth=between(truth, middle_us, end_us))]
+    for name, (preset_name, scene, settings) in _SCENES.items():
+        yield [simulated(name, preset_name, scene, settings, seed) for seed in (_SEEDS[:1] if quick else _SEEDS)]
+
+
+def simulated(name: str, preset_name: str, scene: str, settings: Mapping[str, object], seed: int) -> Case:
+    """A scene, scored as scenes are."""
+    of, rule = simulate_scene(scene, seed, {"truth_step_us": _TRUTH_STEP_US, **settings}), load_rule("scene")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "truth.csv"
+        of.truth.save(path)
+        return Case(name, preset_name, of.recording, read_truth(path, rule), rule)
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """HOTA of the hardware; the reference is the preset for the sensor."""
+    for group in cases(quick):
+        tuned, untuned = (_mean(group, engine, "hota") for engine in (_hardware, _untuned))
+        name = group[0].name.replace(",", "").replace(" ", "_")
+        how = f"preset {group[0].preset}, hot pixels masked; hardware and model the same bits"
+        yield Result(f"cot_hota_{name}", tuned, "HOTA", untuned, "untuned", how=how)
+
+
+def _mean(group: list[Case], engine: Engine, figure: str) -> float:
+    return float(np.mean([getattr(score(case, engine), figure) for case in group]))
+
+
+def score(case: Case, engine: Engine) -> Scores:
+    """All scores of one engine."""
+    return evaluate(engine(case), case.truth, case.rule)
+
+
+# field of `Scores` -> (heading, format)
+_COLUMNS = {
+    "hota": ("HOTA", ".3f"),
+    "deta": ("DetA", ".3f"),
+    "assa": ("AssA", ".3f"),
+    "loca": ("LocA", ".3f"),
+    "mota": ("MOTA", ".3f"),
+    "idf1": ("IDF1", ".3f"),
+    "idsw": ("switches", ".1f"),
+    "fp": ("false", ".0f"),
+    "fn": ("missed", ".0f"),
+    "truth_ids": ("objects", ".0f"),
+    "track_ids": ("tracks", ".0f"),
+    "position_error_px_median": ("error, px", ".1f"),
+}
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="one simulated recording of each kind")
+    groups = list(cases(parser.parse_args().quick))
+    _print_line(["", "engine", *(heading for heading, _ in _COLUMNS.values())])
+    _print_line(["---"] * (2 + len(_COLUMNS)))
+    bounds: dict[str, list[str]] = {}
+    for group in groups:
+        for name, engine in ENGINES.items():
+            logs = [engine(case) for case in group]
+            scores = [evaluate(log, case.truth, case.rule) for log, case in zip(logs, group, strict=True)]
+            cells = [
+                format(float(np.mean([getattr(one, field) for one in scores])), form) for field, (_, form) in _COLUMNS.items()
+            ]
+            _print_line([group[0].name, name, *cells])
+            if engine is _hardware:
+                bounds[group[0].name] = _bounds(list(zip(logs, group, strict=True)))
+    print("\nHOTA of the hardware, if one kind of mistake were made good:\n")
+    _print_line(["", *WHAT_IF])
+    _print_line(["---"] * (1 + len(WHAT_IF)))
+    for name, cells in bounds.items():
+        _print_line([name, *cells])
+
+
+def _bounds(runs: list[tuple[TrackLog, Case]]) -> list[str]:
+    found = [what_if(line_up(expiring(log, case.rule.max_age_us), case.truth, case.rule)[0]) for log, case in runs]
+    return [f"{np.mean([one[name] for one in found]):.3f}" for name in found[0]]
+
+
+def _print_line(cells: list[str]) -> None:
+    print(f"| {' | '.join(cells)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
