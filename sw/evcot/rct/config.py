@@ -159,8 +159,6 @@ class RctConfig:
             raise ConfigError(f"rct.radius_px = {self.radius_px:g}: must lie from {limits} when size is {self.size!r}")
         if self.angle and (self.size == "quantile" or self.centre == "box"):
             raise ConfigError("rct.angle = True: must not stand with size 'quantile' or centre 'box', whose sides do not turn")
-        if self.split_share > 0 and self.size == "fixed":
-            raise ConfigError(f"rct.split_share = {self.split_share:g}: must be 0 when size is 'fixed': the halves would merge")
         if self.perspective != "none" and self._depth_px() < 1.0:
             raise ConfigError(f"rct.perspective = {self.perspective!r}: reference must lie at least 1 px from vanishing")
 

@@ -25,8 +25,6 @@ def test_the_default_is_the_papers_tracker_and_every_other_setting_is_an_option(
         else:
             value = not f.default
         needed = {"velocity": {"path_points": 3}, "perspective": {"reference_y_px": 10.0}}
-        if f.name in ("split_share",):
-            needed[f.name], value = {"size": "deviation"}, 0.1
         changed = RctConfig(**{f.name: value}, **needed.get(f.name, {}))  # type: ignore[arg-type]
         assert changed.whole == (f.name not in PLAIN)
 
@@ -61,7 +59,6 @@ def test_a_switch_is_on_or_off(name: str) -> None:
             {"angle": True, "centre": "box"},
             "rct.angle = True: must not stand with size 'quantile' or centre 'box', whose sides do not turn",
         ),
-        ({"split_share": 0.1}, "rct.split_share = 0.1: must be 0 when size is 'fixed': the halves would merge"),
         (
             {"perspective": "row", "vanishing_y_px": 7.0, "reference_y_px": 7.5},
             "rct.perspective = 'row': reference must lie at least 1 px from vanishing",
