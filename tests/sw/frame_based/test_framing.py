@@ -19,8 +19,8 @@ def ends(framing: Framing, *runs: list[int]) -> list[int]:
 
 
 def test_frames_count_from_the_first_event_and_silent_ones_are_none() -> None:
-    t_us = [1005, 1014, 1015, 1016, 1055, 1064, 1065]
-    assert ends(Framing(10), t_us) == [2, 4, 6]
+    t_us = [1005, 1014, 1016, 1024, 1025, 1059, 1064, 1065]
+    assert ends(Framing(10), t_us) == [2, 4, 5, 7]
 
 
 def test_a_packet_ends_after_so_many_events() -> None:
