@@ -12,13 +12,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .layout import CELL_BITS, PROFILE, Rules, World
+from .layout import CELL_BITS, NOBODY, PROFILE, Rules, World
 
 __all__ = ["find_births"]
 
 Table = NDArray[Any]
 
-_CELL_PIXELS = 2  # fewer in a cell are noise
+_CELL_PIXELS = 2.0  # fewer in a cell are noise
+_ABOVE_NOISE = 4.0
+_CLUTTER_MIX = 0.1
 _PLACE_PX = 3.0  # how well a new object's sides are known
 _EDGE_PX = 8.0
 _GROWTH = 0.3  # of the speed: how fast a half side may change
@@ -43,7 +45,7 @@ def _free_slot(world: World) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _gather(world: World, row: int, column: int, box: Table) -> int:
+def _gather(world: World, row: int, column: int, box: Table, least: float) -> int:
     """Take the group of cells that a cell belongs to away; its pixels, and in `box` the outermost of them."""
     rows, columns = world.pixels.shape
     box[:] = (1e9, -1e9, 1e9, -1e9)
@@ -69,7 +71,7 @@ def _gather(world: World, row: int, column: int, box: Table) -> int:
                     box[3] = max(box[3], (r << CELL_BITS) + y)
         for rr in range(max(r - 1, 0), min(r + 2, rows)):
             for cc in range(max(c - 1, 0), min(c + 2, columns)):
-                if _count(words[rr, cc]) >= _CELL_PIXELS:
+                if _count(words[rr, cc]) >= least:
                     world.queue[n] = rr * columns + cc
                     world.group[n] = words[rr, cc]
                     words[rr, cc] = np.uint64(0)
@@ -139,14 +141,26 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
 @njit(cache=True, nogil=True)
 def find_births(rules: Rules, world: World, t_us: int) -> None:
     """Start an object in each group of cells that has the pixels for one, and forget the pixels of all."""
+    run = world.run[0]
     rows, columns = world.pixels.shape
     box = np.empty(4)
+    packets = rules.birth_us / rules.packet_us
+    noise = run.clutter * 64.0 * packets
+    least = max(_CELL_PIXELS, _ABOVE_NOISE * noise)
+    alone, cells = 0, 0
     for row in range(rows):
         for column in range(columns):
-            if _count(world.pixels[row, column]) >= _CELL_PIXELS:
-                found = _gather(world, row, column, box)
+            if world.near[row, column] == NOBODY:
+                cells += 1
+                alone += _count(world.pixels[row, column])
+            if _count(world.pixels[row, column]) >= least:
+                inside = world.near[row, column] == NOBODY
+                found = _gather(world, row, column, box, least)
                 if found >= rules.birth_pixels and not _touches(rules, world, box):
                     i = _free_slot(world)
                     if i >= 0:
                         _start(rules, world, i, box, found, t_us)
+                        alone -= found if inside else 0
     world.pixels[:] = np.uint64(0)
+    if cells:
+        run.clutter += _CLUTTER_MIX * (max(alone, 0) / (cells * 64.0 * packets) - run.clutter)

@@ -52,7 +52,7 @@ class KalmanConfig:
     birth_us: int = 10_000
     birth_pixels: int = 30
     coast_us: int = 100_000
-    merge_gap: float = 0.7
+    merge_gap: float = 1.0
     merge_velocity: float = 0.6
 
     def __post_init__(self) -> None:

@@ -50,6 +50,7 @@ RUN = np.dtype(
         ("packet_end_us", "<i8"),  # exclusive; UNSET_US before the first event
         ("birth_end_us", "<i8"),
         ("births", "<i8"),  # the next track id
+        ("clutter", "<f8"),  # events per pixel and packet that belong to nothing
         ("live", "<i8"),
         ("records", "<i8"),  # in the buffer
     ]

@@ -77,10 +77,12 @@ def _hidden(world: World, i: int, axis: int, high: int) -> bool:
 def _correct(rules: Rules, world: World, i: int) -> None:
     v = np.hypot(world.state[i, 0, 1], world.state[i, 1, 1]) + 1e-9
     for axis in range(2):
-        n = world.abreast[i, axis]
+        s, p = world.state[i, axis], world.cov[i, axis]
+        other = world.state[i, 1 - axis, 2]
+        noise = world.run[0].clutter * 2.0 * other * world.objects[i].gate
+        n = world.abreast[i, axis] - noise * (2.0 + 2.0 * s[2] / world.objects[i].gate)
         if n <= 0.0:
             continue
-        s, p = world.state[i, axis], world.cov[i, axis]
         density = 1.0 / (2.0 * s[2])
         ahead = s[1] / v
         for high in range(2):
@@ -89,7 +91,7 @@ def _correct(rules: Rules, world: World, i: int) -> None:
             sign = 1.0 if high else -1.0
             q = rules.quantile + rules.afterglow * max(-sign * ahead, 0.0)
             variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density)
-            off = sign * (world.beyond[i, axis, high] / n - q) / density
+            off = sign * ((world.beyond[i, axis, high] - noise) / n - q) / density
             correct(s, p, sign, off, variance)
 
 
@@ -179,7 +181,8 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
         o = world.objects[i]
         if not o.alive:
             continue
-        o.rate += mix * (o.weight - o.rate)
+        noise = run.clutter * (o.right - o.left) * (o.bottom - o.top)
+        o.rate += mix * (max(o.weight - noise, 0.0) - o.rate)
         if o.rate >= least:
             o.supported_us = t_us
         o.support += o.packet_events

@@ -19,7 +19,7 @@ _NEW_US = 200_000
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
 _WITHIN = 0.7  # of the smaller box, in the greater
 _ABREAST = 0.6  # of the wider, covered by the other
-_ELONGATED = 2.0  # length of an object by its width, at most
+_ELONGATED = 2.3  # length of an object by its width, at most
 
 
 @njit(cache=True, nogil=True)
