@@ -10,6 +10,7 @@ from .contract import Shape
 from .errors import ConfigError
 from .filters.config import FilterConfig
 from .rct.config import RctConfig
+from .rct.presets import PRESETS as RCT_PRESETS
 
 __all__ = ["PRESETS", "fit", "for_sensor", "preset"]
 
@@ -76,9 +77,8 @@ def _traffic() -> RunConfig:
         nev_th=100,
         detect_ticks=7_000,
     )
-    rct = RctConfig(radius_px=22.0, visible_events=48, lifetime_us=40_000)
     filters = FilterConfig(refractory_us=2_000, polarity="off")
-    return RunConfig("traffic", CotConfig.uniform(Shape(n_slots=12), slot), rct, filters)
+    return RunConfig("traffic", CotConfig.uniform(Shape(n_slots=12), slot), RCT_PRESETS["traffic"], filters)
 
 
 def _discs() -> RunConfig:
@@ -94,8 +94,7 @@ def _discs() -> RunConfig:
         nev_max=6,
         detect_ticks=10_000,
     )
-    rct = RctConfig(radius_px=14.0, visible_events=12, lifetime_us=10_000)
-    return RunConfig("discs", CotConfig.uniform(Shape(), slot), rct, FilterConfig(refractory_us=500))
+    return RunConfig("discs", CotConfig.uniform(Shape(), slot), RCT_PRESETS["discs"], FilterConfig(refractory_us=500))
 
 
 PRESETS: dict[str, RunConfig] = {
