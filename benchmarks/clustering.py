@@ -29,6 +29,8 @@ __all__ = ["measure"]
 
 _PICTURE = Path(__file__).parents[1] / "docs" / "images" / "clustering.png"
 
+_TICKS = (0.03, 0.1, 0.3, 1.0)
+
 _SLACK = 0.02
 _HEAD = ("data", "method", "size", "HOTA", "position, px", "evaluations/s", "as written", "operations/s", "CPU s/s")
 
@@ -154,9 +156,11 @@ def _draw(done: Mapping[str, Sequence[Outcome]]) -> None:
             axis.plot(
                 [one.cpu for one in line], [one.hota for one in line], marker=marker, linewidth=1, markersize=4, label=method
             )
-            for one in line:
-                axis.annotate(one.label, (one.cpu, one.hota or 0.0), (3, 3), textcoords="offset points", fontsize=5)
+            for one in (line[0], line[-1]):
+                axis.annotate(one.label, (one.cpu, one.hota or 0.0), (3, 3), textcoords="offset points", fontsize=6)
         axis.set(title=name, xlabel="CPU seconds per second", xscale="log")
+        axis.minorticks_off()
+        axis.set_xticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
         axis.grid(linewidth=0.3)
     axes[0][0].set_ylabel("HOTA")
     axes[0][0].legend(fontsize="x-small", loc="lower left")
