@@ -33,6 +33,7 @@ concerned on each broken copy and fails when one of them goes unnoticed. Named i
 
 ARRAY, CHAIN, COT, UPDATE = "test_cot_array.py", "test_cot_chain.py", "test_cot.py", "test_cot_update.py"
 FILTERS = "test_filter_chain.py"
+PUBLISHED = "test_cot_published.py"
 
 
 @dataclass(frozen=True)
@@ -258,6 +259,38 @@ MUTATIONS = (
         "fraction <= 0",
         ("test_filter_decay.py",),
     ),
+    Mutation(
+        "published: an event that meets the initialisation waits instead of being lost",
+        "cot_published.v",
+        "s_ack_n = !(state == INIT_CELL || state == REQ_RECEIVED",
+        "s_ack_n = !(state == REQ_RECEIVED",
+        (PUBLISHED,),
+    ),
+    Mutation(
+        "published: the average takes an event in once however long it waits",
+        "cot_published.v",
+        "EV_NO_PROC: begin av_high <= next_high; av_low <= next_low;",
+        "EV_NO_PROC: begin if (!m_ack_n) av_high <= next_high; if (!m_ack_n) av_low <= next_low;",
+        (PUBLISHED,),
+    ),
+    Mutation(
+        "published: expires at any clock past MaxTime", "cot_published.v", "tc == max_time", "tc >= max_time", (PUBLISHED,)
+    ),
+    Mutation(
+        "published: compares with TC2 one update back",
+        "cot_published.v",
+        "diff <= tc2 - tc2_2",
+        "diff <= tc2 - tc2_1",
+        (PUBLISHED,),
+    ),
+    Mutation(
+        "published: the top edge triggers growth",
+        "cot_published.v",
+        "|| {1'b0, ev_high} + {1'b0, g} < {1'b0, cm_high};",
+        "|| {1'b0, ev_high} + {1'b0, g} < {1'b0, cm_high} || {1'b0, ev_high} > {1'b0, cm_high} + {1'b0, g};",
+        (PUBLISHED,),
+    ),
+    Mutation("two words run together on the line", "aer_merge.v", "busy <= !m_req_n;", "busy <= 1'b0;", (PUBLISHED,)),
 )
 
 

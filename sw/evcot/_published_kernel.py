@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 __all__ = [
     "CASCADE_FIELDS",
+    "ENABLE",
     "REGISTER_NAMES",
+    "SELECTED",
     "TRACKERS",
     "TRACKER_FIELDS",
     "acknowledges",

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._published_bench import BENCH_FIELDS, CLOCK, PASSED, WORDS, play
-from ._published_kernel import CASCADE_FIELDS, REGISTER_NAMES, TRACKER_FIELDS, TRACKERS, run, run_one
+from ._published_kernel import CASCADE_FIELDS, ENABLE, REGISTER_NAMES, SELECTED, TRACKER_FIELDS, TRACKERS, run, run_one
 from .errors import ConfigError, RecordingError
 from .ranges import Range, check_ranges
 
@@ -273,8 +273,13 @@ class PublishedCascade:
             trace: keep the ports of every clock; silence then costs time.
 
         Raises:
+            ConfigError: a tracker is still selected.
             RecordingError: a coordinate is outside 0 to 255, or a clock lies before the one before it.
         """
+        if (selected := int(self._cascade[SELECTED])) < TRACKERS and self._registers[selected, ENABLE]:
+            raise ConfigError(
+                f"tracker {selected} is selected: it would acknowledge for ever; write {SELECT_NONE} to {SELECT} first"
+            )
         clock, high, low = (np.ascontiguousarray(column, np.int64) for column in (clock, high, low))
         n = len(clock)
         if not n == len(high) == len(low):
