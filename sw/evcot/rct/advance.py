@@ -6,14 +6,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
-
+from .compiled import step
 from .state import State
 
 __all__ = ["advance", "shift"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def shift(cluster: Any, dx: float, dy: float) -> None:
     """Put a cluster elsewhere, with its box."""
     cluster.x += dx
@@ -24,7 +23,7 @@ def shift(cluster: Any, dx: float, dy: float) -> None:
     cluster.bottom += dy
 
 
-@njit(cache=True, nogil=True)
+@step
 def advance(state: State, begin_us: int, end_us: int) -> None:
     """Carry every cluster whose velocity is trusted over the time from `begin_us` to `end_us`, within the sensor.
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
+from .compiled import step
 from .life import lose
 from .state import NEVER_US, State
 from .visible import falls_at, rate_hz
@@ -14,7 +13,7 @@ from .visible import falls_at, rate_hz
 __all__ = ["remove_failing"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _share_outside(rules: Any, cluster: Any) -> Any:
     """Of the window, the part outside the sensor, whose first pixel begins at -0.5."""
     left, right = max(cluster.x - cluster.reach_x, -0.5), min(cluster.x + cluster.reach_x, rules.width - 0.5)
@@ -23,7 +22,7 @@ def _share_outside(rules: Any, cluster: Any) -> Any:
     return 1.0 - inside / (4.0 * cluster.reach_x * cluster.reach_y)
 
 
-@njit(cache=True, nogil=True)
+@step
 def remove_failing(state: State, begin_us: int, end_us: int) -> None:
     """In the silence from `begin_us`, the end of a packet, to `end_us`."""
     rules = state.rules[0]

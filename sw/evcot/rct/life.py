@@ -7,6 +7,7 @@ from typing import Any
 
 from numba import njit
 
+from .compiled import step
 from .lookup import register, registered_for, unregister
 from .records import LOST, record
 from .size import start_size
@@ -18,7 +19,7 @@ __all__ = ["check", "drop", "lose", "note_ends_of_life", "remove_silent", "seed"
 _SEPARATE = choice("polarity", "separate")
 
 
-@njit(cache=True, nogil=True)
+@step
 def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
     """A new cluster at an event; returns its slot, the lowest that is free."""
     cur = state.cursor[0]
@@ -51,7 +52,7 @@ def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
     return slot
 
 
-@njit(cache=True, nogil=True)
+@step
 def check(state: State, slot: int, index: int, t_us: int) -> None:
     """What need not be asked with every event: is the cluster visible by now, is it still where it was registered?"""
     cluster = state.clusters[slot]
@@ -67,7 +68,7 @@ def check(state: State, slot: int, index: int, t_us: int) -> None:
     cluster.check_at = cluster.packet_events + again
 
 
-@njit(cache=True, nogil=True)
+@step
 def drop(state: State, i: int) -> None:
     """The i-th live cluster is gone."""
     cur = state.cursor[0]
@@ -79,7 +80,7 @@ def drop(state: State, i: int) -> None:
         state.live[k] = state.live[k + 1]
 
 
-@njit(cache=True, nogil=True)
+@step
 def lose(state: State, i: int, now_us: int) -> None:
     """The i-th live cluster ends before its time."""
     cur = state.cursor[0]
@@ -94,7 +95,7 @@ def _end_us(rules: Any, cluster: Any) -> Any:
     return cluster.last_us + rules.lifetime_us + (rules.coast_us if cluster.track_id >= 0 else 0)
 
 
-@njit(cache=True, nogil=True)
+@step
 def note_ends_of_life(state: State, t_us: int) -> None:
     """Remember, for clusters whose life has ended by now, that the coming event is the first that finds them gone."""
     cur = state.cursor[0]
@@ -111,7 +112,7 @@ def note_ends_of_life(state: State, t_us: int) -> None:
                 cur.next_due_us = min(cur.next_due_us, end_us)
 
 
-@njit(cache=True, nogil=True)
+@step
 def remove_silent(state: State, now_us: int) -> None:
     """Clusters without an event for a lifetime end; visible ones may coast for a while before."""
     cur = state.cursor[0]

@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 from numba.cpython.unsafe.numbers import trailing_zeros
 
+from .compiled import step
 from .state import CELLS, State, Table
 
 __all__ = ["cell_of", "lowest", "register", "registered_for", "unregister", "without_lowest"]
@@ -50,7 +51,7 @@ def _slack_px(reach_px: float) -> float:
     return max(2.0, 0.4 * reach_px)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _set(cells: Table, slot: int, cluster: Any, there: bool) -> None:
     word = slot // _WORD
     bit = np.uint64(1) << np.uint64(slot % _WORD)
@@ -68,13 +69,13 @@ def _set(cells: Table, slot: int, cluster: Any, there: bool) -> None:
                 cells[cell, word] &= ~bit
 
 
-@njit(cache=True, nogil=True)
+@step
 def unregister(state: State, slot: int) -> None:
     """Take a cluster out of all sets."""
     _set(state.cells, slot, state.clusters[slot], False)
 
 
-@njit(cache=True, nogil=True)
+@step
 def register(state: State, slot: int) -> None:
     """Put a cluster into the sets of the cells around it."""
     cluster = state.clusters[slot]
@@ -89,7 +90,7 @@ def register(state: State, slot: int) -> None:
     _set(state.cells, slot, cluster, True)
 
 
-@njit(cache=True, nogil=True)
+@step
 def registered_for(state: State, slot: int) -> Any:
     """Register a cluster anew where it could leave its slack; returns after how many events to ask again.
 

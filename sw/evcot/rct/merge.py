@@ -8,6 +8,7 @@ from typing import Any
 
 from numba import njit
 
+from .compiled import step
 from .life import drop
 from .records import MERGED, record
 from .size import set_reach
@@ -18,7 +19,7 @@ from .visible import missing_events, show_if_due
 __all__ = ["merge_overlapping"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _grow(rules: Any, into: Any, gone: Any) -> None:
     """The window of the one that stays, at its new centre, covers both windows; so does its box."""
     most = rules.radius_max_px
@@ -32,7 +33,7 @@ def _grow(rules: Any, into: Any, gone: Any) -> None:
     into.deviation_y = max(into.deviation_y, into.half_height / rules.size_ratio)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
     """Means weighted by the events of each."""
     own = into.before + into.packet_events
@@ -58,7 +59,7 @@ def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
     set_reach(rules, into)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _merge(state: State, i: int, j: int) -> Any:
     """Merge the live clusters i < j: the one that became visible first stays; of two invisible ones, the one seeded first.
 
@@ -85,7 +86,7 @@ def _merge(state: State, i: int, j: int) -> Any:
     return i if stays == i else j - 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _may_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
     """Whether two windows that touch share enough, and nothing speaks against it."""
     if now_us < a.apart_us and now_us < b.apart_us:
@@ -112,13 +113,13 @@ def _touch(a: Any, b: Any) -> Any:
     return abs(a.x - b.x) <= a.reach_x + b.reach_x and abs(a.y - b.y) <= a.reach_y + b.reach_y
 
 
-@njit(cache=True, nogil=True)
+@step
 def _shall_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
     """Two that touch. The paper's did not after the last packet, so that one must have had events since."""
     return _may_merge(rules, a, b, now_us) if rules.whole > 0 else a.packet_events + b.packet_events > 0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _partner(rules: Any, clusters: Table, live: Table, i: int, begin: int, end: int, now_us: int) -> Any:
     """The first of the live clusters from `begin` to `end` that shall merge with the i-th, or -1."""
     a = clusters[live[i]]
@@ -129,7 +130,7 @@ def _partner(rules: Any, clusters: Table, live: Table, i: int, begin: int, end: 
     return -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def merge_overlapping(state: State) -> None:
     """Merge until no two shall, always the two that were seeded first."""
     cur = state.cursor[0]

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from .advance import advance
 from .border import remove_failing
+from .compiled import step
 from .life import check, drop, remove_silent
 from .merge import merge_overlapping
 from .records import MOVED, record
@@ -21,7 +20,7 @@ from .visible import grow_mass, hide_weak, show_if_due
 __all__ = ["close_packet", "open_packet"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def close_packet(state: State, now_us: int) -> None:
     """Close the open packet; time has passed until `now_us`."""
     cur = state.cursor[0]
@@ -46,7 +45,7 @@ def close_packet(state: State, now_us: int) -> None:
     _settle(state)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _look(state: State, now_us: int) -> None:
     """Options: mass, and what size and number of clusters the events of the packet want."""
     rules = state.rules[0]
@@ -59,7 +58,7 @@ def _look(state: State, now_us: int) -> None:
     split_apart(state, now_us)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _judge(state: State, now_us: int) -> None:
     """Options: who is gone, who is no track any more, who has become one."""
     cur = state.cursor[0]
@@ -79,7 +78,7 @@ def _judge(state: State, now_us: int) -> None:
             i += 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _settle(state: State) -> None:
     """The packet's events become the past; where prediction is on, clusters go on to where they will be."""
     cur = state.cursor[0]
@@ -96,7 +95,7 @@ def _settle(state: State) -> None:
             check(state, slot, cur.index - 1, cur.last_us)
 
 
-@njit(cache=True, nogil=True)
+@step
 def open_packet(state: State, t_us: int) -> None:
     """Close the packets before the one that holds `t_us`: in the silent ones among them, clusters can only end or go on."""
     cur = state.cursor[0]
@@ -118,7 +117,7 @@ def open_packet(state: State, t_us: int) -> None:
     cur.closed = cur.records
 
 
-@njit(cache=True, nogil=True)
+@step
 def _fade(state: State, begin_us: int) -> None:
     """Options, in the silent packets from `begin_us` on: clusters become too weak."""
     cur = state.cursor[0]
@@ -130,7 +129,7 @@ def _fade(state: State, begin_us: int) -> None:
         grow_mass(rules, state.clusters[state.live[i]], decay)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _go_on(state: State, begin_us: int) -> None:
     """Options: where prediction is on, clusters have moved in those packets, and will in the next."""
     cur = state.cursor[0]

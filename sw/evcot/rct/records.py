@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from ..contract import Kind
+from .compiled import step
 from .state import State, choice
 
 __all__ = ["BORN", "LOST", "MERGED", "MOVED", "record"]
@@ -14,7 +13,7 @@ BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), i
 _BOX = choice("centre", "box")
 
 
-@njit(cache=True, nogil=True)
+@step
 def record(state: State, kind: int, index: int, t_us: int, slot: int, other_id: int) -> None:
     """Write one record where its event index puts it; a loss stands before what the event itself causes."""
     cur = state.cursor[0]

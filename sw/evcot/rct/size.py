@@ -6,8 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
-
+from .compiled import step
 from .state import choice
 
 __all__ = ["follow_size", "set_reach", "start_size"]
@@ -19,7 +18,7 @@ _ROUND = 0.1  # anisotropy below which a cluster has no direction
 _YOUNG_MIX, _YOUNG_STEP = 0.2, 0.1  # of the first events
 
 
-@njit(cache=True, nogil=True)
+@step
 def _scale(rules: Any, x: float, y: float) -> Any:
     """Of sizes, at a place: its distance from where things vanish over that of the reference."""
     across, down = x - rules.vanishing_x_px, y - rules.vanishing_y_px
@@ -33,7 +32,7 @@ def _scale(rules: Any, x: float, y: float) -> Any:
     return min(max(scale, _SCALES[0]), _SCALES[1])
 
 
-@njit(cache=True, nogil=True)
+@step
 def set_reach(rules: Any, cluster: Any) -> None:
     """Half the extent of the turned window along the sensor's axes."""
     cos, sin = abs(cluster.cos), abs(cluster.sin)
@@ -46,7 +45,7 @@ def set_reach(rules: Any, cluster: Any) -> None:
     cluster.step_y = step * cluster.half_height
 
 
-@njit(cache=True, nogil=True)
+@step
 def start_size(rules: Any, cluster: Any) -> None:
     """A new cluster's window, and events of which nothing is known but one."""
     scale = _scale(rules, cluster.x, cluster.y)
@@ -66,7 +65,7 @@ def start_size(rules: Any, cluster: Any) -> None:
     set_reach(rules, cluster)
 
 
-@njit(cache=True, nogil=True)
+@step
 def follow_size(rules: Any, cluster: Any) -> None:
     """After a packet: the window as perspective and, once the cluster is visible, its events want it."""
     scale = _scale(rules, cluster.x, cluster.y) if rules.perspective > 0 else 1.0
@@ -90,7 +89,7 @@ def follow_size(rules: Any, cluster: Any) -> None:
     set_reach(rules, cluster)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _turn(cluster: Any) -> None:
     """Along the axis in which the second moment is largest, where there is one."""
     apart, across = cluster.moment_xx - cluster.moment_yy, 2.0 * cluster.moment_xy

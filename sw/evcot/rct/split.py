@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from .advance import shift
+from .compiled import step
 from .life import seed
 from .size import set_reach
 from .state import State
@@ -16,7 +15,7 @@ from .velocity import jump
 __all__ = ["split_apart"]
 
 
-@njit(cache=True, nogil=True)
+@step
 def _halve(rules: Any, cluster: Any, along_x: bool, now_us: int) -> None:
     """A window as wide as half the distance between the groups, events to match, and no merging back for a lifetime."""
     if along_x:
@@ -40,7 +39,7 @@ def _halve(rules: Any, cluster: Any, along_x: bool, now_us: int) -> None:
     jump(cluster, now_us)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _split(state: State, slot: int, along_x: bool, now_us: int) -> None:
     """Two groups, each a mean deviation from the centre: the older keeps the one ahead, of two at rest the right or lower."""
     rules = state.rules[0]
@@ -67,7 +66,7 @@ def _split(state: State, slot: int, along_x: bool, now_us: int) -> None:
     _halve(rules, new, along_x, now_us)
 
 
-@njit(cache=True, nogil=True)
+@step
 def split_apart(state: State, now_us: int) -> None:
     """After a packet: for so many packets, few events fell into the middle half of a visible cluster, along its longer axis."""
     rules = state.rules[0]

@@ -6,8 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
-
+from .compiled import step
 from .state import NEVER_US, State, choice
 
 __all__ = ["jump", "measure_velocity"]
@@ -16,7 +15,7 @@ _REGRESSION = choice("velocity", "regression")
 _FEW = 3  # places that say nothing about velocity yet
 
 
-@njit(cache=True, nogil=True)
+@step
 def measure_velocity(state: State, slot: int, now_us: int) -> None:
     """After a packet that brought the cluster events."""
     rules = state.rules[0]
@@ -42,7 +41,7 @@ def measure_velocity(state: State, slot: int, now_us: int) -> None:
             cluster.velocity_y *= rules.speed_max_px_s / speed
 
 
-@njit(cache=True, nogil=True)
+@step
 def _filter(rules: Any, cluster: Any, now_us: int) -> None:
     """Displacement since the last packet that brought events, mixed like a location."""
     if cluster.from_us != NEVER_US:
@@ -52,7 +51,7 @@ def _filter(rules: Any, cluster: Any, now_us: int) -> None:
         cluster.velocity_y = keep * cluster.velocity_y + rules.velocity_alpha * ((cluster.y - cluster.from_y) / elapsed_s)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _regress(state: State, slot: int) -> None:
     """The slope of the line through the last places that fits best: sum dt dx / sum dt dt, about their means."""
     cluster = state.clusters[slot]
@@ -79,7 +78,7 @@ def _regress(state: State, slot: int) -> None:
         cluster.velocity_y = (sum_ty - sum_t * sum_y / n) / spread
 
 
-@njit(cache=True, nogil=True)
+@step
 def jump(cluster: Any, now_us: int) -> None:
     """The cluster was put elsewhere: no velocity can be told from before to after."""
     cluster.from_x = cluster.x

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from .compiled import step
 from .records import BORN, LOST, record
 from .state import NEVER_US, State, choice
 
@@ -24,19 +25,19 @@ def missing_events(rules: Any, cluster: Any) -> Any:
     return rules.visible_events - cluster.before - cluster.packet_events if rules.visibility == _EVENTS else _LONG
 
 
-@njit(cache=True, nogil=True)
+@step
 def grow_mass(rules: Any, cluster: Any, decay: float) -> None:
     """Mass decays over the packet, and each of its events adds 1."""
     cluster.mass = cluster.mass * decay + cluster.packet_events
 
 
-@njit(cache=True, nogil=True)
+@step
 def rate_hz(rules: Any, cluster: Any) -> Any:
     """Events per second: a steady rate builds up a mass of rate times time constant."""
     return cluster.mass * 1e6 / rules.mass_tau_us
 
 
-@njit(cache=True, nogil=True)
+@step
 def _weight(rules: Any, cluster: Any) -> Any:
     """What makes it visible, as a multiple of what is asked for."""
     if rules.visibility == _EVENTS:
@@ -46,7 +47,7 @@ def _weight(rules: Any, cluster: Any) -> Any:
     return cluster.mass / max(rules.visible_mass, 1e-9)
 
 
-@njit(cache=True, nogil=True)
+@step
 def show_if_due(state: State, slot: int, index: int, t_us: int) -> Any:
     """An invisible cluster that has what it takes becomes a track: a new one, or one that coasted nearby.
 
@@ -71,7 +72,7 @@ def show_if_due(state: State, slot: int, index: int, t_us: int) -> Any:
     return lost
 
 
-@njit(cache=True, nogil=True)
+@step
 def _coasting_nearby(state: State, slot: int, now_us: int) -> Any:
     """The nearest visible cluster that has been silent for a lifetime, within the reach of its predicted place."""
     rules = state.rules[0]
@@ -88,7 +89,7 @@ def _coasting_nearby(state: State, slot: int, now_us: int) -> Any:
     return nearest
 
 
-@njit(cache=True, nogil=True)
+@step
 def falls_at(rules: Any, level: float, least: float, begin_us: int) -> Any:
     """The end of the packet in which a level that decays like mass falls below the least: `begin_us` if it is there already."""
     if level < least:
@@ -99,7 +100,7 @@ def falls_at(rules: Any, level: float, least: float, begin_us: int) -> Any:
     return begin_us + packets * rules.packet_us
 
 
-@njit(cache=True, nogil=True)
+@step
 def hide_weak(state: State, slot: int, begin_us: int, end_us: int) -> None:
     """A track whose rate or mass falls below its share of what is asked for, in the silence from `begin_us` to `end_us`, ends.
 
