@@ -182,6 +182,7 @@ def test_a_lone_tracker_is_the_first_of_a_cascade() -> None:
     cascade = PublishedCascade([CONFIG])
     rows = np.zeros(n, CASCADE_INPUT)
     rows["s_req_n"] = np.arange(n) // 3 % 3 != 0
+    rows["m_ack_n"] = np.arange(n) % 4 != 0  # let go after each word, as the line of four asks
     rows["s_high"], rows["s_low"] = rng.integers(80, 121, (2, n))
     lone = PublishedTracker(CONFIG)
     inputs = np.zeros(n, TRACKER_INPUT)
