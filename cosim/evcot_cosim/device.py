@@ -26,7 +26,7 @@ from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
 
 __all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "build_device"]
 
-Top = Literal["cot", "cot_chain", "cot_array"]
+Top = Literal["cot", "cot_chain", "cot_array", "cot_engine"]
 Pattern = NDArray[np.uint8]
 
 _FILTERED = "cot_filtered"  # the module that has filters in front of a tracker
@@ -109,6 +109,8 @@ def build_device(
             raise ConfigError("a single `cot` has no filters in front: take cot_array with one slot")
         del parameters["N"]
     elif config.filtered:
+        if top == "cot_engine":
+            raise ConfigError("`cot_engine` has no filters in front: take cot_array, which decides the same")
         module = _FILTERED
         parameters |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
         parameters |= {"HAS": config.filters.enable, "CHAIN": int(top == "cot_chain")}
@@ -119,7 +121,7 @@ def build_device(
 
 
 class Device:
-    """One simulated tracker: `cot`, `cot_chain` or `cot_array`.
+    """One simulated tracker: `cot`, `cot_chain`, `cot_array` or `cot_engine`.
 
     Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` is a clock, about 10^4 per second.
     Streaming: `stream` takes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
@@ -313,7 +315,7 @@ class Device:
     @property
     def arrangement(self) -> Arrangement:
         """What the golden model must be to match this hardware."""
-        return Arrangement.ARRAY if self.top == "cot_array" else Arrangement.CHAIN
+        return Arrangement.ARRAY if self.top in ("cot_array", "cot_engine") else Arrangement.CHAIN
 
 
 def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:

@@ -108,13 +108,13 @@ def _record_fields() -> list[tuple[str, str]]:
 
 @cache
 def source(top: str, shape: Shape) -> str:
-    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array` or `cot_filtered`."""
+    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array`, `cot_engine` or `cot_filtered`."""
     environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
     return environment.get_template("stream.cpp.j2").render(
         top=top,
         single=top == "cot",
         takes_seq=top == "cot",
-        in_order=top in ("cot", "cot_array"),
+        in_order=top in ("cot", "cot_array", "cot_engine"),
         filtered=top == "cot_filtered",
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,

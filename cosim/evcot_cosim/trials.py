@@ -70,7 +70,7 @@ def tell(story: Iterable[tuple[int, int, int]], config: CotConfig, top: Top = "c
     ticks, x, y = np.array(list(story), np.int64).reshape(-1, 3).T
     xs, ys = x.astype(np.uint16), y.astype(np.uint16)
     if engine == "model":
-        arrangement = Arrangement.ARRAY if top == "cot_array" else Arrangement.CHAIN
+        arrangement = Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
         return Told(config, CotModel(config, arrangement).feed(ticks.copy(), xs, ys))
     return Told(config, Device(config, top).stream(ticks.copy(), xs, ys, ((xs ^ ys) & 1).astype(np.uint8)))
 

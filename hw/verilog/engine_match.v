@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The windows of all slots and whose an event is: stages M (compare) and E (encode) of the engine.
+//
+// A probe is a rectangle. That of an event is its pixel: the active slot that holds it owns it, else the lowest candidate
+// that does, else the lowest free slot. That of a check is a window: is there another active slot that shares a pixel
+// with it, and which is the lowest? No two active windows overlap, so an event has at most one active owner.
+//
+// Latency:    1 clock from the probe to the answer. A window that is written in one clock is there in the next, a change of
+//             which slots are free one clock later for an event (when it is in E).
+// Throughput: 1 probe per clock.
+// Reset:      no slot has a window or is free.
+`default_nettype none
+
+module engine_match #(
+    parameter N      = 8,  // slots
+    parameter X_W    = 9,  // bits of an x address
+    parameter Y_W    = 9,  // bits of a y address
+    parameter SLOT_W = 3   // bits of a slot number
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    // M: the probe
+    input  wire              m_valid,
+    input  wire              m_check,
+    input  wire [SLOT_W-1:0] m_self,    // CHECK: whose window it is
+    input  wire [X_W-1:0]    m_lo_x, m_hi_x,
+    input  wire [Y_W-1:0]    m_lo_y, m_hi_y,
+
+    // E: the answer
+    output reg               e_active,  // an active slot holds the event
+    output reg               e_other,   // a candidate does; CHECK: an active slot overlaps
+    output wire              e_free,    // some slot is free
+    output reg  [SLOT_W-1:0] e_slot,    // the first of these that holds
+    output reg  [SLOT_W-1:0] e_lowest,  // the slot of e_other
+
+    // W: a slot's new window and state
+    input  wire              w_places,
+    input  wire              w_changes,
+    input  wire [SLOT_W-1:0] w_slot,
+    input  wire [X_W-1:0]    w_lo_x, w_hi_x,
+    input  wire [Y_W-1:0]    w_lo_y, w_hi_y,
+    input  wire              w_free,
+    input  wire              w_window,
+    input  wire              w_active,
+
+    output reg  [N-1:0]      active     // visible
+);
+
+    (* mem2reg *) reg [X_W-1:0] lo_x [0:N-1];
+    (* mem2reg *) reg [X_W-1:0] hi_x [0:N-1];
+    (* mem2reg *) reg [Y_W-1:0] lo_y [0:N-1];
+    (* mem2reg *) reg [Y_W-1:0] hi_y [0:N-1];
+
+    reg [N-1:0] free;    // seeded, and no life has started
+    reg [N-1:0] window;  // has a window
+
+    // ---- M ---------------------------------------------------------------------------------------------------------
+
+    reg [N-1:0] hit_active_reg, hit_other_reg;
+
+    always @(posedge clk) begin : compare
+        integer i;
+        reg inside_it;
+        reg [N-1:0] hit_active, hit_other;
+        hit_active = {N{1'b0}};
+        hit_other  = {N{1'b0}};
+        if (m_valid)
+            for (i = 0; i < N; i = i + 1) begin
+                inside_it = m_hi_x >= lo_x[i] && m_lo_x <= hi_x[i] && m_hi_y >= lo_y[i] && m_lo_y <= hi_y[i];
+                hit_active[i] = inside_it && active[i] && !m_check;
+                hit_other[i]  = inside_it && (m_check ? active[i] && i[SLOT_W-1:0] != m_self : window[i] && !active[i]);
+            end
+        hit_active_reg <= hit_active;
+        hit_other_reg  <= hit_other;
+    end
+
+    // ---- E: loops run downwards so that the lowest slot wins ---------------------------------------------------------
+
+    reg              any_free_reg, refresh_reg;
+    reg [SLOT_W-1:0] free_slot_reg, active_slot, free_slot;
+
+    assign e_free = any_free_reg;
+
+    always @* begin : encode
+        integer i;
+        i           = 0;  // on every path, or it would be a latch
+        e_active    = |hit_active_reg;
+        e_other     = |hit_other_reg;
+        active_slot = {SLOT_W{1'b0}};
+        e_lowest    = {SLOT_W{1'b0}};
+        if (e_active) for (i = 0; i < N; i = i + 1) active_slot = active_slot | ({SLOT_W{hit_active_reg[i]}} & i[SLOT_W-1:0]);
+        if (e_other) for (i = N - 1; i >= 0; i = i - 1) if (hit_other_reg[i]) e_lowest = i[SLOT_W-1:0];
+        e_slot = e_active ? active_slot : e_other ? e_lowest : free_slot_reg;
+    end
+
+    always @* begin : find_free
+        integer i;
+        i         = 0;
+        free_slot = {SLOT_W{1'b0}};
+        if (refresh_reg) for (i = N - 1; i >= 0; i = i - 1) if (free[i]) free_slot = i[SLOT_W-1:0];
+    end
+
+    // ---- W ---------------------------------------------------------------------------------------------------------
+
+    always @(posedge clk) begin
+        if (w_places) begin
+            lo_x[w_slot] <= w_lo_x;
+            hi_x[w_slot] <= w_hi_x;
+            lo_y[w_slot] <= w_lo_y;
+            hi_y[w_slot] <= w_hi_y;
+        end
+        if (w_changes) begin
+            free[w_slot]   <= w_free;
+            window[w_slot] <= w_window;
+            active[w_slot] <= w_active;
+        end
+        refresh_reg <= w_changes;
+        if (refresh_reg) begin
+            free_slot_reg <= free_slot;
+            any_free_reg  <= |free;
+        end
+        if (rst) begin
+            free         <= {N{1'b0}};
+            window       <= {N{1'b0}};
+            active       <= {N{1'b0}};
+            any_free_reg <= 1'b0;
+            refresh_reg  <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two tracks that merge: which one stays, and where both are then. The first born stays, at the mean of both centres weighted by
+// support, with the larger g and both supports.
+//
+// Latency: 2 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
+`default_nettype none
+
+module engine_merge #(
+    parameter POS_X   = 13,  // bits of a centre
+    parameter POS_Y   = 13,
+    parameter ROUND   = 1,   // centres are rounded to nearest; 0: down
+    parameter RADIX_W = 8,   // bits of a radius register
+    parameter SUP_W   = 16,  // bits of a support count
+    parameter ID_W    = 32,  // bits of a track id
+    parameter SLOT_W  = 3    // bits of a slot number
+) (
+    input  wire               clk,
+
+    // the context of one slot, taken twice
+    input  wire               take_a,
+    input  wire               take_b,
+    input  wire [SLOT_W-1:0]  slot,
+    input  wire [ID_W-1:0]    id,
+    input  wire [POS_X-1:0]   cm_x,
+    input  wire [POS_Y-1:0]   cm_y,
+    input  wire [RADIX_W-1:0] g,
+    input  wire [SUP_W-1:0]   support,
+
+    output reg  [SLOT_W-1:0]  stays,
+    output reg  [SLOT_W-1:0]  goes,
+    output reg  [ID_W-1:0]    stays_id,
+    output wire               done,
+    output wire [POS_X-1:0]   join_x,
+    output wire [POS_Y-1:0]   join_y,
+    output reg  [RADIX_W-1:0] join_g,
+    output reg  [SUP_W-1:0]   join_support
+);
+
+    reg [SLOT_W-1:0]  a_slot, b_slot;
+    reg [ID_W-1:0]    a_id, b_id;
+    reg [POS_X-1:0]   a_x, b_x;
+    reg [POS_Y-1:0]   a_y, b_y;
+    reg [RADIX_W-1:0] a_g, b_g;
+    reg [SUP_W-1:0]   a_support, b_support;
+    reg               start;
+
+    wire b_older = b_id < a_id;
+    wire [SUP_W:0] both = {1'b0, a_support} + {1'b0, b_support};
+    wire done_x, done_y;
+
+    assign done = done_x && done_y;
+
+    engine_mean #(
+        .W       (POS_X),
+        .WEIGHT_W(SUP_W),
+        .ROUND   (ROUND)
+    ) u_mean_x (
+        .clk     (clk),
+        .start   (start),
+        .a       (a_x),
+        .weight_a(a_support),
+        .b       (b_x),
+        .weight_b(b_support),
+        .done    (done_x),
+        .mean    (join_x)
+    );
+    engine_mean #(
+        .W       (POS_Y),
+        .WEIGHT_W(SUP_W),
+        .ROUND   (ROUND)
+    ) u_mean_y (
+        .clk     (clk),
+        .start   (start),
+        .a       (a_y),
+        .weight_a(a_support),
+        .b       (b_y),
+        .weight_b(b_support),
+        .done    (done_y),
+        .mean    (join_y)
+    );
+
+    always @(posedge clk) begin
+        if (take_a) begin
+            a_slot    <= slot;
+            a_id      <= id;
+            a_x       <= cm_x;
+            a_y       <= cm_y;
+            a_g       <= g;
+            a_support <= support;
+        end
+        if (take_b) begin
+            b_slot    <= slot;
+            b_id      <= id;
+            b_x       <= cm_x;
+            b_y       <= cm_y;
+            b_g       <= g;
+            b_support <= support;
+        end
+        start        <= take_b;
+        stays        <= b_older ? b_slot : a_slot;
+        goes         <= b_older ? a_slot : b_slot;
+        stays_id     <= b_older ? b_id : a_id;
+        join_g       <= (b_g > a_g) ? b_g : a_g;
+        join_support <= both[SUP_W] ? {SUP_W{1'b1}} : both[SUP_W-1:0];
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: Apache-2.0
+// The context of all slots and the one datapath that changes it: stages C (read), U (take), V (centre) and W (window).
+//
+// What enters C with a slot's number is an event that the slot takes, or an operation: REPORT puts out a record of the slot as
+// it is, CLEAR takes it back to INIT_CELL, JOIN puts it where a merge says. What U commits is written at its end: average,
+// ring, support, timer. What changes a window is written at the end of W, with a record of it.
+//
+// Latency:    4 clocks from C to the record, 2 to the recentred address.
+// Throughput: an event per clock. After a special one (the first of a life, or the last of its window of events) or an
+//             operation, the next one of the same slot may follow when it is through W.
+// Reset:      no record; ids from 0. The context is not reset: clear every slot.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module engine_update #(
+    parameter N       = 8,   // tracker slots
+    parameter X_W     = 9,   // bits of an x address
+    parameter Y_W     = 9,   // bits of a y address
+    parameter FRAC    = 4,   // fractional bits of a centre and of an average
+    parameter RADIX_W = 8,   // bits of a radius register
+    parameter NEV_W   = 10,  // bits of N_ev
+    parameter TC_W    = 24,  // bits of a timer
+    parameter SUP_W   = 16,  // bits of a support count
+    parameter ID_W    = 32,  // bits of a track id
+    parameter SEQ_W   = 48,  // bits of an event's sequence number
+    parameter TIME_W  = 48,  // bits of the tick count
+    parameter LIFE_W  = 26,  // bits of a deadline, at least TC_W + 2
+    parameter CLOCK_W = 48,  // bits of the time, at least TIME_W and LIFE_W
+    parameter SLOT_W  = 3    // bits of a slot number
+) (
+    input  wire                clk,
+    input  wire                rst,
+
+    input  wire                cfg_valid,
+    input  wire [SLOT_W-1:0]   cfg_slot,
+    input  wire [3:0]          cfg_addr,
+    input  wire [31:0]         cfg_data,
+
+    // C
+    input  wire [SLOT_W-1:0]   c_slot,
+    input  wire                c_takes,
+    input  wire                c_active,   // the event's slot is active
+    input  wire                c_seeds,    // the event starts a life
+    input  wire [X_W-1:0]      c_x,
+    input  wire [Y_W-1:0]      c_y,
+    input  wire [CLOCK_W-1:0]  c_time,
+    input  wire                c_report,
+    input  wire                c_clear,
+    input  wire                c_join,
+    input  wire [X_W+FRAC-1:0] join_x,
+    input  wire [Y_W+FRAC-1:0] join_y,
+    input  wire [RADIX_W-1:0]  join_g,
+    input  wire [SUP_W-1:0]    join_support,
+
+    // U: what C took is committed, or not; the context of its slot
+    input  wire                u_commits,
+    output reg                 u_last,
+    output reg                 u_special,
+    output reg  [SLOT_W-1:0]   u_slot,
+    output reg                 u_busy,     // an operation
+    output reg  [ID_W-1:0]     u_id,
+    output wire [X_W+FRAC-1:0] u_cm_x,
+    output wire [Y_W+FRAC-1:0] u_cm_y,
+    output reg  [RADIX_W-1:0]  u_g,
+    output reg  [SUP_W-1:0]    u_support,
+    output reg                 u_timed,
+    output reg  [LIFE_W-1:0]   u_deadline,
+    output reg                 u_on,       // mode is not off
+    output reg  [TC_W-1:0]     u_max_ticks,
+    output reg  [TC_W-1:0]     u_detect_ticks,
+
+    // V
+    output reg                 v_busy,     // a special event or an operation
+    output reg  [RADIX_W+1:0]  v_rel_x,
+    output reg  [RADIX_W+1:0]  v_rel_y,
+
+    // W: what becomes of the slot's window
+    output reg                 w_busy,
+    output reg                 w_checks,   // it might overlap now
+    output reg                 w_places,
+    output wire                w_changes,
+    output reg  [SLOT_W-1:0]   w_slot,
+    output wire [X_W-1:0]      w_lo_x, w_hi_x,
+    output wire [Y_W-1:0]      w_lo_y, w_hi_y,
+    output wire                w_free,
+    output wire                w_window,
+    output wire                w_active,
+
+    // the record; what stands beside it: a loss or a merge, the other track, event number, time
+    input  wire                lost,
+    input  wire [ID_W-1:0]     other,
+    input  wire [SEQ_W-1:0]    seq,
+    input  wire [TIME_W-1:0]   now,        // time of the last committed token
+    input  wire [TIME_W-1:0]   ended,      // when the life ended
+    output reg                 m_cm_valid,
+    input  wire                m_cm_ready,
+    output reg  [1:0]          m_cm_kind,
+    output reg  [SLOT_W-1:0]   m_cm_slot,
+    output reg  [ID_W-1:0]     m_cm_id,
+    output reg  [ID_W-1:0]     m_cm_other,
+    output reg  [X_W+FRAC-1:0] m_cm_x,
+    output reg  [Y_W+FRAC-1:0] m_cm_y,
+    output reg  [RADIX_W:0]    m_cm_radius,
+    output reg  [NEV_W-1:0]    m_cm_n_ev,
+    output reg  [SUP_W-1:0]    m_cm_support,
+    output reg  [SEQ_W-1:0]    m_cm_seq,
+    output reg  [TIME_W-1:0]   m_cm_time
+);
+
+    localparam POS_X = X_W + FRAC;
+    localparam POS_Y = Y_W + FRAC;
+    localparam XY_W  = X_W > Y_W ? X_W : Y_W;
+    localparam OFF_W = (XY_W > RADIX_W ? XY_W : RADIX_W) + 3;  // an offset from the centre, with a radius added
+
+    // Written from U.
+    reg [POS_X-1:0]   av_x     [0:N-1];
+    reg [POS_Y-1:0]   av_y     [0:N-1];
+    reg               ring     [0:N-1];
+    reg [SUP_W-1:0]   support  [0:N-1];
+    reg               timed    [0:N-1];  // has a deadline: active, or a candidate that has begun to collect
+    reg [LIFE_W-1:0]  deadline [0:N-1];  // low bits of the tick at which the life ends
+    // Written from W.
+    reg [POS_X-1:0]   cm_x     [0:N-1];
+    reg [POS_Y-1:0]   cm_y     [0:N-1];
+    reg [RADIX_W-1:0] g        [0:N-1];
+    reg [NEV_W-1:0]   n_ev     [0:N-1];
+    reg [ID_W-1:0]    id       [0:N-1];
+    reg [TIME_W-1:0]  start    [0:N-1];  // tick at which the window of N_ev events began
+    reg [TC_W-1:0]    last_tc2 [0:N-1];
+    // Written from both.
+    reg [NEV_W-1:0]   rest     [0:N-1];  // events until the last one of this window
+
+    reg [ID_W-1:0] births;  // id of the next track
+
+    // ---- C ---------------------------------------------------------------------------------------------------------
+
+    wire [1:0]         mode;
+    wire [X_W-1:0]     init_cm_x;
+    wire [Y_W-1:0]     init_cm_y;
+    wire [RADIX_W-1:0] init_radix, radix_th, radix_step, radix_min, radix_max;
+    wire [3:0]         hist_avg;
+    wire [TC_W-1:0]    max_ticks, nev_th, detect_ticks;
+    wire [NEV_W-1:0]   clust_nev, nev_min, nev_max;
+
+    cot_regs #(
+        .N      (N),
+        .X_W    (X_W),
+        .Y_W    (Y_W),
+        .RADIX_W(RADIX_W),
+        .NEV_W  (NEV_W),
+        .TC_W   (TC_W),
+        .SLOT_W (SLOT_W)
+    ) u_regs (
+        .clk         (clk),
+        .rst         (rst),
+        .cfg_valid   (cfg_valid),
+        .cfg_slot    (cfg_slot),
+        .cfg_addr    (cfg_addr),
+        .cfg_data    (cfg_data),
+        .slot        (c_slot),
+        .mode        (mode),
+        .init_cm_x   (init_cm_x),
+        .init_cm_y   (init_cm_y),
+        .init_radix  (init_radix),
+        .radix_th    (radix_th),
+        .radix_step  (radix_step),
+        .radix_min   (radix_min),
+        .radix_max   (radix_max),
+        .hist_avg    (hist_avg),
+        .max_ticks   (max_ticks),
+        .clust_nev   (clust_nev),
+        .nev_min     (nev_min),
+        .nev_max     (nev_max),
+        .nev_th      (nev_th),
+        .detect_ticks(detect_ticks)
+    );
+
+    reg               u_takes, u_active, u_clear, u_join, u_report, u_first, u_places, u_ring;
+    reg [1:0]         u_mode;
+    reg [NEV_W-1:0]   u_rest;
+    reg [TIME_W-1:0]  u_span;
+    reg [TC_W:0]      u_slow_over, u_fast_under;
+    reg [RADIX_W:0]   u_radius;
+    reg [RADIX_W-1:0] u_init, u_th, u_step, u_min, u_max;
+    reg [NEV_W-1:0]   u_n_ev, u_nev_min, u_nev_max, u_clust_nev;
+    reg [LIFE_W-1:0]  u_time;
+
+    // The event in U is of the same slot, and not special, or this one would be thrown out.
+    wire forward = c_takes && u_takes && u_slot == c_slot;
+    wire place   = c_seeds || c_clear || c_join;
+    wire last    = forward ? u_rest == {{(NEV_W - 1) {1'b0}}, 1'b1} : rest[c_slot] == {NEV_W{1'b0}};
+    wire first   = !c_active && !timed[c_slot];
+
+    wire new_ring;
+    wire [SUP_W-1:0] new_support = u_takes ? ((u_support == {SUP_W{1'b1}}) ? u_support : u_support + 1'b1)
+                                 : u_clear ? {SUP_W{1'b0}}
+                                 : u_join  ? join_support : u_support;
+
+    always @(posedge clk) begin
+        u_slot         <= c_slot;
+        u_takes        <= c_takes;
+        u_active       <= c_active;
+        u_report       <= c_report;
+        u_clear        <= c_clear;
+        u_join         <= c_join;
+        u_busy         <= c_report || c_clear || c_join;
+        u_last         <= c_takes && last;
+        u_first        <= c_takes && first;
+        u_special      <= c_takes && (last || first);
+        u_places       <= place || last;
+        u_id           <= id[c_slot];
+        u_g            <= g[c_slot];
+        u_radius       <= {1'b0, g[c_slot]} + {1'b0, radix_th};
+        u_n_ev         <= n_ev[c_slot];
+        u_ring         <= forward ? new_ring : ring[c_slot];
+        u_rest         <= forward ? u_rest - 1'b1 : rest[c_slot];
+        u_support      <= forward ? new_support : support[c_slot];
+        u_timed        <= timed[c_slot];
+        u_deadline     <= deadline[c_slot];
+        u_span         <= c_time[TIME_W-1:0] - start[c_slot];
+        u_slow_over    <= {1'b0, last_tc2[c_slot]} + {1'b0, nev_th};
+        u_fast_under   <= {1'b0, last_tc2[c_slot]} - {1'b0, nev_th};
+        u_time         <= c_time[LIFE_W-1:0];
+        u_mode         <= mode;
+        u_on           <= mode != `EVCOT_MODE_OFF;
+        u_init         <= init_radix;
+        u_th           <= radix_th;
+        u_step         <= radix_step;
+        u_min          <= radix_min;
+        u_max          <= radix_max;
+        u_max_ticks    <= max_ticks;
+        u_detect_ticks <= detect_ticks;
+        u_clust_nev    <= clust_nev;
+        u_nev_min      <= nev_min;
+        u_nev_max      <= nev_max;
+        if (rst) {u_takes, u_report, u_clear, u_join, u_busy} <= 5'd0;
+    end
+
+    // ---- average and centre, from C to W ----------------------------------------------------------------------------
+
+    wire [POS_X-1:0] new_av_x, w_cm_x;
+    wire [POS_Y-1:0] new_av_y, w_cm_y;
+    wire [X_W:0]     u_offset_x;
+    wire [Y_W:0]     u_offset_y;
+
+    engine_average #(
+        .A_W (X_W),
+        .FRAC(FRAC)
+    ) u_average_x (
+        .clk     (clk),
+        .event_at(c_x),
+        .k       (hist_avg),
+        .forward (forward),
+        .av      (av_x[c_slot]),
+        .cm      (cm_x[c_slot]),
+        .place   (place),
+        .position(c_join ? join_x : {c_clear ? init_cm_x : c_x, {FRAC{1'b0}}}),
+        .moves   (u_last),
+        .u_cm    (u_cm_x),
+        .u_offset(u_offset_x),
+        .new_av  (new_av_x),
+        .w_cm    (w_cm_x)
+    );
+    engine_average #(
+        .A_W (Y_W),
+        .FRAC(FRAC)
+    ) u_average_y (
+        .clk     (clk),
+        .event_at(c_y),
+        .k       (hist_avg),
+        .forward (forward),
+        .av      (av_y[c_slot]),
+        .cm      (cm_y[c_slot]),
+        .place   (place),
+        .position(c_join ? join_y : {c_clear ? init_cm_y : c_y, {FRAC{1'b0}}}),
+        .moves   (u_last),
+        .u_cm    (u_cm_y),
+        .u_offset(u_offset_y),
+        .new_av  (new_av_y),
+        .w_cm    (w_cm_y)
+    );
+
+    // ---- U ---------------------------------------------------------------------------------------------------------
+
+    // The ring is what lies inside the window but further than g from the centre on either axis.
+    wire signed [OFF_W-1:0] offset_x = {{(OFF_W - X_W - 1) {u_offset_x[X_W]}}, u_offset_x};
+    wire signed [OFF_W-1:0] offset_y = {{(OFF_W - Y_W - 1) {u_offset_y[Y_W]}}, u_offset_y};
+    wire signed [OFF_W-1:0] inner    = {{(OFF_W - RADIX_W) {1'b0}}, u_g};
+    assign new_ring = u_ring || offset_x > inner || offset_x < -inner || offset_y > inner || offset_y < -inner;
+
+    wire [OFF_W-1:0] rel_x = offset_x + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
+    wire [OFF_W-1:0] rel_y = offset_y + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
+
+    wire [TC_W-1:0] tc2 = u_first                 ? {TC_W{1'b0}}
+                        : |u_span[TIME_W-1:TC_W]  ? {TC_W{1'b1}} : u_span[TC_W-1:0];
+
+    wire [RADIX_W:0] lowest  = {1'b0, u_min} + {1'b0, u_step};
+    wire [NEV_W:0]   doubled = {u_n_ev, 1'b0};
+    wire [NEV_W-1:0] halved  = u_n_ev >> 1;
+
+    wire lives = u_active || u_last || u_join;
+    wire [LIFE_W-1:0] new_deadline = u_time + {{(LIFE_W - TC_W) {1'b0}}, lives ? u_max_ticks : u_detect_ticks}
+                                   + {{(LIFE_W - 1) {1'b0}}, !lives};
+
+    wire u_acts = u_commits || u_clear || u_join;
+
+    reg               v_takes, v_active, v_last, v_report, v_clear, v_join, v_places, v_starts, v_ring, v_low;
+    reg [SLOT_W-1:0]  v_slot;
+    reg [1:0]         v_mode;
+    reg [RADIX_W-1:0] v_g, v_shrunk, v_init, v_th, v_min, v_max;
+    reg [RADIX_W:0]   v_grown;
+    reg [NEV_W-1:0]   v_n_ev, v_doubled, v_halved, v_clust_nev;
+    reg [SUP_W-1:0]   v_support;
+    reg [ID_W-1:0]    v_id;
+    reg [TC_W-1:0]    v_tc2;
+    reg [TC_W:0]      v_slow_over, v_fast_under;
+
+    always @(posedge clk) begin
+        if (u_acts) begin
+            av_x[u_slot]    <= new_av_x;
+            av_y[u_slot]    <= new_av_y;
+            support[u_slot] <= new_support;
+        end
+        if (u_commits || u_clear) ring[u_slot] <= !u_last && !u_clear && new_ring;
+        if (u_clear || u_join || (u_commits && (u_active || u_special))) begin
+            timed[u_slot]    <= !u_clear;
+            deadline[u_slot] <= new_deadline;
+        end
+
+        v_busy       <= (u_commits && u_special) || u_busy;
+        v_takes      <= u_commits && u_special;
+        v_last       <= u_commits && u_last;
+        v_starts     <= u_commits && u_special;
+        v_report     <= u_report;
+        v_clear      <= u_clear;
+        v_join       <= u_join;
+        v_places     <= u_places && (u_commits || u_busy);
+        v_slot       <= u_slot;
+        v_active     <= u_active;
+        v_mode       <= u_mode;
+        v_rel_x      <= rel_x[RADIX_W+1:0];
+        v_rel_y      <= rel_y[RADIX_W+1:0];
+        v_ring       <= new_ring;
+        v_g          <= u_g;
+        v_grown      <= {1'b0, u_g} + {1'b0, u_step};
+        v_shrunk     <= u_g - u_step;
+        v_low        <= {1'b0, u_g} < lowest;
+        v_init       <= u_init;
+        v_th         <= u_th;
+        v_min        <= u_min;
+        v_max        <= u_max;
+        v_n_ev       <= u_n_ev;
+        v_doubled    <= (doubled > {1'b0, u_nev_max}) ? u_nev_max : doubled[NEV_W-1:0];
+        v_halved     <= (halved < u_nev_min) ? u_nev_min : halved;
+        v_clust_nev  <= u_clust_nev;
+        v_support    <= new_support;
+        v_id         <= u_id;
+        v_tc2        <= tc2;
+        v_slow_over  <= u_slow_over;
+        v_fast_under <= u_fast_under;
+        if (rst) {v_busy, v_takes, v_last, v_starts, v_report, v_clear, v_join, v_places} <= 8'd0;
+    end
+
+    // ---- V ---------------------------------------------------------------------------------------------------------
+
+    wire slower = {1'b0, v_tc2} > v_slow_over;
+    wire faster = {1'b0, v_tc2} < v_fast_under && !v_fast_under[TC_W];
+    wire [RADIX_W-1:0] grown  = (v_grown > {1'b0, v_max}) ? v_max : v_grown[RADIX_W-1:0];
+    wire [RADIX_W-1:0] shrunk = v_low ? v_min : v_shrunk;
+    wire [RADIX_W-1:0] joined = (join_g > v_max) ? v_max : join_g;
+
+    reg               w_last, w_takes, w_report, w_clear, w_starts, w_old;
+    reg [1:0]         w_mode;
+    reg [RADIX_W-1:0] w_g, w_th;
+    reg [NEV_W-1:0]   w_n_ev;
+    reg [SUP_W-1:0]   w_support;
+    reg [ID_W-1:0]    w_id;
+    reg [TC_W-1:0]    w_tc2;
+    reg               w_reports;
+
+    always @(posedge clk) begin
+        w_busy    <= v_busy;
+        w_checks  <= v_last || v_join;
+        w_reports <= v_last || v_join || v_report;
+        w_places  <= v_places;
+        w_takes   <= v_takes;
+        w_last    <= v_last;
+        w_starts  <= v_starts;
+        w_report  <= v_report;
+        w_clear   <= v_clear;
+        w_old     <= v_active || v_join;
+        w_slot    <= v_slot;
+        w_mode    <= v_mode;
+        w_g       <= v_clear ? v_init : v_join ? joined : !v_last ? v_g : v_ring ? grown : shrunk;
+        w_th      <= v_th;
+        w_n_ev    <= v_clear                  ? v_clust_nev
+                   : !(v_last && v_active)    ? v_n_ev
+                   : slower                   ? v_doubled
+                   : faster                   ? v_halved : v_n_ev;
+        w_support <= v_support;
+        w_id      <= v_id;
+        w_tc2     <= v_tc2;
+        if (rst) {w_busy, w_checks, w_reports, w_places, w_takes, w_last, w_starts, w_report, w_clear} <= 9'd0;
+    end
+
+    // ---- W ---------------------------------------------------------------------------------------------------------
+
+    wire [RADIX_W:0] w_radius = {1'b0, w_g} + {1'b0, w_th};
+    wire [X_W-1:0] w_pixel_x;
+    wire [Y_W-1:0] w_pixel_y;
+
+    cot_window #(
+        .W   (X_W),
+        .FRAC(FRAC),
+        .R_W (RADIX_W + 1)
+    ) u_window_x (
+        .centre(w_cm_x),
+        .radius(w_radius),
+        .pixel (w_pixel_x),
+        .lo    (w_lo_x),
+        .hi    (w_hi_x)
+    );
+    cot_window #(
+        .W   (Y_W),
+        .FRAC(FRAC),
+        .R_W (RADIX_W + 1)
+    ) u_window_y (
+        .centre(w_cm_y),
+        .radius(w_radius),
+        .pixel (w_pixel_y),
+        .lo    (w_lo_y),
+        .hi    (w_hi_y)
+    );
+
+    assign w_changes = w_takes || w_clear;
+    assign w_free    = w_clear && w_mode == `EVCOT_MODE_SEEDED;
+    assign w_window  = !w_clear || w_mode == `EVCOT_MODE_FIXED;
+    assign w_active  = !w_clear && (w_old || w_last);
+
+    wire w_born = w_last && !w_old;
+    wire w_rest = w_last || w_clear;  // the number of events left is written from here
+
+    always @(posedge clk) begin
+        if (w_places) begin
+            cm_x[w_slot] <= w_cm_x;
+            cm_y[w_slot] <= w_cm_y;
+            g[w_slot]    <= w_g;
+        end
+        if (w_rest) n_ev[w_slot] <= w_n_ev;
+        if (w_last) last_tc2[w_slot] <= w_tc2;
+        if (w_starts) start[w_slot] <= now;
+        if (w_born) begin
+            id[w_slot] <= births;
+            births     <= births + 1'b1;
+        end
+        if (w_rest || u_commits)
+            rest[w_rest ? w_slot : u_slot] <= !w_rest                  ? u_rest - 1'b1
+                                            : (w_n_ev == {NEV_W{1'b0}}) ? {NEV_W{1'b0}} : w_n_ev - 1'b1;
+
+        if (m_cm_ready) m_cm_valid <= 1'b0;
+        if (w_reports) begin
+            m_cm_valid   <= 1'b1;
+            m_cm_kind    <= w_report ? (lost ? `EVCOT_KIND_LOST : `EVCOT_KIND_MERGED)
+                          : w_born   ? `EVCOT_KIND_BORN : `EVCOT_KIND_MOVED;
+            m_cm_slot    <= w_slot;
+            m_cm_id      <= w_born ? births : w_id;
+            m_cm_other   <= (w_report && !lost) ? other : {ID_W{1'b0}};
+            m_cm_x       <= w_cm_x;
+            m_cm_y       <= w_cm_y;
+            m_cm_radius  <= w_radius;
+            m_cm_n_ev    <= w_n_ev;
+            m_cm_support <= w_support;
+            m_cm_seq     <= seq;
+            m_cm_time    <= (w_report && lost) ? ended : now;
+        end
+        if (rst) begin
+            births     <= {ID_W{1'b0}};
+            m_cm_valid <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, w_pixel_x, w_pixel_y, rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
+
+endmodule
+
+`default_nettype wire
