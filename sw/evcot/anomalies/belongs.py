@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..contract import Kind
 from ..errors import TrackLogError
 from ..tracklog import TrackLog
 
 __all__ = ["check_belongs"]
+
+_AFTER_US = 1_000_000  # in which packets and lives may end
 
 
 def check_belongs(log: TrackLog, events: int, first_us: int, last_us: int) -> None:
@@ -21,8 +22,8 @@ def check_belongs(log: TrackLog, events: int, first_us: int, last_us: int) -> No
         ("event_index", (records["event_index"] >= 0) & (records["event_index"] <= events), f"must be from 0 to {events}"),
         (
             "t_us",
-            (records["t_us"] >= first_us) & ((records["t_us"] <= last_us) | (records["kind"] == Kind.LOST)),
-            f"must be in the recording's time, {first_us} to {last_us}",
+            (records["t_us"] >= first_us) & (records["t_us"] <= last_us + _AFTER_US),
+            f"must be in the recording's time, {first_us} to {last_us}, or a second after",
         ),
     )
     for name, good, rule in rules:

@@ -24,7 +24,7 @@ __all__ = ["FIELD_RANGES", "FieldConfig", "NormalMotion"]
 _FORMAT = 1
 _NEAR_PX = 64.0  # so far from a cell with support its speed is still of use
 _LEAST_DEVIATION = 0.1  # of the logarithm of speed
-_SUMS = ("visits", "turns", "x", "y", "log_speed", "log_speed_squared")
+_SUMS = ("visits", "ends", "turns", "x", "y", "log_speed", "log_speed_squared")
 _SMALL = 1e-9
 
 FIELD_RANGES: dict[str, Range] = {
@@ -58,6 +58,7 @@ class NormalMotion:
         measured: how velocities were measured.
         tracks: how many were learned from.
         visits: (rows, columns) how many tracks came through.
+        ends: how many were lost there.
         turns: how many of them had a direction; x, y: sums of their unit vectors.
         log_speed, log_speed_squared: sums of log(px/s) and of its square.
     """
@@ -67,6 +68,7 @@ class NormalMotion:
     measured: Steps
     tracks: int
     visits: NDArray[np.float64]
+    ends: NDArray[np.float64]
     turns: NDArray[np.float64]
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -84,9 +86,8 @@ class NormalMotion:
         variance = np.maximum(squares / np.maximum(self._shared(np.maximum(self.visits - 1.0, 0.0)), _SMALL), 0.0)
         return Field(
             cell_px=float(self.config.cell_px),
-            width=float(self.sensor[0]),
-            height=float(self.sensor[1]),
             support=support,
+            ends=sums["ends"],
             x=sums["x"] / np.maximum(length, _SMALL),
             y=sums["y"] / np.maximum(length, _SMALL),
             concentration=np.minimum(length / np.maximum(sums["turns"], _SMALL), 1.0),
@@ -147,7 +148,7 @@ class NormalMotion:
         shape = grid((width, height), config)
         sums = {name: _array(stored, name, np.float64, shape) for name in _SUMS}
         for name, values in sums.items():
-            good = np.isfinite(values) & ((values >= 0) | (name not in ("visits", "turns", "log_speed_squared")))
+            good = np.isfinite(values) & ((values >= 0) | (name not in ("visits", "ends", "turns", "log_speed_squared")))
             if not good.all():
                 row, column = np.argwhere(~good)[0]
                 raise ConfigError(

@@ -33,6 +33,7 @@ LOITERING, PLACE, FORBIDDEN, DWELL, LINE = (
 ALARMS_PER_STEP = FORBIDDEN  # besides one for each zone and line
 
 _SCORE_MAX = 99.0
+_RARE, _SELDOM = 0.03, 0.05  # tracks lost per cell, and as a part of those that come through: no more than both is rare
 _MOST = 0.4  # of a stay, in which something was seen to linger
 _AMONG = 0.5  # of the normal speed: something so fast has been in motion
 
@@ -93,16 +94,14 @@ class Rules(NamedTuple):
 class Field(NamedTuple):
     """Normal motion as the rules take it: (rows, columns) arrays over cells of `cell_px`, (0, 0) at pixel (0, 0).
 
-    width, height: of the sensor, pixels.
-    support: tracks per cell. x, y: unit vector of the mean direction; concentration: length of the mean unit vector.
-    log_speed, deviation: mean and standard deviation of log(px/s). near_speed: px/s there or in the nearest cells that have a
-    support, not a number far from all.
+    support: tracks per cell; ends: tracks lost per cell. x, y: unit vector of the mean direction; concentration: length of the
+    mean unit vector. log_speed, deviation: mean and standard deviation of log(px/s). near_speed: px/s there or in the nearest
+    cells that have a support, not a number far from all.
     """
 
     cell_px: float
-    width: float
-    height: float
     support: NDArray[np.float64]
+    ends: NDArray[np.float64]
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     concentration: NDArray[np.float64]
@@ -247,17 +246,25 @@ def _stopping(rules, cur, trace, out, elapsed_us, speed):  # type: ignore[no-unt
 
 
 @njit(cache=True, nogil=True)
-def _leaves(field, trace):  # type: ignore[no-untyped-def]
-    """Whether a track is so near to the picture's edge that a part of its object may be outside."""
-    reach_px = max(trace.radius, field.cell_px)
-    away_x = min(trace.x, field.width - 1 - trace.x)
-    return min(away_x, trace.y, field.height - 1 - trace.y) < reach_px
+def _is_cut(field, trace):  # type: ignore[no-untyped-def]
+    """Whether a track's window reaches over the picture's edge: the centre of what is cut off moves as it should not."""
+    before, _ = _cell(field, trace.x - trace.radius, trace.y - trace.radius)
+    after, _ = _cell(field, trace.x + trace.radius, trace.y + trace.radius)
+    return before < 0 or after < 0
+
+
+@njit(cache=True, nogil=True)
+def _ends_here(field, trace):  # type: ignore[no-untyped-def]
+    """Whether tracks are often lost at a place: at the picture's edge, and where the tracker loses them."""
+    row, column = _cell(field, trace.x, trace.y)
+    often = row < 0 or field.ends[row, column] > _RARE + _SELDOM * field.support[row, column]
+    return often or _is_cut(field, trace)
 
 
 @njit(cache=True, nogil=True)
 def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
     """A track is lost, or has jumped to something else: what stands makes no events, so who was slow at last has stopped."""
-    slow = trace.slow_us >= rules.hold_us / 2 and not _leaves(field, trace)
+    slow = trace.slow_us >= rules.hold_us / 2 and not _ends_here(field, trace)
     if slow and not trace.raised[STOPPING]:
         trace.raised[STOPPING] = 1
         _stopped(rules, cur, trace, out, trace.slow_t)
@@ -282,17 +289,19 @@ def _stopped(rules, cur, trace, out, since_t):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def end(rules, field, stays, cur, trace, out):  # type: ignore[no-untyped-def]
-    """A track is lost."""
+def end(rules, field, stays, cur, trace, out, lost):  # type: ignore[no-untyped-def]
+    """A track is lost, or merged."""
     leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
-    _vanished(rules, field, cur, trace, out)
+    if lost:
+        _vanished(rules, field, cur, trace, out)
 
 
 @njit(cache=True, nogil=True)
 def _loitering(rules, stays, cur, trace, out, elapsed_us):  # type: ignore[no-untyped-def]
     if math.hypot(trace.x - trace.anchor_x, trace.y - trace.anchor_y) > rules.loiter_radius_px:
         leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
-        trace.raised[LOITERING] |= settle(stays, trace, rules.loiter_radius_px, rules.loiter_gap_us)
+        gap_us = rules.loiter_gap_us if trace.jumped else -1.0  # who walks on has left
+        trace.raised[LOITERING] |= settle(stays, trace, rules.loiter_radius_px, gap_us)
         trace.evidence_us[LOITERING] = 0.0
     limit_us = rules.loiter_us
     if trace.normal > 0:  # not where nothing is known
@@ -382,7 +391,7 @@ def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-u
     if row < 0:
         return
     if field.support[row, column] >= rules.min_support:
-        if field.concentration[row, column] >= rules.min_concentration:
+        if field.concentration[row, column] >= rules.min_concentration and not _is_cut(field, trace):
             _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed)
         _speed(rules, field, row, column, cur, trace, out, elapsed_us, speed)
     if trace.normal > 0:

@@ -126,8 +126,7 @@ def feed(steps, rules, field, places, stays, stitch_us, stitch_px, cursor, table
             close_step(steps, trace, record.radius)
             judge(rules, field, places, stays, i, cur, trace, out)
         if ends:
-            if record.kind == LOST:
-                end(rules, field, stays, cur, trace, out)
+            end(rules, field, stays, cur, trace, out, record.kind == LOST)
             trace.ended_us = after_us
         else:
             trace.radius = record.radius

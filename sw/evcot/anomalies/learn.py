@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..contract import Kind
 from ..errors import ConfigError
 from ..metrics.sampling import checked
-from ..tracklog import TrackLog
+from ..tracklog import TRACK, TrackLog
 from .config import AnomalyConfig
 from .field import FieldConfig, NormalMotion, grid
 from .judge import TRACE
@@ -27,7 +27,7 @@ __all__ = ["learn", "smallest_sensor"]
 
 _ANGLE_COS = 0.5  # a visit further off the mean direction is left out, where there is one
 _CLEAR = 0.5  # concentration from which on there is
-_DEVIATIONS = (2.0, 2.5, 3.0, 3.0, 3.0)  # round by round: strict while what is left out still counts in them
+_DEVIATIONS = (2.0, 2.0, 2.0, 2.5, 3.0, 3.0)  # round by round: strict while what is left out still counts in them
 _LEAST_SPEED = 0.5  # px/s
 _SURE = 2.0  # standard errors from which on a velocity has a direction
 
@@ -58,12 +58,13 @@ def learn(
     sensor = sensor or smallest_sensor(logs)
     observed = _observed(logs, measured)
     visits = _visits(observed, sensor, config)
+    ends = _ends(logs, sensor, config)
     if not len(visits):
         raise ConfigError("learning: no track in the logs is long enough to have a velocity on the sensor")
     kept = np.ones(len(visits), bool)
     for deviations in _DEVIATIONS:
-        kept = _fits(visits, _summed(visits[kept], sensor, config, measured), deviations)
-    return _summed(visits[kept], sensor, config, measured)
+        kept = _fits(visits, _summed(visits[kept], ends, sensor, config, measured), deviations)
+    return _summed(visits[kept], ends, sensor, config, measured)
 
 
 def smallest_sensor(logs: Sequence[TrackLog]) -> tuple[int, int]:
@@ -141,7 +142,20 @@ def _visits(observed: NDArray[np.void], sensor: tuple[int, int], config: FieldCo
     return visits
 
 
-def _summed(visits: NDArray[np.void], sensor: tuple[int, int], config: FieldConfig, measured: Steps) -> NormalMotion:
+def _ends(logs: Sequence[TrackLog], sensor: tuple[int, int], config: FieldConfig) -> NDArray[np.float64]:
+    """How many tracks were lost in each cell; off the sensor counts for the nearest."""
+    rows, columns = grid(sensor, config)
+    lost = np.concatenate([np.empty(0, TRACK), *(log.of_kind(Kind.LOST) for log in logs)])
+    row, column = (
+        np.clip((lost[axis] + 0.5) // config.cell_px, 0, cells - 1).astype(np.int64)
+        for axis, cells in (("y", rows), ("x", columns))
+    )
+    return np.bincount(row * columns + column, minlength=rows * columns).reshape(rows, columns).astype(np.float64)
+
+
+def _summed(
+    visits: NDArray[np.void], ends: NDArray[np.float64], sensor: tuple[int, int], config: FieldConfig, measured: Steps
+) -> NormalMotion:
     shape = grid(sensor, config)
     cell = visits["row"] * shape[1] + visits["column"]
 
@@ -150,7 +164,7 @@ def _summed(visits: NDArray[np.void], sensor: tuple[int, int], config: FieldConf
 
     turns, log_speed = visits["turns"].astype(np.float64), visits["log_speed"]
     return NormalMotion(
-        sensor, config, measured, len(np.unique(visits["track"])), total(np.ones(len(visits))), total(turns),
+        sensor, config, measured, len(np.unique(visits["track"])), total(np.ones(len(visits))), ends, total(turns),
         total(turns * visits["x"]), total(turns * visits["y"]), total(log_speed), total(log_speed**2),
     )  # fmt: skip
 

@@ -152,7 +152,7 @@ def _told(measured: Steps) -> str:
 
 def _nothing_known() -> Field:
     nothing = np.zeros((1, 1))
-    return Field(1e12, 1e12, 1e12, *(nothing,) * 6, near_speed=np.full((1, 1), np.nan))
+    return Field(1e12, *(nothing,) * 7, near_speed=np.full((1, 1), np.nan))
 
 
 def _places(zones: Zones, tracks: int) -> Places:

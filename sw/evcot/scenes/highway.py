@@ -123,7 +123,7 @@ class _Stage:
 
     def objects(self, t_us: float) -> NDArray[np.void]:
         seen, *corners = self._project(t_us)
-        x, y, vx, vy = (part[:, SHADOW + 1 :].reshape(len(seen), -1) for part in corners)
+        x, y, vx, vy = (part[:, SHADOW + 1 :].reshape(len(seen), 4 * (FACES - SHADOW - 1)) for part in corners)
         objects = np.zeros(len(seen), TRUTH)
         objects["object_id"] = seen
         rows = np.arange(len(seen))

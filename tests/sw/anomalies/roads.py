@@ -19,7 +19,13 @@ Path = Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.flo
 
 
 def track(
-    track_id: int, begin_us: int, lasts_us: int, path: Path, jitter_px: float = 0.0, ends: Kind | None = Kind.LOST, seed: int = 1
+    track_id: int,
+    begin_us: int,
+    lasts_us: int,
+    path: Path,
+    jitter_px: float = 0.0,
+    ends: Kind | None = Kind.LOST,
+    seed: int = 1,
 ) -> NDArray[np.void]:
     """One track's records every `STEP_US`; `path` takes seconds since its birth."""
     t_us = np.arange(0, lasts_us, STEP_US)

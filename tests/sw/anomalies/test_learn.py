@@ -29,9 +29,9 @@ def test_a_field_has_direction_speed_and_support_by_place() -> None:
         assert 0.1 <= field.deviation[at] < 0.15
         assert 3 < field.support[at] < 10  # of 10 tracks, shared with the cells beside
         assert field.near_speed[at] == pytest.approx(np.exp(field.log_speed[at]))
-    nowhere = 20, int(310 // 8)
+    nowhere = 20, (310 // 8)
     assert field.support[nowhere] == 0
-    near, far = field.near_speed[20, int(280 // 8)], field.near_speed[20, int(340 // 8)]
+    near, far = field.near_speed[20, (280 // 8)], field.near_speed[20, (340 // 8)]
     assert near == pytest.approx(164, rel=0.1)
     assert np.isnan(far)
 
