@@ -59,6 +59,19 @@ def test_the_log_is_in_order_and_its_events_are_there() -> None:
     assert (events.t_us[caused["event_index"]] == caused["t_us"]).all()
 
 
+def test_a_loss_is_stamped_with_its_time_and_the_next_event() -> None:
+    """In the upper part of the picture everything ends at 0.3 s."""
+    events = SCENE.recording.events
+    events = events.where((events.t_us < 300_000) | (events.y > 170))
+    log = track(Recording(events, 346, 260), CONFIG)
+    lost = log.of_kind(Kind.LOST)
+    assert len(lost) == 2
+    assert (lost["event_index"] == np.searchsorted(events.t_us, lost["t_us"])).all()
+    for row in lost:
+        own = log.records[log.records["track_id"] == row["track_id"]]
+        assert own["t_us"][-1] == row["t_us"] == own["t_us"][-2] + CONFIG.lifetime_us
+
+
 def test_shifting_the_recording_in_time_shifts_the_log() -> None:
     events = SCENE.recording.events
     later = Events(events.t_us + 1_718_925_184_590_631, events.x, events.y, events.p)
