@@ -20,6 +20,7 @@ Table = NDArray[Any]
 
 _CELL_PIXELS = 2.0  # fewer in a cell are noise
 _ABOVE_NOISE = 4.0
+_NEAR = 2.0  # gates: what is so near an object is a part that it will reach
 _CLUTTER_MIX = 0.1
 _PLACE_PX = 3.0  # how well a new object's sides are known
 _EDGE_PX = 8.0
@@ -86,10 +87,10 @@ def _touches(rules: Rules, world: World, box: Table) -> bool:
         if world.objects[i].alive:
             s = world.state[i]
             if (
-                box[0] <= s[0, 0] + s[0, 2] + 2.0 * world.objects[i].gate
-                and box[1] >= s[0, 0] - s[0, 2] - 2.0 * world.objects[i].gate
-                and box[2] <= s[1, 0] + s[1, 2] + 2.0 * world.objects[i].gate
-                and box[3] >= s[1, 0] - s[1, 2] - 2.0 * world.objects[i].gate
+                box[0] <= s[0, 0] + s[0, 2] + _NEAR * world.objects[i].gate
+                and box[1] >= s[0, 0] - s[0, 2] - _NEAR * world.objects[i].gate
+                and box[2] <= s[1, 0] + s[1, 2] + _NEAR * world.objects[i].gate
+                and box[3] >= s[1, 0] - s[1, 2] - _NEAR * world.objects[i].gate
             ):
                 return True
     return False

@@ -23,6 +23,16 @@ _ELONGATED = 2.3  # length of an object by its width, at most
 
 
 @njit(cache=True, nogil=True)
+def _within(a: Table, b: Table) -> bool:
+    """Whether the smaller box lies in the greater for the most part along both axes."""
+    for axis in range(2):
+        overlap = a[axis, 1] + b[axis, 1] - abs(a[axis, 0] - b[axis, 0])
+        if overlap < 2.0 * _WITHIN * min(a[axis, 1], b[axis, 1]):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
 def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
     """Whether two boxes (2, 2) of centre and half side by axis lie so that they can be parts of one object: one in the other
     for the most part; or one behind the other, as wide as each other, and together no longer than an object is."""
@@ -32,7 +42,7 @@ def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
         low_b, high_b = b[axis, 0] - b[axis, 1], b[axis, 0] + b[axis, 1]
         overlap[axis] = min(high_a, high_b) - max(low_a, low_b)
         together[axis] = max(high_a, high_b) - min(low_a, low_b)
-    if overlap[0] >= 2.0 * _WITHIN * min(a[0, 1], b[0, 1]) and overlap[1] >= 2.0 * _WITHIN * min(a[1, 1], b[1, 1]):
+    if _within(a, b):
         return True
     for axis in range(2):
         across = 1 - axis
@@ -64,4 +74,6 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
     if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
         return False
+    if max(one.born_us, other.born_us) <= new_us:
+        return _within(a[:, ::2], b[:, ::2])
     return are_parts(a[:, ::2], b[:, ::2], rules.merge_gap, 1.0)

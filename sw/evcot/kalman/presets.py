@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Named settings of the Kalman tracker."""
+
+from __future__ import annotations
+
+from ..errors import ConfigError
+from .config import KalmanConfig
+
+__all__ = ["PRESETS", "preset"]
+
+PRESETS: dict[str, KalmanConfig] = {
+    # Cars that drive away: they enter in part, shrink, and leave an afterglow.
+    "traffic": KalmanConfig(),
+    # Rigid things whose whole contour sends events, and which cross: they neither grow nor become one.
+    "discs": KalmanConfig(
+        packet_us=1_000,
+        refractory_us=0,
+        afterglow=0.0,
+        gate_share=0.0,
+        events_per_sample=2.0,
+        velocity_walk=30.0,
+        growth_walk=0.3,
+        speed=20.0,
+        merge_velocity=0.0,
+    ),
+}
+
+
+def preset(name: str) -> KalmanConfig:
+    """The settings of that name.
+
+    Raises:
+        ConfigError: there are none; the message lists them.
+    """
+    if name not in PRESETS:
+        raise ConfigError(f"kalman preset {name!r}: must be one of {', '.join(PRESETS)}")
+    return PRESETS[name]
