@@ -34,6 +34,7 @@ _BENCHMARKS = (
     "clustering",
     "table2",
     "cot_quality",
+    "kalman",
 )
 _FOLDER = Path("build") / "bench"
 

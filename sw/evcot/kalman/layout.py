@@ -103,10 +103,11 @@ class World(NamedTuple):
 
 def make_rules(config: KalmanConfig, width: int, height: int) -> Rules:
     """The rules for a sensor."""
-    fields = {name: getattr(config, name) for name in Rules._fields[2:]}
-    return Rules(
-        width, height, **{n: (v if "us" in n.split("_") or n == "birth_pixels" else float(v)) for n, v in fields.items()}
-    )
+    values: dict[str, Any] = {name: getattr(config, name) for name in Rules._fields[2:]}
+    for name, kind in Rules.__annotations__.items():
+        if kind == "float":
+            values[name] = float(values[name])
+    return Rules(width, height, **values)
 
 
 def make_world(n_objects: int, width: int, height: int) -> World:

@@ -24,6 +24,7 @@ Table = NDArray[Any]
 RECORDS_PER_PACKET = 3  # an object is born or moves, and ends
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 _MIN_HALF_PX = 1.0
+_COVERED_PATIENCE = 5  # how many times as long an object behind another is waited for
 _RATE_MEAN_US = 30_000.0
 _LEAST_SUPPORT = 0.5  # of the rate at which an object is born
 _ENTERED = 0.8
@@ -151,7 +152,7 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
 @njit(cache=True, nogil=True)
 def _outside(rules: Rules, world: World, i: int) -> bool:
     s = world.state[i]
-    return s[0, 0] < -0.5 or s[0, 0] > rules.width - 0.5 or s[1, 0] < -0.5 or s[1, 0] > rules.height - 0.5
+    return bool(s[0, 0] < -0.5 or s[0, 0] > rules.width - 0.5 or s[1, 0] < -0.5 or s[1, 0] > rules.height - 0.5)
 
 
 @njit(cache=True, nogil=True)
@@ -188,7 +189,9 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
         o.support += o.packet_events
         world.profile[i] *= fade
         world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
-        if (t_us - o.supported_us >= rules.coast_us and not _covered(world, i)) or _outside(rules, world, i):
+        silent_us = t_us - o.supported_us
+        patience = _COVERED_PATIENCE if _covered(world, i) else 1
+        if silent_us >= patience * rules.coast_us or _outside(rules, world, i):
             _end(rules, world, out, LOST, t_us, i, -1)
     _merge(rules, world, out, t_us)
     if t_us >= run.birth_end_us:
@@ -222,4 +225,4 @@ def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
         if run.live == 0 and t_us >= run.packet_end_us:
             run.packet_end_us += (t_us - run.packet_end_us) // rules.packet_us * rules.packet_us + rules.packet_us
     look_out(rules, world)
-    return t_us < run.packet_end_us
+    return bool(t_us < run.packet_end_us)

@@ -20,7 +20,7 @@ _PRIOR = 1.0  # events that each part of a profile is taken to have had
 
 @njit(cache=True, nogil=True)
 def look_out(rules: Rules, world: World) -> None:
-    """Note where the open packet's events are looked for: each object's box in the middle of it, and the cells that it touches."""
+    """Note where the open packet's events are looked for: each object's box in the middle of it, and its cells."""
     world.near[:] = NOBODY
     middle_s = 0.5e-6 * rules.packet_us
     for i in range(len(world.objects)):
@@ -58,13 +58,13 @@ def _open_gate(o: Any, width: int, height: int) -> None:
         o.bottom = height + 1.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _part(u: float, half: float) -> int:
     """Which part of a side holds the place u from its middle."""
     return max(min(int((u + half) * (0.5 * PROFILE / half)), PROFILE - 1), 0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _density(world: World, i: int, x: float, y: float) -> float:
     """How many events of object i a packet is expected to have at a place, per pixel."""
     o = world.objects[i]
@@ -73,10 +73,10 @@ def _density(world: World, i: int, x: float, y: float) -> float:
         return 0.0
     seen = world.profile[i, PROFILE * _part(dy, o.half_y) + _part(dx, o.half_x)] + _PRIOR
     outside = _OUTSIDE if abs(dx) > o.half_x or abs(dy) > o.half_y else 1.0
-    return outside * seen * (o.rate + 1e-3) / (world.total[i] * o.half_x * o.half_y)
+    return float(outside * seen * (o.rate + 1e-3) / (world.total[i] * o.half_x * o.half_y))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _take(world: World, i: int, x: float, y: float, weight: float) -> bool:
     """Give an object a share of an event; False where it lies outside its gate."""
     o = world.objects[i]
@@ -99,7 +99,7 @@ def _take(world: World, i: int, x: float, y: float, weight: float) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def share(world: World, x: int, y: int) -> int:
     """Share an event out; returns the slot with the greatest share, or NOBODY and leaves the pixel for births."""
     row, column = y >> CELL_BITS, x >> CELL_BITS
@@ -109,7 +109,7 @@ def share(world: World, x: int, y: int) -> int:
         o.packet_events += 1
         world.profile[near, PROFILE * _part(y - o.y, o.half_y) + _part(x - o.x, o.half_x)] += 1.0
         world.total[near] += 1.0
-        return near
+        return int(near)
     if near == MANY:
         best, most, total = NOBODY, 0.0, 0.0
         for i in range(len(world.objects)):

@@ -25,7 +25,7 @@ _ENOUGH = 200.0  # events in a profile that tells
 @njit(cache=True, nogil=True)
 def _cell(world: World, i: int, axis: int, along: int, across: int) -> float:
     at = PROFILE * across + along if axis == 0 else PROFILE * along + across
-    return world.profile[i, at]
+    return float(world.profile[i, at])
 
 
 @njit(cache=True, nogil=True)

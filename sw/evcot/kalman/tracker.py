@@ -43,13 +43,18 @@ class KalmanTracker:
             the greatest share in each event, -1 where none has one.
 
         Raises:
-            RecordingError: the run starts before the last event of the previous one.
+            RecordingError: the run starts before the last event of the previous one, or an event is not on the sensor.
         """
         run = self._world.run
         last_us = int(run["last_us"][0])
         if len(events) and events.t_us[0] < last_us:
             index = int(run["index"][0])
             raise RecordingError(f"event {index}: t = {events.t_us[0]} us follows t = {last_us} us: time must not run back")
+        outside = (events.x >= self._rules.width) | (events.y >= self._rules.height)
+        if outside.any():
+            at = int(np.argmax(outside))
+            place, size = f"({events.x[at]}, {events.y[at]})", f"{self._rules.width}x{self._rules.height}"
+            raise RecordingError(f"event {int(run['index'][0]) + at}: {place}: must lie on the sensor, {size}")
         owner = np.empty(len(events), np.int16)
         parts: list[NDArray[np.void]] = []
         done = 0
