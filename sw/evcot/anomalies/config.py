@@ -60,7 +60,7 @@ class AnomalyConfig:
     crossing_deg: float = 50.0
     wrong_way_deg: float = 120.0
     fast_ratio: float = 1.35
-    slow_ratio: float = 0.6
+    slow_ratio: float = 0.65
     stop_ratio: float = 0.25
     speed_deviations: float = 3.0
     place_support: float = 0.02

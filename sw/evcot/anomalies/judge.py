@@ -265,7 +265,7 @@ def _ends_here(field, trace):  # type: ignore[no-untyped-def]
 def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
     """A track is lost, or has jumped to something else: what stands makes no events, so who was slow at last has stopped."""
     slow = trace.slow_us >= rules.hold_us / 2 and not _ends_here(field, trace)
-    if slow and not trace.raised[STOPPING]:
+    if slow and trace.normal > 0 and not trace.raised[STOPPING]:
         trace.raised[STOPPING] = 1
         _stopped(rules, cur, trace, out, trace.slow_t)
 

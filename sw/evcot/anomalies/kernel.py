@@ -39,6 +39,7 @@ def _clear(table, places, i):  # type: ignore[no-untyped-def]
     trace.farthest_px = 0.0
     trace.moved = False
     trace.slow_us = 0.0
+    trace.jumped = False
     trace.raised[:] = 0
     trace.open[:] = 0
     trace.evidence_us[:] = 0.0
