@@ -32,7 +32,7 @@ def remove_failing(state: State, begin_us: int, end_us: int) -> None:
         at_us = NEVER_US
         coasts = rules.coast_us > 0 and cluster.track_id >= 0
         if rules.support_rate_hz > 0.0 and not coasts and cluster.before >= rules.visible_events:
-            at_us = falls_at(rules, rate_hz(rules, cluster), rules.support_rate_hz, begin_us)
+            at_us = falls_at(rules, rate_hz(rules, cluster), rules.support_rate_hz, begin_us, end_us)
         if rules.border_share < 1.0 and _share_outside(rules, cluster) > rules.border_share:
             at_us = begin_us
         if at_us <= end_us:

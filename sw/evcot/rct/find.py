@@ -20,16 +20,16 @@ _SEPARATE = choice("polarity", "separate")
 
 
 @njit(cache=True, nogil=True, inline="always")
-def find_nearest(radius_px: float, clusters: Table, cells: Table, ex: Any, ey: Any) -> Any:
-    """The slot whose centre is nearest by Chebyshev's distance, if that is at most the radius; `NOBODY` otherwise.
+def find_nearest(clusters: Table, cells: Table, ex: Any, ey: Any, x: float, y: float) -> Any:
+    """The slot whose centre is nearest by Chebyshev's distance, and that distance, infinite where no window is near.
 
     A window of radius R holds exactly the points at most R away. Of two equally near, the older takes the event.
     """
-    x, y = float(ex), float(ey)
     cell = cell_of(ex, ey)
-    nearest = np.uint64(NOBODY)
+    nearest = np.uint64(0)
     nearest_px = np.inf
-    for word in range(cells.shape[1]):
+    words = cells.shape[1]
+    for word in range(words):
         near = cells[cell, word]
         while near != np.uint64(0):
             slot = lowest(near) + np.uint64(64 * word)
@@ -38,7 +38,7 @@ def find_nearest(radius_px: float, clusters: Table, cells: Table, ex: Any, ey: A
             if distance_px < nearest_px or (distance_px == nearest_px and clusters[slot].order < clusters[nearest].order):
                 nearest_px = distance_px
                 nearest = slot
-    return nearest if nearest_px <= radius_px else np.uint64(NOBODY)
+    return nearest, nearest_px
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -10,6 +10,7 @@ from numba import njit
 
 from .find import NOBODY, find_by_options, find_nearest
 from .life import check, note_ends_of_life, seed
+from .lookup import events_within
 from .move import move, pull_size
 from .packet import close_packet, open_packet
 from .state import NEVER_US, RECORDS_PER_PACKET, State, Table, choice
@@ -31,15 +32,17 @@ def _at_times(state: State, t_us: int) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table, owner: Table) -> int:
-    """Track events until all are done or the buffer could overflow; returns how many are done."""
+def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table | None, owner: Table) -> int:
+    """Track events until all are done or the buffer could overflow; returns how many are done.
+
+    Without polarities, `ps` None, it is the paper's tracker: Numba then leaves out all that belongs to options.
+    """
     rules_array, cursor, clusters, _, cells, _, alphas, out = state
     rules = rules_array[0]
     cur = cursor[0]
     n_max = len(clusters)
     radius_px, alpha = rules.radius_px, rules.alpha
     keep = 1.0 - alpha
-    whole = rules.whole > 0
     seeds_max = n_max if rules.seeding > 0 else 0
     wake_us = min(cur.packet_end_us, cur.next_due_us)
     first_index = cur.index
@@ -54,33 +57,41 @@ def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table, owner: Table)
             wake_us = _at_times(state, t_us)
         x = float(xs[e])
         y = float(ys[e])
+        polarity = 0
         around: Any = np.uint64(NOBODY)
-        if whole:
-            if (rules.polarity == _ON and ps[e] == 0) or (rules.polarity == _OFF and ps[e] != 0):
+        if ps is None:
+            slot, nearest_px = find_nearest(clusters, cells, xs[e], ys[e], x, y)
+            held = nearest_px <= radius_px
+        else:
+            polarity = np.int64(ps[e])  # type: ignore[assignment]
+            if (rules.polarity == _ON and polarity == 0) or (rules.polarity == _OFF and polarity != 0):
                 owner[e] = -1
                 continue
-            slot, around = find_by_options(rules, clusters, cells, xs[e], ys[e], ps[e])
-        else:
-            slot = find_nearest(radius_px, clusters, cells, xs[e], ys[e])
-        if slot != np.uint64(NOBODY):
+            slot, around = find_by_options(rules, clusters, cells, xs[e], ys[e], polarity)
+            held = slot != np.uint64(NOBODY)
+        if held:
             cluster = clusters[slot]
-            due = False
-            if whole:
-                move(rules, alphas, cluster, x, y, t_us - cluster.last_us)
-                due = max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y)) > cluster.room
-            else:
+            astray = False
+            if ps is None:
                 cluster.x = keep * cluster.x + alpha * x
                 cluster.y = keep * cluster.y + alpha * y
+            else:
+                move(rules, alphas, cluster, x, y, t_us - cluster.last_us)
+                astray = max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y)) > cluster.room
             cluster.last_us = t_us
             cluster.packet_events += 1
             owner[e] = slot
-            if due or cluster.packet_events >= cluster.check_at:
+            if astray or cluster.packet_events >= cluster.check_at:
+                again = events_within(rules, cluster) if ps is None and cluster.track_id >= 0 else 0
+                if again > 0:
+                    cluster.check_at = cluster.packet_events + again
+                    continue
                 check(state, np.int64(slot), first_index + e, t_us)  # type: ignore[arg-type]
-        elif around != np.uint64(NOBODY):
+        elif ps is not None and around != np.uint64(NOBODY):
             pull_size(rules, clusters[around], x, y)
             owner[e] = -1
         elif cur.live < seeds_max:
-            slot_new = seed(state, x, y, t_us, np.int64(ps[e]))  # type: ignore[arg-type]
+            slot_new = seed(state, x, y, t_us, polarity)
             check(state, slot_new, first_index + e, t_us)
             owner[e] = slot_new
         else:

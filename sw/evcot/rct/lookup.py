@@ -18,7 +18,7 @@ from numba.cpython.unsafe.numbers import trailing_zeros
 from .compiled import step
 from .state import CELLS, State, Table
 
-__all__ = ["cell_of", "lowest", "register", "registered_for", "unregister", "without_lowest"]
+__all__ = ["cell_of", "events_within", "lowest", "register", "registered_for", "set_room", "unregister", "without_lowest"]
 
 _SHIFT = 3  # a cell is 8 pixels wide
 _WORD = 64
@@ -90,25 +90,36 @@ def register(state: State, slot: int) -> None:
     _set(state.cells, slot, cluster, True)
 
 
-@step
-def registered_for(state: State, slot: int) -> Any:
-    """Register a cluster anew where it could leave its slack; returns after how many events to ask again.
+@njit(cache=True, nogil=True, inline="always")
+def events_within(rules: Any, cluster: Any) -> Any:
+    """How many events a cluster can take before it could leave the cells where it is registered; 0: it must move now.
 
     An event moves the paper's cluster by at most the mixing factor's share of the window's reach; with options, each event
     looks for itself whether there is `room` left.
     """
+    step_px = 0.0 if rules.whole > 0 else rules.alpha * rules.radius_px
+    left_px = cluster.room - max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y))
+    if left_px <= step_px:
+        return 0
+    return _LONG if rules.whole > 0 else max(1, np.int64(left_px / step_px))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def set_room(rules: Any, cluster: Any) -> None:
+    """The window's size has changed, and with it the slack that is left."""
+    room_x = cluster.cells_reach_x - rules.surround * cluster.reach_x
+    room_y = cluster.cells_reach_y - rules.surround * cluster.reach_y
+    cluster.room = min(room_x, room_y)
+
+
+@step
+def registered_for(state: State, slot: int) -> Any:
+    """Register a cluster anew where it must be; returns after how many events to ask again."""
     rules = state.rules[0]
     cluster = state.clusters[slot]
-    step = 0.0 if rules.whole else rules.alpha * rules.radius_px
-    slack = min(
-        cluster.cells_reach_x - rules.surround * cluster.reach_x, cluster.cells_reach_y - rules.surround * cluster.reach_y
-    )
-    moved = max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y))
-    wanted = _slack_px(max(cluster.reach_x, cluster.reach_y))
-    if moved + step >= slack or slack > 3.0 * wanted:
+    again = events_within(rules, cluster)
+    if again == 0 or cluster.room > 3.0 * _slack_px(max(cluster.reach_x, cluster.reach_y)):
         unregister(state, slot)
         register(state, slot)
-        moved = 0.0
-        slack = wanted
-    cluster.room = slack
-    return _LONG if rules.whole else max(1, np.int64((slack - moved) / step))
+        again = max(1, events_within(rules, cluster))
+    return again

@@ -9,6 +9,7 @@ from .advance import advance
 from .border import remove_failing
 from .compiled import step
 from .life import check, drop, remove_silent
+from .lookup import events_within, set_room
 from .merge import merge_overlapping
 from .records import MOVED, record
 from .size import follow_size
@@ -92,7 +93,13 @@ def _settle(state: State) -> None:
         if cluster.packet_events > 0 or moves:
             cluster.before += cluster.packet_events
             cluster.packet_events = 0
-            check(state, slot, cur.index - 1, cur.last_us)
+            if moves:
+                set_room(rules, cluster)
+            again = events_within(rules, cluster) if cluster.track_id >= 0 else 0
+            if again > 0:
+                cluster.check_at = again
+            else:
+                check(state, slot, cur.index - 1, cur.last_us)
 
 
 @step

@@ -32,6 +32,7 @@ NEVER_US = 1 << 62
 # A cluster is born, and ends or moves, in one packet, and may be lost in the silence after it; then the next packet's births.
 RECORDS_PER_PACKET = 4
 CELLS = 64  # to a side of the lookup
+_LINE = 64  # bytes
 ALPHAS = 4096  # intervals in us whose mixing factor stands in a table
 
 # The settings by their names; choices as numbers; and what follows from them.
@@ -47,59 +48,66 @@ RULES = np.dtype(
     ]
 )
 
-# One per slot. What every event touches stands first, in one line of the cache.
+# What is known of a cluster. What every event touches stands first.
+_CLUSTER_FIELDS = (
+    ("x", "<f8"),  # centre, pixels
+    ("y", "<f8"),
+    ("last_us", "<i8"),  # its last event
+    ("packet_events", "<i8"),  # events in the open packet
+    ("check_at", "<i8"),  # at so many of these it is looked at: visible by now? far from where it was registered?
+    ("order", "<i8"),  # how many were seeded before it; -1: the slot is free
+    ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
+    ("track_id", "<i8"),  # -1 until it is visible
+    # Options: the window, half its sides and its direction.
+    ("half_width", "<f8"),
+    ("half_height", "<f8"),
+    ("cos", "<f8"),
+    ("sin", "<f8"),
+    ("room", "<f8"),  # how far it may move before it is registered anew
+    ("polarity", "<i8"),  # of the event that seeded it
+    # Options: what its events look like, seen from the centre along the window's axes.
+    ("mix", "<f8"),  # mixing factor of these, larger in youth
+    ("deviation_x", "<f8"),  # mean absolute
+    ("deviation_y", "<f8"),
+    ("middle_x", "<f8"),  # share of events nearer to the centre than half of that
+    ("middle_y", "<f8"),
+    ("moment_xx", "<f8"),  # second moments, along the sensor's axes
+    ("moment_xy", "<f8"),
+    ("moment_yy", "<f8"),
+    ("left", "<f8"),  # the box
+    ("right", "<f8"),
+    ("top", "<f8"),
+    ("bottom", "<f8"),
+    ("step_x", "<f8"),  # of its sides
+    ("step_y", "<f8"),
+    # Once per packet.
+    ("velocity_x", "<f8"),  # pixels per second
+    ("velocity_y", "<f8"),
+    ("from_x", "<f8"),  # where and when velocity was last measured
+    ("from_y", "<f8"),
+    ("from_us", "<i8"),  # NEVER_US before the end of its first packet
+    ("places", "<i8"),  # in the path so far
+    ("measured", "<i8"),  # of which since it last jumped
+    ("mass", "<f8"),  # at the end of the last packet
+    ("two", "<i8"),  # packets for which it has looked like two
+    ("apart_us", "<i8"),  # until then it does not merge with others of which the same is true
+    ("reach_x", "<f8"),  # half the extent of the window along the sensor's axes
+    ("reach_y", "<f8"),
+    ("due_index", "<i8"),  # first event at or after the end of its life, as of
+    ("due_us", "<i8"),  # the `last_us` for which that was found
+    ("cells_x", "<f8"),  # where it is registered in the lookup, and how far around
+    ("cells_y", "<f8"),
+    ("cells_reach_x", "<f8"),
+    ("cells_reach_y", "<f8"),
+)
+
+# One per slot, each on its own lines of the cache.
 CLUSTER = np.dtype(
-    [
-        ("x", "<f8"),  # centre, pixels
-        ("y", "<f8"),
-        ("last_us", "<i8"),  # its last event
-        ("packet_events", "<i8"),  # events in the open packet
-        ("check_at", "<i8"),  # at so many of these it is looked at: visible by now? far from where it was registered?
-        ("order", "<i8"),  # how many were seeded before it; -1: the slot is free
-        ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
-        ("track_id", "<i8"),  # -1 until it is visible
-        # Options: the window, half its sides and its direction.
-        ("half_width", "<f8"),
-        ("half_height", "<f8"),
-        ("cos", "<f8"),
-        ("sin", "<f8"),
-        ("room", "<f8"),  # how far it may move before it is registered anew
-        ("polarity", "<i8"),  # of the event that seeded it
-        # Options: what its events look like, seen from the centre along the window's axes.
-        ("mix", "<f8"),  # mixing factor of these, larger in youth
-        ("deviation_x", "<f8"),  # mean absolute
-        ("deviation_y", "<f8"),
-        ("middle_x", "<f8"),  # share of events nearer to the centre than half of that
-        ("middle_y", "<f8"),
-        ("moment_xx", "<f8"),  # second moments, along the sensor's axes
-        ("moment_xy", "<f8"),
-        ("moment_yy", "<f8"),
-        ("left", "<f8"),  # the box
-        ("right", "<f8"),
-        ("top", "<f8"),
-        ("bottom", "<f8"),
-        ("step_x", "<f8"),  # of its sides
-        ("step_y", "<f8"),
-        # Once per packet.
-        ("velocity_x", "<f8"),  # pixels per second
-        ("velocity_y", "<f8"),
-        ("from_x", "<f8"),  # where and when velocity was last measured
-        ("from_y", "<f8"),
-        ("from_us", "<i8"),  # NEVER_US before the end of its first packet
-        ("places", "<i8"),  # in the path so far
-        ("measured", "<i8"),  # of which since it last jumped
-        ("mass", "<f8"),  # at the end of the last packet
-        ("two", "<i8"),  # packets for which it has looked like two
-        ("apart_us", "<i8"),  # until then it does not merge with others of which the same is true
-        ("reach_x", "<f8"),  # half the extent of the window along the sensor's axes
-        ("reach_y", "<f8"),
-        ("due_index", "<i8"),  # first event at or after the end of its life, as of
-        ("due_us", "<i8"),  # the `last_us` for which that was found
-        ("cells_x", "<f8"),  # where it is registered in the lookup, and how far around
-        ("cells_y", "<f8"),
-        ("cells_reach_x", "<f8"),
-        ("cells_reach_y", "<f8"),
-    ]
+    {
+        "names": [name for name, _ in _CLUSTER_FIELDS],
+        "formats": [form for _, form in _CLUSTER_FIELDS],
+        "itemsize": -(-8 * len(_CLUSTER_FIELDS) // _LINE) * _LINE,
+    }
 )
 
 # A place on a path.
@@ -172,7 +180,7 @@ def new_state(config: RctConfig, width: int, height: int) -> State:
     n = config.max_clusters
     cursor = np.zeros(1, CURSOR)
     cursor["packet_end_us"] = cursor["last_us"] = cursor["next_due_us"] = -NEVER_US
-    clusters = np.zeros(n, CLUSTER)
+    clusters = _on_lines(n, CLUSTER)
     clusters["order"] = -1
     return State(
         _rules(config, width, height),
@@ -184,6 +192,13 @@ def new_state(config: RctConfig, width: int, height: int) -> State:
         -np.expm1(-np.arange(ALPHAS) / config.alpha_tau_us) if config.alpha_tau_us else np.zeros(ALPHAS),
         np.zeros(2 * RECORDS_PER_PACKET * n + 4096, TRACK),
     )
+
+
+def _on_lines(n: int, dtype: np.dtype[Any]) -> Table:
+    """n zeros that begin with a line of the cache."""
+    raw = np.zeros(n * dtype.itemsize + _LINE, np.uint8)
+    begin = -raw.ctypes.data % _LINE
+    return raw[begin : begin + n * dtype.itemsize].view(dtype)
 
 
 def _rules(config: RctConfig, width: int, height: int) -> Table:

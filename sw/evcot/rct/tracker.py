@@ -75,7 +75,7 @@ class RctTracker:
         done = 0
         while done < len(events):
             rest = events[done:]
-            done += feed(self._state, rest.t_us, rest.x, rest.y, rest.p, owner[done:])
+            done += feed(self._state, rest.t_us, rest.x, rest.y, rest.p if self.config.whole else None, owner[done:])
             parts.append(self._take_closed())
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 

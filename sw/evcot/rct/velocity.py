@@ -61,8 +61,10 @@ def _regress(state: State, slot: int) -> None:
         return
     path = state.paths[slot]
     sum_t = sum_x = sum_y = sum_tt = sum_tx = sum_ty = 0.0
-    for k in range(cluster.places - n, cluster.places):
-        place = path[k % size]
+    at = (cluster.places - n) % size
+    for _ in range(n):
+        place = path[at]
+        at = at + 1 if at + 1 < size else 0
         t_s = 1e-6 * (place.t_us - cluster.last_us)
         x = place.x - cluster.x
         y = place.y - cluster.y

@@ -90,11 +90,14 @@ def _coasting_nearby(state: State, slot: int, now_us: int) -> Any:
 
 
 @step
-def falls_at(rules: Any, level: float, least: float, begin_us: int) -> Any:
-    """The end of the packet in which a level that decays like mass falls below the least: `begin_us` if it is there already."""
+def falls_at(rules: Any, level: float, least: float, begin_us: int, end_us: int) -> Any:
+    """The end of the packet in which a level that decays like mass falls below the least, if that is not after `end_us`.
+
+    `begin_us` if it is there already.
+    """
     if level < least:
         return begin_us
-    if least <= 0.0:
+    if least <= 0.0 or begin_us == end_us:
         return NEVER_US
     packets = np.int64(rules.mass_tau_us / rules.packet_us * math.log(level / least)) + 1
     return begin_us + packets * rules.packet_us
@@ -110,7 +113,7 @@ def hide_weak(state: State, slot: int, begin_us: int, end_us: int) -> None:
     cluster = state.clusters[slot]
     if rules.visibility == _EVENTS or cluster.track_id < 0:
         return
-    at_us = falls_at(rules, _weight(rules, cluster), rules.hidden_share, begin_us)
+    at_us = falls_at(rules, _weight(rules, cluster), rules.hidden_share, begin_us, end_us)
     if rules.coast_us > 0:
         at_us = max(at_us, cluster.last_us + rules.lifetime_us + rules.coast_us)
     if at_us <= end_us:
