@@ -24,6 +24,7 @@ _BENCHMARKS = (
     "streaming",
     "cocotb_drive",
     "rates",
+    "rct",
     "reading",
     "filters",
     "scenes",
