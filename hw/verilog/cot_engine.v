@@ -107,14 +107,20 @@ module cot_engine #(
     localparam [1:0] LIFE    = 2'd1;
     localparam [1:0] MERGE   = 2'd2;
 
+    // What a walk over all slots looks at, one after the other: the first two only after registers were written.
+    localparam [1:0] MAX_TICKS    = 2'd0;
+    localparam [1:0] DETECT_TICKS = 2'd1;
+    localparam [1:0] DEADLINES    = 2'd2;
+
     reg [2:0]        phase;
     reg [1:0]        why;
     reg [STEP_W-1:0] step;       // clocks in WALK or FETCH
     reg [SLOT_W-1:0] slow_slot;  // which slot the phase is about
+    reg [1:0]        walk;       // what a walk looks at
 
     // ---- input -----------------------------------------------------------------------------------------------------
 
-    wire               token_valid, token_counts, token_event, token_p, input_empty;
+    wire               token_valid, token_event, token_p, input_empty;
     wire [CLOCK_W-1:0] token_time;
     wire [SEQ_W-1:0]   token_seq;
     wire [X_W-1:0]     token_x;
@@ -142,7 +148,6 @@ module cot_engine #(
         .m_take  (issue),
         .m_time  (token_time),
         .m_seq   (token_seq),
-        .m_counts(token_counts),
         .m_event (token_event),
         .m_x     (token_x),
         .m_y     (token_y),
@@ -159,7 +164,7 @@ module cot_engine #(
     reg [SLOT_W-1:0]  m_self, e_self;                      // whose
     reg [X_W-1:0]     m_lo_x, m_hi_x, e_x, c_x, u_x, v_x;
     reg [Y_W-1:0]     m_lo_y, m_hi_y, e_y, c_y, u_y, v_y;
-    reg               m_event, e_event, m_counts, e_counts, c_counts, u_counts;
+    reg               m_event, e_event;
     reg               m_p, e_p, c_p, u_p, v_p;
     reg [CLOCK_W-1:0] m_time, e_time, c_time, u_time;
     reg [SEQ_W-1:0]   m_seq, e_seq, c_seq, u_seq, v_seq;
@@ -177,8 +182,7 @@ module cot_engine #(
     reg               blocked;     // the next token waits for a record to be taken
 
     reg [CLOCK_W-1:0] now;         // time of the last committed token
-    reg [SEQ_W-1:0]   seq;         // its number
-    reg               counts;      // and the next one's is one more
+    reg [SEQ_W-1:0]   seq;         // number of its event, or of the next one where a life ends
 
     // ---- M and E: whose is it? ---------------------------------------------------------------------------------------
 
@@ -231,7 +235,7 @@ module cot_engine #(
     wire [X_W+FRAC-1:0] u_cm_x, join_x;
     wire [Y_W+FRAC-1:0] u_cm_y, join_y;
     wire [RADIX_W-1:0]  u_g, join_g;
-    wire [SUP_W-1:0]    u_support, join_support;
+    wire [SUP_W-1:0]    v_support, join_support;
     wire [LIFE_W-1:0]   u_deadline;
     wire [TC_W-1:0]     u_max_ticks, u_detect_ticks;
     wire [RADIX_W+1:0]  v_rel_x, v_rel_y;
@@ -282,7 +286,7 @@ module cot_engine #(
         .u_cm_x        (u_cm_x),
         .u_cm_y        (u_cm_y),
         .u_g           (u_g),
-        .u_support     (u_support),
+        .v_support     (v_support),
         .u_timed       (u_timed),
         .u_deadline    (u_deadline),
         .u_on          (u_on),
@@ -338,9 +342,12 @@ module cot_engine #(
         .clk         (clk),
         .m_time      (m_time[LIFE_W-1:0]),
         .m_due       (m_due),
-        .start       (phase != WALK),
+        .survey      (phase == WALK && walk == MAX_TICKS && step == {STEP_W{1'b0}}),
+        .on_detect   (walk == DETECT_TICKS),
+        .surveys     (walk != DEADLINES),
+        .start       (phase == WALK && walk == DEADLINES && step == {STEP_W{1'b0}}),
         .step        (u_walks),
-        .finish      (walked && !ended),
+        .finish      (walked && walk == DEADLINES && !ended),
         .now         (now),
         .slot        (u_slot),
         .timed       (u_timed),
@@ -370,7 +377,7 @@ module cot_engine #(
         .cm_x        (u_cm_x),
         .cm_y        (u_cm_y),
         .g           (u_g),
-        .support     (u_support),
+        .support     (v_support),
         .stays       (stays),
         .goes        (goes),
         .stays_id    (stays_id),
@@ -424,7 +431,7 @@ module cot_engine #(
 
     localparam [STEP_W-1:0] TWO   = 2;
     localparam [STEP_W-1:0] THREE = 3;
-    localparam [STEP_W-1:0] FIVE  = 5;
+    localparam [STEP_W-1:0] SIX   = 6;
 
     wire u_waits   = u_last && m_cm_valid;                             // for the record before to be taken
     wire u_ends    = u_valid && (stale || (u_due && !exempt));         // lives, before this token
@@ -454,6 +461,8 @@ module cot_engine #(
 
     // ---- tokens ----------------------------------------------------------------------------------------------------
 
+    // By then the number of the next event has come down to U.
+    wire reports = !m_cm_valid && |step[STEP_W-1:2];
     wire running = phase == RUN;
     wire owned   = e_active || e_other || e_free;
 
@@ -468,7 +477,6 @@ module cot_engine #(
         m_hi_y   <= (w_busy && w_checks) ? w_hi_y : token_y;
         m_time   <= token_time;
         m_seq    <= token_seq;
-        m_counts <= token_counts;
         m_event  <= token_event;
         m_p      <= token_p;
 
@@ -480,7 +488,6 @@ module cot_engine #(
         e_y      <= m_lo_y;
         e_time   <= m_time;
         e_seq    <= m_seq;
-        e_counts <= m_counts;
         e_event  <= m_event;
         e_p      <= m_p;
 
@@ -499,11 +506,11 @@ module cot_engine #(
         c_seeds  <= e_valid && !e_active && !e_other;
         c_x      <= e_x;
         c_y      <= e_y;
-        c_time   <= running ? e_time : now;
+        c_time   <= e_time;
+        if (!running) c_time[LIFE_W-1:0] <= now[LIFE_W-1:0];
         c_seq    <= e_seq;
-        c_counts <= e_counts;
         c_p      <= e_p;
-        c_report <= phase == REPORT && !m_cm_valid;
+        c_report <= phase == REPORT && reports;
         c_clear  <= phase == CLEAR;
         c_join   <= phase == JOIN && done && !m_cm_valid;
         c_walks  <= phase == WALK && step < SLOTS[STEP_W-1:0];
@@ -516,7 +523,6 @@ module cot_engine #(
         u_y      <= c_y;
         u_time   <= c_time;
         u_seq    <= c_seq;
-        u_counts <= c_counts;
         u_p      <= c_p;
         u_walks  <= c_walks;
 
@@ -539,10 +545,9 @@ module cot_engine #(
     always @(posedge clk) begin
         if (commit) begin
             now    <= u_time;
-            seq    <= u_seq;
-            counts <= u_counts;
             exempt <= 1'b0;
         end
+        if (commit || u_ends || (u_busy && why == RESTART)) seq <= u_seq;
         if (u_refused && u_waits) blocked <= 1'b1;
         if (!m_cm_valid) blocked <= 1'b0;
 
@@ -555,6 +560,7 @@ module cot_engine #(
                     phase     <= FETCH;
                 end else if (u_ends) begin
                     stale     <= 1'b0;
+                    walk      <= stale ? MAX_TICKS : DEADLINES;
                     now       <= u_time;
                     slow_slot <= {SLOT_W{1'b0}};
                     phase     <= WALK;
@@ -564,15 +570,14 @@ module cot_engine #(
                     slow_slot <= restart_slot;
                     phase     <= active[restart_slot] ? REPORT : CLEAR;
                 end
-                // Records of lives that end carry the number of the next event.
-                if (u_ends || restarts) begin
-                    seq    <= seq + {{(SEQ_W - 1) {1'b0}}, counts};
-                    counts <= 1'b0;
-                end
             end
             WALK: begin
                 slow_slot <= slow_slot + 1'b1;
-                if (walked) begin
+                if (walked && walk != DEADLINES) begin
+                    step      <= {STEP_W{1'b0}};
+                    slow_slot <= {SLOT_W{1'b0}};
+                    walk      <= walk + 1'b1;
+                end else if (walked) begin
                     why       <= LIFE;
                     slow_slot <= ended_slot;
                     exempt    <= !ended;
@@ -581,13 +586,13 @@ module cot_engine #(
             end
             FETCH: begin
                 slow_slot <= found_slot;
-                if (step == FIVE) begin
+                if (step == SIX) begin
                     why       <= MERGE;
                     slow_slot <= goes;
                     phase     <= REPORT;
                 end
             end
-            REPORT:  if (!m_cm_valid) phase <= CLEAR;
+            REPORT:  if (reports) phase <= CLEAR;
             CLEAR:   phase <= (why == RESTART) ? RUN : SETTLE;
             SETTLE:
             if (settled) begin
@@ -606,7 +611,6 @@ module cot_engine #(
             phase   <= RUN;
             now     <= {CLOCK_W{1'b0}};
             seq     <= {SEQ_W{1'b0}};
-            counts  <= 1'b0;
             restart <= {N{1'b1}};
             stale   <= 1'b1;
             exempt  <= 1'b0;

@@ -32,8 +32,7 @@ module engine_input #(
     output wire               m_valid,
     input  wire               m_take,    // issued
     output wire [CLOCK_W-1:0] m_time,    // ticks since reset, with its own
-    output wire [SEQ_W-1:0]   m_seq,     // of its event, or of the next one if it has none
-    output wire               m_counts,  // it has an event, or one that a filter took out
+    output wire [SEQ_W-1:0]   m_seq,     // of the next event: its own, if it has one; there without a token, too
     output wire               m_event,
     output wire [X_W-1:0]     m_x,
     output wire [Y_W-1:0]     m_y,
@@ -48,7 +47,6 @@ module engine_input #(
 
     reg [CLOCK_W-1:0] time_mem   [0:15];
     reg [SEQ_W-1:0]   seq_mem    [0:15];
-    reg               counts_mem [0:15];
     reg               event_mem  [0:15];
     reg [X_W-1:0]     x_mem      [0:15];
     reg [Y_W-1:0]     y_mem      [0:15];
@@ -70,7 +68,6 @@ module engine_input #(
     assign m_valid  = valid_reg;
     assign m_time   = time_mem[issued[3:0]];
     assign m_seq    = seq_mem[issued[3:0]];
-    assign m_counts = counts_mem[issued[3:0]];
     assign m_event  = event_mem[issued[3:0]];
     assign m_x      = x_mem[issued[3:0]];
     assign m_y      = y_mem[issued[3:0]];
@@ -78,10 +75,9 @@ module engine_input #(
     assign empty    = empty_reg;
 
     always @(posedge clk) begin
+        if (ready_reg) seq_mem[written[3:0]] <= seq;
         if (accept) begin
             time_mem[written[3:0]]   <= then;
-            seq_mem[written[3:0]]    <= seq;
-            counts_mem[written[3:0]] <= s_event || s_skip;
             event_mem[written[3:0]]  <= s_event;
             x_mem[written[3:0]]      <= s_x;
             y_mem[written[3:0]]      <= s_y;

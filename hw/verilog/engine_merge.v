@@ -2,7 +2,7 @@
 // Two tracks that merge: which one stays, and where both are then. The first born stays, at the mean of both centres weighted by
 // support, with the larger g and both supports.
 //
-// Latency: 2 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
+// Latency: 3 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
 `default_nettype none
 
 module engine_merge #(
@@ -16,7 +16,7 @@ module engine_merge #(
 ) (
     input  wire               clk,
 
-    // the context of one slot, taken twice
+    // the context of one slot, taken twice; its support follows a clock later
     input  wire               take_a,
     input  wire               take_b,
     input  wire [SLOT_W-1:0]  slot,
@@ -42,41 +42,41 @@ module engine_merge #(
     reg [POS_Y-1:0]   a_y, b_y;
     reg [RADIX_W-1:0] a_g, b_g;
     reg [SUP_W-1:0]   a_support, b_support;
-    reg               start;
+    reg               start, take_a_reg, take_b_reg;
 
     wire b_older = b_id < a_id;
     wire [SUP_W:0] both = {1'b0, a_support} + {1'b0, b_support};
-    wire done_x, done_y;
 
-    assign done = done_x && done_y;
+    // One axis after the other.
+    localparam POS_W = (POS_X > POS_Y) ? POS_X : POS_Y;
+
+    reg              on_y;
+    reg  [POS_W-1:0] join_x_reg;
+    wire [POS_W-1:0] mean;
+    wire             done_axis;
+
+    assign join_x = join_x_reg[POS_X-1:0];
+    assign join_y = mean[POS_Y-1:0];
+    assign done   = on_y && done_axis && !start;
+
+    wire [POS_W-1:0] wide_a_x = {{(POS_W - POS_X) {1'b0}}, a_x};
+    wire [POS_W-1:0] wide_b_x = {{(POS_W - POS_X) {1'b0}}, b_x};
+    wire [POS_W-1:0] wide_a_y = {{(POS_W - POS_Y) {1'b0}}, a_y};
+    wire [POS_W-1:0] wide_b_y = {{(POS_W - POS_Y) {1'b0}}, b_y};
 
     engine_mean #(
-        .W       (POS_X),
+        .W       (POS_W),
         .WEIGHT_W(SUP_W),
         .ROUND   (ROUND)
-    ) u_mean_x (
+    ) u_mean (
         .clk     (clk),
         .start   (start),
-        .a       (a_x),
+        .a       (on_y ? wide_a_y : wide_a_x),
         .weight_a(a_support),
-        .b       (b_x),
+        .b       (on_y ? wide_b_y : wide_b_x),
         .weight_b(b_support),
-        .done    (done_x),
-        .mean    (join_x)
-    );
-    engine_mean #(
-        .W       (POS_Y),
-        .WEIGHT_W(SUP_W),
-        .ROUND   (ROUND)
-    ) u_mean_y (
-        .clk     (clk),
-        .start   (start),
-        .a       (a_y),
-        .weight_a(a_support),
-        .b       (b_y),
-        .weight_b(b_support),
-        .done    (done_y),
-        .mean    (join_y)
+        .done    (done_axis),
+        .mean    (mean)
     );
 
     always @(posedge clk) begin
@@ -86,7 +86,6 @@ module engine_merge #(
             a_x       <= cm_x;
             a_y       <= cm_y;
             a_g       <= g;
-            a_support <= support;
         end
         if (take_b) begin
             b_slot    <= slot;
@@ -94,9 +93,17 @@ module engine_merge #(
             b_x       <= cm_x;
             b_y       <= cm_y;
             b_g       <= g;
-            b_support <= support;
         end
-        start        <= take_b;
+        take_a_reg <= take_a;
+        take_b_reg <= take_b;
+        if (take_a_reg) a_support <= support;
+        if (take_b_reg) b_support <= support;
+        start <= take_b_reg || (!on_y && done_axis && !start);
+        if (take_b || take_b_reg) on_y <= 1'b0;
+        else if (!on_y && done_axis && !start) begin
+            on_y       <= 1'b1;
+            join_x_reg <= mean;
+        end
         stays        <= b_older ? b_slot : a_slot;
         goes         <= b_older ? a_slot : b_slot;
         stays_id     <= b_older ? b_id : a_id;

@@ -62,7 +62,6 @@ module engine_update #(
     output wire [X_W+FRAC-1:0] u_cm_x,
     output wire [Y_W+FRAC-1:0] u_cm_y,
     output reg  [RADIX_W-1:0]  u_g,
-    output reg  [SUP_W-1:0]    u_support,
     output reg                 u_timed,
     output reg  [LIFE_W-1:0]   u_deadline,
     output reg                 u_on,       // mode is not off
@@ -70,6 +69,7 @@ module engine_update #(
     output reg  [TC_W-1:0]     u_detect_ticks,
 
     // V
+    output wire [SUP_W-1:0]    v_support,
     output reg                 v_busy,     // a special event or an operation
     output reg  [RADIX_W+1:0]  v_rel_x,
     output reg  [RADIX_W+1:0]  v_rel_y,
@@ -112,14 +112,13 @@ module engine_update #(
     localparam XY_W  = X_W > Y_W ? X_W : Y_W;
     localparam OFF_W = (XY_W > RADIX_W ? XY_W : RADIX_W) + 3;  // an offset from the centre, with a radius added
 
-    // Written from U.
+    // Written from U, V and W.
     reg [POS_X-1:0]   av_x     [0:N-1];
     reg [POS_Y-1:0]   av_y     [0:N-1];
-    reg               ring     [0:N-1];
-    reg [SUP_W-1:0]   support  [0:N-1];
     reg               timed    [0:N-1];  // has a deadline: active, or a candidate that has begun to collect
     reg [LIFE_W-1:0]  deadline [0:N-1];  // low bits of the tick at which the life ends
-    // Written from W.
+    reg               ring     [0:N-1];  // was occupied in this window
+    reg [SUP_W-1:0]   support  [0:N-1];
     reg [POS_X-1:0]   cm_x     [0:N-1];
     reg [POS_Y-1:0]   cm_y     [0:N-1];
     reg [RADIX_W-1:0] g        [0:N-1];
@@ -127,7 +126,6 @@ module engine_update #(
     reg [ID_W-1:0]    id       [0:N-1];
     reg [TIME_W-1:0]  start    [0:N-1];  // tick at which the window of N_ev events began
     reg [TC_W-1:0]    last_tc2 [0:N-1];
-    // Written from both.
     reg [NEV_W-1:0]   rest     [0:N-1];  // events until the last one of this window
 
     reg [ID_W-1:0] births;  // id of the next track
@@ -175,12 +173,12 @@ module engine_update #(
         .detect_ticks(detect_ticks)
     );
 
-    reg               u_takes, u_active, u_clear, u_join, u_report, u_first, u_places, u_ring;
+    reg               u_takes, u_active, u_clear, u_join, u_report, u_first, u_places;
     reg [1:0]         u_mode;
     reg [NEV_W-1:0]   u_rest;
     reg [TIME_W-1:0]  u_span;
     reg [TC_W:0]      u_slow_over, u_fast_under;
-    reg [RADIX_W:0]   u_radius;
+    reg [RADIX_W:0]   u_radius, u_lowest;
     reg [RADIX_W-1:0] u_init, u_th, u_step, u_min, u_max;
     reg [NEV_W-1:0]   u_n_ev, u_nev_min, u_nev_max, u_clust_nev;
     reg [LIFE_W-1:0]  u_time;
@@ -190,11 +188,6 @@ module engine_update #(
     wire place   = c_seeds || c_clear || c_join;
     wire last    = forward ? u_rest == {{(NEV_W - 1) {1'b0}}, 1'b1} : rest[c_slot] == {NEV_W{1'b0}};
     wire first   = !c_active && !timed[c_slot];
-
-    wire new_ring;
-    wire [SUP_W-1:0] new_support = u_takes ? ((u_support == {SUP_W{1'b1}}) ? u_support : u_support + 1'b1)
-                                 : u_clear ? {SUP_W{1'b0}}
-                                 : u_join  ? join_support : u_support;
 
     always @(posedge clk) begin
         u_slot         <= c_slot;
@@ -212,9 +205,7 @@ module engine_update #(
         u_g            <= g[c_slot];
         u_radius       <= {1'b0, g[c_slot]} + {1'b0, radix_th};
         u_n_ev         <= n_ev[c_slot];
-        u_ring         <= forward ? new_ring : ring[c_slot];
         u_rest         <= forward ? u_rest - 1'b1 : rest[c_slot];
-        u_support      <= forward ? new_support : support[c_slot];
         u_timed        <= timed[c_slot];
         u_deadline     <= deadline[c_slot];
         u_span         <= c_time[TIME_W-1:0] - start[c_slot];
@@ -226,6 +217,7 @@ module engine_update #(
         u_init         <= init_radix;
         u_th           <= radix_th;
         u_step         <= radix_step;
+        u_lowest       <= {1'b0, radix_min} + {1'b0, radix_step};
         u_min          <= radix_min;
         u_max          <= radix_max;
         u_max_ticks    <= max_ticks;
@@ -286,7 +278,10 @@ module engine_update #(
     wire signed [OFF_W-1:0] offset_x = {{(OFF_W - X_W - 1) {u_offset_x[X_W]}}, u_offset_x};
     wire signed [OFF_W-1:0] offset_y = {{(OFF_W - Y_W - 1) {u_offset_y[Y_W]}}, u_offset_y};
     wire signed [OFF_W-1:0] inner    = {{(OFF_W - RADIX_W) {1'b0}}, u_g};
-    assign new_ring = u_ring || offset_x > inner || offset_x < -inner || offset_y > inner || offset_y < -inner;
+    wire signed [OFF_W-1:0] over_x   = inner - offset_x;
+    wire signed [OFF_W-1:0] over_y   = inner - offset_y;
+    wire signed [OFF_W-1:0] under_x  = inner + offset_x;
+    wire signed [OFF_W-1:0] under_y  = inner + offset_y;
 
     wire [OFF_W-1:0] rel_x = offset_x + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
     wire [OFF_W-1:0] rel_y = offset_y + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
@@ -294,7 +289,6 @@ module engine_update #(
     wire [TC_W-1:0] tc2 = u_first                 ? {TC_W{1'b0}}
                         : |u_span[TIME_W-1:TC_W]  ? {TC_W{1'b1}} : u_span[TC_W-1:0];
 
-    wire [RADIX_W:0] lowest  = {1'b0, u_min} + {1'b0, u_step};
     wire [NEV_W:0]   doubled = {u_n_ev, 1'b0};
     wire [NEV_W-1:0] halved  = u_n_ev >> 1;
 
@@ -304,33 +298,30 @@ module engine_update #(
 
     wire u_acts = u_commits || u_clear || u_join;
 
-    reg               v_takes, v_active, v_last, v_report, v_clear, v_join, v_places, v_starts, v_ring, v_low;
+    reg               v_took, v_special, v_active, v_last, v_report, v_clear, v_join, v_places, v_outside, v_low;
     reg [SLOT_W-1:0]  v_slot;
     reg [1:0]         v_mode;
     reg [RADIX_W-1:0] v_g, v_shrunk, v_init, v_th, v_min, v_max;
     reg [RADIX_W:0]   v_grown;
     reg [NEV_W-1:0]   v_n_ev, v_doubled, v_halved, v_clust_nev;
-    reg [SUP_W-1:0]   v_support;
     reg [ID_W-1:0]    v_id;
     reg [TC_W-1:0]    v_tc2;
     reg [TC_W:0]      v_slow_over, v_fast_under;
 
     always @(posedge clk) begin
         if (u_acts) begin
-            av_x[u_slot]    <= new_av_x;
-            av_y[u_slot]    <= new_av_y;
-            support[u_slot] <= new_support;
+            av_x[u_slot] <= new_av_x;
+            av_y[u_slot] <= new_av_y;
         end
-        if (u_commits || u_clear) ring[u_slot] <= !u_last && !u_clear && new_ring;
         if (u_clear || u_join || (u_commits && (u_active || u_special))) begin
             timed[u_slot]    <= !u_clear;
             deadline[u_slot] <= new_deadline;
         end
 
         v_busy       <= (u_commits && u_special) || u_busy;
-        v_takes      <= u_commits && u_special;
+        v_took       <= u_commits;
+        v_special    <= u_commits && u_special;
         v_last       <= u_commits && u_last;
-        v_starts     <= u_commits && u_special;
         v_report     <= u_report;
         v_clear      <= u_clear;
         v_join       <= u_join;
@@ -340,11 +331,11 @@ module engine_update #(
         v_mode       <= u_mode;
         v_rel_x      <= rel_x[RADIX_W+1:0];
         v_rel_y      <= rel_y[RADIX_W+1:0];
-        v_ring       <= new_ring;
+        v_outside    <= over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];
         v_g          <= u_g;
         v_grown      <= {1'b0, u_g} + {1'b0, u_step};
         v_shrunk     <= u_g - u_step;
-        v_low        <= {1'b0, u_g} < lowest;
+        v_low        <= {1'b0, u_g} < u_lowest;
         v_init       <= u_init;
         v_th         <= u_th;
         v_min        <= u_min;
@@ -353,15 +344,20 @@ module engine_update #(
         v_doubled    <= (doubled > {1'b0, u_nev_max}) ? u_nev_max : doubled[NEV_W-1:0];
         v_halved     <= (halved < u_nev_min) ? u_nev_min : halved;
         v_clust_nev  <= u_clust_nev;
-        v_support    <= new_support;
         v_id         <= u_id;
         v_tc2        <= tc2;
         v_slow_over  <= u_slow_over;
         v_fast_under <= u_fast_under;
-        if (rst) {v_busy, v_takes, v_last, v_starts, v_report, v_clear, v_join, v_places} <= 8'd0;
+        if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places} <= 8'd0;
     end
 
     // ---- V ---------------------------------------------------------------------------------------------------------
+
+    wire v_ring = ring[v_slot] || v_outside;
+    assign v_support = support[v_slot];
+    wire [SUP_W-1:0] new_support = v_took  ? ((v_support == {SUP_W{1'b1}}) ? v_support : v_support + 1'b1)
+                                 : v_clear ? {SUP_W{1'b0}}
+                                 : v_join  ? join_support : v_support;
 
     wire slower = {1'b0, v_tc2} > v_slow_over;
     wire faster = {1'b0, v_tc2} < v_fast_under && !v_fast_under[TC_W];
@@ -369,7 +365,7 @@ module engine_update #(
     wire [RADIX_W-1:0] shrunk = v_low ? v_min : v_shrunk;
     wire [RADIX_W-1:0] joined = (join_g > v_max) ? v_max : join_g;
 
-    reg               w_last, w_takes, w_report, w_clear, w_starts, w_old;
+    reg               w_last, w_special, w_report, w_clear, w_old;
     reg [1:0]         w_mode;
     reg [RADIX_W-1:0] w_g, w_th;
     reg [NEV_W-1:0]   w_n_ev;
@@ -379,13 +375,15 @@ module engine_update #(
     reg               w_reports;
 
     always @(posedge clk) begin
+        if (v_took || v_clear || v_join) support[v_slot] <= new_support;
+        if (v_took || v_clear) ring[v_slot] <= v_ring && !v_last && !v_clear;
+
         w_busy    <= v_busy;
         w_checks  <= v_last || v_join;
         w_reports <= v_last || v_join || v_report;
         w_places  <= v_places;
-        w_takes   <= v_takes;
+        w_special <= v_special;
         w_last    <= v_last;
-        w_starts  <= v_starts;
         w_report  <= v_report;
         w_clear   <= v_clear;
         w_old     <= v_active || v_join;
@@ -397,10 +395,10 @@ module engine_update #(
                    : !(v_last && v_active)    ? v_n_ev
                    : slower                   ? v_doubled
                    : faster                   ? v_halved : v_n_ev;
-        w_support <= v_support;
+        w_support <= new_support;
         w_id      <= v_id;
         w_tc2     <= v_tc2;
-        if (rst) {w_busy, w_checks, w_reports, w_places, w_takes, w_last, w_starts, w_report, w_clear} <= 9'd0;
+        if (rst) {w_busy, w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear} <= 8'd0;
     end
 
     // ---- W ---------------------------------------------------------------------------------------------------------
@@ -432,7 +430,7 @@ module engine_update #(
         .hi    (w_hi_y)
     );
 
-    assign w_changes = w_takes || w_clear;
+    assign w_changes = w_special || w_clear;
     assign w_free    = w_clear && w_mode == `EVCOT_MODE_SEEDED;
     assign w_window  = !w_clear || w_mode == `EVCOT_MODE_FIXED;
     assign w_active  = !w_clear && (w_old || w_last);
@@ -448,7 +446,7 @@ module engine_update #(
         end
         if (w_rest) n_ev[w_slot] <= w_n_ev;
         if (w_last) last_tc2[w_slot] <= w_tc2;
-        if (w_starts) start[w_slot] <= now;
+        if (w_special) start[w_slot] <= now;
         if (w_born) begin
             id[w_slot] <= births;
             births     <= births + 1'b1;
