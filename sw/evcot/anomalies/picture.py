@@ -27,7 +27,7 @@ __all__ = ["draw_alarms"]
 _DPI = 110
 _WIDTH_IN = 8.0
 _TRACK, _ALARMED, _FIELD, _ZONE = "#0072B2", "#D55E00", "#BBBBBB", "#CC79A7"
-_LEAST_SUPPORT = 0.5
+_LEAST_SUPPORT = 0.25
 _LABELS_MAX = 60
 
 
@@ -74,7 +74,7 @@ def _draw_field(ax: Axes, normal: NormalMotion) -> None:
     row, column = np.nonzero(field.support >= _LEAST_SUPPORT)
     x, y = ((index + 0.5) * normal.config.cell_px - 0.5 for index in (column, row))
     ax.quiver(
-        x, y, field.x[row, column], field.y[row, column], angles="xy", pivot="mid", color=_FIELD, scale=60, width=0.0015
+        x, y, field.x[row, column], field.y[row, column], angles="xy", pivot="mid", color=_FIELD, scale=40, width=0.002
     )  # fmt: skip
 
 

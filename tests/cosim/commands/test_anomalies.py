@@ -104,7 +104,7 @@ def test_everything_as_json(capsys: Capture) -> None:
     assert found["settings"]["hold_us"] == 100_000
     assert main(["anomalies", "--learn", "monday.npz", "today.npz", "-o", "both.npz", "--set", "cell_px=4", "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
-    assert (report["normal"], report["tracks"], report["width"], report["height"]) == ("both.npz", 14, 102, 242)
+    assert (report["normal"], report["tracks"], report["width"], report["height"]) == ("both.npz", 14, 102, 241)
 
 
 def test_alarms_go_into_files_and_a_picture(capsys: Capture) -> None:

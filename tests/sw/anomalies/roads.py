@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Track logs of simple roads: cars that drive up the picture in lanes, slower and slower as they get far, as a camera sees them."""
+"""Track logs of simple roads: cars that drive up the picture in lanes, slower and slower as they get far."""
 
 from __future__ import annotations
 

@@ -259,9 +259,9 @@ def test_settings_and_files_that_contradict_each_other(normal: NormalMotion) -> 
         Monitor(AnomalyConfig(step_us=20_000), normal)
     with pytest.raises(ConfigError, match=r"anomalies.hold_us = -1: must be from 0 to 60000000 \(a rule must be broken"):
         AnomalyConfig(hold_us=-1)
-    with pytest.raises(ConfigError, match="anomalies.window_us = 90000: must be from 4 to 31 times step_us = 25000"):
+    with pytest.raises(ConfigError, match=r"anomalies.window_us = 90000: must be from 4 to 31 times step_us = 25000"):
         AnomalyConfig(window_us=90_000)
-    with pytest.raises(ConfigError, match="anomalies.wrong_way_deg = 40: must be at least crossing_deg = 50"):
+    with pytest.raises(ConfigError, match=r"anomalies.wrong_way_deg = 40: must be at least crossing_deg = 50"):
         AnomalyConfig(wrong_way_deg=40.0)
     assert asdict(AnomalyConfig())["hold_us"] == 500_000
 
