@@ -16,7 +16,7 @@ from .size import follow_size
 from .split import split_apart
 from .state import NEVER_US, State
 from .velocity import measure_velocity
-from .visible import grow_mass, hide_weak, show_if_due
+from .visible import grow_mass, hide_weak, is_due, is_weak, missing_events, show_if_due
 
 __all__ = ["close_packet", "open_packet"]
 
@@ -63,15 +63,17 @@ def _look(state: State, now_us: int) -> None:
 def _judge(state: State, now_us: int) -> None:
     """Options: who is gone, who is no track any more, who has become one."""
     cur = state.cursor[0]
+    rules = state.rules[0]
     remove_failing(state, now_us, now_us)
     for i in range(cur.live):
-        hide_weak(state, state.live[i], now_us, now_us)
+        if is_weak(rules, state.clusters[state.live[i]]):
+            hide_weak(state, state.live[i], now_us, now_us)
     i = 0
     while i < cur.live:
         slot = state.live[i]
         cluster = state.clusters[slot]
         taken_over = -1
-        if cluster.track_id < 0 and cluster.packet_events > 0:
+        if cluster.track_id < 0 and cluster.packet_events > 0 and is_due(rules, cluster):
             taken_over = show_if_due(state, slot, cur.index - 1, cur.last_us)
             if taken_over >= 0:
                 drop(state, taken_over)
@@ -95,7 +97,9 @@ def _settle(state: State) -> None:
             cluster.packet_events = 0
             if moves:
                 set_room(rules, cluster)
-            again = events_within(rules, cluster) if cluster.track_id >= 0 else 0
+            again = events_within(rules, cluster)
+            if cluster.track_id < 0:
+                again = min(again, max(0, missing_events(rules, cluster)))
             if again > 0:
                 cluster.check_at = again
             else:

@@ -13,7 +13,7 @@ from .compiled import step
 from .records import BORN, LOST, record
 from .state import NEVER_US, State, choice
 
-__all__ = ["falls_at", "grow_mass", "hide_weak", "missing_events", "rate_hz", "show_if_due"]
+__all__ = ["falls_at", "grow_mass", "hide_weak", "is_due", "is_weak", "missing_events", "rate_hz", "show_if_due"]
 
 _EVENTS, _RATE = choice("visibility", "events"), choice("visibility", "rate")
 _LONG = 1 << 40  # events
@@ -48,6 +48,18 @@ def _weight(rules: Any, cluster: Any) -> Any:
 
 
 @step
+def is_due(rules: Any, cluster: Any) -> Any:
+    """Whether a cluster has what it takes to be visible."""
+    return _weight(rules, cluster) >= 1.0 and cluster.deviation_x + cluster.deviation_y >= rules.birth_spread_px
+
+
+@step
+def is_weak(rules: Any, cluster: Any) -> Any:
+    """Whether a track has no longer what it takes to be one."""
+    return rules.visibility != _EVENTS and cluster.track_id >= 0 and _weight(rules, cluster) < rules.hidden_share
+
+
+@step
 def show_if_due(state: State, slot: int, index: int, t_us: int) -> Any:
     """An invisible cluster that has what it takes becomes a track: a new one, or one that coasted nearby.
 
@@ -55,7 +67,7 @@ def show_if_due(state: State, slot: int, index: int, t_us: int) -> Any:
     """
     rules = state.rules[0]
     cluster = state.clusters[slot]
-    if _weight(rules, cluster) < 1.0 or cluster.deviation_x + cluster.deviation_y < rules.birth_spread_px:
+    if not is_due(rules, cluster):
         return -1
     lost = _coasting_nearby(state, slot, t_us) if rules.coast_us > 0 else -1
     if lost >= 0:
