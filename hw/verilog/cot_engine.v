@@ -511,7 +511,7 @@ module cot_engine #(
         c_seq    <= e_seq;
         c_p      <= e_p;
         c_report <= phase == REPORT && reports;
-        c_clear  <= phase == CLEAR;
+        c_clear  <= phase == CLEAR && settled;
         c_join   <= phase == JOIN && done && !m_cm_valid;
         c_walks  <= phase == WALK && step < SLOTS[STEP_W-1:0];
 
@@ -593,7 +593,7 @@ module cot_engine #(
                 end
             end
             REPORT:  if (reports) phase <= CLEAR;
-            CLEAR:   phase <= (why == RESTART) ? RUN : SETTLE;
+            CLEAR:   if (settled) phase <= (why == RESTART) ? RUN : SETTLE;
             SETTLE:
             if (settled) begin
                 step      <= {STEP_W{1'b0}};

@@ -6,6 +6,8 @@
 // is given its own distance to that average, in the same clock: (event - av) - step, where the first difference is formed while the
 // step is shifted.
 //
+// The centre takes the same shifter and adder one clock later (`again`): nothing else is in U then.
+//
 // Latency: C in; u_ and new_av in U, one clock later; w_cm in W, three clocks later.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -26,7 +28,8 @@ module engine_average #(
     input  wire [A_W+FRAC-1:0] position,
 
     // U
-    input  wire                moves,     // the centre moves
+    input  wire                again,     // the centre is next: nothing comes from C
+    input  wire                moves,     // it moves towards the new average; else it stays
     output wire [A_W+FRAC-1:0] new_av,
     output reg  [A_W+FRAC-1:0] u_cm,
     output reg  [A_W:0]        u_offset,  // signed: the event minus the pixel of the centre
@@ -67,30 +70,17 @@ module engine_average #(
 
     assign new_av = av_sum[W:1];
 
-    // ---- V ---------------------------------------------------------------------------------------------------------
-
-    reg [3:0]   v_k;
-    reg [W-1:0] v_cm;
-    reg [W:0]   v_d;  // signed: average - centre, or 0 for one that stays
-
-    wire signed [W+1:0] v_shifted = $signed({v_d, 1'b0}) >>> v_k;
-    wire [W:0] w_sum = {v_cm, 1'b1} + {v_shifted[W:1], (FRAC > 0) && v_shifted[0]};
-
     always @(posedge clk) begin
-        u_k      <= k;
+        u_k      <= again ? u_k : k;
         u_cm     <= place ? position : cm;
-        u_av     <= place ? position : forward ? new_av : av;
-        u_d      <= place ? {(W + 1) {1'b0}} : forward ? next_sum[W+1:1] : target - {1'b0, av};
+        u_av     <= forward ? new_av : again ? u_cm : place ? position : av;
+        u_d      <= forward ? next_sum[W+1:1] : again ? (moves ? cm_sum[W+1:1] : {(W + 1) {1'b0}})
+                  : place ? {(W + 1) {1'b0}} : target - {1'b0, av};
         u_offset <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];
-
-        v_k  <= u_k;
-        v_cm <= u_cm;
-        v_d  <= moves ? cm_sum[W+1:1] : {(W + 1) {1'b0}};
-
-        w_cm <= w_sum[W:1];
+        w_cm     <= new_av;
     end
 
-    wire unused = &{1'b0, from_centre, av_sum[0], next_sum[0], cm_sum[0], w_sum[0], v_shifted[W+1]};
+    wire unused = &{1'b0, from_centre, av_sum[0], next_sum[0], cm_sum[0]};
 
 endmodule
 

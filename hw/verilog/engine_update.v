@@ -183,8 +183,9 @@ module engine_update #(
     reg [NEV_W-1:0]   u_n_ev, u_nev_min, u_nev_max, u_clust_nev;
     reg [LIFE_W-1:0]  u_time;
 
-    // The event in U is of the same slot, and not special, or this one would be thrown out.
-    wire forward = c_takes && u_takes && u_slot == c_slot;
+    // The event in U is of the same slot.
+    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot;
+    wire again   = u_special || u_busy;
     wire place   = c_seeds || c_clear || c_join;
     wire last    = forward ? u_rest == {{(NEV_W - 1) {1'b0}}, 1'b1} : rest[c_slot] == {NEV_W{1'b0}};
     wire first   = !c_active && !timed[c_slot];
@@ -247,6 +248,7 @@ module engine_update #(
         .cm      (cm_x[c_slot]),
         .place   (place),
         .position(c_join ? join_x : {c_clear ? init_cm_x : c_x, {FRAC{1'b0}}}),
+        .again   (again),
         .moves   (u_last),
         .u_cm    (u_cm_x),
         .u_offset(u_offset_x),
@@ -265,6 +267,7 @@ module engine_update #(
         .cm      (cm_y[c_slot]),
         .place   (place),
         .position(c_join ? join_y : {c_clear ? init_cm_y : c_y, {FRAC{1'b0}}}),
+        .again   (again),
         .moves   (u_last),
         .u_cm    (u_cm_y),
         .u_offset(u_offset_y),
@@ -327,27 +330,29 @@ module engine_update #(
         v_join       <= u_join;
         v_places     <= u_places && (u_commits || u_busy);
         v_slot       <= u_slot;
-        v_active     <= u_active;
-        v_mode       <= u_mode;
         v_rel_x      <= rel_x[RADIX_W+1:0];
         v_rel_y      <= rel_y[RADIX_W+1:0];
         v_outside    <= over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];
-        v_g          <= u_g;
-        v_grown      <= {1'b0, u_g} + {1'b0, u_step};
-        v_shrunk     <= u_g - u_step;
-        v_low        <= {1'b0, u_g} < u_lowest;
-        v_init       <= u_init;
-        v_th         <= u_th;
-        v_min        <= u_min;
-        v_max        <= u_max;
-        v_n_ev       <= u_n_ev;
-        v_doubled    <= (doubled > {1'b0, u_nev_max}) ? u_nev_max : doubled[NEV_W-1:0];
-        v_halved     <= (halved < u_nev_min) ? u_nev_min : halved;
-        v_clust_nev  <= u_clust_nev;
-        v_id         <= u_id;
-        v_tc2        <= tc2;
-        v_slow_over  <= u_slow_over;
-        v_fast_under <= u_fast_under;
+        if (again) begin
+            v_active     <= u_active;
+            v_mode       <= u_mode;
+            v_g          <= u_g;
+            v_grown      <= {1'b0, u_g} + {1'b0, u_step};
+            v_shrunk     <= u_g - u_step;
+            v_low        <= {1'b0, u_g} < u_lowest;
+            v_init       <= u_init;
+            v_th         <= u_th;
+            v_min        <= u_min;
+            v_max        <= u_max;
+            v_n_ev       <= u_n_ev;
+            v_doubled    <= (doubled > {1'b0, u_nev_max}) ? u_nev_max : doubled[NEV_W-1:0];
+            v_halved     <= (halved < u_nev_min) ? u_nev_min : halved;
+            v_clust_nev  <= u_clust_nev;
+            v_id         <= u_id;
+            v_tc2        <= tc2;
+            v_slow_over  <= u_slow_over;
+            v_fast_under <= u_fast_under;
+        end
         if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places} <= 8'd0;
     end
 
@@ -386,18 +391,20 @@ module engine_update #(
         w_last    <= v_last;
         w_report  <= v_report;
         w_clear   <= v_clear;
-        w_old     <= v_active || v_join;
-        w_slot    <= v_slot;
-        w_mode    <= v_mode;
-        w_g       <= v_clear ? v_init : v_join ? joined : !v_last ? v_g : v_ring ? grown : shrunk;
-        w_th      <= v_th;
-        w_n_ev    <= v_clear                  ? v_clust_nev
-                   : !(v_last && v_active)    ? v_n_ev
-                   : slower                   ? v_doubled
-                   : faster                   ? v_halved : v_n_ev;
-        w_support <= new_support;
-        w_id      <= v_id;
-        w_tc2     <= v_tc2;
+        if (v_busy) begin
+            w_old     <= v_active || v_join;
+            w_slot    <= v_slot;
+            w_mode    <= v_mode;
+            w_g       <= v_clear ? v_init : v_join ? joined : !v_last ? v_g : v_ring ? grown : shrunk;
+            w_th      <= v_th;
+            w_n_ev    <= v_clear                  ? v_clust_nev
+                       : !(v_last && v_active)    ? v_n_ev
+                       : slower                   ? v_doubled
+                       : faster                   ? v_halved : v_n_ev;
+            w_support <= new_support;
+            w_id      <= v_id;
+            w_tc2     <= v_tc2;
+        end
         if (rst) {w_busy, w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear} <= 8'd0;
     end
 

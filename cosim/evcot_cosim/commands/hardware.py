@@ -68,7 +68,9 @@ def _input_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", metavar="NAME", help="see `evcot presets` (default: the one for the sensor)")
     parser.add_argument("--config", type=Path, metavar="TOML", help="overrides of the preset")
     parser.add_argument("--slots", type=int, metavar="N", help="tracker slots (default: the preset's)")
-    parser.add_argument("--hardware", choices=("cot_array", "cot_engine", "cot_chain", "cot"), default="cot_array", help="which module")
+    parser.add_argument(
+        "--hardware", choices=("cot_array", "cot_engine", "cot_chain", "cot"), default="cot_array", help="which module"
+    )
     parser.add_argument("--stalls", type=int, metavar="SEED", help="stall every stream of the hardware at random")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
     damage_options(parser)
