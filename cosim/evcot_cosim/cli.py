@@ -14,7 +14,7 @@ from typing import Any
 import evcot
 from evcot.errors import EvcotError, RecordingWarning
 
-from .commands import anomalies, evaluate, hardware, presets, recordings, simulate
+from .commands import anomalies, evaluate, hardware, presets, recordings, simulate, track
 from .commands import filter as filter_command
 from .commands.hardware import MISMATCH
 from .lockstep import MismatchError
@@ -33,7 +33,8 @@ _EXAMPLES = """examples:
   evcot convert drive.aedat4 drive.csv --to 500 its first half second, as text
   evcot simulate highway -o highway.aedat4      a scene, and its truth beside it
   evcot cosim highway --activity 5              filters, then hardware, model and software tracker, on a scene
-  evcot evaluate build/cosim/highway/software.npz --truth highway.truth.csv
+  evcot track highway.aedat4 --preset traffic -o log.npz       a software tracker alone, fast
+  evcot evaluate log.npz --truth highway.truth.csv
 """
 
 
@@ -81,6 +82,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for group in (hardware, simulate, recordings, filter_command, evaluate, anomalies, presets):
+    for group in (hardware, track, simulate, recordings, filter_command, evaluate, anomalies, presets):
         group.add(commands)
     return parser

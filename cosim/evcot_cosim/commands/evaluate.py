@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from evcot.errors import TrackLogError
-from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth
+from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth, rule_for
 from evcot.tracklog import TrackLog
 
 from .options import sensor_from
@@ -23,14 +23,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("log", type=Path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others")
     parser.add_argument("--truth", type=Path, required=True, metavar="CSV", help="the ground truth")
     known = ", ".join(RULES)
-    parser.add_argument("--rule", default="scene", metavar="RULE", help=f"{known}, or a .toml file (default: scene)")
+    parser.add_argument("--rule", metavar="RULE", help=f"{known}, or a .toml file (default: the one with the truth's columns)")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the rule's)")
     parser.add_argument("--json", action="store_true", help="print every figure as JSON")
     parser.set_defaults(command=_evaluate)
 
 
 def _evaluate(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    rule = load_rule(options.rule).on(sensor_from(options))
+    rule = (load_rule(options.rule) if options.rule else rule_for(options.truth)).on(sensor_from(options))
     truth = read_truth(options.truth, rule)
     log = TrackLog.load_npz(options.log)
     try:

@@ -3,6 +3,6 @@
 
 from .evaluate import Scores, evaluate
 from .rule import RULES, Rule, load_rule
-from .truth import GroundTruth, read_truth
+from .truth import GroundTruth, read_truth, rule_for
 
-__all__ = ["RULES", "GroundTruth", "Rule", "Scores", "evaluate", "load_rule", "read_truth"]
+__all__ = ["RULES", "GroundTruth", "Rule", "Scores", "evaluate", "load_rule", "read_truth", "rule_for"]

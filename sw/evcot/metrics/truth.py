@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RecordingError
-from .rule import Rule
+from .rule import RULES, Rule, load_rule
 
-__all__ = ["OBJECT", "GroundTruth", "read_truth"]
+__all__ = ["OBJECT", "GroundTruth", "read_truth", "rule_for"]
 
 OBJECT = np.dtype(
     [
@@ -96,6 +96,17 @@ def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
     if rule.clip:
         objects = _clipped(objects, rule)
     return GroundTruth(instants_us, objects[np.argsort(objects["frame"], kind="stable")], ids)
+
+
+def rule_for(path: Path | str) -> Rule:
+    """The rule, of those by name, whose columns a CSV file has; the first where none is.
+
+    Raises:
+        RecordingError: the file cannot be read.
+    """
+    header, _ = _read(Path(path))
+    rules = [load_rule(name) for name in RULES]
+    return next((rule for rule in rules if set(rule.columns.values()) <= set(header)), rules[0])
 
 
 _REAL = ("left", "top", "width", "height", "x", "y", "vx", "vy")

@@ -62,6 +62,7 @@ RCT_CHOICES: dict[str, tuple[str, ...]] = {
     "centre": ("mean", "box"),
     "visibility": ("events", "rate", "mass"),
     "polarity": ("both", "on", "off", "separate"),
+    "merge_into": ("older", "heavier"),
     "perspective": ("none", "row", "point"),
 }
 
@@ -129,6 +130,7 @@ class RctConfig:
     coast_reach_px: float = 20.0
     # Several into one, one into several.
     merging: bool = True
+    merge_into: str = "older"
     merge_overlap: float = 0.0
     merge_angle_deg: float = 180.0
     merge_speed_px_s: float = 50.0

@@ -12,11 +12,13 @@ from .compiled import step
 from .life import drop
 from .records import MERGED, record
 from .size import set_reach
-from .state import State, Table
+from .state import State, Table, choice
 from .velocity import jump
 from .visible import missing_events, show_if_due
 
 __all__ = ["merge_overlapping"]
+
+_HEAVIER = choice("merge_into", "heavier")
 
 
 @step
@@ -35,9 +37,11 @@ def _grow(rules: Any, into: Any, gone: Any) -> None:
 
 @step
 def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
-    """Means weighted by the events of each."""
-    own = into.before + into.packet_events
-    other = gone.before + gone.packet_events
+    """Means weighted by the events of each; or, where the heavier stays, by mass, which old events do not count for."""
+    own = float(into.before + into.packet_events)
+    other = float(gone.before + gone.packet_events)
+    if rules.merge_into == _HEAVIER and into.mass + gone.mass > 0.0:
+        own, other = into.mass, gone.mass
     total = own + other
     x, y = into.x, into.y
     into.x = (into.x * own + gone.x * other) / total
@@ -60,16 +64,26 @@ def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
 
 
 @step
+def _stays_second(rules: Any, first: Any, second: Any) -> Any:
+    """Whether of two the one seeded later stays: the one that became visible first does, or has more mass; of two invisible
+    ones, the one seeded first."""
+    if first.track_id < 0 or second.track_id < 0:
+        return second.track_id > first.track_id
+    if rules.merge_into == _HEAVIER:
+        return second.mass > first.mass
+    return second.track_id < first.track_id
+
+
+@step
 def _merge(state: State, i: int, j: int) -> Any:
-    """Merge the live clusters i < j: the one that became visible first stays; of two invisible ones, the one seeded first.
+    """Merge the live clusters i < j into one.
 
     Returns where the one that stays then stands among the live ones, or -1 if others have gone too.
     """
     cur = state.cursor[0]
     rules = state.rules[0]
-    a = state.clusters[state.live[i]].track_id
-    b = state.clusters[state.live[j]].track_id
-    stays, goes = (j, i) if b >= 0 and (a < 0 or b < a) else (i, j)
+    swap = _stays_second(rules, state.clusters[state.live[i]], state.clusters[state.live[j]])
+    stays, goes = (j, i) if swap else (i, j)
     slot = state.live[stays]
     into = state.clusters[slot]
     gone = state.clusters[state.live[goes]]

@@ -88,6 +88,17 @@ def test_a_rule_of_ones_own_and_the_sensor(capsys: Capture) -> None:
     assert found["tp"] + found["fn"] == 30  # left edges from 10 to 39 px lie on 40 columns
 
 
+def test_without_a_rule_it_is_the_one_whose_columns_the_truth_has(capsys: Capture) -> None:
+    boxes = "0,0,1000,7,10,10,20,20\n"
+    Path("boxes.csv").write_text(f"frame,t_begin_us,t_end_us,track_id,left,top,width,height\n{boxes}")
+    Path("other.csv").write_text("t,id,x,y\n1,2,3,4\n")
+    assert error_of(capsys, "software.npz", "--truth", "boxes.csv", "--rule", "scene").startswith("boxes.csv: line 1: ")
+    assert error_of(capsys, "software.npz", "--truth", "boxes.csv") == error_of(
+        capsys, "software.npz", "--truth", "boxes.csv", "--rule", "traffic"
+    )
+    assert "must have one column" in error_of(capsys, "software.npz", "--truth", "other.csv")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -74,3 +74,15 @@ def test_on_and_off_do_not_merge_where_they_are_separate() -> None:
         records = tracked(events_of(rows, polarities), replace(BASE, polarity=polarity))[0]
         assert len(of_kind(records, Kind.MERGED)) == merged
         assert len(of_kind(records, Kind.BORN)) == (2 if polarity == "separate" else 1)
+
+
+@pytest.mark.parametrize(("into", "survivor", "x"), [("older", 0, 105.4), ("heavier", 1, 113.5)])
+def test_the_one_that_stays_is_the_older_or_the_one_with_more_events_of_late(into: str, survivor: int, x: float) -> None:
+    """The first had 60 events 40 ms ago and 10 now, the other 30 now; that one drifts into the first one's reach."""
+    now_us = 40_000
+    now = still(100, 50, 10, now_us) + still(121, 50, 1, now_us + 20) + still(118, 50, 29, now_us + 30)
+    config = replace(BASE, merge_into=into, mass_tau_us=1_000.0)
+    records, _, clusters = tracked(events_of(still(100, 50, 60) + now), config)
+    (merged,) = of_kind(records, Kind.MERGED)
+    assert (merged["track_id"], merged["other_id"]) == (1 - survivor, survivor)
+    assert clusters["x"] == pytest.approx([x], abs=0.1)

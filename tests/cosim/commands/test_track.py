@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot track`: a recording in, a track log out, with any engine."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from evcot.rct.presets import PRESETS
+
+from evcot.config import RunConfig
+from evcot.contract import Kind
+from evcot.cot import track as cot_track
+from evcot.engines import ENGINES
+from evcot.files import read_recording, write_recording
+from evcot.filters.config import FilterConfig
+from evcot.filters.run import apply
+from evcot.presets import fit, preset
+from evcot.rct.tracker import track as rct_track
+from evcot.scenes.registry import simulate_scene
+from evcot.tracklog import TrackLog
+from evcot_cosim.cli import main
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Four discs for a fifth of a second."""
+    path = tmp_path_factory.mktemp("track") / "discs.npz"
+    write_recording(simulate_scene("discs", 5, {"duration_us": 200_000}).recording, path)
+    return path
+
+
+@pytest.fixture
+def source(recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The same; the working folder is empty."""
+    monkeypatch.chdir(tmp_path)
+    return recorded
+
+
+def tracked(source: Path, *options: str) -> TrackLog:
+    assert main(["track", str(source), "-o", "log.npz", "-q", *options]) == 0
+    return TrackLog.load_npz("log.npz")
+
+
+def assert_same(got: TrackLog, wanted: TrackLog) -> None:
+    assert np.array_equal(got.records, wanted.records)
+    assert np.array_equal(got.owner, wanted.owner)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_every_engine_follows_the_discs(source: Path, engine: str) -> None:
+    log = tracked(source, "--engine", engine)
+    assert log.engine == engine
+    assert len(log.owner) == len(read_recording(source).events)
+    assert len(log.of_kind(Kind.BORN)) >= 4
+
+
+def test_the_default_is_the_plain_software_tracker(source: Path) -> None:
+    assert_same(tracked(source), rct_track(read_recording(source), PRESETS["plain"]))
+
+
+def test_settings_come_from_the_preset_then_the_file_then_the_options(source: Path) -> None:
+    Path("mine.toml").write_text("[rct]\nradius_px = 9.0\nlifetime_us = 7_000\n")
+    name = list(PRESETS)[-1]
+    config = replace(PRESETS[name], radius_px=9.0, lifetime_us=8_000)
+    log = tracked(source, "--preset", name, "--config", "mine.toml", "--set", "lifetime_us=8000")
+    assert_same(log, rct_track(read_recording(source), config))
+
+
+def test_the_hardware_s_model_takes_a_preset_of_the_hardware(source: Path) -> None:
+    recording = read_recording(source)
+    config: RunConfig = fit(preset("davis346"), recording.width, recording.height)
+    for options in ((), ("--preset", "davis346")):
+        log = tracked(source, "--engine", "cot", *options)
+        assert_same(log, cot_track(recording, config.cot))
+
+
+@pytest.mark.parametrize("engine", ["rct", "cot"])
+def test_filters_go_in_front_of_any_engine(source: Path, engine: str) -> None:
+    recording = read_recording(source)
+    _, keep = apply(recording, FilterConfig(activity_us=2_000))
+    log = tracked(source, "--engine", engine, "--activity", "2")
+    assert 0 < np.count_nonzero(keep) < len(keep)
+    assert np.array_equal(log.owner == -2, ~keep)
+
+
+def test_a_window_of_the_recording(source: Path) -> None:
+    log = tracked(source, "--from", "50", "--to", "150")
+    events = read_recording(source).window(50_000, 150_000).events
+    assert len(log.owner) == len(events)
+    assert log.records["t_us"].min() >= events.t_us[0]
+
+
+def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["track", str(source), "--csv", "log.csv", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    log = rct_track(read_recording(source), PRESETS["plain"])
+    counts = [len(log.of_kind(kind)) for kind in (Kind.BORN, Kind.MERGED, Kind.LOST)]
+    assert [found[name] for name in ("tracks", "merged", "lost")] == counts
+    assert found["alive_at_the_end"] == counts[0] - counts[1] - counts[2]
+    assert found["events"] == len(log.owner) == found["owned"] + found["passed"] + found["filtered"]
+    assert found["settings"]["radius_px"] == PRESETS["plain"].radius_px
+    lives = [
+        rows["t_us"][-1] - rows["t_us"][0] for rows in (log.records[log.records["track_id"] == i] for i in range(counts[0]))
+    ]
+    assert found["longest_track_s"] == max(lives) / 1e6
+    assert len(Path("log.csv").read_text().splitlines()) == 1 + len(log.records)
+
+    assert main(["track", str(source)]) == 0
+    assert f"tracks{'':>12}{counts[0]}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--preset none", "--preset none: must be one of plain"),
+        ("--engine cot --preset plain", "--preset plain: must be one of slow"),
+        ("--set radius", "--set radius: must be KEY=VALUE with a key among max_clusters"),
+        ("--set radium=3", "--set radium=3: must be KEY=VALUE with a key among max_clusters"),
+        ("--set radius_px=wide", "rct.radius_px = 'wide': must be a number"),
+        ("--set radius_px=-1", "rct.radius_px = -1.0: must be from "),
+        ("--engine cot --set init_radix=3", "--set: must not be given with --engine cot"),
+        ("--config none.toml", "none.toml: cannot be read: No such file"),
+        ("--config wrong.toml", "wrong.toml: top level: unknown field 'cot': must be one of filters, rct"),
+        ("--config bad.toml", "bad.toml: [rct]: unknown field 'radix': must be one of "),
+        ("--activity -1", "filters.activity_us = -1000: must be from "),
+        ("--from 999 ", "holds no events from 0.999 s"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(
+    source: Path, capsys: pytest.CaptureFixture[str], options: str, message: str
+) -> None:
+    Path("wrong.toml").write_text("[cot]\n")
+    Path("bad.toml").write_text("[rct]\nradix = 3\n")
+    assert main(["track", str(source), "-o", "log.npz", *options.split()]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert printed.err.removeprefix("evcot: ").removeprefix(f"{source}: ").startswith(message)
+    assert not Path("log.npz").exists()
