@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from evcot.compare import Agreement, compare
 from evcot.config import CotConfig, RunConfig
-from evcot.contract import DROPPED
 from evcot.cot import CotModel, tick_times, to_track_records
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Recording
-from evcot.rct.tracker import RctTracker, track
+from evcot.filters.run import filtered
+from evcot.filters.tracker import FilteredTracker
+from evcot.rct.tracker import RctTracker
+from evcot.tracking import Tracker, log_of
 from evcot.tracklog import TRACK, TrackLog
 
 from .build import BuiltModel
@@ -108,7 +110,7 @@ def run_cosim(
 
     hardware_log = hardware.log("cot-rtl")
     started = time.perf_counter()
-    software = track(recording, config.rct, hardware_log.owner != DROPPED if config.filters.enabled else None)
+    software = log_of("rct", _software(recording, config), [events])
     software_s = time.perf_counter() - started
 
     agreement = compare(hardware_log, software, radius_px=config.rct.radius_px, span_us=(t0_us, int(events.t_us[-1])))
@@ -138,9 +140,16 @@ def _compile_kernels(recording: Recording, config: RunConfig) -> None:
     first = recording.events[:1]
     model = CotModel(config.hardware(recording.width, recording.height))
     model.feed(tick_times(first.t_us, int(first.t_us[0]), config.cot.tick_us), first.x, first.y, first.p)
-    tracker = RctTracker(config.rct)
-    tracker.feed(first)
-    tracker.finish()
+    log_of("rct", _software(recording, config), [first])
+
+
+def _software(recording: Recording, config: RunConfig) -> Tracker:
+    """The software tracker, behind the same filters in the same ticks."""
+    sensor = recording.width, recording.height
+    tracker = RctTracker(config.rct, *sensor)
+    if not config.filters.enabled:
+        return tracker
+    return FilteredTracker(filtered((), config.filters, sensor, config.cot.tick_us), tracker)
 
 
 class _LogParts:
