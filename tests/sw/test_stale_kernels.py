@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A kernel that was compiled from sources that have changed since is not used."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from evcot._stale_kernels import forget_stale_kernels
+
+SOURCES = ("__init__.py", "events.py", "rct/kernel.py", "rct/merge.py", "filters/chain.py")
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A package with a kernel beside each source, and known as it is."""
+    for name in SOURCES:
+        source = tmp_path / name
+        (source.parent / "__pycache__").mkdir(parents=True, exist_ok=True)
+        source.write_text("x = 1\n")
+    forget_stale_kernels(tmp_path)
+    for name in SOURCES:
+        source = tmp_path / name
+        for suffix in ("nbi", "1.nbc"):
+            (source.parent / "__pycache__" / f"{source.stem}.f-1.py311.{suffix}").write_text("compiled")
+    return tmp_path
+
+
+def kernels(package: Path) -> set[str]:
+    """The folders that have kernels."""
+    return {path.parent.parent.relative_to(package).as_posix() for path in package.rglob("*.nb[ci]")}
+
+
+def test_nothing_changed_nothing_is_forgotten(package: Path) -> None:
+    assert forget_stale_kernels(package) == []
+    assert kernels(package) == {".", "rct", "filters"}
+
+
+@pytest.mark.parametrize(
+    ("changed", "left"), [("rct/merge.py", {".", "filters"}), ("filters/chain.py", {".", "rct"}), ("events.py", set())]
+)
+def test_a_change_drops_the_kernels_beside_and_below(package: Path, changed: str, left: set[str]) -> None:
+    (package / changed).write_text("x = 22\n")
+    assert forget_stale_kernels(package)
+    assert kernels(package) == left
+    assert forget_stale_kernels(package) == []
+
+
+def test_a_source_that_comes_or_goes_is_a_change(package: Path) -> None:
+    (package / "rct" / "size.py").write_text("y = 1\n")
+    assert forget_stale_kernels(package) == ["rct"]
+    (package / "rct" / "size.py").unlink()
+    assert forget_stale_kernels(package) == ["rct"]
+
+
+@pytest.mark.parametrize("content", ["", "[1]", "no json"])
+def test_where_nothing_is_known_all_are_forgotten(package: Path, content: str) -> None:
+    (package / "__pycache__" / "kernels.json").write_text(content)
+    forget_stale_kernels(package)
+    assert kernels(package) == set()
+
+
+def test_a_kernel_follows_a_function_in_another_file(tmp_path: Path) -> None:
+    """With Numba itself: without this, the old sum would come out."""
+    package = tmp_path / "evcot_like"
+    package.mkdir()
+    (package / "__init__.py").write_text(
+        "from pathlib import Path\nfrom evcot._stale_kernels import forget_stale_kernels\n"
+        "forget_stale_kernels(Path(__file__).parent)\n"
+    )
+    (package / "inner.py").write_text("from numba import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + 1\n")
+    (package / "outer.py").write_text(
+        "from numba import njit\nfrom .inner import inner\n\n@njit(cache=True)\ndef outer(x):\n    return 10 * inner(x)\n"
+    )
+    run = [sys.executable, "-c", "from evcot_like.outer import outer; print(outer(1))"]
+    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stdout == "20\n"
+    (package / "inner.py").write_text("from numba import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + 22\n")
+    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stdout == "230\n"
