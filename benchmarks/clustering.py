@@ -163,7 +163,7 @@ def _draw(done: Mapping[str, Sequence[Outcome]]) -> None:
         axis.set_xticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
         axis.grid(linewidth=0.3)
     axes[0][0].set_ylabel("HOTA")
-    axes[0][0].legend(fontsize="x-small", loc="lower left")
+    figure.legend(*axes[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize="small")
     figure.savefig(_PICTURE, dpi=90)
 
 
