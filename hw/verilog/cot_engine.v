@@ -170,6 +170,7 @@ module cot_engine #(
     reg [SEQ_W-1:0]   m_seq, e_seq, c_seq, u_seq, v_seq;
     reg               e_due, c_due, u_due;                 // the bound has come
     reg [SLOT_W-1:0]  c_slot, v_slot;
+    (* keep *) reg [SLOT_W-1:0] c_slot_too;                // c_slot again: it goes to every bit of the context
     reg               c_takes, c_passes, c_active, c_seeds, c_report, c_clear, c_join, c_walks;
     reg               u_takes, u_passes, u_walks, v_decided, v_owned;
 
@@ -264,6 +265,7 @@ module cot_engine #(
         .cfg_addr      (cfg_addr),
         .cfg_data      (cfg_data),
         .c_slot        (c_slot),
+        .c_slot_too    (c_slot_too),
         .c_takes       (c_takes),
         .c_active      (c_active),
         .c_seeds       (c_seeds),
@@ -500,6 +502,7 @@ module cot_engine #(
         c_valid  <= e_valid && !rewind;
         c_due    <= e_due;
         c_slot   <= running ? e_slot : slow_slot;
+        c_slot_too <= running ? e_slot : slow_slot;
         c_takes  <= e_valid && e_event && owned;
         c_passes <= e_event && !owned;
         c_active <= e_active;

@@ -63,10 +63,8 @@ module engine_average #(
 
     // Adders with a carry into their lowest bit.
     wire [W:0]   av_sum   = {u_av, 1'b1} + {u_step[W-1:0], u_round};
-    wire [W:0]   behind   = target - {1'b0, u_av};
-    wire [W+1:0] next_sum = {behind, 1'b1} + {~u_step, !u_round};
-    wire [W:0]   to_av    = {1'b0, u_av} - {1'b0, u_cm};
-    wire [W+1:0] cm_sum   = {to_av, 1'b1} + {u_step, u_round};
+    wire [W:0]   gap      = again ? {1'b0, u_av} - {1'b0, u_cm} : target - {1'b0, u_av};
+    wire [W+1:0] next_sum = {gap, 1'b1} + ({u_step, u_round} ^ {(W + 2) {!again}});
 
     assign new_av = av_sum[W:1];
 
@@ -74,13 +72,13 @@ module engine_average #(
         u_k      <= again ? u_k : k;
         u_cm     <= place ? position : cm;
         u_av     <= forward ? new_av : again ? u_cm : place ? position : av;
-        u_d      <= forward ? next_sum[W+1:1] : again ? (moves ? cm_sum[W+1:1] : {(W + 1) {1'b0}})
-                  : place ? {(W + 1) {1'b0}} : target - {1'b0, av};
+        u_d      <= (forward || again) ? next_sum[W+1:1] : target - {1'b0, av};
+        if (again ? !moves : place) u_d <= {(W + 1) {1'b0}};
         u_offset <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];
         w_cm     <= new_av;
     end
 
-    wire unused = &{1'b0, from_centre, av_sum[0], next_sum[0], cm_sum[0]};
+    wire unused = &{1'b0, from_centre, av_sum[0], next_sum[0]};
 
 endmodule
 

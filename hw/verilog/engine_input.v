@@ -5,7 +5,8 @@
 // Latency:    1 clock from s_ to m_ when all before is issued.
 // Throughput: 1 token per clock.
 // Stall:      s_ready is low while DEPTH tokens are not committed yet.
-// Rewind:     the token after the committed ones is the next on m_, the one that commits in the same clock included in them.
+// Rewind:     the token after the committed ones is the next on m_, the one that commits in the same clock included in them, after a clock
+//             without one.
 // Reset:      becomes empty, time and sequence number 0.
 // Combinational paths: none from port to port; m_ is a memory read.
 `default_nettype none
@@ -53,7 +54,7 @@ module engine_input #(
     reg               p_mem      [0:15];
 
     reg [4:0] written, issued, committed;  // tokens, modulo twice the depth
-    reg       ready_reg, valid_reg, empty_reg;
+    reg       ready_reg, valid_reg;
 
     reg [CLOCK_W-1:0] now;
     reg [SEQ_W-1:0]   seq;
@@ -62,7 +63,7 @@ module engine_input #(
     wire [CLOCK_W-1:0] then   = now + {{(CLOCK_W - TICK_W) {1'b0}}, s_tick};
     wire [4:0] next_written   = written + {4'd0, accept};
     wire [4:0] next_committed = committed + {4'd0, commit};
-    wire [4:0] next_issued    = rewind ? next_committed : issued + {4'd0, m_take};
+    wire [4:0] after_issued   = issued + 5'd1;
 
     assign s_ready  = ready_reg;
     assign m_valid  = valid_reg;
@@ -72,7 +73,7 @@ module engine_input #(
     assign m_x      = x_mem[issued[3:0]];
     assign m_y      = y_mem[issued[3:0]];
     assign m_p      = p_mem[issued[3:0]];
-    assign empty    = empty_reg;
+    assign empty    = written == committed;
 
     always @(posedge clk) begin
         if (ready_reg) seq_mem[written[3:0]] <= seq;
@@ -86,18 +87,16 @@ module engine_input #(
             if (s_event || s_skip) seq <= seq + 1'b1;
         end
         written   <= next_written;
-        issued    <= next_issued;
+        issued    <= rewind ? next_committed : m_take ? after_issued : issued;
         committed <= next_committed;
         ready_reg <= next_written != next_committed + DEPTH;
-        valid_reg <= next_issued != next_written;
-        empty_reg <= next_committed == next_written;
+        valid_reg <= !rewind && (m_take ? after_issued : issued) != next_written;
         if (rst) begin
             written   <= 5'd0;
             issued    <= 5'd0;
             committed <= 5'd0;
             ready_reg <= 1'b0;
             valid_reg <= 1'b0;
-            empty_reg <= 1'b1;
             now       <= {CLOCK_W{1'b0}};
             seq       <= {SEQ_W{1'b0}};
         end

@@ -5,7 +5,7 @@
 // bit by bit from the top, always as quotient * s + remainder: double both, then add w where the bit is set. Rounded to
 // nearest, halves up, when ROUND is 1, which is one doubling more; else down. The sum of the weights must not be zero.
 //
-// Latency: 2 W + 3 clocks from `start` to `done`, which stays until the next start; the operands must stay so long.
+// Latency: 2 W + 4 clocks from `start` to `done`, which stays until the next start; the operands must stay so long.
 `default_nettype none
 
 module engine_mean #(
@@ -26,53 +26,64 @@ module engine_mean #(
     localparam LEFT_W = $clog2(W + 1);
     localparam [31:0] BITS = W;
 
-    reg                begun, adds, b_higher;
-    reg [LEFT_W-1:0]   left;      // bits to go
-    reg [W-1:0]        distance;  // its highest bit is the next
-    reg [W-1:0]        quot;
-    reg [WEIGHT_W:0]   rem;       // less than the sum of the weights
+    reg              begun, adds, ended;
+    reg [LEFT_W-1:0] left;      // bits to go
+    reg [W-1:0]      low;
+    reg [W-1:0]      distance;  // its highest bit is the next
+    reg [WEIGHT_W:0] sum, rem;  // rem is less than sum
+    reg              b_higher, passed, doubled, stepped;
+    reg [W-1:0]      quot;      // a clock behind rem
 
     wire [WEIGHT_W-1:0] w     = b_higher ? weight_b : weight_a;  // of the higher value
     wire [WEIGHT_W-1:0] other = b_higher ? weight_a : weight_b;
-    wire [WEIGHT_W:0]   sum   = {1'b0, weight_a} + {1'b0, weight_b};
 
     // Doubling, the remainder passes s when 2 rem >= s; adding w, when rem >= s - w, the other weight.
     wire [WEIGHT_W+1:0] before = adds ? {1'b0, rem} : {rem, 1'b0};
-    wire [WEIGHT_W+1:0] passed = before - (adds ? {2'b00, other} : {1'b0, sum});
-    wire                passes = !passed[WEIGHT_W+1];
-    wire [WEIGHT_W+1:0] grown  = adds ? before + {2'b00, w} : before;
+    wire [WEIGHT_W+1:0] over   = before - {1'b0, adds ? {1'b0, other} : sum};
+    wire                passes = !over[WEIGHT_W+1];
+    wire [WEIGHT_W+1:0] grown  = before + {2'b00, adds ? w : {WEIGHT_W{1'b0}}};
 
     wire [W:0] difference = {1'b0, b} - {1'b0, a};
+    wire [W:0] rounded    = {low, 1'b1} + {quot, passed};
 
     always @(posedge clk) begin
+        sum <= {1'b0, weight_a} + {1'b0, weight_b};
+        if (stepped) quot <= (doubled ? quot << 1 : quot) + {{(W - 1) {1'b0}}, passed};
+
+        stepped <= 1'b0;
         if (start) begin
             begun    <= 1'b0;
+            ended    <= 1'b0;
             done     <= 1'b0;
             adds     <= 1'b0;
             left     <= BITS[LEFT_W-1:0];
             b_higher <= !difference[W];
         end else if (!begun) begin
             begun    <= 1'b1;
-            distance <= b_higher ? difference[W-1:0] : ~difference[W-1:0] + 1'b1;
+            low      <= b_higher ? a : b;
+            distance <= (b_higher ? b : a) - (b_higher ? a : b);
             quot     <= {W{1'b0}};
             rem      <= {(WEIGHT_W + 1) {1'b0}};
         end else if (left != {LEFT_W{1'b0}}) begin
-            adds <= !adds;
+            stepped <= 1'b1;
+            doubled <= !adds;
+            passed  <= passes && (!adds || distance[W-1]);
+            adds    <= !adds;
+            if (!adds || distance[W-1]) rem <= passes ? over[WEIGHT_W:0] : grown[WEIGHT_W:0];
             if (adds) begin
                 left     <= left - 1'b1;
                 distance <= distance << 1;
             end
-            if (!adds || distance[W-1]) begin
-                rem  <= passes ? passed[WEIGHT_W:0] : grown[WEIGHT_W:0];
-                quot <= (adds ? quot : quot << 1) + {{(W - 1) {1'b0}}, passes};
-            end
-        end else if (!done) begin
+        end else if (!ended) begin
+            ended  <= 1'b1;
+            passed <= (ROUND != 0) && passes;
+        end else begin
             done <= 1'b1;
-            mean <= (b_higher ? a : b) + quot + {{(W - 1) {1'b0}}, (ROUND != 0) && passes};
+            mean <= rounded[W:1];
         end
     end
 
-    wire unused = &{1'b0, grown[WEIGHT_W+1]};
+    wire unused = &{1'b0, difference, grown[WEIGHT_W+1], rounded[0]};
 
 endmodule
 

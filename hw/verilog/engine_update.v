@@ -38,6 +38,7 @@ module engine_update #(
 
     // C
     input  wire [SLOT_W-1:0]   c_slot,
+    input  wire [SLOT_W-1:0]   c_slot_too, // the same, for what is less urgent
     input  wire                c_takes,
     input  wire                c_active,   // the event's slot is active
     input  wire                c_seeds,    // the event starts a life
@@ -127,6 +128,7 @@ module engine_update #(
     reg [TIME_W-1:0]  start    [0:N-1];  // tick at which the window of N_ev events began
     reg [TC_W-1:0]    last_tc2 [0:N-1];
     reg [NEV_W-1:0]   rest     [0:N-1];  // events until the last one of this window
+    reg               none     [0:N-1];  // rest is 0
 
     reg [ID_W-1:0] births;  // id of the next track
 
@@ -155,7 +157,7 @@ module engine_update #(
         .cfg_slot    (cfg_slot),
         .cfg_addr    (cfg_addr),
         .cfg_data    (cfg_data),
-        .slot        (c_slot),
+        .slot        (c_slot_too),
         .mode        (mode),
         .init_cm_x   (init_cm_x),
         .init_cm_y   (init_cm_y),
@@ -178,7 +180,7 @@ module engine_update #(
     reg [NEV_W-1:0]   u_rest;
     reg [TIME_W-1:0]  u_span;
     reg [TC_W:0]      u_slow_over, u_fast_under;
-    reg [RADIX_W:0]   u_radius, u_lowest;
+    reg [RADIX_W:0]   u_radius, u_lowest, u_highest;
     reg [RADIX_W-1:0] u_init, u_th, u_step, u_min, u_max;
     reg [NEV_W-1:0]   u_n_ev, u_nev_min, u_nev_max, u_clust_nev;
     reg [LIFE_W-1:0]  u_time;
@@ -187,7 +189,7 @@ module engine_update #(
     wire forward = c_takes && u_takes && !u_special && u_slot == c_slot;
     wire again   = u_special || u_busy;
     wire place   = c_seeds || c_clear || c_join;
-    wire last    = forward ? u_rest == {{(NEV_W - 1) {1'b0}}, 1'b1} : rest[c_slot] == {NEV_W{1'b0}};
+    wire last    = forward ? u_rest == {{(NEV_W - 1) {1'b0}}, 1'b1} : none[c_slot];
     wire first   = !c_active && !timed[c_slot];
 
     always @(posedge clk) begin
@@ -202,16 +204,16 @@ module engine_update #(
         u_first        <= c_takes && first;
         u_special      <= c_takes && (last || first);
         u_places       <= place || last;
-        u_id           <= id[c_slot];
-        u_g            <= g[c_slot];
-        u_radius       <= {1'b0, g[c_slot]} + {1'b0, radix_th};
-        u_n_ev         <= n_ev[c_slot];
+        u_id           <= id[c_slot_too];
+        u_g            <= g[c_slot_too];
+        u_radius       <= {1'b0, g[c_slot_too]} + {1'b0, radix_th};
+        u_n_ev         <= n_ev[c_slot_too];
         u_rest         <= forward ? u_rest - 1'b1 : rest[c_slot];
         u_timed        <= timed[c_slot];
-        u_deadline     <= deadline[c_slot];
-        u_span         <= c_time[TIME_W-1:0] - start[c_slot];
-        u_slow_over    <= {1'b0, last_tc2[c_slot]} + {1'b0, nev_th};
-        u_fast_under   <= {1'b0, last_tc2[c_slot]} - {1'b0, nev_th};
+        u_deadline     <= deadline[c_slot_too];
+        u_span         <= c_time[TIME_W-1:0] - start[c_slot_too];
+        u_slow_over    <= {1'b0, last_tc2[c_slot_too]} + {1'b0, nev_th};
+        u_fast_under   <= {1'b0, last_tc2[c_slot_too]} - {1'b0, nev_th};
         u_time         <= c_time[LIFE_W-1:0];
         u_mode         <= mode;
         u_on           <= mode != `EVCOT_MODE_OFF;
@@ -219,6 +221,7 @@ module engine_update #(
         u_th           <= radix_th;
         u_step         <= radix_step;
         u_lowest       <= {1'b0, radix_min} + {1'b0, radix_step};
+        u_highest      <= {1'b0, radix_max} - {1'b0, radix_step};
         u_min          <= radix_min;
         u_max          <= radix_max;
         u_max_ticks    <= max_ticks;
@@ -245,7 +248,7 @@ module engine_update #(
         .k       (hist_avg),
         .forward (forward),
         .av      (av_x[c_slot]),
-        .cm      (cm_x[c_slot]),
+        .cm      (cm_x[c_slot_too]),
         .place   (place),
         .position(c_join ? join_x : {c_clear ? init_cm_x : c_x, {FRAC{1'b0}}}),
         .again   (again),
@@ -264,7 +267,7 @@ module engine_update #(
         .k       (hist_avg),
         .forward (forward),
         .av      (av_y[c_slot]),
-        .cm      (cm_y[c_slot]),
+        .cm      (cm_y[c_slot_too]),
         .place   (place),
         .position(c_join ? join_y : {c_clear ? init_cm_y : c_y, {FRAC{1'b0}}}),
         .again   (again),
@@ -301,11 +304,11 @@ module engine_update #(
 
     wire u_acts = u_commits || u_clear || u_join;
 
-    reg               v_took, v_special, v_active, v_last, v_report, v_clear, v_join, v_places, v_outside, v_low;
+    reg               v_took, v_special, v_active, v_last, v_report, v_clear, v_join, v_places, v_outside;
     reg [SLOT_W-1:0]  v_slot;
     reg [1:0]         v_mode;
-    reg [RADIX_W-1:0] v_g, v_shrunk, v_init, v_th, v_min, v_max;
-    reg [RADIX_W:0]   v_grown;
+    reg [RADIX_W-1:0] v_g, v_grown, v_shrunk, v_th;
+    reg [RADIX_W:0]   v_less_th;
     reg [NEV_W-1:0]   v_n_ev, v_doubled, v_halved, v_clust_nev;
     reg [ID_W-1:0]    v_id;
     reg [TC_W-1:0]    v_tc2;
@@ -336,14 +339,11 @@ module engine_update #(
         if (again) begin
             v_active     <= u_active;
             v_mode       <= u_mode;
-            v_g          <= u_g;
-            v_grown      <= {1'b0, u_g} + {1'b0, u_step};
-            v_shrunk     <= u_g - u_step;
-            v_low        <= {1'b0, u_g} < u_lowest;
-            v_init       <= u_init;
+            v_g          <= u_clear ? u_init : !u_join ? u_g : (join_g > u_max) ? u_max : join_g;
+            v_grown      <= (u_highest[RADIX_W] || u_g > u_highest[RADIX_W-1:0]) ? u_max : u_g + u_step;
+            v_shrunk     <= ({1'b0, u_g} < u_lowest) ? u_min : u_g - u_step;
             v_th         <= u_th;
-            v_min        <= u_min;
-            v_max        <= u_max;
+            v_less_th    <= {(RADIX_W + 1) {1'b0}} - {1'b0, u_th};
             v_n_ev       <= u_n_ev;
             v_doubled    <= (doubled > {1'b0, u_nev_max}) ? u_nev_max : doubled[NEV_W-1:0];
             v_halved     <= (halved < u_nev_min) ? u_nev_min : halved;
@@ -366,14 +366,15 @@ module engine_update #(
 
     wire slower = {1'b0, v_tc2} > v_slow_over;
     wire faster = {1'b0, v_tc2} < v_fast_under && !v_fast_under[TC_W];
-    wire [RADIX_W-1:0] grown  = (v_grown > {1'b0, v_max}) ? v_max : v_grown[RADIX_W-1:0];
-    wire [RADIX_W-1:0] shrunk = v_low ? v_min : v_shrunk;
-    wire [RADIX_W-1:0] joined = (join_g > v_max) ? v_max : join_g;
+    wire [RADIX_W-1:0] new_g = !v_last ? v_g : v_ring ? v_grown : v_shrunk;
 
     reg               w_last, w_special, w_report, w_clear, w_old;
     reg [1:0]         w_mode;
-    reg [RADIX_W-1:0] w_g, w_th;
-    reg [NEV_W-1:0]   w_n_ev;
+    reg               w_slower, w_faster;
+    reg [RADIX_W-1:0] w_g;
+    reg [RADIX_W:0]   w_radius;
+    reg [RADIX_W+1:0] w_less;
+    reg [NEV_W-1:0]   w_same, w_doubled, w_halved;
     reg [SUP_W-1:0]   w_support;
     reg [ID_W-1:0]    w_id;
     reg [TC_W-1:0]    w_tc2;
@@ -395,12 +396,14 @@ module engine_update #(
             w_old     <= v_active || v_join;
             w_slot    <= v_slot;
             w_mode    <= v_mode;
-            w_g       <= v_clear ? v_init : v_join ? joined : !v_last ? v_g : v_ring ? grown : shrunk;
-            w_th      <= v_th;
-            w_n_ev    <= v_clear                  ? v_clust_nev
-                       : !(v_last && v_active)    ? v_n_ev
-                       : slower                   ? v_doubled
-                       : faster                   ? v_halved : v_n_ev;
+            w_g       <= new_g;
+            w_radius  <= {1'b0, new_g} + {1'b0, v_th};
+            w_less    <= {v_less_th[RADIX_W], v_less_th} - {2'b00, new_g};
+            w_slower  <= v_last && v_active && slower;
+            w_faster  <= v_last && v_active && faster;
+            w_same    <= v_clear ? v_clust_nev : v_n_ev;
+            w_doubled <= v_doubled;
+            w_halved  <= v_halved;
             w_support <= new_support;
             w_id      <= v_id;
             w_tc2     <= v_tc2;
@@ -410,29 +413,27 @@ module engine_update #(
 
     // ---- W ---------------------------------------------------------------------------------------------------------
 
-    wire [RADIX_W:0] w_radius = {1'b0, w_g} + {1'b0, w_th};
-    wire [X_W-1:0] w_pixel_x;
-    wire [Y_W-1:0] w_pixel_y;
+    wire [NEV_W-1:0] w_n_ev = w_slower ? w_doubled : w_faster ? w_halved : w_same;
 
-    cot_window #(
+    engine_window #(
         .W   (X_W),
         .FRAC(FRAC),
         .R_W (RADIX_W + 1)
     ) u_window_x (
         .centre(w_cm_x),
         .radius(w_radius),
-        .pixel (w_pixel_x),
+        .less  (w_less),
         .lo    (w_lo_x),
         .hi    (w_hi_x)
     );
-    cot_window #(
+    engine_window #(
         .W   (Y_W),
         .FRAC(FRAC),
         .R_W (RADIX_W + 1)
     ) u_window_y (
         .centre(w_cm_y),
         .radius(w_radius),
-        .pixel (w_pixel_y),
+        .less  (w_less),
         .lo    (w_lo_y),
         .hi    (w_hi_y)
     );
@@ -458,9 +459,10 @@ module engine_update #(
             id[w_slot] <= births;
             births     <= births + 1'b1;
         end
-        if (w_rest || u_commits)
-            rest[w_rest ? w_slot : u_slot] <= !w_rest                  ? u_rest - 1'b1
-                                            : (w_n_ev == {NEV_W{1'b0}}) ? {NEV_W{1'b0}} : w_n_ev - 1'b1;
+        if (w_rest || u_commits) begin
+            rest[w_rest ? w_slot : u_slot] <= (w_rest ? w_n_ev : u_rest) - 1'b1;
+            none[w_rest ? w_slot : u_slot] <= (w_rest ? w_n_ev : u_rest) <= {{(NEV_W - 1) {1'b0}}, 1'b1};
+        end
 
         if (m_cm_ready) m_cm_valid <= 1'b0;
         if (w_reports) begin
@@ -484,7 +486,7 @@ module engine_update #(
         end
     end
 
-    wire unused = &{1'b0, w_pixel_x, w_pixel_y, rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
+    wire unused = &{1'b0, rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
 
 endmodule
 
