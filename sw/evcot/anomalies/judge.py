@@ -35,6 +35,9 @@ ALARMS_PER_STEP = FORBIDDEN  # besides one for each zone and line
 _SCORE_MAX = 99.0
 _RARE, _SELDOM = 0.03, 0.05  # tracks lost per cell, and as a part of those that come through: no more than both is rare
 _MOST = 0.4  # of a stay, in which something was seen to linger
+_SWELL = 1.6  # a window that grows or shrinks more while a velocity is measured goes from one thing to another
+_BRAKED = 0.4  # of the normal speed: something that was faster has braked
+_WHOLE = 0.6  # of its window when it became slow: a smaller one holds what another track has left over
 _AMONG = 0.5  # of the normal speed: something so fast has been in motion
 
 # What is known of one track.
@@ -50,9 +53,15 @@ TRACE = np.dtype(
         ("first_y", "<f8"),
         ("farthest_px", "<f8"),  # from its first place
         ("normal", "<f8"),  # speed where it is, px/s; not a number where that is not known
-        ("moved", "?"),  # whether it has been about as fast as others there
+        ("moved_us", "<f8"),  # for how long it has been about as fast as others there
         ("slow_us", "<f8"),  # for how long it has been slow, and since when
         ("slow_t", "<f8"),
+        ("braked_t", "<f8"),  # when it was last slow for long enough after it had been in motion, below 0 if never; and where
+        ("braked_x", "<f8"),
+        ("braked_y", "<f8"),
+        ("slow_radius", "<f8"),  # of its window when it became slow
+        ("stood", "u1"),  # 1: it stayed where it was first seen, 0: it did not, 2: that is not known yet
+        ("first_t", "<f8"),
         ("anchor_t", "<f8"),  # of its stay: since when and where
         ("anchor_x", "<f8"),
         ("anchor_y", "<f8"),
@@ -88,6 +97,7 @@ class Rules(NamedTuple):
     loiter_radius_px: float
     loiter_factor: float
     loiter_gap_us: float
+    stitch_us: float
     line_margin_px: float
 
 
@@ -215,77 +225,123 @@ def _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed):  
 
 
 @njit(cache=True, nogil=True)
-def _speed(rules, field, row, column, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
+def _speed(rules, field, row, column, cut, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
     normal = math.exp(field.log_speed[row, column])
     sure = rules.significance * trace.error
     far_off = rules.speed_deviations * field.deviation[row, column]
     apart = math.log(max(speed, 1e-3) / normal)
     way_px = speed * 1e-6 * elapsed_us
     if speed - sure > _AMONG * normal:
-        trace.moved = True
+        trace.moved_us += elapsed_us
     fast = speed - sure > rules.fast_ratio * normal and apart > far_off
     if _gather(trace, FAST, fast, elapsed_us, way_px, rules.hold_us, rules.evidence_px):
         _raise(cur, out, trace, FAST, -1, speed / (rules.fast_ratio * normal), normal, speed, trace.since_t[FAST])
     slow = speed + sure < rules.slow_ratio * normal and apart < -far_off
-    slow = slow and trace.farthest_px >= rules.travel_px
+    slow = slow and trace.farthest_px >= rules.travel_px and not cut
     if _gather(trace, SLOW, slow, elapsed_us, way_px, rules.hold_us, 0.0):
         score = rules.slow_ratio * normal / max(speed, 1e-3)
         _raise(cur, out, trace, SLOW, -1, score, normal, speed, trace.since_t[SLOW])
 
 
 @njit(cache=True, nogil=True)
-def _stopping(rules, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
-    """Whether it stands; and, for the time when it is lost, for how long it has been slow."""
-    stands = trace.moved and speed + trace.error < rules.stop_ratio * trace.normal
+def _stopping(rules, field, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
+    """Whether it stands; and what may tell later that it has stood: that it braked, or stayed where it was first seen."""
+    if _is_taken(rules, trace, speed):
+        _taken(rules, field, cur, trace, out)
+    moved = trace.moved_us >= rules.hold_us / 2
+    stands = moved and speed + trace.error < rules.stop_ratio * trace.normal
     if _gather(trace, STOPPING, stands, elapsed_us, 0.0, rules.hold_us, 0.0):
-        _stopped(rules, cur, trace, out, trace.since_t[STOPPING])
-    slows = trace.moved and speed + trace.error < rules.slow_ratio * trace.normal
+        _stopped(rules, cur, trace, out, trace.x, trace.y, trace.since_t[STOPPING])
+    slows = moved and speed + trace.error < rules.slow_ratio * trace.normal and not _is_cut(field, trace)
     if slows and trace.slow_us == 0:
         trace.slow_t = trace.t - elapsed_us
+        trace.slow_radius = trace.radius
     trace.slow_us = trace.slow_us + elapsed_us if slows else 0.0
+    whole = _WHOLE * trace.slow_radius <= trace.radius <= trace.slow_radius / _WHOLE
+    far = 1e-6 * rules.hold_us * trace.normal >= rules.travel_px
+    if trace.slow_us >= rules.hold_us / 2 and speed < _BRAKED * trace.normal and whole and far:
+        trace.braked_t = trace.t
+        trace.braked_x = trace.x
+        trace.braked_y = trace.y
+    if _starts(rules, field, trace) and not trace.raised[STOPPING]:
+        trace.raised[STOPPING] = 1
+        _stopped(rules, cur, trace, out, trace.x, trace.y, trace.first_t)
+
+
+@njit(cache=True, nogil=True)
+def _starts(rules, field, trace):  # type: ignore[no-untyped-def]
+    """Whether a track that begins away from the edge stays there at first, and then drives off."""
+    if trace.stood == 0:
+        return False
+    away_px = math.hypot(trace.x - trace.first_x, trace.y - trace.first_y)
+    age_us = trace.t - trace.first_t
+    if age_us < 2 * rules.hold_us:
+        return False
+    if trace.stood == 2:
+        stood = away_px < _BRAKED * trace.normal * 1e-6 * age_us
+        trace.stood = 1 if stood and 1e-6 * rules.hold_us * trace.normal >= rules.travel_px else 0
+    row, column = _cell(field, trace.x, trace.y)
+    if trace.stood == 0 or away_px < rules.evidence_px or row < 0:
+        return False
+    along = (trace.x - trace.first_x) * field.x[row, column] + (trace.y - trace.first_y) * field.y[row, column]
+    return along > rules.crossing_cos * away_px
+
+
+@njit(cache=True, nogil=True)
+def _is_taken(rules, trace, speed):  # type: ignore[no-untyped-def]
+    """Whether a track that has just braked goes back: it has gone over to the next that comes."""
+    if trace.braked_t < 0 or trace.t - trace.braked_t > rules.hold_us or speed - trace.error < rules.slow_ratio * trace.normal:
+        return False
+    way_x = trace.braked_x - trace.first_x
+    way_y = trace.braked_y - trace.first_y
+    return trace.vx * way_x + trace.vy * way_y < 0
 
 
 @njit(cache=True, nogil=True)
 def _is_cut(field, trace):  # type: ignore[no-untyped-def]
     """Whether a track's window reaches over the picture's edge: the centre of what is cut off moves as it should not."""
-    before, _ = _cell(field, trace.x - trace.radius, trace.y - trace.radius)
-    after, _ = _cell(field, trace.x + trace.radius, trace.y + trace.radius)
+    reach = trace.radius + field.cell_px
+    before, _ = _cell(field, trace.x - reach, trace.y - reach)
+    after, _ = _cell(field, trace.x + reach, trace.y + reach)
     return before < 0 or after < 0
 
 
 @njit(cache=True, nogil=True)
-def _ends_here(field, trace):  # type: ignore[no-untyped-def]
-    """Whether tracks are often lost at a place: at the picture's edge, and where the tracker loses them."""
-    row, column = _cell(field, trace.x, trace.y)
-    often = row < 0 or field.ends[row, column] > _RARE + _SELDOM * field.support[row, column]
-    return often or _is_cut(field, trace)
+def _is_end(field, x, y):  # type: ignore[no-untyped-def]
+    """Whether tracks are often lost at a place: near the picture's edge, and where the tracker loses them."""
+    row, column = _cell(field, x, y)
+    return row < 0 or field.ends[row, column] > _RARE + _SELDOM * field.support[row, column]
 
 
 @njit(cache=True, nogil=True)
 def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
-    """A track is lost, or has jumped to something else: what stands makes no events, so who was slow at last has stopped."""
-    slow = trace.slow_us >= rules.hold_us / 2 and not _ends_here(field, trace)
-    if slow and trace.normal > 0 and not trace.raised[STOPPING]:
+    """A track is lost, or has gone over to something else: what stands makes no events, so who has just braked has stopped."""
+    braked = trace.braked_t >= 0 and trace.t - trace.braked_t <= rules.stitch_us
+    if braked and not _is_end(field, trace.braked_x, trace.braked_y) and not trace.raised[STOPPING]:
         trace.raised[STOPPING] = 1
-        _stopped(rules, cur, trace, out, trace.slow_t)
+        _stopped(rules, cur, trace, out, trace.braked_x, trace.braked_y, trace.slow_t)
 
 
 @njit(cache=True, nogil=True)
-def _jumped(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
+def _taken(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
     """What the evidence was about is no longer what the track is on."""
-    x, y = trace.x, trace.y
-    trace.x, trace.y = trace.was_x, trace.was_y
     _vanished(rules, field, cur, trace, out)
-    trace.x, trace.y = x, y
+    trace.moved_us = 0.0
     trace.slow_us = 0.0
+    trace.braked_t = -1.0
+    trace.stood = 0
     trace.evidence_us[:] = 0.0
     trace.open[:] = 0
+    trace.first_x = trace.x
+    trace.first_y = trace.y
 
 
 @njit(cache=True, nogil=True)
-def _stopped(rules, cur, trace, out, since_t):  # type: ignore[no-untyped-def]
+def _stopped(rules, cur, trace, out, x, y, since_t):  # type: ignore[no-untyped-def]
     speed = math.hypot(trace.vx, trace.vy)
     _raise(cur, out, trace, STOPPING, -1, rules.stop_ratio * trace.normal / max(speed, 1e-3), trace.normal, speed, since_t)
+    out[cur.alarms - 1].x = x
+    out[cur.alarms - 1].y = y
 
 
 @njit(cache=True, nogil=True)
@@ -369,9 +425,11 @@ def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-u
         trace.settled = True
         trace.first_x = trace.x
         trace.first_y = trace.y
+        trace.first_t = trace.t
+        trace.stood = 0 if _is_cut(field, trace) else 2
         trace.raised[LOITERING] = settle(stays, trace, rules.loiter_radius_px, rules.loiter_gap_us)
     if trace.jumped:
-        _jumped(rules, field, cur, trace, out)
+        _taken(rules, field, cur, trace, out)
     trace.farthest_px = max(trace.farthest_px, math.hypot(trace.x - trace.first_x, trace.y - trace.first_y))
     elapsed_us = min(trace.elapsed_us, rules.longest_us)
     row, column = _cell(field, trace.x, trace.y)
@@ -390,9 +448,10 @@ def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-u
     row, column = _cell(field, trace.mid_x, trace.mid_y)
     if row < 0:
         return
-    if field.support[row, column] >= rules.min_support:
-        if field.concentration[row, column] >= rules.min_concentration and not _is_cut(field, trace):
+    if field.support[row, column] >= rules.min_support and trace.swell <= _SWELL:
+        cut = _is_cut(field, trace)
+        if field.concentration[row, column] >= rules.min_concentration and not cut:
             _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed)
-        _speed(rules, field, row, column, cur, trace, out, elapsed_us, speed)
+        _speed(rules, field, row, column, cut, cur, trace, out, elapsed_us, speed)
     if trace.normal > 0:
-        _stopping(rules, cur, trace, out, elapsed_us, speed)
+        _stopping(rules, field, cur, trace, out, elapsed_us, speed)

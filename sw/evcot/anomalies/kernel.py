@@ -37,8 +37,9 @@ def _clear(table, places, i):  # type: ignore[no-untyped-def]
     trace.ended_us = -1
     trace.settled = False
     trace.farthest_px = 0.0
-    trace.moved = False
+    trace.moved_us = 0.0
     trace.slow_us = 0.0
+    trace.braked_t = -1.0
     trace.jumped = False
     trace.raised[:] = 0
     trace.open[:] = 0

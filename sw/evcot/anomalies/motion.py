@@ -34,6 +34,7 @@ MOTION = np.dtype(
         ("ring_t", "<f8", RING),  # us after the first record of the run
         ("ring_x", "<f8", RING),
         ("ring_y", "<f8", RING),
+        ("ring_radius", "<f8", RING),
         # Of the newest closed step:
         ("t", "<f8"),
         ("x", "<f8"),
@@ -49,6 +50,7 @@ MOTION = np.dtype(
         ("vx", "<f8"),  # px/s
         ("vy", "<f8"),
         ("error", "<f8"),  # standard error of each of the two, px/s
+        ("swell", "<f8"),  # largest over smallest radius in that window
     ]
 )
 
@@ -113,6 +115,7 @@ def close_step(settings: Steps, motion: Any, reach_px: float) -> None:
     motion.ring_t[motion.head] = t
     motion.ring_x[motion.head] = x
     motion.ring_y[motion.head] = y
+    motion.ring_radius[motion.head] = reach_px
     motion.head = (motion.head + 1) % RING
     motion.places = min(motion.places + 1, RING)
     _fit(settings, motion)
@@ -123,6 +126,7 @@ def _fit(settings: Steps, motion: Any) -> None:
     n = 0
     st = sx = sy = stt = stx = sty = sxx = syy = 0.0
     span_us = 0.0
+    largest, smallest = 0.0, np.inf
     for back in range(motion.places):
         i = (motion.head - 1 - back) % RING
         dt = 1e-6 * (motion.ring_t[i] - motion.t)
@@ -132,6 +136,8 @@ def _fit(settings: Steps, motion: Any) -> None:
             break
         n += 1
         span_us = -1e6 * dt
+        largest = max(largest, motion.ring_radius[i])
+        smallest = min(smallest, motion.ring_radius[i])
         st += dt
         sx += dx
         sy += dy
@@ -146,6 +152,7 @@ def _fit(settings: Steps, motion: Any) -> None:
     motion.known = n >= _PLACES_MIN and span_us >= (_SPAN_MIN - 0.5) * settings.step_us
     if not motion.known:
         return
+    motion.swell = largest / max(smallest, 1.0)
     spread = stt - st * st / n
     motion.vx = (stx - st * sx / n) / spread
     motion.vy = (sty - st * sy / n) / spread
