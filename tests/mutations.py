@@ -13,6 +13,7 @@ import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -319,32 +320,45 @@ def verdict(mutation: Mutation) -> list[str]:
         return first_failures(verilog, mutation.tests, cache)
 
 
+def merged(rows: Mapping[Mutation, str]) -> Iterator[str]:
+    """The rows of all mutations in their order: what was tried now, and what the table says of the others."""
+    for mutation in MUTATIONS:
+        row = rows.get(mutation) or known_row(mutation)
+        if row is not None:
+            yield row
+
+
+def known_row(mutation: Mutation) -> str | None:
+    """What the table says of a mutation."""
+    head = f"| {mutation.meaning} | `{mutation.file}` | "
+    return next((row for row in TABLE.read_text(encoding="utf-8").splitlines() if row.startswith(head)), None)
+
+
 def main() -> int:
     """Exit code 0 when every mutation was caught."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--write", action="store_true", help=f"write the table to {TABLE.relative_to(ROOT)}")
+    parser.add_argument("--write", action="store_true", help=f"write what was tried to {TABLE.relative_to(ROOT)}")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutations tried at a time (default: one per core)")
     parser.add_argument("--only", default="", help="only mutations whose file or meaning contains this")
+    parser.add_argument("--new", action="store_true", help="only mutations that the table does not have yet")
     options = parser.parse_args()
-    if options.write and options.only:
-        parser.error("--write needs all mutations")
     os.environ.setdefault("EVCOT_CACHE", str(ROOT / "build" / "cache"))
-    mutations = [m for m in MUTATIONS if options.only in f"{m.file} {m.meaning}"]
+    mutations = [m for m in MUTATIONS if options.only in f"{m.file} {m.meaning}" and not (options.new and known_row(m))]
 
     every_test = tuple(sorted({name for mutation in mutations for name in mutation.tests}))
     if broken := first_failures(verilog_dir(), every_test, cache_dir()):
         raise SystemExit(f"fails on the RTL as it is: {', '.join(broken)}")
 
-    lines, survivors = [], 0
+    rows, survivors = {}, 0
     with ThreadPoolExecutor(options.jobs) as pool:
         for mutation, caught in zip(mutations, pool.map(verdict, mutations), strict=True):
             survivors += not caught
             tests = ", ".join(f"`{name}`" for name in caught) or "**nothing**"
-            lines.append(f"| {mutation.meaning} | `{mutation.file}` | {tests} |")
-            print(lines[-1], flush=True)
+            rows[mutation] = f"| {mutation.meaning} | `{mutation.file}` | {tests} |"
+            print(rows[mutation], flush=True)
     print(f"{len(mutations)} mutations, {survivors} survived")
     if options.write:
-        TABLE.write_text(HEADING + "\n".join(lines) + "\n", encoding="utf-8")
+        TABLE.write_text(HEADING + "".join(f"{row}\n" for row in merged(rows)), encoding="utf-8")
     return int(survivors > 0)
 
 
