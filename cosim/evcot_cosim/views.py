@@ -185,6 +185,33 @@ _ARRAY_SLOT = Group(
         Row("u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
     ),
 )
+_ENGINE_PHASE = Codes("engine_phase", tuple((n, None) for n in ("RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN")))
+_ENGINE_CORE = Group(
+    "pipeline",
+    (
+        Row("phase", codes=_ENGINE_PHASE, colour=Colour.CONTROL),
+        *_rows("issue m_valid m_check e_valid c_valid u_valid commit rewind found", Colour.CONTROL),
+        *_rows("m_lo_x m_lo_y", Colour.EVENT),
+        *_rows("e_slot c_slot u_slot w_slot"),
+        *_rows("u_last u_special u_refused w_busy restarts", Colour.CONTROL),
+        *_rows("now seq", Colour.TIME),
+        *_rows("moved found_slot stays goes"),
+    ),
+)
+_ENGINE_SLOT = Group(
+    "slot {slot}",
+    (
+        Row("active", packed=True, colour=Colour.CONTROL),
+        *(Row(f"u_match.{name}", packed=True, colour=Colour.CONTROL) for name in ("window", "free")),
+        *(Row(f"u_update.cm_{axis}[{{slot}}]", f"cm_{axis}", Form.PLOT_PIXELS, Colour.PLACE) for axis in "xy"),
+        Row("u_update.g[{slot}]", "g", Form.PLOT, Colour.PLACE),
+        *(Row(f"u_match.{name}[{{slot}}]", name, colour=Colour.PLACE) for name in ("lo_x", "hi_x", "lo_y", "hi_y")),
+        *(Row(f"u_update.av_{axis}[{{slot}}]", f"av_{axis}", Form.PIXELS, Colour.PLACE) for axis in "xy"),
+        *(Row(f"u_update.{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("deadline", "start", "last_tc2")),
+        *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("ring", "n_ev", "rest", "support", "id")),
+        Row("u_update.u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
+    ),
+)
 _OUTPUTS = (_RECORDS, _OWNED, _PASSED)
 
 # Module -> what to show of it, from top to bottom. Signals that a waveform lacks are left out.
@@ -198,6 +225,7 @@ VIEWS: dict[str, tuple[Group, ...]] = {
         *_OUTPUTS,
         Group("registers", (Row("mode", codes=_MODE), *_rows(_REGISTERS)), closed=True),
     ),
+    "cot_engine": (_INPUT, _ENGINE_CORE, _ENGINE_SLOT, *_OUTPUTS),
     "cot_filtered": (
         _INPUT,
         _FILTERED,

@@ -53,7 +53,7 @@ module engine_average #(
 
     // ---- U ---------------------------------------------------------------------------------------------------------
 
-    reg  [3:0]   u_k;
+    (* keep *) reg [3:0] u_k;  // one for each axis
     reg  [W-1:0] u_av;
     reg  [W:0]   u_d;  // signed: event - average
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pipelined engine against the golden model and against cot_array: random traffic, stalls, registers written at run time."""
+"""The pipelined engine against the golden model and against cot_array: random traffic, stalls, register writes."""
 
 from __future__ import annotations
 
