@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // cot_array as a pipeline: the same ports, registers and records, the same three streams bit for bit. docs/engine.md draws it.
 //
-// Latency, unstalled, from the clock edge that takes the event: every output after 8, for any N.
-// Throughput: a token every clock. 6 clocks more after an event that moves a centre or starts a life, about N + 5 for the end
-// of a life, about 2 (X_W + FRAC) + 25 for a merge, and N + 4 every max_ticks or detect_ticks, whichever is less.
-// Every output holds its value until taken. Reset turns all slots off; N + 4 clocks later the engine is idle.
+// Latency, unstalled, from the clock edge that takes the event: a record after 8, for any N.
+// Throughput: a token every clock. 6 clocks more after an event that moves a centre, 5 after one that starts a life, about
+// 2 N + 25 for the end of a life, about 4 (X_W + FRAC) + 40 for a merge, and N + 9 every max_ticks or detect_ticks, whichever
+// is less.
+// Every output holds its value until taken. Reset turns all slots off; about 6 N clocks later the engine is idle.
 // All outputs are registers but `idle`; no path leads from an input to an output.
 `default_nettype none
 `include "evcot_defs.vh"
