@@ -18,11 +18,13 @@ PRESETS: dict[str, KalmanConfig] = {
         afterglow=0.0,
         gate_share=0.0,
         events_per_sample=2.0,
-        velocity_walk=30.0,
-        growth_walk=0.3,
+        velocity_walk=15.0,
+        growth_walk=0.15,
         speed=20.0,
         merge_velocity=0.0,
     ),
+    # Cars and people on one road: people are slow and make few events, so births may take longer, and silences too.
+    "road": KalmanConfig(packet_us=4_000, birth_us=30_000, birth_pixels=16, coast_us=250_000, speed=12.0),
 }
 
 

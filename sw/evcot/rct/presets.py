@@ -36,22 +36,27 @@ PRESETS: dict[str, RctConfig] = {
         merge_into="heavier",
         merge_overlap=0.45,
     ),
-    # Round objects of one size, about 20 px wide, that keep to ways of their own.
+    # Round objects of one size, about 20 px wide, whose whole contour sends events. Where two cross, the older takes all events
+    # that it can reach, and the younger goes on unseen with the velocity that it had.
     "discs": RctConfig(
-        radius_px=14.0,
+        radius_px=11.5,
+        assign="first",
+        surround=3.0,
         centre="box",
-        box_quantile=0.03,
+        box_alpha=0.013,
         velocity="regression",
-        path_points=50,
+        path_points=90,
         predict=1.0,
-        friction_tau_us=50_000.0,
-        mass_tau_us=10_000.0,
+        predict_points=30,
+        friction_tau_us=100_000.0,
+        mass_tau_us=5_000.0,
         visibility="rate",
-        visible_rate_hz=3_000.0,
+        visible_rate_hz=4_000.0,
         hidden_share=0.2,
-        birth_spread_px=3.0,
-        merge_overlap=0.3,
-        merge_angle_deg=60.0,
+        birth_spread_px=4.0,
+        lifetime_us=5_000,
+        coast_us=50_000,
+        merge_overlap=0.85,
     ),
 }
 

@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from evcot.events import Recording
 from evcot.files import read_recording
 from evcot.filters.run import apply
 from evcot.metrics import GroundTruth, evaluate, load_rule, read_truth
+from evcot.metrics.rule import Rule
 from evcot.rct.config import RctConfig
 from evcot.rct.presets import FILTERS, PRESETS
 from evcot.rct.tracker import track
@@ -26,18 +29,26 @@ def test_the_papers_tracker_stands_first() -> None:
 
 
 def test_four_separate_discs_are_followed_without_a_switch_to_a_pixel(tmp_path: Path) -> None:
-    scene = simulate_scene("discs", 1, {"count": 4, "ways": "separate", "duration_us": 1_500_000})
-    scene.truth.save(tmp_path / "truth.csv")
-    rule = load_rule("scene")
-    truth = read_truth(tmp_path / "truth.csv", rule)
-    scores = evaluate(track(scene.recording, PRESETS["discs"]), truth, rule)
+    recording, truth, rule = four_discs(tmp_path, "separate", 1, 1_500_000)
+    scores = evaluate(track(recording, PRESETS["discs"]), truth, rule)
     speed = float(np.median(np.hypot(truth.objects["vx"], truth.objects["vy"])))
     assert scores.idsw == 0
-    assert scores.mota > 0.9
+    assert scores.mota > 0.98
     assert scores.position_error_px_median is not None
     assert scores.position_error_px_median < 1.0
     assert scores.velocity_error_median is not None
     assert scores.velocity_error_median < 0.05 * speed
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_discs_that_cross_keep_their_tracks_where_the_younger_goes_on_unseen(tmp_path: Path, seed: int) -> None:
+    """Not so where events in both windows go to the nearer one: each takes of the other's."""
+    recording, truth, rule = four_discs(tmp_path, "crossing", seed, 4_000_000)
+    scores = evaluate(track(recording, PRESETS["discs"]), truth, rule)
+    assert (scores.idsw, scores.track_ids) == (0, 4)
+    assert scores.mota > 0.98
+    shared = evaluate(track(recording, replace(PRESETS["discs"], assign="nearest")), truth, rule)
+    assert shared.idsw > 0
 
 
 @pytest.mark.parametrize(("half", "hota", "idf1"), [("first", 0.87, 0.99), ("second", 0.82, 0.95), ("both", 0.85, 0.97)])
@@ -63,3 +74,11 @@ def part_of(truth: GroundTruth, chosen: NDArray[np.bool_]) -> GroundTruth:
     objects = truth.objects[chosen[truth.objects["frame"]]]
     objects["frame"] = (np.cumsum(chosen) - 1)[objects["frame"]]
     return GroundTruth(truth.instants_us[chosen], objects, truth.ids)
+
+
+def four_discs(folder: Path, ways: str, seed: int, duration_us: int) -> tuple[Recording, GroundTruth, Rule]:
+    """A scene of discs and how it is scored."""
+    scene = simulate_scene("discs", seed, {"count": 4, "ways": ways, "duration_us": duration_us, "truth_step_us": 20_000})
+    scene.truth.save(folder / "truth.csv")
+    rule = load_rule("scene")
+    return scene.recording, read_truth(folder / "truth.csv", rule), rule
