@@ -38,6 +38,7 @@ _MOST = 0.4  # of a stay, in which something was seen to linger
 _SWELL = 1.6  # a window that grows or shrinks more while a velocity is measured goes from one thing to another
 _BRAKED = 0.4  # of the normal speed: something that was faster has braked
 _WHOLE = 0.6  # of its window when it became slow: a smaller one holds what another track has left over
+_NEAR = 0.6  # of the radius: so near to its mean place a stay goes on, and is told
 _AMONG = 0.5  # of the normal speed: something so fast has been in motion
 
 # What is known of one track.
@@ -62,7 +63,7 @@ TRACE = np.dtype(
         ("slow_radius", "<f8"),  # of its window when it became slow
         ("stood", "u1"),  # 1: it stayed where it was first seen, 0: it did not, 2: that is not known yet
         ("first_t", "<f8"),
-        ("anchor_t", "<f8"),  # of its stay: since when and where
+        ("anchor_t", "<f8"),  # of its stay: since when, and the mean place
         ("anchor_x", "<f8"),
         ("anchor_y", "<f8"),
         ("lingered_t", "<f8"),  # when it was last slow there, and for how long in all
@@ -346,9 +347,9 @@ def _stopped(rules, cur, trace, out, x, y, since_t):  # type: ignore[no-untyped-
 
 @njit(cache=True, nogil=True)
 def end(rules, field, stays, cur, trace, out, lost):  # type: ignore[no-untyped-def]
-    """A track is lost, or merged."""
+    """A track is lost, or merged. Who is lost at the edge has left."""
     leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
-    if lost:
+    if lost and not _is_cut(field, trace):
         _vanished(rules, field, cur, trace, out)
 
 
@@ -357,7 +358,7 @@ def _loitering(rules, stays, cur, trace, out, elapsed_us):  # type: ignore[no-un
     if math.hypot(trace.x - trace.anchor_x, trace.y - trace.anchor_y) > rules.loiter_radius_px:
         leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
         gap_us = rules.loiter_gap_us if trace.jumped else -1.0  # who walks on has left
-        trace.raised[LOITERING] |= settle(stays, trace, rules.loiter_radius_px, gap_us)
+        trace.raised[LOITERING] = settle(stays, trace, _NEAR * rules.loiter_radius_px, gap_us)
         trace.evidence_us[LOITERING] = 0.0
     limit_us = rules.loiter_us
     if trace.normal > 0:  # not where nothing is known
@@ -366,10 +367,14 @@ def _loitering(rules, stays, cur, trace, out, elapsed_us):  # type: ignore[no-un
             return
     trace.lingered_t = trace.t
     trace.lingered_us += elapsed_us
+    share = elapsed_us / max(trace.lingered_us, 1.0)
+    trace.anchor_x += share * (trace.x - trace.anchor_x)
+    trace.anchor_y += share * (trace.y - trace.anchor_y)
     trace.evidence_us[LOITERING] += elapsed_us
     stay_us = trace.t - trace.anchor_t
     lingers = trace.evidence_us[LOITERING] >= rules.hold_us and trace.lingered_us >= _MOST * stay_us
-    if lingers and stay_us >= limit_us and not trace.raised[LOITERING]:
+    near = math.hypot(trace.x - trace.anchor_x, trace.y - trace.anchor_y) <= _NEAR * rules.loiter_radius_px
+    if lingers and near and stay_us >= limit_us and not trace.raised[LOITERING]:
         trace.raised[LOITERING] = 1
         _raise(cur, out, trace, LOITERING, -1, stay_us / limit_us, 1e-6 * limit_us, 1e-6 * stay_us, trace.anchor_t)
 
@@ -427,7 +432,7 @@ def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-u
         trace.first_y = trace.y
         trace.first_t = trace.t
         trace.stood = 0 if _is_cut(field, trace) else 2
-        trace.raised[LOITERING] = settle(stays, trace, rules.loiter_radius_px, rules.loiter_gap_us)
+        trace.raised[LOITERING] = settle(stays, trace, _NEAR * rules.loiter_radius_px, rules.loiter_gap_us)
     if trace.jumped:
         _taken(rules, field, cur, trace, out)
     trace.farthest_px = max(trace.farthest_px, math.hypot(trace.x - trace.first_x, trace.y - trace.first_y))
