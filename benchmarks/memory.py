@@ -16,7 +16,7 @@ import streams
 from evcot_cosim.lockstep import CHUNK, Lockstep
 from measure import Goal, Result
 
-__all__ = ["measure"]
+__all__ = ["measure", "own_peak_mb"]
 
 _GROWTH = 1.05
 
@@ -39,10 +39,11 @@ def _main(events: int) -> None:
     with Lockstep(streams.config().cot) as lockstep:
         for run in streams.runs(events, CHUNK):
             lockstep.feed(run)
-    print(_own_peak_mb())
+    print(own_peak_mb())
 
 
-def _own_peak_mb() -> float:
+def own_peak_mb() -> float:
+    """The largest resident set of this process so far, MB."""
     status = Path("/proc/self/status")
     if status.is_file():  # not getrusage, which on Linux starts from the peak of the parent
         line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM:"))

@@ -27,7 +27,7 @@ from evcot.rct.config import RctConfig
 from evcot.rct.presets import PRESETS
 from evcot.rct.tracker import RctTracker
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
-from memory import _own_peak_mb
+from memory import own_peak_mb
 
 __all__ = ["measure"]
 
@@ -183,7 +183,7 @@ def _main(n: int) -> None:
     for begin in range(0, n, len(run)):
         tracker.feed(Events(run.t_us + begin, run.x, run.y, run.p))
     tracker.finish()
-    print(_own_peak_mb())
+    print(own_peak_mb())
 
 
 if __name__ == "__main__":

@@ -28,9 +28,9 @@ def find_nearest(clusters: Table, cells: Table, ex: Any, ey: Any, x: float, y: f
     cell = cell_of(ex, ey)
     nearest = np.uint64(0)
     nearest_px = np.inf
-    words = cells.shape[1]
+    words = len(cells)
     for word in range(words):
-        near = cells[cell, word]
+        near = cells[word, cell]
         while near != np.uint64(0):
             slot = lowest(near) + np.uint64(64 * word)
             near = without_lowest(near)
@@ -54,15 +54,15 @@ def _remoteness(rules: Any, cluster: Any, dx: float, dy: float) -> Any:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def find_by_options(rules: Any, clusters: Table, cells: Table, ex: Any, ey: Any, p: Any) -> Any:
-    """(slot whose window holds the event, slot whose surround does), each the nearest or first of such, or `NOBODY`."""
+def find_by_options(rules: Any, clusters: Table, cells: Table, times: float, ex: Any, ey: Any, p: Any) -> Any:
+    """The slot whose window, so many times as large, holds the event: the nearest or first of such, or `NOBODY`."""
     x, y = float(ex), float(ey)
     polarity = np.int64(p) if rules.polarity == _SEPARATE else 0
     cell = cell_of(ex, ey)
-    holder = around = np.uint64(NOBODY)
-    least = least_around = np.inf
-    for word in range(cells.shape[1]):
-        near = cells[cell, word]
+    holder = np.uint64(NOBODY)
+    least = np.inf
+    for word in range(len(cells)):
+        near = cells[word, cell]
         while near != np.uint64(0):
             slot = lowest(near) + np.uint64(64 * word)
             near = without_lowest(near)
@@ -73,16 +73,9 @@ def find_by_options(rules: Any, clusters: Table, cells: Table, ex: Any, ey: Any,
             dy = y - cluster.y
             u = abs(cluster.cos * dx + cluster.sin * dy)
             v = abs(cluster.cos * dy - cluster.sin * dx)
-            remoteness = _remoteness(rules, cluster, dx, dy)
-            if u <= cluster.half_width and v <= cluster.half_height:
+            if u <= times * cluster.half_width and v <= times * cluster.half_height:
+                remoteness = _remoteness(rules, cluster, dx, dy)
                 if remoteness < least or (remoteness == least and cluster.order < clusters[holder].order):
                     least = remoteness
                     holder = slot
-            elif (
-                u <= rules.surround * cluster.half_width
-                and v <= rules.surround * cluster.half_height
-                and (remoteness < least_around or (remoteness == least_around and cluster.order < clusters[around].order))
-            ):
-                least_around = remoteness
-                around = slot
-    return holder, around
+    return holder

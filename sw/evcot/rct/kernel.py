@@ -8,19 +8,20 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from .compiled import step
 from .find import NOBODY, find_by_options, find_nearest
 from .life import check, note_ends_of_life, seed
 from .lookup import events_within
 from .move import move, pull_size
 from .packet import close_packet, open_packet
-from .state import NEVER_US, RECORDS_PER_PACKET, State, Table, choice
+from .state import NEVER_US, RECORDS_PER_PACKET, EventRules, State, Table, choice
 
 __all__ = ["close_last_packet", "feed", "place"]
 
 _ON, _OFF = choice("polarity", "on"), choice("polarity", "off")
 
 
-@njit(cache=True, nogil=True)
+@step
 def _at_times(state: State, t_us: int) -> Any:
     """What time brings before an event; returns when to come again."""
     cur = state.cursor[0]
@@ -32,13 +33,14 @@ def _at_times(state: State, t_us: int) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table | None, owner: Table) -> int:
+def feed(
+    state: State, rules: EventRules, ts: Table, xs: Table, ys: Table, ps: Table | None, owner: Table
+) -> int:  # fmt: skip
     """Track events until all are done or the buffer could overflow; returns how many are done.
 
     Without polarities, `ps` None, it is the paper's tracker: Numba then leaves out all that belongs to options.
     """
-    rules_array, cursor, clusters, _, cells, _, alphas, out = state
-    rules = rules_array[0]
+    _, cursor, clusters, _, cells, around, _, alphas, out = state
     cur = cursor[0]
     n_max = len(clusters)
     radius_px, alpha = rules.radius_px, rules.alpha
@@ -58,7 +60,6 @@ def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table | None, owner:
         x = float(xs[e])
         y = float(ys[e])
         polarity = 0
-        around: Any = np.uint64(NOBODY)
         if ps is None:
             slot, nearest_px = find_nearest(clusters, cells, xs[e], ys[e], x, y)
             held = nearest_px <= radius_px
@@ -67,8 +68,10 @@ def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table | None, owner:
             if (rules.polarity == _ON and polarity == 0) or (rules.polarity == _OFF and polarity != 0):
                 owner[e] = -1
                 continue
-            slot, around = find_by_options(rules, clusters, cells, xs[e], ys[e], polarity)
+            slot = find_by_options(rules, clusters, cells, 1.0, xs[e], ys[e], polarity)
             held = slot != np.uint64(NOBODY)
+            if not held:
+                slot = find_by_options(rules, clusters, around, rules.surround, xs[e], ys[e], polarity)
         if held:
             cluster = clusters[slot]
             astray = False
@@ -87,8 +90,8 @@ def feed(state: State, ts: Table, xs: Table, ys: Table, ps: Table | None, owner:
                     cluster.check_at = cluster.packet_events + again
                     continue
                 check(state, np.int64(slot), first_index + e, t_us)  # type: ignore[arg-type]
-        elif ps is not None and around != np.uint64(NOBODY):
-            pull_size(rules, clusters[around], x, y)
+        elif ps is not None and slot != np.uint64(NOBODY):
+            pull_size(rules, clusters[slot], x, y)
             owner[e] = -1
         elif cur.live < seeds_max:
             slot_new = seed(state, x, y, t_us, polarity)

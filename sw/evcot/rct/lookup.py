@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which clusters an event can belong to: the plane in cells of 8x8 pixels, and per cell the set of clusters that may reach it.
 
-A cluster is registered in every cell that its window (or its surround) touches, widened by a slack; as long as it has moved
-no farther than that, the sets hold every window that holds an event, and an event is compared with the few clusters of its
-cell. The cells wrap around after 512 pixels either way, so that no sensor size need be known: pixels so far apart share their
-sets, which only means more comparisons. Sets are bits, 64 to a word.
+A cluster is registered in every cell that its window touches, widened by a slack; as long as it has moved no farther than
+that, the sets hold every window that holds an event, and an event is compared with the few clusters of its cell. Surrounds
+have sets of their own, which only an event in no window asks for. The cells wrap around after 512 pixels either way, so that
+no sensor size need be known: pixels so far apart share their sets, which only means more comparisons. Sets are bits, 64 to a
+word.
 """
 
 from __future__ import annotations
@@ -48,46 +49,55 @@ def without_lowest(word: Any) -> Any:
 @njit(cache=True, nogil=True, inline="always")
 def _slack_px(reach_px: float) -> float:
     """How much wider than its window a cluster is registered: rarely moved, and in few cells in vain."""
-    return max(2.0, 0.4 * reach_px)
+    return max(2.0, 0.25 * reach_px)
 
 
 @step
-def _set(cells: Table, slot: int, cluster: Any, there: bool) -> None:
-    word = slot // _WORD
+def _flip(cells: Table, slot: int, cluster: Any, times: float) -> None:
+    """Put a cluster into the sets of the cells that its window, so many times as large, may touch, or take it out of them:
+    the same bits change."""
+    sets = cells[slot // _WORD]
     bit = np.uint64(1) << np.uint64(slot % _WORD)
-    left = np.int64(np.floor(cluster.cells_x - cluster.cells_reach_x)) >> _SHIFT
-    top = np.int64(np.floor(cluster.cells_y - cluster.cells_reach_y)) >> _SHIFT
-    right = min(np.int64(np.floor(cluster.cells_x + cluster.cells_reach_x)) >> _SHIFT, left + CELLS - 1)
-    bottom = min(np.int64(np.floor(cluster.cells_y + cluster.cells_reach_y)) >> _SHIFT, top + CELLS - 1)
-    for row in range(top, bottom + 1):
+    reach_x, reach_y = times * cluster.cells_reach_x, times * cluster.cells_reach_y
+    left: Any = np.int64(np.floor(cluster.cells_x - reach_x)) >> _SHIFT
+    top: Any = np.int64(np.floor(cluster.cells_y - reach_y)) >> _SHIFT
+    columns: Any = min((np.int64(np.floor(cluster.cells_x + reach_x)) >> _SHIFT) + 1 - left, CELLS)
+    rows: Any = min((np.int64(np.floor(cluster.cells_y + reach_y)) >> _SHIFT) + 1 - top, CELLS)
+    left &= CELLS - 1
+    beyond: Any = max(0, left + columns - CELLS)
+    for row in range(top, top + rows):
         first = (row & (CELLS - 1)) * CELLS
-        for column in range(left, right + 1):
-            cell = first + (column & (CELLS - 1))
-            if there:
-                cells[cell, word] |= bit
-            else:
-                cells[cell, word] &= ~bit
+        for cell in range(first + left, first + left + columns - beyond):
+            sets[cell] ^= bit
+        for cell in range(first, first + beyond):
+            sets[cell] ^= bit
+
+
+@step
+def _flip_all(state: State, slot: int) -> None:
+    cluster = state.clusters[slot]
+    _flip(state.cells, slot, cluster, 1.0)
+    if len(state.around) > 0:
+        _flip(state.around, slot, cluster, state.rules[0].surround)
 
 
 @step
 def unregister(state: State, slot: int) -> None:
     """Take a cluster out of all sets."""
-    _set(state.cells, slot, state.clusters[slot], False)
+    _flip_all(state, slot)
 
 
 @step
 def register(state: State, slot: int) -> None:
     """Put a cluster into the sets of the cells around it."""
     cluster = state.clusters[slot]
-    reach_x = state.rules[0].surround * cluster.reach_x
-    reach_y = state.rules[0].surround * cluster.reach_y
     slack = _slack_px(max(cluster.reach_x, cluster.reach_y))
     cluster.cells_x = cluster.x
     cluster.cells_y = cluster.y
-    cluster.cells_reach_x = reach_x + slack
-    cluster.cells_reach_y = reach_y + slack
+    cluster.cells_reach_x = cluster.reach_x + slack
+    cluster.cells_reach_y = cluster.reach_y + slack
     cluster.room = slack
-    _set(state.cells, slot, cluster, True)
+    _flip_all(state, slot)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -105,11 +115,9 @@ def events_within(rules: Any, cluster: Any) -> Any:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def set_room(rules: Any, cluster: Any) -> None:
+def set_room(cluster: Any) -> None:
     """The window's size has changed, and with it the slack that is left."""
-    room_x = cluster.cells_reach_x - rules.surround * cluster.reach_x
-    room_y = cluster.cells_reach_y - rules.surround * cluster.reach_y
-    cluster.room = min(room_x, room_y)
+    cluster.room = min(cluster.cells_reach_x - cluster.reach_x, cluster.cells_reach_y - cluster.reach_y)
 
 
 @step

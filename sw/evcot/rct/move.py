@@ -34,15 +34,16 @@ def pull_size(rules: Any, cluster: Any, x: float, y: float) -> None:
         u = abs(cluster.cos * dx + cluster.sin * dy)
         v = abs(cluster.cos * dy - cluster.sin * dx)
         mix = cluster.mix
+        keep = 1.0 - mix
         if rules.split_share > 0.0:
-            cluster.middle_x += mix * ((1.0 if 2.0 * u < cluster.deviation_x else 0.0) - cluster.middle_x)
-            cluster.middle_y += mix * ((1.0 if 2.0 * v < cluster.deviation_y else 0.0) - cluster.middle_y)
-        cluster.deviation_x += mix * (u - cluster.deviation_x)
-        cluster.deviation_y += mix * (v - cluster.deviation_y)
+            cluster.middle_x = keep * cluster.middle_x + (mix if 2.0 * u < cluster.deviation_x else 0.0)
+            cluster.middle_y = keep * cluster.middle_y + (mix if 2.0 * v < cluster.deviation_y else 0.0)
+        cluster.deviation_x = keep * cluster.deviation_x + mix * u
+        cluster.deviation_y = keep * cluster.deviation_y + mix * v
         if rules.angle > 0:
-            cluster.moment_xx += mix * (dx * dx - cluster.moment_xx)
-            cluster.moment_xy += mix * (dx * dy - cluster.moment_xy)
-            cluster.moment_yy += mix * (dy * dy - cluster.moment_yy)
+            cluster.moment_xx = keep * cluster.moment_xx + mix * (dx * dx)
+            cluster.moment_xy = keep * cluster.moment_xy + mix * (dx * dy)
+            cluster.moment_yy = keep * cluster.moment_yy + mix * (dy * dy)
     if rules.boxed > 0:
         # A side steps outwards for an event beyond it and inwards for any other, so far that both balance at its quantile.
         low = rules.box_quantile

@@ -96,7 +96,7 @@ def _settle(state: State) -> None:
             cluster.before += cluster.packet_events
             cluster.packet_events = 0
             if moves:
-                set_room(rules, cluster)
+                set_room(cluster)
             again = events_within(rules, cluster)
             if cluster.track_id < 0:
                 again = min(again, max(0, missing_events(rules, cluster)))

@@ -19,9 +19,11 @@ __all__ = [
     "PLACE",
     "RECORDS_PER_PACKET",
     "SUMMARY",
+    "EventRules",
     "State",
     "Table",
     "choice",
+    "event_rules",
     "new_state",
     "summary",
 ]
@@ -47,6 +49,27 @@ RULES = np.dtype(
         ("height", "<f8"),
     ]
 )
+
+
+class EventRules(NamedTuple):
+    """The rules that every event asks for, as values: no store can change them, so that the loop need not load them again."""
+
+    whole: int
+    radius_px: float
+    alpha: float
+    seeding: int
+    polarity: int
+    assign: int
+    distance: int
+    surround: float
+    shaped: int
+    split_share: float
+    angle: int
+    boxed: int
+    box_quantile: float
+    centre: int
+    alpha_tau_us: float
+
 
 # What is known of a cluster. What every event touches stands first.
 _CLUSTER_FIELDS = (
@@ -154,7 +177,8 @@ class State(NamedTuple):
         cursor: (1,) of `CURSOR`.
         clusters: (max_clusters,) of `CLUSTER`, by slot.
         live: (max_clusters,) int64: the slots in use, seeded first first.
-        cells: (CELLS * CELLS, words) uint64: the sets of `lookup`.
+        cells: (words, CELLS * CELLS) uint64: the sets of `lookup`, by windows.
+        around: the same by surrounds; without surrounds no words.
         paths: (max_clusters, path_points) of `PLACE`, rings by slot.
         alphas: (ALPHAS,) the mixing factor by the time in us since a cluster's last event, where it depends on that.
         out: the records that were not yet taken, of dtype `TRACK`.
@@ -165,6 +189,7 @@ class State(NamedTuple):
     clusters: Table
     live: Table
     cells: Table
+    around: Table
     paths: Table
     alphas: Table
     out: Table
@@ -175,9 +200,15 @@ def choice(field: str, name: str) -> int:
     return RCT_CHOICES[field].index(name)
 
 
+def event_rules(state: State) -> EventRules:
+    """The rules for the loop over events."""
+    return EventRules(*(state.rules[name][0].item() for name in EventRules._fields))
+
+
 def new_state(config: RctConfig, width: int, height: int) -> State:
     """Before the first event."""
     n = config.max_clusters
+    words = -(-n // 64)
     cursor = np.zeros(1, CURSOR)
     cursor["packet_end_us"] = cursor["last_us"] = cursor["next_due_us"] = -NEVER_US
     clusters = _on_lines(n, CLUSTER)
@@ -187,7 +218,8 @@ def new_state(config: RctConfig, width: int, height: int) -> State:
         cursor,
         clusters,
         np.zeros(n, np.int64),
-        np.zeros((CELLS * CELLS, -(-n // 64)), np.uint64),
+        np.zeros((words, CELLS * CELLS), np.uint64),
+        np.zeros((words if config.surround > 1.0 else 0, CELLS * CELLS), np.uint64),
         np.zeros((n, max(1, config.path_points)), PLACE),
         -np.expm1(-np.arange(ALPHAS) / config.alpha_tau_us) if config.alpha_tau_us else np.zeros(ALPHAS),
         np.zeros(2 * RECORDS_PER_PACKET * n + 4096, TRACK),

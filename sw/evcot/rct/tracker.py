@@ -25,7 +25,7 @@ from ..events import Events, Recording
 from ..tracklog import TRACK, TrackLog
 from .config import RctConfig
 from .kernel import close_last_packet, feed, place
-from .state import new_state, summary
+from .state import event_rules, new_state, summary
 
 __all__ = ["RctTracker", "track"]
 
@@ -51,6 +51,7 @@ class RctTracker:
             raise ConfigError(f"rct.border_share = {config.border_share:g}: needs the sensor's width and height")
         self.config = config
         self._state = new_state(config, width, height)
+        self._rules = event_rules(self._state)
         self._cursor = self._state.cursor
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
@@ -75,7 +76,8 @@ class RctTracker:
         done = 0
         while done < len(events):
             rest = events[done:]
-            done += feed(self._state, rest.t_us, rest.x, rest.y, rest.p if self.config.whole else None, owner[done:])
+            polarities = rest.p if self.config.whole else None
+            done += feed(self._state, self._rules, rest.t_us, rest.x, rest.y, polarities, owner[done:])
             parts.append(self._take_closed())
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 
