@@ -43,6 +43,17 @@ def test_two_that_part_become_two_and_the_older_keeps_its_track(axis: tuple[floa
     assert (clusters["half_width"] < 15).all()
 
 
+@pytest.mark.parametrize("ahead", [1, -1])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_group_ahead_keeps_the_track(ahead: int, seed: int) -> None:
+    """Two edges, one 18 px behind the other, at 100 px/s; they are taken for two when the velocity has settled."""
+    edges = object_at((500, 300), (100 * ahead, 0), half=(9, 5), us=(0, 240_000), hollow=True, seed=seed)
+    settled = replace(CONFIG, velocity_alpha=0.005, split_packets=200, split_share=0.15, radius_min_px=12.0)
+    _, _, clusters = tracked(edges, settled)
+    places = {int(c["track_id"]): float(c["x"]) for c in clusters}
+    assert places == pytest.approx({0: 500 + 33 * ahead, 1: 500 + 15 * ahead}, abs=2)
+
+
 def test_a_full_object_stays_one() -> None:
     records, _, clusters = tracked(object_at((300, 300), half=(14, 5)), CONFIG)
     assert len(of_kind(records, Kind.BORN)) == len(clusters) == 1
