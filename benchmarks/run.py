@@ -36,6 +36,7 @@ _BENCHMARKS = (
     "table2",
     "cot_quality",
     "kalman",
+    "anomalies",
     "quality",
 )
 _FOLDER = Path("build") / "bench"

@@ -96,6 +96,37 @@ def test_who_is_lost_while_slow_has_stopped(normal: NormalMotion) -> None:
     assert kinds(alarms_of(track(77, 0, 700_000, away(MIDDLE), 0.3), normal=normal)) == []
 
 
+def test_who_brakes_and_whose_track_goes_back_has_stopped(normal: NormalMotion) -> None:
+    """The track goes over to the next car, 60 px behind, before it is lost: the alarm is near where it braked."""
+
+    def goes_back(s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        x, y = brakes(s)
+        return x, y + 200 * np.clip(s - 2.3, 0, 0.3)
+
+    alarms = alarms_of(track(77, 0, 2_600_000, goes_back, 0.3), normal=normal)
+    (stopping,) = alarms[alarms["kind"] == Anomaly.STOPPING]
+    assert stopping["t_us"] < 2_600_000
+    assert stopping["y"] == pytest.approx(float(brakes(np.array([2.3]))[1][0]), abs=15)
+
+
+def test_who_stays_where_first_seen_and_drives_off_has_stood(normal: NormalMotion) -> None:
+    def starts(s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return np.full(len(s), MIDDLE), 150 - 12 * s**2
+
+    alarms = alarms_of(track(77, 0, 2_500_000, starts, 0.3), normal=normal)
+    assert kinds(alarms).count("stopping") == 1
+    at_the_edge = alarms_of(track(77, 0, 2_500_000, lambda s: (starts(s)[0], starts(s)[1] + 100), 0.3), normal=normal)
+    assert "stopping" not in kinds(at_the_edge)
+
+
+def test_a_window_that_swells_has_no_velocity(normal: NormalMotion) -> None:
+    steady = track(77, 0, 2_000_000, away(MIDDLE, 2.0), 0.3)
+    assert "fast" in kinds(alarms_of(steady, normal=normal))
+    swelling = steady.copy()
+    swelling["radius"] = np.where(np.arange(len(swelling)) % 10 < 5, 12.0, 24.0)
+    assert kinds(alarms_of(swelling, normal=normal)) == []
+
+
 def pacing(s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return 300 + 12 * np.sin(3 * s), np.full(len(s), 150.0)
 
