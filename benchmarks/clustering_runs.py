@@ -19,7 +19,7 @@ from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.frame_based import presets as frame_presets
 from evcot.frame_based.config import FrameConfig
-from evcot.frame_based.stream import DetectionTracker, run
+from evcot.frame_based.stream import DetectionTracker
 from evcot.frame_based.tracker import FrameTracker
 from evcot.mean_shift import presets as shift_presets
 from evcot.mean_shift.config import MeanShiftConfig
@@ -28,6 +28,7 @@ from evcot.metrics import GroundTruth, Rule, evaluate, load_rule, read_truth
 from evcot.metrics.frames import line_up
 from evcot.metrics.sampling import expiring
 from evcot.scenes import simulate_scene
+from evcot.tracking import track_recording
 from evcot.tracklog import TrackLog
 from measure import timed
 
@@ -199,7 +200,7 @@ def _once(case: Case, tracker: DetectionTracker) -> Followed:
 
     tracker.detect = counting
     logs: list[TrackLog] = []
-    took = timed(lambda: logs.append(run("clustering", tracker, case.recording)))
+    took = timed(lambda: logs.append(track_recording("clustering", tracker, case.recording)))
     return Followed(logs[0], np.concatenate(times), np.concatenate(counts), took.cpu_s)
 
 
@@ -248,5 +249,5 @@ def as_written(case: Case, one: Outcome) -> float | None:
     config = (_packets if one.method == EVENTS else _frames)(case, one.size)
     tracker = MeanShiftTracker(replace(config, fold_px=0.0))
     begin_us = case.recording.duration_us // 2
-    run("clustering", tracker, case.recording.window(begin_us, begin_us + _WRITTEN_US))
+    track_recording("clustering", tracker, case.recording.window(begin_us, begin_us + _WRITTEN_US))
     return tracker.cost.pairs / (_WRITTEN_US * 1e-6)

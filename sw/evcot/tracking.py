@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .events import Events
+from .contract import DROPPED
+from .events import Events, Recording
 from .tracklog import TRACK, TrackLog
 
-__all__ = ["Told", "Tracker", "log_of"]
+__all__ = ["Told", "Tracker", "log_of", "track_recording"]
+
+_RUN_EVENTS = 1 << 18
 
 Told = tuple[NDArray[np.void], NDArray[np.int16]]
 """(m,) records of dtype `TRACK`, and (n,) owners of the events that were fed."""
@@ -35,3 +38,24 @@ def log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> TrackLog:
     told = [tracker.feed(block) for block in blocks]
     records = [np.empty(0, TRACK), *(records for records, _ in told), tracker.finish()]
     return TrackLog(engine, np.concatenate(records), np.concatenate([np.empty(0, np.int16), *(owner for _, owner in told)]))
+
+
+def track_recording(engine: str, tracker: Tracker, recording: Recording, keep: NDArray[np.bool_] | None = None) -> TrackLog:
+    """Feed a recording, or the events in it that someone let stay, to a tracker that has seen nothing yet.
+
+    Args:
+        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+    """
+    if keep is None:
+        return log_of(engine, tracker, _runs(recording.events))
+    log = log_of(engine, tracker, _runs(recording.events.where(keep)))
+    owner = np.full(len(keep), DROPPED, np.int16)
+    owner[keep] = log.owner
+    # After the last event that stayed comes what follows the recording.
+    numbers = np.append(np.flatnonzero(keep), len(keep))
+    log.records["event_index"] = numbers[log.records["event_index"]]
+    return TrackLog(engine, log.records, owner)
+
+
+def _runs(events: Events) -> Iterator[Events]:
+    return (events[begin : begin + _RUN_EVENTS] for begin in range(0, len(events), _RUN_EVENTS))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -75,7 +76,8 @@ def test_a_kernel_follows_a_function_in_another_file(tmp_path: Path) -> None:
     (package / "outer.py").write_text(
         "from numba import njit\nfrom .inner import inner\n\n@njit(cache=True)\ndef outer(x):\n    return 10 * inner(x)\n"
     )
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     run = [sys.executable, "-c", "from evcot_like.outer import outer; print(outer(1))"]
-    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stdout == "20\n"
+    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, env=environment).stdout == "20\n"
     (package / "inner.py").write_text("from numba import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + 22\n")
-    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stdout == "230\n"
+    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, env=environment).stdout == "230\n"

@@ -8,18 +8,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract import DROPPED
 from ..errors import RecordingError
-from ..events import Events, Recording
-from ..tracklog import TRACK, TrackLog
+from ..events import Events
+from ..tracklog import TRACK
 from .config import IdentityConfig
 from .framing import Framing
 from .identity import Identities
 from .kernel import DETECTION, FRAME
 
-__all__ = ["Detect", "DetectionTracker", "run"]
-
-_CHUNK_EVENTS = 1 << 18
+__all__ = ["Detect", "DetectionTracker"]
 
 Detect = Callable[[Events, NDArray[np.void]], NDArray[np.void]]
 """Events and (f,) frames of dtype `kernel.FRAME` in, of which `begin` and `end` are set; sets `found` and `found_end` and
@@ -100,24 +97,3 @@ class DetectionTracker:
         frames["begin"][1:], frames["end"] = ends[:-1], ends
         found = self.detect(events, frames)
         return self._identities.follow(events, owned, frames, found)
-
-
-def run(engine: str, tracker: DetectionTracker, recording: Recording, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """A tracker's log of a recording, or of the events in it that filters let stay.
-
-    Args:
-        engine: the log's `engine`.
-        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
-    """
-    events = recording.events if keep is None else recording.events.where(keep)
-    parts = [tracker.feed(events[begin : begin + _CHUNK_EVENTS]) for begin in range(0, len(events), _CHUNK_EVENTS)]
-    records = np.concatenate([np.empty(0, TRACK), *(part[0] for part in parts), tracker.finish()])
-    owner = np.concatenate([np.empty(0, np.int16), *(part[1] for part in parts)])
-    if keep is None:
-        return TrackLog(engine, records, owner)
-    kept = np.flatnonzero(keep)
-    every = np.full(len(keep), DROPPED, np.int16)
-    every[kept] = owner
-    # After the last event that stayed comes what follows the recording.
-    records["event_index"] = np.append(kept, len(keep))[records["event_index"]]
-    return TrackLog(engine, records, every)

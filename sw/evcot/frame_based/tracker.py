@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..events import Events, Recording
+from ..tracking import track_recording
 from ..tracklog import TrackLog
 from .config import FrameConfig
 from .detection import detect
 from .framing import Framing
 from .kernel import DETECTION
-from .stream import DetectionTracker, run
+from .stream import DetectionTracker
 
 __all__ = ["FrameTracker", "track"]
 
@@ -43,4 +44,4 @@ def track(recording: Recording, config: FrameConfig, keep: NDArray[np.bool_] | N
     In the log `radius` is half the mean side of the object's box, `n_ev` its pixels in the frame, and `support` those in all
     frames.
     """
-    return run("frames", FrameTracker(config), recording, keep)
+    return track_recording("frames", FrameTracker(config), recording, keep)

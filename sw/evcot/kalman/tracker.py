@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events, Recording
+from ..tracking import track_recording
 from ..tracklog import TRACK, TrackLog
 from .config import KalmanConfig
 from .kernel import feed
@@ -15,9 +16,6 @@ from .layout import UNSET_US, make_rules, make_world
 from .life import RECORDS_PER_PACKET, close_packet
 
 __all__ = ["KalmanTracker", "track"]
-
-_CHUNK_EVENTS = 1 << 16
-_DROPPED = -2
 
 
 class KalmanTracker:
@@ -85,25 +83,4 @@ def track(recording: Recording, config: KalmanConfig, keep: NDArray[np.bool_] | 
     In the log `radius` is the mean of the box's half sides on the sensor, `support` the events that the object accumulated,
     and `n_ev` those in the packet.
     """
-    if keep is not None:
-        return _track_kept(recording, config, keep)
-    tracker = KalmanTracker(config, recording.width, recording.height)
-    events = recording.events
-    owner = np.empty(len(events), np.int16)
-    parts: list[NDArray[np.void]] = []
-    for begin in range(0, len(events), _CHUNK_EVENTS):
-        chunk = slice(begin, begin + _CHUNK_EVENTS)
-        records, owner[chunk] = tracker.feed(events[chunk])
-        parts.append(records)
-    parts.append(tracker.finish())
-    return TrackLog("kalman", np.concatenate(parts), owner)
-
-
-def _track_kept(recording: Recording, config: KalmanConfig, keep: NDArray[np.bool_]) -> TrackLog:
-    kept = np.flatnonzero(keep)
-    log = track(Recording(recording.events.where(keep), recording.width, recording.height, recording.name), config)
-    owner = np.full(len(keep), _DROPPED, np.int16)
-    owner[kept] = log.owner
-    # After the last event that stayed comes what follows the recording.
-    log.records["event_index"] = np.append(kept, len(keep))[log.records["event_index"]]
-    return TrackLog(log.engine, log.records, owner)
+    return track_recording("kalman", KalmanTracker(config, recording.width, recording.height), recording, keep)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..events import Events, Recording
 from ..frame_based.framing import Framing
-from ..frame_based.stream import DetectionTracker, run
+from ..frame_based.stream import DetectionTracker
+from ..tracking import track_recording
 from ..tracklog import TrackLog
 from .clusters import Coordinates, group
 from .config import MeanShiftConfig
@@ -73,4 +74,4 @@ def track(recording: Recording, config: MeanShiftConfig, keep: NDArray[np.bool_]
     In the log `radius` is half the side of the cluster's window, `n_ev` its points in the packet, and `support` those in all
     packets.
     """
-    return run("mean-shift", MeanShiftTracker(config), recording, keep)
+    return track_recording("mean-shift", MeanShiftTracker(config), recording, keep)

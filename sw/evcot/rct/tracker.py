@@ -19,17 +19,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract import DROPPED
 from ..errors import ConfigError, RecordingError
 from ..events import Events, Recording
+from ..tracking import track_recording
 from ..tracklog import TRACK, TrackLog
 from .config import RctConfig
 from .kernel import close_last_packet, feed, place
 from .state import event_rules, new_state, summary
 
 __all__ = ["RctTracker", "track"]
-
-_CHUNK_EVENTS = 1 << 20
 
 
 class RctTracker:
@@ -140,25 +138,4 @@ def track(recording: Recording, config: RctConfig, keep: NDArray[np.bool_] | Non
     In the log `radius` is the constant `radius_px`, `support` the events that the cluster accumulated, and `n_ev` those that it
     took in the packet.
     """
-    if keep is not None:
-        return _track_kept(recording, config, keep)
-    tracker = RctTracker(config, recording.width, recording.height)
-    events = recording.events
-    owner = np.empty(len(events), np.int16)
-    parts: list[NDArray[np.void]] = []
-    for begin in range(0, len(events), _CHUNK_EVENTS):
-        chunk = slice(begin, begin + _CHUNK_EVENTS)
-        records, owner[chunk] = tracker.feed(events[chunk])
-        parts.append(records)
-    parts.append(tracker.finish())
-    return TrackLog("rct", np.concatenate(parts), owner)
-
-
-def _track_kept(recording: Recording, config: RctConfig, keep: NDArray[np.bool_]) -> TrackLog:
-    kept = np.flatnonzero(keep)
-    log = track(Recording(recording.events.where(keep), recording.width, recording.height, recording.name), config)
-    owner = np.full(len(keep), DROPPED, np.int16)
-    owner[kept] = log.owner
-    # After the last event that stayed comes what follows the recording.
-    log.records["event_index"] = np.append(kept, len(keep))[log.records["event_index"]]
-    return TrackLog(log.engine, log.records, owner)
+    return track_recording("rct", RctTracker(config, recording.width, recording.height), recording, keep)

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from evcot.rct.presets import PRESETS
 
 from evcot.config import RunConfig
 from evcot.contract import Kind
@@ -19,6 +18,7 @@ from evcot.files import read_recording, write_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import apply
 from evcot.presets import fit, preset
+from evcot.rct.presets import PRESETS
 from evcot.rct.tracker import track as rct_track
 from evcot.scenes.registry import simulate_scene
 from evcot.tracklog import TrackLog

@@ -143,7 +143,7 @@ def test_an_event_off_the_sensor() -> None:
 def test_settings_out_of_range() -> None:
     with pytest.raises(ConfigError, match=r"^kalman\.quantile = 0\.5: must be from 0\.001 to 0\.4 \(share of"):
         KalmanConfig(quantile=0.5)
-    with pytest.raises(ConfigError, match=r"^kalman preset 'cars': must be one of traffic, discs$"):
+    with pytest.raises(ConfigError, match=rf"^kalman preset 'cars': must be one of {', '.join(PRESETS)}$"):
         preset("cars")
 
 
