@@ -112,32 +112,33 @@ def _plain(values: NDArray[Any]) -> NDArray[Any]:
     return values if values.dtype.isnative else values.astype(values.dtype.newbyteorder("="))
 
 
-# The fields of Prophesee's record in HDF5, which `events_from_records` takes apart in one pass.
-_RECORD = {"x": np.dtype("<u2"), "y": np.dtype("<u2"), "p": np.dtype("<i2"), "t": np.dtype("<i8")}
+# Prophesee's record in HDF5, as C lays it out: two words, of which `events_from_records` takes the fields in one pass.
+_RECORD = np.dtype({"names": ["x", "y", "p", "t"], "formats": ["<u2", "<u2", "<i2", "<i8"], "offsets": [0, 2, 4, 8]})
 
 
 @njit(cache=True, nogil=True)
-def _fill_records(records, latest_us, t0_us, t_us, x, y, p):  # type: ignore[no-untyped-def]
+def _fill_records(words, latest_us, t0_us, t_us, x, y, p):  # type: ignore[no-untyped-def]
     """Fills the four columns; false where some time or polarity is not an ordinary one."""
-    odd = False
-    for i in range(len(records)):
-        record = records[i]
-        odd |= (record.p & 1) != record.p or not -latest_us <= record.t <= latest_us
-        t_us[i] = record.t + t0_us
-        x[i] = record.x
-        y[i] = record.y
-        p[i] = record.p
-    return not odd
+    beyond = polarity = np.int64(0)
+    for i in range(len(t_us)):
+        word, t = words[2 * i], words[2 * i + 1]
+        beyond |= (t + latest_us) | (latest_us - t)  # one of them is negative, or wraps around to be so
+        polarity |= word >> 32
+        t_us[i] = t + t0_us
+        x[i] = word
+        y[i] = word >> 16
+        p[i] = word >> 32
+    return beyond >= 0 and polarity & 0xFFFE == 0
 
 
 def events_from_records(records: NDArray[np.void], t0_us: int = 0) -> Events | None:
-    """Records with the fields x, y, p, t of Prophesee's types as events; None where they are others, or a value is no ordinary
-    one: `events_from_numbers` then says which."""
-    if {name: records.dtype[name] for name in records.dtype.names or ()} != _RECORD:
+    """Prophesee's records as events; None where they are others, or a value is no ordinary one: `events_from_numbers` then says
+    which."""
+    if records.dtype != _RECORD or not records.flags.c_contiguous:
         return None
-    n = len(records)
-    events = Events.allocated(n)
-    return events if _fill_records(records, _LATEST_US, t0_us, events.t_us, events.x, events.y, events.p) else None
+    events = Events.allocated(len(records))
+    columns = events.t_us, events.x, events.y, events.p
+    return events if _fill_records(records.view("<i8"), np.int64(_LATEST_US), t0_us, *columns) else None
 
 
 def events_from_numbers(
