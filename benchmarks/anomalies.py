@@ -23,7 +23,7 @@ from evcot.events import Events, Recording
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.kalman import tracker as kalman
-from evcot.kalman.presets import preset
+from evcot.kalman.presets import PRESETS as KALMAN_PRESETS
 from evcot.rct import tracker as rct
 from evcot.rct.presets import FILTERS, PRESETS
 from evcot.scenes.registry import simulate_scene
@@ -52,7 +52,7 @@ def _rct(recording: Recording, _truth: Truth) -> TrackLog:
 
 ENGINES: dict[str, Engine] = {
     "truth": lambda _recording, truth: truth_log(truth),
-    "kalman": lambda recording, _truth: kalman.track(recording, preset("road")),
+    "kalman": lambda recording, _truth: kalman.track(recording, KALMAN_PRESETS["road"]),
     "rct": _rct,
 }
 

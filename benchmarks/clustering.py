@@ -21,7 +21,7 @@ import numpy as np
 
 import streams
 from clustering_runs import EVENTS, FRAMES, PIPELINE, Case, Outcome, as_written, cases, outcomes
-from evcot.mean_shift.presets import preset
+from evcot.mean_shift.presets import PRESETS
 from evcot.mean_shift.tracker import MeanShiftTracker
 from measure import Goal, Result, Timing, take_turns, timed
 
@@ -54,7 +54,7 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
 
 def _rate(quick: bool) -> Result:
     """Events per second on the stream of four discs."""
-    events, config = streams.joined(300_000 if quick else 2_000_000, 4), preset("discs")
+    events, config = streams.joined(300_000 if quick else 2_000_000, 4), PRESETS["discs"]
     live: list[int] = []
 
     def once() -> Timing:

@@ -138,7 +138,7 @@ def outcomes(case: Case, quick: bool) -> Iterator[Outcome]:
     for size in frames_us:
         yield _shifted(case, FRAMES, size, _frames(case, size))
     for size in frames_us:
-        config = replace(frame_presets.preset(case.preset), frame_us=size, **_patience(size))
+        config = replace(frame_presets.PRESETS[case.preset], frame_us=size, **_patience(size))
         done = _follow(case, lambda config=config: FrameTracker(config))  # type: ignore[misc]
         yield _outcome(case, PIPELINE, size, done, None, _pipeline_operations(case, config))
 
@@ -156,7 +156,7 @@ def _shifted(case: Case, method: str, size: int, config: MeanShiftConfig) -> Out
 
 
 def _packets(case: Case, events: int) -> MeanShiftConfig:
-    base = shift_presets.preset(case.preset)
+    base = shift_presets.PRESETS[case.preset]
     fewest = max(4, round(base.points_min * (events / base.packet_events) ** 0.5))
     length_us = round(1e6 * events / case.rate_hz)
     return replace(base, packet_events=events, points_min=fewest, **_patience(length_us))

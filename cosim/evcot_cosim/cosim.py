@@ -16,9 +16,8 @@ from evcot.cot import CotModel, tick_times, to_track_records
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Recording
 from evcot.filters.run import filtered
-from evcot.filters.tracker import FilteredTracker
 from evcot.rct.tracker import RctTracker
-from evcot.tracking import Tracker, log_of
+from evcot.tracking import KeptTracker, Tracker, log_of
 from evcot.tracklog import TRACK, TrackLog
 
 from .build import BuiltModel
@@ -149,7 +148,7 @@ def _software(recording: Recording, config: RunConfig) -> Tracker:
     tracker = RctTracker(config.rct, *sensor)
     if not config.filters.enabled:
         return tracker
-    return FilteredTracker(filtered((), config.filters, sensor, config.cot.tick_us), tracker)
+    return KeptTracker(filtered((), config.filters, sensor, config.cot.tick_us).keep, tracker)
 
 
 class _LogParts:

@@ -12,7 +12,6 @@ from .config import RunConfig
 from .cot import CotTracker
 from .filters.config import FilterConfig
 from .filters.run import filtered
-from .filters.tracker import FilteredTracker
 from .formats.source import Sensor
 from .frame_based import presets as frames
 from .frame_based.tracker import FrameTracker
@@ -22,7 +21,7 @@ from .mean_shift import presets as mean_shift
 from .mean_shift.tracker import MeanShiftTracker
 from .rct import presets as rct
 from .rct.tracker import RctTracker
-from .tracking import Tracker
+from .tracking import KeptTracker, Tracker
 
 __all__ = ["ENGINES", "Engine"]
 
@@ -51,7 +50,7 @@ def _software(make: Callable[[Any, int, int], Tracker]) -> Start:
 
     def start(settings: Any, filters: FilterConfig, sensor: Sensor) -> Tracker:
         tracker = make(settings, *sensor)
-        return FilteredTracker(filtered((), filters, sensor), tracker) if filters.enabled else tracker
+        return KeptTracker(filtered((), filters, sensor).keep, tracker) if filters.enabled else tracker
 
     return start
 

@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
-from ..errors import RecordingError
-
 __all__ = ["in_order"]
 
 # A reader of files needs no more to be faster than what follows it.
@@ -28,7 +26,7 @@ def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece], work
     turn: after the results of all pieces before it, and none is given after it. With one worker, pieces are decoded one by one.
     """
     waiting: deque[Future[_Result]] = deque()
-    failure: RecordingError | None = None
+    failure: Exception | None = None
     with ThreadPoolExecutor(workers, "decode") as pool:
         try:
             source = iter(pieces)
@@ -37,7 +35,7 @@ def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece], work
                     waiting.append(pool.submit(decode, next(source)))
                 except StopIteration:
                     break
-                except RecordingError as error:
+                except Exception as error:
                     failure = error
                 if len(waiting) > _PIECES_AHEAD:
                     yield waiting.popleft().result()

@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-from ..errors import ConfigError
 from .config import FrameConfig
 
-__all__ = ["PRESETS", "preset"]
+__all__ = ["PRESETS"]
 
 PRESETS: dict[str, FrameConfig] = {
     # Contours one or two pixels wide, which a median filter would take out.
@@ -33,14 +32,3 @@ PRESETS: dict[str, FrameConfig] = {
         lifetime_us=150_000,
     ),
 }
-
-
-def preset(name: str) -> FrameConfig:
-    """The preset of that name.
-
-    Raises:
-        ConfigError: there is none; the message lists them.
-    """
-    if name not in PRESETS:
-        raise ConfigError(f"frames preset {name!r}: must be one of {', '.join(PRESETS)}")
-    return PRESETS[name]

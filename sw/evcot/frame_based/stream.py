@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import RecordingError
 from ..events import Events
+from ..tracking import check_order
 from ..tracklog import TRACK
 from .config import IdentityConfig
 from .framing import Framing
@@ -55,11 +55,7 @@ class DetectionTracker:
         """
         if not len(events):
             return np.empty(0, TRACK), np.empty(0, np.int16)
-        if self._last_us is not None and events.t_us[0] < self._last_us:
-            index = self._identities.seen + self._held
-            raise RecordingError(
-                f"event {index}: t = {events.t_us[0]} us follows t = {self._last_us} us: time must not run back"
-            )
+        check_order(events, self._last_us, self._identities.seen + self._held)
         self._last_us = int(events.t_us[-1])
         ends = self._framing.cut(events.t_us)
         if not len(ends):

@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-from ..errors import ConfigError
 from .config import KalmanConfig
 
-__all__ = ["PRESETS", "preset"]
+__all__ = ["PRESETS"]
 
 PRESETS: dict[str, KalmanConfig] = {
     # Cars that drive away: they enter in part, shrink, and leave an afterglow.
@@ -26,14 +25,3 @@ PRESETS: dict[str, KalmanConfig] = {
     # Cars and people on one road: people are slow and make few events, so births may take longer, and silences too.
     "road": KalmanConfig(packet_us=4_000, birth_us=30_000, birth_pixels=16, coast_us=250_000, speed=12.0),
 }
-
-
-def preset(name: str) -> KalmanConfig:
-    """The settings of that name.
-
-    Raises:
-        ConfigError: there are none; the message lists them.
-    """
-    if name not in PRESETS:
-        raise ConfigError(f"kalman preset {name!r}: must be one of {', '.join(PRESETS)}")
-    return PRESETS[name]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events, Recording
-from ..tracking import track_recording
+from ..tracking import check_order, track_recording
 from ..tracklog import TRACK, TrackLog
 from .config import KalmanConfig
 from .kernel import feed
@@ -44,10 +44,7 @@ class KalmanTracker:
             RecordingError: the run starts before the last event of the previous one, or an event is not on the sensor.
         """
         run = self._world.run
-        last_us = int(run["last_us"][0])
-        if len(events) and events.t_us[0] < last_us:
-            index = int(run["index"][0])
-            raise RecordingError(f"event {index}: t = {events.t_us[0]} us follows t = {last_us} us: time must not run back")
+        check_order(events, int(run["last_us"][0]), int(run["index"][0]))
         outside = (events.x >= self._rules.width) | (events.y >= self._rules.height)
         if outside.any():
             at = int(np.argmax(outside))

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..errors import ConfigError
 from .config import MeanShiftConfig
 
-__all__ = ["PRESETS", "preset"]
+__all__ = ["PRESETS"]
 
 # A contour of about 20 px: from a bandwidth of 0.7 of its radius on, its middle is one mode.
 _DISCS = MeanShiftConfig(
@@ -46,14 +45,3 @@ PRESETS: dict[str, MeanShiftConfig] = {
     "traffic": _TRAFFIC,
     "traffic-frames": replace(_TRAFFIC, source="frames", frame_us=20_000, points_min=40, visible_hits=3, candidate_us=50_000),
 }
-
-
-def preset(name: str) -> MeanShiftConfig:
-    """The preset of that name.
-
-    Raises:
-        ConfigError: there is none; the message lists them.
-    """
-    if name not in PRESETS:
-        raise ConfigError(f"mean_shift preset {name!r}: must be one of {', '.join(PRESETS)}")
-    return PRESETS[name]

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError, RecordingError
 from ..events import Events, Recording
-from ..tracking import track_recording
+from ..tracking import check_order, track_recording
 from ..tracklog import TRACK, TrackLog
 from .config import RctConfig
 from .kernel import close_last_packet, feed, place
@@ -65,10 +65,7 @@ class RctTracker:
         Raises:
             RecordingError: the run starts before the last event of the previous one.
         """
-        last_us = int(self._cursor["last_us"][0])
-        if len(events) and events.t_us[0] < last_us:
-            index = int(self._cursor["index"][0])
-            raise RecordingError(f"event {index}: t = {events.t_us[0]} us follows t = {last_us} us: time must not run back")
+        check_order(events, int(self._cursor["last_us"][0]), int(self._cursor["index"][0]))
         owner = np.empty(len(events), np.int16)
         parts: list[NDArray[np.void]] = []
         done = 0

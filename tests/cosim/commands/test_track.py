@@ -117,6 +117,12 @@ def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.Capt
     ("options", "message"),
     [
         ("--preset none", "--preset none: must be one of plain"),
+        ("--engine kalman --preset cars", "--preset cars: must be one of traffic, discs, road with --engine kalman"),
+        (
+            "--engine mean-shift --preset x",
+            "--preset x: must be one of discs, discs-frames, traffic, traffic-frames with --engine mean-shift",
+        ),
+        ("--engine frames --preset disc", "--preset disc: must be one of discs, traffic with --engine frames"),
         ("--engine cot --preset plain", "--preset plain: must be one of slow"),
         ("--set radius", "--set radius: must be KEY=VALUE with a key among max_clusters"),
         ("--set radium=3", "--set radium=3: must be KEY=VALUE with a key among max_clusters"),

@@ -9,7 +9,6 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot.frame_based.config import FRAME_RANGES, FrameConfig
-from evcot.frame_based.presets import PRESETS, preset
 
 
 @pytest.mark.parametrize("field", FRAME_RANGES)
@@ -33,9 +32,3 @@ def test_what_contradicts_itself_is_refused(wrong: dict[str, Any], message: str)
     with pytest.raises(ConfigError) as caught:
         FrameConfig(**wrong)
     assert str(caught.value) == message
-
-
-def test_presets_by_name() -> None:
-    assert preset("discs") is PRESETS["discs"]
-    with pytest.raises(ConfigError, match=r"^frames preset 'disc': must be one of discs, traffic$"):
-        preset("disc")

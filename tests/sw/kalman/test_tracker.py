@@ -14,7 +14,7 @@ from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
 from evcot.files import read_recording
 from evcot.kalman.config import KalmanConfig
-from evcot.kalman.presets import PRESETS, preset
+from evcot.kalman.presets import PRESETS
 from evcot.kalman.tracker import KalmanTracker, track
 from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.timeline import sample
@@ -143,8 +143,6 @@ def test_an_event_off_the_sensor() -> None:
 def test_settings_out_of_range() -> None:
     with pytest.raises(ConfigError, match=r"^kalman\.quantile = 0\.5: must be from 0\.001 to 0\.4 \(share of"):
         KalmanConfig(quantile=0.5)
-    with pytest.raises(ConfigError, match=rf"^kalman preset 'cars': must be one of {', '.join(PRESETS)}$"):
-        preset("cars")
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="the shared recordings are not here")

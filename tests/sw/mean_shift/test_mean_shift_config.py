@@ -9,7 +9,7 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot.mean_shift.config import MEAN_SHIFT_RANGES, MeanShiftConfig
-from evcot.mean_shift.presets import PRESETS, preset
+from evcot.mean_shift.presets import PRESETS
 
 
 @pytest.mark.parametrize("field", MEAN_SHIFT_RANGES)
@@ -30,8 +30,3 @@ def test_a_source_is_of_events_or_of_frames() -> None:
 
 def test_presets_by_name() -> None:
     assert [PRESETS[name].source for name in ("discs", "discs-frames", "traffic", "traffic-frames")] == 2 * ["events", "frames"]
-    assert preset("traffic") is PRESETS["traffic"]
-    with pytest.raises(
-        ConfigError, match=r"^mean_shift preset 'x': must be one of discs, discs-frames, traffic, traffic-frames$"
-    ):
-        preset("x")

@@ -11,11 +11,10 @@ from evcot.contract import DROPPED, Kind
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import apply, filtered
-from evcot.filters.tracker import FilteredTracker
 from evcot.rct.config import RctConfig
 from evcot.rct.tracker import RctTracker
 from evcot.scenes.registry import simulate_scene
-from evcot.tracking import Told, log_of
+from evcot.tracking import KeptTracker, Told, log_of
 from evcot.tracklog import TRACK, TrackLog
 
 SENSOR = (346, 260)
@@ -26,7 +25,7 @@ RCT = RctConfig(visible_events=40, lifetime_us=20_000)
 
 def behind(size: int) -> TrackLog:
     """The scene, in runs of `size` events."""
-    tracker = FilteredTracker(filtered((), FILTERS, SENSOR), RctTracker(RCT))
+    tracker = KeptTracker(filtered((), FILTERS, SENSOR).keep, RctTracker(RCT))
     events = SCENE.events
     return log_of("rct", tracker, (events[begin : begin + size] for begin in range(0, len(events), size)))
 
@@ -53,7 +52,7 @@ def test_where_runs_are_cut_changes_nothing(size: int) -> None:
 
 
 def test_a_run_of_which_nothing_stays() -> None:
-    tracker = FilteredTracker(filtered((), FilterConfig(polarity="on"), SENSOR), Silent())
+    tracker = KeptTracker(filtered((), FilterConfig(polarity="on"), SENSOR).keep, Silent())
     off = Events(np.arange(5), *(np.zeros(5, np.uint16),) * 2, np.zeros(5, np.uint8))
     records, owner = tracker.feed(off)
     assert (len(records), owner.tolist()) == (0, 5 * [DROPPED])
