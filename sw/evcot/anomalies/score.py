@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Alarms held against planted anomalies: how many were found, how soon, and how many alarms were false.
 
-An alarm belongs to the object whose box, grown by a margin, holds its place at its time; of several, to the one whose centre is
-nearest. It finds an anomaly if that object is the anomaly's, the time lies in it or shortly after, and the kind is the anomaly's.
-An alarm of another kind on such an object is no false one: who stops on the shoulder has also left the road. All others are
-false.
+An alarm belongs to the object whose box, grown by a margin, holds its place at its time; of several, to the one whose centre
+is nearest. It finds an anomaly if that object is the anomaly's, the time lies in it or shortly after, and the kind is the
+anomaly's. An alarm of another kind on such an object is no false one: who stops on the shoulder has also left the road. All
+others are false.
 """
 
 from __future__ import annotations
