@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Events and clusters on a canvas that can be zoomed. Places are in pixels of the sensor: pixel (x, y) has its centre there.
+import { fading } from "./surface.js";
+
+const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of common density
+
+/**
+ * @typedef {{id: string|number, x: number, y: number, halfWidth: number, halfHeight: number, inner: ?number,
+ *   trail: ?ArrayLike<number>, strong: boolean}} Cluster  inner: half side or null; trail: x0, y0, x1, y1, … oldest first
+ * @typedef {{colour: string, dash: number[], width: number, clusters: Cluster[],
+ *   show: {window: boolean, inner: boolean, id: boolean, trail: boolean}}} Layer  dash in canvas pixels
+ */
+
+export class Stage {
+  /** A canvas whose size CSS gives, for a sensor of width x height pixels. */
+  constructor(canvas, width, height) {
+    this.canvas = canvas;
+    this.sensor = { width, height };
+    this.context = canvas.getContext("2d", { alpha: false });
+    this.image = new ImageData(width, height);
+    this.words = new Uint32Array(this.image.data.buffer);
+    this.bitmap = document.createElement("canvas");
+    this.bitmap.width = width;
+    this.bitmap.height = height;
+    this.bitmapContext = this.bitmap.getContext("2d", { alpha: false });
+    this.zoom = 1; // 1: the whole sensor fills the canvas
+    this.centre = { x: (width - 1) / 2, y: (height - 1) / 2 };
+    this.resize();
+  }
+
+  /** Take over the size that the layout gives; returns whether it changed. */
+  resize() {
+    const ratio = window.devicePixelRatio || 1;
+    const box = this.canvas.getBoundingClientRect();
+    const width = Math.max(1, Math.round(box.width * ratio));
+    const height = Math.max(1, Math.round(box.height * ratio));
+    if (width === this.canvas.width && height === this.canvas.height) return false;
+    Object.assign(this.canvas, { width, height });
+    this.ratio = ratio;
+    return true;
+  }
+
+  /** Colours as [r, g, b]: of the ground, of OFF and of ON events; the rest as CSS colours. */
+  dress({ ground, off, on, edge, font }) {
+    this.colours = [fading(off, ground), fading(on, ground)];
+    this.edge = edge; // beyond the sensor
+    this.ground = `rgb(${ground.join(",")})`;
+    this.font = font;
+  }
+
+  /** Canvas pixels per pixel of the sensor. */
+  get scale() {
+    const { width, height } = this.sensor;
+    return this.zoom * Math.min(this.canvas.width / width, this.canvas.height / height);
+  }
+
+  /** Place on the sensor of a place on the page, (clientX, clientY). */
+  toSensor(clientX, clientY) {
+    const box = this.canvas.getBoundingClientRect();
+    return {
+      x: this.centre.x + ((clientX - box.left) * this.ratio - this.canvas.width / 2) / this.scale,
+      y: this.centre.y + ((clientY - box.top) * this.ratio - this.canvas.height / 2) / this.scale,
+    };
+  }
+
+  /** Zoom by a factor, so that what lies under (clientX, clientY) stays there. */
+  zoomAt(factor, clientX, clientY) {
+    const before = this.toSensor(clientX, clientY);
+    const most = (ZOOM_MAX * this.ratio * this.zoom) / this.scale;
+    this.zoom = Math.min(Math.max(this.zoom * factor, 1), Math.max(1, most));
+    const after = this.toSensor(clientX, clientY);
+    this.moveTo(this.centre.x + before.x - after.x, this.centre.y + before.y - after.y);
+  }
+
+  /** Pan by so many pixels of the page. */
+  pan(dx, dy) {
+    this.moveTo(this.centre.x - (dx * this.ratio) / this.scale, this.centre.y - (dy * this.ratio) / this.scale);
+  }
+
+  /** Put a place of the sensor into the middle, as far as that shows nothing beyond the sensor's edges. */
+  moveTo(x, y) {
+    const { width, height } = this.sensor;
+    const halfX = Math.min(this.canvas.width / this.scale, width) / 2;
+    const halfY = Math.min(this.canvas.height / this.scale, height) / 2;
+    this.centre.x = Math.min(Math.max(x, halfX - 0.5), width - 0.5 - halfX);
+    this.centre.y = Math.min(Math.max(y, halfY - 0.5), height - 0.5 - halfY);
+  }
+
+  /** Show the whole sensor. */
+  fit() {
+    this.zoom = 1;
+    this.moveTo(0, 0);
+  }
+
+  /** Whether a place of the sensor is in sight. */
+  sees(x, y) {
+    const { width, height } = this.canvas;
+    return Math.abs(x - this.centre.x) * this.scale < 0.45 * width && Math.abs(y - this.centre.y) * this.scale < 0.45 * height;
+  }
+
+  /** Draw an EventSurface as it looks at time `now`, then the layers, the first one lowest. */
+  draw(surface, now, decay, layers) {
+    const { context, canvas, bitmapContext, image, scale } = this;
+    surface.paint(this.words, now, decay, this.colours);
+    bitmapContext.putImageData(image, 0, 0);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.fillStyle = this.edge;
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    const left = canvas.width / 2 - (this.centre.x + 0.5) * scale;
+    const top = canvas.height / 2 - (this.centre.y + 0.5) * scale;
+    context.imageSmoothingEnabled = scale < 1;
+    context.drawImage(this.bitmap, left, top, this.sensor.width * scale, this.sensor.height * scale);
+    context.save();
+    context.translate(left + scale / 2, top + scale / 2);
+    for (const layer of layers) this.#drawLayer(layer);
+    context.restore();
+  }
+
+  #drawLayer({ colour, dash, width, clusters, show }) {
+    const { context, ratio } = this;
+    const pen = width * ratio;
+    context.strokeStyle = colour;
+    context.lineJoin = "round";
+    if (show.trail) {
+      context.setLineDash([]);
+      context.lineWidth = pen;
+      context.globalAlpha = 0.75;
+      for (const cluster of clusters) this.#trace(cluster.trail);
+      context.globalAlpha = 1;
+    }
+    for (const cluster of clusters) {
+      const bold = cluster.strong ? 2 : 1;
+      if (show.window) {
+        context.setLineDash(dash.map((length) => length * ratio));
+        this.#box(cluster, cluster.halfWidth, cluster.halfHeight, bold * pen);
+      }
+      if (show.inner && cluster.inner !== null) {
+        context.setLineDash([1 * ratio, 3 * ratio]);
+        this.#box(cluster, cluster.inner, cluster.inner, (bold * pen) / 1.5);
+      }
+    }
+    context.setLineDash([]);
+    if (show.id) this.#writeIds(clusters, colour);
+  }
+
+  #trace(trail) {
+    if (!trail || trail.length < 4) return;
+    const { context, scale } = this;
+    context.beginPath();
+    context.moveTo(trail[0] * scale, trail[1] * scale);
+    for (let i = 2; i < trail.length; i += 2) context.lineTo(trail[i] * scale, trail[i + 1] * scale);
+    context.stroke();
+  }
+
+  /** The pixels that a window holds, whole: both ends count. */
+  #box({ x, y }, halfWidth, halfHeight, pen) {
+    const { context, scale } = this;
+    context.lineWidth = pen;
+    context.strokeRect(
+      (x - halfWidth - 0.5) * scale, (y - halfHeight - 0.5) * scale, (2 * halfWidth + 1) * scale, (2 * halfHeight + 1) * scale,
+    );
+  }
+
+  #writeIds(clusters, colour) {
+    const { context, scale, ratio } = this;
+    context.font = `600 ${11 * ratio}px ${this.font}`;
+    context.textBaseline = "bottom";
+    context.lineWidth = 3 * ratio;
+    for (const cluster of clusters) {
+      const left = (cluster.x - cluster.halfWidth - 0.5) * scale + ratio;
+      const top = (cluster.y - cluster.halfHeight - 0.5) * scale - 2 * ratio;
+      context.strokeStyle = this.ground;
+      context.strokeText(cluster.id, left, top);
+      context.fillStyle = colour;
+      context.fillText(cluster.id, left, top);
+    }
+  }
+}
