@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A compiled module of ready/valid streams as one Python object: arrays of words go in and come out, stalls at random."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from numpy.typing import ArrayLike, NDArray
+from pyverilator import PyVerilator
+
+from .build import build
+from .device import HardwareError
+from .driver import pointer
+from .testing import reset
+
+__all__ = ["Bundle", "StreamDevice", "StreamRun", "random_pattern", "random_stalls"]
+
+Pattern = NDArray[np.uint8]
+
+
+class Bundle(NamedTuple):
+    """The ports of one stream: `<prefix>valid`, `<prefix>ready` and `<prefix><field>`, each field up to 64 bits wide.
+
+    AXI4-Stream: Bundle("s_axis_t", ("data", "keep", "last")).
+    """
+
+    prefix: str
+    fields: tuple[str, ...]
+
+
+class _Status(IntEnum):
+    """How a streaming call ended."""
+
+    DONE = 0
+    FULL = 1  # call again with room for more words
+    STUCK = 2
+    WITHDRAWN = 3
+
+
+_POINTER = ctypes.c_void_p
+_INT = ctypes.c_int64
+_Fields = list[tuple[str, type, str]]  # (field, ctypes type, C type)
+
+# One byte per clock, repeated: 1 goes, 0 stalls; length 0 never stalls.
+_PATTERN: _Fields = [("pattern", _POINTER, "const uint8_t*"), ("pattern_length", _INT, "int64_t")]
+_INPUT: _Fields = [
+    ("words", _POINTER, "const uint64_t*"),
+    ("masks", _POINTER, "const uint64_t*"),  # the bits of each field
+    ("n", _INT, "int64_t"),
+    ("next", _INT, "int64_t"),
+    ("holding", _INT, "int64_t"),
+    ("clock", _POINTER, "int64_t*"),  # at which each word was taken
+    *_PATTERN,
+]
+_OUTPUT: _Fields = [
+    ("words", _POINTER, "uint64_t*"),
+    ("capacity", _INT, "int64_t"),
+    ("n", _INT, "int64_t"),
+    ("waits", _INT, "int64_t"),
+    ("clock", _POINTER, "int64_t*"),  # at which each word was given
+    *_PATTERN,
+]
+_JOB: _Fields = [
+    ("inputs", _POINTER, "Input*"),
+    ("outputs", _POINTER, "Output*"),
+    ("clocks", _INT, "int64_t"),  # run for so many; -1: until all is through
+    ("clocks_done", _INT, "int64_t"),
+    ("quiet_clocks", _INT, "int64_t"),
+    ("cycle", _INT, "int64_t"),
+    ("noise", ctypes.c_uint64, "uint64_t"),
+    ("fault_stream", _INT, "int64_t"),
+]
+
+
+class _Input(ctypes.Structure):
+    _fields_ = [(name, ctype) for name, ctype, _ in _INPUT]
+
+
+class _Output(ctypes.Structure):
+    _fields_ = [(name, ctype) for name, ctype, _ in _OUTPUT]
+
+
+class _Job(ctypes.Structure):
+    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+
+
+@dataclass(frozen=True)
+class StreamRun:
+    """What came of one run, by stream.
+
+    Attributes:
+        words: output prefix -> (n, fields) uint64.
+        given: output prefix -> (n,) int64, the clock at which each word was taken from the module.
+        accepted: input prefix -> (n,) int64, the clock at which the module took each word.
+        clocks: how many the run lasted.
+    """
+
+    words: Mapping[str, NDArray[np.uint64]]
+    given: Mapping[str, NDArray[np.int64]]
+    accepted: Mapping[str, NDArray[np.int64]]
+    clocks: int
+
+
+def random_pattern(rng: np.random.Generator, chance: float | None = None) -> Pattern:
+    """A stall pattern that goes with this chance at every clock (default: a random one from 0.15 to 1)."""
+    goes = rng.random(rng.integers(4000, 4100)) < (rng.uniform(0.15, 1) if chance is None else chance)
+    pattern = goes.astype(np.uint8)
+    pattern[rng.integers(len(pattern))] = 1
+    return pattern
+
+
+def random_stalls(rng: np.random.Generator, prefixes: Iterable[str]) -> dict[str, Pattern]:
+    """A random pattern for each stream; every fourth stream or so never stalls."""
+    return {prefix: random_pattern(rng) for prefix in prefixes if rng.random() < 0.75}
+
+
+def _source(top: str, inputs: Sequence[Bundle], outputs: Sequence[Bundle], has_idle: bool) -> str:
+    """C++ text of the streaming drive for one module."""
+    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
+    layouts = {
+        name: [(ctype, field) for field, _, ctype in fields]
+        for name, fields in (("input_fields", _INPUT), ("output_fields", _OUTPUT), ("job_fields", _JOB))
+    }
+    return environment.get_template("words.cpp.j2").render(
+        top=top, inputs=inputs, outputs=outputs, has_idle=has_idle, statuses=[status.name for status in _Status], **layouts
+    )
+
+
+class StreamDevice:
+    """One simulated module of ready/valid streams, with a `clk` and a synchronous `rst`.
+
+    Every word on offer at an output must stay as it is until taken. While no word is on offer at an input, its fields are
+    noise. `device.sim.io.<port>` reads and writes all other ports; what is written stays.
+
+    Args:
+        top: which module.
+        parameters: values for its Verilog parameters; the rest keep their defaults.
+        inputs, outputs: its streams; either may be empty.
+        ports: values of its other inputs.
+        has_idle: whether a run ends by the output `idle`, or after `quiet_clocks` clocks in which nothing moves.
+        verilog: folder of the sources (default: evcot's own).
+
+    Attributes:
+        stalls: prefix of a stream -> its pattern, one byte per clock, from the start again at the end: 1 goes, 0 stalls.
+            Streams without one never stall.
+
+    Raises:
+        ToolchainError: the module cannot be built.
+    """
+
+    def __init__(
+        self,
+        top: str,
+        parameters: Mapping[str, int] | None = None,
+        *,
+        inputs: Sequence[Bundle],
+        outputs: Sequence[Bundle],
+        ports: Mapping[str, int] | None = None,
+        has_idle: bool = False,
+        quiet_clocks: int = 64,
+        verilog: Path | None = None,
+    ) -> None:
+        self.top, self.inputs, self.outputs = top, inputs, outputs
+        self.stalls: Mapping[str, Pattern] = {}
+        self._quiet_clocks = quiet_clocks
+        drive = {"words.cpp": _source(top, inputs, outputs, has_idle)}
+        self.model = build(top, parameters, drive, verilog=verilog)
+        self.sim: PyVerilator = self.model.load()
+        self.sim.lib.evcot_words.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
+        self.sim.lib.evcot_words.restype = ctypes.c_int
+        self._masks = {bundle.prefix: self._field_masks(bundle) for bundle in inputs}
+        self.set(**(ports or {}))
+        self.reset()
+
+    def set(self, **ports: int) -> None:
+        """Put values on inputs that belong to no stream; they stay."""
+        for port, value in ports.items():
+            self.sim.io[port] = value
+
+    def reset(self) -> None:
+        """Reset the hardware; clocks count from here."""
+        reset(self.sim)
+        self.cycle = 0
+
+    def run(self, words: Mapping[str, ArrayLike] | None = None, *, clocks: int | None = None) -> StreamRun:
+        """Drive words through the hardware until all is through, or for so many clocks.
+
+        Args:
+            words: input prefix -> (n, fields) or, for one field, (n,) unsigned integers. Other inputs offer nothing.
+            clocks: how long; None: until the inputs are exhausted and nothing is inside any more. What an output offers when
+                the clocks end stays on offer; what an input offers then is withdrawn.
+
+        Raises:
+            HardwareError: a word was withdrawn or changed while it waited, or nothing moves any more.
+        """
+        tables = {b.prefix: self._table(b, (words or {}).get(b.prefix, [])) for b in self.inputs}
+        accepted = {prefix: np.full(len(table), -1, np.int64) for prefix, table in tables.items()}
+        ins = (_Input * len(self.inputs))()
+        for each, bundle in zip(ins, self.inputs, strict=True):
+            table = tables[bundle.prefix]
+            each.words, each.n = pointer(table), len(table)
+            each.masks, each.clock = pointer(self._masks[bundle.prefix]), pointer(accepted[bundle.prefix])
+            self._set_pattern(each, bundle)
+        outs = (_Output * len(self.outputs))()
+        for each, bundle in zip(outs, self.outputs, strict=True):
+            self._set_pattern(each, bundle)
+        made: dict[str, NDArray[np.uint64]] = {b.prefix: np.zeros((0, len(b.fields)), np.uint64) for b in self.outputs}
+        given: dict[str, NDArray[np.int64]] = {b.prefix: np.zeros(0, np.int64) for b in self.outputs}
+        job = _Job(
+            inputs=ctypes.addressof(ins), outputs=ctypes.addressof(outs), clocks=-1 if clocks is None else clocks,
+            quiet_clocks=self._quiet_clocks, cycle=self.cycle, noise=0x9E3779B97F4A7C15 ^ self.cycle,
+        )  # fmt: skip
+        status = _Status.FULL
+        while status == _Status.FULL:
+            for out, bundle in zip(outs, self.outputs, strict=True):
+                if out.n == out.capacity:
+                    out.capacity = max(4096, 2 * out.capacity)
+                    made[bundle.prefix] = _grown(made[bundle.prefix], out.capacity)
+                    given[bundle.prefix] = _grown(given[bundle.prefix], out.capacity)
+                    out.words, out.clock = pointer(made[bundle.prefix]), pointer(given[bundle.prefix])
+            status = _Status(self.sim.lib.evcot_words(self.sim.model, ctypes.byref(job)))
+        lasted, self.cycle = job.cycle - self.cycle, job.cycle
+        taken = {bundle.prefix: each.next for each, bundle in zip(ins, self.inputs, strict=True)}
+        if status == _Status.WITHDRAWN:
+            out, bundle = outs[job.fault_stream], self.outputs[job.fault_stream]
+            raise HardwareError(f"{self.top} withdrew or changed word {out.n} of {bundle.prefix} (clock {job.cycle})", out.n)
+        if status == _Status.STUCK:
+            raise HardwareError(f"{self.top} stands still (clock {job.cycle}); words taken: {taken}", 0)
+        n_made = {bundle.prefix: out.n for out, bundle in zip(outs, self.outputs, strict=True)}
+        return StreamRun(
+            {prefix: table[: n_made[prefix]] for prefix, table in made.items()},
+            {prefix: clock[: n_made[prefix]] for prefix, clock in given.items()},
+            {prefix: clock[: taken[prefix]] for prefix, clock in accepted.items()},
+            lasted,
+        )
+
+    def _field_masks(self, bundle: Bundle) -> NDArray[np.uint64]:
+        widths = [int(self.sim.io[bundle.prefix + field].signal.width) for field in bundle.fields]
+        assert max(widths) <= 64, f"{bundle}: fields must have at most 64 bits"
+        return np.array([(1 << width) - 1 for width in widths], np.uint64)
+
+    def _table(self, bundle: Bundle, words: ArrayLike) -> NDArray[np.uint64]:
+        table = np.ascontiguousarray(np.asarray(words, np.uint64).reshape(-1, len(bundle.fields)))
+        assert not (table & ~self._masks[bundle.prefix]).any(), f"{bundle.prefix}: a value has more bits than its port"
+        return table
+
+    def _set_pattern(self, stream: Any, bundle: Bundle) -> None:
+        pattern = self.stalls.get(bundle.prefix)
+        if pattern is not None and len(pattern):
+            assert pattern.any(), f"{bundle.prefix}: never goes: a pattern must hold at least one 1"
+            stream.pattern, stream.pattern_length = pointer(pattern), len(pattern)
+
+
+def _grown(array: NDArray[Any], length: int) -> NDArray[Any]:
+    larger = np.zeros((length, *array.shape[1:]), array.dtype)
+    larger[: len(array)] = array
+    return larger

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Events of one row and time as the set bits of a mask, the lowest to the left: one by one, those on the sensor.
+//
+// An event that has no time or no address, as s_known tells, or that lies beyond the sensor, is left out and counted.
+//
+// Latency:    3 clocks from s_ to the first event on m_.
+// Throughput: 1 event per clock, those left out included; a vector without events takes 1 clock.
+// Stall:      an event stays until taken.
+// Reset:      becomes empty, counts from 0.
+// Combinational paths: none; s_ready comes from registers, m_ are registers.
+`default_nettype none
+
+module event_vector #(
+    parameter L       = 32,    // bits of the mask, 1..32
+    parameter T_W     = 48,    // bits of a time
+    parameter X_W     = 11,    // bits of an x address
+    parameter Y_W     = 11,    // bits of a y address
+    parameter WIDTH   = 1280,  // pixels of the sensor
+    parameter HEIGHT  = 720,
+    parameter COUNT_W = 32     // bits of a counter
+) (
+    input  wire               clk,
+    input  wire               rst,
+
+    input  wire               s_valid,
+    output wire               s_ready,
+    input  wire [T_W-1:0]     s_t,
+    input  wire [11:0]        s_x,      // of bit 0
+    input  wire [10:0]        s_y,
+    input  wire               s_p,
+    input  wire [L-1:0]       s_mask,
+    input  wire               s_known,
+
+    output wire               m_valid,
+    input  wire               m_ready,
+    output wire [T_W-1:0]     m_t,
+    output wire [X_W-1:0]     m_x,
+    output wire [Y_W-1:0]     m_y,
+    output wire               m_p,
+
+    output reg  [COUNT_W-1:0] n_events,   // taken from m_
+    output reg  [COUNT_W-1:0] n_untimed,  // left out: not known
+    output reg  [COUNT_W-1:0] n_outside,  // left out: beyond the sensor
+    output wire               idle        // nothing inside
+);
+
+    parameter_check #(.OK(L >= 1 && L <= 32)) L_must_be_1_to_32 ();
+    parameter_check #(.OK(X_W >= 1 && X_W <= 11)) X_W_must_be_1_to_11 ();
+    parameter_check #(.OK(Y_W >= 1 && Y_W <= 11)) Y_W_must_be_1_to_11 ();
+    parameter_check #(.OK(WIDTH >= 1 && WIDTH <= (1 << X_W))) WIDTH_must_be_1_to_2_to_the_X_W ();
+    parameter_check #(.OK(HEIGHT >= 1 && HEIGHT <= (1 << Y_W))) HEIGHT_must_be_1_to_2_to_the_Y_W ();
+    parameter_check #(.OK(COUNT_W >= 8 && COUNT_W <= 64)) COUNT_W_must_be_8_to_64 ();
+
+    localparam [31:0] COLUMNS = WIDTH;
+    localparam [31:0] ROWS = HEIGHT;
+
+    // ---- the vector: one bit leaves per clock ------------------------------------------------------------------------
+
+    reg  [T_W-1:0] t;
+    reg  [11:0]    left;
+    reg  [10:0]    y;
+    reg            p, known;
+    reg  [L-1:0]   mask;
+    wire [L-1:0]   rest = mask & (mask - 1'b1);
+
+    reg  [4:0]     lowest;
+    always @* begin : find_lowest
+        integer i;
+        lowest = 5'd0;
+        for (i = L - 1; i >= 0; i = i - 1) if (mask[i]) lowest = i[4:0];
+    end
+
+    // ---- the event: is it on the sensor? -----------------------------------------------------------------------------
+
+    reg            event_valid, event_p, event_known;
+    reg  [T_W-1:0] event_t;
+    reg  [11:0]    event_x;
+    reg  [10:0]    event_y;
+
+    wire inside_sensor = {20'd0, event_x} < COLUMNS && {21'd0, event_y} < ROWS;
+    wire gives         = event_valid && event_known && inside_sensor;
+    wire output_ready;
+    wire event_leaves  = !gives || output_ready;
+
+    assign s_ready = rest == {L{1'b0}} && (event_leaves || mask == {L{1'b0}});
+
+    skid_buffer #(
+        .W(T_W + X_W + Y_W + 1)
+    ) u_output (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(gives),
+        .s_ready(output_ready),
+        .s_data ({event_t, event_x[X_W-1:0], event_y[Y_W-1:0], event_p}),
+        .m_valid(m_valid),
+        .m_ready(m_ready),
+        .m_data ({m_t, m_x, m_y, m_p})
+    );
+
+    assign idle = mask == {L{1'b0}} && !event_valid && !m_valid;
+
+    always @(posedge clk) begin
+        if (event_leaves) begin
+            event_valid <= |mask;
+            event_t     <= t;
+            event_x     <= left + {7'd0, lowest};
+            event_y     <= y;
+            event_p     <= p;
+            event_known <= known;
+            mask        <= rest;
+        end
+        if (s_valid && s_ready) begin
+            t     <= s_t;
+            left  <= s_x;
+            y     <= s_y;
+            p     <= s_p;
+            mask  <= s_mask;
+            known <= s_known;
+        end
+        if (m_valid && m_ready) n_events <= n_events + 1'b1;
+        if (event_valid && !event_known) n_untimed <= n_untimed + 1'b1;
+        if (event_valid && event_known && !inside_sensor) n_outside <= n_outside + 1'b1;
+        if (rst) begin
+            event_valid <= 1'b0;
+            mask        <= {L{1'b0}};
+            n_events    <= {COUNT_W{1'b0}};
+            n_untimed   <= {COUNT_W{1'b0}};
+            n_outside   <= {COUNT_W{1'b0}};
+        end
+    end
+
+endmodule
+
+`default_nettype wire

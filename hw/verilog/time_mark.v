@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The upper part of a time whose marks wrap around: a mark that falls by more than half of its range has begun a new turn.
+//
+// Any other mark stays in its turn, also one that falls a little: then time runs back, as the stream says.
+//
+// Latency:    1 clock from set to high and known.
+// Throughput: a mark every clock.
+// Reset:      no mark is known, high is 0.
+`default_nettype none
+
+module time_mark #(
+    parameter MARK_W = 28,  // bits of a mark, at least 2
+    parameter HIGH_W = 42   // bits with the turns, more than MARK_W
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              set,
+    input  wire [MARK_W-1:0] mark,
+
+    output wire              differs,  // the mark on offer is none, or not the one before
+    output reg  [HIGH_W-1:0] high,
+    output reg               known     // there was a mark
+);
+
+    parameter_check #(.OK(MARK_W >= 2)) MARK_W_must_be_at_least_2 ();
+    parameter_check #(.OK(HIGH_W > MARK_W)) HIGH_W_must_exceed_MARK_W ();
+
+    localparam TURN_W = HIGH_W - MARK_W;
+    localparam [MARK_W:0] HALF = {2'b01, {(MARK_W - 1) {1'b0}}};
+
+    wire [TURN_W-1:0] turn = high[HIGH_W-1:MARK_W];
+    wire [MARK_W-1:0] last = high[MARK_W-1:0];
+    wire wraps = known && {1'b0, last} > {1'b0, mark} + HALF;
+
+    assign differs = !known || mark != last;
+
+    always @(posedge clk) begin
+        if (set) begin
+            known <= 1'b1;
+            high  <= {wraps ? turn + 1'b1 : turn, mark};
+        end
+        if (rst) begin
+            known <= 1'b0;
+            high  <= {HIGH_W{1'b0}};
+        end
+    end
+
+endmodule
+
+`default_nettype wire
