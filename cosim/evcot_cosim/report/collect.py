@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that the page draws, as columns of integers and a few facts about them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.timeline import alive
+from evcot.tracklog import TrackLog
+
+from .material import Material
+from .pack import Column
+from .paths import Paths, log_paths, truth_paths
+from .quiet import quiet_peaks
+from .thin import thinned_events
+
+__all__ = ["Collected", "collect"]
+
+_BINS = 800  # of the curve of events over time
+_STEPS_MAX = 8_000  # of the curve of clusters alive
+_JOINT_MAX = 1 << 22  # of what may be counted without sorting
+_CELLS_MAX = 2_048  # per side: of larger sensors several pixels are drawn as one
+
+
+@dataclass(frozen=True)
+class Collected:
+    """`columns`: to be packed; `facts`: plain values; `paths`: each side's and the truth's, by name; `shown`: events kept."""
+
+    columns: dict[str, Column]
+    facts: dict[str, Any]
+    paths: dict[str, Paths]
+    shown: int
+
+
+def collect(material: Material, events_max: int) -> Collected:
+    """Gather what the page draws, with at most `events_max` events."""
+    begin_us, end_us = material.span_us
+    paths = {side.name: log_paths(side.log, end_us) for side in material.sides}
+    if material.truth is not None:
+        paths["truth"] = truth_paths(material.truth.objects)
+    columns, owners = _events(material, events_max)
+    columns["rate"] = Column(np.histogram(material.events.t_us, _BINS, (begin_us, max(end_us, begin_us + 1)))[0])
+    sides = []
+    for side in material.sides:
+        peaks = quiet_peaks(side.log, material.events.t_us)
+        columns |= paths[side.name].columns(side.name, begin_us) | _alive(side.name, side.log, begin_us, end_us)
+        columns[f"{side.name}.quiet"] = Column(peaks.peaks_us.ravel())
+        sides.append(
+            _names(side.name, paths[side.name])
+            | {"engine": side.log.engine, "ring": _ring(side.name, material.summary), "stretch": peaks.stretch_us}
+        )
+    if "truth" in paths:
+        columns |= paths["truth"].columns("truth", begin_us) | _alive_of_lives(paths["truth"], begin_us)
+        sides.append(_names("truth", paths["truth"]) | {"engine": None, "ring": None, "stretch": 0})
+    facts = {
+        "width": material.recording.width,
+        "height": material.recording.height,
+        "cell": _cell(material),
+        "duration": end_us - begin_us,
+        "events": len(material.events),
+        "shown": len(columns["t"].values),
+        "owners": owners,
+        "sides": sides,
+    }
+    return Collected(columns, facts, paths, len(columns["t"].values))
+
+
+def _cell(material: Material) -> int:
+    return -(-max(material.recording.width, material.recording.height) // _CELLS_MAX)
+
+
+def _names(name: str, paths: Paths) -> dict[str, Any]:
+    return {"name": name, "ids": paths.names}
+
+
+def _ring(name: str, summary: Mapping[str, Any]) -> list[int] | None:
+    """Per slot, by how much a window is larger than its inner radius; only the hardware's algorithm has one."""
+    if name == "software" or "config" not in summary:
+        return None
+    return [slot["radix_th"] for slot in summary["config"]["cot"]["slots"]]
+
+
+def _events(material: Material, events_max: int) -> tuple[dict[str, Column], list[list[int]]]:
+    """Columns of the events that are shown, and the owners, one of each side, that each code stands for."""
+    events, cell = material.events, _cell(material)
+    kept = thinned_events(len(events), events_max)
+    if len(kept) == len(events):
+        kept = slice(None)  # type: ignore[assignment]
+    codes, owners = _joint([side.log.owner[kept] for side in material.sides], len(events.t_us[kept]))
+    t_us = events.t_us[kept] - material.span_us[0]
+    columns = {
+        "t": Column(t_us, delta=True, noise=True),
+        "x": Column(events.x[kept] // cell, noise=True),
+        "y": Column(events.y[kept] // cell, noise=True),
+        "p": Column(np.packbits(events.p[kept], bitorder="little"), noise=True),
+        "owner": Column(codes, noise=True),
+    }
+    return columns, owners
+
+
+def _joint(owners: list[NDArray[np.int16]], n: int) -> tuple[NDArray[np.int64], list[list[int]]]:
+    """What the sides say of an event as one number, the commonest answers the smallest: they mostly say the same."""
+    if not owners or not n:
+        return np.zeros(n, np.int64), [[-1] * len(owners)]
+    joint = np.zeros(n, np.int64)
+    for owner in owners:
+        joint = joint * (int(owner.max()) + 3) + owner + 2
+    if int(joint.max()) > _JOINT_MAX:
+        joint = np.unique(joint, return_inverse=True)[1]
+    counts = np.bincount(joint)
+    present = np.flatnonzero(counts)
+    by_count = present[np.argsort(-counts[present], kind="stable")]
+    rank = np.zeros(len(counts), np.int64)
+    rank[by_count] = np.arange(len(by_count))
+    first = np.zeros(len(counts), np.int64)
+    first[joint[::-1]] = np.arange(n)[::-1]
+    return rank[joint], [[int(owner[first[code]]) for owner in owners] for code in by_count]
+
+
+def _alive(name: str, log: TrackLog, begin_us: int, end_us: int) -> dict[str, Column]:
+    times_us = np.unique(np.append(log.records["t_us"][log.records["kind"] != 1], begin_us))
+    if len(times_us) > _STEPS_MAX:
+        times_us = np.unique(np.linspace(begin_us, end_us, _STEPS_MAX).astype(np.int64))
+    return _steps(name, times_us - begin_us, alive(log, times_us))
+
+
+def _alive_of_lives(paths: Paths, begin_us: int) -> dict[str, Column]:
+    births, ends = paths.lives["birth_us"], np.sort(paths.lives["end_us"])
+    times_us = np.unique(np.concatenate(([begin_us], births, ends)))
+    counts = np.searchsorted(births, times_us, "right") - np.searchsorted(ends, times_us, "right")
+    return _steps("truth", times_us - begin_us, counts)
+
+
+def _steps(name: str, times_us: NDArray[np.int64], counts: NDArray[Any]) -> dict[str, Column]:
+    return {f"{name}.alive_t": Column(times_us, delta=True), f"{name}.alive": Column(counts, delta=True)}

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of a report: rows of words and figures, worded for people; what is unknown is said to be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from evcot.metrics import Scores
+from evcot.timeline import merges
+
+from .material import Material
+
+__all__ = ["Differences", "Place", "agreement_rows", "differences", "flat", "latency_bars", "run_rows", "score_rows"]
+
+_UNKNOWN = "–"
+
+
+@dataclass(frozen=True)
+class Place:
+    """A moment worth a look: microseconds after the first event, the side and the track to look at, and what is there."""
+
+    at_us: int
+    side: str
+    track: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Differences:
+    """Where hardware and software saw different things: merges and lifetimes without a partner; and where they agreed."""
+
+    merges: list[Place]
+    lives: list[Place]
+    joint_merges: list[Place]
+
+
+def differences(material: Material) -> Differences | None:
+    """The places that the agreement lists; None without one."""
+    agreement = material.summary.get("agreement")
+    if not agreement:
+        return None
+    begin_us = material.span_us[0]
+    lone_merges, lone_lives, joint = [], [], []
+    partners = {pair["hardware_id"]: pair for pair in agreement["merges"]}
+    for side in material.sides:
+        if side.name not in ("hardware", "software"):
+            continue
+        alone = set(agreement[f"merges_unpaired_{side.name}"])
+        for row in merges(side.log):
+            at_us, track, into = int(row["t_us"]) - begin_us, int(row["track_id"]), int(row["other_id"])
+            text = f"{side.name} {track} into {into}"
+            if track in alone:
+                lone_merges.append(Place(at_us, side.name, str(track), text))
+            elif side.name == "hardware" and track in partners:
+                pair = partners[track]
+                late = f"software {pair['software_id']} {pair['time_difference_us'] / 1e3:+.1f} ms, {pair['distance_px']:.1f} px"
+                joint.append(Place(at_us, side.name, str(track), f"{text}; {late}"))
+        births = material_births(material, side.name)
+        for track in agreement[f"tracks_unpaired_{side.name}"]:
+            if track in births:
+                lone_lives.append(Place(births[track] - begin_us, side.name, str(track), f"{side.name} {track}"))
+    for places in (lone_merges, lone_lives, joint):
+        places.sort(key=lambda place: place.at_us)
+    return Differences(lone_merges, lone_lives, joint)
+
+
+def material_births(material: Material, name: str) -> dict[int, int]:
+    """Time of birth of each track of a side."""
+    log = next(side.log for side in material.sides if side.name == name)
+    born = log.records[log.records["kind"] == 0]
+    return dict(zip(born["track_id"].tolist(), born["t_us"].tolist(), strict=True))
+
+
+def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """(what, hardware, software, how they agree)."""
+    a = summary.get("agreement")
+    if not a:
+        return []
+    return [
+        ("Lifetimes", f"{a['tracks_hardware']:,}", f"{a['tracks_software']:,}",
+         f"{len(a['tracks']):,} paired, of {a['tracks_corresponding']:,} birth and end correspond"),
+        ("Merges", f"{a['merges_hardware']:,}", f"{a['merges_software']:,}", f"{len(a['merges']):,} correspond"),
+        ("Clusters alive, mean", figure(a["alive_mean_hardware"]), figure(a["alive_mean_software"]),
+         f"the same number {percent(a['alive_equal_fraction'])} of the time"),
+        ("Share with a partner", percent(a["paired_fraction_hardware"]), percent(a["paired_fraction_software"]),
+         f"within {a['radius_px']:g} px of each other"),
+        ("Distance of partners", "", "",
+         f"{figure(a['distance_median_px'])} px median, {figure(a['distance_p90_px'])} px at 90 %"),
+    ]  # fmt: skip
+
+
+_SCORES = (
+    ("HOTA", "hota", "detection and association together"),
+    ("DetA", "deta", "how well objects were found"),
+    ("AssA", "assa", "how well they kept one track"),
+    ("LocA", "loca", "how well places fit"),
+    ("MOTA", "mota", "1 minus misses, false outputs and switches"),
+    ("MOTP", "motp", "similarity of matched pairs"),
+    ("IDF1", "idf1", "share of outputs under the right identity"),
+    ("Switches of identity", "idsw", ""),
+    ("Interruptions", "frag", ""),
+    ("Mostly tracked objects", "mt", ""),
+    ("Mostly lost objects", "ml", ""),
+    ("Position error, median (px)", "position_error_px_median", ""),
+    ("Position error, 90 % (px)", "position_error_px_p90", ""),
+    ("Velocity error, median (px/s)", "velocity_error_median", ""),
+    ("Latency (ms)", "latency_ms", "from being there to being followed"),
+)
+
+
+def score_rows(scores: Sequence[Scores]) -> list[tuple[str, str, list[str]]]:
+    """(score, meaning, one figure per side)."""
+    return [(title, meaning, [figure(getattr(of, name), 3) for of in scores]) for title, name, meaning in _SCORES]
+
+
+def run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What ran and how fast: (what, value)."""
+    rows: list[tuple[str, str]] = []
+    for title, name, form in (
+        ("Hardware module", "hardware", "{}"),
+        ("Tracker slots", "slots", "{}"),
+        ("Seed of the stalls", "seed", "{}"),
+        ("Clocks", "cycles", "{:,}"),
+        ("Clocks per event", "cycles_per_event", "{:.3f}"),
+        ("Lock-step", "events_per_s", "{:,.0f} events/s"),
+        ("Times real time", "realtime_factor", "{:.1f}"),
+        ("Software tracker", "software_events_per_s", "{:,.0f} events/s"),
+    ):
+        if name in summary:
+            rows.append((title, "none" if summary[name] is None else form.format(summary[name])))
+    if summary.get("filters"):
+        rows.append(("Filters", f"{', '.join(summary['filters'])}: {percent(summary['filtered_fraction'])} of the events taken out"))
+    return rows
+
+
+def flat(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """Nested settings as (dotted name, value); slots that are all alike once."""
+    rows: list[tuple[str, str]] = []
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            rows += flat(value, f"{prefix}{name}.")
+        elif name == "slots" and isinstance(value, (list, tuple)) and value:
+            alike = all(slot == value[0] for slot in value)
+            shown = {"slot[all]": value[0]} if alike else {f"slot[{i}]": slot for i, slot in enumerate(value)}
+            rows += flat(shown, prefix)
+        else:
+            rows.append((f"{prefix}{name}", "none" if value is None else str(value)))
+    return rows
+
+
+@dataclass(frozen=True)
+class Bars:
+    """A histogram: what each bar stands for, its height, and figures in words."""
+
+    bars: list[tuple[str, int]]
+    most: int
+    words: str
+
+
+def latency_bars(summary: Mapping[str, Any], most_bars: int = 24) -> Bars | None:
+    """Clocks from an event's acceptance to its record, at most so many bars; None where nobody measured."""
+    latency = summary.get("latency_clocks")
+    if not latency or not latency["histogram"]:
+        return None
+    clocks, counts = np.array(latency["histogram"], np.int64).T
+    low, high = int(clocks[0]), int(clocks[-1])
+    step = -(-(high - low + 1) // most_bars)
+    sums = np.bincount((clocks - low) // step, weights=counts, minlength=-(-(high - low + 1) // step)).astype(np.int64)
+    names = [str(low + i * step) if step == 1 else f"{low + i * step}–{low + (i + 1) * step - 1}" for i in range(len(sums))]
+    words = f"median {latency['median']} clocks, 99 % within {latency['p99']}, most {latency['max']}"
+    return Bars(list(zip(names, sums.tolist(), strict=True)), int(sums.max()), words)
+
+
+def figure(value: float | int | None, digits: int = 2) -> str:
+    """A number for a table."""
+    if value is None:
+        return _UNKNOWN
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.{digits}f}"
+
+
+def percent(value: float | None) -> str:
+    """A share for a table."""
+    return _UNKNOWN if value is None else f"{100 * value:.0f} %"

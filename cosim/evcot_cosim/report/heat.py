@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Heat maps: how many events fell on each pixel, as small pictures."""
+
+from __future__ import annotations
+
+import base64
+import io
+from dataclasses import dataclass
+
+import matplotlib
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from evcot.contract import DROPPED
+
+from .material import Material
+
+__all__ = ["Heat", "heat_maps"]
+
+_CELLS_MAX = 512  # per side: of larger sensors several pixels make one cell
+_COLOURS = "cividis"  # the same to the colour-blind
+
+
+@dataclass(frozen=True)
+class Heat:
+    """One map.
+
+    Attributes:
+        title: what is counted.
+        events: how many there are in all; most: on the busiest cell.
+        width, height: in cells; cell_px: pixels to a cell, per side.
+        source: the picture as a data URL, brightness logarithmic.
+    """
+
+    title: str
+    events: int
+    most: int
+    width: int
+    height: int
+    cell_px: int
+    source: str
+
+
+def heat_maps(material: Material) -> list[Heat]:
+    """All events; those that a filter took out, if there was one; and what passed through each side's clusters."""
+    maps = [_heat(material, "All events", None)]
+    for side in material.sides[:1]:
+        if (side.log.owner == DROPPED).any():
+            maps.append(_heat(material, "Taken out by filters", side.log.owner == DROPPED))
+    maps += [_heat(material, f"Passed through: {side.name}", side.log.owner == -1) for side in material.sides]
+    return maps
+
+
+def _heat(material: Material, title: str, chosen: NDArray[np.bool_] | None) -> Heat:
+    recording, events = material.recording, material.events
+    cell_px = -(-max(recording.width, recording.height) // _CELLS_MAX)
+    width, height = -(-recording.width // cell_px), -(-recording.height // cell_px)
+    x, y = (events.x, events.y) if chosen is None else (events.x[chosen], events.y[chosen])
+    counts = np.bincount((y // cell_px).astype(np.int64) * width + x // cell_px, minlength=width * height)
+    most = int(counts.max(initial=0))
+    level = np.log1p(counts) * (255 / np.log1p(max(most, 1)))
+    return Heat(title, len(x), most, width, height, cell_px, _png(level.astype(np.uint8).reshape(height, width)))
+
+
+def _png(levels: NDArray[np.uint8]) -> str:
+    image = Image.fromarray(levels)
+    image.putpalette((matplotlib.colormaps[_COLOURS](np.arange(256))[:, :3] * 255).astype(np.uint8).tobytes())
+    file = io.BytesIO()
+    image.save(file, "PNG")
+    return f"data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The file itself: templates filled, style and modules put in, and nothing that a browser would fetch."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from evcot.contract import DROPPED
+from evcot.outputs import written_aside
+
+from .collect import Collected, collect
+from .facts import agreement_rows, differences, flat, latency_bars, run_rows, score_rows
+from .heat import heat_maps
+from .material import Material
+from .pack import Packed, pack
+from .thin import EVENTS_MAX, LIVES_MAX, RECORDS_MAX
+
+__all__ = ["MODULES", "inline_modules", "render", "write_report"]
+
+# In the order in which they need each other.
+MODULES = (
+    "unpack", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves", "timeline",
+    "theme", "hover", "layers", "transport", "keys", "links", "main",
+)  # fmt: skip
+
+_TEXT_MAX = 9_000_000  # characters of packed columns
+_LISTED_MAX = 300  # of a list of places
+_IMPORT = re.compile(r"^import\s[^;]*;\n", re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULTILINE)
+
+
+def write_report(material: Material, path: Path) -> None:
+    """Write the report; the file appears under its name only when it is whole.
+
+    Raises:
+        OutputError: the file cannot be written.
+        TrackLogError: a log and a truth of different clocks.
+    """
+    text = render(material)
+    with written_aside(path) as file:
+        file.write(text.encode())
+
+
+def render(material: Material) -> str:
+    """The page as text."""
+    collected, packed = _fitting(material)
+    found = differences(material)
+    scores = [(side.name, of) for side in material.sides if material.truth and (of := material.truth.scores(side.log))]
+    script = inline_modules(MODULES)
+    facts = collected.facts | {
+        "columns": packed.directory,
+        "start": _start_us(material),
+        "mismatch": _mismatch_us(material),
+        "differences": [[p.at_us, p.side, p.track] for p in (found.merges + found.lives if found else [])],
+    }
+    environment = Environment(
+        loader=PackageLoader("evcot_cosim", "templates/report"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters |= {"ms": _ms}
+    return environment.get_template("report.html.j2").render(
+        title=material.summary.get("name", material.recording.name),
+        material=material,
+        summary=material.summary,
+        duration_s=(material.span_us[1] - material.span_us[0]) / 1e6,
+        sides=collected.facts["sides"],
+        paths=collected.paths,
+        notes=_notes(material, collected),
+        agreement=agreement_rows(material.summary),
+        differences=found,
+        listed_max=_LISTED_MAX,
+        score_sides=[name for name, _ in scores],
+        scores=score_rows([of for _, of in scores]),
+        heats=heat_maps(material),
+        run_rows=run_rows(material.summary),
+        config_rows=flat(material.summary.get("config", {})),
+        versions=material.summary.get("versions", {}),
+        latency=latency_bars(material.summary),
+        filtered=any((side.log.owner == DROPPED).any() for side in material.sides),
+        style=_source("style.css"),
+        script=script,
+        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+        facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+        packed=packed.text,
+    )
+
+
+def inline_modules(names: tuple[str, ...]) -> str:
+    """Modules as one text in one scope, without their imports and exports; in the order in which they need each other."""
+    return "\n".join(_EXPORT.sub("", _IMPORT.sub("", _source(f"{name}.js"))) for name in names)
+
+
+def _source(name: str) -> str:
+    return (files("evcot_cosim") / "templates" / "report" / name).read_text(encoding="utf-8")
+
+
+def _fitting(material: Material) -> tuple[Collected, Packed]:
+    """Columns and their text, with as many events as fit."""
+    events_max = EVENTS_MAX
+    while True:
+        collected = collect(material, events_max)
+        packed = pack(collected.columns)
+        if len(packed.text) <= _TEXT_MAX or not collected.shown:
+            return collected, packed
+        events_max = int(min(collected.shown, events_max) * min(0.98 * _TEXT_MAX / len(packed.text), 0.9))
+
+
+def _notes(material: Material, collected: Collected) -> list[str]:
+    """What the page does not show, in words."""
+    notes = []
+    if collected.shown < len(material.events):
+        notes.append(
+            f"{collected.shown:,} of {len(material.events):,} events are drawn, evenly chosen; all figures, curves and heat maps "
+            "count every one. A report of a shorter part, with --from and --to, draws all of its events."
+        )
+    for name, paths in collected.paths.items():
+        if len(paths.lives) < paths.all_lives:
+            notes.append(f"Of {paths.all_lives:,} {name} lifetimes the {LIVES_MAX:,} longest are drawn.")
+        elif len(paths.points) < paths.all_points:
+            notes.append(f"Of {paths.all_points:,} {name} positions {RECORDS_MAX:,} are drawn, evenly chosen.")
+    decided, all_events = len(material.events), len(material.recording.events)
+    if decided < all_events:
+        notes.append(f"The run ended after {decided:,} of {all_events:,} events.")
+    return notes
+
+
+def _start_us(material: Material) -> int:
+    """Where the playback stands at first: at the mismatch, the first merge, the first birth or the beginning."""
+    mismatch_us = _mismatch_us(material)
+    if mismatch_us is not None:
+        return mismatch_us
+    for kind in (2, 0):
+        for side in material.sides:
+            records = side.log.records[side.log.records["kind"] == kind]
+            if len(records):
+                return int(records["t_us"][0]) - material.span_us[0]
+    return 0
+
+
+def _mismatch_us(material: Material) -> int | None:
+    found: dict[str, Any] | None = material.summary.get("mismatch")
+    t_us = material.events.t_us
+    if not found or not len(t_us):
+        return None
+    return int(t_us[min(max(found["event_index"], 0), len(t_us) - 1)]) - material.span_us[0]
+
+
+def _ms(at_us: int) -> str:
+    return f"{at_us / 1e3:,.3f} ms"

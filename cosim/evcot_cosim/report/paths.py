@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who lived when and where, one life after the other: the form in which a report keeps tracks and true objects alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.contract import Kind
+from evcot.metrics import GroundTruth
+from evcot.timeline import LIFE, OPEN, lifetimes
+from evcot.tracklog import TrackLog
+
+from .pack import Column
+from .thin import LIVES_MAX, RECORDS_MAX, longest_lives, thinned_events, thinned_records
+
+__all__ = ["POINT", "Paths", "log_paths", "truth_paths"]
+
+SUBPIXELS = 16  # places and sizes are kept to a sixteenth of a pixel
+
+POINT = np.dtype(
+    [
+        ("t_us", "<i8"),
+        ("x", "<f8"),
+        ("y", "<f8"),
+        ("half_width", "<f8"),
+        ("half_height", "<f8"),
+        ("n_ev", "<i8"),
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Lives and their points.
+
+    Attributes:
+        lives: (k,) of dtype `timeline.LIFE`, in order of birth; `slot` is the lane to draw it in.
+        names: what each is called.
+        counts: (k,) points of each life.
+        points: of dtype `POINT`, life after life, each in order of time.
+        all_lives, all_points: how many there were before the longest were chosen and moves left out.
+    """
+
+    lives: NDArray[np.void]
+    names: tuple[str, ...]
+    counts: NDArray[np.int64]
+    points: NDArray[np.void]
+    all_lives: int
+    all_points: int
+
+    def columns(self, name: str, origin_us: int) -> dict[str, Column]:
+        """To pack, under names that begin with this one; times from `origin_us` on."""
+        lives, points = self.lives, self.points
+        row = {int(track_id): i for i, track_id in enumerate(lives["track_id"])}
+        columns = {
+            "slot": Column(lives["slot"]),
+            "birth": Column(lives["birth_us"] - origin_us, delta=True),
+            "end": Column(lives["end_us"] - origin_us, delta=True),
+            "ended": Column(lives["ended"]),
+            "other": Column(np.array([row.get(int(other), -1) for other in lives["other_id"]], np.int64)),
+            "count": Column(self.counts),
+            "t": Column(points["t_us"] - origin_us, delta=True),
+            "n_ev": Column(points["n_ev"], delta=True),
+        }
+        for field in ("x", "y", "half_width", "half_height"):
+            columns[field] = Column(np.rint(points[field] * SUBPIXELS).astype(np.int64), delta=True, scale=1 / SUBPIXELS)
+        return {f"{name}.{field}": column for field, column in columns.items()}
+
+
+def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_max: int = RECORDS_MAX) -> Paths:
+    """A log's tracks; those still alive end at `end_us`."""
+    everyone = lifetimes(log, end_us)
+    lives = longest_lives(everyone, lives_max)
+    records = log.records
+    if len(lives) < len(everyone):
+        records = records[np.isin(records["track_id"], lives["track_id"])]
+    records = records[thinned_records(records["kind"], records_max)]
+    by_id = np.argsort(lives["track_id"])
+    row = by_id[np.searchsorted(lives["track_id"], records["track_id"], sorter=by_id)]
+    order = np.argsort(row, kind="stable")
+    points = np.empty(len(records), POINT)
+    for field, source in (("t_us", "t_us"), ("x", "x"), ("y", "y"), ("n_ev", "n_ev")):
+        points[field] = records[source][order]
+    points["half_width"] = points["half_height"] = records["radius"][order]
+    names = tuple(str(track_id) for track_id in lives["track_id"].tolist())
+    return Paths(lives, names, np.bincount(row, minlength=len(lives)), points, len(everyone), len(log.records))
+
+
+def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
+    """True objects; one that is gone for an instant or more lives again."""
+    objects = truth.objects[np.argsort(truth.objects["object"], kind="stable")]  # within an object by time
+    begins = np.diff(objects["object"], prepend=-1) != 0
+    begins |= np.diff(objects["frame"], prepend=-2) != 1
+    life = np.cumsum(begins) - 1
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], len(objects)) - 1 if len(first) else first
+    step_us = int(np.median(np.diff(truth.instants_us))) if len(truth.instants_us) > 1 else 1
+    lives = np.empty(len(first), LIFE)
+    lives["track_id"] = np.arange(len(first))
+    lives["birth_us"] = truth.instants_us[objects["frame"][first]]
+    lives["end_us"] = truth.instants_us[objects["frame"][last]] + step_us
+    lives["end_us"] = np.minimum(lives["end_us"], truth.instants_us[-1] if len(truth.instants_us) else 0)
+    lives["ended"], lives["other_id"] = np.where(objects["frame"][last] == len(truth.instants_us) - 1, OPEN, Kind.LOST), -1
+    in_time = np.argsort(lives["birth_us"], kind="stable")[:LIVES_MAX]
+    rank = np.full(len(first), -1)
+    rank[in_time] = np.arange(len(in_time))
+    rows = rank[life]
+    chosen = np.flatnonzero(rows >= 0)
+    if len(chosen) > records_max:
+        chosen = chosen[np.union1d(thinned_events(len(chosen), records_max), np.flatnonzero(begins[chosen]))]
+    chosen = chosen[np.argsort(rows[chosen], kind="stable")]
+    points = np.zeros(len(chosen), POINT)
+    points["t_us"] = truth.instants_us[objects["frame"][chosen]]
+    points["x"], points["y"] = objects["x"][chosen], objects["y"][chosen]
+    points["half_width"], points["half_height"] = objects["width"][chosen] / 2, objects["height"][chosen] / 2
+    kept = lives[in_time]
+    kept["slot"] = _lanes(kept)
+    names = tuple(truth.ids[i] for i in objects["object"][first][in_time].tolist())
+    counts = np.bincount(rows[chosen], minlength=len(kept))
+    return Paths(kept, names, counts, points, len(first), len(objects))
+
+
+def _lanes(lives: NDArray[np.void]) -> NDArray[np.int64]:
+    """The lowest lane for each life in which nobody lives at the time; lives in order of birth."""
+    free_at: list[int] = []
+    lanes = np.empty(len(lives), np.int64)
+    for i, (birth_us, end_us) in enumerate(zip(lives["birth_us"].tolist(), lives["end_us"].tolist(), strict=True)):
+        lane = next((lane for lane, until_us in enumerate(free_at) if until_us < birth_us), len(free_at))
+        free_at[lane : lane + 1] = [end_us]
+        lanes[i] = lane
+    return lanes

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How much of a long run a report shows: what is left out, evenly, so that the file stays small."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.contract import Kind
+
+__all__ = ["EVENTS_MAX", "LIVES_MAX", "RECORDS_MAX", "longest_lives", "thinned_events", "thinned_records"]
+
+EVENTS_MAX = 2_000_000
+LIVES_MAX = 4_000  # per side
+RECORDS_MAX = 200_000  # per side
+
+_SEED = 1
+
+
+def thinned_events(n: int, most: int) -> NDArray[np.int64]:
+    """At most `most` of the numbers 0 to n - 1, ascending: one at random out of each of as many equal stretches."""
+    if n <= most:
+        return np.arange(n)
+    edges = np.linspace(0, n, most + 1).astype(np.int64)
+    at = np.random.default_rng(_SEED).random(most)
+    return edges[:-1] + (at * np.diff(edges)).astype(np.int64)
+
+
+def longest_lives(lives: NDArray[np.void], most: int = LIVES_MAX) -> NDArray[np.void]:
+    """The `most` longest rows of dtype `timeline.LIFE`, in order of birth."""
+    if len(lives) <= most:
+        return lives
+    order = np.argsort(lives["birth_us"] - lives["end_us"], kind="stable")[:most]
+    kept: NDArray[np.void] = lives[np.sort(order)]
+    return kept
+
+
+def thinned_records(kind: NDArray[np.uint8], most: int = RECORDS_MAX) -> NDArray[np.bool_]:
+    """Which of a log's records stay: every birth and end, and as many moves as there is room for, evenly."""
+    moved = kind == Kind.MOVED
+    room = max(most - int(np.count_nonzero(~moved)), 0)
+    keep = ~moved
+    keep[np.flatnonzero(moved)[thinned_events(int(moved.sum()), room)]] = True
+    return keep
