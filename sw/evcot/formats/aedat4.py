@@ -15,11 +15,9 @@ from __future__ import annotations
 
 import struct
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
-from xml.etree import ElementTree
 
 import numpy as np
 from numba import njit
@@ -27,13 +25,14 @@ from numpy.typing import NDArray
 
 from ..errors import RecordingError
 from ..events import Events
+from .aedat4_header import HEADER_BYTES_MAX, Header, parse_header, type_of
 from .ahead import in_order
 from .flatbuffers import root_table, size_prefixed, table_columns, usual_vector, vector_head
 from .gather import batches
-from .packing import UNPACKED_BYTES_MAX, unpack_lz4, unpack_zstd
+from .packing import UNPACKED_BYTES_MAX
 from .source import BLOCK_EVENTS, Format, Sensor
 
-__all__ = ["EVENT", "FORMATS", "MAGIC", "PACKET_HEAD", "Aedat4File"]
+__all__ = ["EVENT", "FORMATS", "MAGIC", "PACKET_HEAD", "Aedat4File", "events_of"]
 
 MAGIC = b"#!AER-DAT4.0\r\n"
 PACKET_HEAD = struct.Struct("<ii")  # stream, length of what follows
@@ -42,9 +41,7 @@ EVENT = np.dtype(
 )
 
 _USUAL_HEAD = vector_head(b"EVTS")
-_HEADER_BYTES_MAX = 1 << 24
 _BATCH_BYTES = 4 * BLOCK_EVENTS  # packed, to be decoded at once
-_COMPRESSIONS = ("none", "LZ4", "LZ4", "Zstandard", "Zstandard")
 # Field of a FileDataDefinition -> (index, bytes into it, type).
 _TABLE_FIELDS = {
     "at": (0, 0, "<i8"),
@@ -54,16 +51,6 @@ _TABLE_FIELDS = {
     "first_us": (3, 0, "<i8"),
     "last_us": (4, 0, "<i8"),
 }
-
-
-@dataclass(frozen=True)
-class _Header:
-    """What stands ahead of the packets; `streams`: id -> what the file says about it, its type under "typeIdentifier"."""
-
-    end: int
-    compression: int
-    table_at: int
-    streams: dict[int, dict[str, str]]
 
 
 class _Packet(NamedTuple):
@@ -97,14 +84,14 @@ class Aedat4File:
                 raise RecordingError(
                     f"packets from byte {self._begin} to {self._end}: must lie within {self._size} bytes; is the file cut off?"
                 )
-            self._new_unpacker = _unpackers(header.compression)
+            self._new_unpacker = header.new_unpacker
             self._table = self._read_table(file) if closed else None
-        self._stream = _first_of_events(self._streams)
-        self.sensor = _sensor(self._streams[self._stream])
-        others = [f"stream {stream} ({_type(said)})" for stream, said in self._streams.items() if stream != self._stream]
+        self._stream = header.first_of_events
+        self.sensor = header.sensor(self._stream)
+        others = [f"stream {stream} ({type_of(said)})" for stream, said in self._streams.items() if stream != self._stream]
         self.details: Mapping[str, str] = {
             "source": self._streams[self._stream].get("source", "not named"),
-            "compression": _COMPRESSIONS[header.compression],
+            "compression": header.compression_name,
             "packet table": "whole" if closed else "none: the writer never closed the file",
             "passed over": ", ".join(others) or "nothing",
         }
@@ -169,7 +156,7 @@ class Aedat4File:
                 )
             if stream == self._stream:
                 yield _Packet(-1, at, length)
-            elif _type(self._streams[stream]) != "EVTS" and unpack(file.read(length))[8:12] == b"EVTS":
+            elif type_of(self._streams[stream]) != "EVTS" and unpack(file.read(length))[8:12] == b"EVTS":
                 raise RecordingError(f"packet at byte {at - PACKET_HEAD.size}: holds events: stream {stream} must not")
             at += length
 
@@ -247,6 +234,18 @@ def _elements(data: bytes) -> NDArray[np.int64]:
     return np.frombuffer(vector, "<i8")
 
 
+def events_of(data: bytes) -> Events:
+    """The events of one unpacked packet.
+
+    Raises:
+        RecordingError: it is damaged.
+    """
+    words = _elements(data)
+    events = Events.allocated(len(words) // 2)
+    _fill(words, 0, events.t_us, events.x, events.y, events.p)
+    return events
+
+
 @njit(cache=True, nogil=True)
 def _fill(words, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
     """Events from their two words each: the time; and x, y, polarity from the low bits up, as `EVENT` has them."""
@@ -258,62 +257,15 @@ def _fill(words, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
         p[at + i] = word >> 32
 
 
-def _read_header(file: BinaryIO, size: int) -> _Header:
+def _read_header(file: BinaryIO, size: int) -> Header:
     file.seek(len(MAGIC))
     length = int.from_bytes(file.read(4), "little")
     end = len(MAGIC) + 4 + length
     if size < len(MAGIC) + 4 or end > size:
         raise RecordingError(f"ends within its header, at byte {size}")
-    if length > _HEADER_BYTES_MAX:
-        raise RecordingError(f"header of {length} bytes: must be at most {_HEADER_BYTES_MAX}")
-    try:
-        table = root_table(memoryview(file.read(length)), b"IOHE")
-        return _Header(end, table.number(0, "<i", 0), table.number(1, "<q", -1), _parse_streams(table.text(2)))
-    except RecordingError as error:
-        raise RecordingError(f"header: {error}") from error
-
-
-def _parse_streams(text: str) -> dict[int, dict[str, str]]:
-    """Stream id -> attributes, its own and those of its "info" node, from DV's tree of nodes and attributes."""
-    if "<!" in text:
-        raise RecordingError("description of streams: must be XML without declarations")
-    try:
-        root = ElementTree.fromstring(text)
-        return {
-            int(node.get("name", "")): {attr.get("key", ""): attr.text or "" for attr in node.iter("attr")}
-            for node in root.findall("node[@name='outInfo']/node")
-        }
-    except (ElementTree.ParseError, ValueError) as error:
-        raise RecordingError(f"description of streams: {error}: must be XML with numbered nodes under outInfo") from error
-
-
-def _first_of_events(streams: dict[int, dict[str, str]]) -> int:
-    found = [stream for stream, said in streams.items() if _type(said) == "EVTS"]
-    if not found:
-        raise RecordingError(f"has no stream of events: its streams are {[_type(said) for said in streams.values()]}")
-    return min(found)
-
-
-def _type(stream: dict[str, str]) -> str:
-    return stream.get("typeIdentifier", "")
-
-
-def _sensor(stream: dict[str, str]) -> Sensor | None:
-    sides = stream.get("sizeX"), stream.get("sizeY")
-    if sides == (None, None):
-        return None
-    try:
-        width, height = (int(side or "") for side in sides)
-    except ValueError as error:
-        raise RecordingError(f"header: sizeX, sizeY = {sides}: must be whole numbers") from error
-    return width, height
-
-
-def _unpackers(compression: int) -> Callable[[], Callable[[bytes | memoryview], bytes]]:
-    """A function that makes unpackers of the header's kind of compression."""
-    if not 0 <= compression < len(_COMPRESSIONS):
-        raise RecordingError(f"header: compression {compression}: must be from 0 to {len(_COMPRESSIONS) - 1}")
-    return {"none": lambda: bytes, "LZ4": unpack_lz4, "Zstandard": unpack_zstd}[_COMPRESSIONS[compression]]
+    if length > HEADER_BYTES_MAX:
+        raise RecordingError(f"header of {length} bytes: must be at most {HEADER_BYTES_MAX}")
+    return parse_header(file.read(length), end)
 
 
 FORMATS = (Format("aedat4", "AEDAT 4.0", lambda start, _: start.startswith(MAGIC), Aedat4File),)

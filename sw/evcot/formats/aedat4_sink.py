@@ -91,10 +91,15 @@ class Aedat4Sink:
             self._write_packet(waiting[begin : begin + PACKET_EVENTS])
         self._waiting = waiting[whole:]
 
-    def close(self) -> None:
-        """See `source.Sink`."""
+    def flush(self) -> None:
+        """Write what waits for its packet to fill as a packet of its own."""
         if len(self._waiting):
             self._write_packet(self._waiting)
+        self._waiting = Events.empty()
+
+    def close(self) -> None:
+        """See `source.Sink`."""
+        self.flush()
         table_at = self._file.tell()
         self._file.write(_packed(self._table()))
         self._file.seek(self._table_place_at)
