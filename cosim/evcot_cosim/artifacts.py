@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from evcot.config import RunConfig
 from evcot.contract import Kind
 from evcot.errors import OutputError
 from evcot.events import Recording
@@ -17,6 +16,8 @@ from evcot.picture import draw
 
 from .cosim import CosimRun, stalls_from
 from .lockstep import MismatchError
+from .moments import Moment
+from .run_file import RUN_FILE, RunFile, write_run_file
 from .summary import summarise, summarise_mismatch, write_summary
 from .waves import Window, write_waves
 
@@ -26,13 +27,14 @@ _WAVES_EVENTS = 400  # events before and after the moment that the default wavef
 _MISMATCH_EVENTS = 50  # the same, around a mismatch
 
 
-def write_run(run: CosimRun, folder: Path, *, command: str, window: Window | None = None, waves: bool = True) -> dict[str, Any]:
-    """Write summary.json, the logs, the picture and the waveform of a run; returns the summary.
+def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, waves: bool = True) -> dict[str, Any]:
+    """Write run.toml, summary.json, the logs, the picture and the waveform of a run; returns the summary.
 
     The folder takes the place of an older one only when all of it is written.
 
     Args:
-        window: what the waveform shows; by default the surroundings of the first merge, else of the first birth.
+        made_of: what repeats it.
+        waves: whether to write a waveform: the surroundings of the first merge, else of the first birth.
 
     Raises:
         OutputError: something cannot be written.
@@ -44,37 +46,40 @@ def write_run(run: CosimRun, folder: Path, *, command: str, window: Window | Non
             log.write_csv(aside / f"{name}.csv")
         draw(run.recording, run.hardware, run.software, aside / "picture.png", f"{run.recording.name}: {run.config.name}")
         if waves:
-            shown = window or _telling_window(run)
+            moment = _telling_moment(run)
+            window = Window.around(moment.event_index, len(run.recording.events), _WAVES_EVENTS)
             write_waves(
-                run.recording.events, run.config.hardware(run.recording.width, run.recording.height), aside, shown,
-                top=run.top, stalls=stalls_from(run.seed), name="waves",
+                run.recording.events, run.config.hardware(run.recording.width, run.recording.height), aside, window,
+                top=run.top, stalls=stalls_from(run.seed), name="waves", moment=moment,
             )  # fmt: skip
+        write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / "summary.json")
     return summary
 
 
-def write_mismatch(error: MismatchError, recording: Recording, config: RunConfig, folder: Path, *, command: str) -> None:
-    """Write what a mismatch leaves: summary.json with its record, a waveform of the events around it and the view.
+def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile, folder: Path, *, command: str) -> None:
+    """Write what a mismatch leaves: run.toml, summary.json with its record, a waveform of the events around it and the view.
 
     Raises:
         OutputError: something cannot be written.
     """
-    found = error.mismatch
+    found, config = error.mismatch, made_of.config
     with folder_written_aside(folder) as aside:
         window = Window.around(found.event_index, len(recording.events), _MISMATCH_EVENTS)
         write_waves(
             recording.events, config.hardware(recording.width, recording.height), aside, window,
-            top=found.top, stalls=stalls_from(found.seed), name="mismatch",
+            top=found.top, stalls=stalls_from(found.seed), name="mismatch", moment=Moment(found.event_index, "mismatch"),
         )  # fmt: skip
+        write_run_file(aside / RUN_FILE, made_of)
         write_summary(summarise_mismatch(found, recording, config, command), aside / "summary.json")
 
 
-def _telling_window(run: CosimRun) -> Window:
-    for kind in (Kind.MERGED, Kind.BORN):
+def _telling_moment(run: CosimRun) -> Moment:
+    for kind, name in ((Kind.MERGED, "merge 1"), (Kind.BORN, "birth 1")):
         records = run.hardware.of_kind(kind)
         if len(records):
-            return Window.around(int(records["event_index"][0]), len(run.recording.events), _WAVES_EVENTS)
-    return Window(0, min(2 * _WAVES_EVENTS, len(run.recording.events) - 1))
+            return Moment(int(records["event_index"][0]), name, kind, int(records["track_id"][0]))
+    return Moment(0, "event 0")
 
 
 @contextmanager

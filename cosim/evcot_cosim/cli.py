@@ -14,9 +14,9 @@ from typing import Any
 import evcot
 from evcot.errors import EvcotError, RecordingWarning
 
-from .commands import anomalies, evaluate, hardware, presets, recordings, simulate, track
+from .commands import anomalies, cosim, evaluate, presets, recordings, simulate, track, waves
 from .commands import filter as filter_command
-from .commands.hardware import MISMATCH
+from .commands.cosim import MISMATCH
 from .lockstep import MismatchError
 
 __all__ = ["main"]
@@ -54,6 +54,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return USER_ERROR
     except BrokenPipeError:
         return 0
+    except OSError as error:  # a full disk under a cache, and the like
+        print(f"evcot: {error.filename or 'a file'}: {error.strerror or error}", file=sys.stderr)
+        return USER_ERROR
 
 
 @contextmanager
@@ -82,6 +85,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for group in (hardware, track, simulate, recordings, filter_command, evaluate, anomalies, presets):
+    for group in (cosim, waves, track, simulate, recordings, filter_command, evaluate, anomalies, presets):
         group.add(commands)
     return parser

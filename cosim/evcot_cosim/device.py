@@ -24,7 +24,7 @@ from evcot.filters.registers import FilterRegisters
 from .build import BuiltModel, build
 from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
 
-__all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "build_device"]
+__all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "arrangement_of", "build_device"]
 
 Top = Literal["cot", "cot_chain", "cot_array", "cot_engine"]
 Pattern = NDArray[np.uint8]
@@ -315,7 +315,12 @@ class Device:
     @property
     def arrangement(self) -> Arrangement:
         """What the golden model must be to match this hardware."""
-        return Arrangement.ARRAY if self.top in ("cot_array", "cot_engine") else Arrangement.CHAIN
+        return arrangement_of(self.top)
+
+
+def arrangement_of(top: Top) -> Arrangement:
+    """What the golden model must be to match a module."""
+    return Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
 
 
 def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:

@@ -11,15 +11,16 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from evcot.outputs import written_aside
 
 from .views import VIEWS, Codes, Colour, Form, Group, Row
 from .waveform.vcd import Declared, declared, initial_values
 
-__all__ = ["write_view"]
+__all__ = ["Marker", "write_view"]
 
 _BESIDE = "/beside"  # the made-up folder
 _SIZE_PX = 1600, 1000
@@ -42,10 +43,18 @@ _FORMS = {
 _COLOURS = {Colour.PLAIN: 0, Colour.CONTROL: 2, Colour.EVENT: 3, Colour.TIME: 6, Colour.PLACE: 7}
 
 
-def write_view(vcd: Path, view: Path) -> None:
+class Marker(NamedTuple):
+    """A named line at a time of the VCD, in its steps."""
+
+    time: int
+    name: str
+
+
+def write_view(vcd: Path, view: Path, markers: Sequence[Marker] = (), reach: int = 0) -> None:
     """Write a GTKWave save file for a VCD in the same folder, and beside it a file of names per kind of coded value.
 
-    The view shows what `views.VIEWS` has for the module below the VCD's top scope, else that module's ports.
+    The view shows what `views.VIEWS` has for the module below the VCD's top scope, else that module's ports. It opens on all
+    of the time; with markers, of which there may be 26 and the last is the primary one too, on `reach` steps around them.
 
     Raises:
         VcdError: the VCD cannot be read.
@@ -57,17 +66,21 @@ def write_view(vcd: Path, view: Path) -> None:
         with written_aside(writer.beside(codes)) as file:
             file.write("".join(f"{code} {name}\n" for name, code in values).encode())
     with written_aside(view) as file:
-        file.write("".join(f"{line}\n" for line in (*_head(vcd, view), *body)).encode())
+        file.write("".join(f"{line}\n" for line in (*_head(vcd, view, markers, reach), *body)).encode())
 
 
-def _head(vcd: Path, view: Path) -> Iterator[str]:
+def _head(vcd: Path, view: Path, markers: Sequence[Marker], reach: int) -> Iterator[str]:
     begin, end = _time_span(vcd)
+    if markers:
+        begin, end = max(begin, markers[0].time - reach), min(end, markers[-1].time + reach)
     zoom = -math.log2(max(1, end - begin) * _ZOOM_PX / (_SIZE_PX[0] - _NAMES_PX - _BORDER_PX))
     yield f'[dumpfile] "{_BESIDE}/{vcd.name}"'
     yield f'[savefile] "{_BESIDE}/{view.name}"'
     yield f"[timestart] {begin}"
     yield f"[size] {_SIZE_PX[0]} {_SIZE_PX[1]}"
-    yield f"*{zoom:f} -1"
+    primary = markers[-1].time if markers else -1
+    yield " ".join([f"*{zoom:f}", str(primary), *(str(marker.time) for marker in markers)])
+    yield from (f"[markername] {chr(ord('A') + i)}{marker.name}" for i, marker in enumerate(markers))
     yield f"[signals_width] {_NAMES_PX}"
     yield "[sst_expanded] 0"
 

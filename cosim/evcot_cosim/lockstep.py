@@ -22,7 +22,7 @@ from evcot.events import Events
 from .build import BuiltModel
 from .device import Device, HardwareError, Stalls, Top
 
-__all__ = ["CHUNK", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
+__all__ = ["CHUNK", "Clocks", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
 
 CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough that starting a run costs nothing
 
@@ -207,19 +207,37 @@ def dump_window(
     stalls: Stalls | None = None,
     verilog: Path | None = None,
     progress: Callable[[int], None] | None = None,
-) -> None:
+) -> Clocks:
     """Run the hardware again over the same runs of events and dump the clocks around a window of them to a VCD.
 
-    Clock for clock what a `Lockstep` with the same arguments did, up to the end of the window.
+    Clock for clock what a `Lockstep` with the same arguments did, up to the end of the window. Returns when what happened.
     """
     device = Device(config, top, stalls=stalls, verilog=verilog)
+    parts = [Clocks.none()]
     with device.dumping(path, first_event, last_event):
         for chunk in chunks(events):
             if device.seq > last_event:
                 break
             try:
-                device.stream(tick_times(chunk.t_us, int(events.t_us[0]), config.tick_us), chunk.x, chunk.y, chunk.p)
+                ticks = tick_times(chunk.t_us, int(events.t_us[0]), config.tick_us)
+                decided, times = device.stream_timed(ticks, chunk.x, chunk.y, chunk.p)
             except HardwareError:
                 break  # the fault that the window shall show
+            parts.append(Clocks(times.accepted, decided.records, times.recorded))
             if progress is not None:
                 progress(device.seq)
+    return Clocks(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+class Clocks(NamedTuple):
+    """When the hardware did what: (n,) clocks at which events 0, 1, … were taken; (m,) records of dtype `contract.RECORD` and
+    the clocks at which they were handed over."""
+
+    accepted: NDArray[np.int64]
+    records: NDArray[np.void]
+    recorded: NDArray[np.int64]
+
+    @classmethod
+    def none(cls) -> Clocks:
+        """Of no event."""
+        return cls(np.empty(0, np.int64), np.empty(0, RECORD), np.empty(0, np.int64))

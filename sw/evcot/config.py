@@ -143,7 +143,8 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
     """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[rct]` and `[filters]` override `base`.
 
     `[cot]` takes `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
-    also takes `hot_pixels_file`, a file of `filters.hot_pixels` beside the TOML file, in place of `hot_pixels`.
+    also takes `hot_pixels_file`, a file of `filters.hot_pixels` beside the TOML file, in place of `hot_pixels`. `[run]`, which
+    says what a run was made of, is somebody else's to read.
 
     Raises:
         ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
@@ -184,7 +185,7 @@ def _tables(path: Path) -> Mapping[str, Any]:
 
 
 def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:
-    _section(data, {"name", "shape", "cot", "slot", "rct", "filters"}, "top level")
+    _section(data, {"name", "run", "shape", "cot", "slot", "rct", "filters"}, "top level")
     shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
     cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
     tick_us = cot.pop("tick_us", base.cot.tick_us)

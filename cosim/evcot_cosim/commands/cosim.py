@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot cosim`: hardware, model and software tracker on one recording, checked and compared."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..artifacts import write_mismatch, write_run
+from ..cosim import run_cosim
+from ..lockstep import MismatchError
+from ..progress import Progress
+from ..run_file import run_toml
+from ..summary import table
+from .job import input_options, job_from
+from .options import window_from, window_options
+from .tables import print_table
+
+__all__ = ["MISMATCH", "add"]
+
+MISMATCH = 1  # exit code: hardware and model differ
+
+EXAMPLES = """examples:
+  evcot cosim                                    the box experiment, nothing to download
+  evcot cosim drive.aedat4                       a camera file, with the preset for its sensor
+  evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
+  evcot cosim highway --activity 5               filters, then hardware, model and software tracker, on a scene
+  evcot cosim drive.raw --print-config > run.toml; evcot cosim --config run.toml
+"""
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    title = "run hardware, model and software tracker on a recording and compare them"
+    cosim = commands.add_parser("cosim", help=title, description=title, epilog=EXAMPLES)
+    input_options(cosim)
+    window_options(cosim)
+    cosim.add_argument("-o", "--output", type=Path, metavar="DIR", help="where to write (default: build/cosim/NAME)")
+    cosim.add_argument("--no-waves", action="store_true", help="write no waveform")
+    cosim.add_argument("--print-config", action="store_true", help="print a run.toml that repeats the run, and run nothing")
+    cosim.add_argument("--json", action="store_true", help="print summary.json instead of the table")
+    cosim.set_defaults(command=_cosim)
+
+
+def _cosim(options: argparse.Namespace, arguments: Sequence[str]) -> int:
+    job = job_from(options, window_from(options))
+    if options.print_config:
+        print(run_toml(job.run_file), end="")
+        return 0
+    folder = options.output or Path("build") / "cosim" / job.name
+    command = shlex.join(["evcot", *arguments])
+    with Progress(job.recording.name, len(job.recording.events), enabled=not (options.quiet or options.json)) as progress:
+        try:
+            run = run_cosim(
+                job.recording, job.config, job.top,
+                stall_seed=job.seed, building=progress.building, progress=progress.update,
+            )  # fmt: skip
+        except MismatchError as error:
+            write_mismatch(error, job.recording, job.run_file, folder, command=command)
+            print(f"evcot: {folder}/ holds summary.json, and mismatch.vcd with its view mismatch.gtkw", file=sys.stderr)
+            raise
+        progress.note("writing logs, picture and waveform")
+        summary = write_run(run, folder, job.run_file, command=command, waves=not options.no_waves)
+    if options.json:
+        print(json.dumps(summary, indent=2, allow_nan=False))
+    elif not options.quiet:
+        print_table(table(summary))
+        print(f"\n{folder}/ holds summary.json, picture.png, logs (.npz, .csv) and waves.vcd with its view waves.gtkw")
+    return 0 if summary["exact"] else MISMATCH
