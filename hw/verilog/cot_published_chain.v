@@ -9,6 +9,7 @@
 // Clocks from a request, every output acknowledged at once: as cot_published.v, plus 3 for each enabled tracker upstream.
 // Reset gives every register its default; no tracker is enabled then and none selected.
 `default_nettype none
+`include "published_regs.vh"
 
 module cot_published_chain (
     input  wire        clk,
@@ -41,23 +42,10 @@ module cot_published_chain (
     localparam N = 4;
     localparam WORD_W = 25;
 
-    localparam [7:0] REG_INIT_CM_LOW  = 8'd78;
-    localparam [7:0] REG_INIT_CM_HIGH = 8'd79;
-    localparam [7:0] REG_RADIX_TH     = 8'd80;
-    localparam [7:0] REG_INIT_RADIX   = 8'd81;
-    localparam [7:0] REG_MAX_TIME     = 8'd82;   // to 85, low byte first
-    localparam [7:0] REG_NEV_TH       = 8'd86;
-    localparam [7:0] REG_HIST_AVG     = 8'd87;
-    localparam [7:0] REG_ENABLE       = 8'd88;
-    localparam [7:0] REG_RADIX_STEP   = 8'd89;
-    localparam [7:0] REG_RADIX_MAX    = 8'd90;
-    localparam [7:0] REG_RADIX_MIN    = 8'd91;
-    localparam [7:0] REG_SELECT       = 8'd127;
-
     reg [7:0] selected;
     always @(posedge clk) begin
-        if (cfg_valid && cfg_addr == REG_SELECT) selected <= cfg_data;
-        if (rst) selected <= 8'hFF;
+        if (cfg_valid && cfg_addr == `PUBLISHED_REG_SELECT) selected <= cfg_data;
+        if (rst) selected <= `PUBLISHED_SELECT_NONE;
     end
 
     // link i leads into tracker i, link N out of the cascade
@@ -91,35 +79,35 @@ module cot_published_chain (
             always @(posedge clk) begin
                 if (cfg_valid && mine) begin
                     case (cfg_addr)
-                        REG_INIT_CM_LOW:      init_cm_low <= cfg_data;
-                        REG_INIT_CM_HIGH:     init_cm_high <= cfg_data;
-                        REG_RADIX_TH:         radix_th <= cfg_data[2:0];
-                        REG_INIT_RADIX:       init_radix <= cfg_data;
-                        REG_MAX_TIME:         max_time[7:0] <= cfg_data;
-                        REG_MAX_TIME + 8'd1:  max_time[15:8] <= cfg_data;
-                        REG_MAX_TIME + 8'd2:  max_time[23:16] <= cfg_data;
-                        REG_MAX_TIME + 8'd3:  max_time[31:24] <= cfg_data;
-                        REG_NEV_TH:           nev_th <= cfg_data;
-                        REG_HIST_AVG:         hist_avg <= cfg_data[3:0];
-                        REG_ENABLE:           enable <= |cfg_data;
-                        REG_RADIX_STEP:       radix_step <= cfg_data[2:0];
-                        REG_RADIX_MAX:        radix_max <= cfg_data;
-                        REG_RADIX_MIN:        radix_min <= cfg_data;
+                        `PUBLISHED_REG_INIT_CM_LOW:      init_cm_low <= cfg_data;
+                        `PUBLISHED_REG_INIT_CM_HIGH:     init_cm_high <= cfg_data;
+                        `PUBLISHED_REG_RADIX_TH:         radix_th <= cfg_data[2:0];
+                        `PUBLISHED_REG_INIT_RADIX:       init_radix <= cfg_data;
+                        `PUBLISHED_REG_MAX_TIME:         max_time[7:0] <= cfg_data;
+                        `PUBLISHED_REG_MAX_TIME + 8'd1:  max_time[15:8] <= cfg_data;
+                        `PUBLISHED_REG_MAX_TIME + 8'd2:  max_time[23:16] <= cfg_data;
+                        `PUBLISHED_REG_MAX_TIME + 8'd3:  max_time[31:24] <= cfg_data;
+                        `PUBLISHED_REG_NEV_TH:           nev_th <= cfg_data;
+                        `PUBLISHED_REG_HIST_AVG:         hist_avg <= cfg_data[3:0];
+                        `PUBLISHED_REG_ENABLE:           enable <= |cfg_data;
+                        `PUBLISHED_REG_RADIX_STEP:       radix_step <= cfg_data[2:0];
+                        `PUBLISHED_REG_RADIX_MAX:        radix_max <= cfg_data;
+                        `PUBLISHED_REG_RADIX_MIN:        radix_min <= cfg_data;
                         default:              ;
                     endcase
                 end
                 if (rst) begin
-                    init_cm_low  <= 8'd0;
-                    init_cm_high <= 8'd0;
-                    radix_th     <= 3'd3;
-                    init_radix   <= 8'd64;
-                    max_time     <= 32'd20_000_000;
-                    nev_th       <= 8'd15;
-                    hist_avg     <= 4'd1;
-                    enable       <= 1'b0;
-                    radix_step   <= 3'd3;
-                    radix_max    <= 8'd17;
-                    radix_min    <= 8'd1;
+                    init_cm_low  <= `PUBLISHED_RESET_INIT_CM_LOW;
+                    init_cm_high <= `PUBLISHED_RESET_INIT_CM_HIGH;
+                    radix_th     <= `PUBLISHED_RESET_RADIX_TH;
+                    init_radix   <= `PUBLISHED_RESET_INIT_RADIX;
+                    max_time     <= `PUBLISHED_RESET_MAX_TIME;
+                    nev_th       <= `PUBLISHED_RESET_NEV_TH;
+                    hist_avg     <= `PUBLISHED_RESET_HIST_AVG;
+                    enable       <= `PUBLISHED_RESET_ENABLE;
+                    radix_step   <= `PUBLISHED_RESET_RADIX_STEP;
+                    radix_max    <= `PUBLISHED_RESET_RADIX_MAX;
+                    radix_min    <= `PUBLISHED_RESET_RADIX_MIN;
                 end
             end
 

@@ -9,6 +9,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .published_registers import REGISTERS, SELECT, SELECT_NONE
+
 __all__ = [
     "CASCADE_FIELDS",
     "ENABLE",
@@ -44,12 +46,14 @@ SELECTED, BUSY, OWNER, FREE = range(4)
 CASCADE_FIELDS = 4
 
 # Registers of one tracker, as columns of its table.
-REGISTER_NAMES = (
-    "init_cm_low", "init_cm_high", "radix_th", "init_radix", "max_time", "nev_th", "hist_avg", "enable", "radix_step",
-    "radix_max", "radix_min",
-)  # fmt: skip
+REGISTER_NAMES = tuple(REGISTERS)
 (INIT_CM_LOW, INIT_CM_HIGH, RADIX_TH, INIT_RADIX, MAX_TIME, NEV_TH, HIST_AVG, ENABLE, RADIX_STEP, RADIX_MAX, RADIX_MIN) = range(
     len(REGISTER_NAMES)
+)
+FIRST, BYTES, MASKS, RESETS = zip(
+    *((entry.address, entry.n_bytes, (1 << entry.bits) - 1, entry.reset) for entry in REGISTERS.values()), strict=True
+)
+    *((r.address, r.n_bytes, (1 << r.bits) - 1, r.reset) for r in REGISTERS.values()), strict=True
 )
 
 MASK32 = (1 << 32) - 1
@@ -262,31 +266,23 @@ def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
     if at.cfg_valid:
         if c[SELECTED] < TRACKERS:
             _write(r[c[SELECTED]], at.cfg_addr, at.cfg_data)
-        if at.cfg_addr == 127:
+        if at.cfg_addr == SELECT:
             c[SELECTED] = at.cfg_data
     if at.rst:
-        c[SELECTED], c[BUSY], c[FREE] = 255, 0, 1
-        for i in range(TRACKERS):
-            r[i, INIT_CM_LOW] = r[i, INIT_CM_HIGH] = r[i, ENABLE] = 0
-            r[i, RADIX_TH], r[i, INIT_RADIX], r[i, MAX_TIME], r[i, NEV_TH] = 3, 64, 20_000_000, 15
-            r[i, HIST_AVG], r[i, RADIX_STEP], r[i, RADIX_MAX], r[i, RADIX_MIN] = 1, 3, 17, 1
+        c[SELECTED], c[BUSY], c[FREE] = SELECT_NONE, 0, 1
+        for column in range(len(RESETS)):
+            r[:, column] = RESETS[column]
 
 
 @njit(cache=True, nogil=True)
 def _write(r: Table, address: int, data: int) -> None:
     """A write to a register of one tracker."""
-    if 82 <= address <= 85:
-        shift = 8 * (address - 82)
-        r[MAX_TIME] = r[MAX_TIME] & ~(255 << shift) | data << shift
-    elif 78 <= address <= 91:
-        column = address - 78 if address < 82 else address - 81
-        if column in (RADIX_TH, RADIX_STEP):
-            data &= 7
-        elif column == HIST_AVG:
-            data &= 15
-        elif column == ENABLE:
-            data = int(data != 0)
-        r[column] = data
+    for column in range(len(FIRST)):
+        if FIRST[column] <= address < FIRST[column] + BYTES[column]:
+            if column == ENABLE:
+                data = int(data != 0)
+            shift = 8 * (address - FIRST[column])
+            r[column] = (r[column] & ~(255 << shift) | data << shift) & MASKS[column]
 
 
 @njit(cache=True, nogil=True)

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from ._published_bench import BENCH_FIELDS, CLOCK, PASSED, WORDS, play
 from ._published_kernel import CASCADE_FIELDS, ENABLE, REGISTER_NAMES, SELECTED, TRACKER_FIELDS, TRACKERS, run, run_one
 from .errors import ConfigError, RecordingError
+from .published_registers import REGISTERS as MAP
+from .published_registers import SELECT, SELECT_NONE
 from .ranges import Range, check_ranges
 
 __all__ = [
@@ -36,35 +38,12 @@ __all__ = [
 ]
 
 # Register -> first address, bytes (low byte first).
-REGISTERS: dict[str, tuple[int, int]] = {
-    "init_cm_low": (78, 1),
-    "init_cm_high": (79, 1),
-    "radix_th": (80, 1),
-    "init_radix": (81, 1),
-    "max_time": (82, 4),
-    "nev_th": (86, 1),
-    "hist_avg": (87, 1),
-    "enable": (88, 1),
-    "radix_step": (89, 1),
-    "radix_max": (90, 1),
-    "radix_min": (91, 1),
-}
-SELECT = 127  # the tracker number written here is held in reset and takes the writes to the registers above
-SELECT_NONE = 255
+REGISTERS = {name: (register.address, register.n_bytes) for name, register in MAP.items()}
 
 _CLOCKS = 1 << 48  # more than a run can last: two months at 50 MHz
 
 _RANGES: dict[str, Range] = {
-    "init_cm_low": (0, 255, "low coordinate of the initial centre"),
-    "init_cm_high": (0, 255, "high coordinate of the initial centre"),
-    "radix_th": (0, 7, "width of the ring around g"),
-    "init_radix": (0, 255, "initial g"),
-    "max_time": (0, (1 << 32) - 1, "clocks after a centre update at which the cell re-initialises"),
-    "nev_th": (0, 255, "initial N_ev"),
-    "hist_avg": (1, 8, "k in the averages' alpha = 2^-k"),
-    "radix_step": (0, 7, "how far g grows or shrinks"),
-    "radix_max": (0, 255, "bound of g when it grows"),
-    "radix_min": (0, 255, "bound of g when it shrinks"),
+    name: (register.low, register.high, register.meaning) for name, register in MAP.items() if name != "enable"
 }
 
 
@@ -76,17 +55,17 @@ class PublishedConfig:
         ConfigError: a field is outside its range.
     """
 
-    init_cm_low: int = 0
-    init_cm_high: int = 0
-    radix_th: int = 3
-    init_radix: int = 64
-    max_time: int = 20_000_000
-    nev_th: int = 15
-    hist_avg: int = 1
+    init_cm_low: int = MAP["init_cm_low"].reset
+    init_cm_high: int = MAP["init_cm_high"].reset
+    radix_th: int = MAP["radix_th"].reset
+    init_radix: int = MAP["init_radix"].reset
+    max_time: int = MAP["max_time"].reset
+    nev_th: int = MAP["nev_th"].reset
+    hist_avg: int = MAP["hist_avg"].reset
     enable: bool = True
-    radix_step: int = 3
-    radix_max: int = 17
-    radix_min: int = 1
+    radix_step: int = MAP["radix_step"].reset
+    radix_max: int = MAP["radix_max"].reset
+    radix_min: int = MAP["radix_min"].reset
 
     def __post_init__(self) -> None:
         check_ranges("published", self, _RANGES)

@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The registers of evcot_top.v: byte addresses, fields, and the words of its streams.
+ * Generated from sw/evcot/registers.toml and contract.py by `python -m evcot.generate`: edit there.
+ *
+ * A field F of a word has EVCOT_F_SHIFT and EVCOT_F_MASK (in place): EVCOT_GET(word, EVCOT_STATUS_HELD).
+ */
+#ifndef EVCOT_REGS_H
+#define EVCOT_REGS_H
+
+#include <stdint.h>
+
+#define EVCOT_GET(word, field) (((word) & field##_MASK) >> field##_SHIFT)
+#define EVCOT_PUT(value, field) (((uint32_t)(value) << field##_SHIFT) & field##_MASK)
+
+#define EVCOT_ID_VALUE 0x45564354u
+#define EVCOT_VERSION_MAJOR_VALUE 1u
+
+/* the letters EVCT */
+#define EVCOT_ID 0x000u
+
+/* version of this map */
+#define EVCOT_VERSION 0x004u
+#define EVCOT_VERSION_MINOR_SHIFT 0u
+#define EVCOT_VERSION_MINOR_MASK 0x0000FFFFu /* ro: grows with additions */
+#define EVCOT_VERSION_MAJOR_SHIFT 16u
+#define EVCOT_VERSION_MAJOR_MASK 0xFFFF0000u /* ro: grows when software must change */
+
+/* shape of the trackers */
+#define EVCOT_SHAPE0 0x008u
+#define EVCOT_SHAPE0_N_SLOTS_SHIFT 0u
+#define EVCOT_SHAPE0_N_SLOTS_MASK 0x0000007Fu /* ro: tracker slots */
+#define EVCOT_SHAPE0_FRAC_SHIFT 8u
+#define EVCOT_SHAPE0_FRAC_MASK 0x00000F00u /* ro: fractional bits of a centre */
+#define EVCOT_SHAPE0_X_W_SHIFT 16u
+#define EVCOT_SHAPE0_X_W_MASK 0x001F0000u /* ro: bits of an x address */
+#define EVCOT_SHAPE0_Y_W_SHIFT 24u
+#define EVCOT_SHAPE0_Y_W_MASK 0x1F000000u /* ro: bits of a y address */
+
+/* shape of the trackers */
+#define EVCOT_SHAPE1 0x00Cu
+#define EVCOT_SHAPE1_TICK_W_SHIFT 0u
+#define EVCOT_SHAPE1_TICK_W_MASK 0x0000003Fu /* ro: bits of the ticks in a token */
+#define EVCOT_SHAPE1_RADIX_W_SHIFT 8u
+#define EVCOT_SHAPE1_RADIX_W_MASK 0x00000F00u /* ro: bits of a radius register */
+#define EVCOT_SHAPE1_NEV_W_SHIFT 16u
+#define EVCOT_SHAPE1_NEV_W_MASK 0x001F0000u /* ro: bits of N_ev */
+#define EVCOT_SHAPE1_TC_W_SHIFT 24u
+#define EVCOT_SHAPE1_TC_W_MASK 0x3F000000u /* ro: bits of a timer */
+
+/* shape of the trackers */
+#define EVCOT_SHAPE2 0x010u
+#define EVCOT_SHAPE2_SUP_W_SHIFT 0u
+#define EVCOT_SHAPE2_SUP_W_MASK 0x0000003Fu /* ro: bits of a support count */
+#define EVCOT_SHAPE2_ID_W_SHIFT 8u
+#define EVCOT_SHAPE2_ID_W_MASK 0x00003F00u /* ro: bits of a track id */
+#define EVCOT_SHAPE2_SEQ_W_SHIFT 16u
+#define EVCOT_SHAPE2_SEQ_W_MASK 0x003F0000u /* ro: bits of an event's number */
+#define EVCOT_SHAPE2_TIME_W_SHIFT 24u
+#define EVCOT_SHAPE2_TIME_W_MASK 0x3F000000u /* ro: bits of the tick count */
+
+/* what was built */
+#define EVCOT_BUILD 0x014u
+#define EVCOT_BUILD_FILTERS_SHIFT 0u
+#define EVCOT_BUILD_FILTERS_MASK 0x0000007Fu /* ro: a bit for each filter, in their order */
+#define EVCOT_BUILD_SOURCES_SHIFT 8u
+#define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
+#define EVCOT_BUILD_TRACKER_SHIFT 16u
+#define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain, 2 engine */
+
+/* size of the sensor */
+#define EVCOT_SENSOR 0x018u
+#define EVCOT_SENSOR_LAST_X_SHIFT 0u
+#define EVCOT_SENSOR_LAST_X_MASK 0x0000FFFFu /* ro: last column: width - 1 */
+#define EVCOT_SENSOR_LAST_Y_SHIFT 16u
+#define EVCOT_SENSOR_LAST_Y_MASK 0xFFFF0000u /* ro: last row: height - 1 */
+
+/* memories */
+#define EVCOT_MEMORY 0x01Cu
+#define EVCOT_MEMORY_STAMP_W_SHIFT 0u
+#define EVCOT_MEMORY_STAMP_W_MASK 0x0000003Fu /* ro: bits of a time stamp in a filter's memory */
+#define EVCOT_MEMORY_RECENT_LAST_SHIFT 8u
+#define EVCOT_MEMORY_RECENT_LAST_MASK 0x0000FF00u /* ro: events that the filter `recent` holds, less 1 */
+#define EVCOT_MEMORY_FIFO_DEPTH_SHIFT 16u
+#define EVCOT_MEMORY_FIFO_DEPTH_MASK 0xFFFF0000u /* ro: tokens that the input FIFO holds */
+
+/* control */
+#define EVCOT_CONTROL 0x020u
+#define EVCOT_CONTROL_ENABLE_SHIFT 0u
+#define EVCOT_CONTROL_ENABLE_MASK 0x00000001u /* rw: let tokens into filters and trackers; 0: they wait in the input FIFO */
+#define EVCOT_CONTROL_DROP_SHIFT 1u
+#define EVCOT_CONTROL_DROP_MASK 0x00000002u /* rw: a full input FIFO drops events and keeps time; 0: it holds the source up */
+#define EVCOT_CONTROL_LATCH_SHIFT 8u
+#define EVCOT_CONTROL_LATCH_MASK 0x00000100u /* pulse: copy all counters at one clock, to be read */
+#define EVCOT_CONTROL_SOFT_RESET_SHIFT 9u
+#define EVCOT_CONTROL_SOFT_RESET_MASK 0x00000200u /* pulse: reset everything but the registers; `source`, `tick_us`, `prescale` and `lfsr_*` take effect */
+
+/* where events come from; takes effect with `soft_reset` */
+#define EVCOT_SOURCE 0x024u
+#define EVCOT_SOURCE_SELECT_SHIFT 0u
+#define EVCOT_SOURCE_SELECT_MASK 0x00000007u /* rw: 0 events, 1 LFSR, 2 AER, 3 EVT 2.0, 4 EVT 2.1, 5 EVT 3.0; only one that was built */
+#define EVCOT_SOURCE_CLOCK_TIME_SHIFT 8u
+#define EVCOT_SOURCE_CLOCK_TIME_MASK 0x00000100u /* rw: 1: ticks come from the clock; 0: from the events' own time */
+#define EVCOT_SOURCE_SWAP_BYTES_SHIFT 16u
+#define EVCOT_SOURCE_SWAP_BYTES_MASK 0x00010000u /* rw: EVT: the high byte comes first */
+#define EVCOT_SOURCE_SWAP_HALVES_SHIFT 17u
+#define EVCOT_SOURCE_SWAP_HALVES_MASK 0x00020000u /* rw: EVT 2.1: the upper half of a word comes first */
+#define EVCOT_SOURCE_ACTIVE_LOW_SHIFT 24u
+#define EVCOT_SOURCE_ACTIVE_LOW_MASK 0x01000000u /* rw: AER: request and acknowledge are active low */
+#define EVCOT_SOURCE_WORD_SERIAL_SHIFT 25u
+#define EVCOT_SOURCE_WORD_SERIAL_MASK 0x02000000u /* rw: AER: rows and columns are words of their own */
+
+/* length of a tick of the events' own time; takes effect with `soft_reset` */
+#define EVCOT_TICK_US 0x028u
+
+/* length of a tick, and of a microsecond, of the clock; takes effect with `soft_reset` */
+#define EVCOT_PRESCALE 0x02Cu
+#define EVCOT_PRESCALE_TICK_SHIFT 0u
+#define EVCOT_PRESCALE_TICK_MASK 0x0000FFFFu /* rw: clocks of a tick, with `source_clock_time` */
+#define EVCOT_PRESCALE_US_SHIFT 16u
+#define EVCOT_PRESCALE_US_MASK 0xFFFF0000u /* rw: clocks of a microsecond, for the time of AER events */
+
+/* self-test source: seed; takes effect with `soft_reset` */
+#define EVCOT_LFSR_SEED 0x030u
+
+/* self-test source: how dense */
+#define EVCOT_LFSR_GAP 0x034u
+
+/* self-test source: columns */
+#define EVCOT_LFSR_X 0x038u
+#define EVCOT_LFSR_X_MIN_SHIFT 0u
+#define EVCOT_LFSR_X_MIN_MASK 0x0000FFFFu /* rw: first column */
+#define EVCOT_LFSR_X_SPAN_SHIFT 16u
+#define EVCOT_LFSR_X_SPAN_MASK 0xFFFF0000u /* rw: last column less the first */
+
+/* self-test source: rows */
+#define EVCOT_LFSR_Y 0x03Cu
+#define EVCOT_LFSR_Y_MIN_SHIFT 0u
+#define EVCOT_LFSR_Y_MIN_MASK 0x0000FFFFu /* rw: first row */
+#define EVCOT_LFSR_Y_SPAN_SHIFT 16u
+#define EVCOT_LFSR_Y_SPAN_MASK 0xFFFF0000u /* rw: last row less the first */
+
+/* how it stands */
+#define EVCOT_STATUS 0x040u
+#define EVCOT_STATUS_IDLE_SHIFT 0u
+#define EVCOT_STATUS_IDLE_MASK 0x00000001u /* ro: nothing under way from the input FIFO on, and no commit */
+#define EVCOT_STATUS_PENDING_SHIFT 1u
+#define EVCOT_STATUS_PENDING_MASK 0x00000002u /* ro: a commit waits or is being applied */
+#define EVCOT_STATUS_OPEN_SHIFT 2u
+#define EVCOT_STATUS_OPEN_MASK 0x00000004u /* ro: tokens may enter filters and trackers */
+#define EVCOT_STATUS_HELD_SHIFT 16u
+#define EVCOT_STATUS_HELD_MASK 0xFFFF0000u /* ro: tokens in the input FIFO */
+
+/* writes that did not do what they said */
+#define EVCOT_FAULT 0x044u
+#define EVCOT_FAULT_CLAMPED_SHIFT 0u
+#define EVCOT_FAULT_CLAMPED_MASK 0x00000001u /* w1c: a value was clamped */
+#define EVCOT_FAULT_REFUSED_SHIFT 1u
+#define EVCOT_FAULT_REFUSED_MASK 0x00000002u /* w1c: a value was refused */
+#define EVCOT_FAULT_PENDING_SHIFT 2u
+#define EVCOT_FAULT_PENDING_MASK 0x00000004u /* w1c: a write to a bank whose commit was pending was refused */
+#define EVCOT_FAULT_UNMAPPED_SHIFT 3u
+#define EVCOT_FAULT_UNMAPPED_MASK 0x00000008u /* w1c: a write to a read-only address, or any access to one that does not exist */
+#define EVCOT_FAULT_ADDRESS_SHIFT 16u
+#define EVCOT_FAULT_ADDRESS_MASK 0x1FFF0000u /* ro: where the last one of them was */
+
+/* what has happened since it was cleared */
+#define EVCOT_IRQ_STATUS 0x048u
+#define EVCOT_IRQ_STATUS_BIRTH_SHIFT 0u
+#define EVCOT_IRQ_STATUS_BIRTH_MASK 0x00000001u /* ro: a track was born */
+#define EVCOT_IRQ_STATUS_LOSS_SHIFT 1u
+#define EVCOT_IRQ_STATUS_LOSS_MASK 0x00000002u /* ro: a track was lost */
+#define EVCOT_IRQ_STATUS_MERGE_SHIFT 2u
+#define EVCOT_IRQ_STATUS_MERGE_MASK 0x00000004u /* ro: two tracks merged */
+#define EVCOT_IRQ_STATUS_OVERFLOW_SHIFT 3u
+#define EVCOT_IRQ_STATUS_OVERFLOW_MASK 0x00000008u /* ro: an event was dropped */
+#define EVCOT_IRQ_STATUS_COMMIT_SHIFT 4u
+#define EVCOT_IRQ_STATUS_COMMIT_MASK 0x00000010u /* ro: a commit took effect */
+
+/* which of them raise `irq` */
+#define EVCOT_IRQ_ENABLE 0x04Cu
+
+/* clears what is written as 1 */
+#define EVCOT_IRQ_CLEAR 0x050u
+
+/* number of the first event after the last commit */
+#define EVCOT_COMMIT_SEQ_LOW 0x054u
+
+/* number of the first event after the last commit */
+#define EVCOT_COMMIT_SEQ_HIGH 0x058u
+
+/* commits applied since reset */
+#define EVCOT_COMMITS 0x05Cu
+
+/* events that came from the source: = events_dropped + events + those in the input FIFO */
+#define EVCOT_EVENTS_IN 0x080u
+
+/* events that found the input FIFO full */
+#define EVCOT_EVENTS_DROPPED 0x084u
+
+/* input words that were skipped, and events outside the sensor */
+#define EVCOT_MALFORMED 0x088u
+
+/* events that entered filters and trackers: = filtered + owned + passed, when idle */
+#define EVCOT_EVENTS 0x08Cu
+
+/* events that a filter took out */
+#define EVCOT_FILTERED 0x090u
+
+/* events that a slot took */
+#define EVCOT_OWNED 0x094u
+
+/* events that no slot took */
+#define EVCOT_PASSED 0x098u
+
+/* records */
+#define EVCOT_RECORDS 0x09Cu
+
+/* clocks in which a token waited for filters, trackers, outputs or a commit */
+#define EVCOT_STALLS 0x0A0u
+
+/* Registers of slot i: written into a shadow, in effect after any write to the slot's EVCOT_SLOT_COMMIT. */
+#define EVCOT_SLOT(i, reg) (0x1000u + 64u * (uint32_t)(i) + (reg))
+#define EVCOT_SLOT_MODE 0x00u /* 0 off, 1 fixed start, 2 seeded start; a write restarts the slot */
+#define EVCOT_SLOT_INIT_CM_X 0x04u /* x of the initial centre */
+#define EVCOT_SLOT_INIT_CM_Y 0x08u /* y of the initial centre */
+#define EVCOT_SLOT_INIT_RADIX 0x0Cu /* initial inner radius g */
+#define EVCOT_SLOT_RADIX_TH 0x10u /* width of the ring: R = g + radix_th */
+#define EVCOT_SLOT_RADIX_STEP 0x14u /* how far g grows or shrinks at a centre update */
+#define EVCOT_SLOT_RADIX_MIN 0x18u /* smallest g */
+#define EVCOT_SLOT_RADIX_MAX 0x1Cu /* largest g */
+#define EVCOT_SLOT_HIST_AVG 0x20u /* k in alpha = 2^-k, for the average and for the centre */
+#define EVCOT_SLOT_MAX_TICKS 0x24u /* ticks of silence that end an active cluster */
+#define EVCOT_SLOT_CLUST_NEV 0x28u /* N_ev at the start of a life */
+#define EVCOT_SLOT_NEV_MIN 0x2Cu /* smallest N_ev */
+#define EVCOT_SLOT_NEV_MAX 0x30u /* largest N_ev */
+#define EVCOT_SLOT_NEV_TH 0x34u /* ticks by which a window must differ from the previous one to change N_ev */
+#define EVCOT_SLOT_DETECT_TICKS 0x38u /* ticks within which a candidate must collect clust_nev events */
+#define EVCOT_SLOT_COMMIT 0x3Cu /* reads: low bits of the number of the first event after it */
+
+/* Registers of the filters, likewise; EVCOT_FILTER_MASK acts at once. */
+#define EVCOT_FILTER_ENABLE 0x0200u /* one bit per filter, in their order */
+#define EVCOT_FILTER_REGION_X0 0x0204u /* first column that stays */
+#define EVCOT_FILTER_REGION_X1 0x0208u /* last column that stays */
+#define EVCOT_FILTER_REGION_Y0 0x020Cu /* first row that stays */
+#define EVCOT_FILTER_REGION_Y1 0x0210u /* last row that stays */
+#define EVCOT_FILTER_POLARITY 0x0214u /* polarity that stays */
+#define EVCOT_FILTER_REFRACTORY_TICKS 0x0218u /* ticks for which a pixel is silent after an event that stayed */
+#define EVCOT_FILTER_ACTIVITY_TICKS 0x021Cu /* oldest neighbour that supports an event */
+#define EVCOT_FILTER_ACTIVITY_SUPPORT 0x0220u /* neighbours that an event needs */
+#define EVCOT_FILTER_RECENT_TICKS 0x0224u /* age past which an event leaves the FIFO */
+#define EVCOT_FILTER_RECENT_RADIUS 0x0228u /* how near an event in the FIFO must be to support another */
+#define EVCOT_FILTER_RECENT_SUPPORT 0x022Cu /* events in the FIFO that an event needs */
+#define EVCOT_FILTER_DECAY_RATE 0x0230u /* units of 1/32 half-life per tick, in 2^-24 */
+#define EVCOT_FILTER_DECAY_EPSILON 0x0234u /* weight in 1/256 up to which an event is discarded */
+#define EVCOT_FILTER_DECAY_SUPPORT 0x0238u /* sum of weights in 1/256 that an event needs */
+#define EVCOT_FILTER_MASK 0x023Cu /* marks one pixel as hot, or not: see `mask_word` */
+#define EVCOT_FILTER_COMMIT 0x0240u
+
+/* Sources. */
+#define EVCOT_SOURCE_EVENTS 0u
+#define EVCOT_SOURCE_LFSR 1u
+#define EVCOT_SOURCE_AER 2u
+#define EVCOT_SOURCE_EVT2 3u
+#define EVCOT_SOURCE_EVT21 4u
+#define EVCOT_SOURCE_EVT3 5u
+
+/* Kinds of a record. */
+#define EVCOT_KIND_BORN 0u
+#define EVCOT_KIND_MOVED 1u
+#define EVCOT_KIND_MERGED 2u
+#define EVCOT_KIND_LOST 3u
+
+/* A record as it comes out, little-endian. */
+struct evcot_record {
+    uint64_t seq;
+    uint64_t time;
+    uint32_t track_id;
+    uint32_t other_id;
+    uint32_t cm_x;
+    uint32_t cm_y;
+    uint32_t support;
+    uint16_t radius;
+    uint16_t n_ev;
+    uint8_t slot;
+    uint8_t kind;
+    uint16_t pad;
+    uint32_t pad2;
+};
+#define EVCOT_RECORD_BYTES 48u
+
+/* an event that goes in: 64 bits */
+#define EVCOT_EVENT_T(word) ((uint32_t)((uint64_t)(word) >> 0 & 0xFFFFFFFFu))
+#define EVCOT_EVENT_X(word) ((uint32_t)((uint64_t)(word) >> 32 & 0x7FFFu))
+#define EVCOT_EVENT_Y(word) ((uint32_t)((uint64_t)(word) >> 47 & 0x7FFFu))
+#define EVCOT_EVENT_P(word) ((uint32_t)((uint64_t)(word) >> 62 & 0x1u))
+
+/* an event that a slot took; tuser is the slot, too: 64 bits */
+#define EVCOT_OWNED_X(word) ((uint32_t)((uint64_t)(word) >> 0 & 0x3FFFu))
+#define EVCOT_OWNED_Y(word) ((uint32_t)((uint64_t)(word) >> 14 & 0x3FFFu))
+#define EVCOT_OWNED_SLOT(word) ((uint32_t)((uint64_t)(word) >> 28 & 0x3Fu))
+#define EVCOT_OWNED_P(word) ((uint32_t)((uint64_t)(word) >> 34 & 0x1u))
+#define EVCOT_OWNED_SEQ(word) ((uint32_t)((uint64_t)(word) >> 35 & 0x1FFFFFFFu))
+
+/* an event that no slot took: 64 bits */
+#define EVCOT_PASSED_X(word) ((uint32_t)((uint64_t)(word) >> 0 & 0xFFFFu))
+#define EVCOT_PASSED_Y(word) ((uint32_t)((uint64_t)(word) >> 16 & 0xFFFFu))
+#define EVCOT_PASSED_P(word) ((uint32_t)((uint64_t)(word) >> 34 & 0x1u))
+#define EVCOT_PASSED_SEQ(word) ((uint32_t)((uint64_t)(word) >> 35 & 0x1FFFFFFFu))
+
+#endif
