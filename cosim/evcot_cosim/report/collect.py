@@ -52,11 +52,12 @@ def collect(material: Material, events_max: int) -> Collected:
         columns[f"{side.name}.quiet"] = Column(peaks.peaks_us.ravel())
         sides.append(
             _names(side.name, paths[side.name])
-            | {"engine": side.log.engine, "ring": _ring(side.name, material.summary), "stretch": peaks.stretch_us}
+            | {"engine": side.log.engine, "ring": _ring(side.name, material.summary), "stretch": peaks.stretch_us,
+               "stretches": peaks.peaks_us.shape[1]}
         )
     if "truth" in paths:
         columns |= paths["truth"].columns("truth", begin_us) | _alive_of_lives(paths["truth"], begin_us)
-        sides.append(_names("truth", paths["truth"]) | {"engine": None, "ring": None, "stretch": 0})
+        sides.append(_names("truth", paths["truth"]) | {"engine": None, "ring": None, "stretch": 0, "stretches": 0})
     facts = {
         "width": material.recording.width,
         "height": material.recording.height,

@@ -40,6 +40,11 @@ class Truth:
         chosen = chosen.on(chosen.sensor or sensor)
         return cls(read_truth(path, chosen), chosen)
 
+    @property
+    def words(self) -> str:
+        """How tracks are held against it, for people."""
+        return f"{len(self.objects.ids)} objects at {len(self.objects.instants_us):,} instants; {self.rule.title}."
+
     def within(self, from_us: int, to_us: int) -> Truth:
         """That part of it between two moments, both included."""
         first, end = (int(i) for i in np.searchsorted(self.objects.instants_us, (from_us, to_us + 1)))

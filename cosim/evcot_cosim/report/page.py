@@ -6,11 +6,13 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import math
 import re
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from evcot.contract import DROPPED
@@ -27,12 +29,20 @@ __all__ = ["MODULES", "inline_modules", "render", "write_report"]
 
 # In the order in which they need each other.
 MODULES = (
-    "unpack", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves", "timeline",
+    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves", "timeline",
     "theme", "hover", "layers", "transport", "keys", "links", "main",
 )  # fmt: skip
 
 _TEXT_MAX = 9_000_000  # characters of packed columns
 _LISTED_MAX = 300  # of a list of places
+_DECAY_US = 10_000  # of events, at first
+_PLAYING_S = 10  # that the whole recording takes at first, at least
+_SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+# Of the curves, in pixels: known before they are drawn, so that nothing jumps.
+_HEIGHTS = {"rate": 44, "alive": 64, "radius": 64, "nev": 64, "quiet": 64}
+_LANES_HEIGHT = 440  # of all lifetimes, at most, as long as a lane has its least
+_LANE = (3, 13)  # height of a lane: least, most
+_LANES_LEAST = 2  # of a side
 _IMPORT = re.compile(r"^import\s[^;]*;\n", re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULTILINE)
 
@@ -70,7 +80,14 @@ def render(material: Material) -> str:
         title=material.summary.get("name", material.recording.name),
         material=material,
         summary=material.summary,
-        duration_s=(material.span_us[1] - material.span_us[0]) / 1e6,
+        begin_us=material.span_us[0],
+        duration_s=_duration_us(material) / 1e6,
+        mismatch_us=_mismatch_us(material),
+        speed=_telling_speed(_duration_us(material)),
+        decay=round(math.log10(_DECAY_US), 2),
+        trail=round(math.log10(min(max(0.1 * _duration_us(material), 1e3), 1e6)), 2),
+        heights=_HEIGHTS | {"lives": _lives_height(collected)},
+        hints={"difference": "next place where hardware and software, or hardware and model, differ"},
         sides=collected.facts["sides"],
         paths=collected.paths,
         notes=_notes(material, collected),
@@ -151,6 +168,21 @@ def _mismatch_us(material: Material) -> int | None:
     if not found or not len(t_us):
         return None
     return int(t_us[min(max(found["event_index"], 0), len(t_us) - 1)]) - material.span_us[0]
+
+
+def _lives_height(collected: Collected) -> int:
+    """Height of the panel of lifetimes: a lane for every slot that anybody lived in."""
+    lanes = sum(max(len(np.unique(paths.lives["slot"])), _LANES_LEAST) for paths in collected.paths.values())
+    return max(lanes, _LANES_LEAST) * min(max(_LANES_HEIGHT // max(lanes, 1), _LANE[0]), _LANE[1])
+
+
+def _duration_us(material: Material) -> int:
+    return material.span_us[1] - material.span_us[0]
+
+
+def _telling_speed(duration_us: int) -> float:
+    """The fastest speed at which playing it all takes long enough to see something."""
+    return max((speed for speed in _SPEEDS if duration_us / 1e6 / speed >= _PLAYING_S), default=_SPEEDS[0])
 
 
 def _ms(at_us: int) -> str:

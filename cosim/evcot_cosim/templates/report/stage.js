@@ -8,7 +8,8 @@ const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of co
  * @typedef {{id: string|number, x: number, y: number, halfWidth: number, halfHeight: number, inner: ?number,
  *   trail: ?ArrayLike<number>, strong: boolean}} Cluster  inner: half side or null; trail: x0, y0, x1, y1, … oldest first
  * @typedef {{colour: string, dash: number[], width: number, clusters: Cluster[],
- *   show: {window: boolean, inner: boolean, id: boolean, trail: boolean}}} Layer  dash in canvas pixels
+ *   show: {window: boolean, inner: boolean, id: boolean, trail: boolean}, marks: ?{x: number, y: number, kind: string,
+ *   text: string}[]}} Layer  dash in canvas pixels; marks: of kind "merge" or "loss"
  */
 
 export class Stage {
@@ -113,6 +114,7 @@ export class Stage {
     context.save();
     context.translate(left + scale / 2, top + scale / 2);
     for (const layer of layers) this.#drawLayer(layer);
+    for (const layer of layers) this.#mark(layer);
     context.restore();
   }
 
@@ -162,17 +164,45 @@ export class Stage {
   }
 
   #writeIds(clusters, colour) {
+    const { scale, ratio } = this;
+    for (const { id, x, y, halfWidth, halfHeight } of clusters) {
+      this.#write(id, (x - halfWidth - 0.5) * scale + ratio, (y - halfHeight - 0.5) * scale - 2 * ratio, colour);
+    }
+  }
+
+  /** A merge as a diamond, a loss as a cross. */
+  #mark({ colour, marks = [] }) {
     const { context, scale, ratio } = this;
+    const size = 7 * ratio;
+    for (const { x, y, kind, text } of marks) {
+      const [left, top] = [x * scale, y * scale];
+      context.beginPath();
+      if (kind === "merge") {
+        context.moveTo(left - size, top);
+        for (const [dx, dy] of [[0, -1], [1, 0], [0, 1], [-1, 0]]) context.lineTo(left + dx * size, top + dy * size);
+      } else {
+        for (const side of [-1, 1]) {
+          context.moveTo(left - size, top - side * size);
+          context.lineTo(left + size, top + side * size);
+        }
+      }
+      for (const [pen, ink] of [[5, this.ground], [2, colour]]) {
+        context.lineWidth = pen * ratio;
+        context.strokeStyle = ink;
+        context.stroke();
+      }
+      this.#write(text, left + size + 3 * ratio, top + 5 * ratio, colour);
+    }
+  }
+
+  #write(text, left, bottom, colour) {
+    const { context, ratio } = this;
     context.font = `600 ${11 * ratio}px ${this.font}`;
     context.textBaseline = "bottom";
     context.lineWidth = 3 * ratio;
-    for (const cluster of clusters) {
-      const left = (cluster.x - cluster.halfWidth - 0.5) * scale + ratio;
-      const top = (cluster.y - cluster.halfHeight - 0.5) * scale - 2 * ratio;
-      context.strokeStyle = this.ground;
-      context.strokeText(cluster.id, left, top);
-      context.fillStyle = colour;
-      context.fillText(cluster.id, left, top);
-    }
+    context.strokeStyle = this.ground;
+    context.strokeText(text, left, bottom);
+    context.fillStyle = colour;
+    context.fillText(text, left, bottom);
   }
 }

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The events, and a surface that always shows them up to the time asked for.
+import { after } from "./search.js";
+import { EventSurface } from "./surface.js";
+
+export class Recording {
+  constructor(facts, columns) {
+    Object.assign(this, { t: columns.t, x: columns.x, y: columns.y, owner: columns.owner });
+    this.owners = facts.owners; // what each code says: one slot per side
+    this.cell = facts.cell; // pixels of the sensor to one that is drawn, per side
+    this.rate = columns.rate;
+    this.p = new Uint8Array(facts.shown);
+    for (let i = 0; i < facts.shown; i++) this.p[i] = (columns.p[i >> 3] >> (i & 7)) & 1;
+    this.surface = new EventSurface(Math.ceil(facts.width / this.cell), Math.ceil(facts.height / this.cell));
+    this.from = this.to = 0; // events that went into the surface
+    this.polarities = 3;
+  }
+
+  /** How many events there are up to a moment. */
+  upTo(now) {
+    return after(this.t, now);
+  }
+
+  /** Have the surface hold all events that still show at `now`; going on costs only what is new. */
+  show(now, decay, polarities) {
+    const from = after(this.t, now - EventSurface.reach(decay));
+    const to = this.upTo(now);
+    if (to < this.to || from > this.to || from < this.from || polarities !== this.polarities) {
+      this.surface.clear();
+      this.from = this.to = from;
+      this.polarities = polarities;
+    }
+    this.surface.add(this.t, this.x, this.y, this.p, this.to, to, polarities);
+    this.to = to;
+  }
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Colours for what is drawn on canvases, taken from the style sheet; and the switch between dark and light.
+
+// The engines differ in dashes too, not in colour alone.
+const LINES = {
+  hardware: { dash: [], width: 1.8 },
+  software: { dash: [6, 4], width: 1.5 },
+  model: { dash: [6, 4], width: 1.5 },
+  truth: { dash: [2, 3], width: 1.5 },
+};
+const NEXT = { auto: "light", light: "dark", dark: "auto" };
+
+function rgb(text) {
+  return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
+}
+
+/** What the style sheet says now; colours of sides by name. */
+export function readTheme() {
+  const style = getComputedStyle(document.documentElement);
+  const of = (name) => style.getPropertyValue(`--${name}`).trim();
+  const sides = Object.fromEntries(Object.entries(LINES).map(([name, line]) => {
+    return [name, { ...line, colour: of(name), text: of(`${name}-text`) }];
+  }));
+  return {
+    sides, ink: of("ink"), quiet: of("quiet"), line: of("line"), font: of("font"),
+    stage: { ground: rgb(of("ground")), off: rgb(of("off")), on: rgb(of("on")), edge: of("edge"), font: of("font") },
+  };
+}
+
+/** Calls `changed` whenever colours change: by the button, the system, or for a printer. */
+export function watchTheme(button, changed) {
+  const root = document.documentElement;
+  const name = () => root.dataset.theme ?? "auto";
+  const label = () => {
+    button.textContent = { auto: "Auto", light: "Light", dark: "Dark" }[name()];
+    button.setAttribute("aria-label", `Colours: ${name()}. Change to ${NEXT[name()]}.`);
+  };
+  button.addEventListener("click", () => {
+    const next = NEXT[name()];
+    if (next === "auto") delete root.dataset.theme;
+    else root.dataset.theme = next;
+    label();
+    changed();
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
+  matchMedia("print").addEventListener("change", changed);
+  label();
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who lived when and where: one engine's tracks, or the true objects.
+import { after, notBefore } from "./search.js";
+
+export const ALIVE = -1; // how a life ended
+export const MERGED = 2;
+export const LOST = 3;
+
+const TRAIL_POINTS = 300; // at most, of one trail
+
+export class Tracks {
+  /** Columns of paths.py under this name; `ring`: per slot, window less inner radius, or null. */
+  constructor({ name, ids, ring, engine, stretch, stretches }, columns) {
+    const of = (field) => columns[`${name}.${field}`];
+    Object.assign(this, {
+      name, ids, ring, engine, stretch, stretches,
+      slot: of("slot"), birth: of("birth"), end: of("end"), ended: of("ended"), other: of("other"),
+      t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), nEv: of("n_ev"),
+      aliveT: of("alive_t"), alive: of("alive"), quiet: of("quiet"),
+    });
+    this.lives = ids.length;
+    this.first = new Int32Array(this.lives + 1); // where each life's points begin
+    for (let i = 0; i < this.lives; i++) this.first[i + 1] = this.first[i] + of("count")[i];
+    this.rows = new Map(ids.map((id, i) => [id, i]));
+    this.slots = [...new Set(this.slot)].sort((a, b) => a - b);
+  }
+
+  /** The lives at a moment, after all that happened at it. */
+  livesAt(now) {
+    const found = [];
+    for (let life = after(this.birth, now) - 1; life >= 0; life--) if (this.isAlive(life, now)) found.push(life);
+    return found.reverse();
+  }
+
+  isAlive(life, now) {
+    return this.birth[life] <= now && (now < this.end[life] || (this.ended[life] === ALIVE && now <= this.end[life]));
+  }
+
+  /** The life in a slot at a moment, its last moment included; -1 if there is none. */
+  lifeIn(slot, now) {
+    for (let life = after(this.birth, now) - 1; life >= 0; life--) {
+      if (this.slot[life] === slot && now <= this.end[life]) return life;
+    }
+    return -1;
+  }
+
+  /** Number of the latest point of a life; its first one before that. */
+  pointAt(life, now) {
+    return Math.max(after(this.t, now, this.first[life], this.first[life + 1]) - 1, this.first[life]);
+  }
+
+  countAt(now) {
+    const step = after(this.aliveT, now) - 1;
+    return step < 0 ? 0 : this.alive[step];
+  }
+
+  /** A life as a Stage draws it, with the way it came in the last `trail` microseconds. */
+  cluster(life, now, trail, strong) {
+    const point = this.pointAt(life, now);
+    const inner = this.ring ? Math.max(this.halfWidth[point] - this.ring[this.slot[life]], 0) : null;
+    return {
+      id: this.ids[life], x: this.x[point], y: this.y[point], inner, strong,
+      halfWidth: this.halfWidth[point], halfHeight: this.halfHeight[point],
+      trail: trail > 0 ? this.#trail(life, point, now - trail) : null,
+    };
+  }
+
+  #trail(life, point, since) {
+    const begin = notBefore(this.t, since, this.first[life], point);
+    const step = Math.ceil((point - begin + 1) / TRAIL_POINTS);
+    const places = [];
+    for (let i = begin; i < point; i += step) places.push(this.x[i], this.y[i]);
+    places.push(this.x[point], this.y[point]);
+    return places;
+  }
+
+  /** What ended or began within (since, now]: where, and words for it. */
+  marks(since, now) {
+    const found = [];
+    for (let life = after(this.birth, now) - 1; life >= 0; life--) {
+      if (this.end[life] <= now && this.end[life] > since && this.ended[life] !== ALIVE) {
+        const point = this.first[life + 1] - 1;
+        const merged = this.ended[life] === MERGED;
+        const into = merged && this.other[life] >= 0 ? ` → ${this.ids[this.other[life]]}` : "";
+        found.push({ x: this.x[point], y: this.y[point], kind: merged ? "merge" : "loss", text: `${this.ids[life]}${into}` });
+      }
+    }
+    return found;
+  }
+}

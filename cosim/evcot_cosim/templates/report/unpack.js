@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Columns of numbers out of the text that the page carries; the twin of pack.py.
+
+const LETTERS = Array.from({ length: 94 }, (_, i) => String.fromCharCode(33 + i)).filter((letter) => !"<>&".includes(letter));
+const BITS = 13;
+
+/** Bytes of a text that has 13 bits in every pair of characters, lowest first. */
+export function bytesOf(text) {
+  const number = new Uint8Array(128);
+  LETTERS.forEach((letter, i) => (number[letter.charCodeAt(0)] = i));
+  const bytes = new Uint8Array((text.length / 2) * BITS / 8);
+  let held = 0;
+  let bits = 0;
+  let at = 0;
+  for (let i = 0; i < text.length; i += 2) {
+    held |= (number[text.charCodeAt(i)] * LETTERS.length + number[text.charCodeAt(i + 1)]) << bits;
+    for (bits += BITS; bits >= 8; bits -= 8) {
+      bytes[at++] = held & 255;
+      held >>>= 8;
+    }
+  }
+  return bytes;
+}
+
+async function inflate(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** Numbers of planes of bytes, lowest plane first: undo zigzag, differences and scale. */
+export function restore(bytes, { n, planes, signed, delta, scale }, Kind = Float64Array) {
+  const values = new Kind(n);
+  let last = 0;
+  for (let i = 0; i < n; i++) {
+    let value = 0;
+    for (let plane = planes - 1; plane >= 0; plane--) value = value * 256 + bytes[plane * n + i];
+    if (signed) value = value % 2 ? -(value + 1) / 2 : value / 2;
+    if (delta) value = last += value;
+    values[i] = value * scale;
+  }
+  return values;
+}
+
+/** All columns by name; `kinds` names the array types of those that are not Float64Array. */
+export async function unpack(text, directory, kinds) {
+  const bytes = bytesOf(text);
+  const columns = {};
+  await Promise.all(Object.entries(directory).map(async ([name, entry]) => {
+    const content = await inflate(bytes.subarray(entry.at, entry.at + entry.bytes));
+    columns[name] = restore(content, entry, kinds[name]);
+  }));
+  return columns;
+}
