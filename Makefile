@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint prove mutants fuzz clean
+.PHONY: help setup cosim waves test bench lint prove mutants fuzz fpga fpga-check clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -13,7 +13,7 @@ export CALLED_FROM := $(PWD)
 
 help: ## List the targets
 	@echo "Targets (make TARGET [VARIABLE=value]):"
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1|\2/p' $(MAKEFILE_LIST) | while IFS='|' read -r target text; do \
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1|\2/p' $(MAKEFILE_LIST) | while IFS='|' read -r target text; do \
 	  printf '%-10s %s\n' "$$target" "$$text"; done
 	@echo "ARGS='...' is handed on to evcot, pytest or the benchmarks."
 
@@ -47,6 +47,12 @@ mutants: $(VENV)/.installed-test ## Break the RTL in one place at a time and see
 
 fuzz: $(VENV)/.installed-test ## Damage recordings of every format in every way that the tests know, leaving nothing out (an hour)
 	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/formats -k "damage or cut or corruption" $(ARGS)
+
+fpga: $(VENV)/.installed-fpga ## Synthesise, place, route: what the RTL costs and how fast it is [ARGS="cot_engine --n 8 --seeds 5"]
+	@$(BIN)/python -m evcot_cosim.fpga $(ARGS)
+
+fpga-check: $(VENV)/.installed-fpga ## See what has become larger or slower than hw/fpga/figures.json says
+	@$(BIN)/python -m evcot_cosim.fpga --check $(ARGS)
 
 clean: ## Remove everything that was built; .venv stays
 	@rm -rf build .pytest_cache .mypy_cache .ruff_cache

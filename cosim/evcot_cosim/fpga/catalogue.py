@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The modules that are measured: to add one, add a line.
+
+Everything has its default parameters but for those given here. Time enters as one pulse of a prescaler, TICK_W = 1.
+Filters with a memory are measured for two sensors: 128 x 128, and 346 x 260 where the name says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+from evcot.errors import ConfigError
+
+__all__ = ["MODULES", "Module", "chosen"]
+
+
+@dataclass(frozen=True)
+class Module:
+    """One line of the table.
+
+    Attributes:
+        name: on the command line and in the figures.
+        top: the Verilog module.
+        parameters: those that are not left at their defaults.
+        sizes: values of N to measure; empty for a module without N.
+        usual: those of `sizes` that are measured when nothing else is asked for.
+        answer: what its latency is counted to: a record of a tracker, or the token or word that went in; None: no latency.
+    """
+
+    name: str
+    top: str
+    parameters: Mapping[str, int] = field(default_factory=dict)
+    sizes: tuple[int, ...] = ()
+    usual: tuple[int, ...] = ()
+    answer: Literal["record", "token"] | None = None
+
+    def at(self, n: int | None) -> dict[str, int]:
+        """All parameters, at one size."""
+        return {**self.parameters, **({} if n is None else {"N": n})}
+
+
+_SIZES = (1, 2, 4, 8, 16, 32, 64)
+_TICK = {"TICK_W": 1}
+_SMALL = {"TICK_W": 1, "X_W": 7, "Y_W": 7}
+_PIXELS = {"WIDTH": 128, "HEIGHT": 128}
+
+_TABLE = (
+    Module("cot", "cot", _TICK, answer="record"),
+    Module("cot_chain", "cot_chain", _TICK, _SIZES, (8,), "record"),
+    Module("cot_array", "cot_array", _TICK, _SIZES, (8,), "record"),
+    Module("cot_engine", "cot_engine", _TICK, _SIZES, (8,), "record"),
+    Module("cot_published_chain", "cot_published_chain"),
+    Module("filter_region", "filter_region", _SMALL, answer="token"),
+    Module("filter_polarity", "filter_polarity", _SMALL, answer="token"),
+    Module("filter_mask", "filter_mask", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_refractory", "filter_refractory", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_activity", "filter_activity", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_recent", "filter_recent", _SMALL, answer="token"),
+    Module("filter_decay", "filter_decay", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_chain", "filter_chain", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_chain_346x260", "filter_chain", _TICK, answer="token"),
+    Module("evt2_decoder", "evt2_decoder"),
+    Module("evt21_decoder", "evt21_decoder"),
+    Module("evt3_decoder", "evt3_decoder"),
+    Module("lfsr_event_source", "lfsr_event_source"),
+)
+
+MODULES: Mapping[str, Module] = MappingProxyType({module.name: module for module in _TABLE})
+"""By name."""
+
+
+def chosen(names: list[str]) -> list[Module]:
+    """The modules of these names, all for an empty list.
+
+    Raises:
+        ConfigError: there is no such module.
+    """
+    for name in names:
+        if name not in MODULES:
+            raise ConfigError(f"module {name}: not measured; there are {', '.join(MODULES)}")
+    return [MODULES[name] for name in names or MODULES]

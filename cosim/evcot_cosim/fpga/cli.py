@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`make fpga` and `make fpga-check`: measure, record, compare."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from evcot.errors import ConfigError, EvcotError
+
+from ..build import verilog_dir
+from ..commands.tables import print_table
+from . import tools
+from .catalogue import MODULES, Module, chosen
+from .devices import DEVICES
+from .figures import Figure, Figures, growths, load, save, seed_noise
+from .measure import Case
+from .run import figures_of, synthesised
+
+__all__ = ["main"]
+
+_USUAL_DEVICES = ("ecp5-25", "hx8k", "xilinx7", "gowin")
+_USUAL_SEEDS, _ALL_SEEDS = 3, 5
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m evcot_cosim.fpga", description=__doc__)
+    usual = ", ".join(_USUAL_DEVICES)
+    parser.add_argument("modules", nargs="*", metavar="MODULE", help="modules to measure (default: all)")
+    parser.add_argument("--n", type=int, nargs="+", metavar="N", help="sizes (default: the usual one of each module)")
+    parser.add_argument("--device", nargs="+", metavar="DEVICE", help=f"of {', '.join(DEVICES)} (default: {usual})")
+    parser.add_argument("--seeds", type=int, help=f"place and route seeds (default: {_USUAL_SEEDS}; with --all {_ALL_SEEDS})")
+    parser.add_argument("--all", action="store_true", help="every size on every device: hours")
+    parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="cases at once (default: 2)")
+    parser.add_argument("--record", action="store_true", help="write the figures into hw/fpga/figures.json and docs/fpga.md")
+    parser.add_argument("--check", action="store_true", help="compare with hw/fpga/figures.json; exit code 1 when worse")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return _check(options) if options.check else _measure(options)
+    except EvcotError as error:
+        print(f"evcot: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("evcot: interrupted: what was measured stays in the cache", file=sys.stderr)
+        return 2
+
+
+def _cases(options: argparse.Namespace) -> list[Case]:
+    for n in options.n or ():
+        if not 1 <= n <= 64:
+            raise ConfigError(f"--n {n}: must be 1 to 64")
+    for name, least in (("seeds", 1), ("jobs", 1)):
+        value = getattr(options, name)
+        if value is not None and value < least:
+            raise ConfigError(f"--{name} {value}: must be at least {least}")
+    devices = options.device or (DEVICES if options.all else _USUAL_DEVICES)
+    for name in devices:
+        if name not in DEVICES:
+            raise ConfigError(f"device {name}: unknown; there are {', '.join(DEVICES)}")
+
+    def sizes(module: Module) -> Sequence[int | None]:
+        if not module.sizes:
+            return (None,)
+        return options.n or (module.sizes if options.all else module.usual)
+
+    return [Case(module, n, DEVICES[name]) for module in chosen(options.modules) for n in sizes(module) for name in devices]
+
+
+def _measure(options: argparse.Namespace) -> int:
+    seeds = options.seeds or (_ALL_SEEDS if options.all else _USUAL_SEEDS)
+    syntheses, failed = synthesised(_cases(options), _cache(), options.jobs)
+    figures = figures_of([(one, seeds) for one in syntheses], options.jobs)
+    if figures:
+        print_table([_HEAD, *map(_row, figures)])
+    if options.record:
+        recorded = load(_file()) | {figure.name: figure for figure in figures}
+        save(_file(), _ordered(recorded), tools.versions())
+        print(f"recorded in {_file()}")
+    return _report(failed)
+
+
+def _check(options: argparse.Namespace) -> int:
+    recorded = load(_file())
+    cases = _cases(options)
+    syntheses, failed = synthesised([case for case in cases if case.name in recorded], _cache(), options.jobs)
+    changed = [one for one in syntheses if one.key != recorded[one.case.name].key]
+    figures = figures_of([(one, recorded[one.case.name].seeds) for one in changed], options.jobs)
+    noise = seed_noise(recorded.values())
+    worse = [growth for figure in figures for growth in growths(recorded[figure.name], figure, noise)]
+    if worse:
+        rows = [(one.name, one.what, one.before, one.now, f"{one.change:+.1%}") for one in worse]
+        print_table([("case", "what", "recorded", "now", "change"), *rows])
+    print(
+        f"{len(syntheses) - len(changed)} cases as recorded, {len(changed)} changed, {len(worse)} figures worse, "
+        f"{sum(case.name not in recorded for case in cases)} not recorded; seeds move Fmax by {noise:.1%}"
+    )
+    return _report(failed) or int(bool(worse))
+
+
+def _report(failed: Sequence[str]) -> int:
+    for line in failed:
+        print(f"evcot: {line}", file=sys.stderr)
+    return 2 if failed else 0
+
+
+def _cache() -> Path:
+    return verilog_dir().parents[1] / "build" / "fpga"
+
+
+def _file() -> Path:
+    return verilog_dir().parent / "fpga" / "figures.json"
+
+
+def _ordered(figures: Figures) -> Figures:
+    modules, devices = list(MODULES), list(DEVICES)
+    rows = [figure for figure in figures.values() if figure.module in MODULES and figure.device in DEVICES]
+    rows.sort(key=lambda row: (modules.index(row.module), devices.index(row.device), row.n or 0))
+    return {row.name: row for row in rows}
+
+
+_HEAD = ("module", "N", "device", "LUTs", "FFs", "block RAMs", "LUT RAMs", "multipliers", "Fmax best", "median", "MHz")
+
+
+def _row(figure: Figure) -> tuple[str, ...]:
+    counts = (figure.luts, figure.ffs, figure.block_rams, figure.lut_rams, figure.multipliers)
+    if figure.best_mhz is None or figure.median_mhz is None:
+        fmax = ("", "", figure.misfit)
+    else:
+        fmax = (f"{figure.best_mhz:.1f}", f"{figure.median_mhz:.1f}", f"{len(figure.fmax_mhz)} of {figure.seeds} seeds")
+    return (figure.module, str(figure.n or ""), figure.device, *(f"{count:,}" for count in counts), *fmax)

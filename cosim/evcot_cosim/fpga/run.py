@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Many cases at once, with a line that says how far they are; silent in pipes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from evcot.errors import ToolchainError
+
+from .figures import Figure
+from .measure import Case, Synthesis, place, synthesise
+
+__all__ = ["figures_of", "synthesised"]
+
+
+def _bars() -> Progress:
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    more = TextColumn("{task.fields[state]}")
+    return Progress(*columns, more, console=console, disable=not console.is_terminal, transient=True)
+
+
+def synthesised(cases: Sequence[Case], cache: Path, jobs: int) -> tuple[list[Synthesis], list[str]]:
+    """Synthesise all cases; those that worked, in their order, and a line for each that did not."""
+    with _bars() as bars, ThreadPoolExecutor(jobs) as pool:
+        task = bars.add_task("synthesis", total=len(cases), state="")
+        running = {pool.submit(synthesise, case, cache): case for case in cases}
+        try:
+            for finished in as_completed(running):
+                bars.update(task, advance=1, state=running[finished].name)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    done, failed = [], []
+    for future, case in running.items():
+        try:
+            done.append(future.result())
+        except ToolchainError as error:
+            failed.append(f"{case.name}: {error}")
+    return done, failed
+
+
+def figures_of(syntheses: Sequence[tuple[Synthesis, int]], jobs: int) -> list[Figure]:
+    """Place and route each, on as many seeds from 1 up, where it fits and the device has a tool for that."""
+    placed = [(one, seeds) for one, seeds in syntheses if one.case.device.placement and not one.misfit()]
+    with _bars() as bars, ThreadPoolExecutor(jobs) as pool:
+        task = bars.add_task("place and route", total=sum(seeds for _, seeds in placed), state="")
+        running: dict[Future[tuple[float | None, str]], Synthesis] = {
+            pool.submit(place, one, seed): one for one, seeds in placed for seed in range(1, seeds + 1)
+        }
+        try:
+            for finished in as_completed(running):
+                bars.update(task, advance=1, state=running[finished].case.name)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    answers: dict[int, list[tuple[float | None, str]]] = {id(one): [] for one, _ in syntheses}
+    for future, one in running.items():
+        answers[id(one)].append(future.result())
+    return [_figure(one, answers[id(one)]) for one, _ in syntheses]
+
+
+def _figure(one: Synthesis, answers: Sequence[tuple[float | None, str]]) -> Figure:
+    reasons = [reason for _, reason in answers if reason]
+    return Figure(
+        module=one.case.module.name,
+        n=one.case.n,
+        device=one.case.device.name,
+        key=one.key,
+        **asdict(one.module),
+        seeds=len(answers),
+        fmax_mhz=tuple(round(mhz, 2) for mhz, _ in answers if mhz is not None),
+        misfit=one.misfit() or (reasons[0] if reasons else ""),
+    )

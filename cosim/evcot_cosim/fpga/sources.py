@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The RTL as one text: a module with all that it instantiates and includes, in the order of the manifest."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+from evcot.errors import ConfigError
+
+from ..build import verilog_dir
+
+__all__ = ["closure", "flat", "manifest", "without_comments"]
+
+_COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
+_INCLUDE = re.compile(r'^[ \t]*`include[ \t]+"([^"]+)"[^\n]*\n', re.MULTILINE)
+_GUARD = re.compile(r"\A\s*`ifndef\s+\w+")
+_WORD = re.compile(r"\b[A-Za-z_]\w*\b")
+
+
+def manifest(verilog: Path | None = None) -> list[str]:
+    """The names of all modules, each after those that it instantiates."""
+    lines = ((verilog or verilog_dir()) / "manifest.txt").read_text().splitlines()
+    return [line.removesuffix(".v") for line in lines if line.endswith(".v") and not line.startswith("#")]
+
+
+def without_comments(text: str) -> str:
+    """Verilog without comments, empty lines and spaces at the ends of lines."""
+    bare = _COMMENT.sub(lambda found: found[0] if found[0].startswith('"') else " ", text)
+    return "".join(f"{line.rstrip()}\n" for line in bare.splitlines() if line.strip())
+
+
+def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
+    """`tops` and every module below them, in the manifest's order.
+
+    Raises:
+        ConfigError: a top is not in the manifest.
+    """
+    folder = verilog or verilog_dir()
+    known = manifest(folder)
+    waiting, needed = list(tops), set[str]()
+    for top in waiting:
+        if top not in known:
+            raise ConfigError(f"module {top}: not in manifest.txt, which has {', '.join(known)}")
+    while waiting:
+        module = waiting.pop()
+        if module not in needed:
+            needed.add(module)
+            words = set(_WORD.findall(_bare(folder / f"{module}.v")))
+            waiting += [other for other in known if other in words]
+    return [module for module in known if module in needed]
+
+
+def flat(modules: Iterable[str], verilog: Path | None = None, *, comments: bool = False) -> str:
+    """These modules' sources after one another, includes put in their places; a guarded header only once.
+
+    Without comments the text, and so every name that a tool derives from its line numbers, does not change with them.
+    """
+    folder = verilog or verilog_dir()
+    seen = set[str]()
+
+    def included(found: re.Match[str]) -> str:
+        text = (folder / found[1]).read_text()
+        if _GUARD.match(without_comments(text)):
+            if found[1] in seen:
+                return ""
+            seen.add(found[1])
+        return text
+
+    text = "\n".join(_INCLUDE.sub(included, (folder / f"{module}.v").read_text()) for module in modules)
+    return text if comments else without_comments(text)
+
+
+def _bare(path: Path) -> str:
+    return _stripped(path, path.stat().st_mtime_ns)
+
+
+@cache
+def _stripped(path: Path, _changed_ns: int) -> str:
+    return without_comments(path.read_text())

