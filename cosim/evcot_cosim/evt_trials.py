@@ -16,12 +16,27 @@ from evcot.formats.words import Layout, WordArray
 
 from .stream_device import Bundle, StreamDevice
 
-__all__ = ["COUNTERS", "Decoded", "axis_beats", "corrupted", "decode", "evt_device", "exact", "payload"]
+__all__ = [
+    "COUNTERS",
+    "STREAMS",
+    "Decoded",
+    "axis_beats",
+    "corrupted",
+    "decode",
+    "event_rows",
+    "evt2_words",
+    "evt_device",
+    "exact",
+    "payload",
+    "random_events",
+    "tell",
+]
 
 COUNTERS = ("n_events", "n_untimed", "n_outside", "n_reserved", "n_cut")
 
 _INPUT = Bundle("s_axis_t", ("data", "keep", "last"))
 _OUTPUT = Bundle("m_", ("t", "x", "y", "p"))
+STREAMS = (_INPUT.prefix, _OUTPUT.prefix)
 
 
 class Decoded(NamedTuple):
@@ -34,7 +49,9 @@ class Decoded(NamedTuple):
 def payload(path: Path, dtype: type[np.unsignedinteger[Any]]) -> WordArray:
     """The words of a Prophesee RAW file, without its header."""
     content = path.read_bytes()
-    return np.frombuffer(content[parse_header(content[:HEADER_BYTES]).length :], np.dtype(dtype).newbyteorder("<")).astype(dtype)
+    return np.frombuffer(content[parse_header(content[:HEADER_BYTES]).length :], np.dtype(dtype).newbyteorder("<")).astype(
+        dtype
+    )
 
 
 def decode(layout: Layout, words: WordArray, width: int, height: int, time_w: int = 48) -> Decoded:
@@ -49,43 +66,81 @@ def decode(layout: Layout, words: WordArray, width: int, height: int, time_w: in
     inside = (events.x < width) & (events.y < height)
     kept = events.where(inside)
     counters = (len(kept), state.untimed, len(events) - len(kept), state.strange, 0)
-    rows = np.stack([kept.t_us & ((1 << time_w) - 1), kept.x, kept.y, kept.p], axis=1).astype(np.uint64)
-    return Decoded(rows, dict(zip(COUNTERS, counters, strict=True)))
+    return Decoded(event_rows(kept, time_w), dict(zip(COUNTERS, counters, strict=True)))
+
+
+def event_rows(events: Events, time_w: int = 48) -> NDArray[np.uint64]:
+    """Events as rows (t, x, y, p), (n, 4), with times of so many bits."""
+    columns = (column.astype(np.uint64) for column in (events.t_us, events.x, events.y, events.p))
+    return np.stack(list(columns), axis=1) & np.array([(1 << time_w) - 1, *[(1 << 64) - 1] * 3], np.uint64)
 
 
 def axis_beats(words: WordArray, data_w: int, rng: np.random.Generator | None = None) -> NDArray[np.uint64]:
-    """Words as beats (data, keep, last), (n, 3): the lowest lane first, the last beat filled up with lanes that keep leaves out.
+    """Words as beats (data, keep, last), (n, 3), the lowest lane first; keep leaves out what the last beat has no word for.
 
     Args:
-        rng: leaves out lanes at random, whole words at a time, that hold noise instead. None: all beats are full.
+        rng: leaves out other lanes, too, a whole word at a time, and ends a packet here and there. None: beats are full.
     """
     word_bytes, beat_bytes = words.dtype.itemsize, data_w // 8
-    lanes = max(1, beat_bytes // word_bytes)
-    given = np.ones(len(words), np.bool_)
-    if rng is not None and lanes > 1:
-        given = rng.random(len(words) + len(words) // 3) < 0.75
-        given[np.flatnonzero(given)[len(words) :]] = False
-        words = np.concatenate([words, words[:0]])[: int(given.sum())]
-    given = np.concatenate([given, np.zeros(-len(given) % lanes, np.bool_)])
-    placed = np.zeros(len(given), words.dtype) if rng is None else rng.integers(0, 1 << 16, len(given)).astype(words.dtype)
-    placed[given] = words
-    data = placed.astype(words.dtype.newbyteorder("<")).view(f"<u{beat_bytes}").astype(np.uint64)
+    lanes, beats_per_word = max(1, beat_bytes // word_bytes), max(1, word_bytes // beat_bytes)
+    place = np.arange(len(words))
+    if rng is not None:
+        place += np.cumsum(rng.geometric(0.75, len(words)) - 1)
+    n_lanes = -(-(int(place[-1]) + 1) // lanes) * lanes if len(words) else 0
+    given = np.zeros(n_lanes, np.bool_)
+    given[place] = True
+    lane_words = (np.zeros(n_lanes) if rng is None else rng.integers(0, 1 << 16, n_lanes)).astype(words.dtype.newbyteorder("<"))
+    lane_words[place] = words
+    data = lane_words.view(f"<u{beat_bytes}").astype(np.uint64)
     keep = np.packbits(np.repeat(given, word_bytes).reshape(-1, beat_bytes), axis=1, bitorder="little")[:, 0]
-    last = np.zeros(len(data), np.uint64)
-    last[-1:] = 1
-    return np.stack([data, keep.astype(np.uint64), last], axis=1)
+    last = np.arange(1, len(data) + 1) % beats_per_word == 0
+    last[:-1] &= False if rng is None else rng.random(len(data) - 1) < 0.1
+    return np.stack([data, keep, last], axis=1).astype(np.uint64)
 
 
 def corrupted(words: WordArray, rng: np.random.Generator, chance: float) -> WordArray:
-    """A copy with a random bit turned in this part of the words, and as many words replaced by noise, left out or doubled."""
+    """A copy in which this part of the words has a bit turned, and as many each are noise, left out or doubled."""
     bits = 8 * words.dtype.itemsize
     damaged = words.copy()
     turned = np.flatnonzero(rng.random(len(words)) < chance)
-    damaged[turned] ^= np.left_shift(np.ones(1, words.dtype), rng.integers(0, bits, len(turned)).astype(words.dtype))
+    damaged[turned] ^= np.left_shift(words.dtype.type(1), rng.integers(0, bits, len(turned)).astype(words.dtype))
     noisy = np.flatnonzero(rng.random(len(words)) < chance)
-    damaged[noisy] = rng.integers(0, 1 << bits, len(noisy), words.dtype) if bits < 64 else rng.integers(0, 1 << 63, len(noisy)) * 2
-    times = rng.choice([0, 1, 2], len(words), p=[chance / 2, 1 - chance, chance / 2])
-    return np.repeat(damaged, times)
+    damaged[noisy] = rng.integers(0, np.iinfo(words.dtype).max, len(noisy), words.dtype, endpoint=True)
+    return np.repeat(damaged, rng.choice(3, len(words), p=[chance, 1 - 2 * chance, chance]))
+
+
+def random_events(rng: np.random.Generator, n: int, width: int, height: int, longest_gap_us: int) -> Events:
+    """About n events that give vectors work: runs to the right in one row at one time, single ones, silences of any length."""
+    begins = rng.random(n) < 0.2
+    begins[:1] = True
+    run = np.cumsum(begins) - 1
+    count = int(run[-1]) + 1
+    step = np.where(begins, 0, rng.choice([1, 1, 1, 2, 5, 31], n))
+    walked = np.cumsum(step)
+    x = rng.integers(0, width, count)[run] + walked - walked[np.flatnonzero(begins)][run]
+    gap_us = rng.choice([0, 1, 3, 100], count)
+    long = rng.random(count) < 0.01
+    gap_us[long] = 2 ** rng.uniform(0, np.log2(longest_gap_us), int(long.sum()))
+    t_us = np.cumsum(gap_us)[run]
+    y, p = rng.integers(0, height, count)[run], rng.integers(0, 2, count)[run]
+    return Events(t_us, x.astype(np.uint16), y.astype(np.uint16), p.astype(np.uint8)).where(x < width)
+
+
+def evt2_words(events: Events, vectors: bool) -> WordArray:
+    """Events as words of EVT 2.0, or 2.1 with as many in a vector as stand together; a mark goes before each new one."""
+    t_us, x, y, p = (column.astype(np.int64) for column in (events.t_us, events.x, events.y, events.p))
+    begins = np.ones(len(x), np.bool_)
+    begins[1:] = (np.diff(np.stack([t_us, x >> 5, y, p])) != 0).any(axis=0) | (np.diff(x) <= 0) | (not vectors)
+    first = np.flatnonzero(begins)
+    left = x[first] & ~31 if vectors else x[first]
+    heads = p[first] << 28 | (t_us[first] & 63) << 22 | left << 11 | y[first]
+    mark = t_us[first] >> 6
+    marked = np.flatnonzero(np.diff(mark, prepend=-1))
+    heads = np.insert(heads, marked, 8 << 28 | mark[marked] & ((1 << 28) - 1))
+    if not vectors:
+        return heads.astype(np.uint32)
+    masks = np.insert(np.bitwise_or.reduceat(1 << (x & 31), first), marked, 0)
+    return heads.astype(np.uint64) << np.uint64(32) | masks.astype(np.uint64)
 
 
 def evt_device(top: str, width: int, height: int, **parameters: int) -> StreamDevice:
@@ -95,7 +150,9 @@ def evt_device(top: str, width: int, height: int, **parameters: int) -> StreamDe
     )  # fmt: skip
 
 
-def exact(device: StreamDevice, layout: Layout, words: WordArray, beats: NDArray[np.uint64] | None = None) -> tuple[Decoded, int]:
+def exact(
+    device: StreamDevice, layout: Layout, words: WordArray, beats: NDArray[np.uint64] | None = None
+) -> tuple[Decoded, int]:
     """Resets the hardware, streams the words through it and through the software decoder alike.
 
     Args:
@@ -124,3 +181,11 @@ def exact(device: StreamDevice, layout: Layout, words: WordArray, beats: NDArray
     counters = {name: int(device.sim.io[name]) for name in COUNTERS}
     assert counters == expected.counters, f"{device.top}: hardware counts {counters}, software {expected.counters}"
     return expected, run.clocks
+
+
+def tell(device: StreamDevice, words: WordArray) -> tuple[list[list[int]], dict[str, int]]:
+    """A short story, from reset: the events [t, x, y, p] that come of it, and the counters that are not 0."""
+    device.reset()
+    run = device.run({_INPUT.prefix: axis_beats(words, int(device.sim.io.s_axis_tdata.signal.width))})
+    counters = {name: int(device.sim.io[name]) for name in COUNTERS}
+    return run.words[_OUTPUT.prefix].tolist(), {name: count for name, count in counters.items() if count}

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""axis_words.v: beats of any width as words, against a reading of the bytes one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot_cosim.stream_device import Bundle, StreamDevice, random_stalls
+from evcot_cosim.testing import lint
+
+TOP = "axis_words"
+# data_w, word_w
+SHAPES = [(16, 16), (64, 16), (64, 32), (32, 64), (16, 32)]
+
+
+def device_of(data_w: int, word_w: int) -> StreamDevice:
+    inputs, outputs = [Bundle("s_axis_t", ("data", "keep", "last"))], [Bundle("m_", ("word",))]
+    return StreamDevice(TOP, {"DATA_W": data_w, "WORD_W": word_w}, inputs=inputs, outputs=outputs, has_idle=True)
+
+
+def by_the_rule(beats: NDArray[np.uint64], data_w: int, word_w: int) -> tuple[list[int], int]:
+    """The words, and how many are cut: lane by lane where a beat has whole words, else half by half up to tlast."""
+    words, cut = [], 0
+    width = min(data_w, word_w)
+    all_kept = (1 << width // 8) - 1
+    lower: int | None = None
+    for data, keep, last in beats.tolist():
+        for lane in range(data_w // width):
+            value, kept = data >> lane * width & ((1 << width) - 1), keep >> lane * width // 8 & all_kept
+            if kept not in (0, all_kept):
+                cut, lower = cut + 1, None
+            elif kept and width == word_w:
+                words.append(value)
+            elif kept and lower is None:
+                lower = value
+            elif kept and lower is not None:
+                words.append(value << width | lower)
+                lower = None
+        if last and lower is not None:
+            cut, lower = cut + 1, None
+    return words, cut
+
+
+@pytest.mark.parametrize(("data_w", "word_w"), [*SHAPES, (32, 32), (64, 64), (32, 16)])
+def test_lints_clean(data_w: int, word_w: int) -> None:
+    assert lint(TOP, DATA_W=data_w, WORD_W=word_w) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("parameters", "rule"),
+    [
+        ({"DATA_W": 16, "WORD_W": 64}, "DATA_W_must_be_at_least_half_of_WORD_W"),
+        ({"DATA_W": 128}, "DATA_W_must_be_16_32_or_64"),
+        ({"DATA_W": 16, "WORD_W": 8}, "WORD_W_must_be_16_32_or_64"),
+        ({"COUNT_W": 65}, "COUNT_W_must_be_8_to_64"),
+    ],
+)
+def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
+    code, log = lint(TOP, **parameters)
+    assert code != 0
+    assert rule in log
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_any_bytes_kept_and_any_packets(shape: tuple[int, int]) -> None:
+    """60,000 beats a shape, each lane whole, missing or cut, a packet's end anywhere."""
+    data_w, word_w = shape
+    width = min(shape)
+    device = device_of(*shape)
+    for run in range(3):
+        rng = np.random.default_rng([41, data_w, word_w, run])
+        device.reset()
+        device.stalls = random_stalls(rng, ("s_axis_t", "m_"))
+        n, lanes = 20_000, data_w // width
+        kinds = rng.choice(3, (n, lanes), p=[0.7, 0.2, 0.1])
+        kept = np.choose(kinds, [(1 << width // 8) - 1, 0, rng.integers(0, 1 << width // 8, (n, lanes))])
+        keep = (kept << np.arange(lanes) * (width // 8)).sum(axis=1)
+        data = rng.integers(0, (1 << data_w) - 1, n, np.uint64, endpoint=True)
+        beats = np.stack([data, keep.astype(np.uint64), rng.integers(0, 2, n).astype(np.uint64)], axis=1)
+        beats[-1, 2] = 1
+        words, cut = by_the_rule(beats, data_w, word_w)
+        assert device.run({"s_axis_t": beats}).words["m_"][:, 0].tolist() == words
+        assert device.sim.io.n_cut == cut
+        assert cut > 100
+
+
+def test_idle_tells_of_half_a_word() -> None:
+    device = device_of(32, 64)
+    assert device.sim.io.idle == 1
+    device.run({"s_axis_t": [[1, 15, 0]]}, clocks=3)
+    assert (device.sim.io.idle, device.sim.io.m_valid) == (0, 0)
+    device.run({"s_axis_t": [[0, 0, 1]]}, clocks=3)
+    assert (device.sim.io.idle, device.sim.io.n_cut) == (1, 1)
+
+
+def test_clocks() -> None:
+    """A word every clock, one clock after its beat."""
+    device = device_of(64, 16)
+    beats = [[0x0004_0003_0002_0001, 0xFF, 0]] * 100
+    run = device.run({"s_axis_t": beats})
+    assert run.words["m_"][:, 0].tolist() == [1, 2, 3, 4] * 100
+    assert run.given["m_"].tolist() == list(range(1, 401))
+    assert run.accepted["s_axis_t"].tolist() == list(range(0, 400, 4))
