@@ -18,7 +18,16 @@ from .formats import FORMATS, WRITABLE
 from .formats.source import BLOCK_EVENTS, Sensor, Source, WritableFormat
 from .outputs import written_aside
 
-__all__ = ["Damage", "RecordingFile", "format_for", "open_recording", "read_recording", "write_events", "write_recording"]
+__all__ = [
+    "Damage",
+    "RecordingFile",
+    "format_for",
+    "open_recording",
+    "read_recording",
+    "sound",
+    "write_events",
+    "write_recording",
+]
 
 Damage = Literal["refuse", "skip"]
 
@@ -111,7 +120,7 @@ class RecordingFile:
             if fault is not None:
                 if self._damage == "refuse":
                     raise RecordingError(f"{self.path}: {fault.describe(first_index)}{_counted_from(from_us)}")
-                block = _sound(block, width, height, last_us, broken)
+                block = sound(block, width, height, last_us, broken)
             if not len(block):
                 continue
             last_us = int(block.t_us[-1])
@@ -163,7 +172,7 @@ def _counted_from(from_us: int) -> str:
     return f" (counted from {from_us / 1e6:g} s)" if from_us else ""
 
 
-def _sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:
+def sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:
     """The events inside the sensor whose time does not run back; the others are counted in `broken`."""
     inside = (events.x < width) & (events.y < height) & (events.p <= 1)
     kept = events.where(inside)
