@@ -14,34 +14,31 @@ from typing import Any
 import evcot
 from evcot.errors import EvcotError, RecordingWarning
 
-from .commands import anomalies, cosim, evaluate, presets, recordings, simulate, track, waves
+from .commands import anomalies, bench, completion, cosim, evaluate, presets, recordings, simulate, track, waves
 from .commands import filter as filter_command
 from .commands.cosim import MISMATCH
 from .lockstep import MismatchError
 
-__all__ = ["main"]
+__all__ = ["main", "parser"]
 
 USER_ERROR = 2
 
 _EXAMPLES = """examples:
-  evcot cosim                                   the box experiment, nothing to download
-  evcot cosim drive.aedat4                      a camera file, with the preset for its sensor
-  evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
-  evcot waves drive.aedat4 --from 120 --to 125  a waveform of 5 ms, to open in GTKWave
-  evcot presets --json
-  evcot info drive.aedat4                       sensor, length, rates, busiest pixels
-  evcot convert drive.aedat4 drive.csv --to 500 its first half second, as text
-  evcot simulate highway -o highway.aedat4      a scene, and its truth beside it
-  evcot cosim highway --activity 5              filters, then hardware, model and software tracker, on a scene
-  evcot track highway.aedat4 --preset traffic -o log.npz       a software tracker alone, fast
+  evcot cosim                                   # the box experiment, nothing to download
+  evcot cosim drive.aedat4                      # a camera file, with the preset for its sensor
+  evcot info drive.aedat4                       # sensor, length, rates, busiest pixels
+  evcot simulate highway -o highway.aedat4      # a scene, and its truth beside it
+  evcot track highway.aedat4 --preset traffic -o log.npz
   evcot evaluate log.npz --truth highway.truth.csv
+
+`evcot COMMAND -h` has the options of a command, and more examples.
 """
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. An interrupt is the caller's to report."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     try:
         with _warnings_in_one_line():
             code: int = options.command(options, arguments)
@@ -76,15 +73,17 @@ def _warnings_in_one_line() -> Iterator[None]:
         yield
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser() -> argparse.ArgumentParser:
+    """The whole command line."""
+    whole = argparse.ArgumentParser(
         prog="evcot",
         description="Event-camera object tracking: hardware, model and software in lock-step.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for group in (cosim, waves, track, simulate, recordings, filter_command, evaluate, anomalies, presets):
+    whole.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
+    commands = whole.add_subparsers(required=True, metavar="COMMAND")
+    for group in (cosim, waves, track, simulate, recordings, filter_command, evaluate, anomalies, bench, presets):
         group.add(commands)
-    return parser
+    completion.add(commands, whole)
+    return whole

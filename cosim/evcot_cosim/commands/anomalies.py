@@ -21,14 +21,21 @@ from evcot.timeline import lifetimes
 from evcot.tracklog import TrackLog
 
 from .options import sensor_from
-from .tables import print_table
+from .parsing import add_command
+from .tables import counted, print_table
 
 __all__ = ["add"]
+
+_EXAMPLES = """
+evcot anomalies --learn monday.npz tuesday.npz --sensor 346x260 -o normal.npz
+evcot anomalies today.npz --normal normal.npz --zones zones.toml
+evcot anomalies today.npz --normal normal.npz -o alarms.csv --picture alarms.png
+"""
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser("anomalies", help="flag trajectories that do not fit: zones, direction, speed, stays")
+    parser = add_command(commands, "anomalies", "flag trajectories that do not fit: zones, direction, speed, stays", _EXAMPLES)
     parser.add_argument("logs", type=Path, nargs="+", metavar="LOG", help="a track log; with --learn one or more")
     parser.add_argument("--learn", action="store_true", help="learn normal motion from the logs, and write it to -o FILE.npz")
     parser.add_argument("--normal", type=Path, metavar="NPZ", help="normal motion, as --learn has written it")
@@ -112,7 +119,7 @@ def _watch(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
         from evcot.anomalies.picture import draw_alarms
 
         size = sensor or known or smallest_sensor(logs)
-        title = f"{options.logs[0].name}: {len(table)} alarms (kind, track, time)"
+        title = f"{options.logs[0].name}: {counted(len(table), 'alarm')} (kind, track, time)"
         draw_alarms(log, verdict.alarms, options.picture, title, size, normal, zones)
     _report(options, log, verdict, table, zones, config)
     return 0
@@ -140,7 +147,7 @@ def _report(
         print_table([head, *map(_row, table)])
     for line in lines:
         print(f"{line['name']}: {line['to_right']} to the right, {line['to_left']} to the left")
-    print(f"{len(table)} alarms on {tracks} tracks")
+    print(f"{counted(len(table), 'alarm')} on {counted(tracks, 'track')}")
 
 
 def _row(alarm: dict[str, Any]) -> tuple[Any, ...]:

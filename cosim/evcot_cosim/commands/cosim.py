@@ -18,25 +18,27 @@ from ..run_file import run_toml
 from ..summary import table
 from .job import input_options, job_from
 from .options import window_from, window_options
+from .parsing import add_command
 from .tables import print_table
 
 __all__ = ["MISMATCH", "add"]
 
 MISMATCH = 1  # exit code: hardware and model differ
 
-EXAMPLES = """examples:
-  evcot cosim                                    the box experiment, nothing to download
-  evcot cosim drive.aedat4                       a camera file, with the preset for its sensor
-  evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
-  evcot cosim highway --activity 5               filters, then hardware, model and software tracker, on a scene
-  evcot cosim drive.raw --print-config > run.toml; evcot cosim --config run.toml
+_EXAMPLES = """
+evcot cosim                                    # the box experiment, nothing to download
+evcot cosim drive.aedat4                       # a camera file, with the preset for its sensor
+evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
+evcot cosim highway --activity 5               # filters, then hardware, model and software tracker, on a scene
+evcot cosim drive.raw --print-config           # what repeats the run: save it as run.toml
+evcot cosim --config run.toml
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     title = "run hardware, model and software tracker on a recording and compare them"
-    cosim = commands.add_parser("cosim", help=title, description=title, epilog=EXAMPLES)
+    cosim = add_command(commands, "cosim", title, _EXAMPLES)
     input_options(cosim)
     window_options(cosim)
     cosim.add_argument("-o", "--output", type=Path, metavar="DIR", help="where to write (default: build/cosim/NAME)")

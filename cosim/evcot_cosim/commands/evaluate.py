@@ -13,13 +13,19 @@ from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth, rule_f
 from evcot.tracklog import TrackLog
 
 from .options import sensor_from
+from .parsing import add_command
 
 __all__ = ["add"]
+
+_EXAMPLES = """
+evcot evaluate log.npz --truth highway.truth.csv
+evcot evaluate build/cosim/highway/hardware.npz --truth highway.truth.csv --json
+"""
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser("evaluate", help="score tracks against ground truth: HOTA, CLEAR, ID scores, errors")
+    parser = add_command(commands, "evaluate", "score tracks against ground truth: HOTA, CLEAR, ID scores, errors", _EXAMPLES)
     parser.add_argument("log", type=Path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others")
     parser.add_argument("--truth", type=Path, required=True, metavar="CSV", help="the ground truth")
     known = ", ".join(RULES)

@@ -20,13 +20,19 @@ from evcot.presets import for_sensor
 
 from .filter_options import filter_options, filters_from
 from .options import check_other_file, open_from, recording_options, window_from
+from .parsing import add_command
 
 __all__ = ["add"]
+
+_EXAMPLES = """
+evcot filter drive.raw clean.raw --learn-hot-pixels --activity 5
+evcot filter drive.aedat4 left.aedat4 --region 0,0,99,199 --polarity on
+"""
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser("filter", help="take noise, hot pixels or a region out of a recording")
+    parser = add_command(commands, "filter", "take noise, hot pixels or a region out of a recording", _EXAMPLES)
     parser.add_argument("source", type=Path, metavar="A", help="the recording, in any format that evcot reads")
     parser.add_argument("target", type=Path, metavar="B", help="what to write; its suffix tells the format")
     recording_options(parser)

@@ -12,14 +12,20 @@ from evcot.engines import ENGINES, Engine
 from evcot.filters.config import FilterConfig
 from evcot.presets import PRESETS
 
+from .parsing import add_command
 from .tables import print_table
 
 __all__ = ["add"]
 
+_EXAMPLES = """
+evcot presets                                    # of `evcot cosim`
+evcot presets --engine rct                       # of `evcot track --engine rct`
+"""
+
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    presets = commands.add_parser("presets", help="list the presets")
+    presets = add_command(commands, "presets", "list the presets", _EXAMPLES)
     presets.add_argument("--engine", choices=ENGINES, help="of one tracker of `evcot track` (default: of `evcot cosim`)")
     presets.add_argument("--json", action="store_true", help="print every field")
     presets.set_defaults(command=_presets)

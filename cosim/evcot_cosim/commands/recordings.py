@@ -16,8 +16,20 @@ from evcot.formats import WRITABLE
 
 from .counting import Counting
 from .options import check_other_file, open_from, recording_options, window_from
+from .parsing import add_command
 
 __all__ = ["add"]
+
+_EXAMPLES_INFO = """
+evcot info drive.aedat4
+evcot info drive.raw --from 1000 --to 2000 --json
+"""
+
+_EXAMPLES_CONVERT = """
+evcot convert drive.bag drive.aedat4
+evcot convert drive.aedat4 part.csv --from 500 --to 900
+evcot convert events.txt drive.raw --format evt3 --sensor 640x480
+"""
 
 _EARLIEST_DATE_US = 946_684_800_000_000  # times from the year 2000 on are dates; smaller ones count from some start
 _LATEST_DATE_US = 4_102_444_800_000_000  # 2100
@@ -25,17 +37,18 @@ _LATEST_DATE_US = 4_102_444_800_000_000  # 2100
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the commands to the command line."""
-    info = commands.add_parser("info", help="describe a recording: sensor, length, rates, busiest pixels")
+    info = add_command(commands, "info", "describe a recording: sensor, length, rates, busiest pixels", _EXAMPLES_INFO)
     info.add_argument("recording", type=Path, metavar="FILE", help="a recording in any format that evcot reads")
     recording_options(info)
     info.add_argument("--json", action="store_true", help="print every figure as JSON")
     info.set_defaults(command=_info)
 
-    convert = commands.add_parser("convert", help="write a recording, or a part of it, in another format")
+    convert = add_command(commands, "convert", "write a recording, or a part of it, in another format", _EXAMPLES_CONVERT)
     convert.add_argument("source", type=Path, metavar="A", help="a recording in any format that evcot reads")
     convert.add_argument("target", type=Path, metavar="B", help="what to write; its suffix tells the format")
     convert.add_argument("--format", metavar="NAME", help=f"{', '.join(WRITABLE)} (default: by B's suffix)")
     recording_options(convert)
+    convert.add_argument("--json", action="store_true", help="print what was written as JSON")
     convert.add_argument("-q", "--quiet", action="store_true", help="print nothing")
     convert.set_defaults(command=_convert)
 
@@ -114,10 +127,14 @@ def _convert(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     source, target = options.source, options.target
     kind = format_for(target, options.format)
     check_other_file(source, target)
-    with Counting(f"writing {target}", enabled=not options.quiet) as counting, open_from(options, source) as file:
-        blocks = _watched(file, from_us, to_us, counting)
-        count = write_events(target, file.sensor, blocks, kind.name)
-    if not options.quiet:
+    shown = not (options.quiet or options.json)
+    with Counting(f"writing {target}", enabled=shown) as counting, open_from(options, source) as file:
+        sensor = file.sensor
+        count = write_events(target, sensor, _watched(file, from_us, to_us, counting), kind.name)
+    if options.json:
+        written = {"recording": str(target), "format": kind.name, "events": count, "width": sensor[0], "height": sensor[1]}
+        print(json.dumps(written, indent=2))
+    elif shown:
         print(f"{count:,} events in {target}, {kind.title}")
     return 0
 

@@ -17,13 +17,21 @@ from evcot.outputs import written_aside
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
 
 from .options import sensor_from
+from .parsing import add_command
 
 __all__ = ["add"]
+
+_EXAMPLES = """
+evcot simulate highway -o highway.aedat4         # and highway.truth.csv beside it
+evcot simulate discs -o discs.npz --seed 4 --duration 2 --set noise_hz=3
+evcot simulate clip.mp4 -o clip.raw
+evcot simulate highway --list                    # its settings
+"""
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser("simulate", help="simulate a scene, or events of a video or images")
+    parser = add_command(commands, "simulate", "simulate a scene, or events of a video or images", _EXAMPLES)
     parser.add_argument("scene", nargs="?", metavar="SCENE", help="a scene (see --list), a video file, or a folder of images")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the recording; its suffix tells the format")
     parser.add_argument("--truth", type=Path, metavar="CSV", help="the truth of a scene (default: NAME.truth.csv beside FILE)")

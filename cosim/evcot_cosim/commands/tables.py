@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["print_table"]
+__all__ = ["counted", "print_table"]
 
 
 def print_table(rows: Sequence[Sequence[Any]]) -> None:
@@ -14,3 +14,8 @@ def print_table(rows: Sequence[Sequence[Any]]) -> None:
     widths = [max(len(str(row[i])) for row in rows) for i in range(len(rows[0]))]
     for row in rows:
         print("  ".join(str(cell).ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+def counted(n: int, noun: str) -> str:
+    """A number and what it counts: 1 alarm, 2 alarms."""
+    return f"{n:,} {noun}" if n == 1 else f"{n:,} {noun}s"

@@ -17,6 +17,7 @@ from ..properties import Verdict, judge, load_properties
 from ..waves import Window, write_waves
 from .job import Job, input_options, job_from
 from .options import window_from
+from .parsing import add_command
 from .tables import print_table
 
 __all__ = ["add"]
@@ -25,17 +26,17 @@ BROKEN = 1  # exit code: a property does not hold
 _WAVES_MS = 2.0  # length of a waveform, if not given
 _REACH = 400  # events before and after a moment
 
-_WAVES_EXAMPLES = """examples:
-  evcot waves drive.aedat4 --from 120 --to 125   5 ms of a recording
-  evcot waves build/cosim/drive --around merge:3 the third merge of a run of `evcot cosim`, with markers
-  evcot waves build/cosim/drive --around mismatch
-  evcot waves boxes --around loss --reach 50
+_WAVES_EXAMPLES = """
+evcot waves drive.aedat4 --from 120 --to 125     # 5 ms of a recording
+evcot waves build/cosim/drive --around merge:3   # the third merge of a run of `evcot cosim`, with markers
+evcot waves build/cosim/drive --around mismatch
+evcot waves boxes --around loss --reach 50
 """
-_ASSERT_EXAMPLES = """examples:
-  evcot assert build/cosim/boxes properties.py   the waveform that the run has left
-  evcot assert build/cosim/boxes properties.py --around birth:2 --reach 1000
-  evcot assert waves.vcd properties.py --clock TOP.clk
-  evcot assert boxes --to 20                     that every stream holds what it offers, in 20 ms of a scene
+_ASSERT_EXAMPLES = """
+evcot assert build/cosim/boxes properties.py     # the waveform that the run has left
+evcot assert build/cosim/boxes properties.py --around birth:2 --reach 1000
+evcot assert waves.vcd properties.py --clock TOP.clk
+evcot assert boxes --to 20                       # that every stream holds what it offers, in 20 ms of a scene
 
 properties.py holds functions whose names begin with property_; each takes the signals and asserts on them:
 
@@ -50,14 +51,14 @@ docs/waveforms.md tells what can be said.
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add both commands to the command line."""
     title = "write a waveform of a moment or a time window, and its GTKWave view"
-    waves = commands.add_parser("waves", help=title, description=title, epilog=_WAVES_EXAMPLES)
+    waves = add_command(commands, "waves", title, _WAVES_EXAMPLES)
     _window_options(waves)
     waves.add_argument("-o", "--output", type=Path, metavar="DIR", help="where to write (default: build/waves/NAME)")
     waves.add_argument("--json", action="store_true", help="print what was written as JSON")
     waves.set_defaults(command=_waves)
 
     title = "check properties of a waveform that a Python file states"
-    asserts = commands.add_parser("assert", help=title, description=title, epilog=_ASSERT_EXAMPLES)
+    asserts = add_command(commands, "assert", title, _ASSERT_EXAMPLES)
     _window_options(asserts)
     asserts.add_argument("properties", nargs="?", type=Path, metavar="PROPERTIES", help="a Python file (default: streams hold)")
     asserts.add_argument("--clock", default="TOP.clk", metavar="SIGNAL", help="sample on its rising edge (default: TOP.clk)")

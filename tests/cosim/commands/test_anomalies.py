@@ -86,7 +86,7 @@ def test_learn_then_tell(capsys: Capture) -> None:
     assert 0.8 <= float(cells[0]) <= 2.0
     assert (cells[5], cells[6], cells[7]) == ("90", "-90", "deg")
     assert counts == "gate: 1 to the right, 4 to the left"
-    assert total == "1 alarms on 5 tracks"
+    assert total == "1 alarm on 5 tracks"
     assert printed.err == ""
 
 
@@ -121,7 +121,7 @@ def test_alarms_go_into_files_and_a_picture(capsys: Capture) -> None:
     save("good.npz", drive(3, 0, 100.0, 230, -100))
     capsys.readouterr()
     assert main(["anomalies", "good.npz", "--zones", "zones.toml", "-o", "none.csv"]) == 0
-    assert capsys.readouterr().out.splitlines()[-1] == "0 alarms on 1 tracks"
+    assert capsys.readouterr().out.splitlines()[-1] == "0 alarms on 1 track"
     assert Path("none.csv").read_text().count("\n") == 1
 
 

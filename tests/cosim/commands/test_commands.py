@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all commands have in common: JSON, quiet, examples that are true, completion."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import evcot_cosim.build
+from evcot_cosim.cli import main, parser
+
+Capture = pytest.CaptureFixture[str]
+
+PARSER = parser()
+COMMANDS: dict[str, argparse.ArgumentParser] = next(
+    dict(action.choices) for action in PARSER._actions if isinstance(action, argparse._SubParsersAction)
+)
+EXAMPLE = re.compile(r"^ +(evcot [^#>\n]*)", re.MULTILINE)
+
+
+def options(command: str) -> set[str]:
+    return {option for action in COMMANDS[command]._actions for option in action.option_strings}
+
+
+@pytest.mark.parametrize("command", COMMANDS.keys() - {"completion"})
+def test_every_command_speaks_json(command: str) -> None:
+    assert "--json" in options(command)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_examples_that_its_parser_takes(command: str) -> None:
+    examples = EXAMPLE.findall(COMMANDS[command].format_help().partition("examples:")[2])
+    own = [shlex.split(example) for example in examples]
+    assert any(words[1] == command for words in own)
+    for words in own:
+        assert PARSER.parse_args(words[1:]).command
+
+
+def test_the_first_page_lists_examples_that_are_true() -> None:
+    examples = EXAMPLE.findall(PARSER.format_help().partition("examples:")[2])
+    assert len(examples) >= 5
+    for example in examples:
+        PARSER.parse_args(shlex.split(example)[1:])
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_one_word_means_the_same_in_every_command(command: str) -> None:
+    """An option that two commands have takes an argument, or none, in both, and goes by the same short name."""
+    for action in COMMANDS[command]._actions:
+        for option in action.option_strings:
+            for other in COMMANDS.values():
+                twin = other._option_string_actions.get(option)
+                if twin is not None and option not in {"--truth", "--from", "--to", "--output", "-o", "--rerun"}:
+                    assert (twin.nargs == 0) == (action.nargs == 0), option
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("evcot co", {"cosim", "convert", "completion"}),
+        ("evcot track x --engine k", {"kalman"}),
+        ("evcot cosim --sta", {"--stalls"}),
+    ],
+)
+def test_bash_completes_commands_options_and_values(typed: str, offered: set[str], capsys: Capture, tmp_path: Path) -> None:
+    assert main(["completion", "bash"]) == 0
+    (tmp_path / "evcot.bash").write_text(capsys.readouterr().out)
+    words = typed.split()
+    script = f"source evcot.bash; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _shtab_evcot; echo ${{COMPREPLY[@]}}"
+    done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert set(done.stdout.split()) == offered
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="needs zsh")
+def test_zsh_takes_its_script(capsys: Capture, tmp_path: Path) -> None:
+    assert main(["completion", "zsh"]) == 0
+    (tmp_path / "_evcot").write_text(capsys.readouterr().out)
+    subprocess.run(["zsh", "-n", "_evcot"], cwd=tmp_path, check=True)
+
+
+def test_bench_measures_every_engine_and_the_hardware(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.cache_dir()))
+    monkeypatch.chdir(tmp_path)
+    assert main(["convert", "boxes.npz", "x.npz"]) == 2
+    assert "boxes.npz" in capsys.readouterr().err
+    assert main(["simulate", "boxes", "--duration", "0.1", "-o", "boxes.npz", "--json"]) == 0
+    events = json.loads(capsys.readouterr().out)["events"]
+    assert main(["bench", "boxes.npz", "--json"]) == 0
+    rates = {rate["what"]: rate for rate in json.loads(capsys.readouterr().out)}
+    wanted = {"reading", "activity filter", "rct, plain", "golden model", "cot_array", "cot_array, checked against the model"}
+    assert wanted <= rates.keys()
+    for rate in rates.values():
+        assert rate["events"] == events
+        assert rate["events_per_s"] == pytest.approx(rate["events"] / rate["seconds"])
+
+
+def test_convert_tells_what_it_wrote(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["simulate", "pendulum", "--duration", "0.1", "-o", "a.npz", "--json"]) == 0
+    events = json.loads(capsys.readouterr().out)["events"]
+    assert main(["convert", "a.npz", "b.csv", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "recording": "b.csv", "format": "csv", "events": events, "width": 346, "height": 260
+    }  # fmt: skip
