@@ -14,9 +14,10 @@ from evcot.errors import OutputError
 from evcot.events import Recording
 from evcot.picture import draw
 
-from .cosim import CosimRun, stalls_from
+from .cosim import CosimRun, rerun, stalls_from
 from .lockstep import MismatchError
 from .moments import Moment
+from .report import REPORT, Material, Side, truth_of, write_report
 from .run_file import RUN_FILE, RunFile, write_run_file
 from .summary import summarise, summarise_mismatch, write_summary
 from .waves import Window, write_waves
@@ -28,7 +29,7 @@ _MISMATCH_EVENTS = 50  # the same, around a mismatch
 
 
 def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, waves: bool = True) -> dict[str, Any]:
-    """Write run.toml, summary.json, the logs, the picture and the waveform of a run; returns the summary.
+    """Write run.toml, summary.json, the logs, picture, report and waveform of a run; returns the summary.
 
     The folder takes the place of an older one only when all of it is written.
 
@@ -54,11 +55,14 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
             )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / "summary.json")
+        sides = (Side("hardware", run.hardware), Side("software", run.software))
+        write_report(Material(run.recording, summary, sides, truth_of(made_of.source, run.recording)), aside / REPORT)
     return summary
 
 
 def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile, folder: Path, *, command: str) -> None:
-    """Write what a mismatch leaves: run.toml, summary.json with its record, a waveform of the events around it and the view.
+    """Write what a mismatch leaves: run.toml, summary.json with its record, the logs up to it, the report, and a waveform
+    of the events around it with its view.
 
     Raises:
         OutputError: something cannot be written.
@@ -71,7 +75,13 @@ def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile,
             top=found.top, stalls=stalls_from(found.seed), name="mismatch", moment=Moment(found.event_index, "mismatch"),
         )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
-        write_summary(summarise_mismatch(found, recording, config, command), aside / "summary.json")
+        summary = summarise_mismatch(found, recording, config, command)
+        write_summary(summary, aside / "summary.json")
+        hardware, model = rerun(recording, config, found)
+        for name, log in (("hardware", hardware), ("model", model)):
+            log.save_npz(aside / f"{name}.npz")
+        sides = (Side("hardware", hardware), Side("model", model))
+        write_report(Material(recording, summary, sides, truth_of(made_of.source, recording)), aside / REPORT)
 
 
 def _telling_moment(run: CosimRun) -> Moment:

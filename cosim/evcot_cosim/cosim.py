@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from evcot.compare import Agreement, compare
 from evcot.config import CotConfig, RunConfig
+from evcot.contract import RECORD
 from evcot.cot import CotModel, tick_times, to_track_records
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Recording
@@ -21,10 +22,10 @@ from evcot.tracking import KeptTracker, Tracker, log_of
 from evcot.tracklog import TRACK, TrackLog
 
 from .build import BuiltModel
-from .device import Stalls, Top, build_device
-from .lockstep import Lockstep, chunks
+from .device import Device, HardwareError, Stalls, Top, build_device
+from .lockstep import Lockstep, Mismatch, chunks
 
-__all__ = ["CosimRun", "check_addresses", "run_cosim", "stalls_from"]
+__all__ = ["CosimRun", "check_addresses", "rerun", "run_cosim", "stalls_from"]
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class CosimRun:
         hardware, model, software: one TrackLog per engine.
         agreement: hardware against software, by outcome.
         cycles: clocks of the hardware, reset and register writes left out.
+        latency: records by clocks since their event, as of `Lockstep`.
         wall_s: duration of the lock-step alone.
         software_s: duration of the software tracker.
         build: the simulated model.
@@ -50,6 +52,7 @@ class CosimRun:
     software: TrackLog
     agreement: Agreement
     cycles: int
+    latency: NDArray[np.int64]
     wall_s: float
     software_s: float
     build: BuiltModel
@@ -122,11 +125,38 @@ def run_cosim(
         software=software,
         agreement=agreement,
         cycles=cycles,
+        latency=lockstep.latency,
         wall_s=wall_s,
         software_s=software_s,
         build=build,
         seed=stall_seed,
     )
+
+
+def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[TrackLog, TrackLog]:
+    """Logs of hardware and model once more, unchecked, up to the end of the run of events in which they part.
+
+    Where the hardware broke the rules of its streams there, its log has nothing of that run, and -1 for the owners.
+    """
+    cot, t0_us = config.hardware(recording.width, recording.height), int(recording.events.t_us[0])
+    device = Device(cot, found.top, stalls=stalls_from(found.seed))
+    golden = CotModel(cot, device.arrangement)
+    hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
+    first = 0
+    for chunk in chunks(recording.events):
+        ticks = tick_times(chunk.t_us, t0_us, cot.tick_us)
+        expected = golden.feed(ticks, chunk.x, chunk.y, chunk.p)
+        model.add(expected.records, expected.owner, chunk.t_us, first)
+        try:
+            decided = device.stream(ticks, chunk.x, chunk.y, chunk.p)
+            hardware.add(decided.records, decided.owner, chunk.t_us, first)
+        except HardwareError:
+            hardware.add(np.empty(0, RECORD), np.full(len(chunk), -1, np.int16), chunk.t_us, first)
+            break
+        first += len(chunk)
+        if first > found.event_index:
+            break
+    return hardware.log("cot-rtl"), model.log("cot-model")
 
 
 def stalls_from(seed: int | None) -> Stalls:

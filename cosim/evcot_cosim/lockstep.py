@@ -14,16 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.config import CotConfig
-from evcot.contract import RECORD
+from evcot.contract import RECORD, Kind
 from evcot.cot import CotModel, Decisions, tick_times
 from evcot.errors import EvcotError
 from evcot.events import Events
 
 from .build import BuiltModel
-from .device import Device, HardwareError, Stalls, Top
+from .device import Device, HardwareError, Stalls, StreamTimes, Top
 
 __all__ = ["CHUNK", "Clocks", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
 
+LATENCY_MAX = 4_095  # clocks that are told apart
 CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough that starting a run costs nothing
 
 
@@ -97,6 +98,8 @@ class Lockstep:
     Attributes:
         device: the hardware.
         events, records, wall_s: totals so far.
+        latency: (k,) int64, how many records came 0, 1, 2, … clocks after their event was taken, the last one and all later
+            ones together; what time caused is left out.
     """
 
     def __init__(
@@ -116,6 +119,7 @@ class Lockstep:
         self.events = 0
         self.records = 0
         self.wall_s = 0.0
+        self.latency = np.zeros(LATENCY_MAX + 1, np.int64)
         self._t0_us: int | None = None
         self._golden = CotModel(config, self.device.arrangement) if check else None
         self._second = ThreadPoolExecutor(1) if check else None
@@ -131,11 +135,12 @@ class Lockstep:
         started = time.perf_counter()
         ticks = tick_times(events.t_us, self._t0_us, self.config.tick_us)
         if self._golden is None or self._second is None:
-            step = Step(self.device.stream(ticks, events.x, events.y, events.p), None)
+            hardware, times = self.device.stream_timed(ticks, events.x, events.y, events.p)
+            step = Step(hardware, None)
         else:
             expected = self._second.submit(self._golden.feed, ticks, events.x, events.y, events.p)
             try:
-                hardware = self.device.stream(ticks, events.x, events.y, events.p)
+                hardware, times = self.device.stream_timed(ticks, events.x, events.y, events.p)
             except HardwareError as error:
                 index = min(max(error.seq - self.events, 0), len(ticks) - 1)
                 raise MismatchError(
@@ -143,6 +148,7 @@ class Lockstep:
                 ) from error
             step = Step(hardware, expected.result())
             self._compare(hardware, expected.result(), ticks)
+        self._count_clocks(hardware.records, times)
         self.wall_s += time.perf_counter() - started
         self.events += len(events)
         self.records += len(step.hardware.records)
@@ -158,6 +164,12 @@ class Lockstep:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _count_clocks(self, records: NDArray[np.void], times: StreamTimes) -> None:
+        caused = records["kind"] != Kind.LOST
+        taken = times.accepted[records["seq"][caused].astype(np.int64) - self.events]
+        clocks = np.minimum(times.recorded[caused] - taken, LATENCY_MAX)
+        self.latency += np.bincount(clocks, minlength=LATENCY_MAX + 1)
 
     def _mismatch(self, index: int, tick: int, field: str, hardware: Any, model: Any) -> Mismatch:
         return Mismatch(index, tick, field, hardware, model, self.seed, self.device.top, self.config)

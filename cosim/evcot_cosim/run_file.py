@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import asdict, dataclass, fields, replace
+from functools import lru_cache
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any, get_args
@@ -20,6 +21,7 @@ from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.files import open_recording
 from evcot.outputs import written_aside
+from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
 
 from .device import Top
@@ -64,15 +66,24 @@ class Source:
             RecordingError: as `open_recording`.
         """
         if self.is_scene:
-            scene = simulate_scene(self.recording, self.seed).recording
-            return scene.window(self.from_us, self.to_us), self.recording
+            return _scene(self.recording, self.seed).recording.window(self.from_us, self.to_us), self.recording
         sensor = (self.width, self.height) if self.width else None
         with open_recording(Path(self.recording), sensor, damage="skip" if self.skip_damaged else "refuse") as file:
             return file.read(self.from_us, self.to_us), file.name
 
+    def scene_truth(self) -> Truth | None:
+        """What is known about a scene, all of it; None for a file."""
+        return _scene(self.recording, self.seed).truth if self.is_scene else None
+
     def absolute(self) -> Source:
         """The same from any folder."""
         return self if self.is_scene else replace(self, recording=str(Path(self.recording).absolute()))
+
+
+@lru_cache(maxsize=1)
+def _scene(name: str, seed: int) -> Scene:
+    """A scene, simulated once for its events and its truth."""
+    return simulate_scene(name, seed)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import evcot
 from evcot.config import RunConfig
@@ -44,6 +45,7 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
         "software_events_per_s": events / run.software_s,
         "cycles": run.cycles,
         "cycles_per_event": run.cycles / events,
+        "latency_clocks": _latency(run.latency),
         "filters": [which.name.lower() for which in run.config.filters.filters],
         "filtered_fraction": float((run.hardware.owner == DROPPED).mean()),
         "owned_fraction": {log.engine: float((log.owner >= 0).mean()) for log in logs},
@@ -90,6 +92,19 @@ def _provenance(command: str) -> dict[str, Any]:
 
 def _identical(a: TrackLog, b: TrackLog) -> bool:
     return np.array_equal(a.owner, b.owner) and np.array_equal(a.records, b.records)
+
+
+def _latency(counts: NDArray[np.int64]) -> dict[str, Any]:
+    """Clocks from an event's acceptance to its records: quantiles, and [clocks, records] of each that came up."""
+    clocks = np.flatnonzero(counts)
+    so_far = np.cumsum(counts[clocks])
+    median, p99 = (int(clocks[np.searchsorted(so_far, share * so_far[-1])]) if len(clocks) else None for share in (0.5, 0.99))
+    return {
+        "median": median,
+        "p99": p99,
+        "max": int(clocks[-1]) if len(clocks) else None,
+        "histogram": np.column_stack((clocks, counts[clocks])).tolist(),
+    }
 
 
 def _lifetimes(log: TrackLog, end_us: int) -> dict[str, Any]:

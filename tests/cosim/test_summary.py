@@ -43,6 +43,7 @@ def run_of(hardware: TrackLog, model: TrackLog, software: TrackLog) -> CosimRun:
         software=software,
         agreement=compare(hardware, software, span_us=(0, 2_000)),
         cycles=12,
+        latency=np.array([0, 0, 3, 0, 1]),
         wall_s=0.5,
         software_s=0.25,
         build=BuiltModel("cot_array", {"N": 8}, Path("Vcot_array"), "key", True, 0.01),
@@ -60,6 +61,7 @@ def test_figures_of_a_run() -> None:
     assert summary["events_per_s"] == pytest.approx(8)
     assert summary["software_events_per_s"] == pytest.approx(16)
     assert summary["cycles_per_event"] == pytest.approx(3)
+    assert summary["latency_clocks"] == {"median": 2, "p99": 4, "max": 4, "histogram": [[2, 3], [4, 1]]}
     assert summary["births"] == {"cot-rtl": 2, "cot-model": 2, "rct": 1}
     assert summary["merges"] == {"cot-rtl": 1, "cot-model": 1, "rct": 0}
     assert summary["owned_fraction"] == {"cot-rtl": 0.75, "cot-model": 0.75, "rct": 0.25}

@@ -4,7 +4,10 @@
 Data flows one way: `Material` (what ran) → `collect` (columns of numbers) → `pack` (one text) → `page` (the file).
 """
 
-from .material import Material, Side, Truth
+from .material import Material, Side
 from .page import write_report
+from .truth import Truth, truth_of
 
-__all__ = ["Material", "Side", "Truth", "write_report"]
+__all__ = ["REPORT", "Material", "Side", "Truth", "truth_of", "write_report"]
+
+REPORT = "report.html"  # its name in the folder of a run

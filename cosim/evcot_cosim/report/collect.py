@@ -52,8 +52,12 @@ def collect(material: Material, events_max: int) -> Collected:
         columns[f"{side.name}.quiet"] = Column(peaks.peaks_us.ravel())
         sides.append(
             _names(side.name, paths[side.name])
-            | {"engine": side.log.engine, "ring": _ring(side.name, material.summary), "stretch": peaks.stretch_us,
-               "stretches": peaks.peaks_us.shape[1]}
+            | {
+                "engine": side.log.engine,
+                "ring": _ring(side.name, material.summary),
+                "stretch": peaks.stretch_us,
+                "stretches": peaks.peaks_us.shape[1],
+            }
         )
     if "truth" in paths:
         columns |= paths["truth"].columns("truth", begin_us) | _alive_of_lives(paths["truth"], begin_us)

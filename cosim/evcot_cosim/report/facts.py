@@ -57,7 +57,9 @@ def differences(material: Material) -> Differences | None:
                 lone_merges.append(Place(at_us, side.name, str(track), text))
             elif side.name == "hardware" and track in partners:
                 pair = partners[track]
-                late = f"software {pair['software_id']} {pair['time_difference_us'] / 1e3:+.1f} ms, {pair['distance_px']:.1f} px"
+                late = (
+                    f"software {pair['software_id']} {pair['time_difference_us'] / 1e3:+.1f} ms, {pair['distance_px']:.1f} px"
+                )
                 joint.append(Place(at_us, side.name, str(track), f"{text}; {late}"))
         births = material_births(material, side.name)
         for track in agreement[f"tracks_unpaired_{side.name}"]:
@@ -133,7 +135,9 @@ def run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         if name in summary:
             rows.append((title, "none" if summary[name] is None else form.format(summary[name])))
     if summary.get("filters"):
-        rows.append(("Filters", f"{', '.join(summary['filters'])}: {percent(summary['filtered_fraction'])} of the events taken out"))
+        rows.append(
+            ("Filters", f"{', '.join(summary['filters'])}: {percent(summary['filtered_fraction'])} of the events taken out")
+        )
     return rows
 
 
@@ -166,13 +170,15 @@ def latency_bars(summary: Mapping[str, Any], most_bars: int = 24) -> Bars | None
     latency = summary.get("latency_clocks")
     if not latency or not latency["histogram"]:
         return None
-    clocks, counts = np.array(latency["histogram"], np.int64).T
-    low, high = int(clocks[0]), int(clocks[-1])
-    step = -(-(high - low + 1) // most_bars)
-    sums = np.bincount((clocks - low) // step, weights=counts, minlength=-(-(high - low + 1) // step)).astype(np.int64)
-    names = [str(low + i * step) if step == 1 else f"{low + i * step}–{low + (i + 1) * step - 1}" for i in range(len(sums))]
+    bars = [(str(clocks), int(count)) for clocks, count in latency["histogram"]]
+    if len(bars) > most_bars:
+        clocks, counts = np.array(latency["histogram"], np.int64).T
+        step = -(-int(clocks[-1] - clocks[0] + 1) // most_bars)
+        sums = np.bincount((clocks - clocks[0]) // step, weights=counts).astype(np.int64).tolist()
+        lows = [int(clocks[0]) + i * step for i in range(len(sums))]
+        bars = [(f"{low}–{low + step - 1}", count) for low, count in zip(lows, sums, strict=True)]
     words = f"median {latency['median']} clocks, 99 % within {latency['p99']}, most {latency['max']}"
-    return Bars(list(zip(names, sums.tolist(), strict=True)), int(sums.max()), words)
+    return Bars(bars, max(count for _, count in bars), words)
 
 
 def figure(value: float | int | None, digits: int = 2) -> str:

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The truth about a run's recording, where somebody knows it: a scene's own, or a file."""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from evcot.errors import EvcotError, RecordingWarning
+from evcot.events import Recording
+from evcot.metrics import GroundTruth, Rule, Scores, evaluate, load_rule, read_truth, rule_for
+from evcot.scenes import Truth as SceneTruth
+from evcot.tracklog import TrackLog
+
+from ..run_file import Source
+
+__all__ = ["Truth", "truth_of"]
+
+_INSTANTS_MAX = 600  # at which a report looks: enough for figures of three digits, and quick
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A ground truth and the rule by which tracks are held against it."""
+
+    objects: GroundTruth
+    rule: Rule
+
+    @classmethod
+    def read(cls, path: Path, sensor: tuple[int, int], rule: str | None = None) -> Truth:
+        """Read a CSV file, by a rule's name or file, or the one with its columns; errors as of `read_truth` and `load_rule`."""
+        chosen = load_rule(rule) if rule else rule_for(path)
+        chosen = chosen.on(chosen.sensor or sensor)
+        return cls(read_truth(path, chosen), chosen)
+
+    def within(self, from_us: int, to_us: int) -> Truth:
+        """The part of it between two moments, both included; of very many instants evenly chosen ones."""
+        first, end = (int(i) for i in np.searchsorted(self.objects.instants_us, (from_us, to_us + 1)))
+        step = max(1, -(-(end - first) // _INSTANTS_MAX))
+        objects = self.objects.objects
+        frame = objects["frame"] - first
+        chosen = objects[(frame >= 0) & (objects["frame"] < end) & (frame % step == 0)].copy()
+        chosen["frame"] = (chosen["frame"] - first) // step
+        instants_us = self.objects.instants_us[first:end:step]
+        return replace(self, objects=GroundTruth(instants_us, chosen, self.objects.ids))
+
+    def scores(self, log: TrackLog) -> Scores | None:
+        """See `evaluate`; None where there is no instant to hold the log against."""
+        return evaluate(log, self.objects, self.rule) if len(self.objects.instants_us) else None
+
+    @property
+    def words(self) -> str:
+        """How tracks are held against it, for people."""
+        used = len(self.objects.instants_us)
+        step_ms = float(np.median(np.diff(self.objects.instants_us))) / 1e3 if used > 1 else 0.0
+        by = self.rule.title or "as its rule says"
+        return f"{len(self.objects.ids)} objects at {used:,} instants, {step_ms:.3g} ms apart: {by}."
+
+
+def truth_of(source: Source, recording: Recording) -> Truth | None:
+    """What is known about a run's recording: a scene's own truth, or the file that `evcot simulate` writes beside a recording.
+
+    A file that cannot be used is warned of, and left alone.
+    """
+    sensor = recording.width, recording.height
+    scene = source.scene_truth()
+    if scene is not None:
+        return _scene_truth(scene, sensor)
+    path = Path(source.recording)
+    beside = path.with_name(f"{path.stem}.truth.csv")
+    try:
+        return Truth.read(beside, sensor) if beside.is_file() else None
+    except EvcotError as error:
+        warnings.warn(f"the report goes without the truth: {error}", RecordingWarning, stacklevel=2)
+        return None
+
+
+def _scene_truth(truth: SceneTruth, sensor: tuple[int, int]) -> Truth:
+    t_us = truth.samples["t_us"]
+    instants_us = np.unique(t_us)
+    step = max(1, -(-len(instants_us) // _INSTANTS_MAX))  # text takes its time
+    kept = replace(truth, samples=truth.samples[np.isin(t_us, instants_us[::step])])
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "truth.csv"
+        kept.save(path)
+        return Truth.read(path, sensor, "scene")
