@@ -21,31 +21,35 @@ _SEPARATE = choice("polarity", "separate")
 
 @njit(cache=True, nogil=True, inline="always")
 def find_nearest(clusters: Table, cells: Table, ex: Any, ey: Any, x: float, y: float) -> Any:
-    """The slot whose centre is nearest by Chebyshev's distance, and that distance, infinite where no window is near.
+    """The seat of the cluster whose centre is nearest by Chebyshev's distance, and that distance; infinite where none is near.
 
-    A window of radius R holds exactly the points at most R away. Of two equally near, the older takes the event.
+    A window of radius R holds exactly the points at most R away. Of two equally near, the older takes the event. The first is
+    taken before it is compared with others: mostly there are none, and nothing need wait for a distance.
     """
     cell = cell_of(ex, ey)
     nearest = np.uint64(0)
     nearest_px = np.inf
-    words = len(cells)
-    for word in range(words):
-        near = cells[word, cell]
+    near = cells[0, cell]
+    if near != np.uint64(0):
+        nearest = lowest(near)
+        nearest_px = max(abs(x - clusters[nearest].x), abs(y - clusters[nearest].y))
+        near = without_lowest(near)
+    for word in range(len(cells)):
+        if word > 0:
+            near = cells[word, cell]
         while near != np.uint64(0):
-            slot = lowest(near) + np.uint64(64 * word)
+            seat = lowest(near) + np.uint64(64 * word)
             near = without_lowest(near)
-            distance_px = max(abs(x - clusters[slot].x), abs(y - clusters[slot].y))
-            if distance_px < nearest_px or (distance_px == nearest_px and clusters[slot].order < clusters[nearest].order):
+            distance_px = max(abs(x - clusters[seat].x), abs(y - clusters[seat].y))
+            if distance_px < nearest_px:
                 nearest_px = distance_px
-                nearest = slot
+                nearest = seat
     return nearest, nearest_px
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _remoteness(rules: Any, cluster: Any, dx: float, dy: float) -> Any:
+def _remoteness(rules: Any, dx: float, dy: float) -> Any:
     """What the cluster that takes the event has least of."""
-    if rules.assign == _FIRST:
-        return float(cluster.order)
     if rules.distance == _CHEBYSHEV:
         return max(abs(dx), abs(dy))
     if rules.distance == _MANHATTAN:
@@ -54,28 +58,37 @@ def _remoteness(rules: Any, cluster: Any, dx: float, dy: float) -> Any:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def find_by_options(rules: Any, clusters: Table, cells: Table, times: float, ex: Any, ey: Any, p: Any) -> Any:
-    """The slot whose window, so many times as large, holds the event: the nearest or first of such, or `NOBODY`."""
-    x, y = float(ex), float(ey)
-    polarity = np.int64(p) if rules.polarity == _SEPARATE else 0
-    cell = cell_of(ex, ey)
+def find_by_options(
+    rules: Any, clusters: Table, cells: Table, times: float, cell: Any, x: float, y: float, polarity: Any
+) -> Any:
+    """The seat of the cluster whose window, so many times as large, holds the event: the nearest or first of such, or `NOBODY`.
+
+    And where the event lies in it: dx, dy from the centre along the sensor's axes, and how far along the window's.
+    """
     holder = np.uint64(NOBODY)
+    held = 0.0, 0.0, 0.0, 0.0
     least = np.inf
-    for word in range(len(cells)):
-        near = cells[word, cell]
+    word = 0
+    near = cells[0, cell]
+    while True:
         while near != np.uint64(0):
-            slot = lowest(near) + np.uint64(64 * word)
+            seat = lowest(near) + np.uint64(64 * word)
             near = without_lowest(near)
-            cluster = clusters[slot]
-            if cluster.polarity != polarity:
-                continue
+            cluster = clusters[seat]
             dx = x - cluster.x
             dy = y - cluster.y
             u = abs(cluster.cos * dx + cluster.sin * dy)
             v = abs(cluster.cos * dy - cluster.sin * dx)
-            if u <= times * cluster.half_width and v <= times * cluster.half_height:
-                remoteness = _remoteness(rules, cluster, dx, dy)
-                if remoteness < least or (remoteness == least and cluster.order < clusters[holder].order):
+            beyond_px = max(u - times * cluster.half_width, v - times * cluster.half_height)
+            if beyond_px <= 0.0 and cluster.polarity == polarity:
+                if rules.assign == _FIRST:
+                    return seat, (dx, dy, u, v)
+                remoteness = _remoteness(rules, dx, dy)
+                if remoteness < least:
                     least = remoteness
-                    holder = slot
-    return holder
+                    holder = seat
+                    held = dx, dy, u, v
+        word += 1
+        if word == len(cells):
+            return holder, held
+        near = cells[word, cell]

@@ -11,13 +11,14 @@ from numba import njit
 from .compiled import step
 from .find import NOBODY, find_by_options, find_nearest
 from .life import check, note_ends_of_life, seed
-from .lookup import events_within
+from .lookup import cell_of, events_within
 from .move import move, pull_size
 from .packet import close_packet, open_packet
 from .state import NEVER_US, RECORDS_PER_PACKET, EventRules, State, Table, choice
 
 __all__ = ["close_last_packet", "feed", "place"]
 
+_SEPARATE = choice("polarity", "separate")
 _ON, _OFF = choice("polarity", "on"), choice("polarity", "off")
 
 
@@ -40,9 +41,9 @@ def feed(
 
     Without polarities, `ps` None, it is the paper's tracker: Numba then leaves out all that belongs to options.
     """
-    _, cursor, clusters, _, cells, around, _, alphas, out = state
+    _, cursor, clusters, live, _, cells, around, _, alphas, out = state
     cur = cursor[0]
-    n_max = len(clusters)
+    n_max = len(live)
     radius_px, alpha = rules.radius_px, rules.alpha
     keep = 1.0 - alpha
     seeds_max = n_max if rules.seeding > 0 else 0
@@ -61,42 +62,44 @@ def feed(
         y = float(ys[e])
         polarity = 0
         if ps is None:
-            slot, nearest_px = find_nearest(clusters, cells, xs[e], ys[e], x, y)
+            seat, nearest_px = find_nearest(clusters, cells, xs[e], ys[e], x, y)
             held = nearest_px <= radius_px
         else:
             polarity = np.int64(ps[e])  # type: ignore[assignment]
             if (rules.polarity == _ON and polarity == 0) or (rules.polarity == _OFF and polarity != 0):
                 owner[e] = -1
                 continue
-            slot = find_by_options(rules, clusters, cells, 1.0, xs[e], ys[e], polarity)
-            held = slot != np.uint64(NOBODY)
-            if not held:
-                slot = find_by_options(rules, clusters, around, rules.surround, xs[e], ys[e], polarity)
+            of = polarity if rules.polarity == _SEPARATE else 0
+            cell = cell_of(xs[e], ys[e])
+            seat, where = find_by_options(rules, clusters, cells, 1.0, cell, x, y, of)
+            held = seat != np.uint64(NOBODY)
+            if not held and len(around) > 0:
+                seat, where = find_by_options(rules, clusters, around, rules.surround, cell, x, y, of)
         if held:
-            cluster = clusters[slot]
+            cluster = clusters[seat]
             astray = False
             if ps is None:
                 cluster.x = keep * cluster.x + alpha * x
                 cluster.y = keep * cluster.y + alpha * y
             else:
-                move(rules, alphas, cluster, x, y, t_us - cluster.last_us)
+                move(rules, alphas, cluster, x, y, where, t_us - cluster.last_us)
                 astray = max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y)) > cluster.room
             cluster.last_us = t_us
             cluster.packet_events += 1
-            owner[e] = slot
+            owner[e] = cluster.slot
             if astray or cluster.packet_events >= cluster.check_at:
                 again = events_within(rules, cluster) if ps is None and cluster.track_id >= 0 else 0
                 if again > 0:
                     cluster.check_at = cluster.packet_events + again
                     continue
-                check(state, np.int64(slot), first_index + e, t_us)  # type: ignore[arg-type]
-        elif ps is not None and slot != np.uint64(NOBODY):
-            pull_size(rules, clusters[slot], x, y)
+                check(state, np.int64(seat), first_index + e, t_us)  # type: ignore[arg-type]
+        elif ps is not None and seat != np.uint64(NOBODY):
+            pull_size(rules, clusters[seat], x, y, where)
             owner[e] = -1
         elif cur.live < seeds_max:
-            slot_new = seed(state, x, y, t_us, polarity)
-            check(state, slot_new, first_index + e, t_us)
-            owner[e] = slot_new
+            seat_new = seed(state, x, y, t_us, polarity)
+            check(state, seat_new, first_index + e, t_us)
+            owner[e] = clusters[seat_new].slot
         else:
             owner[e] = -1
     cur.index = first_index + len(ts)
@@ -118,10 +121,10 @@ def close_last_packet(state: State) -> None:
 def place(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
     """Set a cluster up by hand, as if an event had seeded it; returns its slot, -1 where none is free."""
     cur = state.cursor[0]
-    if cur.live == len(state.clusters):
+    if cur.live == len(state.live):
         return -1
-    slot = seed(state, x, y, t_us, polarity)
-    state.clusters[slot].packet_events = 0
-    check(state, slot, cur.index, t_us)
+    seat = seed(state, x, y, t_us, polarity)
+    state.clusters[seat].packet_events = 0
+    check(state, seat, cur.index, t_us)
     cur.next_due_us = min(cur.next_due_us, t_us)
-    return slot
+    return state.clusters[seat].slot

@@ -8,7 +8,7 @@ from typing import Any
 from numba import njit
 
 from .compiled import step
-from .lookup import register, registered_for, unregister
+from .lookup import register, registered_for, take_seat, unregister
 from .records import LOST, record
 from .size import start_size
 from .state import NEVER_US, State, choice
@@ -21,12 +21,15 @@ _SEPARATE = choice("polarity", "separate")
 
 @step
 def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
-    """A new cluster at an event; returns its slot, the lowest that is free."""
+    """A new cluster at an event; it takes the lowest slot that is free. Returns its seat."""
     cur = state.cursor[0]
+    seat = take_seat(state)
     slot = 0
-    while state.clusters[slot].order >= 0:
+    while state.taken[slot] > 0:
         slot += 1
-    cluster = state.clusters[slot]
+    state.taken[slot] = 1
+    cluster = state.clusters[seat]
+    cluster.slot = slot
     cluster.x = x
     cluster.y = y
     cluster.velocity_x = 0.0
@@ -43,24 +46,22 @@ def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
     cluster.two = 0
     cluster.track_id = -1
     cluster.polarity = polarity if state.rules[0].polarity == _SEPARATE else 0
-    cluster.order = cur.seeded
-    cur.seeded += 1
-    state.live[cur.live] = slot
+    state.live[cur.live] = seat
     cur.live += 1
     start_size(state.rules[0], cluster)
-    register(state, slot)
-    return slot
+    register(state, seat)
+    return seat
 
 
 @step
-def check(state: State, slot: int, index: int, t_us: int) -> None:
+def check(state: State, seat: int, index: int, t_us: int) -> None:
     """What need not be asked with every event: is the cluster visible by now, is it still where it was registered?"""
-    cluster = state.clusters[slot]
-    again = registered_for(state, slot)
+    cluster = state.clusters[seat]
+    again = registered_for(state, seat)
     if cluster.track_id < 0:
         missing = missing_events(state.rules[0], cluster)
         if missing <= 0:
-            taken_over = show_if_due(state, slot, index, t_us)
+            taken_over = show_if_due(state, seat, index, t_us)
             if taken_over >= 0:
                 drop(state, taken_over)
         else:
@@ -72,9 +73,9 @@ def check(state: State, slot: int, index: int, t_us: int) -> None:
 def drop(state: State, i: int) -> None:
     """The i-th live cluster is gone."""
     cur = state.cursor[0]
-    slot = state.live[i]
-    unregister(state, slot)
-    state.clusters[slot].order = -1
+    seat = state.live[i]
+    unregister(state, seat)
+    state.taken[state.clusters[seat].slot] = 0
     cur.live -= 1
     for k in range(i, cur.live):
         state.live[k] = state.live[k + 1]
@@ -84,9 +85,9 @@ def drop(state: State, i: int) -> None:
 def lose(state: State, i: int, now_us: int) -> None:
     """The i-th live cluster ends before its time."""
     cur = state.cursor[0]
-    slot = state.live[i]
-    if state.clusters[slot].track_id >= 0:
-        record(state, LOST, cur.index, now_us, slot, -1)
+    seat = state.live[i]
+    if state.clusters[seat].track_id >= 0:
+        record(state, LOST, cur.index, now_us, seat, -1)
     drop(state, i)
 
 
@@ -119,13 +120,13 @@ def remove_silent(state: State, now_us: int) -> None:
     rules = state.rules[0]
     i = 0
     while i < cur.live:
-        slot = state.live[i]
-        cluster = state.clusters[slot]
+        seat = state.live[i]
+        cluster = state.clusters[seat]
         end_us = _end_us(rules, cluster)
         if end_us <= now_us:
             if cluster.track_id >= 0:
                 index = cluster.due_index if cluster.due_us == cluster.last_us else cur.index
-                record(state, LOST, index, end_us, slot, -1)
+                record(state, LOST, index, end_us, seat, -1)
             drop(state, i)
         else:
             i += 1

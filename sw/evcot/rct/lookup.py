@@ -4,8 +4,10 @@
 A cluster is registered in every cell that its window touches, widened by a slack; as long as it has moved no farther than
 that, the sets hold every window that holds an event, and an event is compared with the few clusters of its cell. Surrounds
 have sets of their own, which only an event in no window asks for. The cells wrap around after 512 pixels either way, so that
-no sensor size need be known: pixels so far apart share their sets, which only means more comparisons. Sets are bits, 64 to a
-word.
+no sensor size need be known: pixels so far apart share their sets, which only means more comparisons.
+
+Sets are bits, 64 to a word: a cluster's bit is its seat. Seats are taken in the order of seeding, so that whoever looks at the
+clusters of a cell sees the older ones first.
 """
 
 from __future__ import annotations
@@ -19,7 +21,17 @@ from numba.cpython.unsafe.numbers import trailing_zeros
 from .compiled import step
 from .state import CELLS, State, Table
 
-__all__ = ["cell_of", "events_within", "lowest", "register", "registered_for", "set_room", "unregister", "without_lowest"]
+__all__ = [
+    "cell_of",
+    "events_within",
+    "lowest",
+    "register",
+    "registered_for",
+    "set_room",
+    "take_seat",
+    "unregister",
+    "without_lowest",
+]
 
 _SHIFT = 3  # a cell is 8 pixels wide
 _WORD = 64
@@ -53,11 +65,11 @@ def _slack_px(reach_px: float) -> float:
 
 
 @step
-def _flip(cells: Table, slot: int, cluster: Any, times: float) -> None:
+def _flip(cells: Table, seat: int, cluster: Any, times: float) -> None:
     """Put a cluster into the sets of the cells that its window, so many times as large, may touch, or take it out of them:
     the same bits change."""
-    sets = cells[slot // _WORD]
-    bit = np.uint64(1) << np.uint64(slot % _WORD)
+    sets = cells[seat // _WORD]
+    bit = np.uint64(1) << np.uint64(seat % _WORD)
     reach_x, reach_y = times * cluster.cells_reach_x, times * cluster.cells_reach_y
     left: Any = np.int64(np.floor(cluster.cells_x - reach_x)) >> _SHIFT
     top: Any = np.int64(np.floor(cluster.cells_y - reach_y)) >> _SHIFT
@@ -74,30 +86,46 @@ def _flip(cells: Table, slot: int, cluster: Any, times: float) -> None:
 
 
 @step
-def _flip_all(state: State, slot: int) -> None:
-    cluster = state.clusters[slot]
-    _flip(state.cells, slot, cluster, 1.0)
+def _flip_all(state: State, seat: int) -> None:
+    cluster = state.clusters[seat]
+    _flip(state.cells, seat, cluster, 1.0)
     if len(state.around) > 0:
-        _flip(state.around, slot, cluster, state.rules[0].surround)
+        _flip(state.around, seat, cluster, state.rules[0].surround)
 
 
 @step
-def unregister(state: State, slot: int) -> None:
+def unregister(state: State, seat: int) -> None:
     """Take a cluster out of all sets."""
-    _flip_all(state, slot)
+    _flip_all(state, seat)
 
 
 @step
-def register(state: State, slot: int) -> None:
+def take_seat(state: State) -> Any:
+    """A seat for a new cluster, behind all others; where none is left there, all move up."""
+    cur = state.cursor[0]
+    if cur.seated == len(state.clusters):
+        state.cells[:] = 0
+        state.around[:] = 0
+        for seat in range(cur.live):
+            state.clusters[seat] = state.clusters[state.live[seat]]
+            state.live[seat] = seat
+            _flip_all(state, seat)
+        cur.seated = cur.live
+    cur.seated += 1
+    return cur.seated - 1
+
+
+@step
+def register(state: State, seat: int) -> None:
     """Put a cluster into the sets of the cells around it."""
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     slack = _slack_px(max(cluster.reach_x, cluster.reach_y))
     cluster.cells_x = cluster.x
     cluster.cells_y = cluster.y
     cluster.cells_reach_x = cluster.reach_x + slack
     cluster.cells_reach_y = cluster.reach_y + slack
     cluster.room = slack
-    _flip_all(state, slot)
+    _flip_all(state, seat)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -121,13 +149,13 @@ def set_room(cluster: Any) -> None:
 
 
 @step
-def registered_for(state: State, slot: int) -> Any:
+def registered_for(state: State, seat: int) -> Any:
     """Register a cluster anew where it must be; returns after how many events to ask again."""
     rules = state.rules[0]
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     again = events_within(rules, cluster)
     if again == 0 or cluster.room > 3.0 * _slack_px(max(cluster.reach_x, cluster.reach_y)):
-        unregister(state, slot)
-        register(state, slot)
+        unregister(state, seat)
+        register(state, seat)
         again = max(1, events_within(rules, cluster))
     return again

@@ -84,8 +84,8 @@ def _merge(state: State, i: int, j: int) -> Any:
     rules = state.rules[0]
     swap = _stays_second(rules, state.clusters[state.live[i]], state.clusters[state.live[j]])
     stays, goes = (j, i) if swap else (i, j)
-    slot = state.live[stays]
-    into = state.clusters[slot]
+    seat = state.live[stays]
+    into = state.clusters[seat]
     gone = state.clusters[state.live[goes]]
     index = cur.index - 1
     if gone.track_id >= 0:
@@ -93,7 +93,7 @@ def _merge(state: State, i: int, j: int) -> Any:
     _blend(rules, into, gone, cur.packet_end_us)
     drop(state, goes)
     if into.track_id < 0 and missing_events(rules, into) <= 0:
-        taken_over = show_if_due(state, slot, index, cur.last_us)
+        taken_over = show_if_due(state, seat, index, cur.last_us)
         if taken_over >= 0:
             drop(state, taken_over)
             return -1
@@ -124,7 +124,7 @@ def _may_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
 @njit(cache=True, nogil=True, inline="always")
 def _touch(a: Any, b: Any) -> Any:
     """Whether two windows share a point."""
-    return abs(a.x - b.x) <= a.reach_x + b.reach_x and abs(a.y - b.y) <= a.reach_y + b.reach_y
+    return max(abs(a.x - b.x) - (a.reach_x + b.reach_x), abs(a.y - b.y) - (a.reach_y + b.reach_y)) <= 0.0
 
 
 @step

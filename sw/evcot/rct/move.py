@@ -8,6 +8,7 @@ from typing import Any
 
 from numba import njit
 
+from .means import mix_means
 from .state import ALPHAS, Table, choice
 
 __all__ = ["move", "pull_size"]
@@ -26,24 +27,13 @@ def _mixing(rules: Any, alphas: Table, elapsed_us: Any) -> Any:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def pull_size(rules: Any, cluster: Any, x: float, y: float) -> None:
+def pull_size(rules: Any, cluster: Any, x: float, y: float, where: Any) -> None:
     """An event in the window or its surround tells of the cluster's size, direction and spread."""
     if rules.shaped > 0:
-        dx = x - cluster.x
-        dy = y - cluster.y
-        u = abs(cluster.cos * dx + cluster.sin * dy)
-        v = abs(cluster.cos * dy - cluster.sin * dx)
-        mix = cluster.mix
-        keep = 1.0 - mix
-        if rules.split_share > 0.0:
-            cluster.middle_x = keep * cluster.middle_x + (mix if 2.0 * u < cluster.deviation_x else 0.0)
-            cluster.middle_y = keep * cluster.middle_y + (mix if 2.0 * v < cluster.deviation_y else 0.0)
-        cluster.deviation_x = keep * cluster.deviation_x + mix * u
-        cluster.deviation_y = keep * cluster.deviation_y + mix * v
-        if rules.angle > 0:
-            cluster.moment_xx = keep * cluster.moment_xx + mix * (dx * dx)
-            cluster.moment_xy = keep * cluster.moment_xy + mix * (dx * dy)
-            cluster.moment_yy = keep * cluster.moment_yy + mix * (dy * dy)
+        dx, dy, u, v = where
+        in_middle_x = 1.0 if 2.0 * u < cluster.deviation_x else 0.0
+        in_middle_y = 1.0 if 2.0 * v < cluster.deviation_y else 0.0
+        mix_means(cluster, cluster.mix, (in_middle_x, in_middle_y, u, v, dx * dx, dx * dy, dy * dy, 0.0))
     if rules.boxed > 0:
         # A side steps outwards for an event beyond it and inwards for any other, so far that both balance at its quantile.
         low = rules.box_quantile
@@ -55,9 +45,9 @@ def pull_size(rules: Any, cluster: Any, x: float, y: float) -> None:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def move(rules: Any, alphas: Table, cluster: Any, x: float, y: float, elapsed_us: Any) -> None:
+def move(rules: Any, alphas: Table, cluster: Any, x: float, y: float, where: Any, elapsed_us: Any) -> None:
     """An event in the window moves the centre: to the mixed mean, or to the middle of the box."""
-    pull_size(rules, cluster, x, y)
+    pull_size(rules, cluster, x, y, where)
     if rules.centre == _BOX:
         cluster.x = 0.5 * (cluster.left + cluster.right)
         cluster.y = 0.5 * (cluster.top + cluster.bottom)

@@ -28,9 +28,9 @@ def close_packet(state: State, now_us: int) -> None:
     rules = state.rules[0]
     remove_silent(state, now_us)
     for i in range(cur.live):
-        slot = state.live[i]
-        if state.clusters[slot].packet_events > 0:
-            measure_velocity(state, slot, cur.packet_end_us)
+        seat = state.live[i]
+        if state.clusters[seat].packet_events > 0:
+            measure_velocity(state, seat, cur.packet_end_us)
     if rules.whole > 0:
         _look(state, now_us)
     if rules.merging > 0:
@@ -38,11 +38,11 @@ def close_packet(state: State, now_us: int) -> None:
     if rules.whole > 0:
         _judge(state, now_us)
     for i in range(cur.live):
-        slot = state.live[i]
-        cluster = state.clusters[slot]
+        seat = state.live[i]
+        cluster = state.clusters[seat]
         coasts = rules.coast_us > 0 and now_us - cluster.last_us >= rules.lifetime_us
         if cluster.track_id >= 0 and (cluster.packet_events > 0 or coasts):
-            record(state, MOVED, cur.index - 1, cur.last_us, slot, -1)
+            record(state, MOVED, cur.index - 1, cur.last_us, seat, -1)
     _settle(state)
 
 
@@ -70,11 +70,11 @@ def _judge(state: State, now_us: int) -> None:
             hide_weak(state, state.live[i], now_us, now_us)
     i = 0
     while i < cur.live:
-        slot = state.live[i]
-        cluster = state.clusters[slot]
+        seat = state.live[i]
+        cluster = state.clusters[seat]
         taken_over = -1
         if cluster.track_id < 0 and cluster.packet_events > 0 and is_due(rules, cluster):
-            taken_over = show_if_due(state, slot, cur.index - 1, cur.last_us)
+            taken_over = show_if_due(state, seat, cur.index - 1, cur.last_us)
             if taken_over >= 0:
                 drop(state, taken_over)
         if taken_over < 0 or taken_over > i:
@@ -90,8 +90,8 @@ def _settle(state: State) -> None:
     if moves:
         advance(state, cur.packet_end_us, cur.packet_end_us + rules.packet_us)
     for i in range(cur.live):
-        slot = state.live[i]
-        cluster = state.clusters[slot]
+        seat = state.live[i]
+        cluster = state.clusters[seat]
         if cluster.packet_events > 0 or moves:
             cluster.before += cluster.packet_events
             cluster.packet_events = 0
@@ -103,7 +103,7 @@ def _settle(state: State) -> None:
             if again > 0:
                 cluster.check_at = again
             else:
-                check(state, slot, cur.index - 1, cur.last_us)
+                check(state, seat, cur.index - 1, cur.last_us)
 
 
 @step

@@ -14,7 +14,7 @@ _BOX = choice("centre", "box")
 
 
 @step
-def record(state: State, kind: int, index: int, t_us: int, slot: int, other_id: int) -> None:
+def record(state: State, kind: int, index: int, t_us: int, seat: int, other_id: int) -> None:
     """Write one record where its event index puts it; a loss stands before what the event itself causes."""
     cur = state.cursor[0]
     out = state.out
@@ -29,13 +29,13 @@ def record(state: State, kind: int, index: int, t_us: int, slot: int, other_id: 
             break
         out[at] = before
         at -= 1
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     row = out[at]
     row.t_us = t_us
     row.event_index = index
     row.kind = kind
     row.track_id = cluster.track_id
-    row.slot = slot
+    row.slot = cluster.slot
     row.x = cluster.x
     row.y = cluster.y
     if state.rules[0].centre == _BOX:

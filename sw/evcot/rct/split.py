@@ -40,17 +40,18 @@ def _halve(rules: Any, cluster: Any, along_x: bool, now_us: int) -> None:
 
 
 @step
-def _split(state: State, slot: int, along_x: bool, now_us: int) -> None:
+def _split(state: State, i: int, along_x: bool, now_us: int) -> None:
     """Two groups, each a mean deviation from the centre: the older keeps the one ahead, of two at rest the right or lower."""
     rules = state.rules[0]
-    old = state.clusters[slot]
+    old = state.clusters[state.live[i]]
     away = old.deviation_x if along_x else old.deviation_y
     dx = away * old.cos if along_x else -away * old.sin
     dy = away * old.sin if along_x else away * old.cos
     if dx * old.velocity_x + dy * old.velocity_y < 0.0:
         dx, dy = -dx, -dy
-    new_slot = seed(state, old.x - dx, old.y - dy, old.last_us, old.polarity)
-    new = state.clusters[new_slot]
+    new_seat = seed(state, old.x - dx, old.y - dy, old.last_us, old.polarity)
+    old = state.clusters[state.live[i]]  # which may have moved up
+    new = state.clusters[new_seat]
     for twin in (new, old):
         twin.half_width, twin.half_height = old.half_width, old.half_height
         twin.deviation_x, twin.deviation_y = old.deviation_x, old.deviation_y
@@ -74,12 +75,12 @@ def split_apart(state: State, now_us: int) -> None:
     if rules.split_share == 0.0:
         return
     for i in range(cur.live):
-        slot = state.live[i]
-        cluster = state.clusters[slot]
+        seat = state.live[i]
+        cluster = state.clusters[seat]
         if cluster.track_id < 0 or cluster.packet_events == 0:
             continue
         along_x = cluster.deviation_x >= cluster.deviation_y
         middle = cluster.middle_x if along_x else cluster.middle_y
         cluster.two = cluster.two + 1 if middle < rules.split_share else 0
-        if cluster.two >= rules.split_packets and cur.live < len(state.clusters):
-            _split(state, slot, along_x, now_us)
+        if cluster.two >= rules.split_packets and cur.live < len(state.live):
+            _split(state, i, along_x, now_us)

@@ -15,6 +15,7 @@ from .config import RCT_CHOICES, RctConfig
 __all__ = [
     "ALPHAS",
     "CELLS",
+    "MEANS",
     "NEVER_US",
     "PLACE",
     "RECORDS_PER_PACKET",
@@ -35,6 +36,7 @@ NEVER_US = 1 << 62
 RECORDS_PER_PACKET = 4
 CELLS = 64  # to a side of the lookup
 _LINE = 64  # bytes
+_WORD = 64  # bits
 ALPHAS = 4096  # intervals in us whose mixing factor stands in a table
 
 # The settings by their names; choices as numbers; and what follows from them.
@@ -71,16 +73,28 @@ class EventRules(NamedTuple):
     alpha_tau_us: float
 
 
-# What is known of a cluster. What every event touches stands first.
+# What a cluster's events look like, seen from the centre along the window's axes: means, which `means` mixes at once.
+MEANS = (
+    "middle_x",  # share of events nearer to the centre than half the deviation
+    "middle_y",
+    "deviation_x",  # mean absolute
+    "deviation_y",
+    "moment_xx",  # second moments, along the sensor's axes
+    "moment_xy",
+    "moment_yy",
+    "nothing",  # fills the line
+)
+
+# What is known of a cluster. What every event touches stands first, a line of the cache each; the means begin one.
 _CLUSTER_FIELDS = (
     ("x", "<f8"),  # centre, pixels
     ("y", "<f8"),
     ("last_us", "<i8"),  # its last event
     ("packet_events", "<i8"),  # events in the open packet
     ("check_at", "<i8"),  # at so many of these it is looked at: visible by now? far from where it was registered?
-    ("order", "<i8"),  # how many were seeded before it; -1: the slot is free
-    ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
-    ("track_id", "<i8"),  # -1 until it is visible
+    ("slot", "<i8"),  # its number for the outside
+    ("cells_x", "<f8"),  # where it is registered in the lookup
+    ("cells_y", "<f8"),
     # Options: the window, half its sides and its direction.
     ("half_width", "<f8"),
     ("half_height", "<f8"),
@@ -88,15 +102,10 @@ _CLUSTER_FIELDS = (
     ("sin", "<f8"),
     ("room", "<f8"),  # how far it may move before it is registered anew
     ("polarity", "<i8"),  # of the event that seeded it
-    # Options: what its events look like, seen from the centre along the window's axes.
-    ("mix", "<f8"),  # mixing factor of these, larger in youth
-    ("deviation_x", "<f8"),  # mean absolute
-    ("deviation_y", "<f8"),
-    ("middle_x", "<f8"),  # share of events nearer to the centre than half of that
-    ("middle_y", "<f8"),
-    ("moment_xx", "<f8"),  # second moments, along the sensor's axes
-    ("moment_xy", "<f8"),
-    ("moment_yy", "<f8"),
+    ("mix", "<f8"),  # mixing factor of the means, larger in youth
+    ("track_id", "<i8"),  # -1 until it is visible
+    *((name, "<f8") for name in MEANS),
+    ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
     ("left", "<f8"),  # the box
     ("right", "<f8"),
     ("top", "<f8"),
@@ -118,13 +127,11 @@ _CLUSTER_FIELDS = (
     ("reach_y", "<f8"),
     ("due_index", "<i8"),  # first event at or after the end of its life, as of
     ("due_us", "<i8"),  # the `last_us` for which that was found
-    ("cells_x", "<f8"),  # where it is registered in the lookup, and how far around
-    ("cells_y", "<f8"),
-    ("cells_reach_x", "<f8"),
+    ("cells_reach_x", "<f8"),  # how far around it is registered in the lookup
     ("cells_reach_y", "<f8"),
 )
 
-# One per slot, each on its own lines of the cache.
+# Each on its own lines of the cache.
 CLUSTER = np.dtype(
     {
         "names": [name for name, _ in _CLUSTER_FIELDS],
@@ -139,7 +146,7 @@ PLACE = np.dtype([("t_us", "<i8"), ("x", "<f8"), ("y", "<f8")])
 CURSOR = np.dtype(
     [
         ("live", "<i8"),  # clusters
-        ("seeded", "<i8"),  # clusters so far
+        ("seated", "<i8"),  # seats of the lookup that were given away
         ("births", "<i8"),  # clusters that became visible so far: the next track id
         ("index", "<i8"),  # events so far
         ("last_us", "<i8"),  # the last event
@@ -177,6 +184,7 @@ class State(NamedTuple):
         cursor: (1,) of `CURSOR`.
         clusters: (max_clusters,) of `CLUSTER`, by slot.
         live: (max_clusters,) int64: the slots in use, seeded first first.
+        taken: (max_clusters,) int64: 1 where a slot is in use.
         cells: (words, CELLS * CELLS) uint64: the sets of `lookup`, by windows.
         around: the same by surrounds; without surrounds no words.
         paths: (max_clusters, path_points) of `PLACE`, rings by slot.
@@ -188,6 +196,7 @@ class State(NamedTuple):
     cursor: Table
     clusters: Table
     live: Table
+    taken: Table
     cells: Table
     around: Table
     paths: Table
@@ -208,15 +217,15 @@ def event_rules(state: State) -> EventRules:
 def new_state(config: RctConfig, width: int, height: int) -> State:
     """Before the first event."""
     n = config.max_clusters
-    words = -(-n // 64)
+    words = -(-(n + n // 4) // _WORD)
     cursor = np.zeros(1, CURSOR)
     cursor["packet_end_us"] = cursor["last_us"] = cursor["next_due_us"] = -NEVER_US
-    clusters = _on_lines(n, CLUSTER)
-    clusters["order"] = -1
+    clusters = _on_lines(_WORD * words, CLUSTER)
     return State(
         _rules(config, width, height),
         cursor,
         clusters,
+        np.zeros(n, np.int64),
         np.zeros(n, np.int64),
         np.zeros((words, CELLS * CELLS), np.uint64),
         np.zeros((words if config.surround > 1.0 else 0, CELLS * CELLS), np.uint64),
@@ -246,12 +255,11 @@ def _rules(config: RctConfig, width: int, height: int) -> Table:
     return rules
 
 
-def summary(clusters: NDArray[np.void], slots: NDArray[np.int64]) -> NDArray[np.void]:
+def summary(clusters: NDArray[np.void]) -> NDArray[np.void]:
     """What `RctTracker.clusters` shows of them, (k,) of dtype `SUMMARY`."""
     shown = np.zeros(len(clusters), SUMMARY)
     for name in set(SUMMARY.names or ()) & set(CLUSTER.names or ()):
         shown[name] = clusters[name]
     shown["angle"] = np.arctan2(clusters["sin"], clusters["cos"])
     shown["events"] = clusters["before"] + clusters["packet_events"]
-    shown["slot"] = slots
     return shown

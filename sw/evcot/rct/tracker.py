@@ -103,17 +103,20 @@ class RctTracker:
     def clusters(self) -> NDArray[np.void]:
         """The live clusters, seeded first first: (k,) with x, y, half_width, half_height (px), velocity_x, velocity_y (px/s),
         angle (rad, of the width's side), mass, events, last_us, track_id (-1 while invisible) and slot."""
-        slots = self._state.live[: int(self._cursor["live"][0])]
-        return summary(self._state.clusters[slots], slots)
+        return summary(self._live())
 
     def paths(self) -> list[NDArray[np.void]]:
         """Where the live clusters have been, in the order of `clusters`: per cluster (m,) with t_us, x, y (px), oldest first,
         a place per packet that brought it events, the last `path_points` of them."""
         paths = []
-        for slot in self._state.live[: int(self._cursor["live"][0])]:
-            places, size = int(self._state.clusters["places"][slot]), self.config.path_points
-            paths.append(self._state.paths[slot, np.arange(max(0, places - size), places) % max(1, size)])
+        for cluster in self._live():
+            places, size = int(cluster["places"]), self.config.path_points
+            paths.append(self._state.paths[cluster["slot"], np.arange(max(0, places - size), places) % max(1, size)])
         return paths
+
+    def _live(self) -> NDArray[np.void]:
+        live: NDArray[np.void] = self._state.clusters[self._state.live[: int(self._cursor["live"][0])]]
+        return live
 
     def _take_closed(self) -> NDArray[np.void]:
         """Records of closed packets leave the buffer, those of the open packet move to its front."""

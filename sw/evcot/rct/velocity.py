@@ -16,19 +16,19 @@ _FEW = 3  # places that say nothing about velocity yet
 
 
 @step
-def measure_velocity(state: State, slot: int, now_us: int) -> None:
+def measure_velocity(state: State, seat: int, now_us: int) -> None:
     """After a packet that brought the cluster events."""
     rules = state.rules[0]
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     if rules.path_points > 0:
-        place = state.paths[slot, cluster.places % rules.path_points]
+        place = state.paths[cluster.slot, cluster.places % rules.path_points]
         place.t_us = cluster.last_us
         place.x = cluster.x
         place.y = cluster.y
         cluster.places += 1
     cluster.measured += 1
     if rules.velocity == _REGRESSION:
-        _regress(state, slot)
+        _regress(state, seat)
     else:
         _filter(rules, cluster, now_us)
     cluster.from_x = cluster.x
@@ -52,14 +52,14 @@ def _filter(rules: Any, cluster: Any, now_us: int) -> None:
 
 
 @step
-def _regress(state: State, slot: int) -> None:
+def _regress(state: State, seat: int) -> None:
     """The slope of the line through the last places that fits best: sum dt dx / sum dt dt, about their means."""
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     size = state.paths.shape[1]
     n = min(cluster.measured, size)
     if n < _FEW:
         return
-    path = state.paths[slot]
+    path = state.paths[cluster.slot]
     sum_t = sum_x = sum_y = sum_tt = sum_tx = sum_ty = 0.0
     at = (cluster.places - n) % size
     for _ in range(n):

@@ -60,16 +60,16 @@ def is_weak(rules: Any, cluster: Any) -> Any:
 
 
 @step
-def show_if_due(state: State, slot: int, index: int, t_us: int) -> Any:
+def show_if_due(state: State, seat: int, index: int, t_us: int) -> Any:
     """An invisible cluster that has what it takes becomes a track: a new one, or one that coasted nearby.
 
     Returns where among the live clusters the one stands whose track this one took over and which must now be dropped, or -1.
     """
     rules = state.rules[0]
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     if not is_due(rules, cluster):
         return -1
-    lost = _coasting_nearby(state, slot, t_us) if rules.coast_us > 0 else -1
+    lost = _coasting_nearby(state, seat, t_us) if rules.coast_us > 0 else -1
     if lost >= 0:
         gone = state.clusters[state.live[lost]]
         cluster.track_id = gone.track_id
@@ -80,15 +80,15 @@ def show_if_due(state: State, slot: int, index: int, t_us: int) -> Any:
         cur = state.cursor[0]
         cluster.track_id = cur.births
         cur.births += 1
-        record(state, BORN, index, t_us, slot, -1)
+        record(state, BORN, index, t_us, seat, -1)
     return lost
 
 
 @step
-def _coasting_nearby(state: State, slot: int, now_us: int) -> Any:
+def _coasting_nearby(state: State, seat: int, now_us: int) -> Any:
     """The nearest visible cluster that has been silent for a lifetime, within the reach of its predicted place."""
     rules = state.rules[0]
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     nearest = -1
     nearest_px = rules.coast_reach_px
     for i in range(state.cursor[0].live):
@@ -116,18 +116,18 @@ def falls_at(rules: Any, level: float, least: float, begin_us: int, end_us: int)
 
 
 @step
-def hide_weak(state: State, slot: int, begin_us: int, end_us: int) -> None:
+def hide_weak(state: State, seat: int, begin_us: int, end_us: int) -> None:
     """A track whose rate or mass falls below its share of what is asked for, in the silence from `begin_us` to `end_us`, ends.
 
     Its cluster lives on, invisible.
     """
     rules = state.rules[0]
-    cluster = state.clusters[slot]
+    cluster = state.clusters[seat]
     if rules.visibility == _EVENTS or cluster.track_id < 0:
         return
     at_us = falls_at(rules, _weight(rules, cluster), rules.hidden_share, begin_us, end_us)
     if rules.coast_us > 0:
         at_us = max(at_us, cluster.last_us + rules.lifetime_us + rules.coast_us)
     if at_us <= end_us:
-        record(state, LOST, state.cursor[0].index, at_us, slot, -1)
+        record(state, LOST, state.cursor[0].index, at_us, seat, -1)
         cluster.track_id = -1
