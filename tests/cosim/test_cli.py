@@ -72,7 +72,7 @@ def test_a_run_leaves_summary_logs_picture_and_waveform(recording: Path, capsys:
     assert main(["cosim", str(recording), "--stalls", "5"]) == 0
     folder = Path("build/cosim/blob")
     assert {path.name for path in folder.iterdir()} == {
-        "run.toml", "summary.json", "picture.png", *view_files("waves"),
+        "run.toml", "summary.json", "picture.png", "report.html", *view_files("waves"),
         *(f"{engine}.{kind}" for engine in ("hardware", "model", "software") for kind in ("npz", "csv")),
     }  # fmt: skip
     assert not list(Path("build/cosim").glob(".*"))
@@ -171,7 +171,9 @@ def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     assert printed.out == ""
     assert re.search(r"MISMATCH: cot_array: event \d+, tick \d+: record\.\w+: hardware has \d+, model has \d+", printed.err)
     folder = Path("build/cosim/blob")
-    assert {path.name for path in folder.iterdir()} == {"run.toml", "summary.json"} | view_files("mismatch")
+    assert {path.name for path in folder.iterdir()} == {
+        "run.toml", "summary.json", "report.html", "hardware.npz", "model.npz", *view_files("mismatch"),
+    }  # fmt: skip
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["exact"] is False
     found = summary["mismatch"]

@@ -63,13 +63,15 @@ def _cosim(options: argparse.Namespace, arguments: Sequence[str]) -> int:
             )  # fmt: skip
         except MismatchError as error:
             write_mismatch(error, job.recording, job.run_file, folder, command=command)
-            print(f"evcot: {folder}/ holds summary.json, and mismatch.vcd with its view mismatch.gtkw", file=sys.stderr)
+            left = "report.html, summary.json, logs (.npz), and mismatch.vcd with its view mismatch.gtkw"
+            print(f"evcot: {folder}/ holds {left}", file=sys.stderr)
             raise
-        progress.note("writing logs, picture and waveform")
+        progress.note("writing logs, picture, report and waveform")
         summary = write_run(run, folder, job.run_file, command=command, waves=not options.no_waves)
     if options.json:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:
         print_table(table(summary))
-        print(f"\n{folder}/ holds summary.json, picture.png, logs (.npz, .csv) and waves.vcd with its view waves.gtkw")
+        left = "report.html, summary.json, picture.png, logs (.npz, .csv), and waves.vcd with its view waves.gtkw"
+        print(f"\n{folder}/ holds {left}")
     return 0 if summary["exact"] else MISMATCH

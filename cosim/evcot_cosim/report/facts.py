@@ -61,7 +61,7 @@ def differences(material: Material) -> Differences | None:
                     f"software {pair['software_id']} {pair['time_difference_us'] / 1e3:+.1f} ms, {pair['distance_px']:.1f} px"
                 )
                 joint.append(Place(at_us, side.name, str(track), f"{text}; {late}"))
-        births = material_births(material, side.name)
+        births = _births(material, side.name)
         for track in agreement[f"tracks_unpaired_{side.name}"]:
             if track in births:
                 lone_lives.append(Place(births[track] - begin_us, side.name, str(track), f"{side.name} {track}"))
@@ -70,7 +70,7 @@ def differences(material: Material) -> Differences | None:
     return Differences(lone_merges, lone_lives, joint)
 
 
-def material_births(material: Material, name: str) -> dict[int, int]:
+def _births(material: Material, name: str) -> dict[int, int]:
     """Time of birth of each track of a side."""
     log = next(side.log for side in material.sides if side.name == name)
     born = log.records[log.records["kind"] == 0]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Columns of integers as one short text that a browser unpacks: differences, planes of bytes, deflate, 13 bits in 2 characters."""
+"""Columns of integers as one short text that a browser unpacks: differences, planes of bytes, deflate, 13 bits in a pair of
+characters."""
 
 from __future__ import annotations
 

@@ -29,8 +29,8 @@ __all__ = ["MODULES", "inline_modules", "render", "write_report"]
 
 # In the order in which they need each other.
 MODULES = (
-    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves", "timeline",
-    "theme", "hover", "layers", "transport", "keys", "links", "main",
+    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves",
+    "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
 )  # fmt: skip
 
 _TEXT_MAX = 9_000_000  # characters of packed columns
@@ -135,7 +135,7 @@ def _notes(material: Material, collected: Collected) -> list[str]:
     notes = []
     if collected.shown < len(material.events):
         notes.append(
-            f"{collected.shown:,} of {len(material.events):,} events are drawn, evenly chosen; all figures, curves and heat maps "
+            f"{collected.shown:,} of {len(material.events):,} events are drawn, evenly chosen; figures, curves and maps "
             "count every one. A report of a shorter part, with --from and --to, draws all of its events."
         )
     for name, paths in collected.paths.items():

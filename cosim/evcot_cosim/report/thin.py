@@ -39,6 +39,6 @@ def thinned_records(kind: NDArray[np.uint8], most: int = RECORDS_MAX) -> NDArray
     """Which of a log's records stay: every birth and end, and as many moves as there is room for, evenly."""
     moved = kind == Kind.MOVED
     room = max(most - int(np.count_nonzero(~moved)), 0)
-    keep = ~moved
+    keep: NDArray[np.bool_] = ~moved
     keep[np.flatnonzero(moved)[thinned_events(int(moved.sum()), room)]] = True
     return keep

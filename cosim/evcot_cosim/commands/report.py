@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot report`: the page to explore a run with, made again or made of a software tracker's log."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import evcot
+from evcot.errors import ConfigError
+from evcot.events import Recording
+from evcot.metrics import RULES
+from evcot.tracklog import TrackLog
+
+from ..report import REPORT, Material, Side, Truth, truth_of, write_report
+from ..run_file import RUN_FILE, Source, read_run_file
+from .options import damage_options, open_from, sensor_from, window_from, window_options
+from .parsing import add_command
+
+__all__ = ["add"]
+
+_EXAMPLES = """
+evcot report build/cosim/drive                              # writes build/cosim/drive/report.html anew
+evcot report build/cosim/drive --truth drive.csv --rule traffic
+evcot report log.npz --recording drive.aedat4 -o drive.html # of a log of `evcot track`
+"""
+_SIDES = {"cot-rtl": "hardware", "cot-model": "model"}  # names of engines; any other is software
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    parser = add_command(commands, "report", "write the page to explore a run with: one HTML file", _EXAMPLES)
+    parser.add_argument("run", type=Path, metavar="RUN", help="the folder of a run of `evcot cosim`, or a track log (.npz)")
+    parser.add_argument("--recording", type=Path, metavar="FILE", help="the events (default: those that the run was made of)")
+    parser.add_argument("--truth", type=Path, metavar="CSV", help="the ground truth (default: the scene's, or FILE.truth.csv)")
+    known = ", ".join(RULES)
+    parser.add_argument("--rule", metavar="RULE", help=f"of the truth: {known}, or a .toml file (default: by its columns)")
+    parser.add_argument("-o", "--output", type=Path, metavar="HTML", help="where to write (default: report.html in the folder)")
+    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
+    window_options(parser)
+    damage_options(parser)
+    parser.set_defaults(command=_report)
+
+
+def _report(options: argparse.Namespace, arguments: Sequence[str]) -> int:
+    if options.rule and not options.truth:
+        raise ConfigError("--rule: must be given with --truth")
+    material = _of_run(options) if options.run.is_dir() else _of_log(options, shlex.join(["evcot", *arguments]))
+    if options.truth:
+        sensor = sensor_from(options) or (material.recording.width, material.recording.height)
+        material = replace(material, truth=Truth.read(options.truth, sensor, options.rule))
+    path = options.output or (options.run / REPORT if options.run.is_dir() else options.run.with_suffix(".html"))
+    write_report(material, path)
+    if options.json:
+        print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": len(material.events)}, indent=2))
+    elif not options.quiet:
+        print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, to open in a browser")
+    return 0
+
+
+def _of_run(options: argparse.Namespace) -> Material:
+    summary = _summary(options.run / "summary.json")
+    names = ("hardware", "model") if "mismatch" in summary else ("hardware", "software")
+    sides = tuple(Side(name, TrackLog.load_npz(options.run / f"{name}.npz")) for name in names)
+    if options.recording is not None:
+        recording, source = _recording(options)
+        return Material(recording, summary, sides, None if options.truth else truth_of(source, recording))
+    described = read_run_file(options.run / RUN_FILE) if (options.run / RUN_FILE).is_file() else None
+    if described is None:
+        raise ConfigError(f"{options.run}: does not say what it was made of ({RUN_FILE}): must be given with --recording FILE")
+    recording, _ = described.source.read()
+    described.check(options.run / RUN_FILE, recording.events)
+    return Material(recording, summary, sides, None if options.truth else truth_of(described.source, recording))
+
+
+def _of_log(options: argparse.Namespace, command: str) -> Material:
+    if options.recording is None:
+        raise ConfigError(f"{options.run}: a log does not hold the events: must be given with --recording FILE")
+    log = TrackLog.load_npz(options.run)
+    recording, source = _recording(options)
+    summary = {"name": recording.name, "command": command, "versions": {"evcot": evcot.__version__}}
+    side = Side(_SIDES.get(log.engine, "software"), log)
+    return Material(recording, summary, (side,), None if options.truth else truth_of(source, recording))
+
+
+def _recording(options: argparse.Namespace) -> tuple[Recording, Source]:
+    with open_from(options, options.recording) as file:
+        return file.read(*window_from(options)), Source(str(options.recording))
+
+
+def _summary(path: Path) -> dict[str, Any]:
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: is not JSON: {error}") from error
+    if not isinstance(summary, dict):
+        raise ConfigError(f"{path}: must hold an object, as `evcot cosim` writes it")
+    return summary
