@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.timeline import alive
+from evcot.timeline import OPEN, alive
 from evcot.tracklog import TrackLog
 
 from .material import Material
@@ -135,7 +135,7 @@ def _alive(name: str, log: TrackLog, begin_us: int, end_us: int) -> dict[str, Co
 
 
 def _alive_of_lives(paths: Paths, begin_us: int) -> dict[str, Column]:
-    births, ends = paths.lives["birth_us"], np.sort(paths.lives["end_us"])
+    births, ends = paths.lives["birth_us"], np.sort(paths.lives["end_us"][paths.lives["ended"] != OPEN])
     times_us = np.unique(np.concatenate(([begin_us], births, ends)))
     counts = np.searchsorted(births, times_us, "right") - np.searchsorted(ends, times_us, "right")
     return _steps("truth", times_us - begin_us, counts)

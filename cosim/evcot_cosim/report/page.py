@@ -12,7 +12,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from evcot.contract import DROPPED
@@ -41,7 +40,7 @@ _SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 # Of the curves, in pixels: known before they are drawn, so that nothing jumps.
 _HEIGHTS = {"rate": 44, "alive": 64, "radius": 64, "nev": 64, "quiet": 64}
 _LANES_HEIGHT = 440  # of all lifetimes, at most, as long as a lane has its least
-_LANE = (3, 13)  # height of a lane: least, most
+_LANE = (3, 14)  # height of a lane: least, most
 _LANES_LEAST = 2  # of a side
 _IMPORT = re.compile(r"^import\s[^;]*;\n", re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULTILINE)
@@ -171,9 +170,9 @@ def _mismatch_us(material: Material) -> int | None:
 
 
 def _lives_height(collected: Collected) -> int:
-    """Height of the panel of lifetimes: a lane for every slot that anybody lived in."""
-    lanes = sum(max(len(np.unique(paths.lives["slot"])), _LANES_LEAST) for paths in collected.paths.values())
-    return max(lanes, _LANES_LEAST) * min(max(_LANES_HEIGHT // max(lanes, 1), _LANE[0]), _LANE[1])
+    """Height of the panel of lifetimes: all lanes, and a little room between the sides."""
+    lanes = sum(max(int(paths.lanes.max(initial=-1)) + 1, _LANES_LEAST) for paths in collected.paths.values())
+    return max(lanes, _LANES_LEAST) * min(max(_LANES_HEIGHT // max(lanes, 1), _LANE[0]), _LANE[1]) + 10 * len(collected.paths)
 
 
 def _duration_us(material: Material) -> int:

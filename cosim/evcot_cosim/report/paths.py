@@ -37,7 +37,8 @@ class Paths:
     """Lives and their points.
 
     Attributes:
-        lives: (k,) of dtype `timeline.LIFE`, in order of birth; `slot` is the lane to draw it in.
+        lives: (k,) of dtype `timeline.LIFE`, in order of birth.
+        lanes: (k,) where to draw each: lives of one lane do not overlap. The hardware's are its slots.
         names: what each is called.
         counts: (k,) points of each life.
         points: of dtype `POINT`, life after life, each in order of time.
@@ -45,6 +46,7 @@ class Paths:
     """
 
     lives: NDArray[np.void]
+    lanes: NDArray[np.int64]
     names: tuple[str, ...]
     counts: NDArray[np.int64]
     points: NDArray[np.void]
@@ -57,6 +59,7 @@ class Paths:
         row = {int(track_id): i for i, track_id in enumerate(lives["track_id"])}
         columns = {
             "slot": Column(lives["slot"]),
+            "lane": Column(self.lanes),
             "birth": Column(lives["birth_us"] - origin_us, delta=True),
             "end": Column(lives["end_us"] - origin_us, delta=True),
             "ended": Column(lives["ended"]),
@@ -86,7 +89,8 @@ def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_ma
         points[field] = records[source][order]
     points["half_width"] = points["half_height"] = records["radius"][order]
     names = tuple(str(track_id) for track_id in lives["track_id"].tolist())
-    return Paths(lives, names, np.bincount(row, minlength=len(lives)), points, len(everyone), len(log.records))
+    lanes = _used(lives["slot"]) if log.engine.startswith("cot") else _lanes(lives)
+    return Paths(lives, lanes, names, np.bincount(row, minlength=len(lives)), points, len(everyone), len(log.records))
 
 
 def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
@@ -99,7 +103,7 @@ def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
     last = np.append(first[1:], len(objects)) - 1 if len(first) else first
     step_us = int(np.median(np.diff(truth.instants_us))) if len(truth.instants_us) > 1 else 1
     lives = np.empty(len(first), LIFE)
-    lives["track_id"] = np.arange(len(first))
+    lives["track_id"], lives["slot"] = np.arange(len(first)), 0
     lives["birth_us"] = truth.instants_us[objects["frame"][first]]
     lives["end_us"] = truth.instants_us[objects["frame"][last]] + step_us
     lives["end_us"] = np.minimum(lives["end_us"], truth.instants_us[-1] if len(truth.instants_us) else 0)
@@ -117,10 +121,14 @@ def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
     points["x"], points["y"] = objects["x"][chosen], objects["y"][chosen]
     points["half_width"], points["half_height"] = objects["width"][chosen] / 2, objects["height"][chosen] / 2
     kept = lives[in_time]
-    kept["slot"] = _lanes(kept)
     names = tuple(truth.ids[i] for i in objects["object"][first][in_time].tolist())
     counts = np.bincount(rows[chosen], minlength=len(kept))
-    return Paths(kept, names, counts, points, len(first), len(objects))
+    return Paths(kept, _lanes(kept), names, counts, points, len(first), len(objects))
+
+
+def _used(slots: NDArray[np.int16]) -> NDArray[np.int64]:
+    """Slots by rank among those that anybody lived in."""
+    return np.asarray(np.unique(slots, return_inverse=True)[1], np.int64)
 
 
 def _lanes(lives: NDArray[np.void]) -> NDArray[np.int64]:

@@ -3,6 +3,7 @@
 import { after } from "./search.js";
 
 const PAD = 4; // pixels above and below a curve
+const LINEAR = 500; // us of silence up to which the scale is about linear
 
 function frame(context, width, height, theme, most, unit) {
   context.fillStyle = theme.line;
@@ -95,7 +96,7 @@ export class PointPanel {
   }
 
   draw(context, width, axis, theme, selected, shown) {
-    for (const side of this.sides) {
+    for (const side of this.sides.toReversed()) {
       if (!shown.has(side.name)) continue;
       const values = this.value(side);
       for (let life = 0; life < side.lives; life++) {
@@ -159,7 +160,7 @@ export class QuietPanel {
   }
 
   draw(context, width, axis, theme, selected, shown) {
-    for (const side of this.sides) {
+    for (const side of this.sides.toReversed()) {
       if (!shown.has(side.name)) continue;
       for (const slot of side.slots) {
         const chosen = selected?.side === side && side.slot[selected.life] === slot;
@@ -170,7 +171,7 @@ export class QuietPanel {
       }
     }
     context.globalAlpha = 1;
-    frame(context, width, this.height, theme, this.most / 1e3, " ms");
+    frame(context, width, this.height, theme, this.most / 1e3, " ms, logarithmic");
   }
 
   #line(context, width, axis, side, slot) {
@@ -182,7 +183,7 @@ export class QuietPanel {
     for (let i = first; i < end; i++) {
       const peak = quiet[slot * stretches + i];
       const x = axis.toX((i + 0.5) * stretch, width);
-      const y = this.height - 1 - ((this.height - 2 * PAD) * Math.max(peak, 0)) / this.most;
+      const y = this.height - 1 - ((this.height - 2 * PAD) * Math.log1p(Math.max(peak, 0) / LINEAR)) / Math.log1p(this.most / LINEAR);
       if (peak < 0) down = false;
       else if (down) context.lineTo(x, y);
       else context.moveTo(x, y), context.lineTo(x + 0.5, y), (down = true);

@@ -11,16 +11,15 @@ export class LivesPanel {
   constructor(sides, height) {
     this.sides = sides;
     this.height = height;
-    const lanes = sides.map((side) => Math.max(side.slots.length, LANES_LEAST));
+    const lanes = sides.map((side) => Math.max(side.lanes, LANES_LEAST));
     this.lane = (height - GAP * Math.max(sides.length - 1, 0)) / Math.max(lanes.reduce((sum, count) => sum + count, 0), 1);
     this.tops = new Map(sides.map((side, i) => {
       return [side, lanes.slice(0, i).reduce((top, count) => top + count * this.lane + GAP, 0)];
     }));
-    this.laneOf = new Map(sides.map((side) => [side, new Map(side.slots.map((slot, lane) => [slot, lane]))]));
   }
 
   #middle(side, life) {
-    return this.tops.get(side) + (this.laneOf.get(side).get(side.slot[life]) + 0.5) * this.lane;
+    return this.tops.get(side) + (side.lane[life] + 0.5) * this.lane;
   }
 
   draw(context, width, axis, theme, selected) {
@@ -70,7 +69,7 @@ export class LivesPanel {
 
   #merges(context, width, axis, theme, side) {
     context.strokeStyle = context.fillStyle = theme.ink;
-    context.lineWidth = 1;
+    context.lineWidth = 0.7;
     const size = Math.min(3, this.lane / 2);
     for (let life = 0; life < side.lives; life++) {
       if (side.ended[life] !== MERGED) continue;

@@ -2,6 +2,7 @@
 // Events and clusters on a canvas that can be zoomed. Places are in pixels of the sensor: pixel (x, y) has its centre there.
 import { fading } from "./surface.js";
 
+const ID_PX = 11;
 const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of common density
 
 /**
@@ -9,7 +10,8 @@ const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of co
  *   trail: ?ArrayLike<number>, strong: boolean}} Cluster  inner: half side or null; trail: x0, y0, x1, y1, … oldest first
  * @typedef {{colour: string, dash: number[], width: number, clusters: Cluster[],
  *   show: {window: boolean, inner: boolean, id: boolean, trail: boolean}, marks: ?{x: number, y: number, kind: string,
- *   text: string}[]}} Layer  dash in canvas pixels; marks: of kind "merge" or "loss"
+ *   text: string}[], corner: ?("left"|"right"|"below")}} Layer  dash in canvas pixels; marks: of kind "merge" or "loss";
+ *   corner: where ids stand
  */
 
 export class Stage {
@@ -118,7 +120,7 @@ export class Stage {
     context.restore();
   }
 
-  #drawLayer({ colour, dash, width, clusters, show }) {
+  #drawLayer({ colour, dash, width, clusters, show, corner = "left" }) {
     const { context, ratio } = this;
     const pen = width * ratio;
     context.strokeStyle = colour;
@@ -142,7 +144,7 @@ export class Stage {
       }
     }
     context.setLineDash([]);
-    if (show.id) this.#writeIds(clusters, colour);
+    if (show.id) this.#writeIds(clusters, colour, corner);
   }
 
   #trace(trail) {
@@ -163,11 +165,19 @@ export class Stage {
     );
   }
 
-  #writeIds(clusters, colour) {
-    const { scale, ratio } = this;
+  /** Above the window's left or right corner, or below it; inside, where there is no room above. */
+  #writeIds(clusters, colour, corner) {
+    const { context, scale, ratio } = this;
+    const top = -context.getTransform().f;
     for (const { id, x, y, halfWidth, halfHeight } of clusters) {
-      this.#write(id, (x - halfWidth - 0.5) * scale + ratio, (y - halfHeight - 0.5) * scale - 2 * ratio, colour);
+      const above = (y - halfHeight - 0.5) * scale - 2 * ratio;
+      const under = (y + halfHeight + 0.5) * scale + ID_PX * ratio + 2 * ratio;
+      const bottom = corner === "below" ? under : above - ID_PX * ratio < top ? above + (ID_PX + 4) * ratio : above;
+      const sideways = corner === "right" ? x + halfWidth + 0.5 : x - halfWidth - 0.5;
+      context.textAlign = corner === "right" ? "right" : "left";
+      this.#write(id, sideways * scale, bottom, colour);
     }
+    context.textAlign = "left";
   }
 
   /** A merge as a diamond, a loss as a cross. */
@@ -197,7 +207,7 @@ export class Stage {
 
   #write(text, left, bottom, colour) {
     const { context, ratio } = this;
-    context.font = `600 ${11 * ratio}px ${this.font}`;
+    context.font = `600 ${ID_PX * ratio}px ${this.font}`;
     context.textBaseline = "bottom";
     context.lineWidth = 3 * ratio;
     context.strokeStyle = this.ground;

@@ -3,10 +3,10 @@
 
 // The engines differ in dashes too, not in colour alone.
 const LINES = {
-  hardware: { dash: [], width: 1.8 },
-  software: { dash: [6, 4], width: 1.5 },
-  model: { dash: [6, 4], width: 1.5 },
-  truth: { dash: [2, 3], width: 1.5 },
+  hardware: { dash: [], width: 1.8, corner: "left" },
+  software: { dash: [6, 4], width: 1.5, corner: "right" },
+  model: { dash: [6, 4], width: 1.5, corner: "right" },
+  truth: { dash: [2, 3], width: 1.5, corner: "below" },
 };
 const NEXT = { auto: "light", light: "dark", dark: "auto" };
 

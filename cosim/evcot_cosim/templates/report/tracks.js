@@ -14,7 +14,7 @@ export class Tracks {
     const of = (field) => columns[`${name}.${field}`];
     Object.assign(this, {
       name, ids, ring, engine, stretch, stretches,
-      slot: of("slot"), birth: of("birth"), end: of("end"), ended: of("ended"), other: of("other"),
+      slot: of("slot"), lane: of("lane"), birth: of("birth"), end: of("end"), ended: of("ended"), other: of("other"),
       t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), nEv: of("n_ev"),
       aliveT: of("alive_t"), alive: of("alive"), quiet: of("quiet"),
     });
@@ -22,7 +22,8 @@ export class Tracks {
     this.first = new Int32Array(this.lives + 1); // where each life's points begin
     for (let i = 0; i < this.lives; i++) this.first[i + 1] = this.first[i] + of("count")[i];
     this.rows = new Map(ids.map((id, i) => [id, i]));
-    this.slots = [...new Set(this.slot)].sort((a, b) => a - b);
+    this.slots = [...new Set(this.slot)];
+    this.lanes = this.lane.reduce((most, lane) => Math.max(most, lane + 1), 0);
   }
 
   /** The lives at a moment, after all that happened at it. */
@@ -57,12 +58,21 @@ export class Tracks {
   /** A life as a Stage draws it, with the way it came in the last `trail` microseconds. */
   cluster(life, now, trail, strong) {
     const point = this.pointAt(life, now);
+    const [x, y] = this.#place(life, point, now);
     const inner = this.ring ? Math.max(this.halfWidth[point] - this.ring[this.slot[life]], 0) : null;
     return {
-      id: this.ids[life], x: this.x[point], y: this.y[point], inner, strong,
+      id: this.ids[life], x, y, inner, strong,
       halfWidth: this.halfWidth[point], halfHeight: this.halfHeight[point],
       trail: trail > 0 ? this.#trail(life, point, now - trail) : null,
     };
+  }
+
+  /** A tracker's output stands until its next; a true object moves on between two instants. */
+  #place(life, point, now) {
+    const next = point + 1;
+    if (this.engine || next >= this.first[life + 1] || now <= this.t[point]) return [this.x[point], this.y[point]];
+    const part = (now - this.t[point]) / (this.t[next] - this.t[point]);
+    return [this.x, this.y].map((values) => values[point] + part * (values[next] - values[point]));
   }
 
   #trail(life, point, since) {
