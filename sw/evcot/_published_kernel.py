@@ -53,8 +53,6 @@ REGISTER_NAMES = tuple(REGISTERS)
 FIRST, BYTES, MASKS, RESETS = zip(
     *((entry.address, entry.n_bytes, (1 << entry.bits) - 1, entry.reset) for entry in REGISTERS.values()), strict=True
 )
-    *((r.address, r.n_bytes, (1 << r.bits) - 1, r.reset) for r in REGISTERS.values()), strict=True
-)
 
 MASK32 = (1 << 32) - 1
 QUIET_TOP = 7  # quiet updates after which the next one shrinks the window
