@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The live view in a terminal: a small picture, the figures, the oldest clusters."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from rich.console import Console, ConsoleOptions, Group, RenderableType
+from rich.layout import Layout
+from rich.live import Live
+from rich.panel import Panel
+from rich.segment import Segment
+from rich.table import Table
+from rich.text import Text
+
+from .alive import Clusters
+from .frame import Frame, FrameMaker
+from .glance import Glance
+from .session import Session
+
+__all__ = ["rows_of", "show"]
+
+_PICTURES_HZ = 15
+_SIDE_COLUMNS = 44
+_CLUSTERS_MAX = 20
+
+
+class _Picture:
+    """The newest frame, as large as its place in the terminal."""
+
+    def __init__(self, glance: Glance) -> None:
+        self._glance = glance
+        self.frame: Frame | None = None
+
+    def __rich_console__(self, _console: Console, options: ConsoleOptions) -> Iterator[Segment]:
+        for line in self._glance.lines(self.frame, options.max_width, options.height or options.max_height):
+            yield from line
+            yield Segment.line()
+
+
+def show(session: Session, title: str, url: str | None, console: Console) -> None:
+    """Show a session until it ends; an interrupt is the caller's."""
+    inbox = session.look()
+    maker, picture = FrameMaker(session.source.sensor), _Picture(Glance(session.source.sensor))
+    drawn_here = url is None  # with a page, its drawing is what is measured
+    layout = Layout()
+    layout.split_row(
+        Layout(Panel(picture, title=title, title_align="left"), name="picture"), Layout(name="side", size=_SIDE_COLUMNS)
+    )
+    try:
+        with Live(layout, console=console, screen=True, auto_refresh=False) as live:
+            while session.running:
+                taken = inbox.take(1 / _PICTURES_HZ)
+                clusters = session.clusters
+                if taken and taken.items:
+                    picture.frame = maker.make(taken.items, clusters)
+                layout["side"].update(_side(session, clusters, inbox.lost, url))
+                live.refresh()
+                if drawn_here and taken and taken.items and picture.frame is not None:
+                    session.drawn.add(time.perf_counter() - picture.frame.arrived_s)
+                time.sleep(1 / _PICTURES_HZ)
+    finally:
+        session.look_away(inbox)
+
+
+def _side(session: Session, clusters: Clusters, undrawn: int, url: str | None) -> RenderableType:
+    figures = session.figures()
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="dim")
+    grid.add_column(justify="right")
+    for name, value in rows_of(figures):
+        alarming = name in ("dropped", "left out", "played late") and value != "0"
+        grid.add_row(name, Text(value, style="bold red" if alarming else "bold"))
+    grid.add_row("not drawn here", f"{undrawn:,}")
+    table = Table(box=None, padding=(0, 1))
+    for name in ("id", "age", "x", "y", "radius"):
+        table.add_column(name, justify="right", header_style="dim")
+    oldest = sorted(zip(clusters.birth_us.tolist(), clusters.states, strict=True), key=lambda each: each[0])
+    for birth_us, state in oldest[:_CLUSTERS_MAX]:
+        age_s = max(int(state["t_us"]) - birth_us, 0) / 1e6
+        numbers = f"{age_s:.1f} s", f"{state['x']:.0f}", f"{state['y']:.0f}", f"{state['radius']:.1f}"
+        table.add_row(str(state["track_id"]), *numbers)
+    page = Text(f"page: {url}\n" if url else "page: --web shows one\n", style="dim")
+    return Group(Panel(Group(grid, page), title="figures"), Panel(table, title="clusters, the oldest first"))
+
+
+def rows_of(figures: dict[str, Any]) -> list[tuple[str, str]]:
+    """Figures of a session as (what, value), for people."""
+    rows = [
+        ("events", f"{figures['events']:,}"),
+        ("rate", f"{figures['events_per_s'] / 1e6:.3f} M events/s"),
+        ("recording time", f"{figures['recording_s']:.1f} s"),
+        ("clusters now", f"{figures['clusters']:,}"),
+        ("tracks", f"{figures['tracks']:,}, {figures['merged']:,} merged, {figures['lost']:,} lost"),
+        ("event to tracked", _milliseconds(figures["tracked_ms"])),
+        ("event to drawn", _milliseconds(figures["drawn_ms"])),
+        ("dropped", f"{figures['dropped']:,}"),
+    ]
+    if figures["left_out"]:
+        rows.append(("left out", f"{figures['left_out']:,}"))
+    if figures["slipped_s"]:
+        rows.append(("played late", f"{figures['slipped_s']:.1f} s"))
+    if figures["saved"] is not None:
+        rows.append(("saved", f"{figures['saved']:,}"))
+    return rows
+
+
+def _milliseconds(quantiles: dict[str, float | None]) -> str:
+    p50, p99 = quantiles["p50"], quantiles["p99"]
+    return "nobody looks" if p50 is None or p99 is None else f"{p50:.1f} ms, p99 {p99:.1f}"

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long things took: the last ones exactly, all of them in a histogram that does not grow."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Latency"]
+
+_RECENT = 2_000
+_LEAST_S, _MOST_S = 1e-6, 1e3
+_BINS_PER_DECADE = 200  # 1.2 % wide
+_BINS = int(_BINS_PER_DECADE * np.log10(_MOST_S / _LEAST_S))
+
+
+class Latency:
+    """Durations, from any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._recent: deque[float] = deque(maxlen=_RECENT)
+        self._counts = np.zeros(_BINS + 1, np.int64)
+
+    def add(self, durations_s: NDArray[np.float64]) -> None:
+        """Note (k,) durations in seconds."""
+        place = np.log10(np.clip(durations_s, _LEAST_S, _MOST_S) / _LEAST_S) * _BINS_PER_DECADE
+        with self._lock:
+            self._recent.extend(durations_s.tolist())
+            np.add.at(self._counts, place.astype(np.int64), 1)
+
+    def recent_ms(self, share: float) -> float | None:
+        """The duration that this share of the last ones did not exceed; None before the first."""
+        with self._lock:
+            recent = list(self._recent)
+        return float(np.quantile(recent, share)) * 1e3 if recent else None
+
+    def overall_ms(self, share: float) -> float | None:
+        """The same of all so far, to 1.2 %."""
+        with self._lock:
+            upto = np.cumsum(self._counts)
+        if not upto[-1]:
+            return None
+        return float(_LEAST_S * 10 ** ((np.searchsorted(upto, share * upto[-1]) + 0.5) / _BINS_PER_DECADE)) * 1e3

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What server and page say to each other. All numbers are little-endian; every array begins at a multiple of 4 bytes.
+
+Text messages are JSON objects with a `type`: `hello` (once, first: what is shown) and `figures` (twice a second).
+Binary messages begin with a byte that tells their kind.
+
+FRAME (1), server to page: 32 bytes, then arrays.
+
+    offset  type  what
+    0       u8    1
+    1       u8    version of this layout, 1
+    2       u16   k, number of clusters
+    4       u32   number of the frame
+    8       u32   n, number of events
+    12      u32   events hidden by newer ones of the same pixel
+    16      f64   time of the newest event, us since the first event of the run
+    24      f32   u, unit of the ages, us
+    28      u32   0
+    then    k times: u32 track id (its low 32 bits), f32 x, f32 y, f32 radius (px), f32 time since birth (s), i32 slot
+            u16[n] x, u16[n] y, u16[n] age: the event happened age * u before the newest one
+            u8[n]  bit 0: polarity; bit 1: a filter took the event out
+
+DRAWN (2), page to server: u8 2, three bytes 0, u32 number of the frame that has been drawn.
+"""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .frame import Frame
+
+__all__ = ["drawn_number", "pack_frame"]
+
+_FRAME, _DRAWN, _VERSION = 1, 2, 1
+_HEAD = struct.Struct("<BBHIIIdf4x")
+_DRAWN_MESSAGE = struct.Struct("<B3xI")
+_CLUSTER = np.dtype([("id", "<u4"), ("x", "<f4"), ("y", "<f4"), ("radius", "<f4"), ("age_s", "<f4"), ("slot", "<i4")])
+_AGE_MAX = (1 << 16) - 1
+_CLUSTERS_MAX = (1 << 16) - 1
+
+
+def pack_frame(frame: Frame, first_us: int) -> bytes:
+    """A frame as a message; `first_us`: time of the run's first event."""
+    states = frame.clusters.states[:_CLUSTERS_MAX]
+    clusters = np.empty(len(states), _CLUSTER)
+    clusters["id"] = states["track_id"] & 0xFFFFFFFF
+    for name in ("x", "y", "radius", "slot"):
+        clusters[name] = states[name]
+    clusters["age_s"] = np.maximum(frame.t_us - frame.clusters.birth_us[: len(states)], 0) / 1e6
+    age_us = frame.t_us - frame.events_t_us
+    unit_us = max(int(age_us.max()) / _AGE_MAX, 1e-3) if len(age_us) else 1.0
+    age = np.minimum(np.round(age_us / unit_us), _AGE_MAX).astype("<u2")
+    head = _HEAD.pack(
+        _FRAME, _VERSION, len(states), frame.number & 0xFFFFFFFF, len(age), frame.hidden, frame.t_us - first_us, unit_us
+    )
+    flags = frame.on.astype(np.uint8) | frame.filtered.astype(np.uint8) << 1
+    return b"".join([head, clusters.tobytes(), *map(_padded, (frame.x.astype("<u2"), frame.y.astype("<u2"), age, flags))])
+
+
+def drawn_number(message: bytes | str) -> int | None:
+    """The frame that a message of the page says has been drawn; None for any other message."""
+    if isinstance(message, str) or len(message) != _DRAWN_MESSAGE.size or message[0] != _DRAWN:
+        return None
+    number: int = _DRAWN_MESSAGE.unpack(message)[1]
+    return number
+
+
+def _padded(array: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    data = array.tobytes()
+    return data + bytes(-len(data) % 4)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The live page: one document, nothing in it that a browser would fetch but its own socket."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from ..report.page import inline_modules
+
+__all__ = ["Page", "page"]
+
+# Drawing that the report shares, then what is the live page's own, in the order in which they need each other.
+_SHARED = ("surface", "stage", "pointer")
+_OWN = ("protocol", "trails", "figures", "main")
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a browser is answered."""
+
+    body: bytes
+    headers: Mapping[str, str]
+
+
+def page() -> Page:
+    """The page; its headers allow no other script than its own, and no other connection than to where it came from."""
+    script = "\n".join([inline_modules(_SHARED), *(_source(f"{name}.js") for name in _OWN)])
+    environment = Environment(
+        loader=PackageLoader("evcot_cosim", "templates/live"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    body = environment.get_template("live.html.j2").render(style=_source("style.css"), script=script).encode()
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    policy = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
+    return Page(
+        body,
+        {
+            "Content-Type": "text/html; charset=utf-8",
+            "Content-Length": str(len(body)),
+            "Content-Security-Policy": policy,
+            "Cache-Control": "no-store",
+        },
+    )
+
+
+def _source(name: str) -> str:
+    return (files("evcot_cosim") / "templates" / "live" / name).read_text(encoding="utf-8")

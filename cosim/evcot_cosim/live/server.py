@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page and its WebSocket: who looks gets frames as fast as they say that they have drawn them, and no faster."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import json
+import logging
+import socket
+import threading
+import time
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager, suppress
+from http import HTTPStatus
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.errors import ConfigError, OutputError
+
+from .frame import FrameMaker
+from .messages import drawn_number, pack_frame
+from .page import page
+from .session import Session, Step
+from .waiting import Waiting
+
+__all__ = ["PORT", "Server"]
+
+PORT = 8765
+
+_FRAMES_HZ = 60
+_UNDRAWN_MAX = 2  # frames on their way to one who looks
+_FIGURES_S = 0.5
+_LOOKERS_MAX = 8
+_MESSAGE_BYTES_MAX = 64  # of what a page may say
+_START_S = 10.0
+_SOCKET_PATH = "/events"
+
+
+class Server:
+    """Shows a session on a page of its own, to browsers on this machine. A context manager.
+
+    Args:
+        hello: what the page is told first: name, sensor and more.
+        port: 0 for any that is free.
+        bind: address to listen at. Only pages from there, and from this machine's own names, may connect.
+
+    Attributes:
+        url: of the page.
+
+    Raises:
+        ConfigError: the extra `live` is not installed, or an address that no browser can name.
+        OutputError: the address cannot be had.
+    """
+
+    def __init__(self, session: Session, hello: Mapping[str, Any], port: int = PORT, bind: str = "127.0.0.1") -> None:
+        _check_installed()
+        self._session, self._hello = session, {"type": "hello", **hello}
+        self._listening = _listening(bind, port)
+        self._port = self._listening.getsockname()[1]
+        host = f"[{bind}]" if ":" in bind else bind
+        self.url = f"http://{host}:{self._port}/"
+        self._origins: list[Any] = [f"http://{name}:{self._port}" for name in dict.fromkeys((host, "127.0.0.1", "localhost"))]
+        self._page = page()
+        self._lookers = 0
+        self._loop = asyncio.new_event_loop()
+        self._ended = asyncio.Event()
+        self._ready = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def __enter__(self) -> Server:
+        self._thread.start()
+        self._ready.wait(_START_S)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._loop.call_soon_threadsafe(self._ended.set)
+        self._thread.join()
+        self._listening.close()
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_until_complete(self._serve())
+        finally:
+            self._loop.close()
+
+    async def _serve(self) -> None:
+        from websockets.asyncio.server import serve
+
+        async with serve(
+            self._look, sock=self._listening, origins=self._origins, process_request=self._answer,
+            logger=_quiet_log(),
+            compression=None, max_size=_MESSAGE_BYTES_MAX, server_header=None, close_timeout=1,
+        ):  # fmt: skip
+            self._ready.set()
+            await self._ended.wait()
+
+    def _answer(self, connection: Any, request: Any) -> Any:
+        """The page; None lets a WebSocket's handshake go on."""
+        if request.path == _SOCKET_PATH:
+            return None
+        if request.path != "/":
+            return connection.respond(HTTPStatus.NOT_FOUND, "not here\n")
+        response = connection.respond(HTTPStatus.OK, "")
+        for name in ("Content-Type", "Content-Length"):
+            del response.headers[name]
+        response.headers.update(self._page.headers)
+        response.body = self._page.body
+        return response
+
+    async def _look(self, connection: Any) -> None:
+        """One who looks, from the first message to the last."""
+        from websockets.exceptions import ConnectionClosed
+
+        if self._lookers >= _LOOKERS_MAX:
+            await connection.close(1013, f"{_LOOKERS_MAX} pages are open already")
+            return
+        async with self._looking() as inbox:
+            undrawn = _Undrawn(self._session)
+            work = [
+                self._send_frames(connection, inbox, undrawn),
+                self._send_figures(connection, inbox),
+                undrawn.read(connection),
+            ]
+            tasks = [asyncio.ensure_future(each) for each in work]
+            try:
+                await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for task in tasks:
+                    task.cancel()
+                for task in tasks:
+                    with suppress(ConnectionClosed, asyncio.CancelledError):
+                        await task
+
+    @asynccontextmanager
+    async def _looking(self) -> AsyncIterator[Waiting[Step]]:
+        inbox = self._session.look()
+        self._lookers += 1
+        try:
+            yield inbox
+        finally:
+            self._lookers -= 1
+            self._session.look_away(inbox)
+
+    async def _send_frames(self, connection: Any, inbox: Waiting[Step], undrawn: _Undrawn) -> None:
+        await connection.send(json.dumps(self._hello))
+        maker = FrameMaker(self._session.source.sensor)
+        due_s = time.perf_counter()
+        while True:
+            await undrawn.wait()
+            due_s = max(due_s + 1 / _FRAMES_HZ, time.perf_counter())
+            await asyncio.sleep(due_s - time.perf_counter())
+            taken = inbox.take()
+            if taken is None:
+                await self._ended.wait()
+            elif taken.items:
+                frame = maker.make(taken.items, self._session.clusters)
+                undrawn.sent(frame.number, frame.arrived_s)
+                await connection.send(pack_frame(frame, self._session.first_us))
+
+    async def _send_figures(self, connection: Any, inbox: Waiting[Step]) -> None:
+        while True:
+            told = {"type": "figures", **self._session.figures(), "undrawn": inbox.lost, "running": self._session.running}
+            await connection.send(json.dumps(told))
+            await asyncio.sleep(_FIGURES_S)
+
+
+class _Undrawn:
+    """Frames that are on their way to one who looks."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._arrived_s: dict[int, NDArray[np.float64]] = {}
+        self._fewer = asyncio.Event()
+
+    def sent(self, number: int, arrived_s: NDArray[np.float64]) -> None:
+        self._arrived_s[number] = arrived_s
+
+    async def wait(self) -> None:
+        """Until another frame may be sent."""
+        while len(self._arrived_s) >= _UNDRAWN_MAX:
+            self._fewer.clear()
+            await self._fewer.wait()
+
+    async def read(self, connection: Any) -> None:
+        """Take what the page says, until it goes."""
+        async for message in connection:
+            number = drawn_number(message)
+            if number in self._arrived_s:
+                self._session.drawn.add(time.perf_counter() - self._arrived_s.pop(number))
+                self._fewer.set()
+
+
+def _quiet_log() -> logging.Logger:
+    """Whoever knocks and goes away again is not worth a line."""
+    log = logging.getLogger(__name__)
+    log.addHandler(logging.NullHandler())
+    log.propagate = False
+    return log
+
+
+def _check_installed() -> None:
+    try:
+        import websockets.asyncio.server  # noqa: F401
+    except ImportError as error:
+        raise ConfigError("--web: websockets must be installed: pip install 'evcot[live]'") from error
+
+
+def _listening(bind: str, port: int) -> socket.socket:
+    try:
+        address = ipaddress.ip_address(bind)
+    except ValueError as error:
+        raise ConfigError(f"--bind {bind}: must be an IP address of this machine") from error
+    if address.is_unspecified:
+        raise ConfigError(f"--bind {bind}: must be one address, which a browser can name")
+    if not 0 <= port < 65536:
+        raise ConfigError(f"--web {port}: must be from 0 to 65535")
+    try:
+        return socket.create_server((bind, port), family=socket.AF_INET6 if address.version == 6 else socket.AF_INET)
+    except OSError as error:
+        raise OutputError(f"{bind}:{port}: cannot be listened at: {error.strerror or error}") from error

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where live events come from: a file at real speed, or a server on the network. (`camera` has the third.)"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from evcot.errors import ConfigError, RecordingError
+from evcot.events import Events, find_fault
+from evcot.files import RecordingFile, sound
+from evcot.formats.aedat4_stream import Aedat4Stream
+from evcot.formats.source import Sensor
+
+from .waiting import Arrival
+
+__all__ = ["FileSource", "LiveSource", "NetworkSource", "StreamSource"]
+
+_SLICE_S = 0.005  # a file's events come in packets of this length, as a camera sends them
+_LATE_S = 0.1  # a file that cannot be read fast enough is played later and not all at once
+_NAP_S = 0.05
+_BACK_US = 1_000_000
+
+Wanted = Callable[[], bool]
+
+
+class LiveSource(Protocol):
+    """Events as they happen.
+
+    Attributes:
+        name: for people.
+        sensor: (width, height) in pixels.
+        left_out: why events were left out -> how many.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def sensor(self) -> Sensor: ...
+
+    @property
+    def left_out(self) -> Counter[str]: ...
+
+    def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
+        """What comes, in time order and on the sensor, until nothing more does or `wanted` says no.
+
+        Raises:
+            RecordingError: what comes cannot be used.
+        """
+        ...
+
+    def close(self) -> None: ...
+
+
+class FileSource:
+    """A file, played. See `LiveSource`.
+
+    Args:
+        file: an open recording; closed with this.
+        window: (from, to) in us after its first event.
+        speed: seconds of the recording per second.
+
+    Attributes:
+        slipped_s: by how much the playback is late because the file could not be read fast enough.
+    """
+
+    def __init__(self, file: RecordingFile, window: tuple[int, int | None] = (0, None), speed: float = 1.0) -> None:
+        self.name = file.path.name
+        self.sensor = file.sensor
+        self.left_out: Counter[str] = Counter()
+        self.slipped_s = 0.0
+        self._file, self._window, self._speed = file, window, speed
+
+    def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
+        """See `LiveSource`; a packet arrives when its first event is due, and is given when its last one is."""
+        slice_us = max(1, round(_SLICE_S * self._speed * 1e6))
+        first_us = self._file.t0_us + self._window[0]
+        start_s = time.perf_counter()
+        for events in self._slices(first_us, slice_us):
+            done = (int(events.t_us[-1]) - first_us) // slice_us + 1
+            due_s = start_s + done * slice_us / self._speed / 1e6
+            while (wait_s := due_s - time.perf_counter()) > 0:
+                if not wanted():
+                    return
+                time.sleep(min(wait_s, _NAP_S))
+            if -wait_s > _LATE_S:
+                start_s, self.slipped_s = start_s - wait_s, self.slipped_s - wait_s
+            if not wanted():
+                return
+            yield Arrival(events, start_s + (int(events.t_us[0]) - first_us) / self._speed / 1e6)
+        self.left_out = self._file.left_out
+
+    def _slices(self, first_us: int, slice_us: int) -> Iterator[Events]:
+        for block in self._file.blocks(*self._window, required=True):
+            number = (block.t_us - first_us) // slice_us
+            cuts = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(block)]
+            for begin, end in pairwise(cuts):
+                yield block[begin:end]
+
+    def close(self) -> None:
+        """See `LiveSource`."""
+        self._file.__exit__(None, None, None)
+
+
+class StreamSource:
+    """Packets from somebody who does not wait. See `LiveSource`.
+
+    Args:
+        packets: gives them as they come; what breaks the rules of recordings is left out and counted.
+        sensor: (width, height) in pixels.
+        close: ends the connection.
+    """
+
+    def __init__(
+        self, name: str, packets: Callable[[Wanted], Iterable[Events]], sensor: Sensor, close: Callable[[], None]
+    ) -> None:
+        self.name, self.sensor = name, sensor
+        self.left_out: Counter[str] = Counter()
+        self._packets, self._close = packets, close
+
+    def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
+        """See `LiveSource`; a packet arrives when it is whole."""
+        width, height = self.sensor
+        last_us = np.iinfo(np.int64).min
+        for events in self._packets(wanted):
+            arrived_s = time.perf_counter()
+            if find_fault(events, width, height, last_us) is not None:
+                if last_us - int(events.t_us[-1]) > _BACK_US:
+                    raise RecordingError(
+                        f"{self.name}: t = {events.t_us[-1]} us follows t = {last_us} us: must not run back by more than 1 s; "
+                        "has the sender started again?"
+                    )
+                events = sound(events, width, height, last_us, self.left_out)
+            if len(events):
+                last_us = int(events.t_us[-1])
+                yield Arrival(events, arrived_s)
+
+    def close(self) -> None:
+        """See `LiveSource`."""
+        self._close()
+
+
+class NetworkSource(StreamSource):
+    """An AEDAT4 stream over TCP. See `LiveSource`.
+
+    Args:
+        address: host:port.
+        sensor: (width, height) in pixels, in place of what the server says.
+
+    Raises:
+        ConfigError: an address that is none, or nobody says what the sensor is.
+        RecordingError: nobody listens there, or what comes is no such stream.
+    """
+
+    def __init__(self, address: str, sensor: Sensor | None = None) -> None:
+        host, colon, port = address.rpartition(":")
+        if not (colon and host and port.isascii() and port.isdigit() and 0 < int(port) < 65536):
+            raise ConfigError(f"tcp://{address}: must be tcp://HOST:PORT, the port from 1 to 65535")
+        place = f"tcp://{address}"
+        try:
+            stream = Aedat4Stream(host.strip("[]"), int(port))
+        except RecordingError as error:
+            raise RecordingError(f"{place}: {error}") from error
+        found = sensor or stream.sensor
+        if found is None:
+            stream.close()
+            raise ConfigError(f"{place}: does not say what its sensor is: --sensor WxH must be given")
+        super().__init__(
+            f"{stream.name} at {place}", lambda wanted: _placed(stream.packets(wanted), place), found, stream.close
+        )
+
+
+def _placed(packets: Iterable[Events], place: str) -> Iterator[Events]:
+    """The packets, with the server's address in front of whatever goes wrong."""
+    try:
+        yield from packets
+    except RecordingError as error:
+        raise RecordingError(f"{place}: {error}") from error

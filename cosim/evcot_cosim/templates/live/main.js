@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames come, are drawn at the screen's next picture, and are answered; without a server the page tries again by itself.
+
+const TRY_AGAIN_MS = [500, 1000, 2000, 4000];
+const TABLE_MS = 250;
+
+const controls = document.getElementById("controls");
+const canvas = document.getElementById("stage");
+const pauseButton = document.getElementById("pause");
+const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, socket: null, tries: 0, tabled: 0 };
+
+function say(state, text) {
+  const place = document.getElementById("state");
+  place.dataset.state = state;
+  if (place.textContent !== text) place.textContent = text;
+}
+
+function dress() {
+  const style = getComputedStyle(document.documentElement);
+  const of = (name) => style.getPropertyValue(`--${name}`).trim();
+  const rgb = (name) => [1, 3, 5].map((at) => parseInt(of(name).slice(at, at + 2), 16));
+  live.colour = of("cluster");
+  live.stage?.dress({ ground: rgb("ground"), off: rgb("off"), on: rgb("on"), edge: of("edge"), font: of("font") });
+}
+
+function begin(hello) {
+  document.getElementById("name").textContent = hello.name;
+  document.getElementById("what").textContent = `${hello.engine}, ${hello.preset} · ${hello.width}×${hello.height} px`;
+  document.title = `${hello.name} · evcot live`;
+  document.documentElement.style.setProperty("--sensor", `${hello.width} / ${hello.height}`);
+  Object.assign(live, { speed: hello.speed, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
+  const seen = live.stage?.sensor;
+  if (!seen || seen.width !== hello.width || seen.height !== hello.height) {
+    live.stage = new Stage(canvas, hello.width, hello.height);
+    live.zoom = zoomable(live.stage, draw);
+  }
+  dress();
+  live.stage.resize();
+  draw();
+}
+
+function hear(event) {
+  if (typeof event.data !== "string") {
+    const frame = parseFrame(event.data);
+    if (frame) live.waiting.push(frame);
+    if (live.waiting.length === 1) requestAnimationFrame(show);
+    return;
+  }
+  const told = JSON.parse(event.data);
+  if (told.type === "hello") begin(told);
+  if (told.type !== "figures") return;
+  showFigures(told);
+  say(told.running ? "live" : "ended", told.running ? "live" : "ended");
+}
+
+/** Take over and draw what has come, and say so. */
+function show() {
+  const frames = live.waiting.splice(0);
+  for (const { t, clusters, events } of frames) {
+    live.now = t;
+    if (pauseButton.ariaPressed === "true") continue;
+    addEvents(events);
+    live.trails.add(clusters);
+    live.clusters = clusters;
+  }
+  if (pauseButton.ariaPressed !== "true") draw();
+  for (const { number } of frames) if (live.socket?.readyState === WebSocket.OPEN) live.socket.send(drawnMessage(number));
+  if (performance.now() - live.tabled > TABLE_MS) {
+    live.tabled = performance.now();
+    showClusters(live.clusters);
+  }
+}
+
+function addEvents({ t, x, y, p, filtered }) {
+  const all = controls.filtered.checked;
+  for (let i = 0, from = 0; i <= t.length; i++) {
+    if (i < t.length && (all || !filtered[i])) continue;
+    if (from < i) live.surface.add(t, x, y, p, from, i);
+    from = i + 1;
+  }
+}
+
+function draw() {
+  if (!live.stage) return;
+  const show = { window: controls.windows.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked };
+  const clusters = live.clusters.map(({ id, x, y, radius }) => {
+    return { id, x, y, halfWidth: radius, halfHeight: radius, inner: null, trail: live.trails.of(id), strong: false };
+  });
+  const decay = Number(controls.decay.value) * live.speed;
+  live.stage.draw(live.surface, live.now, decay, [{ colour: live.colour, dash: [], width: 1.8, show, clusters }]);
+}
+
+function connect() {
+  const socket = new WebSocket(`ws://${location.host}/events`);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => { live.tries = 0; };
+  socket.onmessage = hear;
+  socket.onclose = ({ reason }) => {
+    say("lost", reason || "no connection, trying again");
+    setTimeout(connect, TRY_AGAIN_MS[Math.min(live.tries++, TRY_AGAIN_MS.length - 1)]);
+  };
+  live.socket = socket;
+}
+
+pauseButton.addEventListener("click", () => {
+  pauseButton.ariaPressed = String(pauseButton.ariaPressed !== "true");
+  pauseButton.textContent = pauseButton.ariaPressed === "true" ? "Go on" : "Pause";
+});
+document.getElementById("fit").addEventListener("click", () => live.zoom?.fit());
+controls.addEventListener("input", draw);
+controls.addEventListener("submit", (event) => event.preventDefault());
+new ResizeObserver(() => { if (live.stage?.resize()) draw(); }).observe(canvas);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { dress(); draw(); });
+connect();

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the server says and what the page answers; the layout is told in live/messages.py.
+
+const FRAME = 1;
+const DRAWN = 2;
+const HEAD_BYTES = 32;
+const CLUSTER_BYTES = 24;
+
+/** A binary message as {number, t, hidden, clusters, events: {t, x, y, p, filtered}}, times in ms since the first event; null where
+ * it is of another kind or version. */
+function parseFrame(buffer) {
+  const view = new DataView(buffer);
+  if (view.getUint8(0) !== FRAME || view.getUint8(1) !== 1) return null;
+  const [count, number] = [view.getUint16(2, true), view.getUint32(4, true)];
+  const [n, hidden] = [view.getUint32(8, true), view.getUint32(12, true)];
+  const t = view.getFloat64(16, true) / 1e3;
+  const unit = view.getFloat32(24, true) / 1e3;
+  const clusters = [];
+  let at = HEAD_BYTES;
+  for (let i = 0; i < count; i++, at += CLUSTER_BYTES) {
+    const [x, y, radius, age] = [4, 8, 12, 16].map((offset) => view.getFloat32(at + offset, true));
+    clusters.push({ id: view.getUint32(at, true), x, y, radius, age, slot: view.getInt32(at + 20, true) });
+  }
+  const words = () => {
+    const column = new Uint16Array(buffer, at, n);
+    at += Math.ceil((2 * n) / 4) * 4;
+    return column;
+  };
+  const [x, y, age] = [words(), words(), words()];
+  const flags = new Uint8Array(buffer, at, n);
+  const events = { t: new Float64Array(n), x, y, p: new Uint8Array(n), filtered: new Uint8Array(n) };
+  for (let i = 0; i < n; i++) {
+    events.t[i] = t - age[i] * unit;
+    events.p[i] = flags[i] & 1;
+    events.filtered[i] = flags[i] >> 1;
+  }
+  return { number, t, hidden, clusters, events };
+}
+
+/** The answer that a frame has been drawn. */
+function drawnMessage(number) {
+  const view = new DataView(new ArrayBuffer(8));
+  view.setUint8(0, DRAWN);
+  view.setUint32(4, number, true);
+  return view.buffer;
+}
