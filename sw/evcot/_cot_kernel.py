@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .contract import DROPPED, REGISTERS, Kind, Mode
 
-__all__ = ["FIELD_COUNT", "GLOBAL_COUNT", "LIMIT_COUNT", "Global", "Limit", "feed", "initialise"]
+__all__ = ["FIELD_COUNT", "GLOBAL_COUNT", "LIMIT_COUNT", "Global", "Limit", "feed", "initialise", "rewrite"]
 
 Table = NDArray[Any]
 
@@ -26,6 +26,7 @@ class Limit(IntEnum):
     SUPPORT_MAX = 4
     ID_MASK = 5
     IS_CHAIN = 6
+    REL_MASK = 7
 
 
 class Global(IntEnum):
@@ -53,7 +54,7 @@ HIST_AVG, MAX_TICKS, CLUST_NEV, NEV_MIN, NEV_MAX, NEV_TH, DETECT_TICKS = (
     list(REGISTERS).index(name)
     for name in ("hist_avg", "max_ticks", "clust_nev", "nev_min", "nev_max", "nev_th", "detect_ticks")
 )
-FRAC, X_MAX, Y_MAX, TC_MAX, SUPPORT_MAX, ID_MASK, IS_CHAIN = (int(i) for i in Limit)
+FRAC, X_MAX, Y_MAX, TC_MAX, SUPPORT_MAX, ID_MASK, IS_CHAIN, REL_MASK = (int(i) for i in Limit)
 NOW, SEQ, BIRTHS, NEXT_DEADLINE = (int(i) for i in Global)
 OFF, FIXED, SEEDED = int(Mode.OFF), int(Mode.FIXED), int(Mode.SEEDED)
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
@@ -85,12 +86,18 @@ def _set_window(s: Table, regs: Table, lim: Table, i: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _start(s: Table, regs: Table, lim: Table, i: int, x: int, y: int) -> None:
-    """INIT_CELL with the centre at pixel (x, y)."""
+def _place(s: Table, regs: Table, lim: Table, i: int, x: int, y: int) -> None:
+    """Centre and average at pixel (x, y)."""
     s[CM_X, i] = x << lim[FRAC]
     s[CM_Y, i] = y << lim[FRAC]
     s[AV_X, i] = s[CM_X, i]
     s[AV_Y, i] = s[CM_Y, i]
+    _set_window(s, regs, lim, i)
+
+
+@njit(cache=True, nogil=True)
+def _retire(s: Table, regs: Table, lim: Table, i: int) -> None:
+    """INIT_CELL: a fixed start waits at its place, a seeded slot (and one that is off) has no window."""
     s[G, i] = regs[INIT_RADIX, i]
     s[N_EV, i] = regs[CLUST_NEV, i]
     s[COUNT, i] = 0
@@ -98,13 +105,7 @@ def _start(s: Table, regs: Table, lim: Table, i: int, x: int, y: int) -> None:
     s[SUPPORT, i] = 0
     s[ACTIVE, i] = 0
     s[DEADLINE, i] = NEVER
-    _set_window(s, regs, lim, i)
-
-
-@njit(cache=True, nogil=True)
-def _retire(s: Table, regs: Table, lim: Table, i: int) -> None:
-    """Back to INIT_CELL: a fixed start waits at its place, a seeded slot (and one that is off) has no window."""
-    _start(s, regs, lim, i, regs[INIT_X, i], regs[INIT_Y, i])
+    _place(s, regs, lim, i, regs[INIT_X, i], regs[INIT_Y, i])
     if regs[MODE, i] != FIXED:
         s[LO_X, i] = 1
         s[HI_X, i] = 0
@@ -325,10 +326,10 @@ def feed(
             rel_y[e] = 0
         else:
             if seeds:
-                _start(s, regs, lim, slot, x, y)
+                _place(s, regs, lim, slot, x, y)
             radius = s[G, slot] + regs[RADIX_TH, slot]
-            rel_x[e] = x - _pixel(s[CM_X, slot], frac) + radius
-            rel_y[e] = y - _pixel(s[CM_Y, slot], frac) + radius
+            rel_x[e] = (x - _pixel(s[CM_X, slot], frac) + radius) & lim[REL_MASK]
+            rel_y[e] = (y - _pixel(s[CM_Y, slot], frac) + radius) & lim[REL_MASK]
             if _take(s, regs, lim, slot, x, y, now):
                 kind = _proc(s, regs, lim, glob, slot, now)
                 n = _record(s, regs, lim, slot, kind, glob[SEQ], now, 0, out, n)
@@ -337,3 +338,26 @@ def feed(
             glob[NEXT_DEADLINE] = min(glob[NEXT_DEADLINE], s[DEADLINE, slot])
         glob[SEQ] += 1
     return len(ticks), n
+
+
+@njit(cache=True, nogil=True)
+def rewrite(s: Table, regs: Table, lim: Table, glob: Table, i: int, values: Table, restart: bool, out: Table) -> int:
+    """Registers of slot i change between two events; returns records written, one if a life ended.
+
+    A tracker of a chain compares with its registers as they are, a slot of an array with what was computed from them last.
+    """
+    if lim[IS_CHAIN] and s[DEADLINE, i] != NEVER:
+        limit = MAX_TICKS if s[ACTIVE, i] else DETECT_TICKS
+        s[DEADLINE, i] += values[limit] - regs[limit, i]
+        glob[NEXT_DEADLINE] = min(glob[NEXT_DEADLINE], s[DEADLINE, i])
+    mode = values[MODE] if restart else regs[MODE, i]
+    regs[:, i] = values
+    regs[MODE, i] = mode
+    if lim[IS_CHAIN] and s[LO_X, i] <= s[HI_X, i]:
+        _set_window(s, regs, lim, i)
+    n = 0
+    if restart:
+        if s[ACTIVE, i]:
+            n = _record(s, regs, lim, i, LOST, glob[SEQ], glob[NOW], 0, out, n)
+        _retire(s, regs, lim, i)
+    return n

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise
-from .config import CotConfig
+from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise, rewrite
+from .config import CotConfig, SlotConfig
 from .contract import RECORD, REGISTERS, Kind
 from .errors import ConfigError
 from .events import Events, Recording
@@ -79,6 +79,7 @@ class CotModel:
         self._limits[Limit.SUPPORT_MAX] = (1 << shape.sup_w) - 1
         self._limits[Limit.ID_MASK] = (1 << shape.id_w) - 1
         self._limits[Limit.IS_CHAIN] = arrangement is Arrangement.CHAIN
+        self._limits[Limit.REL_MASK] = (1 << shape.rel_w) - 1
         self._state = np.zeros((FIELD_COUNT, shape.n_slots), np.int64)
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)
         self._filters = FilterChain(config.filters, config.filter_shape) if config.filtered else None
@@ -122,6 +123,20 @@ class CotModel:
             parts.append(buffer[:count])
         records = parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0, RECORD)
         return Decisions(records, owner, rel_x, rel_y)
+
+    def write_registers(self, slot: int, registers: SlotConfig, *, restart: bool) -> NDArray[np.void]:
+        """Change a slot's registers before the next event, as a commit does: docs/registers.md.
+
+        Args:
+            restart: `mode` is written, too: a life that goes on ends, which the returned records, (m,) RECORD, tell.
+
+        Raises:
+            ConfigError: a register outside its limits.
+        """
+        registers.check(self.config.shape, f"slot[{slot}]")
+        values = np.array([getattr(registers, name) for name in REGISTERS], np.int64)
+        room = np.zeros(1, RECORD)
+        return room[: rewrite(self._state, self._regs, self._limits, self._globals, slot, values, restart, room)]
 
     @property
     def time(self) -> int:

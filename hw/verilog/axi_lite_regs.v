@@ -1,0 +1,493 @@
+// SPDX-License-Identifier: Apache-2.0
+// All registers of evcot_top.v on AXI4-Lite: docs/registers.md.
+//
+// The words outside the banks are axi_lite_words.v. The registers of slots and filters stand in a shadow, one memory; writing
+// a bank's `commit` marks it as pending, which raises `busy`. Once `apply` says that nothing is under way, the bank is copied
+// to its tracker or filter in 16 clocks, `mode` last and only if it was written. All banks pending by then are copied before
+// busy falls.
+//
+// Latency:    5 clocks from the last handshake of a read to its answer, 6 of a write; 17 N more while N banks are copied, and 16
+//             N + 16 after reset, while the shadow is filled.
+// Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears what has happened,
+//             and every mode counts as written.
+`default_nettype none
+`include "evcot_defs.vh"
+`include "evcot_regs.vh"
+
+module axi_lite_regs #(
+    parameter N            = 8,    // tracker slots
+    parameter X_W          = 9,    // bits of an x address
+    parameter Y_W          = 9,    // bits of a y address
+    parameter FRAC         = 4,    // fractional bits of a centre
+    parameter TICK_W       = 20,   // bits of the ticks in a token
+    parameter RADIX_W      = 8,    // bits of a radius register
+    parameter NEV_W        = 10,   // bits of N_ev
+    parameter TC_W         = 24,   // bits of a timer
+    parameter SUP_W        = 16,   // bits of a support count
+    parameter ID_W         = 32,   // bits of a track id
+    parameter SEQ_W        = 48,   // bits of an event's number
+    parameter TIME_W       = 48,   // bits of the tick count
+    parameter HAS          = 127,  // filters that are built
+    parameter SOURCES      = 1,    // sources that are built, a bit each: EVCOT_SOURCE_*
+    parameter SOURCE       = 0,    // the one selected after reset
+    parameter TRACKER      = 0,    // EVCOT_TRACKER_*
+    parameter WIDTH        = 346,  // pixels of the sensor across
+    parameter HEIGHT       = 260,  // pixels of the sensor down
+    parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
+    parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
+    parameter SLOT_W       = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+) (
+    input  wire                clk,
+    input  wire                rst,
+    input  wire                core_rst,   // everything but the registers is reset; high with rst, too
+
+    input  wire                s_axil_awvalid,
+    output wire                s_axil_awready,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axil_awaddr,
+    input  wire [2:0]          s_axil_awprot,
+    input  wire                s_axil_wvalid,
+    output wire                s_axil_wready,
+    input  wire [31:0]         s_axil_wdata,
+    input  wire [3:0]          s_axil_wstrb,
+    output wire                s_axil_bvalid,
+    input  wire                s_axil_bready,
+    output wire [1:0]          s_axil_bresp,
+    input  wire                s_axil_arvalid,
+    output wire                s_axil_arready,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axil_araddr,
+    input  wire [2:0]          s_axil_arprot,
+    output wire                s_axil_rvalid,
+    input  wire                s_axil_rready,
+    output wire [31:0]         s_axil_rdata,
+    output wire [1:0]          s_axil_rresp,
+
+    // control: docs/registers.md
+    output wire                enable,
+    output wire                drop,
+    output wire                soft_reset,     // one clock
+    output wire [2:0]          source_select,
+    output wire                clock_time,
+    output wire                swap_bytes,
+    output wire                swap_halves,
+    output wire                active_low,
+    output wire                word_serial,
+    output wire [19:0]         tick_us,
+    output wire [15:0]         prescale_tick,
+    output wire [15:0]         prescale_us,
+    output wire [31:0]         lfsr_seed,
+    output wire [15:0]         lfsr_gap,
+    output wire [15:0]         lfsr_x_min,
+    output wire [15:0]         lfsr_x_span,
+    output wire [15:0]         lfsr_y_min,
+    output wire [15:0]         lfsr_y_span,
+
+    // registers of the trackers and filters, written while `apply`
+    output wire                busy,           // a commit is pending
+    input  wire                apply,          // nothing is under way
+    input  wire [SEQ_W-1:0]    seq,            // number of the next event
+    output reg                 cfg_valid,
+    output reg  [SLOT_W-1:0]   cfg_slot,
+    output reg  [3:0]          cfg_addr,
+    output reg  [31:0]         cfg_data,
+    output reg                 filter_cfg_valid,
+    output wire [3:0]          filter_cfg_addr,
+    output wire [31:0]         filter_cfg_data,
+
+    // what is to be read
+    input  wire                idle,
+    input  wire                open,
+    input  wire [15:0]         held,
+    input  wire [31:0]         n_events_in,
+    input  wire [31:0]         n_events_dropped,
+    input  wire [31:0]         n_malformed,
+    input  wire [31:0]         n_filtered,
+    input  wire [31:0]         n_owned,
+    input  wire [31:0]         n_passed,
+    input  wire [31:0]         n_records,
+    input  wire [31:0]         n_stalls,
+    input  wire [`EVCOT_IRQ_COMMIT-1:0] happened,  // this clock, in the order of EVCOT_IRQ_*
+    output reg                 irq
+);
+
+    parameter_check #(.OK(N >= `EVCOT_N_SLOTS_MIN && N <= `EVCOT_N_SLOTS_MAX)) N_must_be_1_to_64 ();
+    parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 65535)) FIFO_DEPTH_must_be_1_to_65535 ();
+    parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
+
+    localparam WORD_W = `EVCOT_CSR_ADDR_W - 2;
+    localparam BANK_W = $clog2(N + 1);             // a bank for each slot, and one for the filters
+    localparam [BANK_W-1:0] FILTERS = N;
+    localparam [6:0]  SLOTS    = N;
+    localparam [3:0]  LAST     = 4'd15;            // where the shadow keeps the number of the first event after a commit
+    localparam [31:0] LAST_X   = WIDTH - 1;
+    localparam [31:0] LAST_Y   = HEIGHT - 1;
+    localparam [31:0] RECENT   = RECENT_DEPTH - 1;
+    localparam [31:0] DEPTH    = FIFO_DEPTH;
+
+`include "evcot_limits.vh"
+
+    // ---- the bus -----------------------------------------------------------------------------------------------------
+
+    localparam [2:0] FILL   = 3'd0;  // after reset: giving the shadow its first values
+    localparam [2:0] IDLE   = 3'd1;  // waiting for an access, or for a bank to copy
+    localparam [2:0] FETCH  = 3'd2;  // reading the shadow
+    localparam [2:0] MERGE  = 3'd3;  // putting the bytes together
+    localparam [2:0] CHECK  = 3'd4;  // a write: checking the value, writing it
+    localparam [2:0] ANSWER = 3'd5;  // answering
+    localparam [2:0] COPY   = 3'd6;  // copying a bank to where it takes effect
+
+    reg [2:0] state;
+
+    wire              request_valid, request_write;
+    wire [WORD_W-1:0] word;
+    wire [31:0]       data;
+    wire [3:0]        strb;
+    reg  [31:0]       result;
+    reg               error;
+
+    axi_lite_slave #(
+        .ADDR_W(`EVCOT_CSR_ADDR_W)
+    ) u_slave (
+        .clk           (clk),
+        .rst           (rst),
+        .s_axil_awvalid(s_axil_awvalid),
+        .s_axil_awready(s_axil_awready),
+        .s_axil_awaddr (s_axil_awaddr),
+        .s_axil_awprot (s_axil_awprot),
+        .s_axil_wvalid (s_axil_wvalid),
+        .s_axil_wready (s_axil_wready),
+        .s_axil_wdata  (s_axil_wdata),
+        .s_axil_wstrb  (s_axil_wstrb),
+        .s_axil_bvalid (s_axil_bvalid),
+        .s_axil_bready (s_axil_bready),
+        .s_axil_bresp  (s_axil_bresp),
+        .s_axil_arvalid(s_axil_arvalid),
+        .s_axil_arready(s_axil_arready),
+        .s_axil_araddr (s_axil_araddr),
+        .s_axil_arprot (s_axil_arprot),
+        .s_axil_rvalid (s_axil_rvalid),
+        .s_axil_rready (s_axil_rready),
+        .s_axil_rdata  (s_axil_rdata),
+        .s_axil_rresp  (s_axil_rresp),
+        .request_valid (request_valid),
+        .request_write (request_write),
+        .request_word  (word),
+        .request_data  (data),
+        .request_strb  (strb),
+        .answer        (state == ANSWER),
+        .answer_data   (result),
+        .answer_error  (error)
+    );
+
+    // ---- which bank, if any ------------------------------------------------------------------------------------------
+
+    localparam [WORD_W+1:0] SLOT_BASE     = `EVCOT_BANK_SLOT;
+    localparam [WORD_W+1:0] FILTER_BASE   = `EVCOT_BANK_FILTER;
+    localparam [4:0]        FILTER_COMMIT = `EVCOT_BANK_FILTER_COMMIT;
+
+    wire [6:0] in_slots = {1'b0, word[9:4]};
+    wire in_slot   = word[WORD_W-1] == SLOT_BASE[WORD_W+1] && in_slots < SLOTS;
+    wire in_filter = word[WORD_W-1:5] == FILTER_BASE[WORD_W+1:7] && HAS != 0 && word[4:0] <= FILTER_COMMIT;
+    wire commits   = (in_slot && word[3:0] == LAST) || (in_filter && word[4:0] == FILTER_COMMIT);
+    wire marks     = in_filter && word[4:0] == {1'b0, `EVCOT_FREG_MASK};
+    wire shadowed  = (in_slot || in_filter) && !commits && !marks;
+
+    wire [BANK_W-1:0] bank = in_filter ? FILTERS : in_slots[BANK_W-1:0];
+    reg  [N:0] pending;       // by bank
+    reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
+    wire locked = (shadowed || commits) && pending[bank];
+
+    // ---- an access ---------------------------------------------------------------------------------------------------
+
+    wire [31:0] lanes = {{8{strb[3]}}, {8{strb[2]}}, {8{strb[1]}}, {8{strb[0]}}};
+    reg  [31:0] merged, shadow_out;
+
+    wire        words_known, words_writable, words_clamped, words_refused;
+    wire [31:0] words_value, words_kept;
+
+    wire known    = words_known || in_slot || in_filter;
+    wire writable = words_writable || in_slot || in_filter;
+    wire acts     = state == CHECK && strb != 4'd0;
+    wire [31:0] old = (shadowed || commits) ? shadow_out : words_value;
+    wire [31:0] kept = shadowed ? shadow_out : words_value & words_kept;
+
+    wire [31:0] low     = in_filter ? filter_low(word[3:0]) : slot_low(word[3:0]);
+    wire [31:0] high    = in_filter ? filter_high(word[3:0]) : slot_high(word[3:0]);
+    wire        refuses = in_filter ? filter_refuses(word[3:0]) : slot_refuses(word[3:0]);
+    wire        over    = shadowed && merged > high;
+    wire        under   = shadowed && merged < low;
+    wire [31:0] legal   = over ? high : under ? low : merged;
+
+    wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
+    wire fault_pending  = acts && locked;
+    wire fault_refused  = acts && !locked && (words_refused || ((over || under) && refuses));
+    wire fault_clamped  = acts && !locked && (words_clamped || ((over || under) && !refuses)) && !fault_refused;
+    wire faulty         = fault_unmapped || fault_pending || fault_refused || fault_clamped;
+    wire stores         = acts && shadowed && !locked && !fault_refused;
+
+    // ---- the shadow --------------------------------------------------------------------------------------------------
+
+    reg [31:0] shadow [0:16*(N+1)-1];
+    reg [BANK_W+3:0] fill;
+    reg [BANK_W-1:0] copied;         // the bank in COPY
+    reg [4:0] step;                  // the word that is read in COPY: 1 to 15, then 0
+    reg       late;                  // the word before it has been read
+    reg [3:0] late_word;
+
+    wire fills  = state == FILL;
+    wire stamps = state == COPY && step == {1'b0, LAST};
+    wire filled = fill == {FILTERS, 4'd15};
+    wire [31:0] first = (fill[BANK_W+3:4] == FILTERS) ? filter_low(fill[3:0]) : slot_low(fill[3:0]);
+
+    wire            shadow_write = fills || stamps || stores;
+    wire [BANK_W+3:0] shadow_to  = fills ? fill : stamps ? {copied, LAST} : {bank, word[3:0]};
+    wire [31:0]     shadow_in    = fills ? (fill[3:0] == LAST ? 32'd0 : first) : stamps ? seq[31:0] : legal;
+    wire [BANK_W+3:0] shadow_from = (state == COPY) ? {copied, step[3:0]} : {bank, commits ? LAST : word[3:0]};
+
+    always @(posedge clk) begin
+        if (shadow_write) shadow[shadow_to] <= shadow_in;
+        shadow_out <= shadow[shadow_from];
+    end
+
+    // ---- a bank takes effect -----------------------------------------------------------------------------------------
+
+    reg [BANK_W-1:0] next_bank;
+
+    always @* begin : find_pending
+        integer i;
+        next_bank = {BANK_W{1'b0}};
+        for (i = N; i >= 0; i = i - 1) if (pending[i]) next_bank = i[BANK_W-1:0];
+    end
+
+    wire copies_filters = copied == FILTERS;
+    wire copied_all = state == COPY && late && late_word == `EVCOT_REG_MODE;
+    wire committed  = copied_all && pending == ({{N{1'b0}}, 1'b1} << copied);
+
+    reg  [47:0] commit_seq;
+    reg  [31:0] commit_count;
+    wire [47:0] wide_seq = {{(48 - SEQ_W) {1'b0}}, seq};
+
+    assign busy            = |pending;
+    assign filter_cfg_addr = cfg_addr;
+    assign filter_cfg_data = cfg_data;
+
+    // ---- control -----------------------------------------------------------------------------------------------------
+
+    always @(posedge clk) begin
+        cfg_valid        <= 1'b0;
+        filter_cfg_valid <= 1'b0;
+
+        case (state)
+            FILL: begin
+                fill <= fill + 1'b1;
+                if (filled) state <= IDLE;
+            end
+            IDLE: begin
+                copied <= next_bank;
+                step   <= 5'd1;
+                late   <= 1'b0;
+                if (!core_rst) begin
+                    if (apply && |pending) state <= COPY;
+                    else if (request_valid) state <= FETCH;
+                end
+            end
+            FETCH: state <= MERGE;
+            MERGE: begin
+                result <= known ? old : 32'd0;
+                merged <= (data & lanes) | (kept & ~lanes);
+                error  <= !known;
+                state  <= request_write ? CHECK : ANSWER;
+            end
+            CHECK: begin
+                error <= faulty;
+                if (acts && commits && !locked) pending[bank] <= 1'b1;
+                if (stores && in_slot && word[3:0] == `EVCOT_REG_MODE) mode_new[word[4+:SLOT_W]] <= 1'b1;
+                if (acts && marks) begin
+                    filter_cfg_valid <= 1'b1;
+                    cfg_addr         <= `EVCOT_FREG_MASK;
+                    cfg_data         <= merged;
+                end
+                state <= ANSWER;
+            end
+            COPY: begin
+                step      <= {1'b0, step[3:0] + 4'd1};
+                late      <= 1'b1;
+                late_word <= step[3:0];
+                cfg_slot  <= copied[SLOT_W-1:0];
+                cfg_addr  <= late_word;
+                cfg_data  <= shadow_out;
+                if (late && late_word != LAST) begin
+                    cfg_valid        <= !copies_filters && (late_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
+                    filter_cfg_valid <= copies_filters;
+                end
+                if (copied_all) begin
+                    pending[copied] <= 1'b0;
+                    if (!copies_filters) mode_new[copied[SLOT_W-1:0]] <= 1'b0;
+                    commit_seq <= wide_seq;
+                    state      <= IDLE;
+                end
+                if (committed) commit_count <= commit_count + 1'b1;
+            end
+            default: state <= IDLE;
+        endcase
+
+        if (core_rst) begin
+            pending          <= {(N + 1) {1'b0}};
+            mode_new         <= {N{1'b1}};
+            commit_seq       <= 48'd0;
+            commit_count     <= 32'd0;
+            cfg_valid        <= 1'b0;
+            filter_cfg_valid <= 1'b0;
+            if (state == COPY) state <= IDLE;
+        end
+        if (rst) begin
+            state <= FILL;
+            fill  <= {(BANK_W + 4) {1'b0}};
+        end
+    end
+
+    // ---- what has happened -------------------------------------------------------------------------------------------
+
+    wire       latch;
+    wire [3:0] fault_clear;
+    wire [`EVCOT_IRQ_W-1:0] irq_clear, irq_enable;
+    reg  [`EVCOT_IRQ_W-1:0] irq_status;
+    reg  [3:0]  fault;
+    reg  [`EVCOT_CSR_ADDR_W-1:0] fault_address;
+    reg  [31:0] events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls;
+
+    always @(posedge clk) begin
+        irq_status <= (irq_status & ~irq_clear) | {committed, happened};
+        irq        <= |(irq_status & irq_enable);
+        fault      <= (fault & ~fault_clear) | {fault_unmapped, fault_pending, fault_refused, fault_clamped};
+        if (faulty) fault_address <= {word, 2'b00};
+        if (latch) begin
+            events_in      <= n_events_in;
+            events_dropped <= n_events_dropped;
+            malformed      <= n_malformed;
+            events         <= wide_seq[31:0];
+            filtered       <= n_filtered;
+            owned          <= n_owned;
+            passed         <= n_passed;
+            records        <= n_records;
+            stalls         <= n_stalls;
+        end
+        if (core_rst) begin
+            irq_status <= {`EVCOT_IRQ_W{1'b0}};
+            irq        <= 1'b0;
+        end
+        if (rst) begin
+            fault         <= 4'd0;
+            fault_address <= {`EVCOT_CSR_ADDR_W{1'b0}};
+            {events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls} <= {9 * 32{1'b0}};
+        end
+    end
+
+    // ---- the words outside the banks ---------------------------------------------------------------------------------
+
+    localparam [6:0] FILTERS_BUILT = HAS;
+    localparam [5:0] SOURCES_BUILT = SOURCES;
+    localparam [1:0] TRACKER_BUILT = TRACKER;
+    localparam [3:0] FRAC_4 = FRAC, RADIX_W_4 = RADIX_W;
+    localparam [4:0] X_W_5 = X_W, Y_W_5 = Y_W, NEV_W_5 = NEV_W;
+    localparam [5:0] TICK_W_6 = TICK_W, TC_W_6 = TC_W, SUP_W_6 = SUP_W, ID_W_6 = ID_W, SEQ_W_6 = SEQ_W, TIME_W_6 = TIME_W;
+    localparam [5:0] STAMP_W_6 = STAMP_W;
+
+    axi_lite_words #(
+        .X_W    (X_W),
+        .Y_W    (Y_W),
+        .SOURCE (SOURCE),
+        .SOURCES(SOURCES)
+    ) u_words (
+        .clk                 (clk),
+        .rst                 (rst),
+        .word                (word),
+        .write               (acts && words_known),
+        .data                (merged),
+        .known               (words_known),
+        .writable            (words_writable),
+        .value               (words_value),
+        .kept                (words_kept),
+        .clamped             (words_clamped),
+        .refused             (words_refused),
+        .id                  (`EVCOT_CSR_ID),
+        .version_minor       (`EVCOT_CSR_MINOR),
+        .version_major       (`EVCOT_CSR_MAJOR),
+        .shape0_n_slots      (SLOTS),
+        .shape0_frac         (FRAC_4),
+        .shape0_x_w          (X_W_5),
+        .shape0_y_w          (Y_W_5),
+        .shape1_tick_w       (TICK_W_6),
+        .shape1_radix_w      (RADIX_W_4),
+        .shape1_nev_w        (NEV_W_5),
+        .shape1_tc_w         (TC_W_6),
+        .shape2_sup_w        (SUP_W_6),
+        .shape2_id_w         (ID_W_6),
+        .shape2_seq_w        (SEQ_W_6),
+        .shape2_time_w       (TIME_W_6),
+        .build_filters       (FILTERS_BUILT),
+        .build_sources       (SOURCES_BUILT),
+        .build_tracker       (TRACKER_BUILT),
+        .sensor_last_x       (LAST_X[15:0]),
+        .sensor_last_y       (LAST_Y[15:0]),
+        .memory_stamp_w      (STAMP_W_6),
+        .memory_recent_last  (RECENT[7:0]),
+        .memory_fifo_depth   (DEPTH[15:0]),
+        .control_enable      (enable),
+        .control_drop        (drop),
+        .control_latch       (latch),
+        .control_soft_reset  (soft_reset),
+        .source_select       (source_select),
+        .source_clock_time   (clock_time),
+        .source_swap_bytes   (swap_bytes),
+        .source_swap_halves  (swap_halves),
+        .source_active_low   (active_low),
+        .source_word_serial  (word_serial),
+        .tick_us             (tick_us),
+        .prescale_tick       (prescale_tick),
+        .prescale_us         (prescale_us),
+        .lfsr_seed           (lfsr_seed),
+        .lfsr_gap            (lfsr_gap),
+        .lfsr_x_min          (lfsr_x_min),
+        .lfsr_x_span         (lfsr_x_span),
+        .lfsr_y_min          (lfsr_y_min),
+        .lfsr_y_span         (lfsr_y_span),
+        .status_idle         (idle && !busy),
+        .status_pending      (busy),
+        .status_open         (open),
+        .status_held         (held),
+        .fault_clamped       (fault[0]),
+        .fault_clamped_clear (fault_clear[0]),
+        .fault_refused       (fault[1]),
+        .fault_refused_clear (fault_clear[1]),
+        .fault_pending       (fault[2]),
+        .fault_pending_clear (fault_clear[2]),
+        .fault_unmapped      (fault[3]),
+        .fault_unmapped_clear(fault_clear[3]),
+        .fault_address       (fault_address),
+        .irq_status_birth    (irq_status[`EVCOT_IRQ_BIRTH]),
+        .irq_status_loss     (irq_status[`EVCOT_IRQ_LOSS]),
+        .irq_status_merge    (irq_status[`EVCOT_IRQ_MERGE]),
+        .irq_status_overflow (irq_status[`EVCOT_IRQ_OVERFLOW]),
+        .irq_status_commit   (irq_status[`EVCOT_IRQ_COMMIT]),
+        .irq_enable          (irq_enable),
+        .irq_clear           (irq_clear),
+        .commit_seq_low      (commit_seq[31:0]),
+        .commit_seq_high     (commit_seq[47:32]),
+        .commits             (commit_count),
+        .events_in           (events_in),
+        .events_dropped      (events_dropped),
+        .malformed           (malformed),
+        .events              (events),
+        .filtered            (filtered),
+        .owned               (owned),
+        .passed              (passed),
+        .records             (records),
+        .stalls              (stalls)
+    );
+
+    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, in_slots};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Events from AXI4-Stream, one per beat of 64 bits: EVCOT_EVENT_* in evcot_regs.vh, docs/registers.md.
+//
+// The beat has the low 32 bits of the time. Where they fall by half their range or more they have wrapped, so m_t goes on for as
+// long as T_W bits last; a smaller fall is a time that ran back, and is handed on as it is. A beat whose tkeep is not all
+// ones, or whose pixel lies beyond WIDTH x HEIGHT, is skipped and counted. tlast means nothing.
+//
+// Latency:    2 clocks. Throughput: an event per clock.
+// Stall:      an event on offer holds until taken.
+// Reset:      empty, counter 0, time starts at the first event's 32 bits.
+// Combinational paths: none; s_axis_tready is a register.
+`default_nettype none
+`include "evcot_regs.vh"
+
+module axis_events_in #(
+    parameter T_W    = 48,   // bits of a time, at least 32
+    parameter X_W    = 9,    // bits of an x address
+    parameter Y_W    = 9,    // bits of a y address
+    parameter WIDTH  = 346,  // pixels of the sensor across
+    parameter HEIGHT = 260   // pixels of the sensor down
+) (
+    input  wire           clk,
+    input  wire           rst,
+
+    input  wire           s_axis_tvalid,
+    output wire           s_axis_tready,
+    input  wire [63:0]    s_axis_tdata,
+    input  wire [7:0]     s_axis_tkeep,
+    input  wire           s_axis_tlast,
+
+    output reg            m_valid,
+    input  wire           m_ready,
+    output reg  [T_W-1:0] m_t,
+    output reg  [X_W-1:0] m_x,
+    output reg  [Y_W-1:0] m_y,
+    output reg            m_p,
+
+    output reg  [31:0]    n_skipped,
+    output wire           idle       // no event inside
+);
+
+    parameter_check #(.OK(T_W >= 33)) T_W_must_be_at_least_33 ();
+    parameter_check #(.OK(WIDTH >= 1 && WIDTH <= (1 << X_W))) WIDTH_must_be_1_to_2_to_the_X_W ();
+    parameter_check #(.OK(HEIGHT >= 1 && HEIGHT <= (1 << Y_W))) HEIGHT_must_be_1_to_2_to_the_Y_W ();
+
+    localparam HIGH_W = T_W - 32;
+    localparam [31:0] COLUMNS = WIDTH;
+    localparam [31:0] ROWS    = HEIGHT;
+
+    wire        valid, ready, whole;
+    wire [63:0] word;
+
+    skid_buffer #(
+        .W(65)
+    ) u_input (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(s_axis_tvalid),
+        .s_ready(s_axis_tready),
+        .s_data ({&s_axis_tkeep, s_axis_tdata}),
+        .m_valid(valid),
+        .m_ready(ready),
+        .m_data ({whole, word})
+    );
+
+    wire [31:0] t = word[`EVCOT_EVENT_T_LSB +: `EVCOT_EVENT_T_W];
+    wire [16:0] x = {{(17 - `EVCOT_EVENT_X_W) {1'b0}}, word[`EVCOT_EVENT_X_LSB +: `EVCOT_EVENT_X_W]};
+    wire [16:0] y = {{(17 - `EVCOT_EVENT_Y_W) {1'b0}}, word[`EVCOT_EVENT_Y_LSB +: `EVCOT_EVENT_Y_W]};
+
+    reg  [T_W-1:0]    last;
+    wire [31:0]       fall    = last[31:0] - t;
+    wire              wrapped = t < last[31:0] && fall[31];
+    wire [HIGH_W-1:0] high    = last[T_W-1:32] + {{(HIGH_W - 1) {1'b0}}, wrapped};
+    wire              sound   = whole && x < COLUMNS[16:0] && y < ROWS[16:0];
+
+    assign ready = m_ready || !m_valid;
+    assign idle  = !valid && !m_valid;
+
+    always @(posedge clk) begin
+        if (m_ready) m_valid <= 1'b0;
+        if (valid && ready) begin
+            if (sound) begin
+                m_valid <= 1'b1;
+                last    <= {high, t};
+                m_t     <= {high, t};
+                m_x     <= x[X_W-1:0];
+                m_y     <= y[Y_W-1:0];
+                m_p     <= word[`EVCOT_EVENT_P_LSB];
+            end else n_skipped <= n_skipped + 1'b1;
+        end
+        if (rst) begin
+            m_valid   <= 1'b0;
+            last      <= {T_W{1'b0}};
+            n_skipped <= 32'd0;
+        end
+    end
+
+    wire unused = &{1'b0, s_axis_tlast, word, x, y, fall};
+
+endmodule
+
+`default_nettype wire

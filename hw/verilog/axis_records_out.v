@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records to AXI4-Stream: EVCOT_RECORD_* in evcot_regs.vh, which is contract.RECORD byte for byte, little-endian.
+//
+// A record takes EVCOT_RECORD_W / DATA_W beats, rounded up; tlast marks the last one, in which tkeep leaves out what lies
+// beyond the record. Fields are filled up with zeros.
+//
+// Latency:    2 clocks to the first beat. Throughput: a beat per clock.
+// Stall:      DEPTH records wait here while the output stalls; then m_cm_ready falls.
+// Reset:      empty; a record that was going out is cut.
+// Combinational paths: none.
+`default_nettype none
+`include "evcot_regs.vh"
+
+module axis_records_out #(
+    parameter DATA_W  = 64,  // bits of a beat: 32, 64, 128 or 256
+    parameter DEPTH   = 16,  // records that may wait, at least 1
+    parameter SLOT_W  = 3,   // bits of a slot number
+    parameter ID_W    = 32,  // bits of a track id
+    parameter X_W     = 13,  // bits of a centre's x, fraction and all
+    parameter Y_W     = 13,  // bits of a centre's y
+    parameter RADIUS_W = 9,  // bits of a radius
+    parameter NEV_W   = 10,  // bits of N_ev
+    parameter SUP_W   = 16,  // bits of a support count
+    parameter SEQ_W   = 48,  // bits of an event's number
+    parameter TIME_W  = 48   // bits of the tick count
+) (
+    input  wire                clk,
+    input  wire                rst,
+
+    input  wire                s_cm_valid,
+    output wire                s_cm_ready,
+    input  wire [1:0]          s_cm_kind,
+    input  wire [SLOT_W-1:0]   s_cm_slot,
+    input  wire [ID_W-1:0]     s_cm_id,
+    input  wire [ID_W-1:0]     s_cm_other,
+    input  wire [X_W-1:0]      s_cm_x,
+    input  wire [Y_W-1:0]      s_cm_y,
+    input  wire [RADIUS_W-1:0] s_cm_radius,
+    input  wire [NEV_W-1:0]    s_cm_n_ev,
+    input  wire [SUP_W-1:0]    s_cm_support,
+    input  wire [SEQ_W-1:0]    s_cm_seq,
+    input  wire [TIME_W-1:0]   s_cm_time,
+
+    output wire                m_axis_tvalid,
+    input  wire                m_axis_tready,
+    output wire [DATA_W-1:0]   m_axis_tdata,
+    output wire [DATA_W/8-1:0] m_axis_tkeep,
+    output wire                m_axis_tlast,
+
+    output wire                idle          // no record inside
+);
+
+    parameter_check #(.OK(DATA_W == 32 || DATA_W == 64 || DATA_W == 128 || DATA_W == 256)) DATA_W_must_be_32_64_128_or_256 ();
+    parameter_check #(.OK(DEPTH >= 1)) DEPTH_must_be_at_least_1 ();
+
+    localparam W      = 2 + SLOT_W + 2 * ID_W + X_W + Y_W + RADIUS_W + NEV_W + SUP_W + SEQ_W + TIME_W;
+    localparam BEATS  = (`EVCOT_RECORD_W + DATA_W - 1) / DATA_W;
+    localparam BEAT_W = $clog2(BEATS);
+    localparam [31:0] LAST  = BEATS - 1;
+    localparam        BYTES = (`EVCOT_RECORD_W - (BEATS - 1) * DATA_W) / 8;  // of the record in the last beat
+    localparam [DATA_W/8-1:0] ALL  = {(DATA_W / 8) {1'b1}};
+    localparam [DATA_W/8-1:0] SOME = ALL >> (DATA_W / 8 - BYTES);
+
+    wire valid, ready, last;
+    wire [1:0]          kind;
+    wire [SLOT_W-1:0]   slot;
+    wire [ID_W-1:0]     id, other;
+    wire [X_W-1:0]      x;
+    wire [Y_W-1:0]      y;
+    wire [RADIUS_W-1:0] radius;
+    wire [NEV_W-1:0]    n_ev;
+    wire [SUP_W-1:0]    support;
+    wire [SEQ_W-1:0]    seq;
+    wire [TIME_W-1:0]   time_;
+    wire [$clog2(DEPTH+1)-1:0] level;
+
+    reg [BEAT_W-1:0] beat;
+    assign last = beat == LAST[BEAT_W-1:0];
+
+    fifo #(
+        .W    (W),
+        .DEPTH(DEPTH)
+    ) u_records (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(s_cm_valid),
+        .s_ready(s_cm_ready),
+        .s_data ({s_cm_kind, s_cm_slot, s_cm_id, s_cm_other, s_cm_x, s_cm_y, s_cm_radius, s_cm_n_ev, s_cm_support, s_cm_seq,
+                  s_cm_time}),
+        .m_valid(valid),
+        .m_ready(ready && last),
+        .m_data ({kind, slot, id, other, x, y, radius, n_ev, support, seq, time_}),
+        .level  (level)
+    );
+
+    // ---- the record as bytes, then beat by beat ----------------------------------------------------------------------
+
+    reg [BEATS*DATA_W-1:0] bytes;
+
+    always @* begin
+        bytes = {(BEATS * DATA_W) {1'b0}};
+        bytes[`EVCOT_RECORD_SEQ_LSB +: SEQ_W]         = seq;
+        bytes[`EVCOT_RECORD_TIME_LSB +: TIME_W]       = time_;
+        bytes[`EVCOT_RECORD_TRACK_ID_LSB +: ID_W]     = id;
+        bytes[`EVCOT_RECORD_OTHER_ID_LSB +: ID_W]     = other;
+        bytes[`EVCOT_RECORD_CM_X_LSB +: X_W]          = x;
+        bytes[`EVCOT_RECORD_CM_Y_LSB +: Y_W]          = y;
+        bytes[`EVCOT_RECORD_SUPPORT_LSB +: SUP_W]     = support;
+        bytes[`EVCOT_RECORD_RADIUS_LSB +: RADIUS_W]   = radius;
+        bytes[`EVCOT_RECORD_N_EV_LSB +: NEV_W]        = n_ev;
+        bytes[`EVCOT_RECORD_SLOT_LSB +: SLOT_W]       = slot;
+        bytes[`EVCOT_RECORD_KIND_LSB +: 2]            = kind;
+    end
+
+    always @(posedge clk) begin
+        if (valid && ready) beat <= last ? {BEAT_W{1'b0}} : beat + 1'b1;
+        if (rst) beat <= {BEAT_W{1'b0}};
+    end
+
+    wire cut;
+
+    skid_buffer #(
+        .W(DATA_W + 1)
+    ) u_output (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(valid),
+        .s_ready(ready),
+        .s_data ({last, bytes[beat*DATA_W +: DATA_W]}),
+        .m_valid(m_axis_tvalid),
+        .m_ready(m_axis_tready),
+        .m_data ({cut, m_axis_tdata})
+    );
+
+    assign m_axis_tlast = cut;
+    assign m_axis_tkeep = cut ? SOME : ALL;
+    assign idle         = level == 0 && !m_axis_tvalid;
+
+endmodule
+
+`default_nettype wire

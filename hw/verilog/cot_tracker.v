@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// N trackers behind one set of ports: the array, the chain or the engine. Everything else is theirs to say.
+`default_nettype none
+`include "evcot_regs.vh"
+
+module cot_tracker #(
+    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array, cot_chain or cot_engine
+    parameter N       = 8,   // tracker slots
+    parameter X_W     = 9,   // bits of an x address
+    parameter Y_W     = 9,   // bits of a y address
+    parameter FRAC    = 4,   // fractional bits of a centre and of an average
+    parameter TICK_W  = 20,  // bits of the tick input
+    parameter RADIX_W = 8,   // bits of a radius register
+    parameter NEV_W   = 10,  // bits of N_ev
+    parameter TC_W    = 24,  // bits of a timer
+    parameter SUP_W   = 16,  // bits of a support count
+    parameter ID_W    = 32,  // bits of a track id
+    parameter SEQ_W   = 48,  // bits of an event's sequence number
+    parameter TIME_W  = 48,  // bits of the tick count
+    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+) (
+    input  wire                clk,
+    input  wire                rst,
+
+    // registers: see cot_regs.v
+    input  wire                cfg_valid,
+    input  wire [SLOT_W-1:0]   cfg_slot,
+    input  wire [3:0]          cfg_addr,
+    input  wire [31:0]         cfg_data,
+
+    // tokens: s_tick ticks have passed, then an event if s_event; s_skip: one that a filter took out, only counted
+    input  wire                s_valid,
+    output wire                s_ready,
+    input  wire [TICK_W-1:0]   s_tick,
+    input  wire                s_event,
+    input  wire                s_skip,
+    input  wire [X_W-1:0]      s_x,
+    input  wire [Y_W-1:0]      s_y,
+    input  wire                s_p,
+
+    // centre of mass: one record per birth, move, merge and loss
+    output wire                m_cm_valid,
+    input  wire                m_cm_ready,
+    output wire [1:0]          m_cm_kind,
+    output wire [SLOT_W-1:0]   m_cm_slot,
+    output wire [ID_W-1:0]     m_cm_id,
+    output wire [ID_W-1:0]     m_cm_other,   // MERGED: the track that stays; else 0
+    output wire [X_W+FRAC-1:0] m_cm_x,
+    output wire [Y_W+FRAC-1:0] m_cm_y,
+    output wire [RADIX_W:0]    m_cm_radius,
+    output wire [NEV_W-1:0]    m_cm_n_ev,
+    output wire [SUP_W-1:0]    m_cm_support,
+    output wire [SEQ_W-1:0]    m_cm_seq,
+    output wire [TIME_W-1:0]   m_cm_time,
+
+    // owned events, addressed within the owner's window
+    output wire                m_own_valid,
+    input  wire                m_own_ready,
+    output wire [SLOT_W-1:0]   m_own_slot,
+    output wire [RADIX_W+1:0]  m_own_x,
+    output wire [RADIX_W+1:0]  m_own_y,
+    output wire                m_own_p,
+    output wire [SEQ_W-1:0]    m_own_seq,
+
+    // events that no slot took
+    output wire                m_pass_valid,
+    input  wire                m_pass_ready,
+    output wire [X_W-1:0]      m_pass_x,
+    output wire [Y_W-1:0]      m_pass_y,
+    output wire                m_pass_p,
+    output wire [SEQ_W-1:0]    m_pass_seq,
+
+    output wire                idle          // nothing inside, no register write under way
+);
+
+    parameter_check #(.OK(TRACKER >= 0 && TRACKER <= `EVCOT_TRACKER_ENGINE)) TRACKER_must_be_0_to_2 ();
+
+    generate
+        if (TRACKER == `EVCOT_TRACKER_CHAIN) begin : g_chain
+            cot_chain #(
+                .N      (N),
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .FRAC   (FRAC),
+                .TICK_W (TICK_W),
+                .RADIX_W(RADIX_W),
+                .NEV_W  (NEV_W),
+                .TC_W   (TC_W),
+                .SUP_W  (SUP_W),
+                .ID_W   (ID_W),
+                .SEQ_W  (SEQ_W),
+                .TIME_W (TIME_W)
+            ) u_tracker (
+                .clk         (clk),
+                .rst         (rst),
+                .cfg_valid   (cfg_valid),
+                .cfg_slot    (cfg_slot),
+                .cfg_addr    (cfg_addr),
+                .cfg_data    (cfg_data),
+                .s_valid     (s_valid),
+                .s_ready     (s_ready),
+                .s_tick      (s_tick),
+                .s_event     (s_event),
+                .s_skip      (s_skip),
+                .s_x         (s_x),
+                .s_y         (s_y),
+                .s_p         (s_p),
+                .m_cm_valid  (m_cm_valid),
+                .m_cm_ready  (m_cm_ready),
+                .m_cm_kind   (m_cm_kind),
+                .m_cm_slot   (m_cm_slot),
+                .m_cm_id     (m_cm_id),
+                .m_cm_other  (m_cm_other),
+                .m_cm_x      (m_cm_x),
+                .m_cm_y      (m_cm_y),
+                .m_cm_radius (m_cm_radius),
+                .m_cm_n_ev   (m_cm_n_ev),
+                .m_cm_support(m_cm_support),
+                .m_cm_seq    (m_cm_seq),
+                .m_cm_time   (m_cm_time),
+                .m_own_valid (m_own_valid),
+                .m_own_ready (m_own_ready),
+                .m_own_slot  (m_own_slot),
+                .m_own_x     (m_own_x),
+                .m_own_y     (m_own_y),
+                .m_own_p     (m_own_p),
+                .m_own_seq   (m_own_seq),
+                .m_pass_valid(m_pass_valid),
+                .m_pass_ready(m_pass_ready),
+                .m_pass_x    (m_pass_x),
+                .m_pass_y    (m_pass_y),
+                .m_pass_p    (m_pass_p),
+                .m_pass_seq  (m_pass_seq),
+                .idle        (idle)
+            );
+        end else if (TRACKER == `EVCOT_TRACKER_ENGINE) begin : g_engine
+            cot_engine #(
+                .N      (N),
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .FRAC   (FRAC),
+                .TICK_W (TICK_W),
+                .RADIX_W(RADIX_W),
+                .NEV_W  (NEV_W),
+                .TC_W   (TC_W),
+                .SUP_W  (SUP_W),
+                .ID_W   (ID_W),
+                .SEQ_W  (SEQ_W),
+                .TIME_W (TIME_W)
+            ) u_tracker (
+                .clk         (clk),
+                .rst         (rst),
+                .cfg_valid   (cfg_valid),
+                .cfg_slot    (cfg_slot),
+                .cfg_addr    (cfg_addr),
+                .cfg_data    (cfg_data),
+                .s_valid     (s_valid),
+                .s_ready     (s_ready),
+                .s_tick      (s_tick),
+                .s_event     (s_event),
+                .s_skip      (s_skip),
+                .s_x         (s_x),
+                .s_y         (s_y),
+                .s_p         (s_p),
+                .m_cm_valid  (m_cm_valid),
+                .m_cm_ready  (m_cm_ready),
+                .m_cm_kind   (m_cm_kind),
+                .m_cm_slot   (m_cm_slot),
+                .m_cm_id     (m_cm_id),
+                .m_cm_other  (m_cm_other),
+                .m_cm_x      (m_cm_x),
+                .m_cm_y      (m_cm_y),
+                .m_cm_radius (m_cm_radius),
+                .m_cm_n_ev   (m_cm_n_ev),
+                .m_cm_support(m_cm_support),
+                .m_cm_seq    (m_cm_seq),
+                .m_cm_time   (m_cm_time),
+                .m_own_valid (m_own_valid),
+                .m_own_ready (m_own_ready),
+                .m_own_slot  (m_own_slot),
+                .m_own_x     (m_own_x),
+                .m_own_y     (m_own_y),
+                .m_own_p     (m_own_p),
+                .m_own_seq   (m_own_seq),
+                .m_pass_valid(m_pass_valid),
+                .m_pass_ready(m_pass_ready),
+                .m_pass_x    (m_pass_x),
+                .m_pass_y    (m_pass_y),
+                .m_pass_p    (m_pass_p),
+                .m_pass_seq  (m_pass_seq),
+                .idle        (idle)
+            );
+        end else begin : g_array
+            cot_array #(
+                .N      (N),
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .FRAC   (FRAC),
+                .TICK_W (TICK_W),
+                .RADIX_W(RADIX_W),
+                .NEV_W  (NEV_W),
+                .TC_W   (TC_W),
+                .SUP_W  (SUP_W),
+                .ID_W   (ID_W),
+                .SEQ_W  (SEQ_W),
+                .TIME_W (TIME_W)
+            ) u_tracker (
+                .clk         (clk),
+                .rst         (rst),
+                .cfg_valid   (cfg_valid),
+                .cfg_slot    (cfg_slot),
+                .cfg_addr    (cfg_addr),
+                .cfg_data    (cfg_data),
+                .s_valid     (s_valid),
+                .s_ready     (s_ready),
+                .s_tick      (s_tick),
+                .s_event     (s_event),
+                .s_skip      (s_skip),
+                .s_x         (s_x),
+                .s_y         (s_y),
+                .s_p         (s_p),
+                .m_cm_valid  (m_cm_valid),
+                .m_cm_ready  (m_cm_ready),
+                .m_cm_kind   (m_cm_kind),
+                .m_cm_slot   (m_cm_slot),
+                .m_cm_id     (m_cm_id),
+                .m_cm_other  (m_cm_other),
+                .m_cm_x      (m_cm_x),
+                .m_cm_y      (m_cm_y),
+                .m_cm_radius (m_cm_radius),
+                .m_cm_n_ev   (m_cm_n_ev),
+                .m_cm_support(m_cm_support),
+                .m_cm_seq    (m_cm_seq),
+                .m_cm_time   (m_cm_time),
+                .m_own_valid (m_own_valid),
+                .m_own_ready (m_own_ready),
+                .m_own_slot  (m_own_slot),
+                .m_own_x     (m_own_x),
+                .m_own_y     (m_own_y),
+                .m_own_p     (m_own_p),
+                .m_own_seq   (m_own_seq),
+                .m_pass_valid(m_pass_valid),
+                .m_pass_ready(m_pass_ready),
+                .m_pass_x    (m_pass_x),
+                .m_pass_y    (m_pass_y),
+                .m_pass_p    (m_pass_p),
+                .m_pass_seq  (m_pass_seq),
+                .idle        (idle)
+            );
+        end
+    endgenerate
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,564 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything between standard buses: events in, records, owned and passed events out, registers on AXI4-Lite, an interrupt.
+//
+//     source -> input FIFO -> gate -> filters -> trackers -> records, owned events, passed events: AXI4-Stream
+//                              |         |           |
+//              AXI4-Lite: axi_lite_regs, which closes the gate to change registers between two events
+//
+// Registers and the words of all streams: docs/registers.md. After reset nothing is selected but SOURCE, everything is off and
+// the gate is closed: write a slot, commit it, set control.enable.
+//
+// Latency, unstalled, from the beat of an event that moves a centre to the first beat of the record, with no filters and 1 us a
+// tick: CLOCKS_ARRAY clocks with the array, CLOCKS_CHAIN with a chain of one, CLOCKS_ENGINE with the engine. Throughput: an event per clock, where
+// source, filters and tracker keep up.
+// Stall:   an output that is not taken stops the trackers, then the gate, then the source; with control.drop events are
+//          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 where
+//          nobody listens.
+// Reset:   synchronous, active high, at least 2 clocks. Written registers are lost; control.soft_reset keeps them, but
+//          slots and filters are off after it until they are committed.
+`default_nettype none
+`include "evcot_defs.vh"
+`include "evcot_regs.vh"
+
+module evcot_top #(
+    parameter SOURCES      = 1,    // sources to build, a bit each: 1 events, 2 LFSR, 4 AER, 8 EVT 2.0, 16 EVT 2.1, 32 EVT 3.0
+    parameter SOURCE       = 0,    // number of the one that is selected after reset
+    parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain, 2 cot_engine
+    parameter HAS          = 0,    // filters to build, one bit each in the order of EVCOT_FILTER_*
+    parameter WIDTH        = 346,  // pixels of the sensor across
+    parameter HEIGHT       = 260,  // pixels of the sensor down
+    parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
+    parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
+    parameter RECORD_DEPTH = 16,   // records that may wait for m_axis_records
+    parameter DATA_W       = 64,   // bits of a beat of m_axis_records: 32, 64, 128 or 256
+    parameter N            = 8,    // tracker slots
+    parameter X_W          = 9,    // bits of an x address
+    parameter Y_W          = 9,    // bits of a y address
+    parameter FRAC         = 4,    // fractional bits of a centre and of an average
+    parameter TICK_W       = 20,   // bits of the ticks in a token
+    parameter RADIX_W      = 8,    // bits of a radius register
+    parameter NEV_W        = 10,   // bits of N_ev
+    parameter TC_W         = 24,   // bits of a timer
+    parameter SUP_W        = 16,   // bits of a support count
+    parameter ID_W         = 32,   // bits of a track id
+    parameter SEQ_W        = 48,   // bits of an event's number
+    parameter TIME_W       = 48,   // bits of the tick count
+    parameter SLOT_W       = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+) (
+    input  wire                clk,
+    input  wire                rst,
+
+    // registers
+    input  wire                s_axil_awvalid,
+    output wire                s_axil_awready,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axil_awaddr,
+    input  wire [2:0]          s_axil_awprot,
+    input  wire                s_axil_wvalid,
+    output wire                s_axil_wready,
+    input  wire [31:0]         s_axil_wdata,
+    input  wire [3:0]          s_axil_wstrb,
+    output wire                s_axil_bvalid,
+    input  wire                s_axil_bready,
+    output wire [1:0]          s_axil_bresp,
+    input  wire                s_axil_arvalid,
+    output wire                s_axil_arready,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axil_araddr,
+    input  wire [2:0]          s_axil_arprot,
+    output wire                s_axil_rvalid,
+    input  wire                s_axil_rready,
+    output wire [31:0]         s_axil_rdata,
+    output wire [1:0]          s_axil_rresp,
+    output wire                irq,
+
+    // events, or EVT words, lowest first; tie what is not used to 0, tkeep to ones
+    input  wire                s_axis_tvalid,
+    output wire                s_axis_tready,
+    input  wire [63:0]         s_axis_tdata,
+    input  wire [7:0]          s_axis_tkeep,
+    input  wire                s_axis_tlast,
+
+    // AER: see aer_in.v; asynchronous
+    input  wire                aer_req,
+    output wire                aer_ack,
+    input  wire                aer_row,
+    input  wire [X_W+Y_W:0]    aer_data,
+
+    output wire                m_axis_records_tvalid,
+    input  wire                m_axis_records_tready,
+    output wire [DATA_W-1:0]   m_axis_records_tdata,
+    output wire [DATA_W/8-1:0] m_axis_records_tkeep,
+    output wire                m_axis_records_tlast,
+
+    output wire                m_axis_owned_tvalid,
+    input  wire                m_axis_owned_tready,
+    output wire [63:0]         m_axis_owned_tdata,
+    output wire [7:0]          m_axis_owned_tkeep,
+    output wire [SLOT_W-1:0]   m_axis_owned_tuser,
+    output wire                m_axis_owned_tlast,
+
+    output wire                m_axis_passed_tvalid,
+    input  wire                m_axis_passed_tready,
+    output wire [63:0]         m_axis_passed_tdata,
+    output wire [7:0]          m_axis_passed_tkeep,
+    output wire                m_axis_passed_tlast
+);
+
+    parameter_check #(.OK(HAS >= 0 && HAS <= 127)) HAS_must_be_0_to_127 ();
+    parameter_check #(.OK(WIDTH >= 1 && WIDTH <= (1 << X_W))) WIDTH_must_be_1_to_2_to_the_X_W ();
+    parameter_check #(.OK(HEIGHT >= 1 && HEIGHT <= (1 << Y_W))) HEIGHT_must_be_1_to_2_to_the_Y_W ();
+    parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 16384)) FIFO_DEPTH_must_be_1_to_16384 ();
+    parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
+
+    // ---- reset: of everything, or of all but the registers ------------------------------------------------------------
+
+    wire      soft_reset;
+    reg [1:0] resetting;
+    reg       core_rst;
+
+    always @(posedge clk) begin
+        resetting <= (rst || soft_reset) ? 2'd3 : (resetting == 2'd0) ? 2'd0 : resetting - 1'b1;
+        core_rst  <= rst || soft_reset || resetting != 2'd0;
+    end
+
+    // ---- registers ---------------------------------------------------------------------------------------------------
+
+    wire [2:0]  new_select;
+    wire        new_clock_time, new_swap_bytes, new_swap_halves, new_active_low, new_word_serial;
+    wire [19:0] new_tick_us;
+    wire [15:0] new_prescale_tick, new_prescale_us, new_gap, new_x_min, new_x_span, new_y_min, new_y_span;
+    wire [31:0] new_seed;
+
+    wire              enable, drop, busy, apply, open, dropped, idle, all_idle;
+    wire [SEQ_W-1:0]  seq;
+    wire              cfg_valid, filter_cfg_valid;
+    wire [SLOT_W-1:0] cfg_slot;
+    wire [3:0]        cfg_addr, filter_cfg_addr;
+    wire [31:0]       cfg_data, filter_cfg_data;
+    wire [15:0]       held;
+    wire [31:0]       n_in, n_dropped, n_malformed;
+    reg  [31:0]       n_filtered, n_owned, n_passed, n_records, n_stalls;
+    reg  [`EVCOT_IRQ_COMMIT-1:0] happened;
+
+    axi_lite_regs #(
+        .N           (N),
+        .X_W         (X_W),
+        .Y_W         (Y_W),
+        .FRAC        (FRAC),
+        .TICK_W      (TICK_W),
+        .RADIX_W     (RADIX_W),
+        .NEV_W       (NEV_W),
+        .TC_W        (TC_W),
+        .SUP_W       (SUP_W),
+        .ID_W        (ID_W),
+        .SEQ_W       (SEQ_W),
+        .TIME_W      (TIME_W),
+        .HAS         (HAS),
+        .SOURCES     (SOURCES),
+        .SOURCE      (SOURCE),
+        .TRACKER     (TRACKER),
+        .WIDTH       (WIDTH),
+        .HEIGHT      (HEIGHT),
+        .STAMP_W     (STAMP_W),
+        .RECENT_DEPTH(RECENT_DEPTH),
+        .FIFO_DEPTH  (FIFO_DEPTH)
+    ) u_regs (
+        .clk             (clk),
+        .rst             (rst),
+        .core_rst        (core_rst || soft_reset),
+        .s_axil_awvalid  (s_axil_awvalid),
+        .s_axil_awready  (s_axil_awready),
+        .s_axil_awaddr   (s_axil_awaddr),
+        .s_axil_awprot   (s_axil_awprot),
+        .s_axil_wvalid   (s_axil_wvalid),
+        .s_axil_wready   (s_axil_wready),
+        .s_axil_wdata    (s_axil_wdata),
+        .s_axil_wstrb    (s_axil_wstrb),
+        .s_axil_bvalid   (s_axil_bvalid),
+        .s_axil_bready   (s_axil_bready),
+        .s_axil_bresp    (s_axil_bresp),
+        .s_axil_arvalid  (s_axil_arvalid),
+        .s_axil_arready  (s_axil_arready),
+        .s_axil_araddr   (s_axil_araddr),
+        .s_axil_arprot   (s_axil_arprot),
+        .s_axil_rvalid   (s_axil_rvalid),
+        .s_axil_rready   (s_axil_rready),
+        .s_axil_rdata    (s_axil_rdata),
+        .s_axil_rresp    (s_axil_rresp),
+        .enable          (enable),
+        .drop            (drop),
+        .soft_reset      (soft_reset),
+        .source_select   (new_select),
+        .clock_time      (new_clock_time),
+        .swap_bytes      (new_swap_bytes),
+        .swap_halves     (new_swap_halves),
+        .active_low      (new_active_low),
+        .word_serial     (new_word_serial),
+        .tick_us         (new_tick_us),
+        .prescale_tick   (new_prescale_tick),
+        .prescale_us     (new_prescale_us),
+        .lfsr_seed       (new_seed),
+        .lfsr_gap        (new_gap),
+        .lfsr_x_min      (new_x_min),
+        .lfsr_x_span     (new_x_span),
+        .lfsr_y_min      (new_y_min),
+        .lfsr_y_span     (new_y_span),
+        .busy            (busy),
+        .apply           (apply),
+        .seq             (seq),
+        .cfg_valid       (cfg_valid),
+        .cfg_slot        (cfg_slot),
+        .cfg_addr        (cfg_addr),
+        .cfg_data        (cfg_data),
+        .filter_cfg_valid(filter_cfg_valid),
+        .filter_cfg_addr (filter_cfg_addr),
+        .filter_cfg_data (filter_cfg_data),
+        .idle            (all_idle),
+        .open            (open),
+        .held            (held),
+        .n_events_in     (n_in),
+        .n_events_dropped(n_dropped),
+        .n_malformed     (n_malformed),
+        .n_filtered      (n_filtered),
+        .n_owned         (n_owned),
+        .n_passed        (n_passed),
+        .n_records       (n_records),
+        .n_stalls        (n_stalls),
+        .happened        (happened),
+        .irq             (irq)
+    );
+
+    // What takes effect with a reset.
+    reg [2:0]     select;
+    reg           clock_time, swap_bytes, swap_halves, active_low, word_serial;
+    reg [19:0]    tick_us;
+    reg [15:0]    prescale_tick, prescale_us, lfsr_gap;
+    reg [31:0]    lfsr_seed;
+    reg [X_W-1:0] lfsr_x_min, lfsr_x_span;
+    reg [Y_W-1:0] lfsr_y_min, lfsr_y_span;
+
+    always @(posedge clk)
+        if (core_rst) begin
+            select        <= new_select;
+            clock_time    <= new_clock_time;
+            swap_bytes    <= new_swap_bytes;
+            swap_halves   <= new_swap_halves;
+            active_low    <= new_active_low;
+            word_serial   <= new_word_serial;
+            tick_us       <= new_tick_us;
+            prescale_tick <= new_prescale_tick;
+            prescale_us   <= new_prescale_us;
+            lfsr_seed     <= new_seed;
+            lfsr_gap      <= new_gap;
+            lfsr_x_min    <= new_x_min[X_W-1:0];
+            lfsr_x_span   <= new_x_span[X_W-1:0];
+            lfsr_y_min    <= new_y_min[Y_W-1:0];
+            lfsr_y_span   <= new_y_span[Y_W-1:0];
+        end
+
+    // ---- source to gate ----------------------------------------------------------------------------------------------
+
+    wire              s_valid, s_ready, s_event, s_skip, s_p, sources_idle;
+    wire [TICK_W-1:0] s_tick;
+    wire [X_W-1:0]    s_x;
+    wire [Y_W-1:0]    s_y;
+
+    event_sources #(
+        .SOURCES(SOURCES),
+        .X_W    (X_W),
+        .Y_W    (Y_W),
+        .TICK_W (TICK_W),
+        .WIDTH  (WIDTH),
+        .HEIGHT (HEIGHT),
+        .DEPTH  (FIFO_DEPTH)
+    ) u_sources (
+        .clk          (clk),
+        .rst          (core_rst),
+        .select       (select),
+        .clock_time   (clock_time),
+        .swap_bytes   (swap_bytes),
+        .swap_halves  (swap_halves),
+        .active_low   (active_low),
+        .word_serial  (word_serial),
+        .tick_us      (tick_us),
+        .prescale_tick(prescale_tick),
+        .prescale_us  (prescale_us),
+        .lfsr_seed    (lfsr_seed),
+        .lfsr_gap     (lfsr_gap),
+        .lfsr_x_min   (lfsr_x_min),
+        .lfsr_x_span  (lfsr_x_span),
+        .lfsr_y_min   (lfsr_y_min),
+        .lfsr_y_span  (lfsr_y_span),
+        .drop         (drop),
+        .s_axis_tvalid(s_axis_tvalid),
+        .s_axis_tready(s_axis_tready),
+        .s_axis_tdata (s_axis_tdata),
+        .s_axis_tkeep (s_axis_tkeep),
+        .s_axis_tlast (s_axis_tlast),
+        .aer_req      (aer_req),
+        .aer_ack      (aer_ack),
+        .aer_row      (aer_row),
+        .aer_data     (aer_data),
+        .m_valid      (s_valid),
+        .m_ready      (s_ready),
+        .m_tick       (s_tick),
+        .m_event      (s_event),
+        .m_skip       (s_skip),
+        .m_x          (s_x),
+        .m_y          (s_y),
+        .m_p          (s_p),
+        .dropped      (dropped),
+        .n_in         (n_in),
+        .n_dropped    (n_dropped),
+        .n_malformed  (n_malformed),
+        .held         (held),
+        .idle         (sources_idle)
+    );
+
+    wire f_valid, f_ready;
+
+    token_gate #(
+        .SEQ_W(SEQ_W)
+    ) u_gate (
+        .clk     (clk),
+        .rst     (core_rst),
+        .enable  (enable),
+        .busy    (busy),
+        .idle    (idle),
+        .apply   (apply),
+        .open    (open),
+        .seq     (seq),
+        .s_valid (s_valid),
+        .s_ready (s_ready),
+        .s_counts(s_event || s_skip),
+        .m_valid (f_valid),
+        .m_ready (f_ready)
+    );
+
+    // ---- filters and trackers ----------------------------------------------------------------------------------------
+
+    wire              t_valid, t_ready, t_event, t_skip, t_p, filters_idle, trackers_idle;
+    wire [TICK_W-1:0] t_tick;
+    wire [X_W-1:0]    t_x;
+    wire [Y_W-1:0]    t_y;
+
+    filter_chain #(
+        .HAS         (HAS),
+        .X_W         (X_W),
+        .Y_W         (Y_W),
+        .TICK_W      (TICK_W),
+        .WIDTH       (WIDTH),
+        .HEIGHT      (HEIGHT),
+        .STAMP_W     (STAMP_W),
+        .RECENT_DEPTH(RECENT_DEPTH)
+    ) u_filters (
+        .clk      (clk),
+        .rst      (core_rst),
+        .cfg_valid(filter_cfg_valid),
+        .cfg_addr (filter_cfg_addr),
+        .cfg_data (filter_cfg_data),
+        .s_valid  (f_valid),
+        .s_ready  (f_ready),
+        .s_tick   (s_tick),
+        .s_event  (s_event),
+        .s_skip   (s_skip),
+        .s_x      (s_x),
+        .s_y      (s_y),
+        .s_p      (s_p),
+        .m_valid  (t_valid),
+        .m_ready  (t_ready),
+        .m_tick   (t_tick),
+        .m_event  (t_event),
+        .m_skip   (t_skip),
+        .m_x      (t_x),
+        .m_y      (t_y),
+        .m_p      (t_p),
+        .idle     (filters_idle)
+    );
+
+    wire                cm_valid, cm_ready, own_valid, own_ready, own_p, pass_valid, pass_ready, pass_p;
+    wire [1:0]          cm_kind;
+    wire [SLOT_W-1:0]   cm_slot, own_slot;
+    wire [ID_W-1:0]     cm_id, cm_other;
+    wire [X_W+FRAC-1:0] cm_x;
+    wire [Y_W+FRAC-1:0] cm_y;
+    wire [RADIX_W:0]    cm_radius;
+    wire [NEV_W-1:0]    cm_n_ev;
+    wire [SUP_W-1:0]    cm_support;
+    wire [SEQ_W-1:0]    cm_seq, own_seq, pass_seq;
+    wire [TIME_W-1:0]   cm_time;
+    wire [RADIX_W+1:0]  own_x, own_y;
+    wire [X_W-1:0]      pass_x;
+    wire [Y_W-1:0]      pass_y;
+
+    cot_tracker #(
+        .TRACKER(TRACKER),
+        .N      (N),
+        .X_W    (X_W),
+        .Y_W    (Y_W),
+        .FRAC   (FRAC),
+        .TICK_W (TICK_W),
+        .RADIX_W(RADIX_W),
+        .NEV_W  (NEV_W),
+        .TC_W   (TC_W),
+        .SUP_W  (SUP_W),
+        .ID_W   (ID_W),
+        .SEQ_W  (SEQ_W),
+        .TIME_W (TIME_W)
+    ) u_tracker (
+        .clk         (clk),
+        .rst         (core_rst),
+        .cfg_valid   (cfg_valid),
+        .cfg_slot    (cfg_slot),
+        .cfg_addr    (cfg_addr),
+        .cfg_data    (cfg_data),
+        .s_valid     (t_valid),
+        .s_ready     (t_ready),
+        .s_tick      (t_tick),
+        .s_event     (t_event),
+        .s_skip      (t_skip),
+        .s_x         (t_x),
+        .s_y         (t_y),
+        .s_p         (t_p),
+        .m_cm_valid  (cm_valid),
+        .m_cm_ready  (cm_ready),
+        .m_cm_kind   (cm_kind),
+        .m_cm_slot   (cm_slot),
+        .m_cm_id     (cm_id),
+        .m_cm_other  (cm_other),
+        .m_cm_x      (cm_x),
+        .m_cm_y      (cm_y),
+        .m_cm_radius (cm_radius),
+        .m_cm_n_ev   (cm_n_ev),
+        .m_cm_support(cm_support),
+        .m_cm_seq    (cm_seq),
+        .m_cm_time   (cm_time),
+        .m_own_valid (own_valid),
+        .m_own_ready (own_ready),
+        .m_own_slot  (own_slot),
+        .m_own_x     (own_x),
+        .m_own_y     (own_y),
+        .m_own_p     (own_p),
+        .m_own_seq   (own_seq),
+        .m_pass_valid(pass_valid),
+        .m_pass_ready(pass_ready),
+        .m_pass_x    (pass_x),
+        .m_pass_y    (pass_y),
+        .m_pass_p    (pass_p),
+        .m_pass_seq  (pass_seq),
+        .idle        (trackers_idle)
+    );
+
+    assign idle = filters_idle && trackers_idle;
+
+    // ---- outputs -----------------------------------------------------------------------------------------------------
+
+    wire records_idle;
+
+    axis_records_out #(
+        .DATA_W  (DATA_W),
+        .DEPTH   (RECORD_DEPTH),
+        .SLOT_W  (SLOT_W),
+        .ID_W    (ID_W),
+        .X_W     (X_W + FRAC),
+        .Y_W     (Y_W + FRAC),
+        .RADIUS_W(RADIX_W + 1),
+        .NEV_W   (NEV_W),
+        .SUP_W   (SUP_W),
+        .SEQ_W   (SEQ_W),
+        .TIME_W  (TIME_W)
+    ) u_records (
+        .clk          (clk),
+        .rst          (core_rst),
+        .s_cm_valid   (cm_valid),
+        .s_cm_ready   (cm_ready),
+        .s_cm_kind    (cm_kind),
+        .s_cm_slot    (cm_slot),
+        .s_cm_id      (cm_id),
+        .s_cm_other   (cm_other),
+        .s_cm_x       (cm_x),
+        .s_cm_y       (cm_y),
+        .s_cm_radius  (cm_radius),
+        .s_cm_n_ev    (cm_n_ev),
+        .s_cm_support (cm_support),
+        .s_cm_seq     (cm_seq),
+        .s_cm_time    (cm_time),
+        .m_axis_tvalid(m_axis_records_tvalid),
+        .m_axis_tready(m_axis_records_tready),
+        .m_axis_tdata (m_axis_records_tdata),
+        .m_axis_tkeep (m_axis_records_tkeep),
+        .m_axis_tlast (m_axis_records_tlast),
+        .idle         (records_idle)
+    );
+
+    axis_owned_out #(
+        .SLOT_W(SLOT_W),
+        .REL_W (RADIX_W + 2),
+        .SEQ_W (SEQ_W)
+    ) u_owned (
+        .clk          (clk),
+        .rst          (core_rst),
+        .s_own_valid  (own_valid),
+        .s_own_ready  (own_ready),
+        .s_own_slot   (own_slot),
+        .s_own_x      (own_x),
+        .s_own_y      (own_y),
+        .s_own_p      (own_p),
+        .s_own_seq    (own_seq),
+        .m_axis_tvalid(m_axis_owned_tvalid),
+        .m_axis_tready(m_axis_owned_tready),
+        .m_axis_tdata (m_axis_owned_tdata),
+        .m_axis_tkeep (m_axis_owned_tkeep),
+        .m_axis_tuser (m_axis_owned_tuser),
+        .m_axis_tlast (m_axis_owned_tlast)
+    );
+
+    axis_passed_out #(
+        .X_W  (X_W),
+        .Y_W  (Y_W),
+        .SEQ_W(SEQ_W)
+    ) u_passed (
+        .clk          (clk),
+        .rst          (core_rst),
+        .s_pass_valid (pass_valid),
+        .s_pass_ready (pass_ready),
+        .s_pass_x     (pass_x),
+        .s_pass_y     (pass_y),
+        .s_pass_p     (pass_p),
+        .s_pass_seq   (pass_seq),
+        .m_axis_tvalid(m_axis_passed_tvalid),
+        .m_axis_tready(m_axis_passed_tready),
+        .m_axis_tdata (m_axis_passed_tdata),
+        .m_axis_tkeep (m_axis_passed_tkeep),
+        .m_axis_tlast (m_axis_passed_tlast)
+    );
+
+    assign all_idle = sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid;
+
+    // ---- what is counted, and what interrupts ------------------------------------------------------------------------
+
+    wire recorded = cm_valid && cm_ready;
+
+    always @(posedge clk) begin
+        if (t_valid && t_ready && t_skip) n_filtered <= n_filtered + 1'b1;
+        if (own_valid && own_ready) n_owned <= n_owned + 1'b1;
+        if (pass_valid && pass_ready) n_passed <= n_passed + 1'b1;
+        if (recorded) n_records <= n_records + 1'b1;
+        if (s_valid && !s_ready) n_stalls <= n_stalls + 1'b1;
+
+        happened[`EVCOT_IRQ_BIRTH]    <= recorded && cm_kind == `EVCOT_KIND_BORN;
+        happened[`EVCOT_IRQ_LOSS]     <= recorded && cm_kind == `EVCOT_KIND_LOST;
+        happened[`EVCOT_IRQ_MERGE]    <= recorded && cm_kind == `EVCOT_KIND_MERGED;
+        happened[`EVCOT_IRQ_OVERFLOW] <= dropped;
+
+        if (core_rst) begin
+            {n_filtered, n_owned, n_passed, n_records, n_stalls} <= {5 * 32{1'b0}};
+            happened <= {`EVCOT_IRQ_COMMIT{1'b0}};
+        end
+    end
+
+    wire unused = &{1'b0, new_x_min, new_x_span, new_y_min, new_y_span};
+
+endmodule
+
+`default_nettype wire
