@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of modules that make tokens share: tokens from events as the streaming drives make them, and what tokens say."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .stream_device import Bundle
+
+__all__ = ["TOKENS_IN", "TOKENS_OUT", "Heard", "hear", "make_tokens"]
+
+_FIELDS = ("tick", "event", "skip", "x", "y", "p")
+TOKENS_IN = Bundle("s_", _FIELDS)
+TOKENS_OUT = Bundle("m_", _FIELDS)
+
+
+class Heard(NamedTuple):
+    """What a stream of tokens says: when each event is, the events, and how long all of it lasts.
+
+    Attributes:
+        at: (n,) int64, ticks from the start to each event.
+        events: (n, 5) uint64, rows (event, skip, x, y, p).
+        ticks: of all tokens together.
+    """
+
+    at: NDArray[np.int64]
+    events: NDArray[np.uint64]
+    ticks: int
+
+
+def hear(tokens: NDArray[np.uint64]) -> Heard:
+    """Reads (n, 6) tokens (tick, event, skip, x, y, p)."""
+    now = np.cumsum(tokens[:, 0].astype(np.int64))
+    is_event = (tokens[:, 1] | tokens[:, 2]) == 1
+    return Heard(now[is_event], tokens[is_event, 1:], int(now[-1]) if len(now) else 0)
+
+
+def make_tokens(
+    ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8], tick_w: int
+) -> NDArray[np.uint64]:
+    """Events at these ticks since reset, (n,), as tokens of `tick_w` bits, (m, 6): what does not fit goes ahead in full tokens.
+
+    Tokens of ticks alone show the event that they go ahead of.
+    """
+    most = (1 << tick_w) - 1
+    wait = np.diff(ticks, prepend=0)
+    ahead = np.maximum(wait - 1, 0) // most
+    index = np.repeat(np.arange(len(ticks)), ahead + 1)
+    is_event = np.zeros(len(index), np.int64)
+    is_event[np.cumsum(ahead + 1) - 1] = 1
+    tick = np.where(is_event == 1, (wait - ahead * most)[index], most)
+    columns = (tick, is_event, np.zeros_like(tick), x[index], y[index], p[index])
+    return np.stack([column.astype(np.uint64) for column in columns], axis=1)

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bounded queue of tokens for sources that cannot wait: an event that finds it full is dropped, its time is not.
+//
+// What is dropped is the newest event: its ticks go to the next token that is kept, so every event that stays keeps its own
+// time, and tokens on offer never change. (To drop the oldest would take back a token that is on offer, and would let a burst
+// push out the history that the trackers need to follow it.) Ticks alone take no place while an event waits: they add up, and
+// go with the next event, or as soon as the queue is empty. Dropped events get no number.
+// With drop_enable low the queue is a plain one: s_ready falls while it is full.
+//
+// Latency:    3 clocks from s_ to m_ when empty.
+// Throughput: 1 token per clock; with DEPTH = 1, one in two clocks.
+// Stall:      a token stays until taken; s_ready stays high while drop_enable is.
+// Reset:      becomes empty, counts from 0.
+// Counters:   n_in = n_out + n_dropped + held, at every clock. They count events, skipped ones included, and wrap around.
+// Combinational paths: drop_enable -> s_ready.
+`default_nettype none
+
+module overload_fifo #(
+    parameter X_W     = 9,    // bits of an x address
+    parameter Y_W     = 9,    // bits of a y address
+    parameter TICK_W  = 20,   // bits of a token's ticks
+    parameter DEPTH   = 256,  // events that wait, at least 1, any number; 3 more are on their way out
+    parameter GAP_W   = 40,   // bits of the ticks kept with an event: a stall must be shorter
+    parameter COUNT_W = 32,   // bits of a counter
+    parameter HELD_W  = $clog2(DEPTH + 4)  // derived: leave it alone
+) (
+    input  wire               clk,
+    input  wire               rst,
+
+    input  wire               drop_enable,
+
+    // tokens in
+    input  wire               s_valid,
+    output wire               s_ready,
+    input  wire [TICK_W-1:0]  s_tick,
+    input  wire               s_event,
+    input  wire               s_skip,
+    input  wire [X_W-1:0]     s_x,
+    input  wire [Y_W-1:0]     s_y,
+    input  wire               s_p,
+
+    // tokens out
+    output wire               m_valid,
+    input  wire               m_ready,
+    output wire [TICK_W-1:0]  m_tick,
+    output wire               m_event,
+    output wire               m_skip,
+    output wire [X_W-1:0]     m_x,
+    output wire [Y_W-1:0]     m_y,
+    output wire               m_p,
+
+    output reg                dropped,    // for a clock after each event dropped
+    output reg  [COUNT_W-1:0] n_in,       // came
+    output reg  [COUNT_W-1:0] n_out,      // taken from m_
+    output reg  [COUNT_W-1:0] n_dropped,
+    output reg  [HELD_W-1:0]  held,       // inside
+    output wire               idle        // nothing inside, and no ticks
+);
+
+    parameter_check #(.OK(GAP_W > TICK_W)) GAP_W_must_exceed_TICK_W ();
+    parameter_check #(.OK(GAP_W <= 48)) GAP_W_must_be_at_most_48 ();
+    parameter_check #(.OK(COUNT_W >= 8 && COUNT_W <= 64)) COUNT_W_must_be_8_to_64 ();
+    parameter_check #(.OK(HELD_W == $clog2(DEPTH + 4))) HELD_W_must_be_left_at_its_default ();
+
+    localparam TOKEN_W = GAP_W + X_W + Y_W + 3;
+
+    reg  [GAP_W-1:0] waiting;  // ticks of what was dropped, and of tokens of ticks alone
+    wire [GAP_W-1:0] ticks = waiting + (s_valid ? {{(GAP_W - TICK_W) {1'b0}}, s_tick} : {GAP_W{1'b0}});
+
+    wire room, queue_valid, queue_ready, queue_event, queue_skip, queue_p, output_idle;
+    wire [GAP_W-1:0] queue_tick;
+    wire [X_W-1:0]   queue_x;
+    wire [Y_W-1:0]   queue_y;
+    wire [$clog2(DEPTH+1)-1:0] unused_level;
+
+    assign s_ready = drop_enable || room;
+
+    wire arrives = s_valid && s_ready && (s_event || s_skip);
+    wire keeps   = arrives && room;
+    wire drops   = arrives && !room;
+    wire flushes = !arrives && !queue_valid && ticks != {GAP_W{1'b0}};
+    wire gives   = m_valid && m_ready && (m_event || m_skip);
+
+    fifo #(
+        .W    (TOKEN_W),
+        .DEPTH(DEPTH)
+    ) u_queue (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(keeps || flushes),
+        .s_ready(room),
+        .s_data ({ticks, keeps && s_event, keeps && s_skip, s_x, s_y, s_p}),
+        .m_valid(queue_valid),
+        .m_ready(queue_ready),
+        .m_data ({queue_tick, queue_event, queue_skip, queue_x, queue_y, queue_p}),
+        .level  (unused_level)
+    );
+
+    tick_splitter #(
+        .X_W   (X_W),
+        .Y_W   (Y_W),
+        .WIDE_W(GAP_W),
+        .TICK_W(TICK_W)
+    ) u_output (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(queue_valid),
+        .s_ready(queue_ready),
+        .s_tick (queue_tick),
+        .s_event(queue_event),
+        .s_skip (queue_skip),
+        .s_x    (queue_x),
+        .s_y    (queue_y),
+        .s_p    (queue_p),
+        .m_valid(m_valid),
+        .m_ready(m_ready),
+        .m_tick (m_tick),
+        .m_event(m_event),
+        .m_skip (m_skip),
+        .m_x    (m_x),
+        .m_y    (m_y),
+        .m_p    (m_p),
+        .idle   (output_idle)
+    );
+
+    assign idle = waiting == {GAP_W{1'b0}} && !queue_valid && output_idle;
+
+    always @(posedge clk) begin
+        if (keeps || flushes) waiting <= {GAP_W{1'b0}};
+        else if (s_ready) waiting <= ticks;
+        dropped <= drops;
+        if (arrives) n_in <= n_in + 1'b1;
+        if (drops) n_dropped <= n_dropped + 1'b1;
+        if (gives) n_out <= n_out + 1'b1;
+        if (keeps && !gives) held <= held + 1'b1;
+        if (gives && !keeps) held <= held - 1'b1;
+        if (rst) begin
+            waiting   <= {GAP_W{1'b0}};
+            dropped   <= 1'b0;
+            n_in      <= {COUNT_W{1'b0}};
+            n_out     <= {COUNT_W{1'b0}};
+            n_dropped <= {COUNT_W{1'b0}};
+            held      <= {HELD_W{1'b0}};
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pulse of one clock every `period` clocks; none while period is 0.
+//
+// Latency:    the first pulse is in the clock `period` - 1 clocks after reset has ended.
+// A new period counts at once, from the last pulse on: where more clocks have passed already, the pulse comes now.
+// Reset:      the period starts over.
+// Combinational paths: period -> pulse.
+`default_nettype none
+
+module prescaler #(
+    parameter W = 16  // bits of a period, at least 1
+) (
+    input  wire         clk,
+    input  wire         rst,
+    input  wire [W-1:0] period,
+    output wire         pulse
+);
+
+    parameter_check #(.OK(W >= 1)) W_must_be_at_least_1 ();
+
+    reg [W-1:0] passed;  // clocks since the last pulse
+
+    assign pulse = period != {W{1'b0}} && {1'b0, passed} + 1'b1 >= {1'b0, period} && !rst;
+
+    always @(posedge clk) begin
+        passed <= (pulse || period == {W{1'b0}}) ? {W{1'b0}} : passed + 1'b1;
+        if (rst) passed <= {W{1'b0}};
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ticks from the events' own times: each event carries floor((t - t0) / tick_us) ticks, less those before it.
+//
+// t0 is the time of the first event since reset. An event whose time runs back stays, at the latest time so far, and is
+// counted. Ticks that do not fit into one token go ahead in tokens of ticks alone.
+//
+// Latency:    3 clocks from s_ to m_.
+// Throughput: 1 event per clock if tick_us is 1, or while less than 2 ticks pass between events; T_W + 3 clocks for an event
+//             after a longer time (a division), and 1 for each token of ticks alone.
+// Stall:      a token stays until taken.
+// Reset:      becomes empty; the next event sets t0.
+// Combinational paths: none; m_ and s_ready come from registers.
+`default_nettype none
+
+module stamp_ticks #(
+    parameter T_W     = 48,  // bits of a time, 32..64, enough for a whole run
+    parameter X_W     = 9,   // bits of an x address
+    parameter Y_W     = 9,   // bits of a y address
+    parameter TICK_W  = 20,  // bits of a token's ticks
+    parameter COUNT_W = 32   // bits of a counter
+) (
+    input  wire               clk,
+    input  wire               rst,
+
+    input  wire [19:0]        tick_us,  // microseconds of a tick; 0 is taken as 1. Change it under reset alone
+
+    // events in
+    input  wire               s_valid,
+    output wire               s_ready,
+    input  wire [T_W-1:0]     s_t,
+    input  wire [X_W-1:0]     s_x,
+    input  wire [Y_W-1:0]     s_y,
+    input  wire               s_p,
+
+    // tokens out
+    output wire               m_valid,
+    input  wire               m_ready,
+    output wire [TICK_W-1:0]  m_tick,
+    output wire               m_event,
+    output wire               m_skip,
+    output wire [X_W-1:0]     m_x,
+    output wire [Y_W-1:0]     m_y,
+    output wire               m_p,
+
+    output reg  [COUNT_W-1:0] n_backward,  // events whose time ran back
+    output wire               idle         // nothing inside
+);
+
+    parameter_check #(.OK(T_W >= 32 && T_W <= 64)) T_W_must_be_32_to_64 ();
+    parameter_check #(.OK(COUNT_W >= 8 && COUNT_W <= 64)) COUNT_W_must_be_8_to_64 ();
+
+    localparam REST_W  = 20;          // of a remainder, less than tick_us
+    localparam SHORT_W = REST_W + 1;  // of a time less than two ticks
+
+    // ---- how long after the latest event? ----------------------------------------------------------------------------
+
+    reg            begun;
+    reg  [T_W-1:0] latest;
+    wire [T_W:0]   since = {1'b0, s_t} - {1'b0, latest};
+    wire           backward = begun && since[T_W];
+    wire           take = s_valid && s_ready;
+
+    reg            valid, is_long, p;
+    reg  [T_W-1:0] passed;  // microseconds
+    reg  [X_W-1:0] x;
+    reg  [Y_W-1:0] y;
+    wire           leaves;
+
+    assign s_ready = !valid || leaves;
+
+    always @(posedge clk) begin
+        if (s_ready) valid <= s_valid;
+        if (take) begin
+            begun   <= 1'b1;
+            latest  <= backward ? latest : s_t;
+            passed  <= (begun && !backward) ? since[T_W-1:0] : {T_W{1'b0}};
+            is_long <= begun && !backward && since[T_W-1:SHORT_W] != {(T_W - SHORT_W) {1'b0}};
+            x       <= s_x;
+            y       <= s_y;
+            p       <= s_p;
+            if (backward) n_backward <= n_backward + 1'b1;
+        end
+        if (rst) begin
+            valid      <= 1'b0;
+            begun      <= 1'b0;
+            n_backward <= {COUNT_W{1'b0}};
+        end
+    end
+
+    // ---- how many ticks? ---------------------------------------------------------------------------------------------
+
+    wire              every_us = tick_us <= 20'd1;
+    reg  [REST_W-1:0] rest;  // microseconds since the last tick
+
+    // What is less than two ticks needs no division.
+    wire [SHORT_W:0]  short_us = {{(SHORT_W + 1 - REST_W) {1'b0}}, rest} + {1'b0, passed[SHORT_W-1:0]};
+    wire [SHORT_W:0]  beyond   = short_us - {2'd0, tick_us};
+    wire              none     = !is_long && short_us < {2'd0, tick_us};
+    wire              one      = !is_long && !none && beyond < {2'd0, tick_us};
+    wire              divides  = valid && !every_us && !none && !one;
+
+    wire              quotient_valid, output_ready, output_idle, unused_ready;
+    wire [T_W:0]      quotient;
+    wire [REST_W-1:0] remainder;
+    reg               dividing;
+
+    divider #(
+        .NUM_W(T_W + 1),
+        .DEN_W(REST_W)
+    ) u_divider (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(divides && !dividing),
+        .s_ready(unused_ready),
+        .s_num  ({1'b0, passed} + {{(T_W + 1 - REST_W) {1'b0}}, rest}),
+        .s_den  (tick_us),
+        .m_valid(quotient_valid),
+        .m_ready(output_ready),
+        .m_quot (quotient),
+        .m_rem  (remainder)
+    );
+
+    wire ready_to_go = valid && (!divides || quotient_valid);
+    assign leaves = ready_to_go && output_ready;
+
+    always @(posedge clk) begin
+        dividing <= divides && !leaves;
+        if (leaves) rest <= every_us ? {REST_W{1'b0}} : divides ? remainder : none ? short_us[REST_W-1:0] : beyond[REST_W-1:0];
+        if (rst) begin
+            dividing <= 1'b0;
+            rest     <= {REST_W{1'b0}};
+        end
+    end
+
+    tick_splitter #(
+        .X_W   (X_W),
+        .Y_W   (Y_W),
+        .WIDE_W(T_W),
+        .TICK_W(TICK_W)
+    ) u_output (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(ready_to_go),
+        .s_ready(output_ready),
+        .s_tick (every_us ? passed : divides ? quotient[T_W-1:0] : {{(T_W - 1) {1'b0}}, one}),
+        .s_event(1'b1),
+        .s_skip (1'b0),
+        .s_x    (x),
+        .s_y    (y),
+        .s_p    (p),
+        .m_valid(m_valid),
+        .m_ready(m_ready),
+        .m_tick (m_tick),
+        .m_event(m_event),
+        .m_skip (m_skip),
+        .m_x    (m_x),
+        .m_y    (m_y),
+        .m_p    (m_p),
+        .idle   (output_idle)
+    );
+
+    assign idle = !valid && output_idle;
+
+    wire unused = &{1'b0, quotient[T_W]};
+
+endmodule
+
+`default_nettype wire
