@@ -8,7 +8,7 @@ from typing import Any
 
 from .errors import ConfigError
 
-__all__ = ["Range", "check_ranges", "read_value", "span"]
+__all__ = ["Range", "check_range", "check_ranges", "read_value", "span"]
 
 Range = tuple[float, float, str]
 """Lowest, highest, meaning; two integers stand for an integer setting."""
@@ -21,11 +21,15 @@ def span(low: float, high: float) -> str:
 
 def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range]) -> None:
     """Raise ConfigError for the first field of `settings` that lies outside its entry in `ranges`, or is of another kind."""
-    for field, (low, high, meaning) in ranges.items():
-        value = getattr(settings, field)
-        wanted = int if isinstance(low, int) else (int, float)
-        if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
-            raise ConfigError(f"{name}.{field} = {value!r}: must be from {span(low, high)} ({meaning})")
+    for field, limits in ranges.items():
+        check_range(f"{name}.{field}", getattr(settings, field), *limits)
+
+
+def check_range(name: str, value: object, low: float, high: float, meaning: str) -> None:
+    """Raise ConfigError for a value outside its limits, or of another kind."""
+    wanted = int if isinstance(low, int) else (int, float)
+    if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
+        raise ConfigError(f"{name} = {value!r}: must be from {span(low, high)} ({meaning})")
 
 
 def read_value(name: str, text: str, default: Any) -> Any:

@@ -29,6 +29,7 @@ _WIDTH_IN = 8.0
 _TRACK, _ALARMED, _FIELD, _ZONE = "#0072B2", "#D55E00", "#BBBBBB", "#CC79A7"
 _LEAST_SUPPORT = 0.25
 _LABELS_MAX = 60
+_LABEL_SHARE = 0.7  # of the width; a label of a point beyond stands to its left
 
 
 def draw_alarms(
@@ -62,8 +63,8 @@ def draw_alarms(
         alarmed = np.unique(alarms["track_id"])
         _draw_ways(ax, log, alarmed, False)
         _draw_ways(ax, log, alarmed, True)
-        _label(ax, alarms)
         ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), aspect="equal", xlabel="x (px)", ylabel="y (px)")
+        _label(ax, alarms)
         ax.set_title(title, loc="left", fontweight="bold", color=INK)
         with written_aside(Path(path)) as file:
             figure.savefig(file, format="png")
@@ -92,4 +93,6 @@ def _label(ax: Axes, alarms: NDArray[np.void]) -> None:
     for alarm in alarms[:_LABELS_MAX]:
         kind = Anomaly(int(alarm["kind"])).name.lower().replace("_", " ")
         text = f"{kind}, {alarm['track_id']}, {alarm['t_us'] * 1e-6:.2f} s"
-        ax.annotate(text, (alarm["x"], alarm["y"]), (4, 3), textcoords="offset points", color=INK, fontsize=7)
+        right = alarm["x"] < _LABEL_SHARE * ax.get_xlim()[1]  # where there is room for the text
+        place, side = ((4, 3), "left") if right else ((-4, 3), "right")
+        ax.annotate(text, (alarm["x"], alarm["y"]), place, textcoords="offset points", ha=side, color=INK, fontsize=7)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import ConfigError
+from ..ranges import Range, check_range
 
 __all__ = ["RULES", "Rule", "load_rule"]
 
@@ -25,7 +26,7 @@ _EDGES = ("left", "top", "right", "bottom")
 _SIMILARITIES = ("centre", "iou")
 
 # field -> (lowest, highest, meaning); integer limits ask for an integer
-_RANGES: Mapping[str, tuple[float, float, str]] = {
+_RANGES: Mapping[str, Range] = {
     "origin_us": (-(2**60), 2**60, "added to the truth's times to make them the recording's"),
     "at_us": (-(10**9), 10**9, "when a line is evaluated, after its t_us or t_end_us"),
     "max_age_us": (0, 10**12, "age past which a track's state is no output"),
@@ -78,7 +79,7 @@ class Rule:
     def __post_init__(self) -> None:
         _check_columns(self.columns)
         for name, limits in _RANGES.items():
-            _check_number(name, getattr(self, name), *limits)
+            check_range(name, getattr(self, name), *limits)
         if self.similarity not in _SIMILARITIES:
             raise ConfigError(f"similarity = {self.similarity!r}: must be one of {', '.join(_SIMILARITIES)}")
         if not isinstance(self.clip, bool):
@@ -88,7 +89,7 @@ class Rule:
         self._check_points()
         self._check_sensor()
         for edge, width in _entries(self.ignore, _EDGES, "ignore"):
-            _check_number(f"ignore.{edge}", width, 0.0, 1e6, "width of a band in pixels")
+            check_range(f"ignore.{edge}", width, 0.0, 1e6, "width of a band in pixels")
         for column, limits in _table(self.counted, "counted").items():
             if not _is_interval(limits):
                 raise ConfigError(f"counted.{column} = {limits!r}: must be [lowest, highest]")
@@ -117,7 +118,7 @@ class Rule:
             if self.reach_px is not None:
                 raise ConfigError(f"reach_px = {self.reach_px!r}: must be given for points alone, boxes have a diagonal")
             return
-        _check_number("reach_px", self.reach_px, *_REACH)
+        check_range("reach_px", self.reach_px, *_REACH)
         if self.similarity == "iou" or self.clip:
             raise ConfigError("columns x, y: points must have similarity 'centre' and no clip")
 
@@ -200,10 +201,3 @@ def _is_number(value: object) -> bool:
 
 def _is_interval(limits: object) -> bool:
     return isinstance(limits, list | tuple) and len(limits) == 2 and all(map(_is_number, limits)) and limits[0] <= limits[1]
-
-
-def _check_number(name: str, value: object, low: float, high: float, meaning: str) -> None:
-    whole = isinstance(low, int)
-    if not _is_number(value) or (whole and not isinstance(value, int)) or not low <= value <= high:  # type: ignore[operator]
-        kind = "an integer" if whole else "a number"
-        raise ConfigError(f"{name} = {value!r}: must be {kind} from {low:g} to {high:g} ({meaning})")
