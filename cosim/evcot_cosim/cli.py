@@ -14,7 +14,21 @@ from typing import Any
 import evcot
 from evcot.errors import EvcotError, RecordingWarning
 
-from .commands import anomalies, bench, completion, cosim, evaluate, live, presets, recordings, report, simulate, track, waves
+from .commands import (
+    anomalies,
+    bench,
+    completion,
+    cosim,
+    evaluate,
+    live,
+    plot,
+    presets,
+    recordings,
+    report,
+    simulate,
+    track,
+    waves,
+)
 from .commands import filter as filter_command
 from .commands.cosim import MISMATCH
 from .lockstep import MismatchError
@@ -83,7 +97,21 @@ def parser() -> argparse.ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
     commands = whole.add_subparsers(required=True, metavar="COMMAND")
-    for group in (cosim, report, waves, live, track, simulate, recordings, filter_command, evaluate, anomalies, bench, presets):
+    for group in (
+        cosim,
+        report,
+        waves,
+        live,
+        plot,
+        track,
+        simulate,
+        recordings,
+        filter_command,
+        evaluate,
+        anomalies,
+        bench,
+        presets,
+    ):
         group.add(commands)
     completion.add(commands, whole)
     return whole
