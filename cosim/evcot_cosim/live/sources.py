@@ -55,7 +55,9 @@ class LiveSource(Protocol):
         """
         ...
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Let go of where the events come from."""
+        ...
 
 
 class FileSource:

@@ -55,7 +55,9 @@ class Source(Protocol):
         """The sensor to assume where none is stated and every event lies below (width, height)."""
         ...
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Let go of the file."""
+        ...
 
 
 @dataclass(frozen=True)
