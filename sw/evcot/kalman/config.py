@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..errors import ConfigError
 from ..ranges import Range, check_ranges
 
 __all__ = ["KALMAN_RANGES", "KalmanConfig"]
@@ -21,6 +22,7 @@ KALMAN_RANGES: dict[str, Range] = {
     "events_per_sample": (0.1, 1e6, "events that say as much as one independent one"),
     "velocity_walk": (0.001, 1e4, "how far a centre's velocity wanders in a second, half sides per second"),
     "growth_walk": (0.0001, 1e4, "how far a half side's growth wanders in a second, half sides per second"),
+    "meeting_walk": (0.0, 1.0, "both walks while a box touches another, as a part of what they are otherwise"),
     "speed": (0.0, 1e4, "typical speed of a new object, half sides per second"),
     "birth_us": (100, 10_000_000, "time over which events outside all boxes are collected for births"),
     "birth_pixels": (2, 1_000_000, "different pixels in that time that make an object"),
@@ -33,6 +35,9 @@ KALMAN_RANGES: dict[str, Range] = {
 @dataclass(frozen=True)
 class KalmanConfig:
     """The Kalman tracker; limits in `KALMAN_RANGES`, named ones in `presets.PRESETS`.
+
+    Attributes:
+        walls: objects bounce off the sensor's edges, and are predicted to.
 
     Raises:
         ConfigError: a value outside its range.
@@ -48,12 +53,16 @@ class KalmanConfig:
     events_per_sample: float = 10.0
     velocity_walk: float = 7.0
     growth_walk: float = 5.0
+    meeting_walk: float = 1.0
     speed: float = 8.0
     birth_us: int = 10_000
     birth_pixels: int = 30
     coast_us: int = 100_000
     merge_gap: float = 1.0
     merge_velocity: float = 0.6
+    walls: bool = False
 
     def __post_init__(self) -> None:
         check_ranges("kalman", self, KALMAN_RANGES)
+        if not isinstance(self.walls, bool):
+            raise ConfigError(f"kalman.walls = {self.walls!r}: must be true or false")

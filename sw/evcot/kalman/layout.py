@@ -26,6 +26,7 @@ OBJECT = np.dtype(
         ("born_us", "<i8"),
         ("enters", "<i8"),  # over which edge of the sensor: 0 left, 1 right, 2 top, 3 bottom; -1 when it is in
         ("edge", "<i8"),  # the edge at which it was born, or -1
+        ("meets", "?"),  # whether its box touches another object's
         ("supported_us", "<i8"),  # end of the last packet in which it had the events that it should have
         ("support", "<i8"),  # events so far
         ("packet_events", "<i8"),
@@ -71,12 +72,14 @@ class Rules(NamedTuple):
     events_per_sample: float
     velocity_walk: float
     growth_walk: float
+    meeting_walk: float
     speed: float
     birth_us: int
     birth_pixels: int
     coast_us: int
     merge_gap: float
     merge_velocity: float
+    walls: bool
 
 
 class World(NamedTuple):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..contract import Kind
 from .births import find_births
 from .layout import UNSET_US, Rules, World
-from .motion import correct, predict
+from .motion import correct, predict, turn_back
 from .sharing import look_out
 from .splits import split
 from .unity import are_one
@@ -75,6 +75,19 @@ def _hidden(world: World, i: int, axis: int, high: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
+def _predict(rules: Rules, world: World, i: int) -> None:
+    """Move an object on by a packet. What meets another keeps its course, since events may be the other's."""
+    walk = 0.5 * (world.state[i, 0, 2] + world.state[i, 1, 2])
+    if world.objects[i].meets:
+        walk *= rules.meeting_walk
+    for axis in range(2):
+        s, p = world.state[i, axis], world.cov[i, axis]
+        predict(s, p, 1e-6 * rules.packet_us, walk * rules.velocity_walk, walk * rules.growth_walk)
+        if rules.walls:
+            turn_back(s, p, rules.width if axis == 0 else rules.height)
+
+
+@njit(cache=True, nogil=True)
 def _correct(rules: Rules, world: World, i: int) -> None:
     v = np.hypot(world.state[i, 0, 1], world.state[i, 1, 1]) + 1e-9
     for axis in range(2):
@@ -94,6 +107,21 @@ def _correct(rules: Rules, world: World, i: int) -> None:
             variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density)
             off = sign * ((world.beyond[i, axis, high] - noise) / n - q) / density
             correct(s, p, sign, off, variance)
+
+
+@njit(cache=True, nogil=True)
+def _overlap(a: Any, b: Any) -> bool:
+    """Whether the boxes of two objects touch."""
+    return bool(abs(a.x - b.x) <= a.half_x + b.half_x and abs(a.y - b.y) <= a.half_y + b.half_y)
+
+
+@njit(cache=True, nogil=True)
+def _meets(world: World, i: int) -> bool:
+    """Whether another object's box touches this one's."""
+    for k in range(len(world.objects)):
+        if k != i and world.objects[k].alive and _overlap(world.objects[i], world.objects[k]):
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -160,16 +188,13 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
     """Do at `t_us` what follows from the packet's events."""
     run = world.run[0]
     n = len(world.objects)
-    step_s = 1e-6 * rules.packet_us
     mix = min(rules.packet_us / _RATE_MEAN_US, 1.0)
     least = _LEAST_SUPPORT * rules.birth_pixels * rules.packet_us / rules.birth_us
     fade = 1.0 - min(rules.packet_us / _PROFILE_KEEPS_US, 1.0)
     for i in range(n):
         if world.objects[i].alive:
-            half_px = 0.5 * (world.state[i, 0, 2] + world.state[i, 1, 2])
-            for axis in range(2):
-                s, p = world.state[i, axis], world.cov[i, axis]
-                predict(s, p, step_s, half_px * rules.velocity_walk, half_px * rules.growth_walk)
+            world.objects[i].meets = _meets(world, i)
+            _predict(rules, world, i)
             _correct(rules, world, i)
             if world.objects[i].enters >= 0:
                 _keep_at_edge(rules, world, i)
@@ -187,8 +212,9 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
         if o.rate >= least:
             o.supported_us = t_us
         o.support += o.packet_events
-        world.profile[i] *= fade
-        world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
+        if not o.meets:
+            world.profile[i] *= fade
+            world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
         silent_us = t_us - o.supported_us
         patience = _COVERED_PATIENCE if _covered(world, i) else 1
         if silent_us >= patience * rules.coast_us or _outside(rules, world, i):
@@ -196,7 +222,7 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
     _merge(rules, world, out, t_us)
     if t_us >= run.birth_end_us:
         for i in range(n):
-            if world.objects[i].alive and world.objects[i].enters < 0:
+            if world.objects[i].alive and world.objects[i].enters < 0 and not world.objects[i].meets:
                 split(rules, world, i)
         find_births(rules, world, t_us)
         run.birth_end_us = t_us + rules.birth_us

@@ -10,7 +10,8 @@ __all__ = ["PRESETS"]
 PRESETS: dict[str, KalmanConfig] = {
     # Cars that drive away: they enter in part, shrink, and leave an afterglow.
     "traffic": KalmanConfig(),
-    # Rigid things whose whole contour sends events, and which cross: they neither grow nor become one.
+    # Rigid things whose whole contour sends events, which cross and bounce off the sensor's edges: they neither grow nor become
+    # one, and keep their course while they cross.
     "discs": KalmanConfig(
         packet_us=1_000,
         refractory_us=0,
@@ -19,8 +20,10 @@ PRESETS: dict[str, KalmanConfig] = {
         events_per_sample=2.0,
         velocity_walk=15.0,
         growth_walk=0.15,
+        meeting_walk=0.03,
         speed=20.0,
         merge_velocity=0.0,
+        walls=True,
     ),
     # Cars and people on one road: people are slow and make few events, so births may take longer, and silences too.
     "road": KalmanConfig(packet_us=4_000, birth_us=30_000, birth_pixels=16, coast_us=250_000, speed=12.0),

@@ -107,8 +107,9 @@ def share(world: World, x: int, y: int) -> int:
     if near >= 0 and _take(world, near, x, y, 1.0):
         o = world.objects[near]
         o.packet_events += 1
-        world.profile[near, PROFILE * _part(y - o.y, o.half_y) + _part(x - o.x, o.half_x)] += 1.0
-        world.total[near] += 1.0
+        if not o.meets:  # else it would be learned without the parts that others hide
+            world.profile[near, PROFILE * _part(y - o.y, o.half_y) + _part(x - o.x, o.half_x)] += 1.0
+            world.total[near] += 1.0
         return int(near)
     if near == MANY:
         best, most, total = NOBODY, 0.0, 0.0

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from evcot.contract import Kind
 from evcot.errors import ConfigError, RecordingError
@@ -27,14 +29,14 @@ SEED = 7
 
 
 def discs(paths: list[tuple[float, float, float, float]], duration_us: int, noise: float = 0.05) -> Events:
-    """Contours of discs at (x, y) with (vx, vy) px/s, 60 events/ms each, and a share of noise."""
+    """Contours of discs at (x, y) with (vx, vy) px/s that bounce off the walls, 60 events/ms each, and a share of noise."""
     random = np.random.default_rng(SEED)
     n = int(len(paths) * 0.06 * duration_us / (1 - noise))
     t_us = np.sort(random.integers(0, duration_us, n))
     x0, y0, vx, vy = np.array(paths)[random.integers(0, len(paths), n)].T
     angle = random.uniform(0, 2 * np.pi, n)
-    x = x0 + vx * 1e-6 * t_us + RADIUS_PX * np.cos(angle)
-    y = y0 + vy * 1e-6 * t_us + RADIUS_PX * np.sin(angle)
+    x = folded(x0 + vx * 1e-6 * t_us, WIDTH) + RADIUS_PX * np.cos(angle)
+    y = folded(y0 + vy * 1e-6 * t_us, HEIGHT) + RADIUS_PX * np.sin(angle)
     stray = random.random(n) < noise
     x[stray], y[stray] = random.uniform(0, WIDTH - 1, stray.sum()), random.uniform(0, HEIGHT - 1, stray.sum())
     return Events(
@@ -43,6 +45,12 @@ def discs(paths: list[tuple[float, float, float, float]], duration_us: int, nois
         np.clip(np.rint(y), 0, HEIGHT - 1).astype(np.uint16),
         random.integers(0, 2, n).astype(np.uint8),
     )
+
+
+def folded(way: NDArray[Any], size: int) -> NDArray[Any]:
+    """Where a disc is whose way is folded back at the walls."""
+    room = size - 1 - 2 * RADIUS_PX
+    return RADIUS_PX + room - np.abs((way - RADIUS_PX) % (2 * room) - room)
 
 
 def run(events: Events, config: KalmanConfig) -> TrackLog:
@@ -69,6 +77,25 @@ def test_discs_that_cross_keep_their_ids() -> None:
         moved = row["x"] - ids[int(row["track_id"])]
         assert abs(moved) == pytest.approx(165, abs=3)
     assert len(end) == 2
+
+
+SIDE_BY_SIDE = [(100, 100, 150, 60), (128, 70, 95, 115)]
+AT_THE_WALL = [(294, 43, 107, -6), (317, 99, 30, -127)]
+
+
+@pytest.mark.parametrize("paths", [SIDE_BY_SIDE, AT_THE_WALL])
+def test_discs_that_meet_keep_their_ids_and_sizes(paths: list[tuple[float, float, float, float]]) -> None:
+    """For long since they go much the same way; or while one of them turns back at the wall."""
+    log = run(discs(paths, 900_000), PRESETS["discs"])
+    times_us = np.arange(50_000, 900_000, 10_000)
+    seen = sample(log, times_us)
+    assert len(log.of_kind(Kind.BORN)) == 2
+    for x0, y0, vx, vy in paths:
+        x, y = (folded(at + v * 1e-6 * times_us, size) for at, v, size in ((x0, vx, WIDTH), (y0, vy, HEIGHT)))
+        away = np.hypot(seen["x"] - x[seen["sample"]], seen["y"] - y[seen["sample"]])
+        track_id = seen["track_id"][away.argmin()]
+        assert away[seen["track_id"] == track_id].max() < 4
+    assert np.abs(seen["radius"] - RADIUS_PX).max() < 1
 
 
 def test_a_box_around_two_is_split_when_they_part() -> None:
@@ -143,6 +170,8 @@ def test_an_event_off_the_sensor() -> None:
 def test_settings_out_of_range() -> None:
     with pytest.raises(ConfigError, match=r"^kalman\.quantile = 0\.5: must be from 0\.001 to 0\.4 \(share of"):
         KalmanConfig(quantile=0.5)
+    with pytest.raises(ConfigError, match=r"^kalman\.walls = 1: must be true or false$"):
+        KalmanConfig(walls=1)  # type: ignore[arg-type]
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="the shared recordings are not here")
