@@ -45,8 +45,11 @@ class Progress:
 
     def update(self, events: int, t_us: int, events_per_s: float) -> None:
         """So many events are done, up to this time of the recording."""
-        state = f"{t_us / 1e6:.3f} s simulated, {events_per_s / 1e6:.2f} M events/s"
-        self._bars.update(self._task, completed=events, state=state)
+        self.advance(events, f"{t_us / 1e6:.3f} s simulated, {events_per_s / 1e6:.2f} M events/s")
+
+    def advance(self, done: int, state: str) -> None:
+        """So much is done; say what is going on."""
+        self._bars.update(self._task, completed=done, state=state)
 
     def note(self, state: str) -> None:
         """Say what is going on."""

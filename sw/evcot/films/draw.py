@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One picture of a film: events enlarged, trails, windows and ids over them, the time in a corner."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from .colours import GROUND, INK, RGB
+from .states import Follower
+
+__all__ = ["compose", "size_of"]
+
+_FONT_PX = 13
+_MARGIN_PX = 6
+
+
+def size_of(sensor: tuple[int, int], width_px: int) -> tuple[int, int, int]:
+    """(enlargement, width, height) of a picture at least so wide, if the sensor is not wider; sides are even, as films need."""
+    enlarged = max(1, -(-width_px // sensor[0]))
+    width, height = (side * enlarged + side * enlarged % 2 for side in sensor)
+    return enlarged, width, height
+
+
+def compose(
+    events: NDArray[np.uint8], enlarged: int, size: tuple[int, int], followers: Sequence[Follower], picture: int, caption: str
+) -> Image.Image:
+    """The picture: (height, width, 3) of the sensor, made larger, with what the followers see drawn over it."""
+    large = events.repeat(enlarged, 0).repeat(enlarged, 1)
+    height, width = large.shape[:2]
+    if (width, height) != size:
+        large = np.pad(large, ((0, size[1] - height), (0, size[0] - width), (0, 0)), mode="edge")
+    image = Image.fromarray(large)
+    draw = ImageDraw.Draw(image)
+    for follower in followers:
+        _draw_side(draw, follower, picture, enlarged)
+    _write(draw, (_MARGIN_PX, size[1] - _MARGIN_PX), caption, INK, "ls")
+    if len(followers) > 1:
+        for row, follower in enumerate(followers):
+            _write(
+                draw, (size[0] - _MARGIN_PX, _MARGIN_PX + row * (_FONT_PX + 4)), follower.side.name, follower.side.colour, "rt"
+            )
+    return image
+
+
+def _draw_side(draw: ImageDraw.ImageDraw, follower: Follower, picture: int, enlarged: int) -> None:
+    states, trails = follower.at(picture)
+    pen = min(enlarged, 2)
+    for trail in trails.values():
+        _trail(draw, trail, enlarged, follower.side.colour)
+    for track_id, x, y, radius in zip(*(states[name].tolist() for name in ("track_id", "x", "y", "radius")), strict=True):
+        left, top = ((centre - radius) * enlarged for centre in (x, y))
+        right, bottom = ((centre + radius + 1) * enlarged - 1 for centre in (x, y))
+        draw.rectangle((left, top, right, bottom), outline=follower.side.colour, width=pen)
+        _write(draw, (max(left, 2), max(top - 2, _FONT_PX)), str(track_id), follower.side.colour, "ls")
+
+
+def _trail(draw: ImageDraw.ImageDraw, trail: deque[tuple[float, float]], enlarged: int, colour: RGB) -> None:
+    if len(trail) > 1:
+        draw.line([((x + 0.5) * enlarged, (y + 0.5) * enlarged) for x, y in trail], fill=colour, width=1)
+
+
+def _write(draw: ImageDraw.ImageDraw, at: tuple[float, float], text: str, colour: RGB, anchor: str) -> None:
+    draw.text(at, text, fill=colour, font=_font(), anchor=anchor, stroke_width=2, stroke_fill=GROUND)
+
+
+@cache
+def _font() -> ImageFont.FreeTypeFont:
+    """The font that Matplotlib brings along, so that every machine draws the same."""
+    return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans-Bold.ttf"), _FONT_PX)
