@@ -125,10 +125,8 @@ _TABLE = (
     _ecp5(25, Resources(24_288, 24_288, 56, 12_144, 28)),
     _ecp5(45, Resources(43_848, 43_848, 108, 21_924, 72)),
     _ecp5(85, Resources(83_640, 83_640, 208, 41_820, 156)),
-    _ice40(
-        "up5k", "iCE40 UP5K", "synth_ice40 -device u -dsp", Resources(5_280, 5_280, 30, 0, 8), "--up5k", "--package", "sg48"
-    ),
-    _ice40("hx8k", "iCE40 HX8K", "synth_ice40 -device hx", Resources(7_680, 7_680, 32), "--hx8k", "--package", "ct256"),
+    _ice40("up5k", "iCE40 UP5K", "synth_ice40 -device u -dsp", Resources(5_280, 5_280, 30, 0, 8), "sg48"),
+    _ice40("hx8k", "iCE40 HX8K", "synth_ice40 -device hx", Resources(7_680, 7_680, 32), "ct256"),
     Device("xilinx7", "Xilinx 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf", _XILINX_CELLS, "18 kbit"),
     Device("gowin", "Gowin GW2A", "synth_gowin -family gw2a -noiopads", _GOWIN_CELLS, "18 kbit"),
 )

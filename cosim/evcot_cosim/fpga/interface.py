@@ -27,8 +27,8 @@ class Port:
 
 def instance(top: str, parameters: Mapping[str, int]) -> list[str]:
     """Yosys commands that make `top` with these parameters the top of a design that was read with -defer."""
-    chosen = [f"-chparam {name} {value}" for name, value in parameters.items()]
-    return [f"hierarchy -check -top {top} {' '.join(chosen)}".strip()]
+    chosen = [f"chparam -set {name} {value} $abstract\\{top}" for name, value in parameters.items()]
+    return [*chosen, f"hierarchy -check -top {top}"]
 
 
 def elaborate(top: str, parameters: Mapping[str, int], verilog: Path | None = None) -> dict[str, object]:

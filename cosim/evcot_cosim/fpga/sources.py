@@ -16,6 +16,7 @@ __all__ = ["closure", "flat", "manifest", "without_comments"]
 
 _COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 _INCLUDE = re.compile(r'^[ \t]*`include[ \t]+"([^"]+)"[^\n]*\n', re.MULTILINE)
+_PROOF = re.compile(r"^`ifdef FORMAL\n.*?^`endif\n+", re.MULTILINE | re.DOTALL)
 _GUARD = re.compile(r"\A\s*`ifndef\s+\w+")
 _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 
@@ -54,7 +55,7 @@ def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
 
 
 def flat(modules: Iterable[str], verilog: Path | None = None, *, comments: bool = False) -> str:
-    """These modules' sources after one another, includes put in their places; a guarded header only once.
+    """These modules' sources after one another, includes put in their places; a guarded header only once, no rules to prove.
 
     Without comments the text, and so every name that a tool derives from its line numbers, does not change with them.
     """
@@ -69,7 +70,8 @@ def flat(modules: Iterable[str], verilog: Path | None = None, *, comments: bool 
             seen.add(found[1])
         return text
 
-    text = "\n".join(_INCLUDE.sub(included, (folder / f"{module}.v").read_text()) for module in modules)
+    texts = (_PROOF.sub("", (folder / f"{module}.v").read_text()) for module in modules)
+    text = "\n".join(_INCLUDE.sub(included, source) for source in texts)
     return text if comments else without_comments(text)
 
 

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The FuseSoC core: hw/evcot.core, whose list of files is the manifest. As a program it writes it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+import evcot
+from evcot.outputs import written_aside
+
+from ..build import verilog_dir
+
+__all__ = ["core_text"]
+
+
+def core_text(verilog: Path | None = None) -> str:
+    """The core description."""
+    lines = ((verilog or verilog_dir()) / "manifest.txt").read_text().splitlines()
+    files = [line for line in lines if line and not line.startswith("#")]
+    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
+    return environment.get_template("evcot.core.j2").render(version=evcot.__version__, files=files)
+
+
+def _main() -> int:
+    path = verilog_dir().parent / "evcot.core"
+    with written_aside(path) as file:
+        file.write(core_text().encode())
+    print(f"{path}: written")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(_main())

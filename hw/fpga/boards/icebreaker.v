@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// iCEBreaker (iCE40 UP5K, 12 MHz): green LED on when the self-test has passed, red LED on when it has failed and until then in
+// the rhythm of the records; the user button resets. Serial line: the board's second USB port, 1 Mbaud.
+`default_nettype none
+
+module icebreaker (
+    input  wire clk,
+    input  wire btn_n,
+    input  wire rx,
+    output wire tx,
+    output wire led_red_n,
+    output wire led_green_n
+);
+
+    wire rst, passed, failed, alive;
+
+    power_on_reset u_reset (
+        .clk   (clk),
+        .button(!btn_n),
+        .rst   (rst)
+    );
+
+    board_core #(
+        .CLOCK_HZ(12000000),
+        .TRACKER (0),
+        .N       (1)
+    ) u_core (
+        .clk   (clk),
+        .rst   (rst),
+        .rx    (rx),
+        .tx    (tx),
+        .passed(passed),
+        .failed(failed),
+        .alive (alive)
+    );
+
+    assign led_green_n = !passed;
+    assign led_red_n   = !(failed || (!passed && alive));
+
+endmodule
+
+`default_nettype wire
