@@ -152,7 +152,9 @@ def flat(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
             shown = {"slot[all]": value[0]} if alike else {f"slot[{i}]": slot for i, slot in enumerate(value)}
             rows += flat(shown, prefix)
         else:
-            rows.append((f"{prefix}{name}", "none" if value is None else str(value)))
+            rows.append(
+                (f"{prefix}{name}", "none" if value is None else str(value).lower() if value in (True, False) else str(value))
+            )
     return rows
 
 

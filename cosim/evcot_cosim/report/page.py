@@ -12,9 +12,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from evcot.contract import DROPPED
+from evcot.contract import DROPPED, Kind
 from evcot.outputs import written_aside
 
 from .collect import Collected, collect
@@ -35,6 +36,7 @@ MODULES = (
 _TEXT_MAX = 9_000_000  # characters of packed columns
 _LISTED_MAX = 300  # of a list of places
 _DECAY_US = 10_000  # of events, at first
+_GOING = 0.15  # of the recording: after that there is something to see
 _PLAYING_S = 10  # that the whole recording takes at first, at least
 _SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 # Of the curves, in pixels: known before they are drawn, so that nothing jumps.
@@ -149,15 +151,15 @@ def _notes(material: Material, collected: Collected) -> list[str]:
 
 
 def _start_us(material: Material) -> int:
-    """Where the playback stands at first: at the mismatch, the first merge, the first birth or the beginning."""
+    """Where the playback stands at first: at the mismatch, else at a merge, else a birth, when things have got going."""
     mismatch_us = _mismatch_us(material)
     if mismatch_us is not None:
         return mismatch_us
-    for kind in (2, 0):
+    for kind in (Kind.MERGED, Kind.BORN):
         for side in material.sides:
-            records = side.log.records[side.log.records["kind"] == kind]
-            if len(records):
-                return int(records["t_us"][0]) - material.span_us[0]
+            times_us = side.log.of_kind(kind)["t_us"] - material.span_us[0]
+            if len(times_us):
+                return int(times_us[min(np.searchsorted(times_us, _GOING * _duration_us(material)), len(times_us) - 1)])
     return 0
 
 

@@ -18,7 +18,7 @@ from evcot.tracklog import TrackLog
 
 from ..run_file import Source
 
-__all__ = ["Truth", "truth_of"]
+__all__ = ["Truth", "scene_truth", "truth_of"]
 
 _INSTANTS_MAX = 600  # at which a report looks: enough for figures of three digits, and quick
 
@@ -69,7 +69,7 @@ def truth_of(source: Source, recording: Recording) -> Truth | None:
     sensor = recording.width, recording.height
     scene = source.scene_truth()
     if scene is not None:
-        return _scene_truth(scene, sensor)
+        return scene_truth(scene, sensor)
     path = Path(source.recording)
     beside = path.with_name(f"{path.stem}.truth.csv")
     try:
@@ -79,7 +79,8 @@ def truth_of(source: Source, recording: Recording) -> Truth | None:
         return None
 
 
-def _scene_truth(truth: SceneTruth, sensor: tuple[int, int]) -> Truth:
+def scene_truth(truth: SceneTruth, sensor: tuple[int, int]) -> Truth:
+    """A scene's own truth, by the rule of scenes; of very many instants evenly chosen ones."""
     t_us = truth.samples["t_us"]
     instants_us = np.unique(t_us)
     step = max(1, -(-len(instants_us) // _INSTANTS_MAX))  # text takes its time

@@ -155,7 +155,7 @@ async function start() {
     restyle();
   }
 
-  stage.canvas.addEventListener("pointermove", hover);
+  for (const kind of ["pointermove", "pointerdown"]) stage.canvas.addEventListener(kind, hover);
   stage.canvas.addEventListener("pointerleave", () => $("#hover").replaceChildren());
   for (const button of document.querySelectorAll("[data-act]")) {
     button.addEventListener("click", () => acts[button.dataset.act]());

@@ -8,7 +8,7 @@ const CUT = 5; // decay times after which an event shows no more
 export function fading(rgb, ground) {
   const words = new Uint32Array(LEVELS + 1);
   for (let level = 0; level <= LEVELS; level++) {
-    const cover = Math.exp((-CUT * level) / LEVELS);
+    const cover = (Math.exp((-CUT * level) / LEVELS) - Math.exp(-CUT)) / (1 - Math.exp(-CUT)); // the last is the bare ground
     const [r, g, b] = rgb.map((value, i) => Math.round(value * cover + ground[i] * (1 - cover)));
     words[level] = (255 << 24) | (b << 16) | (g << 8) | r; // all machines that run browsers are little-endian
   }

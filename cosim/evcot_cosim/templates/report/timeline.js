@@ -42,8 +42,7 @@ export class Timeline {
     if (this.stale) this.#drawPanels(theme, selected, shown);
     this.stale = false;
     const x = this.axis.toX(now, this.width);
-    this.cursor.style.transform = `translateX(${x.toFixed(1)}px)`;
-    this.cursor.hidden = x < 0 || x > this.width;
+    this.#place(this.cursor, x);
   }
 
   /** Write the values at a time beside the panels' names. */
@@ -59,12 +58,18 @@ export class Timeline {
     }
   }
 
+  #place(line, x) {
+    line.style.transform = `translateX(${((100 * x) / this.width).toFixed(3)}%)`; // of its width, which is the panels'
+    line.hidden = x < 0 || x > this.width;
+  }
+
   #drawPanels(theme, selected, shown) {
     for (const { panel, canvas, context } of this.panels) {
       context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
       context.clearRect(0, 0, canvas.width, canvas.height);
       panel.draw(context, this.width, this.axis, theme, selected, shown);
     }
+    for (const line of this.root.querySelectorAll("[data-at]")) this.#place(line, this.axis.toX(Number(line.dataset.at), this.width));
     this.ticks.replaceChildren(...this.axis.ticks(Math.max(this.width / TICK_PX, 2)).map(([time, label]) => {
       const tick = document.createElement("span");
       tick.textContent = label;

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The file: whole, bounded, and nothing in it does what a name says."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from evcot.errors import ConfigError, OutputError
+from evcot.events import Events, Recording
+from evcot.tracklog import TrackLog
+from evcot_cosim.report import Material, Side, page, write_report
+from evcot_cosim.report.material import Material as Made
+
+from .conftest import summary_of
+
+HOSTILE = '</script><script>alert(1)</script><img src=x onerror="alert(2)">'
+
+
+def facts_of(text: str) -> dict[str, Any]:
+    """What the page knows about its columns."""
+    found = re.search(r'<script type="application/json" id="facts">(.*?)</script>', text)
+    assert found
+    facts: dict[str, Any] = json.loads(found[1])
+    return facts
+
+
+def empty(name: str = "nothing") -> Recording:
+    nothing = np.empty(0, np.int64)
+    return Recording(Events(nothing, *(nothing.astype(np.uint16),) * 2, nothing.astype(np.uint8)), 32, 24, name)
+
+
+def test_it_asks_the_network_for_nothing(report: Path) -> None:
+    text = report.read_text()
+    assert not re.findall(r"https?://", re.sub(r'id="columns">.*?</script>', "", text))
+    assert "default-src &#39;none&#39;" in text or "default-src 'none'" in text
+    assert re.findall(r'(?:src|href)="(?!data:|#)[^"]*"', text) == []
+
+
+def test_a_report_has_no_character_of_a_template_left(report: Path) -> None:
+    text = re.sub(r"<script.*?</script>", "", report.read_text(), flags=re.DOTALL)
+    assert not re.findall(
+        r"\{[{%#]|[%#}]\}|\bNone\b|\bTrue\b|Undefined", re.sub(r"<style>.*?</style>", "", text, flags=re.DOTALL)
+    )
+
+
+def test_modules_are_joined_without_imports_and_exports_and_share_no_name() -> None:
+    text = page.inline_modules(page.MODULES)
+    assert not re.findall(r"^\s*(import|export)\b", text, re.MULTILINE)
+    names = re.findall(r"^(?:const|let|class|function|async function) (\w+)", text, re.MULTILINE)
+    assert len(names) == len(set(names))
+
+
+def test_every_module_is_in_the_page() -> None:
+    folder = Path(page.__file__).parents[1] / "templates" / "report"
+    assert {path.stem for path in folder.glob("*.js")} == set(page.MODULES)
+
+
+def test_hostile_names_are_shown_and_not_run(material: Made) -> None:
+    recording = replace(material.recording, name=HOSTILE)
+    summary = summary_of(HOSTILE, command=f"evcot cosim {HOSTILE}", versions={HOSTILE: HOSTILE})
+    ids = ("car", *(HOSTILE,) * (len(material.truth.objects.ids) - 1)) if material.truth else ()
+    assert material.truth
+    truth = replace(material.truth, objects=replace(material.truth.objects, ids=ids))
+    text = page.render(Material(recording, summary, material.sides, truth))
+    assert "<img src=x" not in text
+    assert "alert(1)</script>" not in text
+    assert text.count("&lt;/script&gt;") >= 4
+    assert text.count("<script") == text.count("</script>") == 3
+    assert HOSTILE in facts_of(text)["sides"][2]["ids"]
+
+
+def test_the_same_run_gives_the_same_bytes(material: Made) -> None:
+    assert page.render(material) == page.render(material)
+
+
+def test_a_long_run_is_thinned_and_says_so(material: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page, "EVENTS_MAX", 10_000)
+    text = page.render(material)
+    facts = facts_of(text)
+    assert (facts["shown"], facts["events"]) == (10_000, len(material.recording.events))
+    assert f"10,000 of {len(material.recording.events):,} events are drawn" in text
+
+
+def test_the_text_is_bounded_whatever_the_events(material: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page, "_TEXT_MAX", 200_000)
+    text = page.render(material)
+    packed = re.search(r'id="columns">(.*?)</script>', text)
+    assert packed
+    assert len(packed[1]) <= 200_000
+    assert 0 < facts_of(text)["shown"] < len(material.recording.events)
+
+
+def test_two_million_events_at_random_stay_below_ten_megabytes() -> None:
+    random = np.random.default_rng(7)
+    n = 2_000_000
+    events = Events(
+        np.cumsum(random.integers(0, 3, n)), random.integers(0, 1280, n, np.uint16), random.integers(0, 720, n, np.uint16),
+        random.integers(0, 2, n, np.uint8),
+    )  # fmt: skip
+    owner = random.integers(-1, 8, n).astype(np.int16)
+    sides = (Side("hardware", replace(TrackLog.empty("cot-rtl"), owner=owner)),)
+    text = page.render(Material(Recording(events, 1280, 720, "noise"), {}, sides))
+    assert len(text.encode()) < 10_000_000
+    assert facts_of(text)["shown"] > 1_900_000
+
+
+def test_a_run_without_anything_says_what_is_missing() -> None:
+    recording = empty()
+    sides = (Side("hardware", TrackLog.empty("cot-rtl")), Side("software", TrackLog.empty("rct")))
+    text = page.render(Material(recording, {}, sides))
+    for words in ("No truth is known", "nothing to compare", "Not measured", "Nothing became visible", "0 events"):
+        assert words in text, words
+
+
+def test_a_mismatch_comes_first(material: Made) -> None:
+    found = {"event_index": 50, "tick": 4_321, "field": "record.cm_x", "hardware": 7, "model": 8, "seed": 9, "top": "cot_array"}
+    n = 1_000
+    sides = tuple(
+        Side(name, TrackLog(engine, material.sides[0].log.records[:5], material.sides[0].log.owner[:n]))
+        for name, engine in (("hardware", "cot-rtl"), ("model", "cot-model"))
+    )
+    text = page.render(Material(material.recording, summary_of(exact=False, mismatch=found), sides))
+    assert text.index("Hardware and model differ") < text.index('id="playback"')
+    for words in ("4,321", "record.cm_x", "gtkwave mismatch.vcd", f"The run ended after {n:,} of"):
+        assert words in text, words
+    t_us = material.recording.events.t_us
+    assert facts_of(text)["mismatch"] == facts_of(text)["start"] == t_us[50] - t_us[0]
+
+
+def test_logs_of_another_recording_are_refused(material: Made) -> None:
+    short = Side("software", replace(material.sides[1].log, owner=material.sides[1].log.owner[:-1]))
+    with pytest.raises(ConfigError, match="must be of the same recording"):
+        Material(material.recording, {}, (material.sides[0], short))
+    with pytest.raises(ConfigError, match="must be of the same recording"):
+        Material(empty(), {}, material.sides)
+
+
+def test_a_report_that_cannot_be_written_leaves_nothing(material: Made, tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="cannot be written"):
+        write_report(Material(empty(), {}, ()), tmp_path / "missing" / "report.html")
+    assert list(tmp_path.iterdir()) == []
