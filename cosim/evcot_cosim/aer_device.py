@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A compiled AER port and a chip at it whose times are its own: delays below a clock, skewed wires, flip-flops in doubt."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from numpy.typing import ArrayLike, NDArray
+from pyverilator import PyVerilator
+
+from .build import build
+from .device import HardwareError
+from .driver import pointer
+from .testing import reset
+
+__all__ = ["STEPS_PER_CLOCK", "AerDevice", "AerRun", "Chip"]
+
+STEPS_PER_CLOCK = 1000
+
+
+class _Status(IntEnum):
+    """How a run ended."""
+
+    DONE = 0
+    STUCK = 1
+    INVENTED = 2
+    WITHDRAWN = 3
+    ACKNOWLEDGED_NOTHING = 4
+    TAKEN_BACK = 5
+    REQUESTED_EARLY = 6
+    TOO_SOON = 7
+
+
+# What a fault means, for people.
+_FAULTS = {
+    _Status.STUCK: "stands still",
+    _Status.INVENTED: "gave more than it got",
+    _Status.WITHDRAWN: "withdrew or changed what it showed, before it was taken",
+    _Status.ACKNOWLEDGED_NOTHING: "acknowledged where there was no request",
+    _Status.TAKEN_BACK: "took its signal back before the other side had answered",
+    _Status.REQUESTED_EARLY: "requested while the acknowledge before was still there",
+    _Status.TOO_SOON: "requested before its word had stood long enough",
+}
+
+_POINTER = ctypes.c_void_p
+_INT = ctypes.c_int64
+
+# (field, ctypes type, C type)
+_JOB: list[tuple[str, type, str]] = [
+    ("words", _POINTER, "const uint64_t*"),
+    ("n", _INT, "int64_t"),
+    ("next", _INT, "int64_t"),
+    # the chip, in steps; a delay is at most this
+    ("gap", _INT, "int64_t"),
+    ("react", _INT, "int64_t"),
+    ("skew", _INT, "int64_t"),
+    ("setup", _INT, "int64_t"),  # of a receiver: in clocks, that the word must stand before the request
+    ("window", _INT, "int64_t"),
+    ("active_low", _INT, "int64_t"),
+    # one byte per clock, repeated, for the stream on the clock's side: 1 goes, 0 stalls; length 0 never stalls
+    ("pattern", _POINTER, "const uint8_t*"),
+    ("pattern_length", _INT, "int64_t"),
+    # what came of it
+    ("events", _POINTER, "uint64_t*"),
+    ("n_out", _INT, "int64_t"),
+    ("request_at", _POINTER, "int64_t*"),
+    ("accepted", _POINTER, "int64_t*"),
+    ("cycle", _INT, "int64_t"),
+    ("noise", ctypes.c_uint64, "uint64_t"),
+]
+
+
+class _Job(ctypes.Structure):
+    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+
+
+@dataclass(frozen=True)
+class Chip:
+    """How the other side behaves. Delays are random and at most so long, in steps of a thousandth of a clock.
+
+    Attributes:
+        gap: from the end of a handshake to the next word.
+        react: from a signal seen to the answer.
+        skew: between the wires of a word.
+        setup: of a sender, from the last wire of a word to the request; of a receiver, the clocks that a word must have stood.
+        window: a flip-flop that looks at a wire closer than this to its change sees either value.
+    """
+
+    gap: int = 0
+    react: int = 0
+    skew: int = 0
+    setup: int = 0
+    window: int = 0
+
+
+class AerRun(NamedTuple):
+    """What came of a run.
+
+    Attributes:
+        out: of a sender's words: the events (t, x, y, p), (n, 4) uint64, t in clocks; of a receiver: the words it took, (n,).
+        request_at: (n,) int64, the step at which a sender requested, or the clock at which a word for a receiver was taken.
+        clocks: how many it took.
+    """
+
+    out: NDArray[np.uint64]
+    request_at: NDArray[np.int64]
+    clocks: int
+
+
+class AerDevice:
+    """`aer_in` with a sender, or `aer_out` with a receiver; `device.sim.io` has its other ports.
+
+    Raises:
+        ToolchainError: the module cannot be built.
+    """
+
+    def __init__(
+        self,
+        top: Literal["aer_in", "aer_out"],
+        parameters: Mapping[str, int],
+        *,
+        ports: Mapping[str, int] | None = None,
+        verilog: Path | None = None,
+    ) -> None:
+        self.top = top
+        self.sends = top == "aer_in"
+        self.model = build(top, parameters, {"aer.cpp": _source(top, parameters)}, verilog=verilog)
+        self.sim: PyVerilator = self.model.load()
+        self.sim.lib.evcot_aer.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
+        self.sim.lib.evcot_aer.restype = ctypes.c_int
+        self._words_are = 2 if self.sends else 5
+        for port, value in (ports or {}).items():
+            self.sim.io[port] = value
+        self._rest()
+        reset(self.sim)
+        self.cycle = 0
+
+    def _rest(self) -> None:
+        """The chip is silent."""
+        self.sim.io["aer_req" if self.sends else "aer_ack"] = int(self.sim.io.active_low)
+
+    def reset(self, **ports: int) -> None:
+        """Reset the hardware with these settings."""
+        for port, value in ports.items():
+            self.sim.io[port] = value
+        self._rest()
+        reset(self.sim)
+
+    def run(self, words: ArrayLike, chip: Chip, seed: int, pattern: NDArray[np.uint8] | None = None) -> AerRun:
+        """Pass words on, all of them, and wait until nothing moves any more.
+
+        Args:
+            words: for a sender (data, row), (n, 2); for a receiver (kind, slot, x, y, p), (n, 5).
+            pattern: stalls of the stream on the clock's side, one byte per clock: 1 goes, 0 stalls.
+
+        Raises:
+            HardwareError: it broke the protocol, or nothing moves any more.
+        """
+        table = np.ascontiguousarray(np.asarray(words, np.uint64).reshape(-1, self._words_are))
+        n = len(table)
+        out = np.zeros((n + 1, 4) if self.sends else n + 1, np.uint64)
+        moments = np.zeros(n, np.int64)
+        job = _Job(
+            words=pointer(table), n=n, gap=chip.gap, react=chip.react, skew=chip.skew, setup=chip.setup, window=chip.window,
+            active_low=int(self.sim.io.active_low),
+            pattern=pointer(pattern), pattern_length=0 if pattern is None else len(pattern),
+            events=pointer(out), request_at=pointer(moments), accepted=pointer(moments), cycle=self.cycle,
+            noise=(0x9E3779B97F4A7C15 * (2 * seed + 1)) & ((1 << 64) - 1),
+        )  # fmt: skip
+        status = _Status(self.sim.lib.evcot_aer(self.sim.model, ctypes.byref(job)))
+        lasted, self.cycle = job.cycle - self.cycle, job.cycle
+        if status != _Status.DONE:
+            raise HardwareError(f"{self.top} {_FAULTS[status]}, at word {job.next} (clock {job.cycle})", job.next)
+        return AerRun(out[: job.n_out], moments, lasted)
+
+
+def _source(top: str, parameters: Mapping[str, int]) -> str:
+    """C++ text of the drive."""
+    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
+    values: dict[str, Any] = {
+        "top": top,
+        "sends": top == "aer_in",
+        "data_bits": parameters["X_W"] + parameters["Y_W"] + 1,
+        "time_mask": (1 << parameters.get("T_W", 48)) - 1,
+        "steps_per_clock": STEPS_PER_CLOCK,
+    }
+    fields = [(ctype, name) for name, _, ctype in _JOB]
+    return environment.get_template("aer.cpp.j2").render(
+        **values, job_fields=fields, statuses=[status.name for status in _Status]
+    )  # fmt: skip

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// A signal from outside the clock, through a row of flip-flops in which a metastable one has time to settle.
+//
+// Latency:    STAGES clocks, one more when d changes too close to the clock edge.
+// Reset:      q and all before it become RESET.
+`default_nettype none
+
+module synchronizer #(
+    parameter STAGES = 2,  // flip-flops, 2..4
+    parameter RESET  = 0   // 0 or 1
+) (
+    input  wire clk,
+    input  wire rst,
+    input  wire d,
+    output wire q
+);
+
+    parameter_check #(.OK(STAGES >= 2 && STAGES <= 4)) STAGES_must_be_2_to_4 ();
+    parameter_check #(.OK(RESET == 0 || RESET == 1)) RESET_must_be_0_or_1 ();
+
+    (* ASYNC_REG = "TRUE" *) reg [STAGES-1:0] stages;
+
+    assign q = stages[STAGES-1];
+
+    always @(posedge clk) begin
+        stages <= {stages[STAGES-2:0], d};
+        if (rst) stages <= {STAGES{RESET[0]}};
+    end
+
+endmodule
+
+`default_nettype wire
