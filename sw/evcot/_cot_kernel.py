@@ -266,7 +266,7 @@ def _overlapping(s: Table, i: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _merge(s: Table, regs: Table, lim: Table, moved: int, now: int, seq: int, out: Table, n: int) -> int:
+def _merge(s: Table, regs: Table, lim: Table, glob: Table, moved: int, now: int, out: Table, n: int) -> int:
     """Merge the moved cluster with whatever it overlaps until no active windows overlap; the first born stays."""
     while True:
         other = _overlapping(s, moved)
@@ -276,7 +276,7 @@ def _merge(s: Table, regs: Table, lim: Table, moved: int, now: int, seq: int, ou
         a = s[SUPPORT, stays]
         b = s[SUPPORT, goes]
         half = ((a + b) >> 1) if lim[FRAC] > 0 else 0
-        n = _record(s, regs, lim, goes, MERGED, seq, now, s[ID, stays], out, n)
+        n = _record(s, regs, lim, goes, MERGED, glob[SEQ], now, s[ID, stays], out, n)
         s[CM_X, stays] = (s[CM_X, stays] * a + s[CM_X, goes] * b + half) // (a + b)
         s[CM_Y, stays] = (s[CM_Y, stays] * a + s[CM_Y, goes] * b + half) // (a + b)
         s[AV_X, stays] = s[CM_X, stays]
@@ -284,9 +284,10 @@ def _merge(s: Table, regs: Table, lim: Table, moved: int, now: int, seq: int, ou
         s[G, stays] = min(max(s[G, stays], s[G, goes]), regs[RADIX_MAX, stays])
         s[SUPPORT, stays] = min(a + b, lim[SUPPORT_MAX])
         s[DEADLINE, stays] = now + regs[MAX_TICKS, stays]
+        glob[NEXT_DEADLINE] = min(glob[NEXT_DEADLINE], s[DEADLINE, stays])
         _set_window(s, regs, lim, stays)
         _retire(s, regs, lim, goes)
-        n = _record(s, regs, lim, stays, MOVED, seq, now, 0, out, n)
+        n = _record(s, regs, lim, stays, MOVED, glob[SEQ], now, 0, out, n)
         moved = stays
 
 
@@ -334,7 +335,7 @@ def feed(
                 kind = _proc(s, regs, lim, glob, slot, now)
                 n = _record(s, regs, lim, slot, kind, glob[SEQ], now, 0, out, n)
                 if not is_chain:
-                    n = _merge(s, regs, lim, slot, now, glob[SEQ], out, n)
+                    n = _merge(s, regs, lim, glob, slot, now, out, n)
             glob[NEXT_DEADLINE] = min(glob[NEXT_DEADLINE], s[DEADLINE, slot])
         glob[SEQ] += 1
     return len(ticks), n
