@@ -296,7 +296,7 @@ class TopDevice:
         *,
         keeps: NDArray[np.uint8] | None = None,
         clocks: int = 0,
-        quiet_clocks: int = 400,
+        quiet_clocks: int = 10_000,
         most: int | None = None,
         listens: bool = True,
     ) -> Told:
@@ -306,6 +306,7 @@ class TopDevice:
             words: of the input stream.
             commands: made by `read`, `write` and `poll`; each begins when the one before it is over.
             keeps: tkeep of each word; all ones if None.
+            quiet_clocks: more than a filter needs to go through its memory, if one is to be waited for.
             most: events that may come out (default: as many as words go in).
             listens: take what comes out; else it waits for the next run.
 

@@ -6,8 +6,8 @@
 // to its tracker or filter in 16 clocks, `mode` last and only if it was written. All banks pending by then are copied before
 // busy falls.
 //
-// Latency:    5 clocks from the last handshake of a read to its answer, 6 of a write; 17 N more while N banks are copied, and 16
-//             N + 16 after reset, while the shadow is filled.
+// Latency:    6 clocks from the handshake that completes a read to its answer, 7 of a write; 17 more for each bank that is
+//             copied, and 16 N + 16 after reset, while the shadow is filled.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears what has happened,
 //             and every mode counts as written.
 `default_nettype none
@@ -85,7 +85,7 @@ module axi_lite_regs #(
     // registers of the trackers and filters, written while `apply`
     output wire                busy,           // a commit is pending
     input  wire                apply,          // nothing is under way
-    input  wire [SEQ_W-1:0]    seq,            // number of the next event
+    input  wire [47:0]         seq,            // number of the next event
     output reg                 cfg_valid,
     output reg  [SLOT_W-1:0]   cfg_slot,
     output reg  [3:0]          cfg_addr,
@@ -116,8 +116,9 @@ module axi_lite_regs #(
 
     localparam WORD_W = `EVCOT_CSR_ADDR_W - 2;
     localparam BANK_W = $clog2(N + 1);             // a bank for each slot, and one for the filters
-    localparam [BANK_W-1:0] FILTERS = N;
-    localparam [6:0]  SLOTS    = N;
+    localparam [31:0]       N_32    = N;
+    localparam [BANK_W-1:0] FILTERS = N_32[BANK_W-1:0];
+    localparam [6:0]        SLOTS   = N_32[6:0];
     localparam [3:0]  LAST     = 4'd15;            // where the shadow keeps the number of the first event after a commit
     localparam [31:0] LAST_X   = WIDTH - 1;
     localparam [31:0] LAST_Y   = HEIGHT - 1;
@@ -265,7 +266,6 @@ module axi_lite_regs #(
 
     reg  [47:0] commit_seq;
     reg  [31:0] commit_count;
-    wire [47:0] wide_seq = {{(48 - SEQ_W) {1'b0}}, seq};
 
     assign busy            = |pending;
     assign filter_cfg_addr = cfg_addr;
@@ -323,7 +323,7 @@ module axi_lite_regs #(
                 if (copied_all) begin
                     pending[copied] <= 1'b0;
                     if (!copies_filters) mode_new[copied[SLOT_W-1:0]] <= 1'b0;
-                    commit_seq <= wide_seq;
+                    commit_seq <= seq;
                     state      <= IDLE;
                 end
                 if (committed) commit_count <= commit_count + 1'b1;
@@ -365,7 +365,7 @@ module axi_lite_regs #(
             events_in      <= n_events_in;
             events_dropped <= n_events_dropped;
             malformed      <= n_malformed;
-            events         <= wide_seq[31:0];
+            events         <= seq[31:0];
             filtered       <= n_filtered;
             owned          <= n_owned;
             passed         <= n_passed;
@@ -385,13 +385,10 @@ module axi_lite_regs #(
 
     // ---- the words outside the banks ---------------------------------------------------------------------------------
 
-    localparam [6:0] FILTERS_BUILT = HAS;
-    localparam [5:0] SOURCES_BUILT = SOURCES;
-    localparam [1:0] TRACKER_BUILT = TRACKER;
-    localparam [3:0] FRAC_4 = FRAC, RADIX_W_4 = RADIX_W;
-    localparam [4:0] X_W_5 = X_W, Y_W_5 = Y_W, NEV_W_5 = NEV_W;
-    localparam [5:0] TICK_W_6 = TICK_W, TC_W_6 = TC_W, SUP_W_6 = SUP_W, ID_W_6 = ID_W, SEQ_W_6 = SEQ_W, TIME_W_6 = TIME_W;
-    localparam [5:0] STAMP_W_6 = STAMP_W;
+    // A parameter that is given from outside has 32 bits.
+    localparam [31:0] HAS_32 = HAS, SOURCES_32 = SOURCES, TRACKER_32 = TRACKER, FRAC_32 = FRAC, RADIX_W_32 = RADIX_W;
+    localparam [31:0] X_W_32 = X_W, Y_W_32 = Y_W, NEV_W_32 = NEV_W, TICK_W_32 = TICK_W, TC_W_32 = TC_W, SUP_W_32 = SUP_W;
+    localparam [31:0] ID_W_32 = ID_W, SEQ_W_32 = SEQ_W, TIME_W_32 = TIME_W, STAMP_W_32 = STAMP_W;
 
     axi_lite_words #(
         .X_W    (X_W),
@@ -414,23 +411,23 @@ module axi_lite_regs #(
         .version_minor       (`EVCOT_CSR_MINOR),
         .version_major       (`EVCOT_CSR_MAJOR),
         .shape0_n_slots      (SLOTS),
-        .shape0_frac         (FRAC_4),
-        .shape0_x_w          (X_W_5),
-        .shape0_y_w          (Y_W_5),
-        .shape1_tick_w       (TICK_W_6),
-        .shape1_radix_w      (RADIX_W_4),
-        .shape1_nev_w        (NEV_W_5),
-        .shape1_tc_w         (TC_W_6),
-        .shape2_sup_w        (SUP_W_6),
-        .shape2_id_w         (ID_W_6),
-        .shape2_seq_w        (SEQ_W_6),
-        .shape2_time_w       (TIME_W_6),
-        .build_filters       (FILTERS_BUILT),
-        .build_sources       (SOURCES_BUILT),
-        .build_tracker       (TRACKER_BUILT),
+        .shape0_frac         (FRAC_32[3:0]),
+        .shape0_x_w          (X_W_32[4:0]),
+        .shape0_y_w          (Y_W_32[4:0]),
+        .shape1_tick_w       (TICK_W_32[5:0]),
+        .shape1_radix_w      (RADIX_W_32[3:0]),
+        .shape1_nev_w        (NEV_W_32[4:0]),
+        .shape1_tc_w         (TC_W_32[5:0]),
+        .shape2_sup_w        (SUP_W_32[5:0]),
+        .shape2_id_w         (ID_W_32[5:0]),
+        .shape2_seq_w        (SEQ_W_32[5:0]),
+        .shape2_time_w       (TIME_W_32[5:0]),
+        .build_filters       (HAS_32[6:0]),
+        .build_sources       (SOURCES_32[5:0]),
+        .build_tracker       (TRACKER_32[1:0]),
         .sensor_last_x       (LAST_X[15:0]),
         .sensor_last_y       (LAST_Y[15:0]),
-        .memory_stamp_w      (STAMP_W_6),
+        .memory_stamp_w      (STAMP_W_32[5:0]),
         .memory_recent_last  (RECENT[7:0]),
         .memory_fifo_depth   (DEPTH[15:0]),
         .control_enable      (enable),

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of `evcot_top` share: a few elaborations of it, each of which takes a minute to compile, and traffic for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from evcot.config import CotConfig, SlotConfig
+from evcot.contract import FilterShape, Shape
+from evcot.presets import PRESETS, fit
+
+from .top_device import Pace, TopDevice
+from .trials import Traffic, random_traffic
+
+__all__ = ["BUILDS", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
+
+ARRAY, CHAIN, ENGINE = 0, 1, 2
+SMALL = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=32, time_w=32)
+SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)
+EVERY = SlotConfig(  # a record for every event
+    init_radix=4, radix_th=2, radix_step=1, radix_min=4, radix_max=6, hist_avg=1, max_ticks=4_000,
+    clust_nev=1, nev_min=1, nev_max=1, nev_th=9, detect_ticks=90,
+)  # fmt: skip
+DVS128 = fit(PRESETS["dvs128"], 128, 128)
+
+
+class Build(NamedTuple):
+    """One elaboration of the top; few, for each takes a minute to compile."""
+
+    shape: Shape
+    filter_shape: FilterShape
+    parameters: Mapping[str, int]
+
+
+BUILDS = {
+    "array behind filters": Build(SMALL, SENSOR, {"TRACKER": ARRAY, "SOURCES": 3, "HAS": 127, "FIFO_DEPTH": 40}),
+    "engine": Build(
+        DVS128.cot.shape,
+        FilterShape(128, 128),
+        {"TRACKER": ENGINE, "HAS": 3, "DATA_W": 256, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
+    ),
+    "sources": Build(
+        Shape(n_slots=2, x_w=8, y_w=8),
+        FilterShape(200, 150),
+        {"TRACKER": ARRAY, "SOURCES": 63, "SOURCE": 3, "FIFO_DEPTH": 16},
+    ),
+    "chain": Build(SMALL, FilterShape(64, 64), {"TRACKER": CHAIN, "DATA_W": 32, "FIFO_DEPTH": 1, "RECORD_DEPTH": 1}),
+}
+
+
+def device_of(name: str, config: CotConfig | None = None, *, pace: Pace | None = None) -> TopDevice:
+    """A device of one of the builds; of the configuration the slots and filters count."""
+    build = BUILDS[name]
+    config = replace(config or CotConfig.uniform(build.shape, EVERY), filter_shape=build.filter_shape)
+    return TopDevice(config, build.parameters, pace=pace)
+
+
+def traffic_of(rng: np.random.Generator, build: Build, n: int, since: int = 0) -> Traffic:
+    """Random events on the sensor, from tick `since` on."""
+    traffic = random_traffic(rng, build.shape, n, float(rng.choice([0.3, 2])), since)
+    x, y = traffic.x % build.filter_shape.width, traffic.y % build.filter_shape.height
+    return Traffic(traffic.ticks, x.astype(np.uint16), y.astype(np.uint16), traffic.p)
