@@ -84,8 +84,12 @@ def _live(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         filters = filters_from(options, filters, blocks(), source.sensor)
         start = ENGINES[options.engine].start
         _warm(start(settings, filters, source.sensor), source.sensor)
-        recorder = Recorder(options.save, source.sensor) if options.save else None
         log = LogKeeper(options.save_log, options.engine) if options.save_log else None
+        if log is not None:
+            undo.callback(log.drop)
+        recorder = Recorder(options.save, source.sensor) if options.save else None
+        if recorder is not None:
+            undo.callback(recorder.close)
         session = Session(source, start(settings, filters, source.sensor), recorder, log)
         hello = {
             "name": source.name, "engine": options.engine, "preset": options.preset or "default preset",

@@ -26,7 +26,7 @@ _BUFFER_BYTES = 1 << 22
 
 
 class Recorder:
-    """Events into a file that can be read whenever the process ends. A context manager.
+    """Events into a file that can be read whenever the process ends.
 
     Args:
         path: `.aedat4` or `.raw` (EVT 3.0); must not exist.
@@ -71,10 +71,12 @@ class Recorder:
             self._flushed_s = now_s
 
     def close(self) -> None:
-        """End the file as its format wants it."""
+        """End the file as its format wants it; once is enough."""
+        if self._file.closed:
+            return
         try:
-            self._sink.close()
-            self._file.close()
+            with self._file:
+                self._sink.close()
         except OSError as error:
             raise _unwritable(self.path, error) from error
 
@@ -102,6 +104,12 @@ class LogKeeper:
     def close(self) -> None:
         """Write the log."""
         TrackLog(self._engine, self._records.array(), self._owner.array()).save_npz(self.path)
+        self.drop()
+
+    def drop(self) -> None:
+        """Forget what has not been written."""
+        self._records.close()
+        self._owner.close()
 
 
 class _Spool:
@@ -123,6 +131,9 @@ class _Spool:
     def array(self) -> NDArray[Any]:
         self._file.flush()
         return np.memmap(self._file, self._dtype, "r") if self._file.tell() else np.empty(0, self._dtype)
+
+    def close(self) -> None:
+        self._file.close()
 
 
 def _new_file(path: Path) -> BinaryIO:

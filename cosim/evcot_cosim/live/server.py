@@ -7,6 +7,7 @@ import asyncio
 import ipaddress
 import json
 import logging
+import os
 import socket
 import threading
 import time
@@ -120,6 +121,7 @@ class Server:
             return
         async with self._looking() as inbox:
             undrawn = _Undrawn(self._session)
+            await connection.send(json.dumps(self._hello))
             work = [
                 self._send_frames(connection, inbox, undrawn),
                 self._send_figures(connection, inbox),
@@ -146,7 +148,6 @@ class Server:
             self._session.look_away(inbox)
 
     async def _send_frames(self, connection: Any, inbox: Waiting[Step], undrawn: _Undrawn) -> None:
-        await connection.send(json.dumps(self._hello))
         maker = FrameMaker(self._session.source.sensor)
         due_s = time.perf_counter()
         while True:
@@ -221,4 +222,4 @@ def _listening(bind: str, port: int) -> socket.socket:
     try:
         return socket.create_server((bind, port), family=socket.AF_INET6 if address.version == 6 else socket.AF_INET)
     except OSError as error:
-        raise OutputError(f"{bind}:{port}: cannot be listened at: {error.strerror or error}") from error
+        raise OutputError(f"{bind}:{port}: cannot be listened at: {os.strerror(error.errno or 0)}") from error

@@ -67,7 +67,8 @@ class Session:
         self._received = self._fed = 0
         self._first_us: int | None = None
         self._last_us = 0
-        self._marks: deque[tuple[float, int, int]] = deque()
+        self._marks: deque[tuple[float, int, int]] = deque([(time.perf_counter(), 0, 0)])
+        self._marking = threading.Lock()
         self._begin_s = time.perf_counter()
         self._error: BaseException | None = None
         self._threads = [threading.Thread(target=self._guarded, args=(work,)) for work in (self._receive, self._track)]
@@ -198,14 +199,15 @@ class Session:
 
     def _rates(self, now_s: float) -> tuple[float, float]:
         """(received, tracked) events per second."""
-        marks = self._marks
-        marks.append((now_s, self._received, self._fed))
-        while len(marks) > 2 and now_s - marks[1][0] >= _RATE_S:
-            marks.popleft()
-        since_s = now_s - marks[0][0]
-        if since_s <= 0:
-            return 0.0, 0.0
-        return round((marks[-1][1] - marks[0][1]) / since_s, 1), round((marks[-1][2] - marks[0][2]) / since_s, 1)
+        with self._marking:
+            marks = self._marks
+            marks.append((now_s, self._received, self._fed))
+            while len(marks) > 2 and now_s - marks[1][0] >= _RATE_S:
+                marks.popleft()
+            (begin_s, *begin), (end_s, *end) = marks[0], marks[-1]
+        since_s = max(end_s - begin_s, 1e-9)
+        received_hz, tracked_hz = (round((b - a) / since_s, 1) for a, b in zip(begin, end, strict=True))
+        return received_hz, tracked_hz
 
     def summary(self) -> dict[str, Any]:
         """The figures of the whole run."""

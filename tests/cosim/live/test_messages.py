@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames, and how they travel: each pixel's newest event, and bytes at the places that the layout tells."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+
+from evcot.contract import DROPPED, Kind
+from evcot.events import Events
+from evcot_cosim.live.alive import Alive, Clusters
+from evcot_cosim.live.frame import FrameMaker
+from evcot_cosim.live.messages import drawn_number, pack_frame
+from evcot_cosim.live.session import Step
+
+from .stories import SENSOR, events, random_events, record
+
+
+def step(some: Events, owner: int = -1, arrived_s: float = 0.0) -> Step:
+    return Step(some, np.full(len(some), owner, np.int16), arrived_s)
+
+
+def test_a_frame_has_the_newest_event_of_every_pixel() -> None:
+    maker = FrameMaker(SENSOR)
+    for seed in range(3):
+        some = [random_events(4_000, 10 * seed + i) for i in range(2)]
+        later = Events(some[1].t_us + 1_000_000, some[1].x, some[1].y, some[1].p)
+        frame = maker.make([step(some[0], arrived_s=1), step(later, arrived_s=2)], Clusters())
+        whole = Events.joined([some[0], later])
+        newest = {(int(x), int(y)): i for i, (x, y) in enumerate(zip(whole.x, whole.y, strict=True))}
+        chosen = sorted(newest.values())
+        assert len(chosen) < 64 * 48
+        assert np.array_equal(frame.events_t_us, whole.t_us[chosen])
+        assert np.array_equal(frame.on, whole.p[chosen] == 1)
+        assert (frame.number, frame.hidden, frame.t_us) == (seed, 8_000 - len(chosen), int(whole.t_us[-1]))
+        assert frame.arrived_s.tolist() == [1, 2]
+
+
+def test_the_layout() -> None:
+    alive = Alive()
+    alive.apply(np.concatenate([record(Kind.BORN, 1_000, 0, 5, x=1), record(Kind.BORN, 2_000, 0, (1 << 32) + 6, x=7.5)]))
+    some = Events.joined([events(10_000, x=1, y=2), events(20_000, x=3, y=4), events(30_000, x=63, y=47)])
+    on = Events(some.t_us, some.x, some.y, np.array([1, 0, 1], np.uint8))
+    frame = FrameMaker(SENSOR).make([step(on[:2]), step(on[2:], DROPPED)], alive.clusters)
+    data = pack_frame(frame, 5_000)
+    assert data[0] == 1
+    assert struct.unpack_from("<BHIII", data, 1) == (1, 2, 0, 3, 0)
+    t_us, unit_us, zero = struct.unpack_from("<dfI", data, 16)
+    assert (t_us, zero) == (25_000, 0)
+    assert struct.unpack_from("<Iffffi", data, 32) == (5, 1, 5, 3, pytest.approx(0.029), 0)
+    assert struct.unpack_from("<Iffffi", data, 56) == (6, 7.5, 5, 3, pytest.approx(0.028), 0)
+    x, y, age = (np.frombuffer(data, "<u2", 3, 80 + 8 * i) for i in range(3))
+    assert (x.tolist(), y.tolist()) == ([1, 3, 63], [2, 4, 47])
+    assert age * unit_us == pytest.approx([20_000, 10_000, 0], abs=1)
+    assert list(data[104:107]) == [1, 0, 3]
+    assert len(data) == 108
+
+
+def test_ages_are_as_fine_as_the_frame_is_short() -> None:
+    for span_us in (3, 1_000, 30_000_000):
+        frame = FrameMaker(SENSOR).make(
+            [step(Events.joined([events(0, x=1), events(span_us // 3, x=2), events(span_us, x=3)]))], Clusters()
+        )
+        data = pack_frame(frame, 0)
+        unit_us = struct.unpack_from("<f", data, 24)[0]
+        age_us = np.frombuffer(data, "<u2", 3, 32 + 16) * unit_us
+        assert age_us == pytest.approx([span_us, span_us - span_us // 3, 0], abs=span_us / 60_000)
+
+
+def test_an_answer() -> None:
+    assert drawn_number(struct.pack("<B3xI", 2, 77)) == 77
+    for other in ("2", b"", struct.pack("<B3xI", 1, 77), struct.pack("<B3xIx", 2, 77)):
+        assert drawn_number(other) is None

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page in a real browser: it draws, it answers, it comes back, and a phone can show it."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from evcot_cosim.live.server import Server
+from evcot_cosim.live.session import Session
+
+from .stories import SENSOR, EveryTenth, Played, events, wait_until
+
+pytest.importorskip("websockets", reason="websockets is not installed")
+playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+CHROMIUM = shutil.which("chromium")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+
+HELLO = {"name": "a drive", "engine": "rct", "preset": "plain", "width": SENSOR[0], "height": SENSOR[1], "speed": 1.0}
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as tools:
+        flags = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        browser = tools.chromium.launch(executable_path=CHROMIUM, args=flags)
+        yield browser
+        browser.close()
+
+
+def started() -> Session:
+    """Events at (20, 10), ON and OFF, and a cluster there, for as long as anybody wants."""
+    parts = [events(*(10_000 * i + np.arange(0, 10_000, 500)).tolist(), x=20, y=10) for i in range(100_000)]
+    session = Session(Played(parts, lambda _: time.sleep(0.01)), EveryTenth())
+    session.start()
+    return session
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    session = started()
+    with Server(session, HELLO, port=0) as server:
+        yield server
+    session.stop()
+
+
+class Page:
+    """The page, and all that its console said."""
+
+    def __init__(self, browser: Any, url: str, **context: Any) -> None:
+        self.context = browser.new_context(**context)
+        self.page = self.context.new_page()
+        self.said: list[str] = []
+        self.page.on("console", lambda message: self.said.append(message.text))
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.goto(url)
+        wait_until(lambda: self.page.query_selector("#rows tr") is not None, 20)
+
+    def text(self, selector: str) -> str:
+        return str(self.page.inner_text(selector))
+
+    def pixel(self, x: float, y: float) -> list[int]:
+        """Colour of the canvas at a place of the sensor."""
+        script = """([x, y, width, height]) => {
+          const canvas = document.querySelector("#stage");
+          const scale = Math.min(canvas.width / width, canvas.height / height);
+          const left = canvas.width / 2 + (x + 0.5 - width / 2) * scale;
+          const top = canvas.height / 2 + (y + 0.5 - height / 2) * scale;
+          return [...canvas.getContext("2d").getImageData(left, top, 1, 1).data].slice(0, 3);
+        }"""
+        found: list[int] = self.page.evaluate(script, [x, y, *SENSOR])
+        return found
+
+
+@pytest.fixture
+def open_page(browser: Any, server: Server) -> Iterator[Any]:
+    pages: list[Page] = []
+
+    def opened(**context: Any) -> Page:
+        pages.append(Page(browser, server.url, **context))
+        return pages[-1]
+
+    yield opened
+    for page in pages:
+        page.context.close()
+        assert page.said == []
+
+
+def test_it_draws_events_and_clusters_and_tells_figures(open_page: Any, server: Server) -> None:
+    page = open_page(color_scheme="dark")
+    assert (page.text("#name"), page.text("#what")) == ("a drive", "rct, plain · 64×48 px")
+    wait_until(lambda: page.text("#drawn_ms").endswith("ms"), 20)
+    assert page.text("#state") == "live"
+    assert page.text("#clusters") == "1"
+    assert page.text("#dropped") == "0"
+    assert page.text("#rows td:nth-child(3)") == "20"
+    ground, event, window = page.pixel(40, 40), page.pixel(20, 10), page.pixel(16.5, 10)
+    assert ground == [0x0B, 0x0E, 0x12]
+    assert max(event) > 100
+    assert window == [0x56, 0xB4, 0xE9], "the window's edge, 3 pixels and a half left of the centre"
+
+
+def test_layers_can_be_switched_off(open_page: Any) -> None:
+    page = open_page(color_scheme="light")
+    assert page.pixel(16.5, 10) == [0x00, 0x68, 0xA3]
+    page.page.uncheck("input[name=windows]")
+    wait_until(lambda: page.pixel(16.5, 10) == [255, 255, 255])
+
+
+def test_a_pause_holds_the_picture_and_not_the_figures(open_page: Any) -> None:
+    page = open_page()
+    page.page.click("#pause")
+    assert page.text("#pause") == "Go on"
+    held = page.page.evaluate("document.querySelector('#stage').toDataURL()")
+    before = page.text("#recording_s")
+    wait_until(lambda: page.text("#recording_s") != before, 20)
+    assert page.page.evaluate("document.querySelector('#stage').toDataURL()") == held
+    page.page.click("#pause")
+    assert page.text("#pause") == "Pause"
+
+
+@pytest.mark.parametrize("width", [390, 800, 1280])
+def test_no_width_makes_it_scroll_sideways_and_every_control_has_a_name(open_page: Any, width: int) -> None:
+    page = open_page(viewport={"width": width, "height": 844}, is_mobile=width < 500, has_touch=width < 500)
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= width
+    unnamed = """[...document.querySelectorAll("button, select, input")].filter((control) =>
+      !control.textContent.trim() && !control.closest("label")?.textContent.trim()).length"""
+    assert page.page.evaluate(unnamed) == 0
+    canvas = page.page.query_selector("#stage").bounding_box()
+    assert canvas["width"] > 0.5 * width
+    assert canvas["width"] / canvas["height"] == pytest.approx(SENSOR[0] / SENSOR[1], rel=0.5)
+
+
+def test_it_comes_back_when_the_server_does(browser: Any) -> None:
+    session = started()
+    with Server(session, HELLO, port=0) as server:
+        page = Page(browser, server.url)
+        port = int(server.url.rstrip("/").rsplit(":", 1)[1])
+    session.stop()
+    page.page.wait_for_selector("#state[data-state=lost]", timeout=20_000)
+    session = started()
+    with Server(session, {**HELLO, "name": "another drive"}, port):
+        page.page.wait_for_selector("#state[data-state=live]", timeout=20_000)
+        assert page.text("#name") == "another drive"
+        page.context.close()
+    session.stop()

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The queue between threads: bounded, the newest stays, what is given up is counted."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from evcot_cosim.live.waiting import Arrival, Taken, Waiting
+
+from .stories import events
+
+
+def arrival(count: int, age_s: float = 0.0) -> Arrival:
+    return Arrival(events(*range(count)), time.perf_counter() - age_s)
+
+
+def taken(waiting: Waiting[Arrival], most: int | None = None) -> Taken[Arrival]:
+    got = waiting.take(most=most)
+    assert got is not None
+    return got
+
+
+def test_what_was_put_comes_in_turn() -> None:
+    waiting: Waiting[Arrival] = Waiting(10, 100)
+    put = [arrival(n) for n in (3, 4, 5)]
+    for each in put:
+        waiting.put(each)
+    assert taken(waiting, most=1) == Taken(0, put[:1])
+    assert taken(waiting) == Taken(0, put[1:])
+    assert taken(waiting) == Taken(0, [])
+
+
+def test_of_too_many_events_the_oldest_are_given_up_and_counted_once() -> None:
+    waiting: Waiting[Arrival] = Waiting(10, 10)
+    put = [arrival(4) for _ in range(5)]
+    for each in put:
+        waiting.put(each)
+    assert taken(waiting) == Taken(12, put[3:])
+    assert waiting.lost == 12
+    waiting.put(put[0])
+    assert taken(waiting) == Taken(0, put[:1])
+
+
+def test_what_has_waited_too_long_is_given_up_as_long_as_there_is_something_newer() -> None:
+    waiting: Waiting[Arrival] = Waiting(0.5, 100)
+    for age_s in (2.0, 1.0):
+        waiting.put(arrival(2, age_s))
+    newest = arrival(3, 0.9)
+    waiting.put(newest)
+    assert taken(waiting) == Taken(4, [newest])
+
+
+def test_one_item_larger_than_all_the_room_still_passes() -> None:
+    waiting: Waiting[Arrival] = Waiting(10, 5)
+    waiting.put(arrival(50))
+    assert len(taken(waiting).items[0].events) == 50
+
+
+def test_closed_it_gives_what_is_left_and_then_nothing() -> None:
+    waiting: Waiting[Arrival] = Waiting(10, 5)
+    last = arrival(1)
+    waiting.put(last)
+    waiting.close()
+    assert taken(waiting) == Taken(0, [last])
+    assert waiting.take(timeout_s=10) is None
+
+
+def test_one_who_waits_is_woken() -> None:
+    waiting: Waiting[Arrival] = Waiting(10, 5)
+    put = arrival(1)
+    threading.Timer(0.1, waiting.put, [put]).start()
+    assert waiting.take(timeout_s=10) == Taken(0, [put])
+    threading.Timer(0.1, waiting.close).start()
+    assert waiting.take(timeout_s=10) is None
