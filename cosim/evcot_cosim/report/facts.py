@@ -84,7 +84,7 @@ def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]
         return []
     return [
         ("Lifetimes", f"{a['tracks_hardware']:,}", f"{a['tracks_software']:,}",
-         f"{len(a['tracks']):,} paired, of {a['tracks_corresponding']:,} birth and end correspond"),
+         f"{len(a['tracks']):,} paired, {a['tracks_corresponding']:,} of them alike in birth and end"),
         ("Merges", f"{a['merges_hardware']:,}", f"{a['merges_software']:,}", f"{len(a['merges']):,} correspond"),
         ("Clusters alive, mean", figure(a["alive_mean_hardware"]), figure(a["alive_mean_software"]),
          f"the same number {percent(a['alive_equal_fraction'])} of the time"),
@@ -129,7 +129,7 @@ def run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("Clocks", "cycles", "{:,}"),
         ("Clocks per event", "cycles_per_event", "{:.3f}"),
         ("Lock-step", "events_per_s", "{:,.0f} events/s"),
-        ("Times real time", "realtime_factor", "{:.1f}"),
+        ("Lock-step against real time", "realtime_factor", "{:.1f} ×"),
         ("Software tracker", "software_events_per_s", "{:,.0f} events/s"),
     ):
         if name in summary:

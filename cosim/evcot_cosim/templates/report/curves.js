@@ -33,11 +33,15 @@ export class RatePanel {
     const end = Math.min(Math.ceil(axis.to / step), counts.length);
     context.fillStyle = theme.quiet;
     context.globalAlpha = 0.45;
+    context.beginPath();
+    context.moveTo(axis.toX(first * step, width), height);
     for (let i = first; i < end; i++) {
-      const left = axis.toX(i * step, width);
-      const tall = this.most ? ((height - PAD) * counts[i]) / this.most : 0;
-      context.fillRect(left, height - tall, Math.max(axis.toX((i + 1) * step, width) - left + 0.3, 1), tall);
+      const top = height - (this.most ? ((height - PAD) * counts[i]) / this.most : 0);
+      context.lineTo(axis.toX(i * step, width), top);
+      context.lineTo(axis.toX((i + 1) * step, width), top);
     }
+    context.lineTo(axis.toX(end * step, width), height);
+    context.fill();
     context.globalAlpha = 1;
     frame(context, width, height, theme, this.#perSecond(this.most) / 1e3, " k/s");
   }

@@ -3,6 +3,8 @@
 import { fading } from "./surface.js";
 
 const ID_PX = 11;
+const INNER_DASH = [1, 3];
+const TRAIL_STEP_PX = 2; // shorter steps of a trail are left out
 const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of common density
 
 /**
@@ -122,47 +124,48 @@ export class Stage {
 
   #drawLayer({ colour, dash, width, clusters, show, corner = "left" }) {
     const { context, ratio } = this;
-    const pen = width * ratio;
-    context.strokeStyle = colour;
-    context.lineJoin = "round";
+    context.strokeStyle = context.fillStyle = colour;
     if (show.trail) {
-      context.setLineDash([]);
-      context.lineWidth = pen;
+      context.lineWidth = width * ratio;
       context.globalAlpha = 0.75;
       for (const cluster of clusters) this.#trace(cluster.trail);
       context.globalAlpha = 1;
     }
     for (const cluster of clusters) {
-      const bold = cluster.strong ? 2 : 1;
-      if (show.window) {
-        context.setLineDash(dash.map((length) => length * ratio));
-        this.#box(cluster, cluster.halfWidth, cluster.halfHeight, bold * pen);
-      }
-      if (show.inner && cluster.inner !== null) {
-        context.setLineDash([1 * ratio, 3 * ratio]);
-        this.#box(cluster, cluster.inner, cluster.inner, (bold * pen) / 1.5);
-      }
+      const pen = Math.round(width * ratio) * (cluster.strong ? 2 : 1);
+      if (show.window) this.#frame(cluster, cluster.halfWidth, cluster.halfHeight, pen, dash);
+      if (show.inner && cluster.inner !== null) this.#frame(cluster, cluster.inner, cluster.inner, ratio, INNER_DASH);
     }
-    context.setLineDash([]);
     if (show.id) this.#writeIds(clusters, colour, corner);
   }
 
   #trace(trail) {
     if (!trail || trail.length < 4) return;
-    const { context, scale } = this;
+    const { context, scale, ratio } = this;
+    let [x, y] = [trail[0] * scale, trail[1] * scale];
     context.beginPath();
-    context.moveTo(trail[0] * scale, trail[1] * scale);
-    for (let i = 2; i < trail.length; i += 2) context.lineTo(trail[i] * scale, trail[i + 1] * scale);
+    context.moveTo(x, y);
+    for (let i = 2; i < trail.length; i += 2) {
+      const [left, top] = [trail[i] * scale, trail[i + 1] * scale];
+      if (Math.abs(left - x) + Math.abs(top - y) < TRAIL_STEP_PX * ratio && i < trail.length - 2) continue;
+      context.lineTo((x = left), (y = top));
+    }
     context.stroke();
   }
 
-  /** The pixels that a window holds, whole: both ends count. */
-  #box({ x, y }, halfWidth, halfHeight, pen) {
-    const { context, scale } = this;
-    context.lineWidth = pen;
-    context.strokeRect(
-      (x - halfWidth - 0.5) * scale, (y - halfHeight - 0.5) * scale, (2 * halfWidth + 1) * scale, (2 * halfHeight + 1) * scale,
-    );
+  /** The edge of the pixels that a window holds, both ends counted. As rectangles: browsers are slow at dashed lines. */
+  #frame({ x, y }, halfWidth, halfHeight, pen, dash) {
+    const { scale } = this;
+    const [left, right] = [Math.round((x - halfWidth - 0.5) * scale), Math.round((x + halfWidth + 0.5) * scale)];
+    const [top, bottom] = [Math.round((y - halfHeight - 0.5) * scale), Math.round((y + halfHeight + 0.5) * scale)];
+    for (const edge of [top, bottom - pen]) this.#edge(left, right, dash, (at, length) => this.context.fillRect(at, edge, length, pen));
+    for (const edge of [left, right - pen]) this.#edge(top, bottom, dash, (at, length) => this.context.fillRect(edge, at, pen, length));
+  }
+
+  #edge(from, to, [on, off = 0] = [], fill) {
+    if (!off) return void fill(from, to - from);
+    const step = (on + off) * this.ratio;
+    for (let at = from; at < to; at += step) fill(at, Math.min(on * this.ratio, to - at));
   }
 
   /** Above the window's left or right corner, or below it; inside, where there is no room above. */
@@ -209,10 +212,12 @@ export class Stage {
     const { context, ratio } = this;
     context.font = `600 ${ID_PX * ratio}px ${this.font}`;
     context.textBaseline = "bottom";
-    context.lineWidth = 3 * ratio;
-    context.strokeStyle = this.ground;
-    context.strokeText(text, left, bottom);
+    context.fillStyle = this.ground;
+    context.globalAlpha = 0.7;
+    const wide = context.measureText(text).width;
+    context.fillRect(context.textAlign === "right" ? left - wide : left, bottom - ID_PX * ratio, wide, ID_PX * ratio);
+    context.globalAlpha = 1;
     context.fillStyle = colour;
-    context.fillText(text, left, bottom);
+    context.fillText(text, left, bottom + ratio);
   }
 }

@@ -59,7 +59,8 @@ export class Timeline {
   }
 
   #place(line, x) {
-    line.style.transform = `translateX(${((100 * x) / this.width).toFixed(3)}%)`; // of its width, which is the panels'
+    line.style.transform = `translateX(${x.toFixed(1)}px)`;
+    line.style.setProperty("--part", (x / this.width).toFixed(4)); // on paper the width is another
     line.hidden = x < 0 || x > this.width;
   }
 

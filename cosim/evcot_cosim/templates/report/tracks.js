@@ -6,7 +6,7 @@ export const ALIVE = -1; // how a life ended
 export const MERGED = 2;
 export const LOST = 3;
 
-const TRAIL_POINTS = 300; // at most, of one trail
+const TRAIL_POINTS = 120; // at most, of one trail
 
 export class Tracks {
   /** Columns of paths.py under this name; `ring`: per slot, window less inner radius, or null. */
