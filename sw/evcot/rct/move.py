@@ -33,7 +33,8 @@ def pull_size(rules: Any, cluster: Any, x: float, y: float, where: Any) -> None:
         dx, dy, u, v = where
         in_middle_x = 1.0 if 2.0 * u < cluster.deviation_x else 0.0
         in_middle_y = 1.0 if 2.0 * v < cluster.deviation_y else 0.0
-        mix_means(cluster, cluster.mix, (in_middle_x, in_middle_y, u, v, dx * dx, dx * dy, dy * dy, 0.0))
+        mix_means(cluster, "deviation_x", cluster.mix, (u, v, dx * dx, dy * dy))
+        mix_means(cluster, "middle_x", cluster.mix, (in_middle_x, in_middle_y, dx * dy, 0.0))
     if rules.boxed > 0:
         # A side steps outwards for an event beyond it and inwards for any other, so far that both balance at its quantile.
         low = rules.box_quantile

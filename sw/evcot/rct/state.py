@@ -15,7 +15,6 @@ from .config import RCT_CHOICES, RctConfig
 __all__ = [
     "ALPHAS",
     "CELLS",
-    "MEANS",
     "NEVER_US",
     "PLACE",
     "RECORDS_PER_PACKET",
@@ -65,27 +64,13 @@ class EventRules(NamedTuple):
     distance: int
     surround: float
     shaped: int
-    split_share: float
-    angle: int
     boxed: int
     box_quantile: float
     centre: int
     alpha_tau_us: float
 
 
-# What a cluster's events look like, seen from the centre along the window's axes: means, which `means` mixes at once.
-MEANS = (
-    "middle_x",  # share of events nearer to the centre than half the deviation
-    "middle_y",
-    "deviation_x",  # mean absolute
-    "deviation_y",
-    "moment_xx",  # second moments, along the sensor's axes
-    "moment_xy",
-    "moment_yy",
-    "nothing",  # fills the line
-)
-
-# What is known of a cluster. What every event touches stands first, a line of the cache each; the means begin one.
+# What is known of a cluster. What every event touches stands first, eight to a line of the cache.
 _CLUSTER_FIELDS = (
     ("x", "<f8"),  # centre, pixels
     ("y", "<f8"),
@@ -104,7 +89,15 @@ _CLUSTER_FIELDS = (
     ("polarity", "<i8"),  # of the event that seeded it
     ("mix", "<f8"),  # mixing factor of the means, larger in youth
     ("track_id", "<i8"),  # -1 until it is visible
-    *((name, "<f8") for name in MEANS),
+    # Options: what its events look like, as means, seen from the centre. `means` mixes four in a row at once.
+    ("deviation_x", "<f8"),  # absolute, along the window's axes
+    ("deviation_y", "<f8"),
+    ("moment_xx", "<f8"),  # second moments, along the sensor's
+    ("moment_yy", "<f8"),
+    ("middle_x", "<f8"),  # share of events nearer to the centre than half the deviation
+    ("middle_y", "<f8"),
+    ("moment_xy", "<f8"),
+    ("nothing", "<f8"),  # makes it four
     ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
     ("left", "<f8"),  # the box
     ("right", "<f8"),
