@@ -7,6 +7,8 @@
 from __future__ import annotations
 
 import argparse
+import html
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -124,9 +126,7 @@ def _vocabulary() -> dict[str, Any]:
         "place": lambda field: f"{field.lsb + field.bits - 1}:{field.lsb}" if field.bits > 1 else f"{field.lsb}",
         "legal": _legal,
         "bank_legal": _bank_legal,
-        "meaning": lambda word, field: (
-            f"{word.meaning}: {field.meaning}" if field is word.fields[0] and field.meaning else field.meaning or word.meaning
-        ),
+        "html": lambda text: re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(text, quote=False)),
         "camel": lambda name: name.title().replace("_", ""),
         "sentence": lambda text: text[0].upper() + text[1:],
     }

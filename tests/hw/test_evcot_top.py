@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,62 +12,34 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.config import CotConfig, SlotConfig
-from evcot.contract import DROPPED, REGISTERS, Filter, FilterShape, Kind, Mode, Shape
+from evcot.contract import DROPPED, REGISTERS, Filter, FilterShape, Kind, Mode
 from evcot.cot import Arrangement, CotModel, Decisions, tick_times
 from evcot.errors import ToolchainError
 from evcot.files import read_recording
 from evcot.filters.registers import FilterRegisters
 from evcot.lfsr_event_source import LfsrEventSource
-from evcot.presets import PRESETS, fit
 from evcot.register_access import Registers
 from evcot.streams import pack_events
-from evcot_cosim.top_device import Command, Pace, TopDevice, address_of, filter_address, poll, read, slot_address, write
-from evcot_cosim.trials import Traffic, random_config, random_traffic
+from evcot_cosim.top_device import (
+    Command,
+    Pace,
+    TopDevice,
+    address_of,
+    configuration,
+    filter_address,
+    poll,
+    read,
+    slot_address,
+    write,
+)
+from evcot_cosim.top_trials import BUILDS, DVS128, EVERY, SMALL, device_of, traffic_of
+from evcot_cosim.trials import random_config
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 
-ARRAY, CHAIN, ENGINE = 0, 1, 2
-SMALL = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=32, time_w=32)
-SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)
-DVS128 = fit(PRESETS["dvs128"], 128, 128)
-
-
-class Build(NamedTuple):
-    """One elaboration of the top; few, for each takes a minute to compile."""
-
-    shape: Shape
-    filter_shape: FilterShape
-    parameters: Mapping[str, int]
-
-
-BUILDS = {
-    "array behind filters": Build(SMALL, SENSOR, {"TRACKER": ARRAY, "SOURCES": 3, "HAS": 127, "FIFO_DEPTH": 40}),
-    "engine": Build(
-        DVS128.cot.shape,
-        FilterShape(128, 128),
-        {"TRACKER": ENGINE, "HAS": 3, "DATA_W": 256, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
-    ),
-    "chain": Build(SMALL, FilterShape(64, 64), {"TRACKER": CHAIN, "DATA_W": 32, "FIFO_DEPTH": 1, "RECORD_DEPTH": 1}),
-}
-EVERY = SlotConfig(  # a record for every event
-    init_radix=4, radix_th=2, radix_step=1, radix_min=4, radix_max=6, hist_avg=1, max_ticks=4_000,
-    clust_nev=1, nev_min=1, nev_max=1, nev_th=9, detect_ticks=90,
-)  # fmt: skip
+TRACKERS = ("array behind filters", "engine", "chain")
 STATUS, CONTROL = address_of("status"), address_of("control")
 PENDING = 2
-
-
-def device_of(name: str, config: CotConfig | None = None, **rest: Any) -> TopDevice:
-    build = BUILDS[name]
-    config = replace(config or CotConfig(build.shape), filter_shape=build.filter_shape)
-    return TopDevice(config, build.parameters, **rest)
-
-
-def traffic_of(rng: np.random.Generator, build: Build, n: int, since: int = 0) -> Traffic:
-    """Random events on the sensor, from tick `since` on."""
-    traffic = random_traffic(rng, build.shape, n, float(rng.choice([0.3, 2])), since)
-    x, y = traffic.x % build.filter_shape.width, traffic.y % build.filter_shape.height
-    return Traffic(traffic.ticks, x.astype(np.uint16), y.astype(np.uint16), traffic.p)
 
 
 def arrangement(name: str) -> Arrangement:
@@ -90,7 +61,7 @@ def first_difference(a: NDArray[Any], b: NDArray[Any]) -> str:
     return f"{at} of {len(a)} and {len(b)}: {a[at : at + 1]} and {b[at : at + 1]}"
 
 
-@pytest.mark.parametrize("name", BUILDS)
+@pytest.mark.parametrize("name", TRACKERS)
 def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
     build, chain = BUILDS[name], name == "chain"
     print("seed 31")
@@ -168,7 +139,7 @@ def changes_of(rng: np.random.Generator, config: CotConfig, n: int, chain: bool)
     return found
 
 
-@pytest.mark.parametrize("name", BUILDS)
+@pytest.mark.parametrize("name", TRACKERS)
 def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
     """The hardware says at which event a commit took effect; the model, changed at that event, gives the same bits."""
     build, chain = BUILDS[name], name == "chain"
@@ -179,7 +150,7 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
         config = replace(random_config(rng, build.shape), filter_shape=build.filter_shape)
         device = device_of(name, config, pace=Pace.random(rng) if run else None)
         device.configure()
-        n, count = 12_000, 25
+        n, count = 12_000, 40
         traffic = traffic_of(rng, build, n)
         changes = changes_of(rng, config, count, chain)
         afters = np.sort(rng.integers(0, n - 500, count))
@@ -209,8 +180,8 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
         golden = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
         assert_same(told.decisions(0, n, chain), golden, chain)
     print(census)
-    assert census["lives that went on"] > 15
-    assert census["lives that ended"] > 5 or chain
+    assert census["lives that went on"] > 8
+    assert census["lives that ended"] > 8 or chain
 
 
 def alive(records: NDArray[np.void], slot: int) -> bool:
@@ -233,7 +204,7 @@ def test_commits_that_wait_together_take_effect_at_one_event() -> None:
     assert len(set(seqs.tolist())) == 1
     registers = Registers(device)
     assert registers.commit_seq == seqs[0]
-    assert registers.commits == 2  # all of the configuration, and these
+    assert registers.commits == 8 + 1  # each slot's when it was configured, and these three together
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -318,14 +289,11 @@ class TestOverload:
         assert found["events_dropped"] == 200 - held
         assert 40 <= held <= 43
         device.run(commands=[write(slot_address(0, name), int(getattr(EVERY, name))) for name in REGISTERS])
-        after = device.run(
-            pack_events(np.array([1_400]), np.array([9]), np.array([9]), np.array([0])),
-            [write(slot_address(0), 1), poll(STATUS, PENDING, 0), write(CONTROL, 3), poll(STATUS, 1, 1, 1)],
-        )
-        assert len(after.records) == held + 1
-        assert after.records["time"][:held].tolist() == [7 * i for i in range(held)]
-        assert after.records["time"][-1] == 1_400  # the dropped events' time has passed
-        assert after.records["seq"].tolist() == list(range(held + 1))
+        commands = [write(slot_address(0), 1), poll(STATUS, PENDING, 0), write(CONTROL, 3)]
+        assert len(device.run(commands=commands).records) == held
+        last = device.run(pack_events(np.array([1_400]), np.array([9]), np.array([9]), np.array([0]))).records[0]
+        assert last["seq"] == held
+        assert last["time"] == 1_400  # that of the dropped events has passed
 
 
 def test_interrupts_say_what_has_happened() -> None:
@@ -356,7 +324,7 @@ def test_interrupts_say_what_has_happened() -> None:
 
 def test_the_self_test_source_gives_what_its_twin_in_python_gives() -> None:
     rng = np.random.default_rng(4)
-    config = random_config(rng, SMALL)
+    config = CotConfig.uniform(SMALL, replace(EVERY, clust_nev=3, nev_max=5, detect_ticks=4_000))
     runs = []
     for pace in (None, Pace.random(rng)):
         device = device_of("array behind filters", config, pace=pace)
@@ -366,24 +334,24 @@ def test_the_self_test_source_gives_what_its_twin_in_python_gives() -> None:
         registers.lfsr_x.min, registers.lfsr_x.span = 3, 40
         registers.lfsr_y.min, registers.lfsr_y.span = 2, 30
         registers.control.soft_reset = 1
-        device.configure(config)
-        told = device.run(clocks=400_000, most=30_000)
+        device.run(commands=[*configuration(config), poll(STATUS, PENDING, 0)])
+        told = device.run(commands=[write(CONTROL, 1)], clocks=300_000, most=30_000)
         runs.append(told)
         n = registers.counters()["events"]
-        assert n > 2_000
+        assert n > 500
         source = LfsrEventSource(x_w=6, y_w=6, seed=0xC0FFEE, gap=20, x_min=3, x_span=40, y_min=2, y_span=30)
         events = source.events(n)
         golden = CotModel(config).feed(events.t_us - events.t_us[0], events.x, events.y, events.p)
         same = min(len(golden.records), len(told.records)) - 20
-        assert same > 300
+        assert same > 200
         assert np.array_equal(told.records[:same], golden.records[:same])
-    assert np.array_equal(runs[0].records[:300], runs[1].records[:300])  # stalls change nothing
+    assert np.array_equal(runs[0].records[:200], runs[1].records[:200])  # stalls change nothing
 
 
 def test_soft_reset_keeps_what_was_written_and_starts_over() -> None:
     rng = np.random.default_rng(8)
     build = BUILDS["array behind filters"]
-    config = replace(random_config(rng, SMALL), filter_shape=SENSOR)
+    config = replace(random_config(rng, SMALL), filter_shape=build.filter_shape)
     config = replace(config, slots=tuple(replace(slot, mode=Mode.SEEDED) for slot in config.slots))
     device = device_of("array behind filters", config)
     device.configure()
@@ -429,11 +397,11 @@ def latency(name: str) -> int:
 
 
 def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:
-    found = {name: latency(name) for name in BUILDS}
+    found = {name: latency(name) for name in TRACKERS}
     print(found)
-    assert found == {"array behind filters": 0, "engine": 0, "chain": 0}
+    assert found == {"array behind filters": 12 + 34, "engine": 18 + 2, "chain": 15}
 
 
 def test_refuses_a_source_that_was_not_built() -> None:
     with pytest.raises(ToolchainError, match="SOURCE must be one of SOURCES"):
-        TopDevice(CotConfig(SMALL), {"SOURCES": 1, "SOURCE": 3})
+        TopDevice(CotConfig.uniform(SMALL, EVERY), {"SOURCES": 1, "SOURCE": 3})
