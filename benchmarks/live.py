@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The live view: how many events a second it takes without dropping any, and how long an event takes to be tracked and drawn.
+
+Discs of `streams`, played again and again at growing speed, with nobody looking, with a client on the WebSocket that answers
+at once, and with the page in a browser. A rate is sustained when nothing is dropped before the tracker, for the whole run, and
+playback does not fall behind.
+"""
+
+from __future__ import annotations
+
+import shutil
+import struct
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+
+import streams
+from evcot.engines import ENGINES
+from evcot.events import Events
+from evcot.files import RecordingFile
+from evcot.filters.config import FilterConfig
+from evcot_cosim.live.server import Server
+from evcot_cosim.live.session import Session
+from evcot_cosim.live.sources import FileSource
+from measure import Result, Skip
+
+__all__ = ["measure"]
+
+_RATES_M = (0.5, 1, 2, 4, 6, 8, 10, 12, 15, 20, 25, 30, 40)  # tried from below, until one is too much
+_LATENCY_RATE_M = 1.0
+_ROUND_EVENTS = 2_000_000
+_BLOCK_EVENTS = 1 << 15
+_PACKET_S = 0.005
+_HELLO = {
+    "name": "benchmark",
+    "engine": "rct",
+    "preset": "plain",
+    "width": streams.WIDTH,
+    "height": streams.HEIGHT,
+    "speed": 1.0,
+}
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """live_rate_*, live_tracked_*, live_drawn_* with nobody, a client and a browser looking."""
+    events = streams.joined(_ROUND_EVENTS)
+    seconds = 2.0 if quick else 5.0
+    _run(events, 1.0, 1.0, _nobody)  # everything is compiled
+    for name, looking in (("nobody", _nobody), ("client", _client), ("browser", _browser)):
+        try:
+            yield from _looked_at(name, events, seconds, looking)
+        except Skip as reason:
+            print(f"live, {name}: skipped: {reason}")
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What a run said at its end."""
+
+    rate_m: float
+    dropped: int
+    slipped_s: float
+    tracked_ms: dict[str, float | None]
+    drawn_ms: dict[str, float | None]
+
+
+Looking = Callable[[Server], Any]
+
+
+def _looked_at(name: str, events: Events, seconds: float, looking: Looking) -> Iterator[Result]:
+    best, first_lost = 0.0, ""
+    for rate_m in _RATES_M:
+        told = _run(events, rate_m, seconds, looking)
+        if told.dropped or told.slipped_s > 0.1:
+            first_lost = f"; at {rate_m:g} M events/s {told.dropped:,} were dropped, {told.slipped_s:.1f} s late"
+            break
+        best = told.rate_m
+    how = f"M events/s without a drop for {seconds:g} s; {name} looks{first_lost}"
+    yield Result(f"live_rate_{name}", best, "M events/s", how=how)
+    told = _run(events, _LATENCY_RATE_M, 2 * seconds, looking)
+    for what, quantiles in (("tracked", told.tracked_ms), ("drawn", told.drawn_ms)):
+        for share, ms in quantiles.items():
+            if ms is not None:
+                how = f"from a packet's first event, at {_LATENCY_RATE_M:g} M events/s in packets of {1e3 * _PACKET_S:g} ms"
+                yield Result(f"live_{what}_{name}_{share}", ms, "ms", how=how)
+
+
+def _run(events: Events, rate_m: float, seconds: float, looking: Looking) -> _Told:
+    """One run at a rate of so many million events a second."""
+    sensor = streams.WIDTH, streams.HEIGHT
+    engine = ENGINES["rct"]
+    tracker = engine.start(engine.presets["plain"], FilterConfig(), sensor)
+    source = FileSource(cast(RecordingFile, _again_and_again(events)), (0, None), rate_m)
+    session = Session(source, tracker)
+    with ExitStack() as undo:
+        if looking is not _nobody:
+            undo.enter_context(looking(undo.enter_context(Server(session, _HELLO, port=0))))
+        session.start()
+        time.sleep(seconds)
+        summary = session.summary()
+        session.stop()
+    rate = summary["events_per_s"] / 1e6
+    return _Told(rate, summary["dropped"], source.slipped_s, summary["tracked_ms"], summary["drawn_ms"])
+
+
+def _again_and_again(events: Events) -> Any:
+    """What `FileSource` asks of a file: the events for ever, each round after the one before."""
+
+    def blocks(*_window: object, **_more: object) -> Iterator[Events]:
+        shift_us = 0
+        while True:
+            for begin in range(0, len(events), _BLOCK_EVENTS):
+                part = events[begin : begin + _BLOCK_EVENTS]
+                yield Events(part.t_us + shift_us, part.x, part.y, part.p)
+            shift_us += int(events.t_us[-1]) + 1
+
+    first_us, sensor = int(events.t_us[0]), (streams.WIDTH, streams.HEIGHT)
+    return SimpleNamespace(
+        path=Path("discs"), sensor=sensor, t0_us=first_us, left_out=Counter(), blocks=blocks, __exit__=lambda *_: None
+    )
+
+
+def _nobody(_server: Server) -> Any:
+    raise AssertionError("nobody looks")
+
+
+@contextmanager
+def _client(server: Server) -> Iterator[None]:
+    """Takes every frame, and says at once that it is drawn."""
+    try:
+        from websockets.sync.client import connect
+    except ImportError as error:
+        raise Skip("websockets is not installed") from error
+    with connect(
+        server.url.replace("http", "ws") + "events", origin=cast(Any, server.url.rstrip("/")), compression=None
+    ) as client:
+
+        def look() -> None:
+            for message in client:
+                if isinstance(message, bytes):
+                    client.send(struct.pack("<B3xI", 2, int(np.frombuffer(message, "<u4", 1, 4)[0])))
+
+        thread = threading.Thread(target=look, daemon=True)
+        thread.start()
+        yield
+
+
+@contextmanager
+def _browser(server: Server) -> Iterator[None]:
+    """The page in Chromium, without a screen."""
+    chromium = shutil.which("chromium")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError as error:
+        raise Skip("Playwright is not installed") from error
+    if chromium is None:
+        raise Skip("Chromium is not installed")
+    with sync_playwright() as tools:
+        flags = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        browser = tools.chromium.launch(executable_path=chromium, args=flags)
+        browser.new_page(viewport={"width": 1280, "height": 800}).goto(server.url)
+        yield
+        browser.close()
+
+
+if __name__ == "__main__":
+    for result in measure(Path("build"), quick=False):
+        print(f"{result.name:28}{result.value:10.2f} {result.unit:12}{result.how}")

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot live`: from a source to figures, a recording and a log."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.files import read_recording, write_recording
+from evcot.rct.presets import PRESETS
+from evcot.rct.tracker import track
+from evcot.scenes.registry import simulate_scene
+from evcot.tracklog import TrackLog
+from evcot_cosim.cli import main
+
+DURATION_US = 400_000
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Four discs for 0.4 s."""
+    path = tmp_path_factory.mktemp("live") / "discs.aedat4"
+    write_recording(simulate_scene("discs", 5, {"duration_us": DURATION_US}).recording, path)
+    return path
+
+
+@pytest.fixture
+def source(recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The same; the working folder is empty."""
+    monkeypatch.chdir(tmp_path)
+    return recorded
+
+
+def lines(text: str) -> list[dict[str, object]]:
+    return [json.loads(line) for line in text.splitlines()]
+
+
+def test_a_file_leaves_the_recording_and_the_log_that_the_tracker_alone_would(
+    source: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["live", str(source), "--speed", "0.5", "--save", "a.aedat4", "--save-log", "a.npz", "--json"]) == 0
+    told = lines(capsys.readouterr().out)
+    assert [line["kind"] for line in told] == ["start", "figures", "summary"]
+    recording = read_recording(source)
+    saved, log, wanted = read_recording("a.aedat4"), TrackLog.load_npz("a.npz"), track(recording, PRESETS["plain"])
+    assert np.array_equal(saved.events.t_us, recording.events.t_us)
+    assert told[-1]["events"] == told[-1]["saved"] == len(recording.events) == len(log.owner)
+    if told[-1]["dropped"] == 0:
+        assert np.array_equal(log.records, wanted.records)
+        assert np.array_equal(log.owner, wanted.owner)
+    assert told[-1]["recording_s"] == pytest.approx(DURATION_US / 1e6, rel=0.05)
+
+
+def test_in_a_pipe_it_says_only_what_was_found(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["live", str(source), "--preset", "discs", "--activity", "5"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    assert printed.out.startswith("events ")
+    assert "event to tracked" in printed.out
+    assert main(["live", str(source), "-q", "--to", "50"]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_it_stops_when_its_time_is_over(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["live", str(source), "--speed", "0.01", "--for", "0.5", "--json"]) == 0
+    summary = lines(capsys.readouterr().out)[-1]
+    assert summary["kind"] == "summary"
+    assert 0 < summary["events"] < 0.2 * len(read_recording(source).events)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_it_cleanly(source: Path, which: signal.Signals) -> None:
+    command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.01", "--json"]
+    command += ["--save", "a.raw", "--save-log", "a.npz"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as live:
+        assert live.stdout is not None
+        assert json.loads(live.stdout.readline())["kind"] == "start"
+        assert json.loads(live.stdout.readline())["kind"] == "figures"
+        live.send_signal(which)
+        out, err = live.communicate(timeout=30)
+    assert (live.returncode, err) == (0, "")
+    summary = lines(out)[-1]
+    assert summary["kind"] == "summary"
+    assert len(read_recording("a.raw").events) == len(TrackLog.load_npz("a.npz").owner) == summary["saved"]
+
+
+def test_a_page_is_served_while_it_runs(source: Path) -> None:
+    pytest.importorskip("websockets", reason="websockets is not installed")
+    command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.01", "--web", "0", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live:
+        assert live.stdout is not None
+        page = json.loads(live.stdout.readline())["page"]
+        assert page.startswith("http://127.0.0.1:")
+        with urllib.request.urlopen(page, timeout=10) as response:
+            assert b"evcot live" in response.read()
+        live.send_signal(signal.SIGINT)
+        live.communicate(timeout=30)
+
+
+def test_a_killed_run_loses_less_than_the_last_second(source: Path) -> None:
+    command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.1", "--json", "--save", "a.aedat4"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live:
+        assert live.stdout is not None
+        told = json.loads(live.stdout.readline())
+        while told["kind"] == "start" or told["running_s"] < 2:
+            told = json.loads(live.stdout.readline())
+        live.kill()
+        live.wait()
+    saved, whole = read_recording("a.aedat4", damage="skip").events, read_recording(source).events
+    assert np.array_equal(saved.t_us, whole.t_us[: len(saved)])
+    lost_s = told["recording_s"] - (saved.t_us[-1] - saved.t_us[0]) / 1e6
+    assert lost_s < 0.1 * 1.0, "of the recording, which is played ten times as slow"
+
+
+# In a process of its own: taken down, dv-processing's writer may wait for ever.
+DV_SERVER = """
+import sys, time
+import dv_processing as dv
+from evcot.files import read_recording
+recording = read_recording(sys.argv[2])
+stream = dv.io.Stream.EventStream(0, "events", "PRESSED", (recording.width, recording.height))
+writer = dv.io.NetworkWriter("127.0.0.1", int(sys.argv[1]), stream)
+events = recording.events
+print("listening", flush=True)
+while not writer.getClientCount():
+    time.sleep(0.01)
+for begin in range(0, len(events), 500):
+    part, store = events[begin : begin + 500], dv.EventStore()
+    for t_us, x, y, p in zip(part.t_us.tolist(), part.x.tolist(), part.y.tolist(), part.p.tolist()):
+        store.push_back(t_us, x, y, bool(p))
+    writer.writeEvents(store)
+    time.sleep(0.002)
+time.sleep(60)
+"""
+
+
+def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("dv_processing", reason="dv-processing is not installed")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    with subprocess.Popen([sys.executable, "-c", DV_SERVER, str(port), str(source)], stdout=subprocess.PIPE) as sender:
+        try:
+            assert sender.stdout is not None
+            assert sender.stdout.readline() == b"listening\n"
+            assert main(["live", f"tcp://127.0.0.1:{port}", "--for", "4", "--json", "--save", "a.aedat4"]) == 0
+        finally:
+            sender.kill()
+    told = lines(capsys.readouterr().out)
+    assert told[0]["source"] == f"PRESSED at tcp://127.0.0.1:{port}"
+    saved, whole = read_recording("a.aedat4").events, read_recording(source).events
+    assert len(saved) == told[-1]["events"] > 1_000
+    for name in ("t_us", "x", "y", "p"):
+        assert np.array_equal(getattr(saved, name), getattr(whole, name)[: len(saved)])
+    assert told[-1]["tracks"] >= 4  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("{source} --speed 0", "--speed 0: must be from 0.001 to 1000"),
+        ("{source} --for 0", "--for 0: must be more than 0 seconds"),
+        ("{source} --save {source}", "must be another file than the one that is read"),
+        ("{source} --save a.csv", "--save a.csv: must end in .aedat4 or .raw"),
+        ("{source} --save-log a.csv", "--save-log a.csv: must end in .npz"),
+        ("{source} --web 99999", "--web 99999: must be from 0 to 65535"),
+        ("{source} --web 0 --bind 0.0.0.0", "--bind 0.0.0.0: must be one address"),
+        ("{source} --preset none", "--preset none: must be one of plain"),
+        ("{source} --from 9999", "holds no events from 9.999 s"),
+        ("none.aedat4", "none.aedat4: cannot be read: No such file"),
+        ("tcp://here", "tcp://here: must be tcp://HOST:PORT"),
+        ("tcp://127.0.0.1:9", "tcp://127.0.0.1:9: cannot be reached: Connection refused"),
+        ("tcp://127.0.0.1:9 --speed 2", "--speed: must not be given with tcp://127.0.0.1:9, which is no file"),
+        ("camera --learn-hot-pixels", "--learn-hot-pixels: must not be given with camera, which is no file"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(
+    source: Path, capsys: pytest.CaptureFixture[str], arguments: str, message: str
+) -> None:
+    assert main(["live", *arguments.format(source=source).split(), "-q"]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert message in printed.err
+
+
+def test_a_port_that_is_taken_is_said_and_nothing_is_left(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert main(["live", str(source), "--web", str(port), "-q", "--save-log", "a.npz"]) == 2
+    assert "cannot be listened at: Address already in use" in capsys.readouterr().err
+    assert not Path("a.npz").exists()
