@@ -152,10 +152,19 @@ def flat(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
             shown = {"slot[all]": value[0]} if alike else {f"slot[{i}]": slot for i, slot in enumerate(value)}
             rows += flat(shown, prefix)
         else:
-            rows.append(
-                (f"{prefix}{name}", "none" if value is None else str(value).lower() if value in (True, False) else str(value))
-            )
+            rows.append((f"{prefix}{name}", _text(value)))
     return rows
+
+
+def _text(value: Any) -> str:
+    """A setting for a table; what JSON has changed in kind looks the same."""
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return ", ".join(_text(entry) for entry in value) or "none"
+    return str(value)
 
 
 @dataclass(frozen=True)

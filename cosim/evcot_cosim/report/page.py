@@ -159,7 +159,8 @@ def _start_us(material: Material) -> int:
         for side in material.sides:
             times_us = side.log.of_kind(kind)["t_us"] - material.span_us[0]
             if len(times_us):
-                return int(times_us[min(np.searchsorted(times_us, _GOING * _duration_us(material)), len(times_us) - 1)])
+                later = int(np.searchsorted(times_us, _GOING * _duration_us(material)))
+                return int(times_us[min(later, len(times_us) - 1)])
     return 0
 
 

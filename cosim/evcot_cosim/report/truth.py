@@ -58,7 +58,8 @@ class Truth:
         used = len(self.objects.instants_us)
         step_ms = float(np.median(np.diff(self.objects.instants_us))) / 1e3 if used > 1 else 0.0
         by = self.rule.title or "as its rule says"
-        return f"{len(self.objects.ids)} objects at {used:,} instants, {step_ms:.3g} ms apart: {by}."
+        count = len(self.objects.ids)
+        return f"{count} object{'s' * (count != 1)} at {used:,} instants, {step_ms:.3g} ms apart: {by}."
 
 
 def truth_of(source: Source, recording: Recording) -> Truth | None:

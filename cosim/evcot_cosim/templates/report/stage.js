@@ -116,7 +116,7 @@ export class Stage {
     context.imageSmoothingEnabled = scale < 1;
     context.drawImage(this.bitmap, left, top, this.sensor.width * scale, this.sensor.height * scale);
     context.save();
-    context.translate(left + scale / 2, top + scale / 2);
+    context.translate(Math.round(left + scale / 2), Math.round(top + scale / 2)); // whole pixels keep frames sharp
     for (const layer of layers) this.#drawLayer(layer);
     for (const layer of layers) this.#mark(layer);
     context.restore();

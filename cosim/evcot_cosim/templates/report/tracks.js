@@ -84,7 +84,7 @@ export class Tracks {
     return places;
   }
 
-  /** What ended or began within (since, now]: where, and words for it. */
+  /** What ended within (since, now]: where, and words for the latest. */
   marks(since, now) {
     const found = [];
     for (let life = after(this.birth, now) - 1; life >= 0; life--) {
@@ -92,9 +92,11 @@ export class Tracks {
         const point = this.first[life + 1] - 1;
         const merged = this.ended[life] === MERGED;
         const into = merged && this.other[life] >= 0 ? ` → ${this.ids[this.other[life]]}` : "";
-        found.push({ x: this.x[point], y: this.y[point], kind: merged ? "merge" : "loss", text: `${this.ids[life]}${into}` });
+        found.push({ x: this.x[point], y: this.y[point], kind: merged ? "merge" : "loss", at: this.end[life], text: `${this.ids[life]}${into}` });
       }
     }
+    const latest = Math.max(...found.map(({ at }) => at));
+    for (const mark of found) if (mark.at < latest) mark.text = "";
     return found;
   }
 }

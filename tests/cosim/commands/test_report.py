@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot report`: of a run's folder, of a log, and one line for everything that can be mended."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import evcot_cosim.build
+from evcot.scenes import simulate_scene
+from evcot_cosim.cli import main
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in; models come from the cache that the test run shares."""
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.cache_dir()))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of 60 ms of the box experiment; and, of the same recording in a file, a software tracker's log."""
+    folder = tmp_path_factory.mktemp("made")
+    recording = folder / "b.aedat4"
+    assert main(["simulate", "boxes", "--duration", "0.06", "-o", str(recording), "-q"]) == 0
+    assert main(["cosim", str(recording), "--no-waves", "-q", "-o", str(folder / "run")]) == 0
+    assert main(["track", str(recording), "-o", str(folder / "log.npz"), "-q"]) == 0
+    return folder
+
+
+def test_a_run_leaves_a_report_that_can_be_made_again(made: Path, folder: Path, capsys: Capture) -> None:
+    first = (made / "run" / "report.html").read_text()
+    assert main(["report", str(made / "run"), "-o", "again.html"]) == 0
+    assert capsys.readouterr().out.startswith("again.html: ")
+    assert Path("again.html").read_text() == first
+    assert "hardware = model" in first
+    assert "9 objects at" in first  # the truth that stood beside the recording
+
+
+def test_a_report_of_a_log(made: Path, folder: Path, capsys: Capture) -> None:
+    command = ["report", str(made / "log.npz"), "--recording", str(made / "b.aedat4"), "-o", "log.html", "--json"]
+    assert main(command) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["report"] == "log.html"
+    assert found["bytes"] == Path("log.html").stat().st_size
+    assert found["events"] == len(simulate_scene("boxes", 1, {"duration_us": 60_000}).recording.events)
+    text = Path("log.html").read_text()
+    assert "One engine alone" in text
+    assert "9 objects at" in text
+
+
+def test_a_truth_may_be_given(made: Path, folder: Path) -> None:
+    lines = (made / "b.truth.csv").read_text().splitlines()
+    Path("one.csv").write_text("\n".join([lines[0], *(line for line in lines[1:] if line.split(",")[1] == "3")]) + "\n")
+    assert main(["report", str(made / "run"), "--truth", "one.csv", "--rule", "scene", "-o", "one.html", "-q"]) == 0
+    assert "1 object at" in Path("one.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nowhere"], "nowhere: a log does not hold the events: must be given with --recording FILE"),
+        (["nowhere", "--recording", "{made}/b.aedat4"], "nowhere: cannot be read: No such file or directory"),
+        (["{made}/log.npz"], "{made}/log.npz: a log does not hold the events: must be given with --recording FILE"),
+        (["{made}/log.npz", "--recording", "{made}/b.aedat4", "--to", "20"], "b: "),
+        (["{made}/run", "--rule", "scene"], "--rule: must be given with --truth"),
+        (["{made}/run", "--truth", "nowhere.csv"], "nowhere.csv: cannot be read: No such file or directory"),
+        (["."], "summary.json: cannot be read: No such file or directory"),
+        (["{made}/run", "-o", "nowhere/x.html"], "nowhere/x.html: cannot be written: No such file or directory"),
+    ],
+)  # fmt: skip
+def test_what_can_be_mended(made: Path, folder: Path, arguments: list[str], message: str, capsys: Capture) -> None:
+    assert main(["report", *(argument.format(made=made) for argument in arguments)]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith(f"evcot: {message.format(made=made)}")
+    assert len(printed.err.splitlines()) == 1
+    assert not list(folder.glob("*.html"))
+
+
+def test_a_truth_beside_a_recording_that_cannot_be_used_is_warned_of(made: Path, folder: Path, capsys: Capture) -> None:
+    Path("b.aedat4").write_bytes((made / "b.aedat4").read_bytes())
+    Path("b.truth.csv").write_text("what,is,this\n1,2,3\n")
+    assert main(["report", str(made / "log.npz"), "--recording", "b.aedat4", "-o", "b.html", "-q"]) == 0
+    assert "warning: the report goes without the truth: b.truth.csv: " in capsys.readouterr().err
+    assert "No truth is known" in Path("b.html").read_text()
+
+
+def test_a_summary_that_is_none(folder: Path, capsys: Capture) -> None:
+    for text, message in (("{", "is not JSON"), ("[]", "must hold an object")):
+        Path("summary.json").write_text(text)
+        assert main(["report", "."]) == 2
+        assert message in capsys.readouterr().err
