@@ -14,7 +14,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -136,6 +136,7 @@ def _nobody(_server: Server) -> Any:
 def _client(server: Server) -> Iterator[None]:
     """Takes every frame, and says at once that it is drawn."""
     try:
+        from websockets.exceptions import ConnectionClosed
         from websockets.sync.client import connect
     except ImportError as error:
         raise Skip("websockets is not installed") from error
@@ -144,8 +145,10 @@ def _client(server: Server) -> Iterator[None]:
     ) as client:
 
         def look() -> None:
-            for message in client:
-                if isinstance(message, bytes):
+            with suppress(ConnectionClosed):
+                for message in client:
+                    if not isinstance(message, bytes):
+                        continue
                     client.send(struct.pack("<B3xI", 2, int(np.frombuffer(message, "<u4", 1, 4)[0])))
 
         thread = threading.Thread(target=look, daemon=True)
