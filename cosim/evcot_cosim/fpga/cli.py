@@ -18,6 +18,7 @@ from .catalogue import MODULES, Module, chosen
 from .devices import DEVICES
 from .figures import Figure, Figures, growths, load, save, seed_noise
 from .measure import Case
+from .release import write_release
 from .run import figures_of, synthesised
 
 __all__ = ["main"]
@@ -36,6 +37,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--all", action="store_true", help="every size on every device: hours")
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="cases at once (default: 2)")
     parser.add_argument("--record", action="store_true", help="write the figures into hw/fpga/figures.json and docs/fpga.md")
+    parser.add_argument("--release", action="store_true", help="write build/release: one file, IP-XACT, constraints")
     parser.add_argument("--check", action="store_true", help="compare with hw/fpga/figures.json; exit code 1 when worse")
     return parser
 
@@ -44,6 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = _parser().parse_args(arguments)
     try:
+        if options.release:
+            print(*write_release(verilog_dir().parents[1] / "build" / "release"), sep="\n")
+            return 0
         return _check(options) if options.check else _measure(options)
     except EvcotError as error:
         print(f"evcot: {error}", file=sys.stderr)
@@ -81,10 +86,25 @@ def _measure(options: argparse.Namespace) -> int:
     if figures:
         print_table([_HEAD, *map(_row, figures)])
     if options.record:
-        recorded = load(_file()) | {figure.name: figure for figure in figures}
-        save(_file(), _ordered(recorded), tools.versions())
-        print(f"recorded in {_file()}")
+        recorded = _ordered(load(_file()) | {figure.name: figure for figure in figures})
+        save(_file(), recorded, tools.versions())
+        _document(recorded)
     return _report(failed)
+
+
+def _document(figures: Figures) -> None:
+    """Tables and picture of docs/fpga.md from what is recorded."""
+    from .curves import draw
+    from .latency import clocks
+    from .report import latency_name, write_tables
+
+    known = {(figure.module, figure.n) for figure in figures.values() if figure.median_mhz}
+    cases = sorted(known, key=lambda case: (case[0], case[1] or 0))
+    measured = {latency_name(name, n): clocks(MODULES[name], n) for name, n in cases}
+    told = {name: count for name, count in measured.items() if count is not None}
+    docs = verilog_dir().parents[1] / "docs"
+    draw(figures, told, docs / "images" / "fpga_scaling.png")
+    write_tables(docs / "fpga.md", figures, told)
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -58,16 +58,19 @@ def component(top: str, file: str, verilog: Path | None = None) -> str:
         ConfigError: there is no such module.
     """
     header = read(top, verilog)
+    values = header.values({})
+    lefts = {port.name: evaluate(port.left, values) for port in header.ports if port.left is not None}
     environment = Environment(
         loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True, autoescape=True
     )
     return environment.get_template("component.xml.j2").render(
         header=header,
-        values=(values := header.values({})),
-        lefts={port.name: evaluate(port.left, values) for port in header.ports if port.left is not None},
+        values=values,
+        lefts=lefts,
         buses=buses(header),
         version=evcot.__version__.rpartition(".")[0],
         file=file,
+        map_bytes={port.name: 2 << lefts[port.name] for port in header.ports if port.name.endswith("_awaddr")},
         dependency=_dependency,
     )
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole RTL as one file: no includes, any module of it may be the top."""
+"""What a user takes away: the whole RTL as one file, IP-XACT for each top, timing constraints."""
 
 from __future__ import annotations
 
@@ -8,17 +8,23 @@ from pathlib import Path
 import evcot
 from evcot.outputs import written_aside
 
+from ..build import verilog_dir
+from .ipxact import component
 from .sources import flat, manifest
 
-__all__ = ["release_text", "write_release"]
+__all__ = ["TOPS", "release_text", "write_release"]
+
+TOPS = ("evcot_top", "cot_engine", "cot_array")
+"""Modules that are described for Vivado."""
 
 _HEADER = """\
 // SPDX-License-Identifier: Apache-2.0
 // evcot {version}: all RTL modules in one file, plain Verilog-2005, no includes and no vendor primitives.
 //
-// {count} modules, each after those that it instantiates. Pick a top: cot_array (to read), cot_engine (to build),
-// cot_chain, cot_filtered, or a single filter or decoder; the header of each says its latency, throughput, stalls and reset.
+// {count} modules, each after those that it instantiates. Pick a top: evcot_top (standard buses), cot_engine (to build),
+// cot_array (to read), or a single filter or decoder; the header of each says its latency, throughput, stalls and reset.
 // Generated from hw/verilog by `python -m evcot_cosim.fpga --release`: edit there.
+/* verilator lint_off DECLFILENAME */
 
 """
 
@@ -29,13 +35,22 @@ def release_text(verilog: Path | None = None) -> str:
     return _HEADER.format(version=evcot.__version__, count=len(modules)) + flat(modules, verilog, comments=True)
 
 
-def write_release(path: Path, verilog: Path | None = None) -> Path:
-    """Write the release; its folder is made.
+def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
+    """Write the release into a folder, which is made: evcot.v, the constraints, and ip/TOP/ with a copy of evcot.v.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: a file cannot be written.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with written_aside(path) as file:
-        file.write(release_text(verilog).encode())
-    return path
+    text = release_text(verilog).encode()
+    files = {"evcot.v": text}
+    for path in sorted(((verilog or verilog_dir()).parent / "fpga" / "constraints").iterdir()):
+        files[path.name] = path.read_bytes()
+    for top in TOPS:
+        files[f"ip/{top}/evcot.v"] = text
+        files[f"ip/{top}/component.xml"] = component(top, "evcot.v", verilog).encode()
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with written_aside(path) as file:
+            file.write(content)
+    return [folder / name for name in files]

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of docs/fpga.md: what a tracker more costs, how fast the whole still is, how long an event takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure as Picture
+
+from evcot.outputs import written_aside
+
+from .figures import Figure, Figures
+from .report import latency_name
+
+__all__ = ["draw"]
+
+_COLOURS = {"cot_chain": "#009E73", "cot_array": "#D55E00", "cot_engine": "#0072B2"}
+_MARKERS = {"ecp5-25": "o", "ecp5-45": "s", "ecp5-85": "D"}
+_INK = "#333333"
+_STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": _INK,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+}
+
+
+def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
+    """Draw LUTs, Fmax and latency over N, on ECP5.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    rows = [row for row in figures.values() if row.module in _COLOURS and row.n is not None and row.device in _MARKERS]
+    with matplotlib.rc_context(_STYLE):
+        picture = Picture(figsize=(13, 4.1), dpi=150, facecolor="white", layout="constrained")
+        FigureCanvasAgg(picture)
+        luts, fmax, latency = picture.subplots(1, 3)
+        luts.set_title("(a) LUTs")
+        fmax.set_title("(b) Fmax, MHz: median and range over seeds")
+        latency.set_title("(c) event in to record out, ns")
+        for module, colour in _COLOURS.items():
+            here = sorted((row for row in rows if row.module == module), key=lambda row: row.n or 0)
+            counts = {row.n: row.luts for row in here}
+            luts.plot(list(counts), list(counts.values()), color=colour, marker="o", markersize=4, label=module)
+            _fmax(fmax, module, here, colour)
+            points = [
+                (row.n, clocks[name] / row.median_mhz * 1e3)
+                for row in here
+                if row.device == "ecp5-25" and row.median_mhz and (name := latency_name(module, row.n)) in clocks
+            ]
+            sizes, times = [n for n, _ in points], [ns for _, ns in points]
+            latency.plot(sizes, times, color=colour, marker="o", markersize=4, label=module)
+        for ns, label in ((140, "published tracker alone"), (320, "behind three others")):
+            latency.axhline(ns, color=_INK, linewidth=0.8, linestyle="dashed")
+            latency.text(1, ns * 1.05, label, fontsize=7, color=_INK)
+        luts.axhline(24_288, color=_INK, linewidth=0.8, linestyle="dashed")
+        luts.text(1, 24_288 * 1.08, "ECP5-25 has", fontsize=7, color=_INK)
+        for axes in (luts, fmax, latency):
+            axes.set(xlabel="N, tracker slots", xscale="log", xticks=(1, 2, 4, 8, 16, 32, 64))
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.minorticks_off()
+            axes.grid(linewidth=0.3)
+            axes.legend()
+        luts.set(yscale="log")
+        fmax.set(ylim=(0, None))
+        latency.set(yscale="log")
+        with written_aside(path) as file:
+            picture.savefig(file, format="png")
+
+
+def _fmax(axes: Axes, module: str, rows: list[Figure], colour: str) -> None:
+    for device, marker in _MARKERS.items():
+        here = [row for row in rows if row.device == device and row.median_mhz]
+        if not here:
+            continue
+        middle = [row.median_mhz or 0.0 for row in here]
+        low = [at - min(row.fmax_mhz) for at, row in zip(middle, here, strict=True)]
+        high = [max(row.fmax_mhz) - at for at, row in zip(middle, here, strict=True)]
+        axes.errorbar(
+            [row.n or 0 for row in here], middle, yerr=[low, high], color=colour, marker=marker, markersize=4,
+            linewidth=1, capsize=2, label=f"{module}, {device}",
+        )  # fmt: skip

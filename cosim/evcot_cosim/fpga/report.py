@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of docs/fpga.md, made from the figures: what stands there between two marks is written by a program."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from evcot.errors import ConfigError
+from evcot.outputs import written_aside
+
+from .devices import DEVICES
+from .figures import Figure, Figures, seed_noise
+
+__all__ = ["PUBLISHED_NS", "latency_name", "write_tables"]
+
+PUBLISHED_NS = (
+    ("published library of event-based components, any of them", "", "below 300"),
+    ("published tracker, alone", "7 at 50 MHz", "140"),
+    ("published tracker, behind three others", "16 at 50 MHz", "320"),
+)
+"""What the literature states: name, clocks, nanoseconds."""
+
+_LATENCY_DEVICE = "ecp5-25"
+
+
+def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int]) -> None:
+    """Write all tables into their places.
+
+    Args:
+        path: docs/fpga.md.
+        figures: all that is recorded.
+        clocks: latency by `latency_name`.
+
+    Raises:
+        ConfigError: the page lacks a mark.
+    """
+    text = path.read_text()
+    tables = {
+        "cost": _cost(figures.values()),
+        "scaling": _scaling(figures.values()),
+        "latency": _latency(figures, clocks),
+        "noise": f"From seed to seed Fmax differs by {seed_noise(figures.values()):.1%} (standard deviation).",
+    }
+    for name, table in tables.items():
+        parts = re.split(rf"(?<=<!-- {name} -->\n).*?(?=<!-- end -->)", text, flags=re.DOTALL)
+        if len(parts) != 2:
+            raise ConfigError(
+                f"{path}: <!-- {name} --> is there {len(parts) - 1} times: must be once, with <!-- end --> after it"
+            )
+        text = f"{parts[0]}{table}\n{parts[1]}"
+    with written_aside(path) as file:
+        file.write(text.encode())
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---" if i == 0 else "---:" for i in range(len(head))], *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _mhz(figure: Figure) -> str:
+    if figure.median_mhz is None or figure.best_mhz is None:
+        return figure.misfit
+    return f"{figure.median_mhz:.0f} ({figure.best_mhz:.0f})"
+
+
+def _label(figure: Figure) -> str:
+    return f"{figure.module}{'' if figure.n is None else f', N = {figure.n}'}"
+
+
+def _cost(figures: Iterable[Figure]) -> str:
+    """One table per device; of a module with sizes, the one at 8."""
+    rows = [figure for figure in figures if figure.n in (None, 8)]
+    parts = []
+    for name, device in DEVICES.items():
+        here = [figure for figure in rows if figure.device == name]
+        if not here:
+            continue
+        head = ["module", "LUTs", "of them RAM", "FFs", f"block RAMs ({device.block_ram})", "multipliers"]
+        cells = [
+            [_label(row), *(f"{value:,}" for value in (row.luts, row.lut_rams, row.ffs, row.block_rams, row.multipliers))]
+            for row in here
+        ]
+        if device.placement:
+            head.append("Fmax median (best), MHz")
+            cells = [[*line, _mhz(row)] for line, row in zip(cells, here, strict=True)]
+        parts.append(f"**{device.title}**\n\n{_table(head, cells)}")
+    return "\n\n".join(parts)
+
+
+def _scaling(figures: Iterable[Figure]) -> str:
+    """ECP5: LUTs over N, and Fmax on each size of the device."""
+    here = [figure for figure in figures if figure.device.startswith("ecp5") and figure.n is not None]
+    sizes = sorted({figure.n for figure in here if figure.n is not None})
+    rows = []
+    for module in dict.fromkeys(figure.module for figure in here):
+        luts = {figure.n: f"{figure.luts:,}" for figure in here if figure.module == module}
+        rows.append([f"{module}, LUTs", *(luts.get(n, "") for n in sizes)])
+        for device in DEVICES:
+            fmax = {row.n: _mhz(row) for row in here if row.module == module and row.device == device and row.seeds}
+            if fmax:
+                rows.append([f"{module}, MHz, {device}", *(fmax.get(n, "") for n in sizes)])
+    return _table(["N", *map(str, sizes)], rows)
+
+
+def latency_name(module: str, n: int | None) -> str:
+    """A case without its device."""
+    return module if n is None else f"{module} N={n}"
+
+
+def _latency(figures: Figures, clocks: Mapping[str, int]) -> str:
+    rows: list[tuple[str, str, str, str]] = []
+    for name, count in clocks.items():
+        figure = figures.get(f"{name} {_LATENCY_DEVICE}")
+        if figure is not None and figure.median_mhz is not None:
+            rows.append((_label(figure), str(count), f"{figure.median_mhz:.0f}", f"{count / figure.median_mhz * 1e3:.0f}"))
+    rows += [(name, count, "", ns) for name, count, ns in PUBLISHED_NS]
+    return _table(["module", "clocks", f"Fmax median, {_LATENCY_DEVICE}, MHz", "ns"], rows)

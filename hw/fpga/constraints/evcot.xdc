@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+# Timing of evcot_top in Vivado. Set the period of your clock, twice; inside a block design the clock is there already.
+
+create_clock -name clk -period 8.000 [get_ports clk]
+
+# AER: the chip has no clock in common. Only the first stage of a synchroniser, which is marked ASYNC_REG, sees the request.
+set_false_path -from [get_ports aer_req]
+
+# The word is stable from the request on and is read a clock or more after it: one period is the delay that it may have.
+set_max_delay -datapath_only -from [get_ports aer_row] 8.000
+set_max_delay -datapath_only -from [get_ports {aer_data[*]}] 8.000
+
+# The acknowledge is awaited by a handshake.
+set_false_path -to [get_ports aer_ack]

