@@ -44,7 +44,8 @@ def collect(material: Material, events_max: int) -> Collected:
     if material.truth is not None:
         paths["truth"] = truth_paths(material.truth.objects)
     columns, owners = _events(material, events_max)
-    columns["rate"] = Column(np.histogram(material.events.t_us, _BINS, (begin_us, max(end_us, begin_us + 1)))[0])
+    edges_us = np.linspace(begin_us, max(end_us, begin_us + 1), _BINS + 1)[1:-1]
+    columns["rate"] = Column(np.diff(np.searchsorted(material.events.t_us, edges_us), prepend=0, append=len(material.events)))
     sides = []
     for side in material.sides:
         peaks = quiet_peaks(side.log, material.events.t_us)

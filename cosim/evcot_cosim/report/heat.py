@@ -19,6 +19,7 @@ from .material import Material
 __all__ = ["Heat", "heat_maps"]
 
 _CELLS_MAX = 512  # per side: of larger sensors several pixels make one cell
+_RUN = 1 << 20  # events counted at a time
 _COLOURS = "cividis"  # the same to the colour-blind
 
 
@@ -56,11 +57,14 @@ def _heat(material: Material, title: str, chosen: NDArray[np.bool_] | None) -> H
     recording, events = material.recording, material.events
     cell_px = -(-max(recording.width, recording.height) // _CELLS_MAX)
     width, height = -(-recording.width // cell_px), -(-recording.height // cell_px)
-    x, y = (events.x, events.y) if chosen is None else (events.x[chosen], events.y[chosen])
-    counts = np.bincount((y // cell_px).astype(np.int64) * width + x // cell_px, minlength=width * height)
+    counts = np.zeros(width * height, np.int64)
+    for begin in range(0, len(events), _RUN):
+        run = slice(begin, begin + _RUN)
+        cell = (events.y[run] // cell_px).astype(np.int64) * width + events.x[run] // cell_px
+        counts += np.bincount(cell if chosen is None else cell[chosen[run]], minlength=width * height)
     most = int(counts.max(initial=0))
     level = np.log1p(counts) * (255 / np.log1p(max(most, 1)))
-    return Heat(title, len(x), most, width, height, cell_px, _png(level.astype(np.uint8).reshape(height, width)))
+    return Heat(title, int(counts.sum()), most, width, height, cell_px, _png(level.astype(np.uint8).reshape(height, width)))
 
 
 def _png(levels: NDArray[np.uint8]) -> str:
