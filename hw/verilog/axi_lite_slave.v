@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // AXI4-Lite slave: turns the five channels into one access at a time, which whoever owns the registers answers.
 //
-// Address and data of a write may come in any order. Reads and writes that both wait take turns. An access stands on request_*
-// until the clock in which `answer` is high; answer_data (of a read) and answer_error (SLVERR) count in that clock.
+// Address and data of a write may come in any order. Reads and writes that both wait take turns: the kind that was answered has
+// its next address a clock later. An access stands on request_* until the clock in which `answer` is high; answer_data (of a
+// read) and answer_error (SLVERR) count in that clock.
 //
 // Latency:    1 clock from the last of an access's handshakes to request_valid, 1 from `answer` to the response.
 // Throughput: an access in 2 clocks and what the answer takes.
@@ -53,14 +54,13 @@ module axi_lite_slave #(
     localparam [1:0] OKAY   = 2'b00;
     localparam [1:0] SLVERR = 2'b10;
 
-    reg              aw_held, w_held, ar_held, read_next;
+    reg              aw_held, w_held, ar_held;
     reg [ADDR_W-3:0] aw_word, ar_word;
     reg [31:0]       data;
     reg [3:0]        strb;
 
     wire can_write  = aw_held && w_held && (s_axil_bready || !s_axil_bvalid);
     wire can_read   = ar_held && (s_axil_rready || !s_axil_rvalid);
-    wire reads      = can_read && (read_next || !can_write);
     wire begins     = !request_valid && (can_read || can_write);
 
     assign s_axil_awready = !aw_held;
@@ -89,9 +89,8 @@ module axi_lite_slave #(
 
         if (begins) begin
             request_valid <= 1'b1;
-            request_write <= !reads;
-            request_word  <= reads ? ar_word : aw_word;
-            read_next     <= !reads;
+            request_write <= !can_read;
+            request_word  <= can_read ? ar_word : aw_word;
         end
         if (request_valid && answer) begin
             request_valid <= 1'b0;
@@ -109,7 +108,7 @@ module axi_lite_slave #(
         end
 
         if (rst) begin
-            {aw_held, w_held, ar_held, read_next} <= 4'd0;
+            {aw_held, w_held, ar_held} <= 3'd0;
             {s_axil_bvalid, s_axil_rvalid, request_valid} <= 3'd0;
         end
     end
