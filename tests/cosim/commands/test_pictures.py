@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot plot` and `evcot render`: a recording with its logs, or the folder of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from evcot.config import RunConfig
+from evcot.events import Recording
+from evcot.files import write_recording
+from evcot.presets import fit, preset
+from evcot.rct.presets import PRESETS
+from evcot.rct.tracker import track
+from evcot.scenes.registry import simulate_scene
+from evcot_cosim.cli import main
+from evcot_cosim.run_file import RunFile, Source, digest, write_run_file
+
+
+@pytest.fixture(scope="module")
+def discs() -> Recording:
+    """Four discs for 0.3 s."""
+    return simulate_scene("discs", 5, {"duration_us": 300_000}).recording
+
+
+@pytest.fixture
+def folder(discs: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A recording, its log, and what `evcot cosim` leaves of a run."""
+    monkeypatch.chdir(tmp_path)
+    write_recording(discs, "discs.npz")
+    log = track(discs, PRESETS["plain"])
+    log.save_npz("log.npz")
+    Path("run").mkdir()
+    for name in ("hardware", "software", "model"):
+        log.save_npz(f"run/{name}.npz")
+    config: RunConfig = fit(preset("davis346"), discs.width, discs.height)
+    sensor = {"width": discs.width, "height": discs.height}
+    run = RunFile(Source("discs.npz", **sensor), "cot_array", None, digest(discs.events), config)
+    write_run_file(Path("run/run.toml"), run)
+    return tmp_path
+
+
+def size_of(path: str) -> tuple[int, int]:
+    with Image.open(path) as image:
+        return image.size
+
+
+def test_a_figure_of_a_recording(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert (
+        main(["plot", "discs.npz", "log.npz", "-o", "a.png", "--kind", "tracks, alive", "--columns", "2", "--dpi", "100"]) == 0
+    )
+    assert capsys.readouterr().out == "a.png: tracks, alive of log\n"
+    assert size_of("a.png")[0] == pytest.approx(178 / 25.4 * 100, abs=1)
+    assert main(["plot", "discs.npz", "log.npz", "-o", "b.pdf", "-q", "--from", "100", "--to", "200", "--width", "60"]) == 0
+    assert capsys.readouterr().out == ""
+    assert Path("b.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_figure_of_a_run_has_hardware_and_software(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plot", "run", "-o", "a.svg"]) == 0
+    assert main(["plot", "run", "model", "-o", "b.svg"]) == 0
+    assert capsys.readouterr().out == "a.svg: tracks of hardware, software\nb.svg: tracks of model\n"
+
+
+def test_a_film_of_a_part(folder: Path, discs: Recording, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--from", "100", "--to", "200", "--fps", "20", "--speed", "0.5", "--width", "300"]
+    assert main(["render", "discs.npz", "log.npz", "-o", "a.gif", *options]) == 0
+    printed = capsys.readouterr()
+    assert printed.out.startswith("a.gif: 5 pictures in ")
+    assert printed.err == ""
+    with Image.open("a.gif") as gif:
+        assert gif.n_frames == 5  # type: ignore[attr-defined]
+        assert gif.width >= 300
+        assert gif.width % discs.width in (0, 1)
+        assert len(np.unique(np.asarray(gif.convert("RGB")).reshape(-1, 3), axis=0)) > 5
+
+
+def test_a_film_of_a_run(folder: Path) -> None:
+    assert main(["render", "run", "-o", "a.gif", "--fps", "10", "-q"]) == 0
+    assert main(["render", "run", "software", "-o", "b.gif", "--fps", "10", "-q"]) == 0
+    assert Path("a.gif").read_bytes() != Path("b.gif").read_bytes()
+
+
+@pytest.mark.parametrize("command", ["plot", "render"])
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("discs.npz", "discs.npz: is no folder of a run: the recording's track logs must be given after it"),
+        ("discs.npz none.npz", "none.npz: cannot be read: No such file or directory"),
+        ("discs.npz discs.npz", "discs.npz: has no array engine: must have engine, records, owner"),
+        ("none.npz log.npz", "none.npz: cannot be read: No such file or directory"),
+        ("run none", "none: must be one of hardware, software, model with the folder of a run"),
+        ("run --from 9999", "holds no events from"),
+        ("discs.npz log.npz --from 9999", "holds no events from"),
+        ("discs.npz log.npz -o a.xyz", "a.xyz: must end in "),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str], command: str, arguments: str, message: str
+) -> None:
+    suffix = {"plot": ".png", "render": ".gif"}[command]
+    assert main([command, *(["-o", f"a{suffix}"]), *arguments.split()]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert message in printed.err
+    assert not Path(f"a{suffix}").exists()
+
+
+def test_a_run_whose_recording_has_changed_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_recording(simulate_scene("discs", 6, {"duration_us": 100_000}).recording, "discs.npz")
+    assert main(["plot", "run", "-o", "a.png"]) == 2
+    assert "which has changed since" in capsys.readouterr().err
