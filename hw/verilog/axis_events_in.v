@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Events from AXI4-Stream, one per beat of 64 bits: EVCOT_EVENT_* in evcot_regs.vh, docs/registers.md.
 //
-// The beat has the low 32 bits of the time. Where they fall by half their range or more they have wrapped, so m_t goes on for as
-// long as T_W bits last; a smaller fall is a time that ran back, and is handed on as it is. A beat whose tkeep is not all
+// The beat has the low 32 bits of the time. Where they fall by half their range or more they have wrapped, so m_t goes on for
+// as long as T_W bits last; a smaller fall is a time that ran back, and is handed on as it is. A beat whose tkeep is not all
 // ones, or whose pixel lies beyond WIDTH x HEIGHT, is skipped and counted. tlast means nothing.
 //
 // Latency:    2 clocks. Throughput: an event per clock.

@@ -396,8 +396,8 @@ module event_sources #(
 
     always @(posedge clk) n_malformed <= rst ? 32'd0 : skipped_now;
 
-    wire unused = &{1'b0, n_backward, n_out, s_axis_tvalid, s_axis_tdata, s_axis_tkeep, s_axis_tlast, axis_ready, ready, swap_halves,
-                    swap_bytes, lfsr_seed, lfsr_gap, lfsr_x_min, lfsr_x_span, lfsr_y_min, lfsr_y_span};
+    wire unused = &{1'b0, n_backward, n_out, s_axis_tvalid, s_axis_tdata, s_axis_tkeep, s_axis_tlast, axis_ready, ready,
+                    swap_halves, swap_bytes, lfsr_seed, lfsr_gap, lfsr_x_min, lfsr_x_span, lfsr_y_min, lfsr_y_span};
 
 endmodule
 
