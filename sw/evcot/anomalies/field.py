@@ -16,7 +16,7 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter
 from ..errors import ConfigError
 from ..outputs import written_aside
 from ..ranges import Range, check_ranges
-from .judge import Field
+from .layout import Field
 from .motion import Steps
 
 __all__ = ["FIELD_RANGES", "FieldConfig", "NormalMotion"]

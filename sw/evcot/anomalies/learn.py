@@ -20,7 +20,7 @@ from ..metrics.sampling import checked
 from ..tracklog import TRACK, TrackLog
 from .config import AnomalyConfig
 from .field import FieldConfig, NormalMotion, grid
-from .judge import TRACE
+from .layout import TRACE
 from .motion import Steps, add_place, begin, close_step, steps
 
 __all__ = ["learn", "smallest_sensor"]

@@ -14,8 +14,9 @@ from ..tracklog import TrackLog
 from .alarm import ALARM
 from .config import AnomalyConfig
 from .field import NormalMotion
-from .judge import ALARMS_PER_STEP, TRACE, Field, Places, rules
+from .judge import ALARMS_PER_STEP
 from .kernel import CURSOR, feed
+from .layout import TRACE, Field, Places, rules
 from .motion import Steps, steps
 from .stays import no_stays
 from .zones import Zones
