@@ -17,6 +17,7 @@ from evcot.events import Recording
 from evcot.metrics import RULES
 from evcot.tracklog import TrackLog
 
+from ..progress import Progress
 from ..report import REPORT, Material, Side, Truth, truth_of, write_report
 from ..run_file import RUN_FILE, Source, read_run_file
 from .options import damage_options, open_from, sensor_from, window_from, window_options
@@ -51,12 +52,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def _report(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     if options.rule and not options.truth:
         raise ConfigError("--rule: must be given with --truth")
-    material = _of_run(options) if options.run.is_dir() else _of_log(options, shlex.join(["evcot", *arguments]))
-    if options.truth:
-        sensor = sensor_from(options) or (material.recording.width, material.recording.height)
-        material = replace(material, truth=Truth.read(options.truth, sensor, options.rule))
     path = options.output or (options.run / REPORT if options.run.is_dir() else options.run.with_suffix(".html"))
-    write_report(material, path)
+    with Progress(str(path), None, enabled=not (options.quiet or options.json)) as progress:
+        progress.note("reading the events")
+        material = _of_run(options) if options.run.is_dir() else _of_log(options, shlex.join(["evcot", *arguments]))
+        if options.truth:
+            sensor = sensor_from(options) or (material.recording.width, material.recording.height)
+            material = replace(material, truth=Truth.read(options.truth, sensor, options.rule))
+        progress.note("writing the page")
+        write_report(material, path)
     if options.json:
         print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": len(material.events)}, indent=2))
     elif not options.quiet:
