@@ -5,15 +5,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from evcot.contract import DROPPED
+from evcot.contract import DROPPED, Kind
+from evcot.events import Events
 from evcot.rct.presets import PRESETS
 from evcot.rct.tracker import RctTracker
 from evcot.scenes.registry import simulate_scene
-from evcot.tracking import KeptTracker
+from evcot.tracking import KeptTracker, Told
+from evcot.tracklog import TRACK
 from evcot_cosim.live.gaps import GapTracker
 
-from .stories import EveryTenth, random_events
+from .stories import EveryTenth, random_events, record
 
 
 def test_without_gaps_it_is_the_tracker() -> None:
@@ -33,6 +36,34 @@ def test_records_number_what_the_tracker_has_not_seen_too() -> None:
     tracker.skip(7)
     told += [tracker.feed(random_events(10, 3))[0], tracker.finish()]  # 30 -> 137; at the end -> 142
     assert np.concatenate(told)["event_index"].tolist() == [0, 10, 120, 137, 142]
+
+
+class Late:
+    """A tracker that tells, when it is fed, of the events that it is told to tell of."""
+
+    def __init__(self, *told: list[int]) -> None:
+        self._told = iter(told)
+
+    def _records(self) -> NDArray[np.void]:
+        return np.concatenate([np.empty(0, TRACK), *(record(Kind.MOVED, 0, i, 1) for i in next(self._told))])
+
+    def feed(self, some: Events) -> Told:
+        return self._records(), np.zeros(len(some), np.int16)
+
+    def finish(self) -> NDArray[np.void]:
+        return self._records()
+
+
+def test_records_that_come_late_are_numbered_by_where_their_event_was() -> None:
+    tracker = GapTracker(Late([], [3], [4, 5, 7], [10], [15]))
+    five = random_events(5, 1)
+    got = [tracker.feed(five)[0]]
+    tracker.skip(100)
+    got.append(tracker.feed(five)[0])  # from before the gap
+    tracker.skip(1_000)
+    got.append(tracker.feed(five)[0])  # from before both, the first after the first, and one more
+    got += [tracker.feed(five[:0])[0], tracker.finish()]
+    assert [rows["event_index"].tolist() for rows in got] == [[], [3], [4, 105, 107], [1_110], [1_115]]
 
 
 @pytest.mark.parametrize("seed", range(3))
