@@ -71,6 +71,11 @@ def test_scrubbing_back_shows_what_playing_there_shows(opened: Opened) -> None:
     opened.ask("() => report.clock.seek(500000)")
     opened.ask("() => report.clock.seek(250000)")
     assert (opened.drawn() == played).all()
+    opened.ask("() => report.clock.seek(20000)")  # nothing has faded yet
+    early = opened.drawn()
+    opened.ask("() => report.clock.seek(45000)")
+    opened.ask("() => report.clock.seek(20000)")
+    assert (opened.drawn() == early).all()
 
 
 def test_a_link_of_a_merge_goes_there_and_looks_there(opened: Opened) -> None:
@@ -148,6 +153,12 @@ def test_layers_switch_what_is_drawn(opened: Opened) -> None:
     both = opened.drawn()
     opened.page.get_by_label("hardware: inner radius").check()
     assert (opened.drawn() != both).any()
+    for part in ("windows", "inner radius", "ids", "trails"):
+        before = coloured(opened.drawn(), BLUE)
+        opened.page.get_by_label(f"hardware: {part}").uncheck()
+        assert coloured(opened.drawn(), BLUE) < before, part
+        opened.page.get_by_label(f"hardware: {part}").check()
+        assert coloured(opened.drawn(), BLUE) == before, part
     for polarity in ("ON", "OFF"):
         before = opened.drawn()
         opened.page.get_by_label(polarity, exact=True).uncheck()
