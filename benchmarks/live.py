@@ -50,7 +50,7 @@ _HELLO = {
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """live_rate_*, live_tracked_*, live_drawn_* with nobody, a client and a browser looking."""
+    """live_rate_*, live_cores_*, live_tracked_*, live_drawn_* with nobody, a client and a browser looking."""
     events = streams.joined(_ROUND_EVENTS)
     seconds = 2.0 if quick else 5.0
     _run(events, 1.0, 1.0, _nobody)  # everything is compiled
@@ -66,6 +66,7 @@ class _Told:
     """What a run said at its end."""
 
     rate_m: float
+    cores: float
     dropped: int
     slipped_s: float
     tracked_ms: dict[str, float | None]
@@ -86,6 +87,7 @@ def _looked_at(name: str, events: Events, seconds: float, looking: Looking) -> I
     how = f"M events/s without a drop for {seconds:g} s; {name} looks{first_lost}"
     yield Result(f"live_rate_{name}", best, "M events/s", how=how)
     told = _run(events, _LATENCY_RATE_M, 2 * seconds, looking)
+    yield Result(f"live_cores_{name}", told.cores, "cores", how=f"CPU time of evcot itself at {_LATENCY_RATE_M:g} M events/s")
     for what, quantiles in (("tracked", told.tracked_ms), ("drawn", told.drawn_ms)):
         for share, ms in quantiles.items():
             if ms is not None:
@@ -104,11 +106,13 @@ def _run(events: Events, rate_m: float, seconds: float, looking: Looking) -> _To
         if looking is not _nobody:
             undo.enter_context(looking(undo.enter_context(Server(session, _HELLO, port=0))))
         session.start()
+        begin_cpu_s = time.process_time()
         time.sleep(seconds)
+        cores = (time.process_time() - begin_cpu_s) / seconds
         summary = session.summary()
         session.stop()
     rate = summary["events_per_s"] / 1e6
-    return _Told(rate, summary["dropped"], source.slipped_s, summary["tracked_ms"], summary["drawn_ms"])
+    return _Told(rate, cores, summary["dropped"], source.slipped_s, summary["tracked_ms"], summary["drawn_ms"])
 
 
 def _again_and_again(events: Events) -> Any:
