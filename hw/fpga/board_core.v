@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every board carries: evcot_top with the LFSR as its source, which tests itself and talks to a host over a serial line.
+// What every board carries: evcot_top with the LFSR as its source (or board_small.v, a part of it), which tests itself and talks
+// to a host over a serial line.
 //
 // After reset board_boot.v writes the settings of the test. Pseudo-random events then go in without end, as fast as the line
 // takes the records; the first RECORDS of them are folded into a signature, rotated by one bit and exclusive-ored with each
@@ -14,7 +15,8 @@
 module board_core #(
     parameter CLOCK_HZ = 12000000,
     parameter BAUD     = 1000000,  // bits per second of the line
-    parameter TRACKER  = 0,        // 0 cot_array, 2 cot_engine
+    parameter FULL     = 1,        // 0: board_small
+    parameter TRACKER  = 0,        // of evcot_top: 0 cot_array, 2 cot_engine
     parameter N        = 4         // tracker slots, 1, 2, 4 or 8
 ) (
     input  wire clk,
@@ -95,77 +97,115 @@ module board_core #(
 
     // ---- the tracker -------------------------------------------------------------------------------------------------
 
+    wire         awvalid = booted ? host_awvalid : boot_awvalid;
+    wire         wvalid  = booted ? host_wvalid : boot_wvalid;
+    wire         bready  = booted ? host_bready : boot_bready;
+    wire [A-1:0] awaddr  = booted ? host_awaddr : boot_awaddr;
+    wire [31:0]  wdata   = booted ? host_wdata : boot_wdata;
+
     /* verilator lint_off PINCONNECTEMPTY */
-    evcot_top #(
-        .SOURCES     (1 << `EVCOT_SOURCE_LFSR),
-        .SOURCE      (`EVCOT_SOURCE_LFSR),
-        .TRACKER     (TRACKER),
-        .WIDTH       (128),
-        .HEIGHT      (128),
-        .FIFO_DEPTH  (4),
-        .RECORD_DEPTH(2),
-        .DATA_W      (32),
-        .N           (N),
-        .X_W         (SHAPE_X_W),
-        .Y_W         (SHAPE_Y_W),
-        .FRAC        (SHAPE_FRAC),
-        .TICK_W      (SHAPE_TICK_W),
-        .RADIX_W     (SHAPE_RADIX_W),
-        .NEV_W       (SHAPE_NEV_W),
-        .TC_W        (SHAPE_TC_W),
-        .SUP_W       (SHAPE_SUP_W),
-        .ID_W        (SHAPE_ID_W),
-        .SEQ_W       (SHAPE_SEQ_W),
-        .TIME_W      (SHAPE_TIME_W)
-    ) u_top (
-        .clk                  (clk),
-        .rst                  (rst),
-        .s_axil_awvalid       (booted ? host_awvalid : boot_awvalid),
-        .s_axil_awready       (awready),
-        .s_axil_awaddr        (booted ? host_awaddr : boot_awaddr),
-        .s_axil_awprot        (3'd0),
-        .s_axil_wvalid        (booted ? host_wvalid : boot_wvalid),
-        .s_axil_wready        (wready),
-        .s_axil_wdata         (booted ? host_wdata : boot_wdata),
-        .s_axil_wstrb         (4'hF),
-        .s_axil_bvalid        (bvalid),
-        .s_axil_bready        (booted ? host_bready : boot_bready),
-        .s_axil_bresp         (bresp),
-        .s_axil_arvalid       (host_arvalid),
-        .s_axil_arready       (arready),
-        .s_axil_araddr        (host_araddr),
-        .s_axil_arprot        (3'd0),
-        .s_axil_rvalid        (rvalid),
-        .s_axil_rready        (host_rready),
-        .s_axil_rdata         (rdata),
-        .s_axil_rresp         (rresp),
-        .irq                  (),
-        .s_axis_tvalid        (1'b0),
-        .s_axis_tready        (),
-        .s_axis_tdata         (64'd0),
-        .s_axis_tkeep         (8'hFF),
-        .s_axis_tlast         (1'b0),
-        .aer_req              (1'b1),
-        .aer_ack              (),
-        .aer_row              (1'b0),
-        .aer_data             ({SHAPE_X_W + SHAPE_Y_W + 1{1'b0}}),
-        .m_axis_records_tvalid(record_valid),
-        .m_axis_records_tready(record_ready),
-        .m_axis_records_tdata (record_data),
-        .m_axis_records_tkeep (record_keep),
-        .m_axis_records_tlast (record_last),
-        .m_axis_owned_tvalid  (),
-        .m_axis_owned_tready  (1'b1),
-        .m_axis_owned_tdata   (),
-        .m_axis_owned_tkeep   (),
-        .m_axis_owned_tuser   (),
-        .m_axis_owned_tlast   (),
-        .m_axis_passed_tvalid (),
-        .m_axis_passed_tready (1'b1),
-        .m_axis_passed_tdata  (),
-        .m_axis_passed_tkeep  (),
-        .m_axis_passed_tlast  ()
-    );
+    generate
+        if (FULL != 0) begin : g_full
+            evcot_top #(
+                .SOURCES     (1 << `EVCOT_SOURCE_LFSR),
+                .SOURCE      (`EVCOT_SOURCE_LFSR),
+                .TRACKER     (TRACKER),
+                .WIDTH       (128),
+                .HEIGHT      (128),
+                .FIFO_DEPTH  (4),
+                .RECORD_DEPTH(2),
+                .DATA_W      (32),
+                .N           (N),
+                .X_W         (SHAPE_X_W),
+                .Y_W         (SHAPE_Y_W),
+                .FRAC        (SHAPE_FRAC),
+                .TICK_W      (SHAPE_TICK_W),
+                .RADIX_W     (SHAPE_RADIX_W),
+                .NEV_W       (SHAPE_NEV_W),
+                .TC_W        (SHAPE_TC_W),
+                .SUP_W       (SHAPE_SUP_W),
+                .ID_W        (SHAPE_ID_W),
+                .SEQ_W       (SHAPE_SEQ_W),
+                .TIME_W      (SHAPE_TIME_W)
+            ) u_top (
+                .clk                  (clk),
+                .rst                  (rst),
+                .s_axil_awvalid       (awvalid),
+                .s_axil_awready       (awready),
+                .s_axil_awaddr        (awaddr),
+                .s_axil_awprot        (3'd0),
+                .s_axil_wvalid        (wvalid),
+                .s_axil_wready        (wready),
+                .s_axil_wdata         (wdata),
+                .s_axil_wstrb         (4'hF),
+                .s_axil_bvalid        (bvalid),
+                .s_axil_bready        (bready),
+                .s_axil_bresp         (bresp),
+                .s_axil_arvalid       (host_arvalid),
+                .s_axil_arready       (arready),
+                .s_axil_araddr        (host_araddr),
+                .s_axil_arprot        (3'd0),
+                .s_axil_rvalid        (rvalid),
+                .s_axil_rready        (host_rready),
+                .s_axil_rdata         (rdata),
+                .s_axil_rresp         (rresp),
+                .irq                  (),
+                .s_axis_tvalid        (1'b0),
+                .s_axis_tready        (),
+                .s_axis_tdata         (64'd0),
+                .s_axis_tkeep         (8'hFF),
+                .s_axis_tlast         (1'b0),
+                .aer_req              (1'b1),
+                .aer_ack              (),
+                .aer_row              (1'b0),
+                .aer_data             ({SHAPE_X_W + SHAPE_Y_W + 1{1'b0}}),
+                .m_axis_records_tvalid(record_valid),
+                .m_axis_records_tready(record_ready),
+                .m_axis_records_tdata (record_data),
+                .m_axis_records_tkeep (record_keep),
+                .m_axis_records_tlast (record_last),
+                .m_axis_owned_tvalid  (),
+                .m_axis_owned_tready  (1'b1),
+                .m_axis_owned_tdata   (),
+                .m_axis_owned_tkeep   (),
+                .m_axis_owned_tuser   (),
+                .m_axis_owned_tlast   (),
+                .m_axis_passed_tvalid (),
+                .m_axis_passed_tready (1'b1),
+                .m_axis_passed_tdata  (),
+                .m_axis_passed_tkeep  (),
+                .m_axis_passed_tlast  ()
+            );
+        end else begin : g_small
+            board_small #(
+                .N(N)
+            ) u_small (
+                .clk                  (clk),
+                .rst                  (rst),
+                .s_axil_awvalid       (awvalid),
+                .s_axil_awready       (awready),
+                .s_axil_awaddr        (awaddr),
+                .s_axil_wvalid        (wvalid),
+                .s_axil_wready        (wready),
+                .s_axil_wdata         (wdata),
+                .s_axil_bvalid        (bvalid),
+                .s_axil_bready        (bready),
+                .s_axil_bresp         (bresp),
+                .s_axil_arvalid       (host_arvalid),
+                .s_axil_arready       (arready),
+                .s_axil_araddr        (host_araddr),
+                .s_axil_rvalid        (rvalid),
+                .s_axil_rready        (host_rready),
+                .s_axil_rdata         (rdata),
+                .s_axil_rresp         (rresp),
+                .m_axis_records_tvalid(record_valid),
+                .m_axis_records_tready(record_ready),
+                .m_axis_records_tdata (record_data),
+                .m_axis_records_tkeep (record_keep),
+                .m_axis_records_tlast (record_last)
+            );
+        end
+    endgenerate
     /* verilator lint_on PINCONNECTEMPTY */
 
     // ---- the test ----------------------------------------------------------------------------------------------------

