@@ -3,9 +3,9 @@
 //
 // A beat may hold several words, or half of one: then the first beat is the lower half, and tlast ends a word that has no
 // second one. Lanes that tkeep leaves out whole are no words; words of which tkeep or tlast leave out a part are skipped and
-// counted.
+// counted. With swap_bytes the bytes of each word, or of each half of 64 bits, come with the high one first.
 //
-// Latency:    1 clock from s_axis_ to m_.
+// Latency:    2 clocks from s_axis_ to m_.
 // Throughput: 1 word per clock; a beat without any word takes 1 clock.
 // Stall:      a word stays until taken; s_axis_tready is low until the last word of a beat is being taken.
 // Reset:      becomes empty. Words are not reset.
@@ -23,15 +23,17 @@ module axis_words #(
     input  wire                clk,
     input  wire                rst,
 
+    input  wire                swap_bytes,
+
     input  wire                s_axis_tvalid,
     output wire                s_axis_tready,
     input  wire [DATA_W-1:0]   s_axis_tdata,
     input  wire [DATA_W/8-1:0] s_axis_tkeep,
     input  wire                s_axis_tlast,
 
-    output wire                m_valid,
+    output reg                 m_valid,
     input  wire                m_ready,
-    output wire [WORD_W-1:0]   m_word,
+    output reg  [WORD_W-1:0]   m_word,
 
     output reg  [COUNT_W-1:0]  n_cut,  // words of which a part is missing
     output wire                idle    // nothing inside
@@ -58,7 +60,7 @@ module axis_words #(
         end
     endgenerate
 
-    reg  [LANES-1:0]        waiting;   // lanes whose word has not been taken yet
+    reg  [LANES-1:0]        waiting;   // lanes whose word has not gone out yet
     reg  [LANES*WORD_W-1:0] words;
     wire [LANES-1:0]        arriving;  // words that the beat on offer completes
     wire [LANES*WORD_W-1:0] arriving_words;
@@ -68,7 +70,7 @@ module axis_words #(
         if (DATA_W >= WORD_W) begin : g_lanes
             assign arriving       = whole;
             assign arriving_words = s_axis_tdata;
-            assign idle           = !m_valid;
+            assign idle           = waiting == {LANES{1'b0}} && !m_valid;
 
             always @* begin : count_cut
                 integer lane;
@@ -83,7 +85,7 @@ module axis_words #(
 
             assign arriving       = whole && has_lower;
             assign arriving_words = {s_axis_tdata, lower};
-            assign idle           = !m_valid && !has_lower;
+            assign idle           = !waiting && !m_valid && !has_lower;
 
             // A beat of nothing but tlast may end a word, too.
             wire ends = partial || (s_axis_tlast && whole != has_lower);
@@ -100,20 +102,31 @@ module axis_words #(
     endgenerate
 
     wire [LANES-1:0] later = waiting & (waiting - 1'b1);
-    assign s_axis_tready = later == {LANES{1'b0}} && (m_ready || !m_valid);
-    assign m_valid = |waiting;
+    wire             output_free = m_ready || !m_valid;
+    assign s_axis_tready = later == {LANES{1'b0}} && (output_free || waiting == {LANES{1'b0}});
 
-    // The lowest lane that waits.
-    reg [WORD_W-1:0] word;
+    // The lowest lane that waits, its bytes in order.
+    localparam UNIT_BYTES = (WORD_W == 64) ? 4 : WORD_W / 8;
+
+    reg  [WORD_W-1:0] lowest;
+    wire [WORD_W-1:0] swapped;
     always @* begin : choose
         integer lane;
-        word = {WORD_W{1'b0}};
-        for (lane = LANES - 1; lane >= 0; lane = lane - 1) if (waiting[lane]) word = words[lane*WORD_W +: WORD_W];
+        lowest = {WORD_W{1'b0}};
+        for (lane = LANES - 1; lane >= 0; lane = lane - 1) if (waiting[lane]) lowest = words[lane*WORD_W +: WORD_W];
     end
-    assign m_word = word;
+    generate
+        for (i = 0; i < WORD_W / 8; i = i + 1) begin : g_swap
+            assign swapped[i*8 +: 8] = lowest[(i - i % UNIT_BYTES + UNIT_BYTES - 1 - i % UNIT_BYTES)*8 +: 8];
+        end
+    endgenerate
 
     always @(posedge clk) begin
-        if (m_ready) waiting <= later;
+        if (output_free) begin
+            m_valid <= |waiting;
+            m_word  <= swap_bytes ? swapped : lowest;
+            waiting <= later;
+        end
         if (take) begin
             waiting <= arriving;
             words   <= arriving_words;
@@ -121,6 +134,7 @@ module axis_words #(
         end
         if (rst) begin
             waiting <= {LANES{1'b0}};
+            m_valid <= 1'b0;
             n_cut   <= {COUNT_W{1'b0}};
         end
     end

@@ -3,7 +3,7 @@
 //
 // An event that has no time or no address, as s_known tells, or that lies beyond the sensor, is left out and counted.
 //
-// Latency:    3 clocks from s_ to the first event on m_.
+// Latency:    4 clocks from s_ to the first event on m_.
 // Throughput: 1 event per clock, those left out included; a vector without events takes 1 clock.
 // Stall:      an event stays until taken.
 // Reset:      becomes empty, counts from 0.
@@ -54,20 +54,90 @@ module event_vector #(
     localparam [31:0] COLUMNS = WIDTH;
     localparam [31:0] ROWS = HEIGHT;
 
-    // ---- the vector: one bit leaves per clock ------------------------------------------------------------------------
+    wire output_ready;  // a register; whatever it lets go ahead, all stages move at once
+
+    // ---- the vector that comes ---------------------------------------------------------------------------------------
+
+    reg            in_valid, in_p, in_known;
+    reg  [T_W-1:0] in_t;
+    reg  [11:0]    in_x;
+    reg  [10:0]    in_y;
+    reg  [L-1:0]   in_mask;
+    wire           in_leaves;
+
+    assign s_ready = !in_valid || in_leaves;
+
+    always @(posedge clk) begin
+        if (s_ready) begin
+            in_valid <= s_valid;
+            in_t     <= s_t;
+            in_x     <= s_x;
+            in_y     <= s_y;
+            in_p     <= s_p;
+            in_mask  <= s_mask;
+            in_known <= s_known;
+        end
+        if (rst) in_valid <= 1'b0;
+    end
+
+    // ---- the vector under way: its lowest bit leaves at every clock --------------------------------------------------
 
     reg  [T_W-1:0] t;
     reg  [11:0]    left;
     reg  [10:0]    y;
     reg            p, known;
-    reg  [L-1:0]   mask;
-    wire [L-1:0]   rest = mask & (mask - 1'b1);
+    reg  [L-1:0]   lowest;  // the bit that leaves next, alone
+    reg  [L-1:0]   rest;    // the others
+    reg            ending;  // there are none
 
-    reg  [4:0]     lowest;
-    always @* begin : find_lowest
+    assign in_leaves = in_valid && ending && output_ready;
+
+    wire [L-1:0] in_rest   = in_mask & (in_mask - 1'b1);
+    wire [L-1:0] next_rest = rest & (rest - 1'b1);
+
+    // Whether more than one bit is set: a tree, faster than to look at what a subtraction leaves.
+    function several;
+        input [L-1:0] bits;
+        integer width, i;
+        reg [31:0] any, two;
+        begin
+            any = 32'd0;
+            two = 32'd0;
+            for (i = 0; i < L; i = i + 1) any[i] = bits[i];
+            for (width = 1; width < 32; width = 2 * width)
+                for (i = 0; i < 32; i = i + 2 * width) begin
+                    two[i] = two[i] || two[i+width] || (any[i] && any[i+width]);
+                    any[i] = any[i] || any[i+width];
+                end
+            several = two[0];
+        end
+    endfunction
+
+    reg  [4:0] index;
+    always @* begin : find_index
         integer i;
-        lowest = 5'd0;
-        for (i = L - 1; i >= 0; i = i - 1) if (mask[i]) lowest = i[4:0];
+        index = 5'd0;
+        for (i = 0; i < L; i = i + 1) if (lowest[i]) index = index | i[4:0];
+    end
+
+    always @(posedge clk) begin
+        if (output_ready) begin
+            lowest <= in_leaves ? in_mask & ~in_rest : rest & ~next_rest;
+            rest   <= in_leaves ? in_rest : next_rest;
+            ending <= in_leaves ? !several(in_mask) : !several(rest);
+        end
+        if (in_leaves) begin
+            t     <= in_t;
+            left  <= in_x;
+            y     <= in_y;
+            p     <= in_p;
+            known <= in_known;
+        end
+        if (rst) begin
+            lowest <= {L{1'b0}};
+            rest   <= {L{1'b0}};
+            ending <= 1'b1;
+        end
     end
 
     // ---- the event: is it on the sensor? -----------------------------------------------------------------------------
@@ -78,18 +148,14 @@ module event_vector #(
     reg  [10:0]    event_y;
 
     wire inside_sensor = {20'd0, event_x} < COLUMNS && {21'd0, event_y} < ROWS;
-    wire gives         = event_valid && event_known && inside_sensor;
-    wire output_ready;
-    wire event_leaves  = !gives || output_ready;
-
-    assign s_ready = rest == {L{1'b0}} && (event_leaves || mask == {L{1'b0}});
+    wire leaves = event_valid && output_ready;
 
     skid_buffer #(
         .W(T_W + X_W + Y_W + 1)
     ) u_output (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(gives),
+        .s_valid(event_valid && event_known && inside_sensor),
         .s_ready(output_ready),
         .s_data ({event_t, event_x[X_W-1:0], event_y[Y_W-1:0], event_p}),
         .m_valid(m_valid),
@@ -97,32 +163,22 @@ module event_vector #(
         .m_data ({m_t, m_x, m_y, m_p})
     );
 
-    assign idle = mask == {L{1'b0}} && !event_valid && !m_valid;
+    assign idle = !in_valid && lowest == {L{1'b0}} && !event_valid && !m_valid;
 
     always @(posedge clk) begin
-        if (event_leaves) begin
-            event_valid <= |mask;
+        if (output_ready) begin
+            event_valid <= |lowest;
             event_t     <= t;
-            event_x     <= left + {7'd0, lowest};
+            event_x     <= left + {7'd0, index};
             event_y     <= y;
             event_p     <= p;
             event_known <= known;
-            mask        <= rest;
-        end
-        if (s_valid && s_ready) begin
-            t     <= s_t;
-            left  <= s_x;
-            y     <= s_y;
-            p     <= s_p;
-            mask  <= s_mask;
-            known <= s_known;
         end
         if (m_valid && m_ready) n_events <= n_events + 1'b1;
-        if (event_valid && !event_known) n_untimed <= n_untimed + 1'b1;
-        if (event_valid && event_known && !inside_sensor) n_outside <= n_outside + 1'b1;
+        if (leaves && !event_known) n_untimed <= n_untimed + 1'b1;
+        if (leaves && event_known && !inside_sensor) n_outside <= n_outside + 1'b1;
         if (rst) begin
             event_valid <= 1'b0;
-            mask        <= {L{1'b0}};
             n_events    <= {COUNT_W{1'b0}};
             n_untimed   <= {COUNT_W{1'b0}};
             n_outside   <= {COUNT_W{1'b0}};

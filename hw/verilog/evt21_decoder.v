@@ -5,7 +5,7 @@
 // The upper half of a word is as a word of EVT 2.0 (evt2_decoder.v); the lower half has a set bit for each event, from x on to
 // the right. https://docs.prophesee.ai/stable/data/encoding_formats/evt21.html
 //
-// Latency:    4 clocks from s_axis_ to m_.
+// Latency:    6 clocks from s_axis_ to m_.
 // Throughput: 1 event per clock between marks; a word of marks, or without events, takes 1 clock. At DATA_W = 32 a word takes
 //             2 clocks at least.
 // Stall:      an event stays until taken.
@@ -56,13 +56,8 @@ module evt21_decoder #(
     // Types 0, 1 (events), 8 (time mark), 10 (trigger), 14 and 15 (vendors').
     localparam [15:0] DEFINED = 16'b1100_0101_0000_0011;
 
-    function [31:0] swapped;
-        input [31:0] bytes;
-        swapped = {bytes[7:0], bytes[15:8], bytes[23:16], bytes[31:24]};
-    endfunction
-
     wire        word_valid, word_ready, words_idle;
-    wire [63:0] raw;
+    wire [63:0] both;
 
     axis_words #(
         .DATA_W (DATA_W),
@@ -71,6 +66,7 @@ module evt21_decoder #(
     ) u_words (
         .clk          (clk),
         .rst          (rst),
+        .swap_bytes   (swap_bytes),
         .s_axis_tvalid(s_axis_tvalid),
         .s_axis_tready(s_axis_tready),
         .s_axis_tdata (s_axis_tdata),
@@ -78,14 +74,13 @@ module evt21_decoder #(
         .s_axis_tlast (s_axis_tlast),
         .m_valid      (word_valid),
         .m_ready      (word_ready),
-        .m_word       (raw),
+        .m_word       (both),
         .n_cut        (n_cut),
         .idle         (words_idle)
     );
 
-    wire [63:0] halves   = swap_halves ? {raw[31:0], raw[63:32]} : raw;
-    wire [31:0] word     = swap_bytes ? swapped(halves[63:32]) : halves[63:32];
-    wire [31:0] mask     = swap_bytes ? swapped(halves[31:0]) : halves[31:0];
+    wire [31:0] word     = swap_halves ? both[31:0] : both[63:32];
+    wire [31:0] mask     = swap_halves ? both[63:32] : both[31:0];
     wire [3:0]  kind     = word[31:28];
     wire        is_event = kind <= 4'd1;
     wire        taken    = word_valid && word_ready;

@@ -6,7 +6,7 @@
 // skipped; all other types are reserved: skipped and counted.
 // https://docs.prophesee.ai/stable/data/encoding_formats/evt2.html
 //
-// Latency:    4 clocks from s_axis_ to m_.
+// Latency:    6 clocks from s_axis_ to m_.
 // Throughput: 1 word per clock, so 1 event per clock between marks.
 // Stall:      an event stays until taken.
 // Reset:      becomes empty, forgets the time, counts from 0.
@@ -56,7 +56,7 @@ module evt2_decoder #(
     localparam [15:0] DEFINED = 16'b1100_0101_0000_0011;
 
     wire        word_valid, word_ready, words_idle;
-    wire [31:0] raw;
+    wire [31:0] word;
 
     axis_words #(
         .DATA_W (DATA_W),
@@ -65,6 +65,7 @@ module evt2_decoder #(
     ) u_words (
         .clk          (clk),
         .rst          (rst),
+        .swap_bytes   (swap_bytes),
         .s_axis_tvalid(s_axis_tvalid),
         .s_axis_tready(s_axis_tready),
         .s_axis_tdata (s_axis_tdata),
@@ -72,12 +73,11 @@ module evt2_decoder #(
         .s_axis_tlast (s_axis_tlast),
         .m_valid      (word_valid),
         .m_ready      (word_ready),
-        .m_word       (raw),
+        .m_word       (word),
         .n_cut        (n_cut),
         .idle         (words_idle)
     );
 
-    wire [31:0] word     = swap_bytes ? {raw[7:0], raw[15:8], raw[23:16], raw[31:24]} : raw;
     wire [3:0]  kind     = word[31:28];
     wire        is_event = kind <= 4'd1;
     wire        taken    = word_valid && word_ready;

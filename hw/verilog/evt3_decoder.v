@@ -9,7 +9,7 @@
 // is no row: events are left out until the next one.
 // https://docs.prophesee.ai/stable/data/encoding_formats/evt3.html
 //
-// Latency:    4 clocks from s_axis_ to m_.
+// Latency:    6 clocks from s_axis_ to m_.
 // Throughput: 1 word per clock, and 1 more for each further event of a vector.
 // Stall:      an event stays until taken.
 // Reset:      becomes empty, forgets the time, counts from 0.
@@ -67,11 +67,8 @@ module evt3_decoder #(
     // Also defined: 7, 10, 14, 15.
     localparam [15:0] DEFINED  = 16'b1100_0101_1111_1101;
 
-    // A base that vectors move on without end stays here: beyond every sensor that these words can address.
-    localparam [11:0] FAR      = 12'd2048;
-
     wire        word_valid, word_ready, words_idle;
-    wire [15:0] raw;
+    wire [15:0] word;
 
     axis_words #(
         .DATA_W (DATA_W),
@@ -80,6 +77,7 @@ module evt3_decoder #(
     ) u_words (
         .clk          (clk),
         .rst          (rst),
+        .swap_bytes   (swap_bytes),
         .s_axis_tvalid(s_axis_tvalid),
         .s_axis_tready(s_axis_tready),
         .s_axis_tdata (s_axis_tdata),
@@ -87,12 +85,11 @@ module evt3_decoder #(
         .s_axis_tlast (s_axis_tlast),
         .m_valid      (word_valid),
         .m_ready      (word_ready),
-        .m_word       (raw),
+        .m_word       (word),
         .n_cut        (n_cut),
         .idle         (words_idle)
     );
 
-    wire [15:0] word      = swap_bytes ? {raw[7:0], raw[15:8]} : raw;
     wire [3:0]  kind      = word[15:12];
     wire        is_column = kind == COLUMN;
     wire        is_vector = kind == VECTOR_12 || kind == VECTOR_8;
@@ -155,11 +152,10 @@ module evt3_decoder #(
     assign word_ready = events_ready || !is_event;
     assign idle = words_idle && events_idle;
 
-    wire [11:0] moved = base + (kind == VECTOR_12 ? 12'd12 : 12'd8);
-
     always @(posedge clk) begin
         if (taken) begin
-            if (is_vector) base <= (moved > FAR) ? FAR : moved;
+            // From 2048 on it stays, beyond every sensor, however many vectors follow.
+            if (is_vector && !base[11]) base <= base + (kind == VECTOR_12 ? 12'd12 : 12'd8);
             case (kind)
                 ROW: begin
                     row       <= word[10:0];

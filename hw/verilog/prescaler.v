@@ -18,13 +18,15 @@ module prescaler #(
 
     parameter_check #(.OK(W >= 1)) W_must_be_at_least_1 ();
 
-    reg [W-1:0] passed;  // clocks since the last pulse
+    localparam [W:0] ONE = {{W{1'b0}}, 1'b1};
 
-    assign pulse = period != {W{1'b0}} && {1'b0, passed} + 1'b1 >= {1'b0, period} && !rst;
+    reg [W:0] passed;  // clocks since the last pulse, this one included
+
+    assign pulse = period != {W{1'b0}} && passed >= {1'b0, period} && !rst;
 
     always @(posedge clk) begin
-        passed <= (pulse || period == {W{1'b0}}) ? {W{1'b0}} : passed + 1'b1;
-        if (rst) passed <= {W{1'b0}};
+        passed <= (pulse || period == {W{1'b0}}) ? ONE : passed + 1'b1;
+        if (rst) passed <= ONE;
     end
 
 endmodule

@@ -4,7 +4,7 @@
 // t0 is the time of the first event since reset. An event whose time runs back stays, at the latest time so far, and is
 // counted. Ticks that do not fit into one token go ahead in tokens of ticks alone.
 //
-// Latency:    3 clocks from s_ to m_.
+// Latency:    4 clocks from s_ to m_.
 // Throughput: 1 event per clock if tick_us is 1, or while less than 2 ticks pass between events; T_W + 3 clocks for an event
 //             after a longer time (a division), and 1 for each token of ticks alone.
 // Stall:      a token stays until taken.
@@ -49,35 +49,36 @@ module stamp_ticks #(
     parameter_check #(.OK(T_W >= 32 && T_W <= 64)) T_W_must_be_32_to_64 ();
     parameter_check #(.OK(COUNT_W >= 8 && COUNT_W <= 64)) COUNT_W_must_be_8_to_64 ();
 
-    localparam REST_W  = 20;          // of a remainder, less than tick_us
-    localparam SHORT_W = REST_W + 1;  // of a time less than two ticks
+    localparam TICK_US_W = 20;
+    localparam SHORT_W = TICK_US_W + 1;  // bits of a time that may be less than two ticks
+    localparam NEAR_W = SHORT_W + 2;     // of sums of such times, signed
+
+    wire every_us = tick_us <= 20'd1;
+    wire near_ready, near_leaves;
 
     // ---- how long after the latest event? ----------------------------------------------------------------------------
 
-    reg            begun;
-    reg  [T_W-1:0] latest;
-    wire [T_W:0]   since = {1'b0, s_t} - {1'b0, latest};
-    wire           backward = begun && since[T_W];
-    wire           take = s_valid && s_ready;
+    reg                begun;
+    reg  [T_W-1:0]     latest;
+    wire [T_W:0]       since = {1'b0, s_t} - {1'b0, latest};
+    wire               backward = begun && since[T_W];
 
-    reg            valid, is_long, p;
-    reg  [T_W-1:0] passed;  // microseconds
-    reg  [X_W-1:0] x;
-    reg  [Y_W-1:0] y;
-    wire           leaves;
+    reg                valid, p;
+    reg  [T_W-1:0]     passed;  // microseconds
+    reg  [X_W-1:0]     x;
+    reg  [Y_W-1:0]     y;
 
-    assign s_ready = !valid || leaves;
+    assign s_ready = !valid || near_ready;
 
     always @(posedge clk) begin
         if (s_ready) valid <= s_valid;
-        if (take) begin
-            begun   <= 1'b1;
-            latest  <= backward ? latest : s_t;
-            passed  <= (begun && !backward) ? since[T_W-1:0] : {T_W{1'b0}};
-            is_long <= begun && !backward && since[T_W-1:SHORT_W] != {(T_W - SHORT_W) {1'b0}};
-            x       <= s_x;
-            y       <= s_y;
-            p       <= s_p;
+        if (s_valid && s_ready) begin
+            begun <= 1'b1;
+            if (!backward) latest <= s_t;
+            passed <= (begun && !backward) ? since[T_W-1:0] : {T_W{1'b0}};
+            x      <= s_x;
+            y      <= s_y;
+            p      <= s_p;
             if (backward) n_backward <= n_backward + 1'b1;
         end
         if (rst) begin
@@ -87,32 +88,55 @@ module stamp_ticks #(
         end
     end
 
-    // ---- how many ticks? ---------------------------------------------------------------------------------------------
+    // ---- that time, and what one and two ticks leave of it -----------------------------------------------------------
 
-    wire              every_us = tick_us <= 20'd1;
-    reg  [REST_W-1:0] rest;  // microseconds since the last tick
+    reg                near_valid, near_p, is_long;
+    reg  [T_W-1:0]     near_passed;
+    reg  [NEAR_W-1:0]  less_one, less_two;
+    reg  [X_W-1:0]     near_x;
+    reg  [Y_W-1:0]     near_y;
 
-    // What is less than two ticks needs no division.
-    wire [SHORT_W:0]  short_us = {{(SHORT_W + 1 - REST_W) {1'b0}}, rest} + {1'b0, passed[SHORT_W-1:0]};
-    wire [SHORT_W:0]  beyond   = short_us - {2'd0, tick_us};
-    wire              none     = !is_long && short_us < {2'd0, tick_us};
-    wire              one      = !is_long && !none && beyond < {2'd0, tick_us};
-    wire              divides  = valid && !every_us && !none && !one;
+    wire [NEAR_W-1:0]  short_us = {2'b00, passed[SHORT_W-1:0]};
 
-    wire              quotient_valid, output_ready, output_idle, unused_ready;
-    wire [T_W:0]      quotient;
-    wire [REST_W-1:0] remainder;
-    reg               dividing;
+    assign near_ready = !near_valid || near_leaves;
+
+    always @(posedge clk) begin
+        if (near_ready) begin
+            near_valid  <= valid;
+            near_passed <= passed;
+            is_long     <= (passed >> SHORT_W) != {T_W{1'b0}};
+            less_one    <= short_us - {3'd0, tick_us};
+            less_two    <= short_us - {2'd0, tick_us, 1'b0};
+            near_x      <= x;
+            near_y      <= y;
+            near_p      <= p;
+        end
+        if (rst) near_valid <= 1'b0;
+    end
+
+    // ---- how many ticks? What is less than two needs no division. ----------------------------------------------------
+
+    reg  [TICK_US_W-1:0] rest;  // microseconds since the last tick
+    wire [NEAR_W-1:0]    after_none = {3'd0, rest} + {2'b00, near_passed[SHORT_W-1:0]};
+    wire [NEAR_W-1:0]    after_one  = {3'd0, rest} + less_one;
+    wire [NEAR_W-1:0]    after_two  = {3'd0, rest} + less_two;
+    wire                 none       = after_one[NEAR_W-1];
+    wire                 divides    = near_valid && !every_us && (is_long || !after_two[NEAR_W-1]);
+
+    wire                 quotient_valid, output_ready, output_idle, unused_ready;
+    wire [T_W:0]         quotient;
+    wire [TICK_US_W-1:0] remainder;
+    reg                  dividing;
 
     divider #(
         .NUM_W(T_W + 1),
-        .DEN_W(REST_W)
+        .DEN_W(TICK_US_W)
     ) u_divider (
         .clk    (clk),
         .rst    (rst),
         .s_valid(divides && !dividing),
         .s_ready(unused_ready),
-        .s_num  ({1'b0, passed} + {{(T_W + 1 - REST_W) {1'b0}}, rest}),
+        .s_num  ({1'b0, near_passed} + {{(T_W + 1 - TICK_US_W) {1'b0}}, rest}),
         .s_den  (tick_us),
         .m_valid(quotient_valid),
         .m_ready(output_ready),
@@ -120,15 +144,17 @@ module stamp_ticks #(
         .m_rem  (remainder)
     );
 
-    wire ready_to_go = valid && (!divides || quotient_valid);
-    assign leaves = ready_to_go && output_ready;
+    wire ready_to_go = near_valid && (!divides || quotient_valid);
+    assign near_leaves = ready_to_go && output_ready;
 
     always @(posedge clk) begin
-        dividing <= divides && !leaves;
-        if (leaves) rest <= every_us ? {REST_W{1'b0}} : divides ? remainder : none ? short_us[REST_W-1:0] : beyond[REST_W-1:0];
+        dividing <= divides && !near_leaves;
+        if (near_leaves)
+            rest <= every_us ? {TICK_US_W{1'b0}} : quotient_valid ? remainder
+                  : none ? after_none[TICK_US_W-1:0] : after_one[TICK_US_W-1:0];
         if (rst) begin
             dividing <= 1'b0;
-            rest     <= {REST_W{1'b0}};
+            rest     <= {TICK_US_W{1'b0}};
         end
     end
 
@@ -142,12 +168,12 @@ module stamp_ticks #(
         .rst    (rst),
         .s_valid(ready_to_go),
         .s_ready(output_ready),
-        .s_tick (every_us ? passed : divides ? quotient[T_W-1:0] : {{(T_W - 1) {1'b0}}, one}),
+        .s_tick (every_us ? near_passed : quotient_valid ? quotient[T_W-1:0] : {{(T_W - 1) {1'b0}}, !none}),
         .s_event(1'b1),
         .s_skip (1'b0),
-        .s_x    (x),
-        .s_y    (y),
-        .s_p    (p),
+        .s_x    (near_x),
+        .s_y    (near_y),
+        .s_p    (near_p),
         .m_valid(m_valid),
         .m_ready(m_ready),
         .m_tick (m_tick),
@@ -159,9 +185,9 @@ module stamp_ticks #(
         .idle   (output_idle)
     );
 
-    assign idle = !valid && output_idle;
+    assign idle = !valid && !near_valid && output_idle;
 
-    wire unused = &{1'b0, quotient[T_W]};
+    wire unused = &{1'b0, quotient[T_W], after_none[NEAR_W-1:TICK_US_W], after_one[NEAR_W-2:TICK_US_W], after_two[NEAR_W-2:0]};
 
 endmodule
 

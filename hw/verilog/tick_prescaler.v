@@ -85,7 +85,8 @@ module tick_prescaler #(
     );
 
     always @(posedge clk) begin
-        waiting <= (s_ready ? {WAITING_W{1'b0}} : waiting) + {{(WAITING_W - 1) {1'b0}}, tick};
+        if (s_ready) waiting <= {{(WAITING_W - 1) {1'b0}}, tick};
+        else if (tick) waiting <= waiting + 1'b1;
         if (rst) waiting <= {WAITING_W{1'b0}};
     end
 

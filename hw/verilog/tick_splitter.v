@@ -54,7 +54,11 @@ module tick_splitter #(
     reg [Y_W-1:0]    y;
 
     wire output_ready;
-    wire more = (left >> TICK_W) != {WIDE_W{1'b0}};
+
+    // More ticks are left than a token holds, and will be when a full token has gone: left > 2 * MOST.
+    reg               more;
+    wire [WIDE_W+1:0] wide_left = {2'b00, left};
+    wire              much_more = (wide_left >> (TICK_W + 1)) != {(WIDE_W + 2) {1'b0}} || &wide_left[TICK_W:0];
 
     assign s_ready = !valid || (output_ready && !more);
 
@@ -74,8 +78,12 @@ module tick_splitter #(
     assign idle = !valid && !m_valid;
 
     always @(posedge clk) begin
-        if (output_ready && more) left <= left - MOST;
+        if (output_ready && more) begin
+            left <= left - MOST;
+            more <= much_more;
+        end
         if (s_ready) begin
+            more     <= (s_tick >> TICK_W) != {WIDE_W{1'b0}};
             valid    <= s_valid;
             left     <= s_tick;
             is_event <= s_event;
@@ -84,7 +92,10 @@ module tick_splitter #(
             y        <= s_y;
             p        <= s_p;
         end
-        if (rst) valid <= 1'b0;
+        if (rst) begin
+            valid <= 1'b0;
+            more  <= 1'b0;
+        end
     end
 
 endmodule

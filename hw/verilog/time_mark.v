@@ -4,7 +4,7 @@
 // Any other mark stays in its turn, also one that falls a little: then time runs back, as the stream says.
 //
 // Latency:    1 clock from set to high and known.
-// Throughput: a mark every clock.
+// Throughput: a mark every clock. What a mark does is found out in the clock after it, with registers alone.
 // Reset:      no mark is known, high is 0.
 `default_nettype none
 
@@ -19,7 +19,7 @@ module time_mark #(
     input  wire [MARK_W-1:0] mark,
 
     output wire              differs,  // the mark on offer is none, or not the one before
-    output reg  [HIGH_W-1:0] high,
+    output wire [HIGH_W-1:0] high,
     output reg               known     // there was a mark
 );
 
@@ -27,22 +27,36 @@ module time_mark #(
     parameter_check #(.OK(HIGH_W > MARK_W)) HIGH_W_must_exceed_MARK_W ();
 
     localparam TURN_W = HIGH_W - MARK_W;
-    localparam [MARK_W:0] HALF = {2'b01, {(MARK_W - 1) {1'b0}}};
+    localparam TOP = MARK_W - 1;
+    localparam [63:0] ONE = 1;
 
-    wire [TURN_W-1:0] turn = high[HIGH_W-1:MARK_W];
-    wire [MARK_W-1:0] last = high[MARK_W-1:0];
-    wire wraps = known && {1'b0, last} > {1'b0, mark} + HALF;
+    reg [TURN_W-1:0] turn, next_turn;  // while fresh, of the mark before; and that plus 1
+    reg [MARK_W-1:0] last, previous;
+    reg              fresh;            // last was set a clock ago; turn does not know of it
 
+    // previous - last > half of the range: only from the upper half to the lower one; previous is 0 where there was none.
+    wire wraps = fresh && previous[TOP] && !last[TOP] && previous[TOP-1:0] > last[TOP-1:0];
+
+    assign high = {wraps ? next_turn : turn, last};
     assign differs = !known || mark != last;
 
     always @(posedge clk) begin
+        fresh <= set;
         if (set) begin
-            known <= 1'b1;
-            high  <= {wraps ? turn + 1'b1 : turn, mark};
+            known    <= 1'b1;
+            previous <= last;
+            last     <= mark;
+        end
+        if (wraps) begin
+            turn      <= next_turn;
+            next_turn <= next_turn + 1'b1;
         end
         if (rst) begin
-            known <= 1'b0;
-            high  <= {HIGH_W{1'b0}};
+            known     <= 1'b0;
+            fresh     <= 1'b0;
+            last      <= {MARK_W{1'b0}};
+            turn      <= {TURN_W{1'b0}};
+            next_turn <= ONE[TURN_W-1:0];
         end
     end
 

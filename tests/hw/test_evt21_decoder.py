@@ -161,12 +161,12 @@ def test_damaged_words_are_decoded_as_the_software_does(shape: tuple[int, int, i
 class TestClocks:
     """What the header claims."""
 
-    def test_an_event_every_clock_4_clocks_after_its_word(self) -> None:
+    def test_an_event_every_clock_6_clocks_after_its_word(self) -> None:
         rng = np.random.default_rng(1)
         masks = rng.integers(1, 1 << 32, 2_000, np.uint64)
         words = np.concatenate([np.array([mark(1)], np.uint64), np.uint64(vector(0, 100, 100, 1, 0)) | masks])
         run = device_of(*SHAPES[0]).run({"s_axis_t": axis_beats(words, 64)})
-        assert run.given["m_"][0] - run.accepted["s_axis_t"][1] == 4
+        assert run.given["m_"][0] - run.accepted["s_axis_t"][1] == 6
         assert set(np.diff(run.given["m_"])) == {1}
 
     def test_marks_and_vectors_without_events_take_one_clock(self) -> None:

@@ -212,11 +212,11 @@ def test_damaged_words_are_decoded_as_the_software_does(shape: tuple[int, int, i
 class TestClocks:
     """What the header claims."""
 
-    def test_an_event_comes_4_clocks_after_its_word_which_is_taken_every_clock(self) -> None:
+    def test_an_event_comes_6_clocks_after_its_word_which_is_taken_every_clock(self) -> None:
         words = np.array([high(0), *[row(1), low(2), event(3, 1), event(4, 0)] * 500], np.uint16)
         run = device_of(*SHAPES[2]).run({"s_axis_t": axis_beats(words, 16)})
         assert set(np.diff(run.accepted["s_axis_t"])) == {1}
-        assert set(run.given["m_"] - run.accepted["s_axis_t"][words >> 12 == 2]) == {4}
+        assert set(run.given["m_"] - run.accepted["s_axis_t"][words >> 12 == 2]) == {6}
 
     def test_a_vector_takes_as_many_clocks_as_it_has_events(self) -> None:
         words = np.array([high(0), row(1), base(0, 1), *[vector_12(0xFFF)] * 50], np.uint16)

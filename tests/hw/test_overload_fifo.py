@@ -13,7 +13,7 @@ from evcot_cosim.testing import PATTERNS, Sink, Source, always, lint, reset, run
 from evcot_cosim.token_trials import TOKENS_IN, TOKENS_OUT, hear
 
 TOP = "overload_fifo"
-BEHIND = 3  # events on their way out, behind the queue
+BEHIND = 5  # events on their way out, behind the queue
 
 # depth, tick_w, gap_w
 SHAPES = [(1, 1, 20), (5, 8, 16), (64, 20, 40)]
@@ -63,17 +63,17 @@ def test_refuses_parameters(given: dict[str, int], rule: str) -> None:
 class TestStories:
     def test_the_newest_event_is_dropped_and_its_ticks_go_with_the_next(self) -> None:
         device = device_of(5, 8, 16)
-        device.stalls = {"m_": np.array([0] * 20 + [1] * 80, np.uint8)}
-        run = device.run({"s_": [[k, 1, 0, k, 0, 1] for k in range(1, 13)]})
+        device.stalls = {"m_": np.array([0] * 25 + [1] * 75, np.uint8)}
+        run = device.run({"s_": [[k, 1, 0, k, 0, 1] for k in range(1, 16)]})
         device.stalls = {}
         last = device.run({"s_": [[100, 1, 0, 99, 0, 0]]})
         told = [(tick, x) for tick, _, _, x, _, _ in np.concatenate([run.words["m_"], last.words["m_"]]).tolist()]
         kept = 5 + BEHIND
         assert told[:kept] == [(k, k) for k in range(1, kept + 1)]
-        assert sum(tick for tick, _ in told) == sum(range(1, 13)) + 100
+        assert sum(tick for tick, _ in told) == sum(range(1, 16)) + 100
         assert told[-1][1] == 99
         io = device.sim.io
-        assert (io.n_in, io.n_out, io.n_dropped, io.held) == (13, kept + 1, 12 - kept, 0)
+        assert (io.n_in, io.n_out, io.n_dropped, io.held) == (16, kept + 1, 15 - kept, 0)
 
     def test_ticks_alone_take_no_place_while_events_wait(self) -> None:
         device = device_of(5, 8, 16)
@@ -88,7 +88,7 @@ class TestStories:
         device = device_of(5, 8, 16)
         run = device.run({"s_": [[9, 0, 0, 0, 0, 0]]})
         assert run.words["m_"][:, :3].tolist() == [[9, 0, 0]]
-        assert run.given["m_"] - run.accepted["s_"] == 3
+        assert run.given["m_"] - run.accepted["s_"] == 4
 
     def test_without_drop_enable_the_source_waits(self) -> None:
         device = device_of(5, 8, 16, drop_enable=0)
@@ -162,8 +162,8 @@ def test_counters_add_up_at_every_clock(shape: tuple[int, int, int]) -> None:
 
 
 def test_clocks() -> None:
-    """A token every clock, 3 clocks later."""
+    """A token every clock, 4 clocks later."""
     device = device_of(64, 20, 40)
     run = device.run({"s_": [[1, 1, 0, 0, 0, 0]] * 100})
     assert set(np.diff(run.accepted["s_"])) == {1}
-    assert set(run.given["m_"] - run.accepted["s_"]) == {3}
+    assert set(run.given["m_"] - run.accepted["s_"]) == {4}

@@ -114,10 +114,10 @@ class TestClocks:
     """What the header claims."""
 
     @pytest.mark.parametrize(("tick_us", "gap_us"), [(1, 1_000_000), (10, 10)])
-    def test_an_event_every_clock_3_clocks_later(self, tick_us: int, gap_us: int) -> None:
+    def test_an_event_every_clock_4_clocks_later(self, tick_us: int, gap_us: int) -> None:
         run = device_of(20, tick_us).run({"s_": [[k * gap_us, 0, 0, 0] for k in range(100)]})
         assert set(np.diff(run.accepted["s_"])) == {1}
-        assert set(run.given["m_"] - run.accepted["s_"]) == {3}
+        assert set(run.given["m_"] - run.accepted["s_"]) == {4}
 
     def test_a_division(self) -> None:
         run = device_of(20, 10).run({"s_": [[k * 1000, 0, 0, 0] for k in range(100)]})
