@@ -354,7 +354,7 @@ module event_sources #(
 
     // ---- the input FIFO ----------------------------------------------------------------------------------------------
 
-    localparam HELD_W = $clog2(DEPTH + 4);
+    localparam HELD_W = $clog2(DEPTH + 6);  // overload_fifo.v
     wire [HELD_W-1:0] fifo_held;
     assign held = {{(16 - HELD_W) {1'b0}}, fifo_held};
 

@@ -287,7 +287,7 @@ class TestOverload:
         found = registers.counters()
         assert found["events_in"] == 200
         assert found["events_dropped"] == 200 - held
-        assert 40 <= held <= 43
+        assert 40 <= held <= 48  # and a few on their way out
         device.run(commands=[write(slot_address(0, name), int(getattr(EVERY, name))) for name in REGISTERS])
         commands = [write(slot_address(0), 1), poll(STATUS, PENDING, 0), write(CONTROL, 3)]
         assert len(device.run(commands=commands).records) == held
@@ -399,9 +399,9 @@ def latency(name: str) -> int:
 def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:
     found = {name: latency(name) for name in TRACKERS}
     print(found)
-    assert found == {"array behind filters": 12 + 34, "engine": 18 + 2, "chain": 15}
+    assert found == {"array behind filters": 14 + 34, "engine": 20 + 2, "chain": 17}
 
 
 def test_refuses_a_source_that_was_not_built() -> None:
     with pytest.raises(ToolchainError, match="SOURCE must be one of SOURCES"):
-        TopDevice(CotConfig.uniform(SMALL, EVERY), {"SOURCES": 1, "SOURCE": 3})
+        TopDevice(replace(DVS128.cot, filter_shape=BUILDS["engine"].filter_shape), {"SOURCES": 1, "SOURCE": 3})
