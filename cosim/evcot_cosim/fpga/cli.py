@@ -33,7 +33,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("modules", nargs="*", metavar="MODULE", help="modules to measure (default: all)")
     parser.add_argument("--n", type=int, nargs="+", metavar="N", help="sizes (default: the usual one of each module)")
     parser.add_argument("--device", nargs="+", metavar="DEVICE", help=f"of {', '.join(DEVICES)} (default: {usual})")
-    parser.add_argument("--seeds", type=int, help=f"place and route seeds (default: {_USUAL_SEEDS}; with --all {_ALL_SEEDS})")
+    parser.add_argument(
+        "--seeds", type=int, help=f"of place and route (default: {_USUAL_SEEDS}; with --all {_ALL_SEEDS}; 0: synthesis alone)"
+    )
     parser.add_argument("--all", action="store_true", help="every size on every device: hours")
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="cases at once (default: 2)")
     parser.add_argument("--record", action="store_true", help="write the figures into hw/fpga/figures.json and docs/fpga.md")
@@ -62,7 +64,7 @@ def _cases(options: argparse.Namespace) -> list[Case]:
     for n in options.n or ():
         if not 1 <= n <= 64:
             raise ConfigError(f"--n {n}: must be 1 to 64")
-    for name, least in (("seeds", 1), ("jobs", 1)):
+    for name, least in (("seeds", 0), ("jobs", 1)):
         value = getattr(options, name)
         if value is not None and value < least:
             raise ConfigError(f"--{name} {value}: must be at least {least}")
@@ -80,13 +82,17 @@ def _cases(options: argparse.Namespace) -> list[Case]:
 
 
 def _measure(options: argparse.Namespace) -> int:
-    seeds = options.seeds or (_ALL_SEEDS if options.all else _USUAL_SEEDS)
+    usual = _ALL_SEEDS if options.all else _USUAL_SEEDS
+    seeds = usual if options.seeds is None else options.seeds
     syntheses, failed = synthesised(_cases(options), _cache(), options.jobs)
     figures = figures_of([(one, seeds) for one in syntheses], options.jobs)
     if figures:
         print_table([_HEAD, *map(_row, figures)])
     if options.record:
-        recorded = _ordered(load(_file()) | {figure.name: figure for figure in figures})
+        before = load(_file())
+        # Synthesis alone does not replace a figure that has more and is of the same sources.
+        new = [row for row in figures if row.seeds or row.name not in before or before[row.name].key != row.key]
+        recorded = _ordered(before | {figure.name: figure for figure in new})
         save(_file(), recorded, tools.versions())
         _document(recorded)
     return _report(failed)

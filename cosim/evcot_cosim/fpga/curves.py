@@ -70,12 +70,14 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
         for axes in (luts, fmax, latency):
             axes.set(xlabel="N, tracker slots", xscale="log", xticks=(1, 2, 4, 8, 16, 32, 64))
             axes.xaxis.set_major_formatter("{x:g}")
-            axes.minorticks_off()
             axes.grid(linewidth=0.3)
             axes.legend()
-        luts.set(yscale="log")
+        luts.set(yscale="log", ylim=(1_000, None))
+        luts.yaxis.set_major_formatter("{x:,.0f}")
         fmax.set(ylim=(0, None))
-        latency.set(yscale="log")
+        latency.set(ylim=(0, None))
+        for axes in (luts, fmax, latency):
+            axes.minorticks_off()
         with written_aside(path) as file:
             picture.savefig(file, format="png")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from math import sqrt
 from pathlib import Path
 from statistics import fmean, median, variance
@@ -84,7 +84,7 @@ def load(path: Path) -> Figures:
 
 def save(path: Path, figures: Figures, versions: Mapping[str, str]) -> None:
     """Write figures, one row a line, with the versions of the tools."""
-    rows = [json.dumps(asdict(replace(figure)), ensure_ascii=False) for figure in figures.values()]
+    rows = [json.dumps(asdict(figure), ensure_ascii=False) for figure in figures.values()]
     text = f'{{\n"tools": {json.dumps(dict(versions), indent=1)},\n"figures": [\n' + ",\n".join(rows) + "\n]\n}\n"
     with written_aside(path) as file:
         file.write(text.encode())

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -44,12 +43,11 @@ def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int]) -> Non
         "noise": f"From seed to seed Fmax differs by {seed_noise(figures.values()):.1%} (standard deviation).",
     }
     for name, table in tables.items():
-        parts = re.split(rf"(?<=<!-- {name} -->\n).*?(?=<!-- end -->)", text, flags=re.DOTALL)
-        if len(parts) != 2:
-            raise ConfigError(
-                f"{path}: <!-- {name} --> is there {len(parts) - 1} times: must be once, with <!-- end --> after it"
-            )
-        text = f"{parts[0]}{table}\n{parts[1]}"
+        mark, end = f"<!-- {name} -->\n", "<!-- end -->"
+        before, found, rest = text.partition(mark)
+        if text.count(mark) != 1 or end not in rest:
+            raise ConfigError(f"{path}: <!-- {name} --> is there {text.count(mark)} times: must be once, with {end} after it")
+        text = f"{before}{found}{table}\n{rest[rest.index(end) :]}"
     with written_aside(path) as file:
         file.write(text.encode())
 

@@ -101,7 +101,7 @@ def test_a_module_that_is_refused_does_not_stop_the_others(tmp_path: Path) -> No
         (["cto"], "module cto: not measured; there are cot, "),
         (["cot", "--device", "ecp6"], "device ecp6: unknown; there are ecp5-25, "),
         (["cot_array", "--n", "65"], "--n 65: must be 1 to 64"),
-        (["cot", "--seeds", "0"], "--seeds 0: must be at least 1"),
+        (["cot", "--seeds", "-1"], "--seeds -1: must be at least 0"),
     ],
 )
 def test_a_wrong_argument_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:

@@ -169,8 +169,8 @@ def test_fusesoc_runs_the_self_test_and_it_notices_a_wrong_bit(tmp_path: Path) -
         shutil.copytree(HW / name, broken / name)
     shutil.copy(HW / "evcot.core", broken)
     text = (broken / "verilog" / "approach.v").read_text()
-    assert text.count("(FRAC > 0)") == 1
-    (broken / "verilog" / "approach.v").write_text(text.replace("(FRAC > 0)", "(FRAC > 8)"))  # no rounding
+    assert text.count("half = (FRAC > 0)") == 1
+    (broken / "verilog" / "approach.v").write_text(text.replace("half = (FRAC > 0)", "half = (FRAC > 8)"))  # no rounding
     told = fusesoc(tmp_path / "broken", "sim", broken)
     assert "FAIL: done 11, passed 10" in told, told  # the array has it, the engine has its own
 
