@@ -39,8 +39,8 @@ def compose(
         large = np.pad(large, ((0, size[1] - height), (0, size[0] - width), (0, 0)), mode="edge")
     image = Image.fromarray(large)
     draw = ImageDraw.Draw(image)
-    for follower in followers:
-        _draw_side(draw, follower, picture, enlarged)
+    for place, follower in enumerate(followers):
+        _draw_side(draw, follower, picture, enlarged, place)
     _write(draw, (_MARGIN_PX, size[1] - _MARGIN_PX), caption, INK, "ls")
     if len(followers) > 1:
         for row, follower in enumerate(followers):
@@ -50,7 +50,7 @@ def compose(
     return image
 
 
-def _draw_side(draw: ImageDraw.ImageDraw, follower: Follower, picture: int, enlarged: int) -> None:
+def _draw_side(draw: ImageDraw.ImageDraw, follower: Follower, picture: int, enlarged: int, place: int) -> None:
     states, trails = follower.at(picture)
     pen = min(enlarged, 2)
     for trail in trails.values():
@@ -59,7 +59,9 @@ def _draw_side(draw: ImageDraw.ImageDraw, follower: Follower, picture: int, enla
         left, top = ((centre - radius) * enlarged for centre in (x, y))
         right, bottom = ((centre + radius + 1) * enlarged - 1 for centre in (x, y))
         draw.rectangle((left, top, right, bottom), outline=follower.side.colour, width=pen)
-        _write(draw, (max(left, 2), max(top - 2, _FONT_PX)), str(track_id), follower.side.colour, "ls")
+        # Ids of a second side stand below the window, lest they cover those of the first.
+        above, below = max(top - 2, _FONT_PX), min(bottom + 2 + _FONT_PX, draw.im.size[1] - 2)
+        _write(draw, (max(left, 2), below if place % 2 else above), str(track_id), follower.side.colour, "ls")
 
 
 def _trail(draw: ImageDraw.ImageDraw, trail: deque[tuple[float, float]], enlarged: int, colour: RGB) -> None:

@@ -21,32 +21,35 @@ from .style import DASHES, INK, PALETTE
 __all__ = ["alive_panel", "lives_panel", "place_panel", "tracks_panel"]
 
 _DARKEST = 0.45  # of a pixel with the most events; paths are to stand out
-_LABELS_MAX = 40  # of more tracks none is named
+_WIDER = 0.9  # points
+_LABELS_MAX = 24  # of more tracks none is named
 _ROW_LABELS_MAX = 40
 
 
-def _styled(material: Material) -> Iterator[tuple[Log, int, str, Any]]:
-    """Every track as (its log, id, colour, dashes)."""
+def _styled(material: Material) -> Iterator[tuple[Log, int, dict[str, Any]]]:
+    """Every track as (its log, id, look of its line). Earlier logs have wider lines, so that later ones do not hide them."""
+    several = len(material.logs) > 1
     for place, log in enumerate(material.logs):
+        width = 1.0 + _WIDER * (len(material.logs) - 1 - place)
         for order, track_id in enumerate(material.lives(log)["track_id"].tolist()):
-            colour = PALETTE[(place if len(material.logs) > 1 else order) % len(PALETTE)]
-            yield log, track_id, colour, DASHES[place % len(DASHES)]
+            colour = PALETTE[(place if several else order) % len(PALETTE)]
+            yield log, track_id, {"color": colour, "linestyle": DASHES[place % len(DASHES)], "linewidth": width}
 
 
 def _lines(ax: Axes, material: Material, curve: tuple[str, str], name_at_end: bool) -> None:
     """A line per track through two fields of its states; "t" is the time."""
     paths = {log.name: material.paths(log) for log in material.logs}
     few = sum(map(len, paths.values())) <= _LABELS_MAX
-    for log, track_id, colour, dashes in _styled(material):
+    for log, track_id, look in _styled(material):
         states = paths[log.name].get(track_id)
         if states is None:
             continue
         across, up = (material.axis(material.times_us[states["sample"]]) if field == "t" else states[field] for field in curve)
-        ax.plot(across, up, color="white", linewidth=2.0, alpha=0.7, solid_capstyle="round")
-        ax.plot(across, up, color=colour, linestyle=dashes)
+        ax.plot(across, up, color="white", linewidth=look["linewidth"] + 1, alpha=0.7, zorder=1.5)
+        ax.plot(across, up, **look)
         if few and name_at_end:
             ax.annotate(
-                str(track_id), (across[-1], up[-1]), (2, 2), textcoords="offset points", color=colour, fontsize=6,
+                str(track_id), (across[-1], up[-1]), (2, 2), textcoords="offset points", color=look["color"], fontsize=6,
                 weight="bold", annotation_clip=True, path_effects=[withStroke(linewidth=1.5, foreground="white")],
             )  # fmt: skip
 
@@ -109,9 +112,9 @@ def lives_panel(ax: Axes, material: Material) -> None:
         (name, track_id): row
         for row, (name, track_id) in enumerate((name, i) for name, some in lives.items() for i in some["track_id"].tolist())
     }
-    for log, track_id, colour, _ in _styled(material):
+    for log, track_id, look in _styled(material):
         life = lives[log.name][lives[log.name]["track_id"] == track_id]
-        _life(ax, material, life[0], rows[log.name, track_id], colour)
+        _life(ax, material, life[0], rows[log.name, track_id], look["color"])
     joins = [
         (
             (at := float(material.axis(life["end_us"])), rows[name, int(life["track_id"])]),
