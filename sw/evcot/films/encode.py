@@ -39,7 +39,7 @@ class Mp4Encoder:
     def __init__(self, file: BinaryIO, size: tuple[int, int], fps: float) -> None:
         import av
 
-        self._film = av.open(file, "w", format="mp4", options={"movflags": "+faststart"})
+        self._film = av.open(file, "w", format="mp4")
         name = "libx264" if "libx264" in av.codecs_available else "mpeg4"
         rate = Fraction(fps).limit_denominator(1001)
         options = {"crf": _CRF} if name == "libx264" else {"qscale": "3"}
