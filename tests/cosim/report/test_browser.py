@@ -299,6 +299,14 @@ def test_it_prints_light_and_without_controls(browser: Any, report: Path) -> Non
     assert not opened.page.locator("#layers").is_visible()
     assert opened.page.locator("#agreement table").is_visible()
     assert len(opened.page.pdf(format="A4")) > 50_000
+    opened.page.emulate_media(media="screen")
+    assert opened.drawn().mean() < 60
+    at_once = (
+        "() => { dispatchEvent(new Event('beforeprint')); const { data } = report.stage.context.getImageData(0, 0, 99, 99); "
+    )
+    at_once += "dispatchEvent(new Event('afterprint')); return data[4 * 50 * 99]; }"
+    assert opened.page.evaluate(at_once) > 200
+    assert opened.drawn().mean() < 60
     opened.context.close()
 
 

@@ -152,7 +152,7 @@ async function start() {
   function dress() {
     theme = readTheme();
     stage.dress(theme.stage);
-    restyle();
+    layOut(); // at once: a printer does not wait for the next frame
   }
 
   for (const kind of ["pointermove", "pointerdown"]) stage.canvas.addEventListener(kind, hover);
@@ -185,8 +185,6 @@ async function start() {
   };
   listenToKeys(acts);
   watchTheme($("#theme"), dress);
-  addEventListener("beforeprint", dress);
-  addEventListener("afterprint", dress);
   new ResizeObserver(layOut).observe($("#workspace"));
   clock.seek(facts.start);
   layOut();

@@ -43,6 +43,22 @@ export function watchTheme(button, changed) {
     changed();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
-  matchMedia("print").addEventListener("change", changed);
   label();
+  watchPrinter(root, changed);
+}
+
+/** Paper is light: canvases must be drawn anew before the printer takes them. */
+function watchPrinter(root, changed) {
+  let before;
+  addEventListener("beforeprint", () => {
+    before = root.dataset.theme;
+    root.dataset.theme = "light";
+    changed();
+  });
+  addEventListener("afterprint", () => {
+    if (before === undefined) delete root.dataset.theme;
+    else root.dataset.theme = before;
+    changed();
+  });
+  matchMedia("print").addEventListener("change", changed);
 }
