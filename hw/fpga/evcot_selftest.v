@@ -31,7 +31,7 @@ module evcot_selftest #(
     localparam X_W = 9;
     localparam Y_W = 9;
     localparam QUIET = 6'd63;  // clocks without a word, after which there is none to come
-    localparam [SLOT_W-1:0] LAST_SLOT = N - 1;
+    localparam [31:0] LAST_SLOT = N - 1;
 
     // ---- registers -------------------------------------------------------------------------------------------------
 
@@ -46,7 +46,7 @@ module evcot_selftest #(
             if (write == WRITES - 4'd1) begin
                 write      <= 4'd0;
                 slot       <= slot + 1'b1;
-                configured <= slot == LAST_SLOT;
+                configured <= slot == LAST_SLOT[SLOT_W-1:0];
             end
         end
         if (rst) begin

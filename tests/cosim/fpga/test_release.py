@@ -137,6 +137,12 @@ def test_the_core_lists_the_manifest() -> None:
     assert (HW / "evcot.core").read_text() == core_text(), "run python -m evcot_cosim.fpga.core"
 
 
+def test_the_self_test_lints_clean() -> None:
+    paths = ("-I../verilog", "-y", "../verilog", "-I.")
+    done = verilator("--lint-only", "-Wall", "--quiet-exit", *paths, "evcot_selftest.v", cwd=HW / "fpga")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_the_self_test_expects_what_the_model_gives() -> None:
     assert (HW / "fpga" / "evcot_selftest.vh").read_text() == header(), "run python -m evcot_cosim.fpga.selftest"
 

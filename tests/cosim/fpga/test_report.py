@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of figures: what the tables say, that they are those of the recorded figures, and the picture."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from evcot.errors import ConfigError
+from evcot_cosim.build import verilog_dir
+from evcot_cosim.fpga.catalogue import MODULES
+from evcot_cosim.fpga.curves import draw
+from evcot_cosim.fpga.figures import Figure, Figures, load
+from evcot_cosim.fpga.latency import clocks
+from evcot_cosim.fpga.report import write_tables
+
+REPOSITORY = verilog_dir().parents[1]
+ENGINE = Figure("cot_engine", 8, "ecp5-25", "k", 4_001, 3_000, 0, 600, 2, 3, (118.0, 125.0, 131.0))
+MASK = Figure("filter_mask", None, "hx8k", "k", 200, 100, 40, 0, 0, misfit="does not fit: 40 of 32 block RAMs")
+MARKS = "".join(f"{name}:\n<!-- {name} -->\nold\n<!-- end -->\n" for name in ("cost", "scaling", "latency", "noise"))
+
+
+def table(*rows: Figure) -> Figures:
+    return {row.name: row for row in rows}
+
+
+def section(text: str, name: str) -> str:
+    found = re.search(rf"<!-- {name} -->\n(.*?)<!-- end -->", text, re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+def test_tables_say_what_was_measured(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    page.write_text(f"before\n{MARKS}after\n")
+    write_tables(page, table(ENGINE, MASK), {"cot_engine N=8": 8, "filter_mask": 4})
+    text = page.read_text()
+    assert "| cot_engine, N = 8 | 4,001 | 600 | 3,000 | 0 | 2 | 125 (131) |" in section(text, "cost")
+    assert "| filter_mask | 200 | 0 | 100 | 40 | 0 | does not fit: 40 of 32 block RAMs |" in section(text, "cost")
+    assert "| cot_engine, N = 8 | 8 | 125 | 64 |" in section(text, "latency")  # 8 clocks of 8 ns
+    assert "filter_mask" not in section(text, "latency")
+    assert "| published tracker, alone | 7 at 50 MHz |  | 140 |" in section(text, "latency")
+    assert "| cot_engine, MHz, ecp5-25 | 125 (131) |" in section(text, "scaling")
+    assert "old" not in text
+    assert text.startswith("before\ncost:\n")
+    assert text.endswith("<!-- end -->\nafter\n")
+
+    write_tables(page, table(ENGINE, MASK), {"cot_engine N=8": 8, "filter_mask": 4})
+    assert page.read_text() == text
+
+
+def test_a_mark_that_is_missing_is_named(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    page.write_text(MARKS.replace("<!-- scaling -->", ""))
+    with pytest.raises(ConfigError, match=r"fpga.md: <!-- scaling --> is there 0 times: must be once"):
+        write_tables(page, table(ENGINE), {})
+
+
+def test_the_page_is_that_of_the_recorded_figures(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    shown = (REPOSITORY / "docs" / "fpga.md").read_text()
+    page.write_text(shown)
+    write_tables(page, load(REPOSITORY / "hw" / "fpga" / "figures.json"), {})
+    for name in ("cost", "scaling", "noise"):
+        assert section(page.read_text(), name) == section(shown, name), "run make fpga ARGS=--record"
+
+
+def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
+    draw(table(ENGINE), {}, tmp_path / "few.png")
+    many = [replace(ENGINE, module=name, n=n) for name in ("cot_chain", "cot_array", "cot_engine") for n in (1, 2, 4, 8)]
+    draw(table(*many), {f"{row.module} N={row.n}": 8 for row in many}, tmp_path / "many.png")
+    for name in ("few.png", "many.png"):
+        with Image.open(tmp_path / name) as picture:
+            assert picture.size == (1950, 615)
+    assert (tmp_path / "few.png").read_bytes() != (tmp_path / "many.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "n", "expected"), [("cot", None, 3), ("filter_polarity", None, 1), ("lfsr_event_source", None, None)]
+)
+def test_latency_is_what_the_modules_header_says(name: str, n: int | None, expected: int | None) -> None:
+    assert clocks(MODULES[name], n) == expected
