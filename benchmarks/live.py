@@ -35,6 +35,7 @@ from measure import Result, Skip
 __all__ = ["measure"]
 
 _RATES_M = (0.5, 1, 2, 4, 6, 8, 10, 12, 15, 20, 25, 30, 40)  # tried from below, until one is too much
+_TRIES = 2  # of a rate, and one more: others on the machine may spoil one
 _LATENCY_RATE_M = 1.0
 _ROUND_EVENTS = 2_000_000
 _BLOCK_EVENTS = 1 << 15
@@ -72,19 +73,25 @@ class _Told:
     tracked_ms: dict[str, float | None]
     drawn_ms: dict[str, float | None]
 
+    @property
+    def sustained(self) -> bool:
+        """Whether nothing was dropped, and playback kept up."""
+        return not self.dropped and self.slipped_s < 0.1
+
 
 Looking = Callable[[Server], Any]
 
 
 def _looked_at(name: str, events: Events, seconds: float, looking: Looking) -> Iterator[Result]:
-    best, first_lost = 0.0, ""
+    best, cores, first_lost = 0.0, 0.0, ""
     for rate_m in _RATES_M:
-        told = _run(events, rate_m, seconds, looking)
-        if told.dropped or told.slipped_s > 0.1:
+        tries = (_run(events, rate_m, seconds, looking) for _ in range(_TRIES))
+        told = next((told for told in tries if told.sustained), None) or _run(events, rate_m, seconds, looking)
+        if not told.sustained:
             first_lost = f"; at {rate_m:g} M events/s {told.dropped:,} were dropped, {told.slipped_s:.1f} s late"
             break
-        best = told.rate_m
-    how = f"M events/s without a drop for {seconds:g} s; {name} looks{first_lost}"
+        best, cores = told.rate_m, told.cores
+    how = f"without a drop for {seconds:g} s, on {cores:.2f} cores; {name} looks{first_lost}"
     yield Result(f"live_rate_{name}", best, "M events/s", how=how)
     told = _run(events, _LATENCY_RATE_M, 2 * seconds, looking)
     yield Result(f"live_cores_{name}", told.cores, "cores", how=f"CPU time of evcot itself at {_LATENCY_RATE_M:g} M events/s")
