@@ -4,7 +4,7 @@
 // Any other mark stays in its turn, also one that falls a little: then time runs back, as the stream says.
 //
 // Latency:    1 clock from set to high and known.
-// Throughput: a mark every clock. What a mark does is found out in the clock after it, with registers alone.
+// Throughput: a mark every clock.
 // Reset:      no mark is known, high is 0.
 `default_nettype none
 
@@ -28,35 +28,26 @@ module time_mark #(
 
     localparam TURN_W = HIGH_W - MARK_W;
     localparam TOP = MARK_W - 1;
-    localparam [63:0] ONE = 1;
 
-    reg [TURN_W-1:0] turn, next_turn;  // while fresh, of the mark before; and that plus 1
-    reg [MARK_W-1:0] last, previous;
-    reg              fresh;            // last was set a clock ago; turn does not know of it
+    reg [TURN_W-1:0] turn;
+    reg [MARK_W-1:0] last;
 
-    // previous - last > half of the range: only from the upper half to the lower one; previous is 0 where there was none.
-    wire wraps = fresh && previous[TOP] && !last[TOP] && previous[TOP-1:0] > last[TOP-1:0];
+    // last - mark > half of the range: only from the upper half to the lower one. Without a mark, last is 0.
+    wire wraps = last[TOP] && !mark[TOP] && last[TOP-1:0] > mark[TOP-1:0];
 
-    assign high = {wraps ? next_turn : turn, last};
+    assign high = {turn, last};
     assign differs = !known || mark != last;
 
     always @(posedge clk) begin
-        fresh <= set;
         if (set) begin
-            known    <= 1'b1;
-            previous <= last;
-            last     <= mark;
-        end
-        if (wraps) begin
-            turn      <= next_turn;
-            next_turn <= next_turn + 1'b1;
+            known <= 1'b1;
+            last  <= mark;
+            if (wraps) turn <= turn + 1'b1;
         end
         if (rst) begin
-            known     <= 1'b0;
-            fresh     <= 1'b0;
-            last      <= {MARK_W{1'b0}};
-            turn      <= {TURN_W{1'b0}};
-            next_turn <= ONE[TURN_W-1:0];
+            known <= 1'b0;
+            last  <= {MARK_W{1'b0}};
+            turn  <= {TURN_W{1'b0}};
         end
     end
 
