@@ -84,7 +84,7 @@ async function start() {
         return inCells(side.cluster(life, now, show.trail ? layers.trail : 0, strong));
       });
       return { ...style, show, clusters, marks: any && side.engine ? side.marks(since, now).map(inCells) : [] };
-    }).reverse(); // the first side on top
+    }); // dashed lines over the hardware's solid ones: where they agree, both are to be seen
   }
 
   /** Places are in pixels of the sensor; of very large sensors the stage draws several as one. */
