@@ -66,6 +66,10 @@ _TABLE = (
     Module("evt21_decoder", "evt21_decoder"),
     Module("evt3_decoder", "evt3_decoder"),
     Module("lfsr_event_source", "lfsr_event_source"),
+    Module("overload_fifo", "overload_fifo"),
+    Module("aer_in", "aer_in"),
+    Module("aer_out", "aer_out"),
+    Module("evcot_top", "evcot_top", {"TRACKER": 2}, _SIZES, (8,)),
 )
 
 MODULES: Mapping[str, Module] = MappingProxyType({module.name: module for module in _TABLE})
