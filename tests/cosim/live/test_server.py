@@ -80,16 +80,17 @@ def test_it_says_who_it_is_then_sends_frames_and_figures(server: Server, session
     assert 0 < figures["tracked_ms"]["p50"] < figures["drawn_ms"]["p50"] < 2_000
 
 
-def test_who_does_not_answer_gets_no_more_and_the_next_frame_has_all_in_it(server: Server) -> None:
+def test_who_does_not_answer_gets_no_more_and_the_next_frame_has_all_in_it(server: Server, session: Session) -> None:
     with look(server) as connection:
         first, second = next_frame(connection), next_frame(connection)
-        for _ in range(3):  # figures go on
-            assert isinstance(connection.recv(timeout=10), str)
+        before = session.figures()["events"]
+        while session.figures()["events"] < before + 300:
+            assert isinstance(connection.recv(timeout=10), str), "figures alone go on"
         answer(connection, first)
         third = next_frame(connection)
         assert number_of(third) == number_of(second) + 1
         events = struct.unpack_from("<II", third, 8)
-        assert sum(events) > 1_000, "what came in the meantime"
+        assert sum(events) > 200, "what came in the meantime"
 
 
 def test_only_its_own_page_may_connect(server: Server) -> None:
