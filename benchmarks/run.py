@@ -38,6 +38,7 @@ _BENCHMARKS = (
     "kalman",
     "anomalies",
     "quality",
+    "live",
 )
 _FOLDER = Path("build") / "bench"
 

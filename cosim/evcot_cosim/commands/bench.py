@@ -7,6 +7,7 @@ import argparse
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -82,14 +83,14 @@ def _jobs(job: Job, progress: Progress) -> Iterator[tuple[str, Callable[[], Any]
     recording = job.recording
     events, sensor = recording.events, (recording.width, recording.height)
     if not job.source.is_scene:
-        yield "reading", lambda: _read(Path(job.source.recording))
+        yield "reading", partial(_read, Path(job.source.recording))
     for name, config in _FILTERS.items():
-        yield name, lambda config=config: filtered((), config, sensor).keep(events)
+        yield name, partial(_filter, config, events, sensor)
     for name, engine in ENGINES.items():
         preset, settings = next(iter(engine.presets.items()))
         settings = job.config if name == "cot" else settings
         title = "golden model" if name == "cot" else f"{name}, {preset}"
-        yield title, lambda name=name, settings=settings: _track(name, settings, events, sensor)
+        yield title, partial(_track, name, settings, events, sensor)
     hardware = job.config.hardware(*sensor)
     model = build_device(hardware, job.top, on_miss=progress.building)
     for check, title in ((False, job.top), (True, f"{job.top}, checked against the model")):
@@ -105,6 +106,10 @@ def _jobs(job: Job, progress: Progress) -> Iterator[tuple[str, Callable[[], Any]
 def _read(path: Path) -> int:
     with open_recording(path) as file:
         return sum(len(block) for block in file.blocks())
+
+
+def _filter(config: FilterConfig, events: Events, sensor: tuple[int, int]) -> Any:
+    return filtered((), config, sensor).keep(events)
 
 
 def _track(name: str, settings: Any, events: Events, sensor: tuple[int, int]) -> Any:

@@ -33,6 +33,7 @@ from ..live.sources import FileSource, LiveSource, NetworkSource
 from .engine_options import configured, engine_options
 from .filter_options import filter_options, filters_from
 from .options import check_other_file, open_from, recording_options, sensor_from, window_from
+from .parsing import add_command
 from .tables import print_table
 
 __all__ = ["add"]
@@ -41,21 +42,19 @@ _LINE_S = 1.0  # between lines of --json
 _NAP_S = 0.05
 _SPEEDS = (0.001, 1000.0)
 
-_EXAMPLES = """examples:
-  evcot live drive.aedat4                        a file at real speed, in the terminal
-  evcot live drive.aedat4 --web --speed 0.5      and on a page, at half speed
-  evcot live tcp://127.0.0.1:7777 --preset traffic --save seen.aedat4
-  evcot live camera --web                        needs pip install 'evcot[camera]'
-  evcot live drive.aedat4 --json | tee figures.jsonl
+_EXAMPLES = """
+evcot live drive.aedat4                        # a file at real speed, in the terminal
+evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed
+evcot live tcp://127.0.0.1:7777 --preset traffic --save seen.aedat4
+evcot live camera --web                        # needs pip install evcot[camera]
+evcot live drive.aedat4 --json
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
-        "live", help="track and show events while they happen: a file at real speed, a network stream, a camera",
-        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    title = "track and show events while they happen: a file at real speed, a network stream, a camera"
+    parser = add_command(commands, "live", title, _EXAMPLES)
     source = "a recording; tcp://HOST:PORT, where DV or dv-processing sends AEDAT4; camera, or camera:SERIAL"
     parser.add_argument("source", metavar="SOURCE", help=source)
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a recording (default: 1, real speed)")

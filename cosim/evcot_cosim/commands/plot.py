@@ -4,29 +4,29 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from evcot.plots import KINDS, Material, density, plot
 from evcot.plots.style import COLUMN_MM
 
+from .parsing import add_command
 from .tracked import tracked_from, tracked_options
 
 __all__ = ["add"]
 
-_EXAMPLES = """examples:
-  evcot plot drive.aedat4 log.npz -o drive.pdf
-  evcot plot drive.aedat4 log.npz -o drive.svg --kind xy,alive --columns 2 --from 1000 --to 3000
-  evcot plot build/cosim/boxes -o boxes.png --kind tracks,lifetimes
+_EXAMPLES = """
+evcot plot drive.aedat4 log.npz -o drive.pdf
+evcot plot drive.aedat4 log.npz -o drive.svg --kind xy,alive --columns 2 --from 1000 --to 3000
+evcot plot build/cosim/boxes -o boxes.png --kind tracks,lifetimes
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     title = "draw a figure for a paper: tracks over events, places over time, tracks alive, lifetimes"
-    parser = commands.add_parser(
-        "plot", help=title, description=title, epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = add_command(commands, "plot", title, _EXAMPLES)
     tracked_options(parser)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="what to write: .png, .svg or .pdf")
     parser.add_argument("--kind", default="tracks", metavar="KIND,...", help=f"panels: {', '.join(KINDS)} (default: tracks)")
@@ -36,6 +36,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument(
         "--dpi", type=float, default=300, metavar="N", help="of a PNG, and of images in the others (default: 300)"
     )
+    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
     parser.set_defaults(command=_plot)
 
@@ -47,6 +48,8 @@ def _plot(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         width_mm = COLUMN_MM[options.columns] if options.width is None else options.width
         kinds = tuple(kind.strip() for kind in options.kind.split(","))
         plot(material, options.output, kinds, width_mm=width_mm, height_mm=options.height, dpi=options.dpi)
-    if not options.quiet:
+    if options.json:
+        print(json.dumps({"file": str(options.output), "panels": kinds, "logs": [log.name for log in tracked.logs]}))
+    elif not options.quiet:
         print(f"{options.output}: {', '.join(kinds)} of {', '.join(log.name for log in tracked.logs)}")
     return 0
