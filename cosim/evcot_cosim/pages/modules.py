@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""docs/modules.md: a section for each module, from its own header comment, its parameters and ports, and the figures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..build import verilog_dir
+from ..fpga.catalogue import MODULES
+from ..fpga.devices import DEVICES
+from ..fpga.figures import Figure, load
+
+__all__ = ["page"]
+
+_PARAMETER = re.compile(r"^\s*parameter\s+(?:\[[^]]+\]\s*)?(\w+)\s*=\s*(.+?),?\s*(?://\s*(.*))?$")
+_PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\s*(\[.+?\])?\s*(\w+(?:\s*,\s*\w+)*)\s*,?\s*(?://\s*(.*))?$")
+_SUBJECT = re.compile(r"^([A-Z][A-Za-z ]{2,24}: +|[a-z]\w*: {2,})(?=\S)")
+_HEAD = """# Modules
+
+Made from `hw/verilog` and `hw/fpga/figures.json` by `python -m evcot_cosim.pages`, in the order of `manifest.txt`: each after
+those that it needs. The text is each file's header comment. A bundle of ports has valid, ready and what it carries; `clk` and
+`rst` and ports whose name says all are left out. Cost as in [fpga.md](fpga.md), at N = 8 where there is an N; a module without such a
+table is measured as a part of others only.
+
+"""
+
+
+@dataclass(frozen=True)
+class _Port:
+    name: str
+    direction: str
+    width: str
+    meaning: str
+    heading: str
+    """The comment line above the group that the port stands in."""
+
+
+def page(verilog: Path | None = None) -> str:
+    """The whole page."""
+    folder = verilog or verilog_dir()
+    lines = (folder / "manifest.txt").read_text().splitlines()
+    names = [line[:-2] for line in lines if line.endswith(".v")]
+    figures = load(folder.parent / "fpga" / "figures.json").values()
+    contents = " ·\n".join(f"[{name}](#{name})" for name in names)
+    sections = (_section(name, (folder / f"{name}.v").read_text(), figures) for name in names)
+    return f"{_HEAD}{contents}\n\n" + "\n".join(sections)
+
+
+def _section(name: str, text: str, figures: Iterable[Figure]) -> str:
+    parts = [f"## {name}\n", _prose(text)]
+    declaration = re.search(rf"^module {name}\b.*?\);", text, re.MULTILINE | re.DOTALL)
+    assert declaration is not None
+    lines = declaration[0].splitlines()
+    rows = [(f"`{parameter}`", f"`{value}`", meaning) for parameter, value, meaning in _parameters(lines)]
+    if rows:
+        parts.append(_table(("parameter", "default", "meaning"), rows))
+    bundles = list(_bundles(list(_ports(lines))))
+    if bundles:
+        parts.append(_table(("ports", "", "carry", "meaning"), bundles))
+    cost = [_cost(figure) for figure in figures if figure.n in (None, 8) and MODULES[figure.module].top == name]
+    if cost:
+        parts.append(_table(("on", "LUTs", "FFs", "block RAMs", "Fmax, median"), cost))
+    return "\n".join(parts)
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def _escaped(text: str) -> str:
+    """Markdown in which the text's own signs stand for themselves; what is between backticks is left alone."""
+    parts = text.split("`")
+    return "`".join(part if i % 2 else re.sub(r"([*<|])", r"\\\1", part) for i, part in enumerate(parts))
+
+
+def _prose(text: str) -> str:
+    """The header comment as Markdown: paragraphs, a bullet for each subject, drawings as they stand."""
+    out: list[str] = []
+    kind = "text"
+    for line in _header(text):
+        before, subject = kind, _SUBJECT.match(line) if out else None
+        if subject:
+            kind = "bullet"
+        elif not line:
+            kind = "text"
+        elif before == "bullet" and (line.startswith(" ") or not out[-1].endswith(".")):
+            kind = "bullet"
+        else:
+            kind = "drawing" if line.startswith("    ") else "text"
+        if kind == "drawing":
+            out += [] if before == kind else ["```text"] if not out[-1] else ["", "```text"]
+            out.append(line[4:])
+            continue
+        out += ["```"] if before == "drawing" else []
+        if subject:
+            out += [""] if before == "text" and out[-1] else []
+            out.append(f"- **{subject[1].rstrip(': ')}**: {_escaped(line[subject.end() :])}")
+        elif kind == "bullet":
+            out.append(f"  {_escaped(line.strip())}")
+        else:
+            out += [""] if before == "bullet" and line else []
+            out.append(_escaped(line))
+    return "\n".join([*out, *(["```"] if kind == "drawing" else [])]).strip() + "\n"
+
+
+def _header(text: str) -> Iterator[str]:
+    """The lines of the comment at the top, licence aside."""
+    for line in text.splitlines()[1:]:
+        if not line.startswith("//"):
+            return
+        yield line[3:].rstrip()
+
+
+def _parameters(lines: Iterable[str]) -> Iterator[tuple[str, str, str]]:
+    """Name, default and meaning; those that follow from others are left out."""
+    heading = ""
+    for line in lines:
+        found = _PARAMETER.match(line)
+        if found and not (found[3] or "").startswith("derived"):
+            yield found[1], found[2], _escaped(found[3] or heading)
+        heading = line.strip()[3:] if line.strip().startswith("//") else ""
+
+
+def _ports(lines: Iterable[str]) -> Iterator[_Port]:
+    heading = ""
+    for line in lines:
+        bare = line.strip()
+        if bare.startswith("//"):
+            heading = bare[3:]
+        elif not bare:
+            heading = ""
+        elif found := _PORT.match(line):
+            direction = "in" if found[1] == "input" else "out"
+            width = (found[2] or "").replace("`", "")
+            for name in re.split(r"\s*,\s*", found[3]):
+                yield _Port(name, direction, width, found[4] or "", heading)
+
+
+def _bundles(ports: Sequence[_Port]) -> Iterator[tuple[str, str, str, str]]:
+    """One row for each stream, and one for each other port, or group of them, that says what it is."""
+    streams = [port.name.removesuffix("valid") for port in ports if re.search(r"_t?valid$", port.name)]
+    buses = {port.name.removesuffix("awvalid") for port in ports if port.name.endswith("_awvalid")}
+    prefixes = sorted([*streams, *buses], key=len, reverse=True)
+    single = [port for port in ports if not any(port.name.startswith(prefix) for prefix in prefixes)]
+    seen = set()
+    for port in ports:
+        prefix = next((prefix for prefix in prefixes if port.name.startswith(prefix)), None)
+        key = port.name if port.meaning else port.heading
+        if prefix is not None:
+            if prefix not in seen:
+                yield _bundle(prefix, [other for other in ports if _belongs(other.name, prefix, prefixes)], prefix in buses)
+            seen.add(prefix)
+        elif key and key not in seen:
+            seen.add(key)
+            group = [port] if port.meaning else [other for other in single if other.heading == key and not other.meaning]
+            directions = sorted({other.direction for other in group})
+            names = ", ".join(f"`{other.name}{other.width}`" for other in group)
+            yield names, ", ".join(directions), "", _escaped(port.meaning or port.heading)
+
+
+def _belongs(name: str, prefix: str, prefixes: Sequence[str]) -> bool:
+    return next((longest for longest in prefixes if name.startswith(longest)), None) == prefix
+
+
+def _bundle(prefix: str, ports: Sequence[_Port], bus: bool) -> tuple[str, str, str, str]:
+    heading = next((port.heading for port in ports if port.heading), "")
+    if bus:
+        master = any(port.name == f"{prefix}awvalid" and port.direction == "out" for port in ports)
+        return f"`{prefix}`", "master" if master else "slave", "AXI4-Lite, 32 bits", _escaped(heading)
+    fields = [port for port in ports if port.name.removeprefix(prefix) not in ("valid", "ready")]
+    shown = prefix.removesuffix("t") if prefix.endswith("_t") else prefix  # AXI4-Stream
+    names = ", ".join(f"`{port.name.removeprefix(shown)}{port.width}`" for port in fields)
+    notes = "; ".join(f"{port.name.removeprefix(prefix)}: {port.meaning}" for port in ports if port.meaning)
+    told = ". ".join(part for part in (heading, notes) if part)
+    direction = next(port.direction for port in ports if port.name.endswith("valid"))
+    return f"`{shown}`", direction, names, _escaped(told)
+
+
+def _cost(figure: Figure) -> tuple[str, ...]:
+    device = DEVICES[figure.device].title if figure.device in DEVICES else figure.device
+    size = "N = 8, " if figure.n else ""
+    size += f"{figure.module}, " if figure.module != MODULES[figure.module].top else ""
+    fmax = f"{figure.median_mhz:.0f} MHz" if figure.median_mhz is not None else figure.misfit
+    return f"{size}{device}", f"{figure.luts:,}", f"{figure.ffs:,}", f"{figure.block_rams:,}", fmax

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The serial line of a board: one byte bit by bit, and a request with its answer byte by byte."""
+
+from __future__ import annotations
+
+from evcot.registers import register_map
+
+from ..build import load
+from ..testing import reset
+from .trace import Diagram, wave
+
+__all__ = ["uart_byte", "uart_frames"]
+
+_DIVISOR = 4
+_BYTE = 10  # bits: start, 8, stop
+
+
+def uart_byte() -> Diagram:
+    """The byte 'R' (0x52) from uart_tx, one column a bit."""
+    sim = load("uart_tx", {"DIVISOR": _DIVISOR})
+    reset(sim)
+    sim.io.s_valid, sim.io.s_data = 1, ord("R")
+    sim.clock.tick()
+    sim.io.s_valid = 0
+    line = ["1"]
+    for clock in range((_BYTE + 1) * _DIVISOR):
+        if clock % _DIVISOR == _DIVISOR // 2:
+            line.append(str(int(sim.io.tx)))
+        sim.clock.tick()
+    bits = ["x", "=start", *(f"={bit}" for bit in range(8)), "=stop", "x"]
+    return {"signal": [{"name": "tx", **wave(line)}, {"name": "bit", **wave(bits)}], "config": {"hscale": 1}}
+
+
+def uart_frames() -> Diagram:
+    """The register `id` is read through uart_host, one column a byte."""
+    identity = next(word for word in register_map().words if word.name == "id")
+    sim = load("uart_host", {"DIVISOR": _DIVISOR})
+    sim.io.rx = 1
+    reset(sim)
+    io = sim.io
+    io.m_axil_arready = 1
+    io.m_axil_rdata = int.from_bytes(b"EVCT", "big")
+    request = bytes([ord("R"), *identity.address.to_bytes(2, "little"), 0, 0, 0, 0])
+    levels = [1] * _DIVISOR
+    for value in request:
+        levels += [bit for bit in (0, *(value >> i & 1 for i in range(8)), 1) for _ in range(_DIVISOR)]
+    heard: list[tuple[int, int]] = []
+    started, asked = -1, False
+    for clock in range(16 * _BYTE * _DIVISOR):
+        io.rx = levels[clock] if clock < len(levels) else 1
+        io.m_axil_rvalid = int(asked)
+        asked = bool(int(io.m_axil_arvalid)) or (asked and not int(io.m_axil_rready))
+        bit, phase = divmod(clock - started, _DIVISOR)
+        if started < 0:
+            if not int(io.tx):
+                started, value = clock, 0
+        elif phase == _DIVISOR // 2 and 1 <= bit <= 8:
+            value |= int(io.tx) << bit - 1
+        elif bit == _BYTE - 1 and phase == _DIVISOR - 1:
+            heard.append((started, value))
+            started = -1
+        sim.clock.tick()
+    columns = 1 + len(request) + len(heard) + 1
+    rx, tx = ["1"] * columns, ["1"] * columns
+    for i, value in enumerate(request):
+        rx[1 + i] = "=" + _shown(i, value)
+    first = 1 + heard[0][0] // (_BYTE * _DIVISOR)
+    for i, (_, value) in enumerate(heard):
+        tx[first + i] = "=" + _shown(i, value)
+    meaning = ["x", "=read", "=address", "=address", *["=data"] * 4]
+    told = ["=read", "=resp", *["=data"] * 4, "=sum"]
+    meaning += ["x"] * (first - len(meaning)) + told + ["x"] * (columns - first - len(told))
+    lanes = [("rx", rx), ("tx", tx), ("", meaning)]
+    return {"signal": [{"name": name, **wave(states)} for name, states in lanes], "config": {"hscale": 1}}
+
+
+def _shown(place: int, value: int) -> str:
+    return f"'{chr(value)}'" if place == 0 else f"{value:02x}"

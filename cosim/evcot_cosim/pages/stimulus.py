@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What happens at the inputs while a diagram is recorded: few words, and stalls at chosen clocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+from pyverilator import PyVerilator
+
+from .trace import Trace
+
+__all__ = ["Offer", "play"]
+
+
+class Offer:
+    """Offers words to `<prefix>valid`, `<prefix>ready`, `<prefix><field>`, each until taken.
+
+    Args:
+        pauses: clocks at which no new word is offered.
+    """
+
+    def __init__(
+        self,
+        sim: PyVerilator,
+        prefix: str,
+        fields: Sequence[str],
+        words: Sequence[tuple[int, ...]],
+        pauses: Collection[int] = (),
+    ) -> None:
+        self._sim, self._prefix, self._fields = sim, prefix, fields
+        self._words, self._pauses = list(words), pauses
+        self._offering = False
+
+    def drive(self, clock: int) -> None:
+        """Set the inputs before an edge."""
+        self._offering = self._offering or bool(self._words and clock not in self._pauses)
+        self._sim.io[f"{self._prefix}valid"] = int(self._offering)
+        word = self._words[0] if self._offering else (0,) * len(self._fields)
+        for name, value in zip(self._fields, word, strict=True):
+            self._sim.io[self._prefix + name] = value
+
+    def note(self) -> None:
+        """See whether the coming edge takes the word."""
+        if self._offering and int(self._sim.io[f"{self._prefix}ready"]):
+            self._offering = False
+            self._words.pop(0)
+
+
+def play(
+    trace: Trace,
+    clocks: int,
+    offers: Sequence[Offer] = (),
+    stalls: Mapping[str, Collection[int]] | None = None,
+    also: Callable[[int], None] | None = None,
+) -> None:
+    """Clock the simulation and note each clock.
+
+    Args:
+        trace: what is noted.
+        clocks: how many.
+        offers: words that go in.
+        stalls: ready inputs, each with the clocks at which it is low.
+        also: sets further inputs at each clock.
+    """
+    for clock in range(clocks):
+        for offer in offers:
+            offer.drive(clock)
+        for port, low in (stalls or {}).items():
+            trace.sim.io[port] = int(clock not in low)
+        if also is not None:
+            also(clock)
+        trace.sample()
+        for offer in offers:
+            offer.note()
+        trace.sim.clock.tick()
