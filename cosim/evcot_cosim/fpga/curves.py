@@ -72,10 +72,10 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
             axes.xaxis.set_major_formatter("{x:g}")
             axes.grid(linewidth=0.3)
             axes.legend()
-        luts.set(yscale="log", ylim=(1_000, None))
+        luts.set(yscale="log", ylim=(1_000, max(50_000, luts.get_ylim()[1])))
         luts.yaxis.set_major_formatter("{x:,.0f}")
-        fmax.set(ylim=(0, None))
-        latency.set(ylim=(0, None))
+        fmax.set(ylim=(0, 1.1 * fmax.get_ylim()[1]))
+        latency.set(ylim=(0, max(380, latency.get_ylim()[1])))
         for axes in (luts, fmax, latency):
             axes.minorticks_off()
         with written_aside(path) as file:
