@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // cot_array as a pipeline: the same ports, registers and records, the same three streams bit for bit. docs/engine.md draws it.
 //
-// Latency, unstalled, from the clock edge that takes the event: a record after 8, for any N.
-// Throughput: a token every clock. 6 clocks more after an event that moves a centre, 5 after one that starts a life, about
-// 2 N + 25 for the end of a life, about 4 (X_W + FRAC) + 40 for a merge, and N + 9 every max_ticks or detect_ticks, whichever
-// is less.
+// Latency, unstalled, from the clock edge that takes the event: a record after 10, for any N.
+// Throughput: a token every clock. 6 clocks more after an event that moves a centre or starts a life, about 4 N + 35 for the
+// end of a life, about 12 (X_W + FRAC) + 50 for a merge, and 2 N + 12 every max_ticks or detect_ticks, whichever is less.
 // Every output holds its value until taken. Reset turns all slots off; about 6 N clocks later the engine is idle.
-// All outputs are registers but `idle`; no path leads from an input to an output.
+// All outputs are registers; no path leads from an input to an output.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -76,7 +75,7 @@ module cot_engine #(
     output wire                m_pass_p,
     output wire [SEQ_W-1:0]    m_pass_seq,
 
-    output wire                idle          // nothing inside, no register write under way
+    output reg                 idle          // nothing inside, no register write under way; a clock late where it rises
 );
 
     parameter_check #(.OK(N >= `EVCOT_N_SLOTS_MIN && N <= `EVCOT_N_SLOTS_MAX)) N_must_be_1_to_64 ();
@@ -90,9 +89,11 @@ module cot_engine #(
 
     localparam LIFE_W  = (TC_W > TICK_W ? TC_W : TICK_W) + 2;      // bits of a deadline
     localparam CLOCK_W = TIME_W > LIFE_W ? TIME_W : LIFE_W;        // bits of the time inside
-    localparam STEP_W  = $clog2(N + 4);
-    localparam [31:0] SLOTS  = N;
-    localparam [31:0] WALKED = N + 3;
+    localparam AT_X    = (X_W > RADIX_W + 1 ? X_W : RADIX_W + 1) + 2;  // bits of a bound of a window
+    localparam AT_Y    = (Y_W > RADIX_W + 1 ? Y_W : RADIX_W + 1) + 2;
+    localparam STEP_W  = $clog2(2 * N + 8);
+    localparam [31:0] SLOTS  = 2 * N;
+    localparam [31:0] WALKED = 2 * N + 6;
 
     // What the engine is doing.
     localparam [2:0] RUN    = 3'd0;  // issuing tokens
@@ -108,22 +109,17 @@ module cot_engine #(
     localparam [1:0] LIFE    = 2'd1;
     localparam [1:0] MERGE   = 2'd2;
 
-    // What a walk over all slots looks at, one after the other: the first two only after registers were written.
-    localparam [1:0] MAX_TICKS    = 2'd0;
-    localparam [1:0] DETECT_TICKS = 2'd1;
-    localparam [1:0] DEADLINES    = 2'd2;
-
     reg [2:0]        phase;
     reg [1:0]        why;
     reg [STEP_W-1:0] step;       // clocks in WALK or FETCH
     reg [SLOT_W-1:0] slow_slot;  // which slot the phase is about
-    reg [1:0]        walk;       // what a walk looks at
+    reg              surveys;    // a walk looks at a register, after one was written; else at deadlines
+    reg              on_detect;  // at detect_ticks, the second such walk; else at max_ticks
 
     // ---- input -----------------------------------------------------------------------------------------------------
 
-    wire               token_valid, token_event, token_p, input_empty;
+    wire               token_valid, token_counts, token_event, token_p, input_empty;
     wire [CLOCK_W-1:0] token_time;
-    wire [SEQ_W-1:0]   token_seq;
     wire [X_W-1:0]     token_x;
     wire [Y_W-1:0]     token_y;
     wire               issue, commit, rewind;
@@ -132,7 +128,6 @@ module cot_engine #(
         .X_W    (X_W),
         .Y_W    (Y_W),
         .TICK_W (TICK_W),
-        .SEQ_W  (SEQ_W),
         .CLOCK_W(CLOCK_W)
     ) u_input (
         .clk     (clk),
@@ -148,7 +143,7 @@ module cot_engine #(
         .m_valid (token_valid),
         .m_take  (issue),
         .m_time  (token_time),
-        .m_seq   (token_seq),
+        .m_counts(token_counts),
         .m_event (token_event),
         .m_x     (token_x),
         .m_y     (token_y),
@@ -163,16 +158,21 @@ module cot_engine #(
     reg               m_valid, e_valid, c_valid, u_valid;  // a token is there
     reg               m_check, e_check;                    // a window is, to be checked
     reg [SLOT_W-1:0]  m_self, e_self;                      // whose
-    reg [X_W-1:0]     m_lo_x, m_hi_x, e_x, c_x, u_x, v_x;
-    reg [Y_W-1:0]     m_lo_y, m_hi_y, e_y, c_y, u_y, v_y;
+    reg [AT_X-1:0]    m_lo_x, m_hi_x;
+    reg [AT_Y-1:0]    m_lo_y, m_hi_y;
+    reg [X_W-1:0]     e_x, c_x, u_x, v_x;
+    reg [Y_W-1:0]     e_y, c_y, u_y, v_y;
     reg               m_event, e_event;
+    reg               m_counts, e_counts, c_counts, u_counts;
     reg               m_p, e_p, c_p, u_p, v_p;
     reg [CLOCK_W-1:0] m_time, e_time, c_time, u_time;
-    reg [SEQ_W-1:0]   m_seq, e_seq, c_seq, u_seq, v_seq;
-    reg               e_due, c_due, u_due;                 // the bound has come
+    reg               e_due, c_due;                        // the bound has come
+    reg               u_ends;                              // in place of u_valid: lives, before this token
+    reg               rewound;                             // the clock before threw tokens out
     reg [SLOT_W-1:0]  c_slot, v_slot;
-    (* keep *) reg [SLOT_W-1:0] c_slot_too;                // c_slot again: it goes to every bit of the context
+    reg [SLOT_W-1:0]  c_slot_too, c_slot_regs;             // c_slot again, for it goes to every bit of the context
     reg               c_takes, c_passes, c_active, c_seeds, c_report, c_clear, c_join, c_walks;
+    reg               o_report, o_clear, o_join, o_walks;  // an operation, on its way to C
     reg               u_takes, u_passes, u_walks, v_decided, v_owned;
 
     reg               found;              // the window checked overlaps
@@ -181,36 +181,40 @@ module cot_engine #(
     reg [N-1:0]       restart;     // mode was written, or reset
     reg               stale;       // a register was written: the bound means nothing
     reg               exempt;      // lives that end before the next token have been ended
-    reg               blocked;     // the next token waits for a record to be taken
+    reg               stalled;     // a record was not taken at once: nothing behind it holds until it is
+    reg               closed;      // no token may be issued
 
     reg [CLOCK_W-1:0] now;         // time of the last committed token
     reg [SEQ_W-1:0]   seq;         // number of its event, or of the next one where a life ends
+    reg [SEQ_W-1:0]   next_seq;
 
     // ---- M and E: whose is it? ---------------------------------------------------------------------------------------
 
     wire              e_active, e_other, e_free, m_due;
     wire [SLOT_W-1:0] e_slot, e_lowest;
     wire [N-1:0]      active;
-    wire              w_busy, w_checks, w_places, w_changes, w_free, w_window, w_active;
+    wire              w_checks, w_places, w_changes, w_free, w_window, w_active;
     wire [SLOT_W-1:0] w_slot;
-    wire [X_W-1:0]    w_lo_x, w_hi_x;
-    wire [Y_W-1:0]    w_lo_y, w_hi_y;
+    wire [AT_X-1:0]   w_lo_x, w_hi_x;
+    wire [AT_Y-1:0]   w_lo_y, w_hi_y;
 
     engine_match #(
         .N     (N),
-        .X_W   (X_W),
-        .Y_W   (Y_W),
+        .X_W   (AT_X),
+        .Y_W   (AT_Y),
         .SLOT_W(SLOT_W)
     ) u_match (
         .clk      (clk),
         .rst      (rst),
-        .m_valid  (m_check || (m_valid && m_event)),
+        .m_valid  (m_check || (m_valid && m_event && !rewound)),
         .m_check  (m_check),
         .m_self   (m_self),
         .m_lo_x   (m_lo_x),
         .m_hi_x   (m_hi_x),
         .m_lo_y   (m_lo_y),
         .m_hi_y   (m_hi_y),
+        .names    (phase != RUN),
+        .slot     (slow_slot),
         .e_active (e_active),
         .e_other  (e_other),
         .e_free   (e_free),
@@ -231,7 +235,7 @@ module cot_engine #(
 
     // ---- C to W: what it does to its owner -----------------------------------------------------------------------------
 
-    wire                u_last, u_special, u_busy, u_timed, u_on, v_busy;
+    wire                c_commits, u_special, u_busy, u_timed, u_on, v_busy;
     wire [SLOT_W-1:0]   u_slot;
     wire [ID_W-1:0]     u_id, stays_id;
     wire [X_W+FRAC-1:0] u_cm_x, join_x;
@@ -257,7 +261,9 @@ module cot_engine #(
         .TIME_W (TIME_W),
         .LIFE_W (LIFE_W),
         .CLOCK_W(CLOCK_W),
-        .SLOT_W (SLOT_W)
+        .SLOT_W (SLOT_W),
+        .AT_X   (AT_X),
+        .AT_Y   (AT_Y)
     ) u_update (
         .clk           (clk),
         .rst           (rst),
@@ -267,6 +273,8 @@ module cot_engine #(
         .cfg_data      (cfg_data),
         .c_slot        (c_slot),
         .c_slot_too    (c_slot_too),
+        .c_slot_regs   (c_slot_regs),
+        .c_commits     (c_commits),
         .c_takes       (c_takes),
         .c_active      (c_active),
         .c_seeds       (c_seeds),
@@ -280,8 +288,6 @@ module cot_engine #(
         .join_y        (join_y),
         .join_g        (join_g),
         .join_support  (join_support),
-        .u_commits     (commit && u_takes),
-        .u_last        (u_last),
         .u_special     (u_special),
         .u_slot        (u_slot),
         .u_busy        (u_busy),
@@ -298,7 +304,6 @@ module cot_engine #(
         .v_busy        (v_busy),
         .v_rel_x       (v_rel_x),
         .v_rel_y       (v_rel_y),
-        .w_busy        (w_busy),
         .w_checks      (w_checks),
         .w_places      (w_places),
         .w_changes     (w_changes),
@@ -313,7 +318,7 @@ module cot_engine #(
         .lost          (why != MERGE),
         .other         (stays_id),
         .seq           (seq),
-        .now           (now[TIME_W-1:0]),
+        .now           (now),
         .ended         (why == LIFE ? ended_time : now[TIME_W-1:0]),
         .m_cm_valid    (m_cm_valid),
         .m_cm_ready    (m_cm_ready),
@@ -332,7 +337,8 @@ module cot_engine #(
 
     // ---- lives that end, tracks that merge -----------------------------------------------------------------------------
 
-    wire              ended, walked, done;
+    wire              ended, done;
+    reg               survey, start, walked, take_a, take_b;
     wire [SLOT_W-1:0] ended_slot, stays, goes;
 
     engine_lives #(
@@ -345,12 +351,12 @@ module cot_engine #(
         .clk         (clk),
         .m_time      (m_time[LIFE_W-1:0]),
         .m_due       (m_due),
-        .survey      (phase == WALK && walk == MAX_TICKS && step == {STEP_W{1'b0}}),
-        .on_detect   (walk == DETECT_TICKS),
-        .surveys     (walk != DEADLINES),
-        .start       (phase == WALK && walk == DEADLINES && step == {STEP_W{1'b0}}),
+        .survey      (survey),
+        .on_detect   (on_detect),
+        .surveys     (surveys),
+        .start       (start),
         .step        (u_walks),
-        .finish      (walked && walk == DEADLINES && !ended),
+        .finish      (walked && !surveys && !ended),
         .now         (now),
         .slot        (u_slot),
         .timed       (u_timed),
@@ -373,8 +379,8 @@ module cot_engine #(
         .SLOT_W (SLOT_W)
     ) u_merge (
         .clk         (clk),
-        .take_a      (phase == FETCH && step == TWO),
-        .take_b      (phase == FETCH && step == THREE),
+        .take_a      (take_a),
+        .take_b      (take_b),
         .slot        (u_slot),
         .id          (u_id),
         .cm_x        (u_cm_x),
@@ -412,7 +418,7 @@ module cot_engine #(
         .s_x         (v_x),
         .s_y         (v_y),
         .s_p         (v_p),
-        .s_seq       (v_seq),
+        .s_seq       (seq),
         .m_own_valid (m_own_valid),
         .m_own_ready (m_own_ready),
         .m_own_slot  (m_own_slot),
@@ -434,63 +440,61 @@ module cot_engine #(
 
     localparam [STEP_W-1:0] TWO   = 2;
     localparam [STEP_W-1:0] THREE = 3;
-    localparam [STEP_W-1:0] SIX   = 6;
+    localparam [STEP_W-1:0] EIGHT = 8;
 
-    wire u_waits   = u_last && m_cm_valid;                             // for the record before to be taken
-    wire u_ends    = u_valid && (stale || (u_due && !exempt));         // lives, before this token
-    wire u_refused = u_valid && (stale || (u_due && !exempt) || u_waits);
-    wire u_closes  = u_valid && u_special;                             // windows change: nothing behind it holds
-
-    wire in_flight = c_report || c_clear || c_join || u_busy || u_closes || v_busy;
-    wire settled   = !in_flight && !w_busy;
-    wire restarts  = phase == RUN && |restart && settled && !m_check && !e_check && !found && !u_valid;
-
-    assign walked  = phase == WALK && step == WALKED[STEP_W-1:0];
-    assign commit  = u_valid && !u_refused;
-    assign rewind  = u_refused || u_closes || found || restarts;
-    assign issue   = token_valid && room && phase == RUN && !rewind && !in_flight && !(w_busy && w_checks) && !blocked
-                 && restart == {N{1'b0}};
-
-    assign idle = input_empty && phase == RUN && settled && !m_check && !e_check && !found && restart == {N{1'b0}}
-               && !v_decided && output_empty && !m_cm_valid;
-
+    reg              settled;               // no operation is under way, no window changes
+    reg              restarting, restarts;  // some slot is to be restarted, this one next
     reg [SLOT_W-1:0] restart_slot;
 
-    always @* begin : find_restart
+    wire operates = o_report || o_clear || o_join || c_report || c_clear || c_join || u_busy;
+    wire checks   = m_check || e_check || found;
+    wire drained  = settled && !checks && !m_valid && !e_valid && !c_valid && !u_valid && !u_ends;
+
+    // The first token behind lives that have ended finds nobody in U.
+    wire c_early   = stale || (c_due && (!exempt || u_valid));
+    assign c_commits = c_valid && !rewind && !c_early;
+
+    assign commit = u_valid;
+    assign rewind = u_ends || u_special || found || stalled;
+    assign issue  = token_valid && !closed && !rewound;
+
+    // The operation that is begun.
+    wire reports = phase == REPORT && !m_cm_valid;
+    wire clears = phase == CLEAR && settled;
+    wire joins  = phase == JOIN && done && !m_cm_valid;
+
+    always @(posedge clk) begin : find_restart
         integer i;
-        restart_slot = {SLOT_W{1'b0}};
-        for (i = N - 1; i >= 0; i = i - 1) if (restart[i]) restart_slot = i[SLOT_W-1:0];
+        for (i = N - 1; i >= 0; i = i - 1) if (restart[i]) restart_slot <= i[SLOT_W-1:0];
     end
 
     // ---- tokens ----------------------------------------------------------------------------------------------------
 
-    // By then the number of the next event has come down to U.
-    wire reports = !m_cm_valid && |step[STEP_W-1:2];
-    wire running = phase == RUN;
     wire owned   = e_active || e_other || e_free;
 
     always @(posedge clk) begin
         // A token, or in its place a window that has changed.
         m_valid  <= issue;
-        m_check  <= w_busy && w_checks;
+        m_check  <= w_checks;
         m_self   <= w_slot;
-        m_lo_x   <= (w_busy && w_checks) ? w_lo_x : token_x;
-        m_hi_x   <= (w_busy && w_checks) ? w_hi_x : token_x;
-        m_lo_y   <= (w_busy && w_checks) ? w_lo_y : token_y;
-        m_hi_y   <= (w_busy && w_checks) ? w_hi_y : token_y;
+        m_lo_x   <= w_checks ? w_lo_x : {{(AT_X - X_W) {1'b0}}, token_x};
+        m_hi_x   <= w_checks ? w_hi_x : {{(AT_X - X_W) {1'b0}}, token_x};
+        m_lo_y   <= w_checks ? w_lo_y : {{(AT_Y - Y_W) {1'b0}}, token_y};
+        m_hi_y   <= w_checks ? w_hi_y : {{(AT_Y - Y_W) {1'b0}}, token_y};
         m_time   <= token_time;
-        m_seq    <= token_seq;
+        m_counts <= token_counts;
         m_event  <= token_event;
         m_p      <= token_p;
 
-        e_valid  <= m_valid && !rewind;
+        rewound  <= rewind;
+        e_valid  <= m_valid && !rewind && !rewound;
         e_check  <= m_check;
         e_self   <= m_self;
         e_due    <= m_due;
-        e_x      <= m_lo_x;
-        e_y      <= m_lo_y;
+        e_x      <= m_lo_x[X_W-1:0];
+        e_y      <= m_lo_y[Y_W-1:0];
         e_time   <= m_time;
-        e_seq    <= m_seq;
+        e_counts <= m_counts;
         e_event  <= m_event;
         e_p      <= m_p;
 
@@ -502,8 +506,9 @@ module cot_engine #(
 
         c_valid  <= e_valid && !rewind;
         c_due    <= e_due;
-        c_slot   <= running ? e_slot : slow_slot;
-        c_slot_too <= running ? e_slot : slow_slot;
+        c_slot   <= e_slot;
+        c_slot_too   <= e_slot;
+        c_slot_regs  <= e_slot;
         c_takes  <= e_valid && e_event && owned;
         c_passes <= e_event && !owned;
         c_active <= e_active;
@@ -511,22 +516,26 @@ module cot_engine #(
         c_x      <= e_x;
         c_y      <= e_y;
         c_time   <= e_time;
-        if (!running) c_time[LIFE_W-1:0] <= now[LIFE_W-1:0];
-        c_seq    <= e_seq;
+        c_counts <= e_counts;
         c_p      <= e_p;
-        c_report <= phase == REPORT && reports;
-        c_clear  <= phase == CLEAR && settled;
-        c_join   <= phase == JOIN && done && !m_cm_valid;
-        c_walks  <= phase == WALK && step < SLOTS[STEP_W-1:0];
+        c_report <= o_report;
+        c_clear  <= o_clear;
+        c_join   <= o_join;
+        c_walks  <= o_walks;
 
-        u_valid  <= c_valid && !rewind;
-        u_due    <= c_due;
+        o_report <= reports;
+        o_clear  <= clears;
+        o_join   <= joins;
+        o_walks  <= phase == WALK && step < SLOTS[STEP_W-1:0] && step[0];
+
+        u_valid  <= c_commits;
+        u_ends   <= c_valid && !rewind && c_early;
         u_takes  <= c_takes;
         u_passes <= c_passes;
         u_x      <= c_x;
         u_y      <= c_y;
         u_time   <= c_time;
-        u_seq    <= c_seq;
+        u_counts <= c_counts;
         u_p      <= c_p;
         u_walks  <= c_walks;
 
@@ -535,25 +544,37 @@ module cot_engine #(
         v_slot    <= u_slot;
         v_x       <= u_x;
         v_y       <= u_y;
-        v_seq     <= u_seq;
         v_p       <= u_p;
 
         if (rst) begin
-            {m_valid, e_valid, c_valid, u_valid, m_check, e_check, found, v_decided} <= 8'd0;
-            {c_report, c_clear, c_join} <= 3'd0;
+            {m_valid, e_valid, c_valid, u_valid, u_ends, m_check, e_check, found, rewound, v_decided} <= 10'd0;
+            // Registers that differ in their reset stay apart in synthesis.
+            c_slot_too  <= {SLOT_W{1'b0}};
+            c_slot_regs <= {SLOT_W{1'b1}};
+            {o_report, o_clear, o_join, c_report, c_clear, c_join} <= 6'd0;
         end
     end
 
     // ---- control ---------------------------------------------------------------------------------------------------
 
     always @(posedge clk) begin
-        if (commit) begin
-            now    <= u_time;
-            exempt <= 1'b0;
-        end
-        if (commit || u_ends || (u_busy && why == RESTART)) seq <= u_seq;
-        if (u_refused && u_waits) blocked <= 1'b1;
-        if (!m_cm_valid) blocked <= 1'b0;
+        if (u_valid || u_ends) now <= u_time;
+        if (commit) exempt <= 1'b0;
+        if (commit && u_counts) next_seq <= next_seq + 1'b1;
+        if (commit || u_ends || restarts) seq <= next_seq;
+        idle    <= input_empty && !s_valid && !cfg_valid && phase == RUN && settled && !checks && restart == {N{1'b0}}
+                && !v_decided && output_empty && !m_cm_valid;
+        stalled <= m_cm_valid && !m_cm_ready;
+        closed  <= phase != RUN || operates || v_busy || !room || |restart;
+        survey  <= phase == WALK && step == {STEP_W{1'b0}} && surveys && !on_detect;
+        start   <= phase == WALK && step == {STEP_W{1'b0}} && !surveys;
+        walked  <= phase == WALK && step == WALKED[STEP_W-1:0];
+        take_a  <= phase == FETCH && step == TWO;
+        take_b  <= phase == FETCH && step == THREE;
+
+        settled    <= !(reports || clears || joins || operates || u_special || v_busy);
+        restarting <= |restart;
+        restarts   <= phase == RUN && restarting && drained && !restarts;
 
         step <= step + 1'b1;
         case (phase)
@@ -564,8 +585,8 @@ module cot_engine #(
                     phase     <= FETCH;
                 end else if (u_ends) begin
                     stale     <= 1'b0;
-                    walk      <= stale ? MAX_TICKS : DEADLINES;
-                    now       <= u_time;
+                    surveys   <= stale;
+                    on_detect <= 1'b0;
                     slow_slot <= {SLOT_W{1'b0}};
                     phase     <= WALK;
                 end else if (restarts) begin
@@ -576,11 +597,12 @@ module cot_engine #(
                 end
             end
             WALK: begin
-                slow_slot <= slow_slot + 1'b1;
-                if (walked && walk != DEADLINES) begin
+                if (step[0]) slow_slot <= slow_slot + 1'b1;
+                if (walked && surveys) begin
                     step      <= {STEP_W{1'b0}};
                     slow_slot <= {SLOT_W{1'b0}};
-                    walk      <= walk + 1'b1;
+                    on_detect <= 1'b1;
+                    surveys   <= !on_detect;
                 end else if (walked) begin
                     why       <= LIFE;
                     slow_slot <= ended_slot;
@@ -590,13 +612,13 @@ module cot_engine #(
             end
             FETCH: begin
                 slow_slot <= found_slot;
-                if (step == SIX) begin
+                if (step == EIGHT) begin
                     why       <= MERGE;
                     slow_slot <= goes;
                     phase     <= REPORT;
                 end
             end
-            REPORT:  if (reports) phase <= CLEAR;
+            REPORT:  if (!m_cm_valid) phase <= CLEAR;
             CLEAR:   if (settled) phase <= (why == RESTART) ? RUN : SETTLE;
             SETTLE:
             if (settled) begin
@@ -614,11 +636,16 @@ module cot_engine #(
         if (rst) begin
             phase   <= RUN;
             now     <= {CLOCK_W{1'b0}};
-            seq     <= {SEQ_W{1'b0}};
-            restart <= {N{1'b1}};
+            next_seq <= {SEQ_W{1'b0}};
+            restart    <= {N{1'b1}};
+            restarting <= 1'b0;
+            restarts   <= 1'b0;
             stale   <= 1'b1;
             exempt  <= 1'b0;
-            blocked <= 1'b0;
+            stalled <= 1'b0;
+            closed  <= 1'b1;
+            settled <= 1'b1;
+            idle    <= 1'b0;
         end
     end
 

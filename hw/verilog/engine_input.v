@@ -1,28 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engine's tokens on their way in: numbered, stamped with their time, and kept until committed, so that they can be issued
-// more than once.
+// The engine's tokens on their way in: stamped with their time and kept until committed, so that they can be issued more than
+// once.
 //
-// Latency:    1 clock from s_ to m_ when all before is issued.
+// Latency:    3 clocks from s_ to m_ when all before is issued.
 // Throughput: 1 token per clock.
-// Stall:      s_ready is low while DEPTH tokens are not committed yet.
-// Rewind:     the token after the committed ones is the next on m_, the one that commits in the same clock included in them, after a clock
-//             without one.
-// Reset:      becomes empty, time and sequence number 0.
-// Combinational paths: none from port to port; m_ is a memory read.
+// Stall:      s_ready is low while 15 tokens are not committed yet.
+// Rewind:     the clock after `rewind` nothing on m_ may be taken; 3 clocks after it the first token that is not committed is
+//             the next on m_ (one that commits in the same clock is committed).
+// Reset:      becomes empty, time 0.
+// Combinational paths: none from port to port; m_ is a register.
 `default_nettype none
 
 module engine_input #(
     parameter X_W     = 9,   // bits of an x address
     parameter Y_W     = 9,   // bits of a y address
     parameter TICK_W  = 20,  // bits of the tick input
-    parameter SEQ_W   = 48,  // bits of an event's sequence number
     parameter CLOCK_W = 48   // bits of the time, at least TICK_W
 ) (
     input  wire               clk,
     input  wire               rst,
 
     input  wire               s_valid,
-    output wire               s_ready,
+    output reg                s_ready,
     input  wire [TICK_W-1:0]  s_tick,
     input  wire               s_event,
     input  wire               s_skip,
@@ -30,10 +29,10 @@ module engine_input #(
     input  wire [Y_W-1:0]     s_y,
     input  wire               s_p,
 
-    output wire               m_valid,
+    output reg                m_valid,
     input  wire               m_take,    // issued
     output wire [CLOCK_W-1:0] m_time,    // ticks since reset, with its own
-    output wire [SEQ_W-1:0]   m_seq,     // of the next event: its own, if it has one; there without a token, too
+    output wire               m_counts,  // takes a sequence number
     output wire               m_event,
     output wire [X_W-1:0]     m_x,
     output wire [Y_W-1:0]     m_y,
@@ -44,61 +43,64 @@ module engine_input #(
     output wire               empty      // all are committed
 );
 
-    localparam [4:0] DEPTH = 5'd16;
+    localparam TOKEN_W = CLOCK_W + X_W + Y_W + 3;
 
-    reg [CLOCK_W-1:0] time_mem   [0:15];
-    reg [SEQ_W-1:0]   seq_mem    [0:15];
-    reg               event_mem  [0:15];
-    reg [X_W-1:0]     x_mem      [0:15];
-    reg [Y_W-1:0]     y_mem      [0:15];
-    reg               p_mem      [0:15];
+    reg [TOKEN_W-1:0] token_mem [0:15];
+    reg [TOKEN_W-1:0] head;
 
-    reg [4:0] written, issued, committed;  // tokens, modulo twice the depth
-    reg       ready_reg, valid_reg;
+    reg [4:0] written, issued, after_issued, committed;  // tokens, modulo twice the depth
+    reg       waits, rewound;              // the token at `issued` is in the memory
 
     reg [CLOCK_W-1:0] now;
-    reg [SEQ_W-1:0]   seq;
 
-    wire               accept = s_valid && ready_reg;
+    wire               accept = s_valid && s_ready;
+    wire               fetch  = !m_valid || m_take;
     wire [CLOCK_W-1:0] then   = now + {{(CLOCK_W - TICK_W) {1'b0}}, s_tick};
-    wire [4:0] next_written   = written + {4'd0, accept};
-    wire [4:0] next_committed = committed + {4'd0, commit};
-    wire [4:0] after_issued   = issued + 5'd1;
+    wire [4:0] level          = written - committed;
 
-    assign s_ready  = ready_reg;
-    assign m_valid  = valid_reg;
-    assign m_time   = time_mem[issued[3:0]];
-    assign m_seq    = seq_mem[issued[3:0]];
-    assign m_event  = event_mem[issued[3:0]];
-    assign m_x      = x_mem[issued[3:0]];
-    assign m_y      = y_mem[issued[3:0]];
-    assign m_p      = p_mem[issued[3:0]];
-    assign empty    = written == committed;
+    // The three tokens that may be next: is it there?
+    wire waits_again = committed != written;
+    wire waits_still = issued != written;
+    wire waits_after = after_issued != written;
+
+    assign {m_time, m_counts, m_event, m_x, m_y, m_p} = head;
+    assign empty = written == committed;
 
     always @(posedge clk) begin
-        if (ready_reg) seq_mem[written[3:0]] <= seq;
         if (accept) begin
-            time_mem[written[3:0]]   <= then;
-            event_mem[written[3:0]]  <= s_event;
-            x_mem[written[3:0]]      <= s_x;
-            y_mem[written[3:0]]      <= s_y;
-            p_mem[written[3:0]]      <= s_p;
-            now                 <= then;
-            if (s_event || s_skip) seq <= seq + 1'b1;
+            token_mem[written[3:0]] <= {then, s_event || s_skip, s_event, s_x, s_y, s_p};
+            now                     <= then;
+            written                 <= written + 5'd1;
         end
-        written   <= next_written;
-        issued    <= rewind ? next_committed : m_take ? after_issued : issued;
-        committed <= next_committed;
-        ready_reg <= next_written != next_committed + DEPTH;
-        valid_reg <= !rewind && (m_take ? after_issued : issued) != next_written;
+        if (commit) committed <= committed + 5'd1;
+        s_ready   <= !level[4] && level[3:0] != 4'd15;  // one more may come before this is seen
+
+        if (fetch) begin
+            head    <= token_mem[issued[3:0]];
+            m_valid <= waits;
+        end
+        if (rewound) begin
+            issued       <= committed;
+            after_issued <= committed + 5'd1;
+            waits        <= waits_again;
+        end else if (fetch && waits) begin
+            issued       <= after_issued;
+            after_issued <= after_issued + 5'd1;
+            waits        <= waits_after;
+        end else waits <= waits_still;
+        rewound <= rewind;
+        if (rewound) m_valid <= 1'b0;
+
         if (rst) begin
             written   <= 5'd0;
             issued    <= 5'd0;
+            after_issued <= 5'd1;
             committed <= 5'd0;
-            ready_reg <= 1'b0;
-            valid_reg <= 1'b0;
+            s_ready   <= 1'b0;
+            waits     <= 1'b0;
+            m_valid   <= 1'b0;
+            rewound   <= 1'b0;
             now       <= {CLOCK_W{1'b0}};
-            seq       <= {SEQ_W{1'b0}};
         end
     end
 

@@ -4,8 +4,9 @@
 // The bound is the least of all deadlines and, for every slot that is on, of the times now + max_ticks and now + detect_ticks
 // which a later event would exceed or reach. So it holds until the next walk, whatever is decided in between.
 //
-// A walk takes one slot a clock in ascending order with `step`, and is complete 2 clocks after the last one. After registers
-// were written, two walks survey max_ticks and detect_ticks; what they find stays. Every other walk looks at deadlines.
+// A walk takes one slot every other clock in ascending order with `step`, and is complete 4 clocks after the last one. After
+// registers were written, two walks survey max_ticks and detect_ticks; what they find stays. Every other walk looks at
+// deadlines.
 // If a life has ended by `now`, `ended` and the slot with the earliest deadline (then the lowest) are there: clear it and
 // walk again. Otherwise the bound is new.
 // Times are compared by their low LIFE_W bits: they are less than half that range apart.
@@ -38,7 +39,7 @@ module engine_lives #(
     input  wire [TC_W-1:0]    max_ticks,
     input  wire [TC_W-1:0]    detect_ticks,
 
-    output wire               ended,        // a life ended by now
+    output reg                ended,        // a life ended by now
     output reg  [SLOT_W-1:0]  ended_slot,
     output reg  [TIME_W-1:0]  ended_time
 );
@@ -46,7 +47,7 @@ module engine_lives #(
     localparam [LIFE_W:0] FAR = {1'b0, {LIFE_W{1'b1}}};
 
     // Ticks from now, signed; below them a bit that lets a deadline come before a bound at the same tick.
-    reg              step_reg;
+    reg              step_reg, compared, sooner;
     reg [LIFE_W:0]   ticks_reg, least, granted;
     reg [SLOT_W-1:0] slot_reg;
     reg [LIFE_W-1:0] bound;
@@ -55,21 +56,28 @@ module engine_lives #(
     wire [LIFE_W-1:0] grant = {{(LIFE_W - TC_W) {1'b0}}, on_detect ? detect_ticks : max_ticks};
     wire [LIFE_W-1:0] over  = m_time - bound;
 
+    // Sign extended by one bit: the sign of the difference is the comparison.
+    wire [LIFE_W+1:0] behind = {ticks_reg[LIFE_W], ticks_reg} - {least[LIFE_W], least};
+
     wire [CLOCK_W+LIFE_W-1:0] wide = {{CLOCK_W{least[LIFE_W]}}, least[LIFE_W:1]};
     wire [CLOCK_W-1:0]        when = now + wide[CLOCK_W-1:0];
 
     assign m_due = !over[LIFE_W-1];
-    assign ended = !least[0] && (least[LIFE_W] || least[LIFE_W:1] == {LIFE_W{1'b0}});
 
     always @(posedge clk) begin
         step_reg   <= step && (surveys ? on : timed);
-        ticks_reg  <= surveys ? {grant, 1'b1} : {left, 1'b0};
-        slot_reg   <= slot;
+        if (step) begin
+            ticks_reg <= surveys ? {grant, 1'b1} : {left, 1'b0};
+            slot_reg  <= slot;
+        end
+        compared   <= step_reg;
+        sooner     <= behind[LIFE_W+1];
+        ended      <= !least[0] && (least[LIFE_W] || least[LIFE_W:1] == {LIFE_W{1'b0}});
         ended_time <= when[TIME_W-1:0];
 
         if (survey) least <= FAR;
         else if (start) least <= granted;
-        else if (step_reg && $signed(ticks_reg) < $signed(least)) begin
+        else if (compared && sooner) begin
             least      <= ticks_reg;
             ended_slot <= slot_reg;
         end
@@ -77,7 +85,7 @@ module engine_lives #(
         if (finish) bound <= when[LIFE_W-1:0];
     end
 
-    wire unused = &{1'b0, over, wide, when};
+    wire unused = &{1'b0, over, behind, wide, when};
 
 endmodule
 

@@ -6,15 +6,15 @@
 // with it, and which is the lowest? No two active windows overlap, so an event has at most one active owner.
 //
 // Latency:    1 clock from the probe to the answer. A window that is written in one clock is there in the next, a change of
-//             which slots are free one clock later for an event (when it is in E).
+//             which slots are free two clocks later for an event in E.
 // Throughput: 1 probe per clock.
 // Reset:      no slot has a window or is free.
 `default_nettype none
 
 module engine_match #(
     parameter N      = 8,  // slots
-    parameter X_W    = 9,  // bits of an x address
-    parameter Y_W    = 9,  // bits of a y address
+    parameter X_W    = 11, // bits of a bound, signed
+    parameter Y_W    = 11,
     parameter SLOT_W = 3   // bits of a slot number
 ) (
     input  wire              clk,
@@ -27,7 +27,9 @@ module engine_match #(
     input  wire [X_W-1:0]    m_lo_x, m_hi_x,
     input  wire [Y_W-1:0]    m_lo_y, m_hi_y,
 
-    // E: the answer
+    // E: the answer, and the slot where none is held: a free one, or `slot` where `names` asked for that the clock before
+    input  wire              names,
+    input  wire [SLOT_W-1:0] slot,
     output reg               e_active,  // an active slot holds the event
     output reg               e_other,   // a candidate does; CHECK: an active slot overlaps
     output wire              e_free,    // some slot is free
@@ -52,8 +54,8 @@ module engine_match #(
     (* mem2reg *) reg [Y_W-1:0] lo_y [0:N-1];
     (* mem2reg *) reg [Y_W-1:0] hi_y [0:N-1];
 
-    reg [N-1:0] free;    // seeded, and no life has started
-    reg [N-1:0] window;  // has a window
+    reg [N-1:0] free;       // seeded, and no life has started
+    reg [N-1:0] candidate;  // has a window, is not active
 
     // ---- M ---------------------------------------------------------------------------------------------------------
 
@@ -61,15 +63,23 @@ module engine_match #(
 
     always @(posedge clk) begin : compare
         integer i;
-        reg inside_it;
+        reg is_self;
+        reg [X_W:0] from_lo_x, to_hi_x;
+        reg [Y_W:0] from_lo_y, to_hi_y;
         reg [N-1:0] hit_active, hit_other;
         hit_active = {N{1'b0}};
         hit_other  = {N{1'b0}};
         if (m_valid)
             for (i = 0; i < N; i = i + 1) begin
-                inside_it = m_hi_x >= lo_x[i] && m_lo_x <= hi_x[i] && m_hi_y >= lo_y[i] && m_lo_y <= hi_y[i];
-                hit_active[i] = inside_it && active[i] && !m_check;
-                hit_other[i]  = inside_it && (m_check ? active[i] && i[SLOT_W-1:0] != m_self : window[i] && !active[i]);
+                is_self   = i[SLOT_W-1:0] == m_self;
+                from_lo_x = {m_hi_x[X_W-1], m_hi_x} - {lo_x[i][X_W-1], lo_x[i]};
+                to_hi_x   = {hi_x[i][X_W-1], hi_x[i]} - {m_lo_x[X_W-1], m_lo_x};
+                from_lo_y = {m_hi_y[Y_W-1], m_hi_y} - {lo_y[i][Y_W-1], lo_y[i]};
+                to_hi_y   = {hi_y[i][Y_W-1], hi_y[i]} - {m_lo_y[Y_W-1], m_lo_y};
+                if (!from_lo_x[X_W] && !to_hi_x[X_W] && !from_lo_y[Y_W] && !to_hi_y[Y_W]) begin
+                    hit_active[i] = active[i] && !m_check;
+                    hit_other[i]  = m_check ? active[i] && !is_self : candidate[i];
+                end
             end
         hit_active_reg <= hit_active;
         hit_other_reg  <= hit_other;
@@ -77,8 +87,8 @@ module engine_match #(
 
     // ---- E: loops run downwards so that the lowest slot wins ---------------------------------------------------------
 
-    reg              any_free_reg, refresh_reg;
-    reg [SLOT_W-1:0] free_slot_reg, active_slot, free_slot;
+    reg              any_free_reg;
+    reg [SLOT_W-1:0] else_slot, active_slot, free_slot;
 
     assign e_free = any_free_reg;
 
@@ -91,14 +101,14 @@ module engine_match #(
         e_lowest    = {SLOT_W{1'b0}};
         if (e_active) for (i = 0; i < N; i = i + 1) active_slot = active_slot | ({SLOT_W{hit_active_reg[i]}} & i[SLOT_W-1:0]);
         if (e_other) for (i = N - 1; i >= 0; i = i - 1) if (hit_other_reg[i]) e_lowest = i[SLOT_W-1:0];
-        e_slot = e_active ? active_slot : e_other ? e_lowest : free_slot_reg;
+        e_slot = e_active ? active_slot : e_other ? e_lowest : else_slot;
     end
 
     always @* begin : find_free
         integer i;
         i         = 0;
         free_slot = {SLOT_W{1'b0}};
-        if (refresh_reg) for (i = N - 1; i >= 0; i = i - 1) if (free[i]) free_slot = i[SLOT_W-1:0];
+        for (i = N - 1; i >= 0; i = i - 1) if (free[i]) free_slot = i[SLOT_W-1:0];
     end
 
     // ---- W ---------------------------------------------------------------------------------------------------------
@@ -111,21 +121,17 @@ module engine_match #(
             hi_y[w_slot] <= w_hi_y;
         end
         if (w_changes) begin
-            free[w_slot]   <= w_free;
-            window[w_slot] <= w_window;
-            active[w_slot] <= w_active;
+            free[w_slot]      <= w_free;
+            candidate[w_slot] <= w_window && !w_active;
+            active[w_slot]    <= w_active;
         end
-        refresh_reg <= w_changes;
-        if (refresh_reg) begin
-            free_slot_reg <= free_slot;
-            any_free_reg  <= |free;
-        end
+        else_slot    <= names ? slot : free_slot;
+        any_free_reg <= |free;
         if (rst) begin
             free         <= {N{1'b0}};
-            window       <= {N{1'b0}};
+            candidate    <= {N{1'b0}};
             active       <= {N{1'b0}};
             any_free_reg <= 1'b0;
-            refresh_reg  <= 1'b0;
         end
     end
 

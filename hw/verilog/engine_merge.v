@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two tracks that merge: which one stays, and where both are then. The first born stays, at the mean of both centres weighted by
-// support, with the larger g and both supports.
+// Two tracks that merge: which one stays, and where both are then. The first born stays, at the mean of both centres weighted
+// by support, with the larger g and both supports.
 //
-// Latency: 3 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
+// Latency: 4 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
 `default_nettype none
 
 module engine_merge #(
@@ -44,7 +44,7 @@ module engine_merge #(
     reg [SUP_W-1:0]   a_support, b_support;
     reg               start, take_a_reg, take_b_reg;
 
-    wire b_older = b_id < a_id;
+    reg  b_older;
     wire [SUP_W:0] both = {1'b0, a_support} + {1'b0, b_support};
 
     // One axis after the other.
@@ -104,6 +104,7 @@ module engine_merge #(
             on_y       <= 1'b1;
             join_x_reg <= mean;
         end
+        b_older      <= b_id < a_id;
         stays        <= b_older ? b_slot : a_slot;
         goes         <= b_older ? a_slot : b_slot;
         stays_id     <= b_older ? b_id : a_id;

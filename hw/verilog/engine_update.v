@@ -26,7 +26,9 @@ module engine_update #(
     parameter TIME_W  = 48,  // bits of the tick count
     parameter LIFE_W  = 26,  // bits of a deadline, at least TC_W + 2
     parameter CLOCK_W = 48,  // bits of the time, at least TIME_W and LIFE_W
-    parameter SLOT_W  = 3    // bits of a slot number
+    parameter SLOT_W  = 3,   // bits of a slot number
+    parameter AT_X    = 11,  // bits of a bound of a window: see engine_window.v
+    parameter AT_Y    = 11
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -38,7 +40,8 @@ module engine_update #(
 
     // C
     input  wire [SLOT_W-1:0]   c_slot,
-    input  wire [SLOT_W-1:0]   c_slot_too, // the same, for what is less urgent
+    input  wire [SLOT_W-1:0]   c_slot_too, c_slot_regs,  // the same, for fewer readers each
+    input  wire                c_commits,  // unless something happens to it, the event is committed in U
     input  wire                c_takes,
     input  wire                c_active,   // the event's slot is active
     input  wire                c_seeds,    // the event starts a life
@@ -53,10 +56,8 @@ module engine_update #(
     input  wire [RADIX_W-1:0]  join_g,
     input  wire [SUP_W-1:0]    join_support,
 
-    // U: what C took is committed, or not; the context of its slot
-    input  wire                u_commits,
-    output reg                 u_last,
-    output reg                 u_special,
+    // U: what C took is committed; the context of its slot
+    output reg                 u_special,  // an event that changes a window
     output reg  [SLOT_W-1:0]   u_slot,
     output reg                 u_busy,     // an operation
     output reg  [ID_W-1:0]     u_id,
@@ -76,13 +77,12 @@ module engine_update #(
     output reg  [RADIX_W+1:0]  v_rel_y,
 
     // W: what becomes of the slot's window
-    output reg                 w_busy,
     output reg                 w_checks,   // it might overlap now
     output reg                 w_places,
     output wire                w_changes,
     output reg  [SLOT_W-1:0]   w_slot,
-    output wire [X_W-1:0]      w_lo_x, w_hi_x,
-    output wire [Y_W-1:0]      w_lo_y, w_hi_y,
+    output wire [AT_X-1:0]     w_lo_x, w_hi_x,
+    output wire [AT_Y-1:0]     w_lo_y, w_hi_y,
     output wire                w_free,
     output wire                w_window,
     output wire                w_active,
@@ -91,7 +91,7 @@ module engine_update #(
     input  wire                lost,
     input  wire [ID_W-1:0]     other,
     input  wire [SEQ_W-1:0]    seq,
-    input  wire [TIME_W-1:0]   now,        // time of the last committed token
+    input  wire [CLOCK_W-1:0]  now,        // time of the last committed token
     input  wire [TIME_W-1:0]   ended,      // when the life ended
     output reg                 m_cm_valid,
     input  wire                m_cm_ready,
@@ -113,22 +113,20 @@ module engine_update #(
     localparam XY_W  = X_W > Y_W ? X_W : Y_W;
     localparam OFF_W = (XY_W > RADIX_W ? XY_W : RADIX_W) + 3;  // an offset from the centre, with a radius added
 
-    // Written from U, V and W.
-    reg [POS_X-1:0]   av_x     [0:N-1];
-    reg [POS_Y-1:0]   av_y     [0:N-1];
-    reg               timed    [0:N-1];  // has a deadline: active, or a candidate that has begun to collect
-    reg [LIFE_W-1:0]  deadline [0:N-1];  // low bits of the tick at which the life ends
+    // One memory for all that is written together.
+    localparam AV_W   = POS_X + POS_Y;
+    localparam CM_W   = POS_X + POS_Y + RADIX_W;
+
+    reg [AV_W-1:0]    av       [0:N-1];  // averages: x, y
+    reg [LIFE_W:0]    life     [0:N-1];  // has a deadline (active, or a candidate that has begun to collect); its low bits
     reg               ring     [0:N-1];  // was occupied in this window
-    reg [SUP_W-1:0]   support  [0:N-1];
-    reg [POS_X-1:0]   cm_x     [0:N-1];
-    reg [POS_Y-1:0]   cm_y     [0:N-1];
-    reg [RADIX_W-1:0] g        [0:N-1];
+    reg [SUP_W:0]     support  [0:N-1];  // with a bit above that says that it is saturated
+    reg [CM_W-1:0]    cm       [0:N-1];  // centre: x, y; g
     reg [NEV_W-1:0]   n_ev     [0:N-1];
+    reg [NEV_W+1:0]   rest     [0:N-1];  // is the next 0, is it 1: events until the last one of this window
     reg [ID_W-1:0]    id       [0:N-1];
     reg [TIME_W-1:0]  start    [0:N-1];  // tick at which the window of N_ev events began
     reg [TC_W-1:0]    last_tc2 [0:N-1];
-    reg [NEV_W-1:0]   rest     [0:N-1];  // events until the last one of this window
-    reg               none     [0:N-1];  // rest is 0
 
     reg [ID_W-1:0] births;  // id of the next track
 
@@ -157,7 +155,7 @@ module engine_update #(
         .cfg_slot    (cfg_slot),
         .cfg_addr    (cfg_addr),
         .cfg_data    (cfg_data),
-        .slot        (c_slot_too),
+        .slot        (c_slot_regs),
         .mode        (mode),
         .init_cm_x   (init_cm_x),
         .init_cm_y   (init_cm_y),
@@ -175,46 +173,67 @@ module engine_update #(
         .detect_ticks(detect_ticks)
     );
 
-    reg               u_takes, u_active, u_clear, u_join, u_report, u_first, u_places;
+    localparam [NEV_W-1:0] ONE = 1;
+    localparam [NEV_W:0]   TWICE = 2;
+    localparam [NEV_W-1:0] TWO = TWICE[NEV_W-1:0];  // 0 where it does not fit: then nothing is
+
+    reg               u_takes, u_last, u_again, u_follows, u_active, u_clear, u_join, u_report, u_first, u_places;
     reg [1:0]         u_mode;
     reg [NEV_W-1:0]   u_rest;
+    reg               u_one;  // u_rest is 1
     reg [TIME_W-1:0]  u_span;
     reg [TC_W:0]      u_slow_over, u_fast_under;
     reg [RADIX_W:0]   u_radius, u_lowest, u_highest;
     reg [RADIX_W-1:0] u_init, u_th, u_step, u_min, u_max;
     reg [NEV_W-1:0]   u_n_ev, u_nev_min, u_nev_max, u_clust_nev;
-    reg [LIFE_W-1:0]  u_time;
+
+    reg                v_took, v_moves;  // the average changes
+    reg [SLOT_W-1:0]   v_slot;
+    wire [POS_X-1:0]   w_cm_x, c_av_x, c_cm_x;  // w_cm in V: the new average
+    wire [POS_Y-1:0]   w_cm_y, c_av_y, c_cm_y;
+    wire [RADIX_W-1:0] c_g;
+    wire               c_timed, c_none, c_one;
+    wire [LIFE_W-1:0]  c_deadline;
+    wire [NEV_W-1:0]   c_rest;
+
+    // An average that is just being written is taken on its way.
+    wire passes = v_moves && v_slot == c_slot;
+    assign {c_av_x, c_av_y}      = av[c_slot];
+    assign {c_cm_x, c_cm_y, c_g} = cm[c_slot_too];
+    assign {c_timed, c_deadline} = life[c_slot_too];
+    assign {c_none, c_one, c_rest} = rest[c_slot];
 
     // The event in U is of the same slot.
     wire forward = c_takes && u_takes && !u_special && u_slot == c_slot;
-    wire again   = u_special || u_busy;
     wire place   = c_seeds || c_clear || c_join;
-    wire last    = forward ? u_rest == {{(NEV_W - 1) {1'b0}}, 1'b1} : none[c_slot];
-    wire first   = !c_active && !timed[c_slot];
+    wire last    = forward ? u_one : c_none;
+    wire first   = !c_active && !c_timed;
 
     always @(posedge clk) begin
         u_slot         <= c_slot;
-        u_takes        <= c_takes;
+        u_takes        <= c_takes && c_commits;
+        u_follows      <= forward;
+        u_again        <= (c_takes && c_commits && (last || first)) || c_report || c_clear || c_join;
         u_active       <= c_active;
         u_report       <= c_report;
         u_clear        <= c_clear;
         u_join         <= c_join;
         u_busy         <= c_report || c_clear || c_join;
-        u_last         <= c_takes && last;
-        u_first        <= c_takes && first;
-        u_special      <= c_takes && (last || first);
-        u_places       <= place || last;
+        u_last         <= c_takes && c_commits && last;
+        u_first        <= first;
+        u_special      <= c_takes && c_commits && (last || first);
+        u_places       <= (c_takes && c_commits && (c_seeds || last)) || c_clear || c_join;
         u_id           <= id[c_slot_too];
-        u_g            <= g[c_slot_too];
-        u_radius       <= {1'b0, g[c_slot_too]} + {1'b0, radix_th};
+        u_g            <= c_g;
+        u_radius       <= {1'b0, c_g} + {1'b0, radix_th};
         u_n_ev         <= n_ev[c_slot_too];
-        u_rest         <= forward ? u_rest - 1'b1 : rest[c_slot];
-        u_timed        <= timed[c_slot];
-        u_deadline     <= deadline[c_slot_too];
+        u_rest         <= forward ? u_rest - 1'b1 : c_rest;
+        u_one          <= forward ? u_two : c_one;
+        u_timed        <= c_timed;
+        u_deadline     <= c_deadline;
         u_span         <= c_time[TIME_W-1:0] - start[c_slot_too];
         u_slow_over    <= {1'b0, last_tc2[c_slot_too]} + {1'b0, nev_th};
         u_fast_under   <= {1'b0, last_tc2[c_slot_too]} - {1'b0, nev_th};
-        u_time         <= c_time[LIFE_W-1:0];
         u_mode         <= mode;
         u_on           <= mode != `EVCOT_MODE_OFF;
         u_init         <= init_radix;
@@ -229,13 +248,11 @@ module engine_update #(
         u_clust_nev    <= clust_nev;
         u_nev_min      <= nev_min;
         u_nev_max      <= nev_max;
-        if (rst) {u_takes, u_report, u_clear, u_join, u_busy} <= 5'd0;
+        if (rst) {u_takes, u_special, u_report, u_clear, u_join, u_busy} <= 6'd0;
     end
 
     // ---- average and centre, from C to W ----------------------------------------------------------------------------
 
-    wire [POS_X-1:0] new_av_x, w_cm_x;
-    wire [POS_Y-1:0] new_av_y, w_cm_y;
     wire [X_W:0]     u_offset_x;
     wire [Y_W:0]     u_offset_y;
 
@@ -247,16 +264,16 @@ module engine_update #(
         .event_at(c_x),
         .k       (hist_avg),
         .forward (forward),
-        .av      (av_x[c_slot]),
-        .cm      (cm_x[c_slot_too]),
+        .av      (c_av_x),
+        .passes  (passes),
+        .cm      (c_cm_x),
         .place   (place),
         .position(c_join ? join_x : {c_clear ? init_cm_x : c_x, {FRAC{1'b0}}}),
-        .again   (again),
+        .again   (u_again),
         .moves   (u_last),
         .u_cm    (u_cm_x),
         .u_offset(u_offset_x),
-        .new_av  (new_av_x),
-        .w_cm    (w_cm_x)
+        .v_av    (w_cm_x)
     );
     engine_average #(
         .A_W (Y_W),
@@ -266,16 +283,16 @@ module engine_update #(
         .event_at(c_y),
         .k       (hist_avg),
         .forward (forward),
-        .av      (av_y[c_slot]),
-        .cm      (cm_y[c_slot_too]),
+        .av      (c_av_y),
+        .passes  (passes),
+        .cm      (c_cm_y),
         .place   (place),
         .position(c_join ? join_y : {c_clear ? init_cm_y : c_y, {FRAC{1'b0}}}),
-        .again   (again),
+        .again   (u_again),
         .moves   (u_last),
         .u_cm    (u_cm_y),
         .u_offset(u_offset_y),
-        .new_av  (new_av_y),
-        .w_cm    (w_cm_y)
+        .v_av    (w_cm_y)
     );
 
     // ---- U ---------------------------------------------------------------------------------------------------------
@@ -292,80 +309,92 @@ module engine_update #(
     wire [OFF_W-1:0] rel_x = offset_x + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
     wire [OFF_W-1:0] rel_y = offset_y + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
 
-    wire [TC_W-1:0] tc2 = u_first                 ? {TC_W{1'b0}}
-                        : |u_span[TIME_W-1:TC_W]  ? {TC_W{1'b1}} : u_span[TC_W-1:0];
-
     wire [NEV_W:0]   doubled = {u_n_ev, 1'b0};
     wire [NEV_W-1:0] halved  = u_n_ev >> 1;
 
-    wire lives = u_active || u_last || u_join;
-    wire [LIFE_W-1:0] new_deadline = u_time + {{(LIFE_W - TC_W) {1'b0}}, lives ? u_max_ticks : u_detect_ticks}
-                                   + {{(LIFE_W - 1) {1'b0}}, !lives};
+    // Signs of differences tell which is larger.
+    wire [NEV_W+1:0]   over_max  = {2'b00, u_nev_max} - {1'b0, doubled};
+    wire [NEV_W:0]     under_min = {1'b0, halved} - {1'b0, u_nev_min};
+    wire [RADIX_W:0]   grows_by  = {1'b0, u_highest[RADIX_W-1:0]} - {1'b0, u_g};
+    wire [RADIX_W+1:0] shrinks_by = {2'b00, u_g} - {1'b0, u_lowest};
 
-    wire u_acts = u_commits || u_clear || u_join;
+    wire u_two = u_rest == TWO;
 
-    reg               v_took, v_special, v_active, v_last, v_report, v_clear, v_join, v_places, v_outside;
-    reg [SLOT_W-1:0]  v_slot;
+    wire u_outside = over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];
+    wire lives     = u_active || u_last || u_join;
+
+    reg               v_special, v_active, v_last, v_report, v_clear, v_join, v_places, v_outside, v_rung, v_times, v_lives;
     reg [1:0]         v_mode;
     reg [RADIX_W-1:0] v_g, v_grown, v_shrunk, v_th;
     reg [RADIX_W:0]   v_less_th;
     reg [NEV_W-1:0]   v_n_ev, v_doubled, v_halved, v_clust_nev;
     reg [ID_W-1:0]    v_id;
-    reg [TC_W-1:0]    v_tc2;
+    reg [TC_W-1:0]    v_span, v_grant;
+    reg               v_far;  // the span does not fit
+    reg               v_full;
+    reg [SUP_W-1:0]   v_count;
     reg [TC_W:0]      v_slow_over, v_fast_under;
 
-    always @(posedge clk) begin
-        if (u_acts) begin
-            av_x[u_slot] <= new_av_x;
-            av_y[u_slot] <= new_av_y;
-        end
-        if (u_clear || u_join || (u_commits && (u_active || u_special))) begin
-            timed[u_slot]    <= !u_clear;
-            deadline[u_slot] <= new_deadline;
-        end
+    wire v_ring = v_rung || v_outside;
 
-        v_busy       <= (u_commits && u_special) || u_busy;
-        v_took       <= u_commits;
-        v_special    <= u_commits && u_special;
-        v_last       <= u_commits && u_last;
+    // Both are read a clock before they are written: an event that follows one of its own slot takes what that one makes of it.
+    wire [SUP_W:0] counted     = {v_full, v_count} + {{SUP_W{1'b0}}, !v_full};
+    wire [SUP_W:0] new_support = v_clear ? {(SUP_W + 1) {1'b0}} : v_join ? {1'b0, join_support} : counted;
+
+    always @(posedge clk) begin
+
+        v_busy       <= u_special || u_busy;
+        v_took       <= u_takes;
+        v_moves      <= u_takes || u_clear || u_join;
+        v_special    <= u_special;
+        v_last       <= u_last;
         v_report     <= u_report;
         v_clear      <= u_clear;
         v_join       <= u_join;
-        v_places     <= u_places && (u_commits || u_busy);
+        v_places     <= u_places;
         v_slot       <= u_slot;
         v_rel_x      <= rel_x[RADIX_W+1:0];
         v_rel_y      <= rel_y[RADIX_W+1:0];
-        v_outside    <= over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];
-        if (again) begin
+        v_outside    <= u_outside;
+        v_rung       <= u_follows ? v_ring : ring[u_slot];
+        {v_full, v_count} <= u_follows ? new_support : support[u_slot];
+        v_times      <= u_clear || u_join || (u_takes && (u_active || u_special));
+        v_lives      <= lives;
+        v_grant      <= lives ? u_max_ticks : u_detect_ticks;
+        if (u_again) begin
             v_active     <= u_active;
             v_mode       <= u_mode;
             v_g          <= u_clear ? u_init : !u_join ? u_g : (join_g > u_max) ? u_max : join_g;
-            v_grown      <= (u_highest[RADIX_W] || u_g > u_highest[RADIX_W-1:0]) ? u_max : u_g + u_step;
-            v_shrunk     <= ({1'b0, u_g} < u_lowest) ? u_min : u_g - u_step;
+            v_grown      <= (u_highest[RADIX_W] || grows_by[RADIX_W]) ? u_max : u_g + u_step;
+            v_shrunk     <= shrinks_by[RADIX_W+1] ? u_min : u_g - u_step;
             v_th         <= u_th;
             v_less_th    <= {(RADIX_W + 1) {1'b0}} - {1'b0, u_th};
             v_n_ev       <= u_n_ev;
-            v_doubled    <= (doubled > {1'b0, u_nev_max}) ? u_nev_max : doubled[NEV_W-1:0];
-            v_halved     <= (halved < u_nev_min) ? u_nev_min : halved;
+            v_doubled    <= over_max[NEV_W+1] ? u_nev_max : doubled[NEV_W-1:0];
+            v_halved     <= under_min[NEV_W] ? u_nev_min : halved;
             v_clust_nev  <= u_clust_nev;
             v_id         <= u_id;
-            v_tc2        <= tc2;
+            v_span       <= u_first ? {TC_W{1'b0}} : u_span[TC_W-1:0];
+            v_far        <= !u_first && |u_span[TIME_W-1:TC_W];
             v_slow_over  <= u_slow_over;
             v_fast_under <= u_fast_under;
         end
+        if (rst) v_moves <= 1'b0;
         if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places} <= 8'd0;
     end
 
     // ---- V ---------------------------------------------------------------------------------------------------------
 
-    wire v_ring = ring[v_slot] || v_outside;
-    assign v_support = support[v_slot];
-    wire [SUP_W-1:0] new_support = v_took  ? ((v_support == {SUP_W{1'b1}}) ? v_support : v_support + 1'b1)
-                                 : v_clear ? {SUP_W{1'b0}}
-                                 : v_join  ? join_support : v_support;
+    // A window that starts a timer or moves it is read again after W, the timer itself only in walks.
+    wire [LIFE_W-1:0] new_deadline = now[LIFE_W-1:0] + {{(LIFE_W - TC_W) {1'b0}}, v_grant} + {{(LIFE_W - 1) {1'b0}}, !v_lives};
 
-    wire slower = {1'b0, v_tc2} > v_slow_over;
-    wire faster = {1'b0, v_tc2} < v_fast_under && !v_fast_under[TC_W];
+    assign v_support = v_count | {SUP_W{v_full}};
+
+    wire [TC_W-1:0] v_tc2 = v_span | {TC_W{v_far}};
+    wire [TC_W+1:0] over_slow = {1'b0, v_slow_over} - {2'b00, v_tc2};
+    wire [TC_W:0]   over_fast = {1'b0, v_tc2} - {1'b0, v_fast_under[TC_W-1:0]};
+    wire slower = over_slow[TC_W+1];
+    wire faster = over_fast[TC_W] && !v_fast_under[TC_W];
     wire [RADIX_W-1:0] new_g = !v_last ? v_g : v_ring ? v_grown : v_shrunk;
 
     reg               w_last, w_special, w_report, w_clear, w_old;
@@ -375,16 +404,17 @@ module engine_update #(
     reg [RADIX_W:0]   w_radius;
     reg [RADIX_W+1:0] w_less;
     reg [NEV_W-1:0]   w_same, w_doubled, w_halved;
-    reg [SUP_W-1:0]   w_support;
+    reg [SUP_W:0]     w_support;
     reg [ID_W-1:0]    w_id;
     reg [TC_W-1:0]    w_tc2;
     reg               w_reports;
 
     always @(posedge clk) begin
         if (v_took || v_clear || v_join) support[v_slot] <= new_support;
+        if (v_moves) av[v_slot] <= {w_cm_x, w_cm_y};
         if (v_took || v_clear) ring[v_slot] <= v_ring && !v_last && !v_clear;
+        if (v_times) life[v_slot] <= {!v_clear, new_deadline};
 
-        w_busy    <= v_busy;
         w_checks  <= v_last || v_join;
         w_reports <= v_last || v_join || v_report;
         w_places  <= v_places;
@@ -404,11 +434,11 @@ module engine_update #(
             w_same    <= v_clear ? v_clust_nev : v_n_ev;
             w_doubled <= v_doubled;
             w_halved  <= v_halved;
-            w_support <= new_support;
+            w_support <= v_report ? {v_full, v_count} : new_support;
             w_id      <= v_id;
             w_tc2     <= v_tc2;
         end
-        if (rst) {w_busy, w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear} <= 8'd0;
+        if (rst) {w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear} <= 7'd0;
     end
 
     // ---- W ---------------------------------------------------------------------------------------------------------
@@ -444,25 +474,26 @@ module engine_update #(
     assign w_active  = !w_clear && (w_old || w_last);
 
     wire w_born = w_last && !w_old;
-    wire w_rest = w_last || w_clear;  // the number of events left is written from here
+    wire w_rest = w_last || w_clear;  // the number of events left starts over, a clock later
+
+    reg              x_rest;
+    reg [SLOT_W-1:0] x_slot;
+    reg [NEV_W-1:0]  x_n_ev;
 
     always @(posedge clk) begin
-        if (w_places) begin
-            cm_x[w_slot] <= w_cm_x;
-            cm_y[w_slot] <= w_cm_y;
-            g[w_slot]    <= w_g;
-        end
+        if (w_places) cm[w_slot] <= {w_cm_x, w_cm_y, w_g};
         if (w_rest) n_ev[w_slot] <= w_n_ev;
         if (w_last) last_tc2[w_slot] <= w_tc2;
-        if (w_special) start[w_slot] <= now;
+        if (w_special) start[w_slot] <= now[TIME_W-1:0];
         if (w_born) begin
             id[w_slot] <= births;
             births     <= births + 1'b1;
         end
-        if (w_rest || u_commits) begin
-            rest[w_rest ? w_slot : u_slot] <= (w_rest ? w_n_ev : u_rest) - 1'b1;
-            none[w_rest ? w_slot : u_slot] <= (w_rest ? w_n_ev : u_rest) <= {{(NEV_W - 1) {1'b0}}, 1'b1};
-        end
+        x_rest <= w_rest;
+        x_slot <= w_slot;
+        x_n_ev <= w_n_ev;
+        if (x_rest) rest[x_slot] <= {x_n_ev == ONE, x_n_ev == TWO, x_n_ev - 1'b1};
+        else if (u_takes) rest[u_slot] <= {u_one, u_two, u_rest - 1'b1};
 
         if (m_cm_ready) m_cm_valid <= 1'b0;
         if (w_reports) begin
@@ -476,9 +507,9 @@ module engine_update #(
             m_cm_y       <= w_cm_y;
             m_cm_radius  <= w_radius;
             m_cm_n_ev    <= w_n_ev;
-            m_cm_support <= w_support;
+            m_cm_support <= w_support[SUP_W-1:0] | {SUP_W{w_support[SUP_W]}};
             m_cm_seq     <= seq;
-            m_cm_time    <= (w_report && lost) ? ended : now;
+            m_cm_time    <= (w_report && lost) ? ended : now[TIME_W-1:0];
         end
         if (rst) begin
             births     <= {ID_W{1'b0}};
@@ -486,7 +517,8 @@ module engine_update #(
         end
     end
 
-    wire unused = &{1'b0, rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
+    wire unused = &{1'b0, over_max, under_min, grows_by, shrinks_by, over_slow, over_fast,
+                    rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
 
 endmodule
 
