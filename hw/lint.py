@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Check every RTL module, each as a top of its own, with Verilator and with Icarus and Yosys where they are installed."""
+"""Check every RTL module, each as a top of its own, with Verilator and with Icarus and Yosys where they are installed.
+
+What is for boards is checked with the first two.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from evcot.errors import ToolchainError
 from evcot_cosim.toolchain import find_toolchain
 
 VERILOG = Path(__file__).parent / "verilog"
+BOARDS = ("../fpga", "../fpga/boards")  # folders of what is for boards, from there
 
 
 def manifest() -> list[str]:
@@ -42,6 +46,11 @@ def main() -> int:
     if icarus:
         command = [icarus, "-g2005", "-Wall", "-I.", "-y.", "-o", os.devnull]
         checks |= {f"iverilog {top}": [*command, "-s", top, f"{top}.v"] for top in modules}
+    folders = [option for folder in BOARDS for option in ("-y", folder, f"-I{folder}")]
+    for path in (path for folder in BOARDS for path in sorted((VERILOG / folder).glob("*.v")) if not path.stem.endswith("_tb")):
+        checks[f"verilator {path.stem}"] = [*verilator, *folders, "--top-module", path.stem, str(path)]
+        if icarus:
+            checks[f"iverilog {path.stem}"] = [*command, *folders, "-s", path.stem, str(path)]
     if yosys:
         # One call for all: yosys from PyPI takes seconds to start.
         script = [f"read_verilog -defer -I. {' '.join(f'{top}.v' for top in modules)}", "design -save all"]
@@ -57,7 +66,8 @@ def main() -> int:
             print(f"{name}:\n{text}")
     skipped = [name for name, path in (("iverilog", icarus), ("yosys", yosys)) if not path]
     note = f"; skipped, not installed: {', '.join(skipped)}" if skipped else ""
-    print(f"{len(modules)} modules, {sum(map(bool, found.values()))} of {len(found)} checks with complaints{note}")
+    complaining = sum(map(bool, found.values()))
+    print(f"{len(modules)} modules and what is for boards, {complaining} of {len(found)} checks with complaints{note}")
     return int(any(found.values()))
 
 
