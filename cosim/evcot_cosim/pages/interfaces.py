@@ -55,7 +55,7 @@ def _tokens() -> Diagram:
     )
     records = _bundle(
         "m_cm_",
-        Lane("m_cm_kind", ("m_cm_kind",), lambda kind: Kind(kind).name, "m_cm_valid"),
+        Lane("m_cm_kind", ("m_cm_kind",), lambda kind: Kind(kind).name.lower(), "m_cm_valid"),
         Lane("m_cm_x, _y / 16", ("m_cm_x", "m_cm_y"), lambda x, y: f"{x / 16:g},{y / 16:g}", "m_cm_valid"),
         Lane("m_cm_seq", ("m_cm_seq",), str, "m_cm_valid"),
     )

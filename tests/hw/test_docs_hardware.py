@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""docs/hardware.md and docs/modules.md: made from the RTL as it is now, and examples that the tools take."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from evcot.contract import Mode
+from evcot.registers import register_map
+from evcot_cosim.build import verilog_dir
+from evcot_cosim.pages.__main__ import source_text, title
+from evcot_cosim.pages.interfaces import DIAGRAMS
+from evcot_cosim.pages.modules import page
+from evcot_cosim.pages.trace import wave
+from evcot_cosim.toolchain import find_toolchain
+
+ROOT = Path(__file__).parents[2]
+DOCS, EXAMPLES = ROOT / "docs", ROOT / "hw" / "fpga" / "examples"
+AGAIN = "python -m evcot_cosim.pages makes it again"
+COST = re.compile(r"^\| (?:on \||(?:N = 8, |\w+, )?(?:ECP5|iCE40|Xilinx|Gowin)).*\n", re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", DIAGRAMS)
+def test_a_timing_diagram_shows_what_the_rtl_does(name: str) -> None:
+    assert (DOCS / "timing" / f"{name}.json").read_text() == source_text(DIAGRAMS[name]()), AGAIN
+
+
+@pytest.mark.parametrize("name", DIAGRAMS)
+def test_a_picture_is_that_of_its_diagram(name: str) -> None:
+    pytest.importorskip("wavedrom")
+    from evcot_cosim.pages.drawing import svg
+
+    diagram = json.loads((DOCS / "timing" / f"{name}.json").read_text())
+    assert (DOCS / "images" / f"timing_{name}.svg").read_text() == svg(diagram, title(name)), AGAIN
+
+
+def test_every_module_has_its_section_as_its_source_says() -> None:
+    assert COST.sub("", (DOCS / "modules.md").read_text()) == COST.sub("", page()), AGAIN
+
+
+def test_the_costs_are_the_recorded_ones() -> None:
+    recorded = COST.findall(page())
+    assert len(recorded) > 20
+    assert COST.findall((DOCS / "modules.md").read_text()) == recorded, AGAIN
+
+
+def test_wave_says_a_value_once_and_repeats_it_with_dots() -> None:
+    assert wave(["0", "1", "1", "=a", "=a", "=b", "x"]) == {"wave": "01.=.=x", "data": ["a", "b"]}
+
+
+def test_the_page_shows_every_picture_and_its_links_lead_somewhere() -> None:
+    text = (DOCS / "hardware.md").read_text()
+    for name in DIAGRAMS:
+        assert f"images/timing_{name}.svg" in text
+    links = re.findall(r"\]\(([^)#]+)", text)
+    assert len(links) > len(DIAGRAMS)
+    for link in links:
+        assert link.startswith("https://") or (DOCS / link).exists(), link
+
+
+def test_the_block_diagram_names_modules_that_are_there() -> None:
+    drawing = ElementTree.parse(DOCS / "images" / "evcot_top.svg")
+    boxes = [node.text or "" for node in drawing.iter("{http://www.w3.org/2000/svg}text")]
+    modules = [text for text in boxes if (verilog_dir() / f"{text}.v").exists()]
+    assert len(modules) == len(set(modules)) == 14
+    both = "".join((verilog_dir() / f"{top}.v").read_text() for top in ("evcot_top", "event_sources"))
+    for module in modules:
+        assert re.search(rf"^\s*(?:module )?{module} #\(", both, re.MULTILINE), module
+
+
+@pytest.mark.parametrize("top", ["kv260_evcot", "davis_evcot"])
+def test_the_examples_are_clean(top: str) -> None:
+    source = EXAMPLES / f"{top}.v"
+    tools = find_toolchain()
+    command = [str(tools.executable), "--lint-only", "-Wall", "--quiet", "--default-language", "1364-2005", "-y", "."]
+    done = subprocess.run(
+        [*command, "--top-module", top, str(source)], cwd=verilog_dir(), env=tools.environment, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    if icarus := shutil.which("iverilog"):
+        command = [icarus, "-g2005", "-Wall", "-I.", "-y.", "-o", "/dev/null", "-s", top, str(source)]
+        assert subprocess.run(command, cwd=verilog_dir(), capture_output=True, text=True).stderr == ""
+
+
+class Memory:
+    """8 KiB that answer as an evcot_top of two slots which is never busy."""
+
+    def __init__(self) -> None:
+        self.words = np.zeros(0x800, np.uint32)
+        words = {word.name: word for word in register_map().words}
+        self.words[words["id"].address // 4] = int.from_bytes(b"EVCT", "big")
+        self.words[words["version"].address // 4] = register_map().version[0] << 16
+        shape = {"n_slots": 2, "frac": 4, "x_w": 11, "y_w": 10, "tick_w": 20, "radix_w": 8, "nev_w": 10, "tc_w": 24,
+                 "sup_w": 16, "id_w": 32, "seq_w": 48, "time_w": 48, "last_x": 1279, "last_y": 719, "stamp_w": 20}  # fmt: skip
+        for word in words.values():
+            for field in word.fields:
+                if field.name in shape and word.address < 0x20:
+                    self.words[word.address // 4] |= shape[field.name] << field.lsb
+
+    def read(self, address: int) -> int:
+        return int(self.words[address // 4])
+
+    def write(self, address: int, value: int) -> None:
+        self.words[address // 4] = value
+
+
+def test_c_and_python_write_the_same_registers(tmp_path: Path) -> None:
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    library = tmp_path / "configure.so"
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-shared", "-fPIC", f"-I{ROOT / 'hw' / 'include'}"]
+    subprocess.run([compiler, *flags, "-o", library, EXAMPLES / "configure.c"], check=True)
+    function = ctypes.CDLL(str(library)).evcot_configure
+    function.restype = ctypes.c_uint32
+    c, python = Memory(), Memory()
+    assert function(ctypes.c_void_p(c.words.ctypes.data), 2) == 0
+    assert function(ctypes.c_void_p(np.zeros(0x800, np.uint32).ctypes.data), 2) == 0xFFFFFFFF  # nobody there
+
+    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
+    assert spec is not None
+    assert spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    example.configure(python)
+
+    bank = register_map().banks["slot"]
+    commit = bank.base // 4 + bank.commit
+    assert c.words[bank.base // 4] == Mode.SEEDED
+    assert c.words[commit] == 1
+    assert np.array_equal(c.words, python.words), np.flatnonzero(c.words != python.words) * 4
+
+
+def test_python_reaches_mapped_memory(tmp_path: Path) -> None:
+    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
+    assert spec is not None
+    assert spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    device = tmp_path / "uio0"
+    device.write_bytes(bytes(0x2000))
+    registers = example.Uio(device)
+    registers.write(0x1040, 0x01020304)
+    assert registers.read(0x1040) == 0x01020304
+    assert device.read_bytes()[0x1040:0x1044] == bytes([4, 3, 2, 1])
