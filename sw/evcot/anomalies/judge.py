@@ -107,6 +107,12 @@ def _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed):  
 
 
 @njit(cache=True, nogil=True)
+def _is_near(rules, normal):  # type: ignore[no-untyped-def]
+    """Whether motion of a normal speed stands out from a tracker's jitter there."""
+    return 1e-6 * rules.hold_us * normal >= rules.travel_px
+
+
+@njit(cache=True, nogil=True)
 def _speed(rules, field, row, column, cut, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
     normal = math.exp(field.log_speed[row, column])
     sure = rules.significance * trace.error
@@ -115,7 +121,7 @@ def _speed(rules, field, row, column, cut, cur, trace, out, elapsed_us, speed): 
     way_px = speed * 1e-6 * elapsed_us
     if speed - sure > _AMONG * normal:
         trace.moved_us += elapsed_us
-    fast = speed - sure > rules.fast_ratio * normal and apart > far_off
+    fast = speed - sure > rules.fast_ratio * normal and apart > far_off and _is_near(rules, normal)
     if _gather(trace, FAST, fast, elapsed_us, way_px, rules.hold_us, rules.evidence_px):
         _raise(cur, out, trace, FAST, -1, speed / (rules.fast_ratio * normal), normal, speed, trace.since_t[FAST])
     slow = speed + sure < rules.slow_ratio * normal and apart < -far_off
@@ -140,19 +146,18 @@ def _stopping(rules, field, cur, trace, out, elapsed_us, speed):  # type: ignore
         trace.slow_radius = trace.radius
     trace.slow_us = trace.slow_us + elapsed_us if slows else 0.0
     whole = _WHOLE * trace.slow_radius <= trace.radius <= trace.slow_radius / _WHOLE
-    far = 1e-6 * rules.hold_us * trace.normal >= rules.travel_px
-    if trace.slow_us >= rules.hold_us / 2 and speed < _BRAKED * trace.normal and whole and far:
+    if trace.slow_us >= rules.hold_us / 2 and speed < _BRAKED * trace.normal and whole and _is_near(rules, trace.normal):
         trace.braked_t = trace.t
         trace.braked_x = trace.x
         trace.braked_y = trace.y
-    if _starts(rules, field, trace) and not trace.raised[STOPPING]:
+    if _starts(rules, field, trace, speed) and not trace.raised[STOPPING]:
         trace.raised[STOPPING] = 1
         _stopped(rules, cur, trace, out, trace.x, trace.y, trace.first_t)
 
 
 @njit(cache=True, nogil=True)
-def _starts(rules, field, trace):  # type: ignore[no-untyped-def]
-    """Whether a track that begins away from the edge stays there at first, and then drives off."""
+def _starts(rules, field, trace, speed):  # type: ignore[no-untyped-def]
+    """Whether a track that begins away from the edge stays there at first, and then drives off, slower than others yet."""
     if trace.stood == 0:
         return False
     away_px = math.hypot(trace.x - trace.first_x, trace.y - trace.first_y)
@@ -161,9 +166,12 @@ def _starts(rules, field, trace):  # type: ignore[no-untyped-def]
         return False
     if trace.stood == 2:
         stood = away_px < _BRAKED * trace.normal * 1e-6 * age_us
-        trace.stood = 1 if stood and 1e-6 * rules.hold_us * trace.normal >= rules.travel_px else 0
+        trace.stood = 1 if stood and _is_near(rules, trace.normal) else 0
     row, column = _cell(field, trace.x, trace.y)
     if trace.stood == 0 or away_px < rules.evidence_px or row < 0:
+        return False
+    if speed > trace.normal:  # something that came by has taken it along
+        trace.stood = 0
         return False
     along = (trace.x - trace.first_x) * field.x[row, column] + (trace.y - trace.first_y) * field.y[row, column]
     return along > rules.crossing_cos * away_px

@@ -120,6 +120,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.track_id = -1
     o.supported_us = o.born_us = t_us
     o.enters = o.edge = _edge(rules, box)
+    o.alone_us = 0
     o.support = pixels
     o.packet_events = pixels
     o.rate = pixels * rules.packet_us / rules.birth_us

@@ -26,6 +26,7 @@ OBJECT = np.dtype(
         ("born_us", "<i8"),
         ("enters", "<i8"),  # over which edge of the sensor: 0 left, 1 right, 2 top, 3 bottom; -1 when it is in
         ("edge", "<i8"),  # the edge at which it was born, or -1
+        ("alone_us", "<i8"),  # for how long it has touched no other, in all
         ("meets", "?"),  # whether its box touches another object's
         ("supported_us", "<i8"),  # end of the last packet in which it had the events that it should have
         ("support", "<i8"),  # events so far

@@ -194,6 +194,7 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
     for i in range(n):
         if world.objects[i].alive:
             world.objects[i].meets = _meets(world, i)
+            world.objects[i].alone_us += 0 if world.objects[i].meets else rules.packet_us
             _predict(rules, world, i)
             _correct(rules, world, i)
             if world.objects[i].enters >= 0:

@@ -26,5 +26,5 @@ PRESETS: dict[str, KalmanConfig] = {
         walls=True,
     ),
     # Cars and people on one road: people are slow and make few events, so births may take longer, and silences too.
-    "road": KalmanConfig(packet_us=4_000, birth_us=30_000, birth_pixels=16, coast_us=250_000, speed=12.0),
+    "road": KalmanConfig(packet_us=4_000, birth_us=30_000, birth_pixels=10, coast_us=250_000, speed=12.0),
 }

@@ -16,6 +16,8 @@ __all__ = ["are_one", "are_parts"]
 Table = NDArray[Any]
 
 _NEW_US = 200_000
+_ALONE_US = 500_000  # who has been alone for so long, and is as slow as people are, is no part of another that has
+_SLOW = 7.0  # half sides per second
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
 _WITHIN = 0.7  # of the smaller box, in the greater
 _ABREAST = 0.6  # of the wider, covered by the other
@@ -68,10 +70,11 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
             most = max(most, a[axis, 2], b[axis, 2])
         if gap <= _ENTERING_GAP * most:
             return True
-    unsure = 0.0
-    for axis in range(2):
-        unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
     fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
+    unsure = 0.0
+    if min(one.alone_us, other.alone_us) < _ALONE_US or fast > _SLOW * 0.5 * (a[0, 2] + a[1, 2]):
+        for axis in range(2):
+            unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
     if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
         return False
     if max(one.born_us, other.born_us) <= new_us:
