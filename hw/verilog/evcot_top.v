@@ -9,7 +9,7 @@
 // the gate is closed: write a slot, commit it, set control.enable.
 //
 // Latency, unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 12 clocks,
-// those of the filters that are built, and those of the tracker (2 in cot_array, 5 in the first of cot_chain, cot_engine's own).
+// those of the filters that are built, and those of the tracker: 2 in cot_array, 5 in the first of cot_chain, cot_engine's.
 // Throughput: an event per clock, where source, filters and trackers keep up.
 // Stall:   an output that is not taken stops the trackers, then the gate, then the source; with control.drop events are
 //          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 where
