@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import re
 from xml.etree import ElementTree
@@ -43,7 +44,7 @@ def svg(diagram: Diagram, title: str) -> str:
         ToolchainError: the package wavedrom is not installed.
     """
     try:
-        import wavedrom  # type: ignore[import-untyped]
+        wavedrom = importlib.import_module("wavedrom")
     except ImportError as error:
         raise ToolchainError("wavedrom: not installed: pip install evcot[docs]") from error
     ElementTree.register_namespace("", _SVG)

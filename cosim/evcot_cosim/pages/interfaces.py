@@ -171,16 +171,26 @@ def _commit() -> Diagram:
         *_bundle("s_axil_aw", Lane("s_axil_awaddr", ("s_axil_awaddr",), "{:04x}".format, "s_axil_awvalid")),
         wire("s_axil_bvalid"),
     ]
+    gate = load("token_gate")
+    reset(gate)
+    gate.io.enable = gate.io.m_ready = 1
+    gate.clock.tick()
+    closing = [wire("busy"), *(wire(port, of=gate) for port in ("open", "idle", "apply"))]
     copied = [wire("cfg_valid"), Lane("cfg_addr", ("cfg_addr",), str, "cfg_valid")]
-    told = Trace(sim, [("bus", lanes), ("gate", [wire("busy"), wire("apply")]), ("slot", copied), ("", [wire("irq")])])
+    told = Trace(sim, [("bus", lanes), ("gate", closing), ("slot", copied), ("", [wire("irq")])])
+    closed = 0
 
-    def gate(_clock: int) -> None:
-        """Two clocks until nothing is under way, and no longer than the commit lasts."""
-        waited.append(int(sim.io.busy))
-        sim.io.apply = int(all(waited[-4:-1]) and len(waited) > 4)
+    def join(clock: int) -> None:
+        """Wire the two; what is under way in the trackers is out three clocks after the gate has closed."""
+        nonlocal closed
+        if clock:
+            gate.clock.tick()
+        closed = 0 if int(gate.io.open) else closed + 1
+        gate.io.idle = int(closed > 2)
+        gate.io.busy = int(sim.io.busy)
+        sim.io.apply = int(gate.io.apply)
 
-    waited: list[int] = []
-    play(told, 34, write([(bank.base + 4 * bank.commit, 1)], 1), {"s_axil_bready": ()}, gate)
+    play(told, 36, write([(bank.base + 4 * bank.commit, 1)], 1), {"s_axil_bready": ()}, join)
     return told.diagram()
 
 
@@ -223,7 +233,9 @@ def _aer(word_serial: int, words: list[tuple[int, int]], clocks: int) -> Diagram
     reset(sim)
     waiting = list(words)
 
-    def label(row: int, data: int) -> str:
+    def label(released: int, row: int, data: int) -> str:
+        if released:
+            return ""
         if word_serial:
             return f"row {data}" if row else f"col {data >> 1}"
         return _pair(data >> 1 & (1 << x_w) - 1, data >> x_w + 1)
@@ -241,7 +253,7 @@ def _aer(word_serial: int, words: list[tuple[int, int]], clocks: int) -> Diagram
     sent = [
         Lane("aer_req", ("aer_req",), outside=True),
         *rows,
-        Lane("aer_data", ("aer_row", "aer_data"), label, outside=True),
+        Lane("aer_data", ("aer_req", "aer_row", "aer_data"), label, outside=True),
         wire("aer_ack"),
     ]
     given = _bundle("m_", Lane("m_t", ("m_t",), str, "m_valid"), Lane("m_x, m_y", ("m_x", "m_y"), _pair, "m_valid"))
@@ -273,7 +285,7 @@ def _aer_out() -> Diagram:
     )
 
     def word(data: int) -> str:
-        return f"{kinds[data >> 18]} {_pair(data >> 1 & 255, data >> 9 & 127)}" if data else "0"
+        return f"{kinds[data >> 18]} {_pair(data >> 1 & 255, data >> 9 & 127)}" if data else ""
 
     def chip(_clock: int) -> None:
         sim.io.aer_ack = int(sim.io.aer_req)

@@ -22,9 +22,10 @@ class Lane:
     Attributes:
         name: what is written beside it.
         ports: one port; or several, which `label` puts into words.
-        label: their values in words; None: a wire that is 0 or 1.
+        label: their values in words, empty where they mean nothing; None: a wire that is 0 or 1.
         when: a port that says when they mean anything; empty: always.
         outside: changes between two edges, with a clock of its own.
+        of: the simulation that it belongs to, if not the trace's.
     """
 
     name: str
@@ -32,18 +33,23 @@ class Lane:
     label: Callable[..., str] | None = None
     when: str = ""
     outside: bool = False
+    of: PyVerilator | None = None
 
     def state(self, sim: PyVerilator) -> str:
-        """What stands on the line: 0, 1, a label, or x."""
-        if self.when and not int(sim.io[self.when]):
+        """What stands on the line: 0, 1, = and a label, or x."""
+        io = (self.of or sim).io
+        if self.when and not int(io[self.when]):
             return "x"
-        values = [int(sim.io[port]) for port in self.ports]
-        return str(values[0]) if self.label is None else f"={self.label(*values)}"
+        values = [int(io[port]) for port in self.ports]
+        if self.label is None:
+            return str(values[0])
+        label = self.label(*values)
+        return f"={label}" if label else "x"
 
 
-def wire(port: str, outside: bool = False) -> Lane:
+def wire(port: str, *, outside: bool = False, of: PyVerilator | None = None) -> Lane:
     """A wire that carries the name of its port."""
-    return Lane(port, (port,), outside=outside)
+    return Lane(port, (port,), outside=outside, of=of)
 
 
 def wave(states: Sequence[str]) -> dict[str, Any]:
