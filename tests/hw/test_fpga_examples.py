@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The examples of hw/fpga/examples, whole: set up by configure.py over AXI4-Lite, fed as by their cameras; records come out."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from pyverilator import PyVerilator
+
+from evcot.contract import RECORD, Kind
+from evcot.register_access import Registers
+from evcot_cosim.build import load, verilog_dir
+
+EXAMPLES = Path(__file__).parents[2] / "hw" / "fpga" / "examples"
+PIXELS = [(100 + int(dx), 60 + int(dy)) for dx, dy in np.random.default_rng(1).integers(-5, 6, (400, 2))]
+
+
+@pytest.fixture(scope="module")
+def example() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("configure_example", EXAMPLES / "configure.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class Board:
+    """An example under a host: a transport for `Registers`; each clock a step of its camera, and what records come."""
+
+    def __init__(self, top: str, folder: Path) -> None:
+        for path in (*verilog_dir().glob("*.v*"), EXAMPLES / f"{top}.v"):
+            shutil.copy(path, folder)
+        self.sim: PyVerilator = load(top, verilog=folder)
+        self.camera: Iterator[None] = iter(())
+        self.received = bytearray()
+        self.width = self.sim.io.m_axis_tdata.signal.width // 8
+
+    def clock(self, count: int = 1) -> None:
+        io = self.sim.io
+        for _ in range(count):
+            next(self.camera, None)
+            if int(io.m_axis_tvalid) and int(io.m_axis_tready):
+                self.received += int(io.m_axis_tdata).to_bytes(self.width, "little")
+            self.sim.clock.tick()
+
+    def write(self, address: int, value: int) -> None:
+        io = self.sim.io
+        io.s_axi_awaddr, io.s_axi_wdata, io.s_axi_wstrb, io.s_axi_bready = address, value, 15, 1
+        self._shake("aw", "w")
+        while not int(io.s_axi_bvalid):
+            self.clock()
+        assert int(io.s_axi_bresp) == 0, hex(address)
+        self.clock()
+
+    def read(self, address: int) -> int:
+        io = self.sim.io
+        io.s_axi_araddr, io.s_axi_rready = address, 1
+        self._shake("ar")
+        while not int(io.s_axi_rvalid):
+            self.clock()
+        value = int(io.s_axi_rdata)
+        self.clock()
+        return value
+
+    def _shake(self, *channels: str) -> None:
+        for channel in channels:
+            self.sim.io[f"s_axi_{channel}valid"] = 1
+            while not int(self.sim.io[f"s_axi_{channel}ready"]):
+                self.clock()
+            self.clock()
+            self.sim.io[f"s_axi_{channel}valid"] = 0
+
+    def check(self, registers: Registers) -> None:
+        """One track at the middle of the pixels, and nothing lost."""
+        assert len(self.received) % RECORD.itemsize == 0
+        records = np.frombuffer(bytes(self.received), RECORD)
+        assert records["kind"].tolist() == [Kind.BORN] + [Kind.MOVED] * (len(records) - 1)
+        assert len(records) == len(PIXELS) // 32
+        assert np.abs(records["cm_x"] / 16 - 100).max() < 1
+        assert np.abs(records["cm_y"] / 16 - 60).max() < 1
+        registers.control.latch = 1
+        assert (registers.events_in, registers.owned, registers.malformed) == (len(PIXELS), len(PIXELS), 0)
+
+
+def davis(sim: PyVerilator) -> Iterator[None]:
+    """A row and a column for each pixel, 4-phase, active low."""
+    for word in (word for x, y in PIXELS for word in (y, 1 << 9 | x << 1 | 1)):
+        sim.io.davis_data, sim.io.davis_req_n = word, 0
+        while int(sim.io.davis_ack_n):
+            yield
+        sim.io.davis_req_n = 1
+        while not int(sim.io.davis_ack_n):
+            yield
+
+
+def prophesee(sim: PyVerilator) -> Iterator[None]:
+    """EVT 2.1: a vector of one pixel every 7 us, and the time marks between them."""
+    words, mark = [], -1
+    for t, (x, y) in enumerate(PIXELS):
+        t = 1000 + 7 * t
+        if t >> 6 != mark:
+            mark = t >> 6
+            words.append(8 << 60 | mark << 32)
+        words.append(1 << 60 | (t & 63) << 54 | x << 43 | y << 32 | 1)
+    sim.io.s_axis_tkeep = 255
+    for word in words:
+        sim.io.s_axis_tdata, sim.io.s_axis_tvalid = word, 1
+        while not int(sim.io.s_axis_tready):
+            yield
+        yield
+    sim.io.s_axis_tvalid = 0
+
+
+def test_a_davis_is_tracked(example: ModuleType, tmp_path: Path) -> None:
+    board = Board("davis_evcot", tmp_path)
+    io = board.sim.io
+    io.davis_req_n = io.m_axis_tready = io.rst = 1
+    board.clock(4)
+    io.rst = 0
+    registers = Registers(board)
+    registers.source.word_serial = 1
+    registers.control.soft_reset = 1
+    registers = example.configure(board)
+    board.camera = davis(board.sim)
+    board.clock(len(PIXELS) * 2 * 9)
+    board.check(registers)
+
+
+def test_prophesees_pipeline_is_tracked(example: ModuleType, tmp_path: Path) -> None:
+    board = Board("kv260_evcot", tmp_path)
+    board.sim.io.m_axis_tready = 1
+    board.clock(4)
+    board.sim.io.aresetn = 1
+    registers = example.configure(board)
+    board.camera = prophesee(board.sim)
+    board.clock(len(PIXELS) * 8)
+    board.check(registers)
