@@ -465,7 +465,7 @@ module cot_engine #(
 
     always @(posedge clk) begin : find_restart
         integer i;
-        for (i = N - 1; i >= 0; i = i - 1) if (restart[i]) restart_slot <= i[SLOT_W-1:0];
+        if (|restart) for (i = N - 1; i >= 0; i = i - 1) if (restart[i]) restart_slot <= i[SLOT_W-1:0];
     end
 
     // ---- tokens ----------------------------------------------------------------------------------------------------
@@ -477,10 +477,10 @@ module cot_engine #(
         m_valid  <= issue;
         m_check  <= w_checks;
         m_self   <= w_slot;
-        m_lo_x   <= w_checks ? w_lo_x : {{(AT_X - X_W) {1'b0}}, token_x};
-        m_hi_x   <= w_checks ? w_hi_x : {{(AT_X - X_W) {1'b0}}, token_x};
-        m_lo_y   <= w_checks ? w_lo_y : {{(AT_Y - Y_W) {1'b0}}, token_y};
-        m_hi_y   <= w_checks ? w_hi_y : {{(AT_Y - Y_W) {1'b0}}, token_y};
+        m_lo_x   <= w_checks ? w_lo_x : {1'b1, {(AT_X - X_W - 1) {1'b0}}, token_x};
+        m_hi_x   <= w_checks ? w_hi_x : {1'b1, {(AT_X - X_W - 1) {1'b0}}, token_x};
+        m_lo_y   <= w_checks ? w_lo_y : {1'b1, {(AT_Y - Y_W - 1) {1'b0}}, token_y};
+        m_hi_y   <= w_checks ? w_hi_y : {1'b1, {(AT_Y - Y_W - 1) {1'b0}}, token_y};
         m_time   <= token_time;
         m_counts <= token_counts;
         m_event  <= token_event;

@@ -18,9 +18,11 @@
 
 module engine_average #(
     parameter A_W  = 9,  // bits of an address
-    parameter FRAC = 4   // fractional bits of a centre and of an average
+    parameter FRAC = 4,  // fractional bits of a centre and of an average
+    parameter COPY = 0   // see engine_shift.v
 ) (
     input  wire                clk,
+    input  wire                rst,
 
     // C
     input  wire [A_W-1:0]      event_at,  // address of the event
@@ -69,9 +71,11 @@ module engine_average #(
     wire       u_round;
 
     engine_shift #(
-        .W(W + 1)
+        .W   (W + 1),
+        .COPY(COPY)
     ) u_shift (
         .clk    (clk),
+        .rst    (rst),
         .load   (!again),
         .k      (k),
         .a      (u_d_read),
@@ -99,6 +103,7 @@ module engine_average #(
         u_d_again <= moves ? to_av[W+1:1] : {(W + 1) {1'b0}};
         u_offset  <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];
         v_av      <= av_sum[W:1];
+        if (rst) v_av <= {W{1'b0}};
     end
 
     wire unused = &{1'b0, from_centre, av_sum[0], back[0], to_av[0]};

@@ -43,9 +43,11 @@ module engine_input #(
     output wire               empty      // all are committed
 );
 
-    localparam TOKEN_W = CLOCK_W + X_W + Y_W + 3;
+    localparam TOKEN_W = X_W + Y_W + 3;
 
+    reg [CLOCK_W-1:0] time_mem  [0:15];
     reg [TOKEN_W-1:0] token_mem [0:15];
+    reg [CLOCK_W-1:0] head_time;
     reg [TOKEN_W-1:0] head;
 
     reg [4:0] written, issued, after_issued, committed;  // tokens, modulo twice the depth
@@ -63,12 +65,14 @@ module engine_input #(
     wire waits_still = issued != written;
     wire waits_after = after_issued != written;
 
-    assign {m_time, m_counts, m_event, m_x, m_y, m_p} = head;
+    assign m_time = head_time;
+    assign {m_counts, m_event, m_x, m_y, m_p} = head;
     assign empty = written == committed;
 
     always @(posedge clk) begin
         if (accept) begin
-            token_mem[written[3:0]] <= {then, s_event || s_skip, s_event, s_x, s_y, s_p};
+            time_mem[written[3:0]]  <= then;
+            token_mem[written[3:0]] <= {s_event || s_skip, s_event, s_x, s_y, s_p};
             now                     <= then;
             written                 <= written + 5'd1;
         end
@@ -76,8 +80,9 @@ module engine_input #(
         s_ready   <= !level[4] && level[3:0] != 4'd15;  // one more may come before this is seen
 
         if (fetch) begin
-            head    <= token_mem[issued[3:0]];
-            m_valid <= waits;
+            head_time <= time_mem[issued[3:0]];
+            head      <= token_mem[issued[3:0]];
+            m_valid   <= waits;
         end
         if (rewound) begin
             issued       <= committed;

@@ -13,7 +13,7 @@
 
 module engine_match #(
     parameter N      = 8,  // slots
-    parameter X_W    = 11, // bits of a bound, signed
+    parameter X_W    = 11, // bits of a bound, see engine_window.v
     parameter Y_W    = 11,
     parameter SLOT_W = 3   // bits of a slot number
 ) (
@@ -72,10 +72,10 @@ module engine_match #(
         if (m_valid)
             for (i = 0; i < N; i = i + 1) begin
                 is_self   = i[SLOT_W-1:0] == m_self;
-                from_lo_x = {m_hi_x[X_W-1], m_hi_x} - {lo_x[i][X_W-1], lo_x[i]};
-                to_hi_x   = {hi_x[i][X_W-1], hi_x[i]} - {m_lo_x[X_W-1], m_lo_x};
-                from_lo_y = {m_hi_y[Y_W-1], m_hi_y} - {lo_y[i][Y_W-1], lo_y[i]};
-                to_hi_y   = {hi_y[i][Y_W-1], hi_y[i]} - {m_lo_y[Y_W-1], m_lo_y};
+                from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[i]};
+                to_hi_x   = {1'b0, hi_x[i]} - {1'b0, m_lo_x};
+                from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[i]};
+                to_hi_y   = {1'b0, hi_y[i]} - {1'b0, m_lo_y};
                 if (!from_lo_x[X_W] && !to_hi_x[X_W] && !from_lo_y[Y_W] && !to_hi_y[Y_W]) begin
                     hit_active[i] = active[i] && !m_check;
                     hit_other[i]  = m_check ? active[i] && !is_self : candidate[i];

@@ -52,10 +52,12 @@ module engine_output #(
     // An owned event goes with its recentred address, a passed one with its own.
     localparam AT_X_W  = (X_W > REL_W) ? X_W : REL_W;
     localparam AT_Y_W  = (Y_W > REL_W) ? Y_W : REL_W;
-    localparam EVENT_W = SLOT_W + AT_X_W + AT_Y_W + 1 + SEQ_W;
+    localparam EVENT_W = SLOT_W + AT_X_W + AT_Y_W + 1;
 
     reg [EVENT_W+1:0] event_mem [0:15];
+    reg [SEQ_W-1:0]   seq_mem   [0:15];
     reg [EVENT_W-1:0] head;
+    reg [SEQ_W-1:0]   head_seq;
     reg               own, pass;  // head is valid, and whose
 
     reg [4:0] written, read, after_read;  // events, modulo twice the depth
@@ -70,7 +72,8 @@ module engine_output #(
     wire       gives      = waiting && !held;
     wire [4:0] level      = written - read;
 
-    assign {m_own_slot, x, y, m_own_p, m_own_seq} = head;
+    assign {m_own_slot, x, y, m_own_p} = head;
+    assign m_own_seq    = head_seq;
     assign m_own_valid  = own;
     assign m_own_x      = x[REL_W-1:0];
     assign m_own_y      = y[REL_W-1:0];
@@ -85,11 +88,13 @@ module engine_output #(
 
     always @(posedge clk) begin
         if (s_valid) begin
-            event_mem[written[3:0]] <= {s_owned, !s_owned, s_slot, in_x, in_y, s_p, s_seq};
+            event_mem[written[3:0]] <= {s_owned, !s_owned, s_slot, in_x, in_y, s_p};
+            seq_mem[written[3:0]]   <= s_seq;
             written                 <= written + 5'd1;
         end
         if (!held) begin
             {own, pass, head} <= event_mem[read[3:0]];
+            head_seq          <= seq_mem[read[3:0]];
             if (!waiting) {own, pass} <= 2'b00;
         end
         if (gives) begin

@@ -8,9 +8,11 @@
 `default_nettype none
 
 module engine_shift #(
-    parameter W = 14  // bits of the shifted value
+    parameter W    = 14,  // bits of the shifted value
+    parameter COPY = 0    // 0 or 1: two that load the same k stay apart in synthesis, as their registers differ in reset
 ) (
     input  wire         clk,
+    input  wire         rst,
     input  wire         load,
     input  wire [3:0]   k,
     input  wire [W-1:0] a,
@@ -20,8 +22,8 @@ module engine_shift #(
     output wire         below     // the bit below the lowest one; 0 for k = 0
 );
 
-    (* keep *) reg [15:0] is;       // k is i
-    (* keep *) reg [15:0] reaches;  // k is i or more
+    reg [15:0] is;       // k is i
+    reg [15:0] reaches;  // k is i or more
 
     always @(posedge clk) begin : decode
         integer i;
@@ -30,6 +32,10 @@ module engine_shift #(
                 is[i]      <= k == i[3:0];
                 reaches[i] <= k >= i[3:0];
             end
+        if (rst) begin
+            is      <= {16{COPY != 0}};
+            reaches <= {16{COPY != 0}};
+        end
     end
 
     // From bit 0 on: the bit below, then the result. Sums of four, for the depth of the tree.

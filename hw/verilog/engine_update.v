@@ -258,9 +258,11 @@ module engine_update #(
 
     engine_average #(
         .A_W (X_W),
-        .FRAC(FRAC)
+        .FRAC(FRAC),
+        .COPY(0)
     ) u_average_x (
         .clk     (clk),
+        .rst     (rst),
         .event_at(c_x),
         .k       (hist_avg),
         .forward (forward),
@@ -277,9 +279,11 @@ module engine_update #(
     );
     engine_average #(
         .A_W (Y_W),
-        .FRAC(FRAC)
+        .FRAC(FRAC),
+        .COPY(1)
     ) u_average_y (
         .clk     (clk),
+        .rst     (rst),
         .event_at(c_y),
         .k       (hist_avg),
         .forward (forward),

@@ -17,7 +17,7 @@ module engine_window #(
     input  wire [W+FRAC-1:0] centre,
     input  wire [R_W-1:0]    radius,
     input  wire [R_W:0]      less,    // minus radius
-    output wire [AT_W-1:0]   lo,      // signed
+    output wire [AT_W-1:0]   lo,      // both with 2^(AT_W-1) added, so that they are not negative
     output wire [AT_W-1:0]   hi
 );
 
@@ -27,8 +27,8 @@ module engine_window #(
     wire [AT_W:0]   low   = {whole, 1'b1} + {{(AT_W - R_W - 1) {less[R_W]}}, less, half};
     wire [AT_W:0]   high  = {whole, 1'b1} + {{(AT_W - R_W) {1'b0}}, radius, half};
 
-    assign lo = low[AT_W:1];
-    assign hi = high[AT_W:1];
+    assign lo = {!low[AT_W], low[AT_W-1:1]};
+    assign hi = {!high[AT_W], high[AT_W-1:1]};
 
     wire unused = &{1'b0, centre, low[0], high[0]};
 
