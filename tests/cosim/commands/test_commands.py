@@ -29,7 +29,7 @@ def options(command: str) -> set[str]:
     return {option for action in COMMANDS[command]._actions for option in action.option_strings}
 
 
-@pytest.mark.parametrize("command", COMMANDS.keys() - {"completion"})
+@pytest.mark.parametrize("command", sorted(COMMANDS.keys() - {"completion"}))
 def test_every_command_speaks_json(command: str) -> None:
     assert "--json" in options(command)
 
