@@ -61,6 +61,14 @@ def test_speeds_are_those_of_the_place(normal: NormalMotion) -> None:
     assert slow["seen"][0] / slow["expected"][0] == pytest.approx(0.4, abs=0.08)
 
 
+@pytest.mark.parametrize(("usual", "told"), [(40, ["fast"]), (20, [])])
+def test_where_all_are_slow_a_jitter_would_be_fast(usual: int, told: list[str]) -> None:
+    """They must be so fast that they come 16 px along in half a second."""
+    cars = [track(i, i * 2_000_000, 5_000_000, straight(MIDDLE, 230, 0, -usual), 0.5) for i in range(10)]
+    normal = learn([log(*cars)], SENSOR)
+    assert kinds(alarms_of(track(77, 0, 2_000_000, straight(MIDDLE, 230, 0, -2 * usual), 0.5), normal=normal)) == told
+
+
 def test_who_walks_across_the_lanes(normal: NormalMotion) -> None:
     alarms = alarms_of(track(77, 0, 4_000_000, straight(80, 120, 50, 0), 0.5), normal=normal)
     assert "crossing" in kinds(alarms)
@@ -117,6 +125,11 @@ def test_who_stays_where_first_seen_and_drives_off_has_stood(normal: NormalMotio
     assert kinds(alarms).count("stopping") == 1
     at_the_edge = alarms_of(track(77, 0, 2_500_000, lambda s: (starts(s)[0], starts(s)[1] + 100), 0.3), normal=normal)
     assert "stopping" not in kinds(at_the_edge)
+
+    def taken_along(s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return np.full(len(s), MIDDLE), 150 - 320 * np.maximum(s - 0.9, 0)
+
+    assert "stopping" not in kinds(alarms_of(track(77, 0, 1_250_000, taken_along, 0.3), normal=normal))
 
 
 def test_a_window_that_swells_has_no_velocity(normal: NormalMotion) -> None:
