@@ -20,6 +20,7 @@ from evcot.scenes.registry import adjusted
 from evcot.timeline import lifetimes
 from evcot.tracklog import TrackLog
 
+from .counting import Counting
 from .options import sensor_from
 from .parsing import add_command
 from .tables import counted, print_table
@@ -52,11 +53,18 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def _anomalies(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
+    with Counting("reading", enabled=not options.json):
+        sensor, logs = _logs(options)
+    return _learn(options, logs, sensor) if options.learn else _watch(options, logs, sensor)
+
+
+def _logs(options: argparse.Namespace) -> tuple[tuple[int, int] | None, list[TrackLog]]:
+    """The sensor, where somebody says it, and the logs."""
     sensor = sensor_from(options)
     logs = [TrackLog.load_npz(path) for path in options.logs]
     if options.recording is not None:
         sensor = _check_recording(options, logs, sensor)
-    return _learn(options, logs, sensor) if options.learn else _watch(options, logs, sensor)
+    return sensor, logs
 
 
 def _check_recording(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> tuple[int, int]:
@@ -109,7 +117,8 @@ def _watch(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
         told = ["x".join(map(str, size)) for size in (sensor, known)]
         raise ConfigError(f"sensor {told[0]}: must be that of the normal motion and the zones, {told[1]}")
     try:
-        verdict = anomalies(log, config, normal, zones)
+        with Counting("looking for anomalies", enabled=not options.json):
+            verdict = anomalies(log, config, normal, zones)
     except TrackLogError as error:
         raise TrackLogError(f"{options.logs[0]}: {error}") from error
     table = rows(verdict.alarms, [zone.name for zone in zones.zones], [line.name for line in zones.lines])

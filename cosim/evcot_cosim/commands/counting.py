@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees while a recording of unknown length is read: events so far, and the time they reach; silent in pipes."""
+"""What a person sees while something goes on whose length nobody knows: what, and how far it is; silent in pipes."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 from rich.console import Console
 from rich.status import Status
+
+from evcot.events import Events
 
 __all__ = ["Counting"]
 
@@ -30,6 +34,14 @@ class Counting:
     def __exit__(self, *_: object) -> None:
         if self._line is not None:
             self._line.stop()
+
+    def watched(self, blocks: Iterable[Events], t0_us: int) -> Iterator[Events]:
+        """The same blocks, counted; `t0_us` is the time of the recording's first event."""
+        events = 0
+        for block in blocks:
+            yield block
+            events += len(block)
+            self.update(events, int(block.t_us[-1]) - t0_us)
 
     def update(self, events: int, after_us: int) -> None:
         """So many events are done, up to this time after the recording's first."""

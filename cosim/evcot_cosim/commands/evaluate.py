@@ -12,6 +12,7 @@ from evcot.errors import TrackLogError
 from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth, rule_for
 from evcot.tracklog import TrackLog
 
+from .counting import Counting
 from .options import sensor_from
 from .parsing import add_command
 
@@ -36,13 +37,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def _evaluate(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    rule = (load_rule(options.rule) if options.rule else rule_for(options.truth)).on(sensor_from(options))
-    truth = read_truth(options.truth, rule)
-    log = TrackLog.load_npz(options.log)
-    try:
-        scores = evaluate(log, truth, rule)
-    except TrackLogError as error:
-        raise TrackLogError(f"{options.log}: {error}") from error
+    with Counting(f"scoring {options.log}", enabled=not options.json):
+        scores = _scores(options)
     if options.json:
         print(json.dumps(scores.to_dict(), indent=2, allow_nan=False))
         return 0
@@ -51,6 +47,16 @@ def _evaluate(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     for name, value in rows:
         print(f"{name:{width}}  {value}")
     return 0
+
+
+def _scores(options: argparse.Namespace) -> Scores:
+    rule = (load_rule(options.rule) if options.rule else rule_for(options.truth)).on(sensor_from(options))
+    truth = read_truth(options.truth, rule)
+    log = TrackLog.load_npz(options.log)
+    try:
+        return evaluate(log, truth, rule)
+    except TrackLogError as error:
+        raise TrackLogError(f"{options.log}: {error}") from error
 
 
 def _rows(s: Scores) -> list[tuple[str, str]]:

@@ -18,6 +18,7 @@ from evcot.filters.chain import Total
 from evcot.filters.run import filtered
 from evcot.presets import for_sensor
 
+from .counting import Counting
 from .filter_options import filter_options, filters_from
 from .options import check_other_file, open_from, recording_options, window_from
 from .parsing import add_command
@@ -47,16 +48,18 @@ def _filter(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     window = window_from(options)
     kind = format_for(options.target)  # refused before the recording is read
     check_other_file(options.source, options.target)
-    with open_from(options, options.source) as file:
+    shown = not (options.quiet or options.json)
+    with Counting(f"writing {options.target}", enabled=shown) as counting, open_from(options, options.source) as file:
         run = load_toml(options.config, for_sensor(file.sensor[0])) if options.config else RunConfig()
         config = filters_from(options, run.filters, file.blocks(*window), file.sensor)
         if not config.enabled and options.learn_hot_pixels is None:
             raise ConfigError("no filter is on: see `evcot filter --help`")
-        blocks = filtered(file.blocks(*window, required=True), config, file.sensor, run.cot.tick_us)
+        source = counting.watched(file.blocks(*window, required=True), file.t0_us)
+        blocks = filtered(source, config, file.sensor, run.cot.tick_us)
         kept = write_events(options.target, file.sensor, blocks, kind.name)
     if options.json:
         print(json.dumps(_summary(blocks.totals, kept) | {"config": asdict(config)}, indent=2))
-    elif not options.quiet:
+    elif shown:
         _print(blocks.totals, kept)
     return 0
 

@@ -10,8 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from evcot.describe import PEAK_WINDOW_US, Description, PixelFigures, describe
-from evcot.events import Events
-from evcot.files import RecordingFile, format_for, write_events
+from evcot.files import format_for, write_events
 from evcot.formats import WRITABLE
 
 from .counting import Counting
@@ -130,18 +129,11 @@ def _convert(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     shown = not (options.quiet or options.json)
     with Counting(f"writing {target}", enabled=shown) as counting, open_from(options, source) as file:
         sensor = file.sensor
-        count = write_events(target, sensor, _watched(file, from_us, to_us, counting), kind.name)
+        blocks = counting.watched(file.blocks(from_us, to_us, required=True), file.t0_us)
+        count = write_events(target, sensor, blocks, kind.name)
     if options.json:
         written = {"recording": str(target), "format": kind.name, "events": count, "width": sensor[0], "height": sensor[1]}
         print(json.dumps(written, indent=2))
     elif shown:
         print(f"{count:,} events in {target}, {kind.title}")
     return 0
-
-
-def _watched(file: RecordingFile, from_us: int, to_us: int | None, counting: Counting) -> Iterator[Events]:
-    events = 0
-    for block in file.blocks(from_us, to_us, required=True):
-        yield block
-        events += len(block)
-        counting.update(events, int(block.t_us[-1]) - file.t0_us)

@@ -16,6 +16,7 @@ from evcot.files import write_events
 from evcot.outputs import written_aside
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
 
+from .counting import Counting
 from .options import sensor_from
 from .parsing import add_command
 
@@ -53,7 +54,8 @@ def _simulate(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         raise ConfigError(f"SCENE: must be one of {', '.join(SCENES)}, a video file or a folder of images")
     if options.output is None:
         raise ConfigError("-o FILE: must say where the recording goes")
-    report = _scene(options) if options.scene in SCENES else _footage(options)
+    with Counting(f"simulating {options.scene}", enabled=not (options.quiet or options.json)):
+        report = _scene(options) if options.scene in SCENES else _footage(options)
     if options.json:
         print(json.dumps(report, indent=2, allow_nan=False))
     elif not options.quiet:

@@ -15,6 +15,7 @@ from ..artifacts import folder_written_aside
 from ..moments import MOMENTS, Moment, find_moment
 from ..properties import Verdict, judge, load_properties
 from ..waves import Window, write_waves
+from .counting import Counting
 from .job import Job, input_options, job_from
 from .options import window_from
 from .parsing import add_command
@@ -75,10 +76,11 @@ def _window_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _waves(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    job, window, moment = _what(options)
+    with _counting(options):
+        job, window, moment = _what(options)
     name = f"{job.name}-{options.around.replace(':', '-')}" if moment else job.name
     folder = options.output or Path("build") / "waves" / name
-    with folder_written_aside(folder) as aside:
+    with _counting(options), folder_written_aside(folder) as aside:
         _write(job, window, moment, aside)
     files = sorted(path.name for path in folder.glob("waves.*"))
     if options.json:
@@ -92,10 +94,11 @@ def _assert(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     properties = load_properties(options.properties)
     given = _waveform(options)
     if given is not None:
-        verdicts = judge(properties, given, options.clock)
+        with _counting(options):
+            verdicts = judge(properties, given, options.clock)
     else:
-        job, window, moment = _what(options)
-        with tempfile.TemporaryDirectory() as folder:
+        with _counting(options), tempfile.TemporaryDirectory() as folder:
+            job, window, moment = _what(options)
             verdicts = judge(properties, _write(job, window, moment, Path(folder)), options.clock)
     broken = sum(not verdict.holds for verdict in verdicts)
     if options.json:
@@ -103,6 +106,10 @@ def _assert(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     elif not options.quiet:
         _report(verdicts)
     return BROKEN if broken else 0
+
+
+def _counting(options: argparse.Namespace) -> Counting:
+    return Counting("simulating (the hardware is compiled once)", enabled=not (options.quiet or options.json))
 
 
 def _what(options: argparse.Namespace) -> tuple[Job, Window, Moment | None]:
