@@ -141,11 +141,18 @@ class _Writer:
         entry = self._signals.get(f"{self._scope}.{name}")
         if entry is None:
             return
-        width = entry.width // self._slots if row.packed else entry.width
+        scope = f"{self._scope}.{name}".rpartition(".")[0]
+        width, low = entry.width, 0
+        if row.packed:
+            width = entry.width // self._slots
+            low = slot * width
+        elif row.field:
+            width, *below = (self._constants[f"{scope}.{constant}"] for constant in row.field)
+            low = sum(below)
         flags = _BIN if width == 1 else _FORMS[row.form]
         if row.codes is not None:
             flags |= _FTRANSLATED
-            self._name(row.codes, f"{self._scope}.{name}".rpartition(".")[0])
+            self._name(row.codes, scope)
         yield f"@{flags | _RJUSTIFY:x}"
         yield f"[color] {_COLOURS[row.colour]}"
         if flags & _FPDECSHIFT:
@@ -153,7 +160,8 @@ class _Writer:
         if row.codes is not None:
             yield f"^1 {_BESIDE}/{self.beside(row.codes).name}"
         label = row.label or name.rpartition(".")[2]
-        yield _part(label, entry, slot * width, width) if row.packed else f"+{{{label}}} {entry.reference}"
+        is_part = row.packed or row.field
+        yield _part(label, entry, low, width) if is_part else f"+{{{label}}} {entry.reference}"
         if flags & _ANALOG_STEP:
             yield f"@{_ANALOG_BLANK_STRETCH:x}"
             yield from ["-"] * _PLOT_ROWS

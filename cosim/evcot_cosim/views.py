@@ -58,6 +58,8 @@ class Row:
         form, colour: how it is shown.
         codes: names for its values.
         packed: a vector of which every slot has an equal part; this slot's is shown.
+        field: a part of a signal that holds several is shown: the constants of its module that are the part's width and the
+            widths of the parts below it.
     """
 
     signal: str
@@ -66,6 +68,7 @@ class Row:
     colour: Colour = Colour.PLAIN
     codes: Codes | None = None
     packed: bool = False
+    field: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -193,22 +196,27 @@ _ENGINE_CORE = Group(
         *_rows("issue m_valid m_check e_valid c_valid u_valid commit rewind found", Colour.CONTROL),
         *_rows("m_lo_x m_lo_y", Colour.EVENT),
         *_rows("e_slot c_slot u_slot w_slot"),
-        *_rows("u_last u_special u_refused w_busy restarts", Colour.CONTROL),
+        *_rows("u_update.u_last u_special u_ends w_checks restarts", Colour.CONTROL),
         *_rows("now seq", Colour.TIME),
         *_rows("moved found_slot stays goes"),
     ),
 )
+_CM = "POS_X", "POS_Y", "RADIX_W"  # what lies in u_update.cm, from the top
+_AV = "POS_X", "POS_Y"
 _ENGINE_SLOT = Group(
     "slot {slot}",
     (
         Row("active", packed=True, colour=Colour.CONTROL),
-        *(Row(f"u_match.{name}", packed=True, colour=Colour.CONTROL) for name in ("window", "free")),
-        *(Row(f"u_update.cm_{axis}[{{slot}}]", f"cm_{axis}", Form.PLOT_PIXELS, Colour.PLACE) for axis in "xy"),
-        Row("u_update.g[{slot}]", "g", Form.PLOT, Colour.PLACE),
+        *(Row(f"u_match.{name}", packed=True, colour=Colour.CONTROL) for name in ("candidate", "free")),
+        *(Row("u_update.cm[{slot}]", f"cm_{at}", Form.PLOT_PIXELS, Colour.PLACE, field=_CM[i:]) for i, at in enumerate("xy")),
+        Row("u_update.cm[{slot}]", "g", Form.PLOT, Colour.PLACE, field=_CM[2:]),
         *(Row(f"u_match.{name}[{{slot}}]", name, colour=Colour.PLACE) for name in ("lo_x", "hi_x", "lo_y", "hi_y")),
-        *(Row(f"u_update.av_{axis}[{{slot}}]", f"av_{axis}", Form.PIXELS, Colour.PLACE) for axis in "xy"),
-        *(Row(f"u_update.{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("deadline", "start", "last_tc2")),
-        *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("ring", "n_ev", "rest", "support", "id")),
+        *(Row("u_update.av[{slot}]", f"av_{at}", Form.PIXELS, Colour.PLACE, field=_AV[i:]) for i, at in enumerate("xy")),
+        Row("u_update.life[{slot}]", "deadline", colour=Colour.TIME, field=("LIFE_W",)),
+        *(Row(f"u_update.{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("start", "last_tc2")),
+        *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("ring", "n_ev")),
+        Row("u_update.rest[{slot}]", "rest", field=("NEV_W",)),
+        *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("support", "id")),
         Row("u_update.u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
     ),
 )

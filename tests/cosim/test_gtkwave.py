@@ -23,8 +23,10 @@ from evcot_cosim.views import VIEWS
 from evcot_cosim.waveform import VcdError, Wave
 
 PHASES = ["RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT"]
+ENGINE_PHASES = ["RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN"]
 CODES = {
     "phase.txt": dict(enumerate(PHASES)),
+    "engine_phase.txt": dict(enumerate(ENGINE_PHASES)),
     **{f"{enum.__name__.lower()}.txt": {int(member): member.name for member in enum} for enum in (Kind, Mode, State)},
 }
 
@@ -87,7 +89,7 @@ def folder(vcds: dict[Top, Path], tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
 def test_a_view_names_only_signals_that_the_waveform_has(folder: Path, top: str) -> None:
     references = {entry.reference for entry in Wave.open(folder / f"{top}.vcd", ["*clk"]).signals}
     traces = [bit for _, _, trace, _, _ in View(folder / f"{top}.gtkw").rows() for bit in trace.split()]
@@ -97,7 +99,7 @@ def test_a_view_names_only_signals_that_the_waveform_has(folder: Path, top: str)
 
 def test_everything_in_the_table_exists_in_the_hardware(folder: Path) -> None:
     """A signal that has been renamed in the RTL would silently leave the view; the tables are for whole modules."""
-    for top in ("cot_array", "cot_chain"):
+    for top in ("cot_array", "cot_chain", "cot_engine"):
         view = View(folder / f"{top}.gtkw")
         for group in VIEWS[top]:
             shown = {label for label, *_ in view.shown[group.title.replace("{slot}", "2")]}
@@ -122,6 +124,14 @@ def test_a_slot_of_a_packed_vector_is_its_own_bits(folder: Path) -> None:
     assert view.row("slot 1", "lo_x")[0] == slot_1
 
 
+def test_a_part_of_a_word_of_memory_is_its_own_bits(folder: Path) -> None:
+    """Eleven bits of x, eleven of y, five of g in one word."""
+    view = View(folder / "cot_engine.gtkw")
+    for label, bits in (("cm_x", range(11)), ("cm_y", range(11, 22)), ("g", range(22, 27))):
+        word = "TOP.cot_engine.u_update.cm[2][26:0]"
+        assert view.row("slot 2", label)[0].split() == [f"({i}){word}" for i in bits]
+
+
 def test_a_single_slot_is_shown_too(tmp_path: Path) -> None:
     vcd = tmp_path / "one.vcd"
     vcd.write_text(header("cot_array", "N [31:0]", "active", "cm_x[0] [6:0]", widths=(32, 1, 7)) + "#0\nb1 a\n0b\nb0 c\n#9\n")
@@ -136,6 +146,8 @@ def test_a_single_slot_is_shown_too(tmp_path: Path) -> None:
         ("cot_array", "records out", "m_cm_kind", "kind.txt"),
         ("cot_array", "slot 1", "mode", "mode.txt"),
         ("cot_chain", "tracker 1", "state", "state.txt"),
+        ("cot_engine", "pipeline", "phase", "engine_phase.txt"),
+        ("cot_engine", "slot 1", "mode", "mode.txt"),
     ],
 )
 def test_codes_are_shown_by_name(folder: Path, top: str, group: str, signal: str, file: str) -> None:
@@ -148,7 +160,11 @@ def test_codes_are_shown_by_name(folder: Path, top: str, group: str, signal: str
 
 
 def test_centres_and_radius_are_curves(folder: Path) -> None:
-    for top, group, radius in (("cot_array", "slot 0", "g"), ("cot_chain", "tracker 0", "radius")):
+    for top, group, radius in (
+        ("cot_array", "slot 0", "g"),
+        ("cot_chain", "tracker 0", "radius"),
+        ("cot_engine", "slot 0", "g"),
+    ):
         view = View(folder / f"{top}.gtkw")
         curves = [label for label, _, flags, _ in view.shown[group] if flags & CURVE]
         assert curves == ["cm_x", "cm_y", radius]
@@ -190,7 +206,7 @@ def header(module: str, *names: str, widths: tuple[int, ...], ports: int = 0) ->
 
 def test_what_a_view_needs_lies_beside_it_under_any_name(folder: Path) -> None:
     """All paths are in one made-up folder, the save file's own among them; GTKWave turns that into: beside the save file."""
-    for top in ("cot_array", "cot_chain"):
+    for top in ("cot_array", "cot_chain", "cot_engine"):
         view = View(folder / f"{top}.gtkw")
         needed = [view.settings["dumpfile"], view.settings["savefile"], *(names for *_, names in view.rows() if names)]
         assert {os.path.dirname(path) for path in needed} == {"/beside"}
@@ -202,6 +218,7 @@ def test_views_in_one_folder_do_not_share_files(folder: Path) -> None:
     assert {path.name for path in folder.glob("*.txt")} == {
         *(f"cot_array-{name}.txt" for name in ("kind", "mode", "phase")),
         *(f"cot_chain-{name}.txt" for name in ("kind", "mode", "state")),
+        *(f"cot_engine-{name}.txt" for name in ("kind", "mode", "engine_phase")),
     }  # fmt: skip
 
 
@@ -298,7 +315,10 @@ def meant(view: View, wave: Wave, frac: int, time: int) -> dict[tuple[str, str],
 
 @needs_gtkwave
 @pytest.mark.parametrize("both_named", [False, True], ids=["view", "vcd and view"])
-@pytest.mark.parametrize(("top", "moment"), [("cot_array", "cot_array.merges"), ("cot_chain", "tracker[1].u_cot.updated")])
+@pytest.mark.parametrize(
+    ("top", "moment"),
+    [("cot_array", "cot_array.merges"), ("cot_chain", "tracker[1].u_cot.updated"), ("cot_engine", "cot_engine.found")],
+)
 def test_gtkwave_shows_every_value_after_the_folder_has_been_renamed(
     folder: Path, config: CotConfig, top: str, moment: str, both_named: bool
 ) -> None:
