@@ -20,6 +20,7 @@ from evcot.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, RECORD, REGIST
 from evcot.cot import Arrangement, Decisions
 from evcot.errors import ConfigError, EvcotError, OutputError
 from evcot.filters.registers import FilterRegisters
+from evcot.registers import register_map
 
 from .build import BuiltModel, build
 from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
@@ -109,11 +110,10 @@ def build_device(
             raise ConfigError("a single `cot` has no filters in front: take cot_array with one slot")
         del parameters["N"]
     elif config.filtered:
-        if top == "cot_engine":
-            raise ConfigError("`cot_engine` has no filters in front: take cot_array, which decides the same")
         module = _FILTERED
         parameters |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
-        parameters |= {"HAS": config.filters.enable, "CHAIN": int(top == "cot_chain")}
+        tracker = register_map().trackers.index(top.removeprefix("cot_"))
+        parameters |= {"HAS": config.filters.enable, "TRACKER": tracker}
     drive = {"stream.cpp": source(module, shape)}
     return build(
         module, parameters, drive, extra_flags=("--trace-max-array", "64"), verilog=verilog, on_miss=on_miss

@@ -237,8 +237,9 @@ VIEWS: dict[str, tuple[Group, ...]] = {
     "cot_filtered": (
         _INPUT,
         _FILTERED,
-        *(_below("g_array.u_trackers.", group) for group in (_ARRAY_CORE, _ARRAY_SLOT)),
-        _below("g_chain.u_trackers.", _CHAIN_SLOT),
+        *(_below("u_trackers.g_array.u_tracker.", group) for group in (_ARRAY_CORE, _ARRAY_SLOT)),
+        _below("u_trackers.g_chain.u_tracker.", _CHAIN_SLOT),
+        *(_below("u_trackers.g_engine.u_tracker.", group) for group in (_ENGINE_CORE, _ENGINE_SLOT)),
         *_OUTPUTS,
     ),
 }

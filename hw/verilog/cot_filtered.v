@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A filter chain in front of N trackers: cot_array, or cot_chain where CHAIN is 1.
+// A filter chain in front of N trackers: the array, the chain or the engine.
 //
 // Ports and behaviour are those of the trackers, and filter_cfg_* writes the registers of filter_chain.v. An event that a
 // filter takes out is reported nowhere, but it counts: every record and every event that comes out carries the number that its
@@ -12,7 +12,7 @@
 `include "evcot_defs.vh"
 
 module cot_filtered #(
-    parameter CHAIN   = 0,   // 0: cot_array, 1: cot_chain
+    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array, cot_chain or cot_engine
     parameter HAS     = 127, // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH   = 346, // pixels of the sensor across
     parameter HEIGHT  = 260, // pixels of the sensor down
@@ -130,123 +130,63 @@ module cot_filtered #(
         .idle     (filters_idle)
     );
 
-    generate
-        if (CHAIN) begin : g_chain
-            cot_chain #(
-                .N      (N),
-                .X_W    (X_W),
-                .Y_W    (Y_W),
-                .FRAC   (FRAC),
-                .TICK_W (TICK_W),
-                .RADIX_W(RADIX_W),
-                .NEV_W  (NEV_W),
-                .TC_W   (TC_W),
-                .SUP_W  (SUP_W),
-                .ID_W   (ID_W),
-                .SEQ_W  (SEQ_W),
-                .TIME_W (TIME_W)
-            ) u_trackers (
-                .clk         (clk),
-                .rst         (rst),
-                .cfg_valid   (cfg_valid),
-                .cfg_slot    (cfg_slot),
-                .cfg_addr    (cfg_addr),
-                .cfg_data    (cfg_data),
-                .s_valid     (valid),
-                .s_ready     (ready),
-                .s_tick      (tick),
-                .s_event     (is_event),
-                .s_skip      (skip),
-                .s_x         (x),
-                .s_y         (y),
-                .s_p         (p),
-                .m_cm_valid  (m_cm_valid),
-                .m_cm_ready  (m_cm_ready),
-                .m_cm_kind   (m_cm_kind),
-                .m_cm_slot   (m_cm_slot),
-                .m_cm_id     (m_cm_id),
-                .m_cm_other  (m_cm_other),
-                .m_cm_x      (m_cm_x),
-                .m_cm_y      (m_cm_y),
-                .m_cm_radius (m_cm_radius),
-                .m_cm_n_ev   (m_cm_n_ev),
-                .m_cm_support(m_cm_support),
-                .m_cm_seq    (m_cm_seq),
-                .m_cm_time   (m_cm_time),
-                .m_own_valid (m_own_valid),
-                .m_own_ready (m_own_ready),
-                .m_own_slot  (m_own_slot),
-                .m_own_x     (m_own_x),
-                .m_own_y     (m_own_y),
-                .m_own_p     (m_own_p),
-                .m_own_seq   (m_own_seq),
-                .m_pass_valid(m_pass_valid),
-                .m_pass_ready(m_pass_ready),
-                .m_pass_x    (m_pass_x),
-                .m_pass_y    (m_pass_y),
-                .m_pass_p    (m_pass_p),
-                .m_pass_seq  (m_pass_seq),
-                .idle        (trackers_idle)
-            );
-        end else begin : g_array
-            cot_array #(
-                .N      (N),
-                .X_W    (X_W),
-                .Y_W    (Y_W),
-                .FRAC   (FRAC),
-                .TICK_W (TICK_W),
-                .RADIX_W(RADIX_W),
-                .NEV_W  (NEV_W),
-                .TC_W   (TC_W),
-                .SUP_W  (SUP_W),
-                .ID_W   (ID_W),
-                .SEQ_W  (SEQ_W),
-                .TIME_W (TIME_W)
-            ) u_trackers (
-                .clk         (clk),
-                .rst         (rst),
-                .cfg_valid   (cfg_valid),
-                .cfg_slot    (cfg_slot),
-                .cfg_addr    (cfg_addr),
-                .cfg_data    (cfg_data),
-                .s_valid     (valid),
-                .s_ready     (ready),
-                .s_tick      (tick),
-                .s_event     (is_event),
-                .s_skip      (skip),
-                .s_x         (x),
-                .s_y         (y),
-                .s_p         (p),
-                .m_cm_valid  (m_cm_valid),
-                .m_cm_ready  (m_cm_ready),
-                .m_cm_kind   (m_cm_kind),
-                .m_cm_slot   (m_cm_slot),
-                .m_cm_id     (m_cm_id),
-                .m_cm_other  (m_cm_other),
-                .m_cm_x      (m_cm_x),
-                .m_cm_y      (m_cm_y),
-                .m_cm_radius (m_cm_radius),
-                .m_cm_n_ev   (m_cm_n_ev),
-                .m_cm_support(m_cm_support),
-                .m_cm_seq    (m_cm_seq),
-                .m_cm_time   (m_cm_time),
-                .m_own_valid (m_own_valid),
-                .m_own_ready (m_own_ready),
-                .m_own_slot  (m_own_slot),
-                .m_own_x     (m_own_x),
-                .m_own_y     (m_own_y),
-                .m_own_p     (m_own_p),
-                .m_own_seq   (m_own_seq),
-                .m_pass_valid(m_pass_valid),
-                .m_pass_ready(m_pass_ready),
-                .m_pass_x    (m_pass_x),
-                .m_pass_y    (m_pass_y),
-                .m_pass_p    (m_pass_p),
-                .m_pass_seq  (m_pass_seq),
-                .idle        (trackers_idle)
-            );
-        end
-    endgenerate
+    cot_tracker #(
+        .TRACKER(TRACKER),
+        .N      (N),
+        .X_W    (X_W),
+        .Y_W    (Y_W),
+        .FRAC   (FRAC),
+        .TICK_W (TICK_W),
+        .RADIX_W(RADIX_W),
+        .NEV_W  (NEV_W),
+        .TC_W   (TC_W),
+        .SUP_W  (SUP_W),
+        .ID_W   (ID_W),
+        .SEQ_W  (SEQ_W),
+        .TIME_W (TIME_W)
+    ) u_trackers (
+        .clk         (clk),
+        .rst         (rst),
+        .cfg_valid   (cfg_valid),
+        .cfg_slot    (cfg_slot),
+        .cfg_addr    (cfg_addr),
+        .cfg_data    (cfg_data),
+        .s_valid     (valid),
+        .s_ready     (ready),
+        .s_tick      (tick),
+        .s_event     (is_event),
+        .s_skip      (skip),
+        .s_x         (x),
+        .s_y         (y),
+        .s_p         (p),
+        .m_cm_valid  (m_cm_valid),
+        .m_cm_ready  (m_cm_ready),
+        .m_cm_kind   (m_cm_kind),
+        .m_cm_slot   (m_cm_slot),
+        .m_cm_id     (m_cm_id),
+        .m_cm_other  (m_cm_other),
+        .m_cm_x      (m_cm_x),
+        .m_cm_y      (m_cm_y),
+        .m_cm_radius (m_cm_radius),
+        .m_cm_n_ev   (m_cm_n_ev),
+        .m_cm_support(m_cm_support),
+        .m_cm_seq    (m_cm_seq),
+        .m_cm_time   (m_cm_time),
+        .m_own_valid (m_own_valid),
+        .m_own_ready (m_own_ready),
+        .m_own_slot  (m_own_slot),
+        .m_own_x     (m_own_x),
+        .m_own_y     (m_own_y),
+        .m_own_p     (m_own_p),
+        .m_own_seq   (m_own_seq),
+        .m_pass_valid(m_pass_valid),
+        .m_pass_ready(m_pass_ready),
+        .m_pass_x    (m_pass_x),
+        .m_pass_y    (m_pass_y),
+        .m_pass_p    (m_pass_p),
+        .m_pass_seq  (m_pass_seq),
+        .idle        (trackers_idle)
+    );
 
     assign idle = filters_idle && trackers_idle;
 

@@ -9,15 +9,17 @@ import shutil
 import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from evcot.config import CotConfig
-from evcot.contract import Kind, Mode, State
+from evcot.contract import Filter, Kind, Mode, State
 from evcot.errors import OutputError
-from evcot_cosim.device import Top
+from evcot.filters.registers import FilterRegisters
+from evcot_cosim.device import Device, Top
 from evcot_cosim.gtkwave import write_view
 from evcot_cosim.views import VIEWS
 from evcot_cosim.waveform import VcdError, Wave
@@ -105,6 +107,19 @@ def test_everything_in_the_table_exists_in_the_hardware(folder: Path) -> None:
             shown = {label for label, *_ in view.shown[group.title.replace("{slot}", "2")]}
             wanted = {row.label or row.signal.rpartition(".")[2] for row in group.rows}
             assert wanted - shown <= {"m_pass_tick", "m_pass_event"}, group.title  # only a tracker passes those on
+
+
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+def test_trackers_behind_filters_are_shown_as_on_their_own(top: Top, config: CotConfig, folder: Path) -> None:
+    alone = View(folder / f"{top}.gtkw")
+    device = Device(replace(config, filters=FilterRegisters(enable=1 << Filter.POLARITY)), top)
+    with device.dumping(folder / "filtered.vcd"):
+        device.stream(np.array([1]), *np.full((2, 1), 60, np.uint16), np.zeros(1, np.uint8))
+    write_view(folder / "filtered.vcd", folder / "filtered.gtkw")
+    behind = View(folder / "filtered.gtkw")
+    assert "is_event" in {label for label, *_ in behind.shown.pop("behind the filters")}
+    rows = {group: [row[0] for row in rows] for group, rows in behind.shown.items()}
+    assert rows == {group: [row[0] for row in rows] for group, rows in alone.shown.items() if group != "registers"}
 
 
 def test_every_slot_has_a_group(folder: Path) -> None:

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from evcot.config import CotConfig, SlotConfig
 from evcot.contract import REGISTERS, Kind, Mode, Shape
 from evcot.cot import CotModel, Decisions
-from evcot.errors import ConfigError
-from evcot.filters.registers import FilterRegisters
 from evcot_cosim.device import Device, Stalls
 from evcot_cosim.trials import Traffic, exact, random_config, random_traffic
 
@@ -148,12 +146,6 @@ def test_a_mode_write_restarts_one_slot_alone() -> None:
     assert (io.m_cm_valid, io.idle) == (0, 1)
     after = device.stream(np.array([5, 5, 5]), xs, xs, np.zeros(3, np.uint8)).records
     assert after[["kind", "slot", "track_id"]].tolist() == [(Kind.MOVED, 0, 0), (Kind.BORN, 1, 3), (Kind.MOVED, 2, 2)]
-
-
-def test_filters_in_front_are_refused() -> None:
-    config = replace(CotConfig(SHAPE, (JUMPY,) * 3), filters=FilterRegisters(enable=1))
-    with pytest.raises(ConfigError, match="cot_engine` has no filters in front"):
-        Device(config, "cot_engine")
 
 
 class TestClocks:

@@ -14,6 +14,7 @@ from evcot.cot import CotModel, Decisions
 from evcot.errors import ConfigError
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.device import Device, Stalls, Top, build_device
+from evcot_cosim.testing import lint
 from evcot_cosim.trials import random_config, random_traffic
 
 SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
@@ -56,9 +57,11 @@ def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
     [
         ("cot_array", 127),
         ("cot_chain", 127),
+        ("cot_engine", 127),
         ("cot_array", enable(Filter.MASK, Filter.ACTIVITY)),
+        ("cot_engine", enable(Filter.MASK, Filter.ACTIVITY)),
     ],
-    ids=["array behind all", "chain behind all", "array behind two"],
+    ids=["array behind all", "chain behind all", "engine behind all", "array behind two", "engine behind two"],
 )
 def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled: int) -> None:
     print("seed 7")
@@ -81,7 +84,7 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled
     print(kept, kinds)
     assert min(kept) < 0.9
     assert max(kept) > 0.1  # something was taken out, and something left to track
-    assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or top == "cot_array") > 20
+    assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or top != "cot_chain") > 20
 
 
 @pytest.mark.parametrize("engine", ["model", "rtl"])
@@ -107,10 +110,11 @@ def test_a_hot_pixel_starts_no_life() -> None:
     assert set(made.owner[1::2].tolist()) == {0}
 
 
-def test_reset_empties_the_memories() -> None:
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+def test_reset_empties_the_memories(top: Top) -> None:
     filters = FilterRegisters(enable=enable(Filter.ACTIVITY), activity_ticks=500)
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
-    device = Device(config)
+    device = Device(config, top)
     story = np.array([0, 1]), np.array([20, 21], np.uint16), np.array([20, 20], np.uint16), np.zeros(2, np.uint8)
     first = device.stream(*story).owner.tolist()
     device.reset()
@@ -122,3 +126,8 @@ def test_a_single_tracker_has_no_filters_in_front() -> None:
     config = replace(one, filters=FilterRegisters(enable=enable(Filter.POLARITY)), filter_shape=SENSOR)
     with pytest.raises(ConfigError, match="take cot_array with one slot"):
         build_device(config, "cot")
+
+
+@pytest.mark.parametrize("tracker", [0, 1, 2])
+def test_lints_clean(tracker: int) -> None:
+    assert lint("cot_filtered", TRACKER=tracker) == (0, "")
