@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""engine_window.v: the bounds of a window that no edge of the sensor cuts off, made not negative."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evcot_cosim.testing import evaluate, lint
+
+
+def check(centre: np.ndarray, radius: np.ndarray, w: int, frac: int, r_w: int) -> None:
+    """The definition: a centre rounded to nearest, halves up, less and plus a radius."""
+    inputs = {"centre": centre, "radius": radius, "less": -radius % (1 << r_w + 1)}
+    told = evaluate("engine_window", {"W": w, "FRAC": frac, "R_W": r_w}, inputs, ["lo", "hi"])
+    pixel = np.floor(centre / 2.0**frac + (0.5 if frac else 0)).astype(np.int64)
+    zero = 1 << max(w, r_w) + 1  # what stands for address 0
+    np.testing.assert_array_equal(told["lo"], zero + pixel - radius)
+    np.testing.assert_array_equal(told["hi"], zero + pixel + radius)
+
+
+@pytest.mark.parametrize(("w", "frac", "r_w"), [(1, 0, 2), (5, 0, 6), (2, 1, 3), (5, 4, 6)])
+def test_every_centre_and_radius(w: int, frac: int, r_w: int) -> None:
+    centre, radius = (axis.ravel() for axis in np.meshgrid(np.arange(1 << w + frac), np.arange(1 << r_w)))
+    check(centre, radius, w, frac, r_w)
+
+
+@pytest.mark.parametrize(("w", "frac", "r_w"), [(16, 8, 13), (16, 0, 2)])
+def test_random_wide_centres(w: int, frac: int, r_w: int) -> None:
+    rng = np.random.default_rng(w)
+    check(rng.integers(0, 1 << w + frac, 50_000), rng.integers(0, 1 << r_w, 50_000), w, frac, r_w)
+
+
+@pytest.mark.parametrize(("w", "frac", "r_w"), [(1, 0, 1), (9, 4, 9), (16, 8, 13), (4, 1, 13)])
+def test_lints_clean(w: int, frac: int, r_w: int) -> None:
+    assert lint("engine_window", W=w, FRAC=frac, R_W=r_w) == (0, "")
