@@ -5,7 +5,8 @@
 // bit by bit from the top, always as quotient * s + remainder: double both, then add w where the bit is set. Rounded to
 // nearest, halves up, when ROUND is 1, which is one doubling more; else down. The sum of the weights must not be zero.
 //
-// Latency: 6 W + 5 clocks from the edge that takes `start` to `done`, which stays until the next start; the operands must stay so long.
+// Latency: 6 W + 5 clocks from the edge that takes `start` to `done`, which stays until the next start; the operands must
+// stay so long.
 `default_nettype none
 
 module engine_mean #(
