@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Waveforms of real runs, dumped once: blobs that cross, merge, rest and vanish, with every stream stalled at random."""
+"""Waveforms of real runs, dumped once: blobs that cross, merge, rest and vanish, with every stream stalled at random.
+
+And one browser for all tests that want one.
+"""
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,3 +70,17 @@ def dumped(config: CotConfig, events: Events, stalls: Stalls, path: Path, top: T
     wanted = set(Kind) - {Kind.MERGED} if top == "cot_chain" else set(Kind)
     assert set(records["kind"]) == wanted, "the run is to show every kind of record"
     return path
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Chromium without a screen; tests that want it skip where Playwright or Chromium is absent."""
+    api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if chromium is None:
+        pytest.skip("no Chromium on PATH")
+    arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--font-render-hinting=none"]
+    with api.sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=chromium, args=arguments)
+        yield running
+        running.close()

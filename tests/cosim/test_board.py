@@ -97,7 +97,7 @@ def test_a_line_that_breaks_off_or_says_nonsense_is_one_line() -> None:
             host.read(0)
         frame = b"w" + bytes(5)
         whole = frame + bytes([sum(frame) & 0xFF])
-        os.write(ours, b"\x00c\x01" + whole[3:] + whole + whole[:-1] + b"\x00")  # opened in the middle of a frame
+        os.write(ours, b"\x00\x01" + whole[3:] + whole + whole[:-1] + b"\x00")  # opened in the middle of a frame
         assert host._frame(b"w") == bytes(5)
         with pytest.raises(LinkError, match="a frame of kind w is broken: its sum is wrong"):
             host.read(0)

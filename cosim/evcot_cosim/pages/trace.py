@@ -78,6 +78,7 @@ class Trace:
     states: list[list[str]] = field(default_factory=list)
 
     def sample(self, _clock: int = 0) -> None:
+        """Note what all lanes show now."""
         self.states.append([lane.state(self.sim) for _, lanes in self.groups for lane in lanes])
 
     def diagram(self, clocks: int | None = None) -> Diagram:

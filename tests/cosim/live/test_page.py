@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import io
-import shutil
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -19,20 +18,8 @@ from evcot_cosim.live.session import Session
 from .stories import SENSOR, EveryTenth, Played, events, wait_until
 
 pytest.importorskip("websockets", reason="websockets is not installed")
-playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-CHROMIUM = shutil.which("chromium")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
 
 HELLO = {"name": "a drive", "engine": "rct", "preset": "plain", "width": SENSOR[0], "height": SENSOR[1], "speed": 1.0}
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as tools:
-        flags = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
-        browser = tools.chromium.launch(executable_path=CHROMIUM, args=flags)
-        yield browser
-        browser.close()
 
 
 def started() -> Session:
