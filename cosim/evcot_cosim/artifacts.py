@@ -19,7 +19,7 @@ from .lockstep import MismatchError
 from .moments import Moment
 from .report import REPORT, Material, Side, truth_of, write_report
 from .run_file import RUN_FILE, RunFile, write_run_file
-from .summary import summarise, summarise_mismatch, write_summary
+from .summary import SUMMARY, summarise, summarise_mismatch, write_summary
 from .waves import Window, write_waves
 
 __all__ = ["folder_written_aside", "write_mismatch", "write_run"]
@@ -54,7 +54,7 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
                 top=run.top, stalls=stalls_from(run.seed), name="waves", moment=moment,
             )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
-        write_summary(summary, aside / "summary.json")
+        write_summary(summary, aside / SUMMARY)
         sides = (Side("hardware", run.hardware), Side("software", run.software))
         write_report(Material(run.recording, summary, sides, truth_of(made_of.source, run.recording)), aside / REPORT)
     return summary
@@ -76,7 +76,7 @@ def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile,
         )  # fmt: skip
         write_run_file(aside / RUN_FILE, made_of)
         summary = summarise_mismatch(found, recording, config, command)
-        write_summary(summary, aside / "summary.json")
+        write_summary(summary, aside / SUMMARY)
         hardware, model = rerun(recording, config, found)
         for name, log in (("hardware", hardware), ("model", model)):
             log.save_npz(aside / f"{name}.npz")

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from evcot.errors import ConfigError
 from evcot.events import Recording
 
 from .device import Top, arrangement_of
+from .summary import SUMMARY, read_summary
 
 __all__ = ["MOMENTS", "Moment", "find_moment"]
 
@@ -94,12 +94,8 @@ def _at(text: str, number: str, recording: Recording) -> Moment:
 def _mismatch(folder: Path | None) -> int:
     """The event at which hardware and model parted in the run of this folder."""
     if folder is None:
-        raise ConfigError("--around mismatch: needs the folder of a run: the mismatch stands in its summary.json")
-    path = folder / "summary.json"
-    try:
-        found = json.loads(path.read_text(encoding="utf-8")).get("mismatch")
-    except (OSError, ValueError) as error:
-        raise ConfigError(f"{path}: cannot be read: {error}") from error
+        raise ConfigError("--around mismatch: needs the folder of a run, whose summary says where it is")
+    found = read_summary(folder / SUMMARY).get("mismatch")
     if found is None:
         raise ConfigError("--around mismatch: there is none: hardware and model agreed in this run")
     return int(found["event_index"])

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 import evcot
 from evcot.config import RunConfig
 from evcot.contract import DROPPED, Kind
+from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.outputs import written_aside
 from evcot.timeline import lifetimes
@@ -24,7 +25,9 @@ from .cosim import CosimRun
 from .lockstep import Mismatch
 from .toolchain import find_toolchain
 
-__all__ = ["summarise", "summarise_mismatch", "table", "write_summary"]
+__all__ = ["SUMMARY", "read_summary", "summarise", "summarise_mismatch", "table", "write_summary"]
+
+SUMMARY = "summary.json"  # its name in the folder of a run
 
 
 def summarise(run: CosimRun, command: str) -> dict[str, Any]:
@@ -122,6 +125,23 @@ def write_summary(summary: dict[str, Any], path: Path) -> None:
     """Write the summary as JSON; numbers that JSON does not know are refused."""
     with written_aside(path) as file:
         file.write((json.dumps(summary, indent=2, allow_nan=False) + "\n").encode())
+
+
+def read_summary(path: Path) -> dict[str, Any]:
+    """Read what `write_summary` wrote.
+
+    Raises:
+        ConfigError: it cannot be read, or is no summary.
+    """
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: is not JSON: {error}") from error
+    if not isinstance(summary, dict):
+        raise ConfigError(f"{path}: must hold an object, as `evcot cosim` writes it")
+    return summary
 
 
 def table(summary: dict[str, Any]) -> list[tuple[str, str]]:

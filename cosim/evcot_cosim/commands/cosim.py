@@ -72,6 +72,7 @@ def _cosim(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:
         print_table(table(summary))
-        left = "report.html, summary.json, picture.png, logs (.npz, .csv), and waves.vcd with its view waves.gtkw"
+        waves = "" if options.no_waves else ", and waves.vcd with its view waves.gtkw"
+        left = f"report.html, summary.json, run.toml, picture.png, logs (.npz, .csv){waves}"
         print(f"\n{folder}/ holds {left}")
     return 0 if summary["exact"] else MISMATCH

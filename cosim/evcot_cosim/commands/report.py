@@ -9,7 +9,6 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import evcot
 from evcot.errors import ConfigError
@@ -20,6 +19,7 @@ from evcot.tracklog import TrackLog
 from ..progress import Progress
 from ..report import REPORT, Material, Side, Truth, truth_of, write_report
 from ..run_file import RUN_FILE, Source, read_run_file
+from ..summary import SUMMARY, read_summary
 from .options import damage_options, open_from, sensor_from, window_from, window_options
 from .parsing import add_command
 
@@ -69,7 +69,7 @@ def _report(options: argparse.Namespace, arguments: Sequence[str]) -> int:
 
 
 def _of_run(options: argparse.Namespace) -> Material:
-    summary = _summary(options.run / "summary.json")
+    summary = read_summary(options.run / SUMMARY)
     names = ("hardware", "model") if "mismatch" in summary else ("hardware", "software")
     sides = tuple(Side(name, TrackLog.load_npz(options.run / f"{name}.npz")) for name in names)
     if options.recording is not None:
@@ -96,15 +96,3 @@ def _of_log(options: argparse.Namespace, command: str) -> Material:
 def _recording(options: argparse.Namespace) -> tuple[Recording, Source]:
     with open_from(options, options.recording) as file:
         return file.read(*window_from(options)), Source(str(options.recording))
-
-
-def _summary(path: Path) -> dict[str, Any]:
-    try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
-        raise ConfigError(f"{path}: is not JSON: {error}") from error
-    if not isinstance(summary, dict):
-        raise ConfigError(f"{path}: must hold an object, as `evcot cosim` writes it")
-    return summary
