@@ -30,7 +30,7 @@ module engine_merge #(
     output reg  [SLOT_W-1:0]  goes,
     output reg  [ID_W-1:0]    stays_id,
     output wire               done,
-    output wire [POS_X-1:0]   join_x,
+    output reg  [POS_X-1:0]   join_x,
     output wire [POS_Y-1:0]   join_y,
     output reg  [RADIX_W-1:0] join_g,
     output reg  [SUP_W-1:0]   join_support
@@ -51,11 +51,9 @@ module engine_merge #(
     localparam POS_W = (POS_X > POS_Y) ? POS_X : POS_Y;
 
     reg              on_y;
-    reg  [POS_W-1:0] join_x_reg;
     wire [POS_W-1:0] mean;
     wire             done_axis;
 
-    assign join_x = join_x_reg[POS_X-1:0];
     assign join_y = mean[POS_Y-1:0];
     assign done   = on_y && done_axis && !start;
 
@@ -101,8 +99,8 @@ module engine_merge #(
         start <= take_b_reg || (!on_y && done_axis && !start);
         if (take_b || take_b_reg) on_y <= 1'b0;
         else if (!on_y && done_axis && !start) begin
-            on_y       <= 1'b1;
-            join_x_reg <= mean;
+            on_y   <= 1'b1;
+            join_x <= mean[POS_X-1:0];
         end
         b_older      <= b_id < a_id;
         stays        <= b_older ? b_slot : a_slot;

@@ -69,6 +69,6 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int) -> None:
     assert 5 < saturated < 55
 
 
-@pytest.mark.parametrize(("pos_x", "pos_y"), [(13, 13), (24, 5)])
+@pytest.mark.parametrize(("pos_x", "pos_y"), [(13, 13), (24, 5), (4, 6)])
 def test_lints_clean(pos_x: int, pos_y: int) -> None:
     assert lint("engine_merge", POS_X=pos_x, POS_Y=pos_y) == (0, "")
