@@ -13,7 +13,6 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from vcdvcd import VCDVCD
 
 from evcot.config import CotConfig, SlotConfig
 from evcot.contract import RECORD, Kind, Mode, Shape
@@ -22,6 +21,7 @@ from evcot.errors import ConfigError, OutputError
 from evcot_cosim.device import Device, HardwareError, Stalls, Top, _order_of
 from evcot_cosim.testing import PATTERNS, Sink, Source, broken_copy, run_streams
 from evcot_cosim.trials import Traffic, random_traffic
+from evcot_cosim.waveform.vcd import parse
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 SLOT = SlotConfig(
@@ -238,7 +238,7 @@ class TestDumping:
             told, times = device.stream_timed(*events)
             assert not (tmp_path / "w.vcd").exists()  # it appears when it is whole
         assert [path.name for path in tmp_path.iterdir()] == ["w.vcd"]
-        wave = VCDVCD(str(tmp_path / "w.vcd"))
+        wave = parse(tmp_path / "w.vcd")
         clock = next(name for name in wave.signals if name.endswith("cot_array.clk"))
         changes = [time for time, _ in wave[clock].tv]
         first, last = 10 * (times.accepted[9] + 1), 10 * times.accepted[20] + 5

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vcdvcd import VCDVCD
 
 from evcot.config import CotConfig, SlotConfig
 from evcot.contract import Kind, Mode, Shape
@@ -25,6 +24,7 @@ from evcot_cosim.device import Device, Stalls, Top
 from evcot_cosim.lockstep import CHUNK, Lockstep, MismatchError, chunks, dump_window
 from evcot_cosim.testing import broken_copy
 from evcot_cosim.trials import random_traffic
+from evcot_cosim.waveform.vcd import parse
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 # Windows of 13 x 13 pixels, born with their first event, always at their last one.
@@ -213,7 +213,7 @@ class TestDumpWindow:
         dump_window(events, LIVELY, tmp_path / "w.vcd", 100, 120, stalls=stalls)
         ticks = tick_times(events.t_us, int(events.t_us[0]), 1)
         told, times = Device(LIVELY, stalls=stalls).stream_timed(ticks, events.x, events.y, events.p)
-        wave = VCDVCD(str(tmp_path / "w.vcd"))
+        wave = parse(tmp_path / "w.vcd")
         named = {name.split("cot_array.")[-1]: name for name in wave.signals}
         clock = [time for time, _ in wave[named["clk"]].tv]
         assert (clock[0], clock[-1]) == (10 * (times.accepted[99] + 1), 10 * times.accepted[120] + 5)

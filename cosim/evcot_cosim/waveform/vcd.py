@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from .errors import VcdError
 
-__all__ = ["INT64_BITS", "Declared", "Signal", "Timescale", "declared", "initial_values", "read"]
+__all__ = ["INT64_BITS", "Declared", "Signal", "Timescale", "declared", "initial_values", "parse", "read"]
 
 _RANGE = re.compile(r"\[\d+:\d+\]$")
 INT64_BITS = 62  # the widest signal kept in int64: a sum of two fits too
@@ -118,7 +118,7 @@ def declared(path: Path) -> tuple[Declared, ...]:
         VcdError: not a VCD, or it cannot be read.
     """
     with _readable(path):
-        vcd = _parse(path, only_sigs=True)
+        vcd = parse(path, only_sigs=True)
         return _declared(path, vcd)
 
 
@@ -133,7 +133,7 @@ def initial_values(path: Path, signals: Sequence[Declared]) -> dict[str, int]:
     # The first time of a window need not be 0: the first change of any signal tells it.
     with _readable(path), path.open() as lines:
         begin = next((int(line[1:].split()[0]) for line in lines if line.startswith("#")), 0)
-        vcd = _parse(path, signals=[entry.reference for entry in signals], to_time=begin)
+        vcd = parse(path, signals=[entry.reference for entry in signals], to_time=begin)
         found = {entry.path: vcd.data[entry.code].tv for entry in signals}
         return {path: int(tv[0][1], 2) for path, tv in found.items() if tv and set(tv[0][1]) <= {"0", "1"}}
 
@@ -145,7 +145,7 @@ def read(path: Path, signals: Sequence[Declared]) -> tuple[dict[str, list[tuple[
         VcdError: not a VCD, or it cannot be read.
     """
     with _readable(path):
-        vcd = _parse(path, signals=[entry.reference for entry in signals])
+        vcd = parse(path, signals=[entry.reference for entry in signals])
         scale = Timescale(int(vcd.timescale["magnitude"]), vcd.timescale["unit"]) if vcd.timescale else Timescale(1, "steps")
         return {code: entry.tv for code, entry in vcd.data.items()}, scale, int(vcd.endtime)
 
@@ -166,8 +166,11 @@ def _declared(path: Path, vcd: Any) -> tuple[Declared, ...]:
     )
 
 
-def _parse(path: Path, **options: Any) -> Any:
-    """vcdvcd's parser. Importing it changes what the whole process does on a broken pipe; that is put back."""
+def parse(path: Path, **options: Any) -> Any:
+    """A VCD as vcdvcd reads it, with vcdvcd's options.
+
+    Importing vcdvcd makes a broken pipe end the whole process without a word; that is put back.
+    """
     handler = signal.getsignal(signal.SIGPIPE)
     from vcdvcd import VCDVCD
 
