@@ -271,6 +271,8 @@ module cot_engine #(
         .cfg_slot      (cfg_slot),
         .cfg_addr      (cfg_addr),
         .cfg_data      (cfg_data),
+        .e_x           (e_x),
+        .e_y           (e_y),
         .c_slot        (c_slot),
         .c_slot_too    (c_slot_too),
         .c_slot_regs   (c_slot_regs),

@@ -3,11 +3,12 @@
 //
 // av <- av + (event - av) * 2^-k and, where the centre moves, cm <- cm + (av - cm) * 2^-k, rounded as in approach.v: the bit
 // below the shifted value is the carry into the adder. Instead of the average of the event before, the event behind it
-// is given its own distance to that average, in the same clock: (event - av) - step. The first difference is formed while
-// the step is shifted.
+// is given its own distance to that average, in the same clock: it is further off by as much as the events are apart, and
+// closer by the step. The former is summed while the step is shifted.
 //
-// That loop limits the clock, so nothing but one shift and one subtraction is in it: what comes from the memory and what
-// comes round are registers of which all but one are zero, and engine_shift takes their sum.
+// That loop limits the clock, so nothing but one shift and one addition is in it: what comes from the memory and what
+// comes round are registers of which all but one hold a distance of zero, and engine_shift takes their sum. Those two hold
+// complements: so all that is done with a step is to add it.
 //
 // The centre takes the same shifter and adder one clock later (`again`): nothing else is in U then. Its distance is formed
 // beside the loop, in a third register.
@@ -24,7 +25,8 @@ module engine_average #(
     input  wire                clk,
     input  wire                rst,
 
-    // C
+    // E, C
+    input  wire [A_W-1:0]      next_at,   // address of the event behind
     input  wire [A_W-1:0]      event_at,  // address of the event
     input  wire [3:0]          k,
     input  wire                forward,   // of the same slot as the event in U
@@ -37,7 +39,7 @@ module engine_average #(
     // U
     input  wire                again,     // the centre is next: nothing comes from C
     input  wire                moves,     // `again`, and it moves towards the new average; else it stays
-    output reg  [A_W+FRAC-1:0] u_cm,
+    output wire [A_W+FRAC-1:0] u_cm,
     output reg  [A_W:0]        u_offset,  // signed: the event minus the pixel of the centre
 
     // V: the new average; W: the new centre
@@ -54,59 +56,111 @@ module engine_average #(
     // event - pixel = ceil(event - cm - 1/2) in fractions, and ceil(a) = floor(a + 1 - 1/2^FRAC).
     localparam [31:0] CEIL = (FRAC > 0) ? (1 << (FRAC > 0 ? FRAC - 1 : 0)) - 1 : 0;
 
-    wire [W:0] target      = {1'b0, event_at, {FRAC{1'b0}}};
-    wire [W:0] from_read   = target - {1'b0, av};
-    wire [W:0] from_passed = target - {1'b0, v_av};
-    wire [W:0] from_centre = (target | CEIL[W:0]) - {1'b0, cm};
+    wire [W:0]   target      = {1'b0, event_at, {FRAC{1'b0}}};
+    wire [W+1:0] read_not    = {1'b0, av, 1'b0} - {target, 1'b1};
+    wire [W+1:0] passed_not  = {1'b0, v_av, 1'b0} - {target, 1'b1};
+    wire [W:0]   from_centre = (target | CEIL[W:0]) - {1'b0, cm};
 
     // ---- U ---------------------------------------------------------------------------------------------------------
 
-    reg         u_follows;                      // the average is the one that has just been made
-    reg [W-1:0] u_av_read;                      // or this one
-    reg [W:0]   u_d_read, u_d_back, u_d_again;  // signed, the distance to go: event - average, either; average - centre
+    reg         u_follows;     // the average is the one that has just been made
+    reg [W-1:0] u_av_read;     // or this one
+    reg [W-1:0] u_cm_not;
+    reg [A_W:0] back_by;       // the event in U minus the one in C
+
+    // Signed, the distance to go, all but one of them 0: event - average, either; average - centre.
+    reg [W:0]   u_d_read_not, u_d_back_not, u_d_again;
+
+    assign u_cm = ~u_cm_not;
 
     wire [W-1:0] u_av = u_follows ? v_av : u_av_read;
 
-    wire [W:0] u_step;
-    wire       u_round;
+    wire signed [W+1:0] u_evenly;                 // the step, its rounding bit below it
+    wire        [W+1:0] u_step = u_evenly >>> 1;  // if odd
+    wire                u_odd;
 
     engine_shift #(
         .W   (W + 1),
         .COPY(COPY)
     ) u_shift (
-        .clk    (clk),
-        .rst    (rst),
-        .load   (!again),
-        .k      (k),
-        .a      (u_d_read),
-        .b      (u_d_back),
-        .c      (u_d_again),
-        .shifted(u_step),
-        .below  (u_round)
+        .clk   (clk),
+        .rst   (rst),
+        .load  (!again),
+        .k     (k),
+        .a_not (u_d_read_not),
+        .b_not (u_d_back_not),
+        .c     (u_d_again),
+        .evenly(u_evenly),
+        .odd   (u_odd)
     );
 
-    wire carry = (FRAC > 0) && u_round;
+    // `gap` is the average before minus the centre, `past_not` the complement of the event in C minus the average before.
+    wire [W:0] new_av, past_not, back_not, gap, to_av;
 
-    // Adders with a carry or a borrow into their lowest bit.
-    wire [W:0]   av_sum = {u_av, 1'b1} + {u_step[W-1:0], carry};
-    wire [W:0]   gap    = target - {1'b0, u_av};
-    wire [W+1:0] back   = {gap, 1'b0} - {u_step, carry};
-    wire [W:0]   gap_cm = {1'b0, u_av} - {1'b0, u_cm};
-    wire [W+1:0] to_av  = {gap_cm, 1'b1} + {u_step, carry};
+    engine_sum #(
+        .W    (W + 1),
+        .ROUND(FRAC > 0)
+    ) u_new (
+        .a     ({1'b0, u_av}),
+        .choice(u_odd),
+        .one   (u_step),
+        .other (u_evenly),
+        .y     (new_av)
+    );
+    engine_sum #(
+        .W    (W + 1),
+        .ROUND(0)
+    ) u_past (
+        .a     ({back_by, {FRAC{1'b0}}}),
+        .choice(u_follows),
+        .one   ({u_d_back_not, 1'b0}),
+        .other ({u_d_read_not, 1'b0}),
+        .y     (past_not)
+    );
+    engine_sum #(
+        .W    (W + 1),
+        .ROUND(FRAC > 0)
+    ) u_back (
+        .a     (past_not),
+        .choice(u_odd),
+        .one   (u_step),
+        .other (u_evenly),
+        .y     (back_not)
+    );
+    engine_sum #(
+        .W    (W + 1),
+        .ROUND(1)
+    ) u_gap (
+        .a     ({1'b1, u_cm_not}),
+        .choice(u_follows),
+        .one   ({1'b0, v_av, 1'b1}),
+        .other ({1'b0, u_av_read, 1'b1}),
+        .y     (gap)
+    );
+    engine_sum #(
+        .W    (W + 1),
+        .ROUND(FRAC > 0)
+    ) u_to (
+        .a     (gap),
+        .choice(u_odd),
+        .one   (u_step),
+        .other (u_evenly),
+        .y     (to_av)
+    );
 
     always @(posedge clk) begin
-        u_cm      <= place ? position : cm;
-        u_follows <= forward;
-        u_av_read <= again ? u_cm : place ? position : passes ? v_av : av;
-        u_d_read  <= (forward || again || place) ? {(W + 1) {1'b0}} : passes ? from_passed : from_read;
-        u_d_back  <= forward ? back[W+1:1] : {(W + 1) {1'b0}};
-        u_d_again <= moves ? to_av[W+1:1] : {(W + 1) {1'b0}};
-        u_offset  <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];
-        v_av      <= av_sum[W:1];
-        if (rst) v_av <= {W{1'b0}};
+        u_cm_not     <= ~(place ? position : cm);
+        u_follows    <= forward;
+        back_by      <= {1'b0, event_at} - {1'b0, next_at};
+        u_av_read    <= again ? u_cm : place ? position : passes ? v_av : av;
+        u_d_read_not <= (forward || again || place) ? {(W + 1) {1'b1}} : passes ? passed_not[W+1:1] : read_not[W+1:1];
+        u_d_back_not <= forward ? back_not : {(W + 1) {1'b1}};
+        u_d_again    <= moves ? to_av : {(W + 1) {1'b0}};
+        u_offset     <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];
+        v_av         <= new_av[W-1:0];
     end
 
-    wire unused = &{1'b0, from_centre, av_sum[0], back[0], to_av[0]};
+    wire unused = &{1'b0, from_centre, read_not[0], passed_not[0], new_av[W]};
 
 endmodule
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arithmetic right shift of a | b | c by a k of the clock before, 0 to 15, in few levels of logic.
+// The arithmetic right shift of ~a_not | ~b_not | c by a k of the clock before, 0 to 8, in few levels of logic, but for its last place.
 //
-// k is decoded while it is loaded: one register for each k, one for all k from each on. A bit of the result is a sum of
-// products: the bit that each k takes there, and the sign for all k that reach as far.
+// k is decoded while it is loaded: one register for each even number up to it, one that says whether it is odd. `evenly` is the
+// sum of the products with the first ones; who wants the result shifts that by one more if `odd`.
 //
-// Latency: k a clock before a, b and c, which are combinational.
+// Latency: k a clock before a_not, b_not and c, which are combinational.
 `default_nettype none
 
 module engine_shift #(
@@ -15,87 +15,48 @@ module engine_shift #(
     input  wire         rst,
     input  wire         load,
     input  wire [3:0]   k,
-    input  wire [W-1:0] a,
-    input  wire [W-1:0] b,
+    input  wire [W-1:0] a_not,
+    input  wire [W-1:0] b_not,
     input  wire [W-1:0] c,
-    output wire [W-1:0] shifted,
-    output wire         below     // the bit below the lowest one; 0 for k = 0
+    output wire [W:0]   evenly,   // with the bit below the lowest one, which is 0 for k = 0 and 1
+    output reg          odd
 );
 
-    reg [15:0] is;       // k is i
-    reg [15:0] reaches;  // k is i or more
+    reg [4:0] is;  // k is 2 i or 2 i + 1
 
     always @(posedge clk) begin : decode
         integer i;
-        if (load)
-            for (i = 0; i < 16; i = i + 1) begin
-                is[i]      <= k == i[3:0];
-                reaches[i] <= k >= i[3:0];
-            end
+        if (load) begin
+            for (i = 0; i < 5; i = i + 1) is[i] <= k[3:1] == i[2:0];
+            odd <= k[0];
+        end
         if (rst) begin
-            is      <= {16{COPY != 0}};
-            reaches <= {16{COPY != 0}};
+            is  <= {5{COPY != 0}};
+            odd <= COPY != 0;
         end
     end
 
-    // From bit 0 on: the bit below, then the result. Sums of four, for the depth of the tree.
-    wire [W:0]   reach;  // bit i: the shift is by W - i or more, so the sign is there
-    wire [W:0]   fill;
-    wire [W:0]   four   [0:3];
-    wire [W:0]   moved  [0:15];
-
-    engine_products #(
-        .W(W + 1)
-    ) u_fill (
-        .a({(W + 1) {a[W-1]}}),
-        .b({(W + 1) {b[W-1]}}),
-        .c({(W + 1) {c[W-1]}}),
-        .d(reach),
-        .y(fill)
-    );
+    wire signed [W:0] all_a_not = {a_not, 1'b1};
+    wire signed [W:0] all_b_not = {b_not, 1'b1};
+    wire signed [W:0] all_c = {c, 1'b0};
+    wire        [W:0] moved [0:4];
 
     genvar i;
     generate
-        for (i = 0; i <= W; i = i + 1) begin : g_reach
-            assign reach[i] = (W - i < 16) && reaches[(W - i < 16) ? W - i : 0];
-        end
-        for (i = 0; i < 16; i = i + 1) begin : g_k
-            if (i == 0) begin : g_all
-                wire [W-2:0] product;
-                engine_products #(
-                    .W(W - 1)
-                ) u_products (
-                    .a(a[W-2:0]),
-                    .b(b[W-2:0]),
-                    .c(c[W-2:0]),
-                    .d({(W - 1) {is[0]}}),
-                    .y(product)
-                );
-                assign moved[i] = {1'b0, product, 1'b0};
-            end else if (i < W) begin : g_some
-                wire [W-1-i:0] product;
-                engine_products #(
-                    .W(W - i)
-                ) u_products (
-                    .a(a[W-2:i-1]),
-                    .b(b[W-2:i-1]),
-                    .c(c[W-2:i-1]),
-                    .d({(W - i) {is[i]}}),
-                    .y(product)
-                );
-                assign moved[i] = {{(i + 1) {1'b0}}, product};
-            end else begin : g_none
-                assign moved[i] = {(W + 1) {1'b0}};
-            end
-        end
-        for (i = 0; i < 4; i = i + 1) begin : g_four
-            assign four[i] = moved[4*i] | moved[4*i+1] | moved[4*i+2] | moved[4*i+3];
+        for (i = 0; i < 5; i = i + 1) begin : g_k
+            engine_products #(
+                .W(W + 1)
+            ) u_products (
+                .a_not(all_a_not >>> (2 * i)),
+                .b_not(all_b_not >>> (2 * i)),
+                .c(all_c >>> (2 * i)),
+                .d({(W + 1) {is[i]}}),
+                .y(moved[i])
+            );
         end
     endgenerate
 
-    assign {shifted, below} = four[0] | four[1] | four[2] | (four[3] | fill);
-
-    wire unused = &{1'b0, is, reaches};
+    assign evenly = moved[0] | moved[1] | moved[2] | moved[3] | moved[4];
 
 endmodule
 

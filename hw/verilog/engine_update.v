@@ -38,7 +38,9 @@ module engine_update #(
     input  wire [3:0]          cfg_addr,
     input  wire [31:0]         cfg_data,
 
-    // C
+    // E, C
+    input  wire [X_W-1:0]      e_x,
+    input  wire [Y_W-1:0]      e_y,
     input  wire [SLOT_W-1:0]   c_slot,
     input  wire [SLOT_W-1:0]   c_slot_too, c_slot_regs,  // the same, for fewer readers each
     input  wire                c_commits,  // unless something happens to it, the event is committed in U
@@ -181,8 +183,9 @@ module engine_update #(
     reg [1:0]         u_mode;
     reg [NEV_W-1:0]   u_rest;
     reg               u_one;  // u_rest is 1
-    reg [TIME_W-1:0]  u_span;
-    reg [TC_W:0]      u_slow_over, u_fast_under;
+    reg [TC_W:0]      u_span;       // its highest bit is a borrow of u_span_high
+    reg [TIME_W-1:TC_W] u_span_high;
+    reg [TC_W-1:0]    u_last_tc2, u_nev_th;
     reg [RADIX_W:0]   u_radius, u_lowest, u_highest;
     reg [RADIX_W-1:0] u_init, u_th, u_step, u_min, u_max;
     reg [NEV_W-1:0]   u_n_ev, u_nev_min, u_nev_max, u_clust_nev;
@@ -194,6 +197,7 @@ module engine_update #(
     wire [RADIX_W-1:0] c_g;
     wire               c_timed, c_none, c_one;
     wire [LIFE_W-1:0]  c_deadline;
+    wire [TIME_W-1:0]  c_start = start[c_slot_too];
     wire [NEV_W-1:0]   c_rest;
 
     // An average that is just being written is taken on its way.
@@ -231,9 +235,10 @@ module engine_update #(
         u_one          <= forward ? u_two : c_one;
         u_timed        <= c_timed;
         u_deadline     <= c_deadline;
-        u_span         <= c_time[TIME_W-1:0] - start[c_slot_too];
-        u_slow_over    <= {1'b0, last_tc2[c_slot_too]} + {1'b0, nev_th};
-        u_fast_under   <= {1'b0, last_tc2[c_slot_too]} - {1'b0, nev_th};
+        u_span         <= {1'b0, c_time[TC_W-1:0]} - {1'b0, c_start[TC_W-1:0]};
+        u_span_high    <= c_time[TIME_W-1:TC_W] - c_start[TIME_W-1:TC_W];
+        u_last_tc2     <= last_tc2[c_slot_too];
+        u_nev_th       <= nev_th;
         u_mode         <= mode;
         u_on           <= mode != `EVCOT_MODE_OFF;
         u_init         <= init_radix;
@@ -263,6 +268,7 @@ module engine_update #(
     ) u_average_x (
         .clk     (clk),
         .rst     (rst),
+        .next_at (e_x),
         .event_at(c_x),
         .k       (hist_avg),
         .forward (forward),
@@ -284,6 +290,7 @@ module engine_update #(
     ) u_average_y (
         .clk     (clk),
         .rst     (rst),
+        .next_at (e_y),
         .event_at(c_y),
         .k       (hist_avg),
         .forward (forward),
@@ -379,9 +386,9 @@ module engine_update #(
             v_clust_nev  <= u_clust_nev;
             v_id         <= u_id;
             v_span       <= u_first ? {TC_W{1'b0}} : u_span[TC_W-1:0];
-            v_far        <= !u_first && |u_span[TIME_W-1:TC_W];
-            v_slow_over  <= u_slow_over;
-            v_fast_under <= u_fast_under;
+            v_far        <= !u_first && u_span_high != {{(TIME_W - TC_W - 1) {1'b0}}, u_span[TC_W]};
+            v_slow_over  <= {1'b0, u_last_tc2} + {1'b0, u_nev_th};
+            v_fast_under <= {1'b0, u_last_tc2} - {1'b0, u_nev_th};
         end
         if (rst) v_moves <= 1'b0;
         if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places} <= 8'd0;

