@@ -7,7 +7,8 @@ import signal
 
 
 def pytest_configure() -> None:
-    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # started in the background: programs that tests start would inherit it
+    # A run in the background ignores interrupts, and what tests start would inherit that.
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

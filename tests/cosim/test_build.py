@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -89,6 +90,17 @@ def test_a_built_model_counts(sources: Path) -> None:
         sim.clock.tick()
     assert sim.io.count == 1
     assert dict(sim.outputs) == {"count": 4}
+
+
+def test_what_no_design_has_a_part_in_is_compiled_once(sources: Path, cache: Path) -> None:
+    build("counter", {"W": 5}, verilog=sources)
+    model = build("counter", {"W": 6}, verilog=sources)
+    log = (model.shared_object.parent / "build.log").read_text()
+    assert re.findall(r"-c -o (\S+)", log) == ["pyverilator_wrapper.o", "Vcounter__ALL.o"]
+    if not find_toolchain().compiler_is_clang:
+        (header,) = cache.glob("runtime/*/evcot_runtime.h.gch")
+        assert header.stat().st_size > 1_000_000
+        assert "-include evcot_runtime.h" in log
 
 
 def test_extra_cpp_lives_in_the_same_shared_object(sources: Path) -> None:
