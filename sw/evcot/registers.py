@@ -8,6 +8,7 @@ The map is written once, in registers.toml; the registers of a slot and of the f
 from __future__ import annotations
 
 import tomllib
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -211,7 +212,7 @@ class Group:
         self._transport.write(self._base + address, value)
 
 
-class _Value:
+class _Value(ABC):
     """A named number on the bus: reading the attribute reads the hardware, setting it writes the hardware."""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -227,11 +228,13 @@ class _Value:
     def __set__(self, group: Group, value: int) -> None:
         self._set(group, value)
 
+    @abstractmethod
     def _get(self, group: Group) -> int:
-        raise NotImplementedError
+        """Its value in the hardware."""
 
+    @abstractmethod
     def _set(self, group: Group, value: int) -> None:
-        raise NotImplementedError
+        """Write it, if it is legal."""
 
     def _check(self, value: int, low: int, high: int, meaning: str) -> int:
         """The value as an int, if it is legal; nothing reaches the bus otherwise."""
