@@ -354,16 +354,13 @@ module event_sources #(
 
     // ---- the input FIFO ----------------------------------------------------------------------------------------------
 
-    localparam HELD_W = $clog2(DEPTH + 6);  // overload_fifo.v
-    wire [HELD_W-1:0] fifo_held;
-    assign held = {{(16 - HELD_W) {1'b0}}, fifo_held};
-
     overload_fifo #(
         .X_W   (X_W),
         .Y_W   (Y_W),
         .TICK_W(TICK_W),
         .DEPTH (DEPTH),
-        .GAP_W (40)
+        .GAP_W (40),
+        .HELD_W(16)
     ) u_fifo (
         .clk        (clk),
         .rst        (rst),
@@ -388,7 +385,7 @@ module event_sources #(
         .n_in       (n_in),
         .n_out      (n_out),
         .n_dropped  (n_dropped),
-        .held       (fifo_held),
+        .held       (held),
         .idle       (fifo_idle)
     );
 

@@ -22,7 +22,7 @@ module overload_fifo #(
     parameter DEPTH   = 256,  // events that wait, at least 1, any number; 5 more are on their way out
     parameter GAP_W   = 40,   // bits of the ticks kept with an event: a stall must be shorter
     parameter COUNT_W = 32,   // bits of a counter
-    parameter HELD_W  = $clog2(DEPTH + 6)  // derived: leave it alone
+    parameter HELD_W  = $clog2(DEPTH + 6)  // bits of held, which counts up to DEPTH + 5
 ) (
     input  wire               clk,
     input  wire               rst,
@@ -60,7 +60,7 @@ module overload_fifo #(
     parameter_check #(.OK(GAP_W > TICK_W)) GAP_W_must_exceed_TICK_W ();
     parameter_check #(.OK(GAP_W <= 48)) GAP_W_must_be_at_most_48 ();
     parameter_check #(.OK(COUNT_W >= 8 && COUNT_W <= 64)) COUNT_W_must_be_8_to_64 ();
-    parameter_check #(.OK(HELD_W == $clog2(DEPTH + 6))) HELD_W_must_be_left_at_its_default ();
+    parameter_check #(.OK(HELD_W >= $clog2(DEPTH + 6))) HELD_W_must_hold_DEPTH_and_5_more ();
 
     localparam TOKEN_W = GAP_W + X_W + Y_W + 3;
 

@@ -16,7 +16,7 @@ TOP = "overload_fifo"
 BEHIND = 5  # events on their way out, behind the queue
 
 # depth, tick_w, gap_w
-SHAPES = [(1, 1, 20), (5, 8, 16), (64, 20, 40)]
+SHAPES = [(1, 1, 20), (3, 8, 16), (64, 20, 40)]  # 3 and BEHIND are a power of two: held needs a bit more
 
 
 def parameters(depth: int, tick_w: int, gap_w: int) -> dict[str, int]:
@@ -50,7 +50,7 @@ def test_lints_clean(shape: tuple[int, int, int]) -> None:
         ({"DEPTH": 0}, "DEPTH_must_be_at_least_1"),
         ({"GAP_W": 20}, "GAP_W_must_exceed_TICK_W"),
         ({"GAP_W": 49}, "GAP_W_must_be_at_most_48"),
-        ({"HELD_W": 4}, "HELD_W_must_be_left_at_its_default"),
+        ({"DEPTH": 59, "HELD_W": 6}, "HELD_W_must_hold_DEPTH_and_5_more"),
         ({"COUNT_W": 65}, "COUNT_W_must_be_8_to_64"),
     ],
 )
@@ -62,13 +62,13 @@ def test_refuses_parameters(given: dict[str, int], rule: str) -> None:
 
 class TestStories:
     def test_the_newest_event_is_dropped_and_its_ticks_go_with_the_next(self) -> None:
-        device = device_of(5, 8, 16)
+        device = device_of(3, 8, 16)
         device.stalls = {"m_": np.array([0] * 25 + [1] * 75, np.uint8)}
         run = device.run({"s_": [[k, 1, 0, k, 0, 1] for k in range(1, 16)]})
         device.stalls = {}
         last = device.run({"s_": [[100, 1, 0, 99, 0, 0]]})
         told = [(tick, x) for tick, _, _, x, _, _ in np.concatenate([run.words["m_"], last.words["m_"]]).tolist()]
-        kept = 5 + BEHIND
+        kept = 3 + BEHIND
         assert told[:kept] == [(k, k) for k in range(1, kept + 1)]
         assert sum(tick for tick, _ in told) == sum(range(1, 16)) + 100
         assert told[-1][1] == 99
@@ -76,7 +76,7 @@ class TestStories:
         assert (io.n_in, io.n_out, io.n_dropped, io.held) == (16, kept + 1, 15 - kept, 0)
 
     def test_ticks_alone_take_no_place_while_events_wait(self) -> None:
-        device = device_of(5, 8, 16)
+        device = device_of(3, 8, 16)
         device.stalls = {"m_": np.array([0] * 500 + [1] * 500, np.uint8)}
         tokens = [[1, 0, 0, 0, 0, 0]] * 400 + [[1, 1, 0, 7, 0, 0]]
         told = device.run({"s_": tokens}).words["m_"]
@@ -85,13 +85,13 @@ class TestStories:
         assert told[-1].tolist()[1:4] == [1, 0, 7]
 
     def test_ticks_alone_pass_when_nothing_waits(self) -> None:
-        device = device_of(5, 8, 16)
+        device = device_of(3, 8, 16)
         run = device.run({"s_": [[9, 0, 0, 0, 0, 0]]})
         assert run.words["m_"][:, :3].tolist() == [[9, 0, 0]]
         assert run.given["m_"] - run.accepted["s_"] == 4
 
     def test_without_drop_enable_the_source_waits(self) -> None:
-        device = device_of(5, 8, 16, drop_enable=0)
+        device = device_of(3, 8, 16, drop_enable=0)
         device.stalls = {"m_": np.array([0] * 50 + [1] * 50, np.uint8)}
         tokens = [[k, 1, 0, k, 0, 1] for k in range(40)]
         assert device.run({"s_": tokens}).words["m_"].tolist() == tokens
