@@ -30,6 +30,7 @@ from ..live.recorder import LogKeeper, Recorder
 from ..live.server import PORT, Server
 from ..live.session import Session
 from ..live.sources import FileSource, LiveSource, NetworkSource
+from .counting import Counting
 from .engine_options import configured, engine_options
 from .filter_options import filter_options, filters_from
 from .options import check_other_file, open_from, recording_options, sensor_from, window_from
@@ -82,7 +83,8 @@ def _live(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         settings, filters = configured(options, source.sensor)
         filters = filters_from(options, filters, blocks(), source.sensor)
         start = ENGINES[options.engine].start
-        _warm(start(settings, filters, source.sensor), source.sensor)
+        with Counting(f"getting {options.engine} ready (the first time takes longer)", enabled=not (options.quiet or options.json)):
+            _warm(start(settings, filters, source.sensor), source.sensor)
         log = LogKeeper(options.save_log, options.engine) if options.save_log else None
         if log is not None:
             undo.callback(log.drop)

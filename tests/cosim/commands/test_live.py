@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import json
+import os
+import pty
 import signal
 import socket
 import subprocess
@@ -68,6 +70,15 @@ def test_in_a_pipe_it_says_only_what_was_found(source: Path, capsys: pytest.Capt
     assert "event to tracked" in printed.out
     assert main(["live", str(source), "-q", "--to", "50"]) == 0
     assert capsys.readouterr().out == ""
+
+
+def test_a_terminal_sees_why_it_waits_for_the_first_event(source: Path) -> None:
+    command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--for", "0.1"]
+    ours, theirs = pty.openpty()
+    subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, check=True)
+    os.close(theirs)
+    assert "getting rct ready (the first time takes longer)" in os.read(ours, 100_000).decode()
+    os.close(ours)
 
 
 def test_it_stops_when_its_time_is_over(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
