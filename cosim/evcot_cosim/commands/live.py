@@ -83,7 +83,8 @@ def _live(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         settings, filters = configured(options, source.sensor)
         filters = filters_from(options, filters, blocks(), source.sensor)
         start = ENGINES[options.engine].start
-        with Counting(f"getting {options.engine} ready (the first time takes longer)", enabled=not (options.quiet or options.json)):
+        waiting = f"getting {options.engine} ready (the first time takes longer)"
+        with Counting(waiting, enabled=not (options.quiet or options.json)):
             _warm(start(settings, filters, source.sensor), source.sensor)
         log = LogKeeper(options.save_log, options.engine) if options.save_log else None
         if log is not None:
