@@ -7,12 +7,12 @@ from evcot.registers import register_map
 
 from ..build import load
 from ..testing import reset
+from ..uart_trials import BYTE_BITS, Ear, levels, request
 from .trace import Diagram, wave
 
 __all__ = ["uart_byte", "uart_frames"]
 
 _DIVISOR = 4
-_BYTE = 10  # bits: start, 8, stop
 
 
 def uart_byte() -> Diagram:
@@ -23,7 +23,7 @@ def uart_byte() -> Diagram:
     sim.clock.tick()
     sim.io.s_valid = 0
     line = ["1"]
-    for clock in range((_BYTE + 1) * _DIVISOR):
+    for clock in range((BYTE_BITS + 1) * _DIVISOR):
         if clock % _DIVISOR == _DIVISOR // 2:
             line.append(str(int(sim.io.tx)))
         sim.clock.tick()
@@ -40,32 +40,21 @@ def uart_frames() -> Diagram:
     io = sim.io
     io.m_axil_arready = 1
     io.m_axil_rdata = int.from_bytes(b"EVCT", "big")
-    request = bytes([ord("R"), *identity.address.to_bytes(2, "little"), 0, 0, 0, 0])
-    levels = [1] * _DIVISOR
-    for value in request:
-        levels += [bit for bit in (0, *(value >> i & 1 for i in range(8)), 1) for _ in range(_DIVISOR)]
-    heard: list[tuple[int, int]] = []
-    started, asked = -1, False
-    for clock in range(16 * _BYTE * _DIVISOR):
-        io.rx = levels[clock] if clock < len(levels) else 1
+    question = request("R", identity.address)
+    line = [1] * _DIVISOR + levels(question, _DIVISOR)
+    ear, asked = Ear(_DIVISOR), False
+    for level in line + [1] * (16 * BYTE_BITS * _DIVISOR - len(line)):
+        io.rx = level
         io.m_axil_rvalid = int(asked)
         asked = bool(int(io.m_axil_arvalid)) or (asked and not int(io.m_axil_rready))
-        bit, phase = divmod(clock - started, _DIVISOR)
-        if started < 0:
-            if not int(io.tx):
-                started, value = clock, 0
-        elif phase == _DIVISOR // 2 and 1 <= bit <= 8:
-            value |= int(io.tx) << bit - 1
-        elif bit == _BYTE - 1 and phase == _DIVISOR - 1:
-            heard.append((started, value))
-            started = -1
+        ear.listen(int(io.tx))
         sim.clock.tick()
-    columns = 1 + len(request) + len(heard) + 1
+    columns = 1 + len(question) + len(ear.heard) + 1
     rx, tx = ["1"] * columns, ["1"] * columns
-    for i, value in enumerate(request):
+    for i, value in enumerate(question):
         rx[1 + i] = "=" + _shown(i, value)
-    first = 1 + heard[0][0] // (_BYTE * _DIVISOR)
-    for i, (_, value) in enumerate(heard):
+    first = 1 + ear.began[0] // (BYTE_BITS * _DIVISOR)
+    for i, value in enumerate(ear.heard):
         tx[first + i] = "=" + _shown(i, value)
     meaning = ["x", "=read", "=address", "=address", *["=data"] * 4]
     told = ["=read", "=resp", *["=data"] * 4, "=sum"]
