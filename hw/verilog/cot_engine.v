@@ -448,6 +448,18 @@ module cot_engine #(
     reg              restarting, restarts;  // some slot is to be restarted, this one next
     reg [SLOT_W-1:0] restart_slot;
 
+    wire              restart_any;
+    wire [SLOT_W-1:0] restart_lowest;
+
+    engine_lowest #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_restart (
+        .among (restart),
+        .any   (restart_any),
+        .lowest(restart_lowest)
+    );
+
     wire operates = o_report || o_clear || o_join || c_report || c_clear || c_join || u_busy;
     wire checks   = m_check || e_check || found;
     wire drained  = settled && !checks && !m_valid && !e_valid && !c_valid && !u_valid && !u_ends;
@@ -464,11 +476,6 @@ module cot_engine #(
     wire reports = phase == REPORT && !m_cm_valid;
     wire clears = phase == CLEAR && settled;
     wire joins  = phase == JOIN && done && !m_cm_valid;
-
-    always @(posedge clk) begin : find_restart
-        integer i;
-        if (|restart) for (i = N - 1; i >= 0; i = i - 1) if (restart[i]) restart_slot <= i[SLOT_W-1:0];
-    end
 
     // ---- tokens ----------------------------------------------------------------------------------------------------
 
@@ -564,19 +571,20 @@ module cot_engine #(
         if (commit) exempt <= 1'b0;
         if (commit && u_counts) next_seq <= next_seq + 1'b1;
         if (commit || u_ends || restarts) seq <= next_seq;
-        idle    <= input_empty && !s_valid && !cfg_valid && phase == RUN && settled && !checks && restart == {N{1'b0}}
+        idle    <= input_empty && !s_valid && !cfg_valid && phase == RUN && settled && !checks && !restart_any
                 && !v_decided && output_empty && !m_cm_valid;
         stalled <= m_cm_valid && !m_cm_ready;
-        closed  <= phase != RUN || operates || v_busy || !room || |restart;
+        closed  <= phase != RUN || operates || v_busy || !room || restart_any;
         survey  <= phase == WALK && step == {STEP_W{1'b0}} && surveys && !on_detect;
         start   <= phase == WALK && step == {STEP_W{1'b0}} && !surveys;
         walked  <= phase == WALK && step == WALKED[STEP_W-1:0];
         take_a  <= phase == FETCH && step == TWO;
         take_b  <= phase == FETCH && step == THREE;
 
-        settled    <= !(reports || clears || joins || operates || u_special || v_busy);
-        restarting <= |restart;
-        restarts   <= phase == RUN && restarting && drained && !restarts;
+        settled      <= !(reports || clears || joins || operates || u_special || v_busy);
+        restarting   <= restart_any;
+        restart_slot <= restart_lowest;
+        restarts     <= phase == RUN && restarting && drained && !restarts;
 
         step <= step + 1'b1;
         case (phase)
@@ -592,7 +600,6 @@ module cot_engine #(
                     slow_slot <= {SLOT_W{1'b0}};
                     phase     <= WALK;
                 end else if (restarts) begin
-                    restart[restart_slot] <= 1'b0;
                     why       <= RESTART;
                     slow_slot <= restart_slot;
                     phase     <= active[restart_slot] ? REPORT : CLEAR;
@@ -632,6 +639,7 @@ module cot_engine #(
             default: phase <= RUN;
         endcase
 
+        if (restarts) restart[restart_slot] <= 1'b0;
         if (cfg_valid) stale <= 1'b1;
         if (cfg_valid && cfg_addr == `EVCOT_REG_MODE) restart[cfg_slot] <= 1'b1;
 

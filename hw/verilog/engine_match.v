@@ -30,11 +30,11 @@ module engine_match #(
     // E: the answer, and the slot where none is held: a free one, or `slot` where `names` asked for that the clock before
     input  wire              names,
     input  wire [SLOT_W-1:0] slot,
-    output reg               e_active,  // an active slot holds the event
-    output reg               e_other,   // a candidate does; CHECK: an active slot overlaps
+    output wire              e_active,  // an active slot holds the event
+    output wire              e_other,   // a candidate does; CHECK: an active slot overlaps
     output wire              e_free,    // some slot is free
-    output reg  [SLOT_W-1:0] e_slot,    // the first of these that holds
-    output reg  [SLOT_W-1:0] e_lowest,  // the slot of e_other
+    output wire [SLOT_W-1:0] e_slot,    // the first of these that holds
+    output wire [SLOT_W-1:0] e_lowest,  // the slot of e_other
 
     // W: a slot's new window and state
     input  wire              w_places,
@@ -85,30 +85,39 @@ module engine_match #(
         hit_other_reg  <= hit_other;
     end
 
-    // ---- E: loops run downwards so that the lowest slot wins ---------------------------------------------------------
+    // ---- E ---------------------------------------------------------------------------------------------------------
 
-    reg              any_free_reg;
-    reg [SLOT_W-1:0] else_slot, active_slot, free_slot;
+    reg               any_free_reg;
+    reg  [SLOT_W-1:0] else_slot, active_slot;
+    wire [SLOT_W-1:0] free_slot;
+    wire              any_free;
 
-    assign e_free = any_free_reg;
+    engine_lowest #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_other (
+        .among (hit_other_reg),
+        .any   (e_other),
+        .lowest(e_lowest)
+    );
+    engine_lowest #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_free (
+        .among (free),
+        .any   (any_free),
+        .lowest(free_slot)
+    );
+
+    assign e_free   = any_free_reg;
+    assign e_active = |hit_active_reg;
+    assign e_slot   = e_active ? active_slot : e_other ? e_lowest : else_slot;
 
     always @* begin : encode
         integer i;
         i           = 0;  // on every path, or it would be a latch
-        e_active    = |hit_active_reg;
-        e_other     = |hit_other_reg;
         active_slot = {SLOT_W{1'b0}};
-        e_lowest    = {SLOT_W{1'b0}};
         if (e_active) for (i = 0; i < N; i = i + 1) active_slot = active_slot | ({SLOT_W{hit_active_reg[i]}} & i[SLOT_W-1:0]);
-        if (e_other) for (i = N - 1; i >= 0; i = i - 1) if (hit_other_reg[i]) e_lowest = i[SLOT_W-1:0];
-        e_slot = e_active ? active_slot : e_other ? e_lowest : else_slot;
-    end
-
-    always @* begin : find_free
-        integer i;
-        i         = 0;
-        free_slot = {SLOT_W{1'b0}};
-        for (i = N - 1; i >= 0; i = i - 1) if (free[i]) free_slot = i[SLOT_W-1:0];
     end
 
     // ---- W ---------------------------------------------------------------------------------------------------------
@@ -126,7 +135,7 @@ module engine_match #(
             active[w_slot]    <= w_active;
         end
         else_slot    <= names ? slot : free_slot;
-        any_free_reg <= |free;
+        any_free_reg <= any_free;
         if (rst) begin
             free         <= {N{1'b0}};
             candidate    <= {N{1'b0}};
