@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import chain, repeat
 
 import numpy as np
 import pytest
@@ -167,8 +168,16 @@ class TestRecords:
         heard = desk.told(request("R", 4), rest=40 * BYTE)
         assert heard == record(*self.BEATS) + answer("r") + record(*self.BEATS) * 3
 
+    def test_an_answer_goes_first_where_a_record_comes_at_the_same_clock(self) -> None:
+        whole = {answer("r") + record(*self.BEATS), record(*self.BEATS) + answer("r")}
+        seen = {
+            Desk(always(), self.BEATS, chain(repeat(False, 7 * BYTE + later), always())).told(request("R", 4))
+            for later in range(-4, 9)
+        }
+        assert seen == whole
+
     def test_a_record_whose_beats_come_late_is_not_mixed_with_an_answer(self) -> None:
-        late = iter([True] + [False] * 12 * BYTE + [True] * 1_000_000)
+        late = chain([True], repeat(False, 12 * BYTE), always())
         desk = Desk(always(), self.BEATS, late)
         assert desk.told(request("R", 4), rest=30 * BYTE) == record(*self.BEATS) + answer("r")
 

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of axis_owned_out.v and axis_passed_out.v share: random events go in, and stand in their beats as the map says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from evcot.registers import register_map
+from evcot.streams import unpack
+
+from .stream_device import Bundle, StreamDevice, random_stalls
+
+__all__ = ["event_beats"]
+
+
+def event_beats(stream: str, prefix: str, widths: Mapping[str, int], parameters: Mapping[str, int], user: str = "") -> None:
+    """Streams random events through `axis_<stream>_out` without stalls and at random paces.
+
+    Args:
+        stream: the layout's name in the register map.
+        prefix: of the events' ports.
+        widths: bits of each port; what a field of the beat has less of them, its high ones, is left out.
+        parameters: of the module.
+        user: the field that tuser repeats, where there is one.
+
+    Raises:
+        AssertionError: a field is not where the map has it, or an event is not a packet of its own a clock later.
+    """
+    output = Bundle("m_axis_t", ("data", "keep", "last", *(["user"] if user else [])))
+    device = StreamDevice(f"axis_{stream}_out", parameters, inputs=[Bundle(prefix, tuple(widths))], outputs=[output])
+    layout = next(word for word in register_map().streams if word.name == stream)
+    bits = {field.name: field.bits for field in layout.fields}
+    for seed in range(3):
+        rng = np.random.default_rng([8, seed])
+        device.stalls = random_stalls(rng, [prefix, "m_axis_t"]) if seed else {}
+        events = np.stack([rng.integers(0, 1 << width, 2_000, np.uint64) for width in widths.values()], 1)
+        run = device.run({prefix: events})
+        beats = run.words["m_axis_t"]
+        found = unpack(stream, beats[:, 0])
+        for column, name in enumerate(widths):
+            wanted = events[:, column] & np.uint64((1 << bits[name]) - 1)
+            assert np.array_equal(found[name], wanted), name
+            assert name != user or np.array_equal(beats[:, 3], wanted)
+        assert set(map(tuple, beats[:, 1:3].tolist())) == {(255, 1)}
+        if not seed:
+            assert set((run.given["m_axis_t"] - run.accepted[prefix]).tolist()) == {1}
+            assert set(np.diff(run.given["m_axis_t"]).tolist()) == {1}
