@@ -11,6 +11,8 @@ from evcot.errors import ConfigError
 from evcot.register_access import Registers
 from evcot.registers import Access, BusError, register_map
 from evcot.streams import pack_events
+from evcot_cosim.build import load
+from evcot_cosim.testing import reset
 from evcot_cosim.top_device import Pace, Told, TopDevice, address_of, filter_address, poll, read, slot_address, write
 from evcot_cosim.top_trials import BUILDS, device_of
 
@@ -203,6 +205,23 @@ def test_random_accesses_at_any_pace_read_what_was_written(seed: int) -> None:
             commands.append(read(address))
             wanted.append((OKAY, held.get(address, low)))
     assert answers(device.run(commands=commands)) == wanted
+
+
+def test_what_happens_in_the_clock_that_clears_it_interrupts_again() -> None:
+    """Here it happens in every clock: so the interrupt never falls."""
+    sim = load("axi_lite_regs", {"N": 1})
+    io = sim.io
+    reset(sim)
+    io.happened, io.s_axil_bready, io.s_axil_wdata, io.s_axil_wstrb = 1, 1, 1, 1
+    seen = []
+    for name in ("irq_enable", "irq_clear"):
+        io.s_axil_awaddr, io.s_axil_awvalid, io.s_axil_wvalid = address_of(name), 1, 1
+        for _ in range(60):  # after reset the shadow is filled first
+            taken = io.s_axil_awready
+            sim.clock.tick()
+            io.s_axil_awvalid = io.s_axil_wvalid = io.s_axil_awvalid and not taken
+            seen.append(int(io.irq))
+    assert seen[59:] == [1] * 61
 
 
 def test_an_access_takes_the_clocks_of_the_header(device: TopDevice) -> None:

@@ -81,6 +81,17 @@ def test_a_response_waits_and_holds_up_its_own_kind_alone() -> None:
     assert slave.given == [("r", 0x104 << 2), ("b", 0), ("b", 0)]
 
 
+def test_a_word_that_was_read_waits_and_holds_up_its_own_kind_alone() -> None:
+    slave = Slave()
+    slave.clocks(8, s_axil_arvalid=1, s_axil_araddr=8, s_axil_bready=1)
+    assert slave.sim.io.s_axil_rvalid == 1
+    slave.clocks(8, s_axil_arvalid=1, s_axil_araddr=12, s_axil_awvalid=1, s_axil_awaddr=16, s_axil_wvalid=1)
+    assert slave.asked == [("read", 2), ("write", 4)]
+    slave.clocks(8, s_axil_rready=1)
+    assert slave.asked[2:] == [("read", 3)]
+    assert slave.given == [("b", 0), ("r", 0x102 << 2), ("r", 0x103 << 2)]
+
+
 def test_an_access_stands_until_answered() -> None:
     slave = Slave(answers_after=50)
     slave.clocks(40, s_axil_arvalid=1, s_axil_araddr=8, **READY)

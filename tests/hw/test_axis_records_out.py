@@ -8,8 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.contract import RECORD
+from evcot_cosim.build import load
 from evcot_cosim.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
-from evcot_cosim.testing import lint
+from evcot_cosim.testing import lint, reset
 
 FIELDS = {
     "kind": 2,
@@ -77,6 +78,24 @@ def test_records_wait_for_a_receiver_that_does_not_listen() -> None:
     device.stalls = {"m_axis_t": np.array([0] * 4095 + [1], np.uint8)}
     run = device.run({INPUT.prefix: random_records(np.random.default_rng(1), 20)[0]}, clocks=100)
     assert len(run.accepted[INPUT.prefix]) == 4
+
+
+def test_is_idle_when_the_last_beat_has_gone() -> None:
+    sim = load("axis_records_out", {"DATA_W": 64})
+    io = sim.io
+    reset(sim)
+    io.s_cm_valid, io.m_axis_tready = 1, 1
+    sim.clock.tick()
+    io.s_cm_valid = 0
+    while not io.m_axis_tlast:
+        sim.clock.tick()
+    io.m_axis_tready = 0
+    for _ in range(3):
+        sim.clock.tick()
+        assert (io.m_axis_tvalid, io.idle) == (1, 0)
+    io.m_axis_tready = 1
+    sim.clock.tick()
+    assert (io.m_axis_tvalid, io.idle) == (0, 1)
 
 
 def test_refuses_other_widths() -> None:
