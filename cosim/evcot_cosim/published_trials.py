@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of the published tracker and its cascade share: stories played to hardware and model clock by clock, random lines.
+
+A story is a list of events, clocks counted from when all is ready; it must give the same in both at every clock.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable, Sequence
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from pyverilator import PyVerilator
+
+from evcot.published import (
+    CASCADE_INPUT,
+    CASCADE_OUTPUT,
+    REGISTERS,
+    SELECT,
+    SELECT_NONE,
+    TRACKER_INPUT,
+    TRACKER_OUTPUT,
+    Handshakes,
+    Played,
+    PublishedCascade,
+    PublishedConfig,
+    decode,
+)
+
+from .build import build
+
+__all__ = [
+    "CHAIN",
+    "CONFIG",
+    "TRACKER",
+    "Event",
+    "at",
+    "centres",
+    "equal",
+    "every",
+    "n_evs",
+    "noise",
+    "play",
+    "quiet",
+    "reset_chain",
+    "reset_tracker",
+    "rtl",
+    "some_registers",
+    "wandering",
+]
+
+Ports = NDArray[np.void]
+Event = tuple[int, int, int]  # clock, high, low
+
+TRACKER, CHAIN = "cot_published", "cot_published_chain"
+IO = {TRACKER: (TRACKER_INPUT, TRACKER_OUTPUT), CHAIN: (CASCADE_INPUT, CASCADE_OUTPUT)}
+
+# What is on offer only while its request is low.
+OFFERS = {"m_pass_high": "m_pass_req_n", "m_pass_low": "m_pass_req_n"} | dict.fromkeys(
+    ("m_event", "m_high", "m_low", "m_word"), "m_req_n"
+)
+
+# A window from 91 to 109 around (100, 100), its ends not counted, that never expires; every fourth event moves the centre.
+CONFIG = PublishedConfig(
+    init_cm_low=100, init_cm_high=100, radix_th=2, init_radix=7, radix_step=1, radix_max=9, radix_min=5,
+    nev_th=4, hist_avg=1, max_time=10_000_000,
+)  # fmt: skip
+
+
+@cache
+def simulation(top: str) -> PyVerilator:
+    """The module, with a loop inside that plays rows of ports."""
+    given, told = IO[top]
+    sets = "".join(f"top->{name} = in[{offset}];" for name, (_, offset, *_) in (given.fields or {}).items())
+    gets = ""
+    for name, (kind, offset, *_) in (told.fields or {}).items():
+        value = f"top->{OFFERS[name]} ? 0 : top->{name}" if name in OFFERS else f"top->{name}"
+        gets += f"{{ uint32_t v = {value}; memcpy(out + {offset}, &v, {kind.itemsize}); }}"
+    drive = f"""#include <cstring>
+#include "V{top}.h"
+extern "C" void evcot_clocks(V{top}* top, int64_t n, const uint8_t* in, uint8_t* out) {{
+    for (; n; --n, in += {given.itemsize}, out += {told.itemsize}) {{
+        top->clk = 0; {sets} top->eval(); {gets} top->clk = 1; top->eval();
+    }}
+}}
+"""
+    return build(top, {}, {"clocks.cpp": drive}).load()
+
+
+def rtl(top: str, inputs: Ports) -> Ports:
+    """What the hardware's ports show just before each edge."""
+    sim = simulation(top)
+    inputs, outputs = np.ascontiguousarray(inputs), np.zeros(len(inputs), IO[top][1])
+    pointers = (ctypes.c_void_p(array.ctypes.data) for array in (inputs, outputs))
+    sim.lib.evcot_clocks(ctypes.c_void_p(sim.model), ctypes.c_int64(len(inputs)), *pointers)
+    return outputs
+
+
+def quiet(top: str, n: int) -> Ports:
+    """n clocks in which nobody requests or acknowledges anything."""
+    rows = np.zeros(n, IO[top][0])
+    for name in rows.dtype.names or ():
+        if name.endswith("_n"):
+            rows[name] = 1
+    return rows
+
+
+def equal(found: Ports, expected: Ports, inputs: Ports, seed: object = None) -> None:
+    """Names the first clock at which two traces differ."""
+    if len(differing := np.flatnonzero(found != expected)):
+        at = differing[0]
+        raise AssertionError(f"seed {seed}, clock {at}, {inputs[at]}: hardware {found[at]}, model {expected[at]}")
+
+
+def reset_chain(configs: Sequence[PublishedConfig]) -> None:
+    """Resets the hardware and writes its registers, as the model's constructor does."""
+    rows = quiet(CHAIN, 1)
+    rows["rst"] = 1
+    writes = [write for i, config in enumerate(configs) for write in config.writes(i)]
+    writes += [(SELECT, SELECT_NONE)] if configs else []
+    written = quiet(CHAIN, len(writes) + 1)
+    written["cfg_valid"][:-1] = 1
+    for row, (address, data) in zip(written, writes, strict=False):
+        row["cfg_addr"], row["cfg_data"] = address, data
+    rtl(CHAIN, np.concatenate([rows, written] if writes else [rows]))
+
+
+def play(events: Iterable[Event], *configs: PublishedConfig, **patterns: list[int]) -> Played:
+    """Plays a story, clocks counted from when all is ready, to a new cascade; the hardware must do the same at every clock."""
+    model = PublishedCascade(configs)
+    reset_chain(configs)
+    ready = model.clock
+    clock, high, low = np.array(list(events), np.int64).reshape(-1, 3).T
+    handshakes = Handshakes(**{name: np.array(pattern) for name, pattern in patterns.items()})
+    told = model.play(ready + clock, high, low, handshakes, trace=True)
+    equal(rtl(CHAIN, told.inputs), told.outputs, told.inputs)
+    return told._replace(
+        acknowledged=told.acknowledged - ready, word_clock=told.word_clock - ready, pass_clock=told.pass_clock - ready
+    )
+
+
+def at(clocks: Iterable[int], high: int = 100, low: int = 100) -> list[Event]:
+    """Events at one place."""
+    return [(clock, high, low) for clock in clocks]
+
+
+def every(gap: int, n: int, high: int = 100, low: int = 100, first: int = 0) -> list[Event]:
+    """n events at one place, `gap` clocks apart."""
+    return at(range(first, first + n * gap, gap), high, low)
+
+
+def centres(told: Played) -> list[tuple[int, int]]:
+    """(high, low) of every centre that came out."""
+    words = decode(told.word)
+    return [(int(word["high"]), int(word["low"])) for word in words[~words["event"]]]
+
+
+def n_evs(told: Played) -> list[int]:
+    """How many events each centre took, where nothing was rejected."""
+    is_centre = np.flatnonzero(~decode(told.word)["event"])
+    return [int(n) for n in np.diff(is_centre, prepend=-1)]
+
+
+def reset_tracker(config: PublishedConfig) -> None:
+    """Sets the register ports of the lone tracker and resets it."""
+    for name in REGISTERS.keys() - {"enable"}:
+        simulation(TRACKER).io[name] = int(getattr(config, name))
+    rows = quiet(TRACKER, 1)
+    rows["rst"] = 1
+    rtl(TRACKER, rows)
+
+
+def some_registers(rng: np.random.Generator) -> PublishedConfig:
+    """Anything legal, the ends of ranges often; small numbers often, so that much happens."""
+
+    def value(top: int) -> int:
+        return int(rng.choice(np.array([0, 1, top, rng.integers(top + 1), min(top, int(rng.integers(24)))])))
+
+    return PublishedConfig(
+        init_cm_low=value(255), init_cm_high=value(255), radix_th=value(7), init_radix=value(255), radix_step=value(7),
+        radix_max=value(255), radix_min=value(255), nev_th=value(255), hist_avg=int(rng.integers(1, 9)),
+        max_time=int(rng.choice(np.array([rng.integers(2000), rng.integers(1 << 32), 2**32 - 1, 10_000_000]))),
+        enable=bool(rng.random() < 0.8),
+    )  # fmt: skip
+
+
+def wandering(rng: np.random.Generator, n: int, start: int) -> NDArray[np.int64]:
+    """A coordinate around a place that wanders, or jumps."""
+    steps = rng.integers(-1, 2, n) + (rng.random(n) < 0.01) * rng.integers(-40, 41, n)
+    return np.clip(start + np.cumsum(steps) + rng.integers(-12, 13, n), 0, 255)
+
+
+def noise(rng: np.random.Generator, n: int) -> NDArray[np.uint8]:
+    """A line that changes now and then, whatever the protocol says."""
+    return (np.cumsum(rng.random(n) < rng.choice([0.05, 0.3, 0.7])) & 1).astype(np.uint8)
