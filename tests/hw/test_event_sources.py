@@ -15,8 +15,9 @@ from evcot.files import write_events
 from evcot.formats.evt3 import evt3_layout
 from evcot.register_access import Registers
 from evcot.streams import unpack
+from evcot_cosim.build import load
 from evcot_cosim.evt_trials import axis_beats, corrupted, decode, evt2_words, payload, random_events
-from evcot_cosim.testing import lint
+from evcot_cosim.testing import lint, reset
 from evcot_cosim.top_device import Pace, TopDevice, address_of, configuration, poll, write
 from evcot_cosim.top_trials import BUILDS, EVERY, device_of
 
@@ -42,14 +43,20 @@ def evt3_words(events: Events, folder: Path) -> np.ndarray:
     return payload(folder / "a.raw", np.uint16)
 
 
+def turned(words: np.ndarray, source: int) -> np.ndarray:
+    """The high byte of each word first, and of EVT 2.1 the upper half first."""
+    units = words.view(np.uint16 if source == EVT3 else np.uint32).byteswap()
+    return (units.reshape(-1, 2)[:, ::-1].ravel() if source == EVT21 else units).view(words.dtype)
+
+
 @pytest.mark.parametrize("source", [EVT2, EVT21, EVT3])
 def test_words_of_a_camera_give_the_log_of_its_events(source: int, tmp_path: Path) -> None:
     for seed in range(2):
         rng = np.random.default_rng([source, seed])
         events = random_events(rng, 3_000, SENSOR.width, SENSOR.height, 100_000)
         words = evt3_words(events, tmp_path) if source == EVT3 else evt2_words(events, source == EVT21)
-        beats = axis_beats(words, 64)
-        device = selected(source, Pace.random(rng) if seed else None)
+        beats = axis_beats(turned(words, source) if seed else words, 64)
+        device = selected(source, Pace.random(rng) if seed else None, swap_bytes=seed, swap_halves=seed)
         told = device.run(beats[:, 0].copy(), keeps=beats[:, 1].astype(np.uint8), most=len(events))
         golden = CotModel(CONFIG).feed(events.t_us - events.t_us[0], events.x, events.y, events.p)
         found = told.decisions(0, len(events))
@@ -70,6 +77,12 @@ def test_damaged_words_are_skipped_and_counted(tmp_path: Path) -> None:
     counters = Registers(device).counters()
     assert counters["events_in"] == len(decoded.events)
     assert counters["malformed"] == sum(count for name, count in decoded.counters.items() if name != "n_events") > 10
+
+
+def test_a_word_of_which_a_part_is_missing_is_skipped_and_counted() -> None:
+    device = selected(EVT21)
+    device.run(np.zeros(3, np.uint64), keeps=np.array([0xFF, 0x7F, 0xFE], np.uint8), quiet_clocks=50)
+    assert Registers(device).counters()["malformed"] == 2
 
 
 def test_after_reset_the_source_is_the_one_of_the_parameter() -> None:
@@ -144,6 +157,36 @@ def test_ticks_may_come_from_the_clock() -> None:
     words = np.full(3, 20 << 32 | 20 << 47, np.uint64)  # all at time 0
     records = np.concatenate([device.run(words[i : i + 1], quiet_clocks=1_000).records for i in range(3)])
     assert np.abs(np.diff(records["time"].astype(np.int64)) - 20).max() <= 1  # 1,000 clocks and a few
+
+
+def test_idle_when_every_event_has_left_with_its_ticks() -> None:
+    sim = load("event_sources", {"SOURCES": 1 << EVENTS})
+    io = sim.io
+    io.tick_us, io.m_ready, io.s_axis_tkeep = 10, 1, 0xFF
+    reset(sim)
+    sim.clock.tick()
+    assert io.idle == 1
+    for t_us in (5, 1_000):  # the second time is divided by that of a tick
+        io.s_axis_tvalid, io.s_axis_tdata = 1, t_us
+        sim.clock.tick()
+        io.s_axis_tvalid = 0
+        waits = 0
+        while not io.m_event:
+            assert (io.idle, waits < 99) == (0, True)
+            sim.clock.tick()
+            waits += 1
+        sim.clock.tick()
+        assert io.idle == 1
+
+
+def test_a_column_before_any_row_counts_as_malformed() -> None:
+    sim = load("event_sources", {"SOURCES": 1 << AER})
+    io = sim.io
+    io.select, io.word_serial, io.aer_req = AER, 1, 1
+    reset(sim)
+    for _ in range(8):
+        sim.clock.tick()
+    assert (io.aer_ack, io.n_malformed) == (1, 1)
 
 
 def test_refuses_no_source_at_all() -> None:
