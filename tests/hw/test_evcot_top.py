@@ -350,6 +350,26 @@ def test_the_self_test_source_gives_what_its_twin_in_python_gives() -> None:
     assert np.array_equal(runs[0].records[:200], runs[1].records[:200])  # stalls change nothing
 
 
+def test_another_source_takes_over_with_the_next_reset() -> None:
+    device = device_of("array behind filters")
+    registers = Registers(device)
+    registers.control.enable = registers.source.select = 1
+    events = pack_events(np.arange(20), np.full(20, 9), np.full(20, 9), np.zeros(20, np.int64))
+    assert len(device.run(events, clocks=15_000, most=15_000).passed) == 20
+    registers.control.soft_reset = 1
+    assert len(device.run(clocks=15_000, most=15_000).passed) > 1_000
+
+
+def test_idle_when_the_last_event_has_been_taken() -> None:
+    device = device_of("array behind filters")
+    registers = Registers(device)
+    registers.control.enable = 1
+    device.run(pack_events(*np.array([[0], [9], [9], [0]])), listens=False)
+    assert registers.status.idle == 0
+    assert len(device.run().passed) == 1
+    assert registers.status.idle == 1
+
+
 def test_soft_reset_keeps_what_was_written_and_starts_over() -> None:
     rng = np.random.default_rng(8)
     build = BUILDS["array behind filters"]
