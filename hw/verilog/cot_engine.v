@@ -455,6 +455,7 @@ module cot_engine #(
         .N     (N),
         .SLOT_W(SLOT_W)
     ) u_restart (
+        .asked (1'b1),
         .among (restart),
         .any   (restart_any),
         .lowest(restart_lowest)

@@ -60,42 +60,46 @@ module engine_match #(
     // ---- M ---------------------------------------------------------------------------------------------------------
 
     reg [N-1:0] hit_active_reg, hit_other_reg;
+    reg [N-1:0] meets;  // anything where there is no window or no probe
 
-    always @(posedge clk) begin : compare
+    wire [N-1:0] others = m_check ? active & ~({{(N - 1) {1'b0}}, 1'b1} << m_self) : candidate;
+
+    always @* begin : compare
         integer i;
-        reg is_self;
         reg [X_W:0] from_lo_x, to_hi_x;
         reg [Y_W:0] from_lo_y, to_hi_y;
-        reg [N-1:0] hit_active, hit_other;
-        hit_active = {N{1'b0}};
-        hit_other  = {N{1'b0}};
+        i = 0;  // on every path, or these would be latches
+        {from_lo_x, to_hi_x, from_lo_y, to_hi_y} = {(2 * X_W + 2 * Y_W + 4) {1'b0}};
+        meets = {N{1'bx}};
         if (m_valid)
-            for (i = 0; i < N; i = i + 1) begin
-                is_self   = i[SLOT_W-1:0] == m_self;
-                from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[i]};
-                to_hi_x   = {1'b0, hi_x[i]} - {1'b0, m_lo_x};
-                from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[i]};
-                to_hi_y   = {1'b0, hi_y[i]} - {1'b0, m_lo_y};
-                if (!from_lo_x[X_W] && !to_hi_x[X_W] && !from_lo_y[Y_W] && !to_hi_y[Y_W]) begin
-                    hit_active[i] = active[i] && !m_check;
-                    hit_other[i]  = m_check ? active[i] && !is_self : candidate[i];
+            for (i = 0; i < N; i = i + 1)
+                if (active[i] || candidate[i]) begin
+                    from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[i]};
+                    to_hi_x   = {1'b0, hi_x[i]} - {1'b0, m_lo_x};
+                    from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[i]};
+                    to_hi_y   = {1'b0, hi_y[i]} - {1'b0, m_lo_y};
+                    meets[i]  = !from_lo_x[X_W] && !to_hi_x[X_W] && !from_lo_y[Y_W] && !to_hi_y[Y_W];
                 end
-            end
-        hit_active_reg <= hit_active;
-        hit_other_reg  <= hit_other;
+    end
+
+    // No condition around these: it would become a reset of the registers, which is slower than one input more.
+    always @(posedge clk) begin
+        hit_active_reg <= meets & active & {N{m_valid && !m_check}};
+        hit_other_reg  <= meets & others & {N{m_valid}};
     end
 
     // ---- E ---------------------------------------------------------------------------------------------------------
 
-    reg               any_free_reg;
-    reg  [SLOT_W-1:0] else_slot, active_slot;
-    wire [SLOT_W-1:0] free_slot;
+    reg               any_free_reg, refreshes;
+    reg  [SLOT_W-1:0] else_slot;
+    wire [SLOT_W-1:0] active_slot, free_slot;
     wire              any_free;
 
     engine_lowest #(
         .N     (N),
         .SLOT_W(SLOT_W)
     ) u_other (
+        .asked (1'b1),
         .among (hit_other_reg),
         .any   (e_other),
         .lowest(e_lowest)
@@ -104,6 +108,7 @@ module engine_match #(
         .N     (N),
         .SLOT_W(SLOT_W)
     ) u_free (
+        .asked (refreshes),
         .among (free),
         .any   (any_free),
         .lowest(free_slot)
@@ -113,12 +118,18 @@ module engine_match #(
     assign e_active = |hit_active_reg;
     assign e_slot   = e_active ? active_slot : e_other ? e_lowest : else_slot;
 
-    always @* begin : encode
-        integer i;
-        i           = 0;  // on every path, or it would be a latch
-        active_slot = {SLOT_W{1'b0}};
-        if (e_active) for (i = 0; i < N; i = i + 1) active_slot = active_slot | ({SLOT_W{hit_active_reg[i]}} & i[SLOT_W-1:0]);
-    end
+    // Bit i of each number from 0 to 63.
+    localparam [6*64-1:0] BITS = {
+        64'hFFFF_FFFF_0000_0000, 64'hFFFF_0000_FFFF_0000, 64'hFF00_FF00_FF00_FF00,
+        64'hF0F0_F0F0_F0F0_F0F0, 64'hCCCC_CCCC_CCCC_CCCC, 64'hAAAA_AAAA_AAAA_AAAA
+    };
+
+    genvar g;
+    generate
+        for (g = 0; g < SLOT_W; g = g + 1) begin : g_encode
+            assign active_slot[g] = |(hit_active_reg & BITS[64*g+:N]);
+        end
+    endgenerate
 
     // ---- W ---------------------------------------------------------------------------------------------------------
 
@@ -134,7 +145,9 @@ module engine_match #(
             candidate[w_slot] <= w_window && !w_active;
             active[w_slot]    <= w_active;
         end
-        else_slot    <= names ? slot : free_slot;
+        refreshes    <= w_changes || names;
+        if (names) else_slot <= slot;
+        else if (refreshes) else_slot <= free_slot;
         any_free_reg <= any_free;
         if (rst) begin
             free         <= {N{1'b0}};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a user takes away: the whole RTL as one file, IP-XACT for each top, timing constraints."""
+"""What a user takes away: the whole RTL as one file, IP-XACT for each top, timing constraints, bodies of cells."""
 
 from __future__ import annotations
 
@@ -36,15 +36,18 @@ def release_text(verilog: Path | None = None) -> str:
 
 
 def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
-    """Write the release into a folder, which is made: evcot.v, the constraints, and ip/TOP/ with a copy of evcot.v.
+    """Write the release into a folder, which is made: evcot.v, the constraints, ecp5/ and ip/TOP/ with a copy of evcot.v.
 
     Raises:
         OutputError: a file cannot be written.
     """
     text = release_text(verilog).encode()
     files = {"evcot.v": text}
-    for path in sorted(((verilog or verilog_dir()).parent / "fpga" / "constraints").iterdir()):
+    boards = (verilog or verilog_dir()).parent / "fpga"
+    for path in sorted((boards / "constraints").iterdir()):
         files[path.name] = path.read_bytes()
+    for path in sorted((boards / "ecp5").iterdir()):
+        files[f"ecp5/{path.name}"] = path.read_bytes()
     for top in TOPS:
         files[f"ip/{top}/evcot.v"] = text
         files[f"ip/{top}/component.xml"] = component(top, "evcot.v", verilog).encode()
