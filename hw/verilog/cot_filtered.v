@@ -88,6 +88,7 @@ module cot_filtered #(
     output wire                m_pass_p,
     output wire [SEQ_W-1:0]    m_pass_seq,
 
+    output wire                filtered,     // a filter took out an event, or found one taken out, this clock
     output wire                idle          // nothing inside, no memory being emptied, no register write under way
 );
 
@@ -188,7 +189,8 @@ module cot_filtered #(
         .idle        (trackers_idle)
     );
 
-    assign idle = filters_idle && trackers_idle;
+    assign filtered = valid && ready && skip;
+    assign idle     = filters_idle && trackers_idle;
 
 endmodule
 

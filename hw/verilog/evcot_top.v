@@ -337,46 +337,7 @@ module evcot_top #(
 
     // ---- filters and trackers ----------------------------------------------------------------------------------------
 
-    wire              t_valid, t_ready, t_event, t_skip, t_p, filters_idle, trackers_idle;
-    wire [TICK_W-1:0] t_tick;
-    wire [X_W-1:0]    t_x;
-    wire [Y_W-1:0]    t_y;
-
-    filter_chain #(
-        .HAS         (HAS),
-        .X_W         (X_W),
-        .Y_W         (Y_W),
-        .TICK_W      (TICK_W),
-        .WIDTH       (WIDTH),
-        .HEIGHT      (HEIGHT),
-        .STAMP_W     (STAMP_W),
-        .RECENT_DEPTH(RECENT_DEPTH)
-    ) u_filters (
-        .clk      (clk),
-        .rst      (core_rst),
-        .cfg_valid(filter_cfg_valid),
-        .cfg_addr (filter_cfg_addr),
-        .cfg_data (filter_cfg_data),
-        .s_valid  (f_valid),
-        .s_ready  (f_ready),
-        .s_tick   (s_tick),
-        .s_event  (s_event),
-        .s_skip   (s_skip),
-        .s_x      (s_x),
-        .s_y      (s_y),
-        .s_p      (s_p),
-        .m_valid  (t_valid),
-        .m_ready  (t_ready),
-        .m_tick   (t_tick),
-        .m_event  (t_event),
-        .m_skip   (t_skip),
-        .m_x      (t_x),
-        .m_y      (t_y),
-        .m_p      (t_p),
-        .idle     (filters_idle)
-    );
-
-    wire                cm_valid, cm_ready, own_valid, own_ready, own_p, pass_valid, pass_ready, pass_p;
+    wire                cm_valid, cm_ready, own_valid, own_ready, own_p, pass_valid, pass_ready, pass_p, filtered;
     wire [1:0]          cm_kind;
     wire [SLOT_W-1:0]   cm_slot, own_slot;
     wire [ID_W-1:0]     cm_id, cm_other;
@@ -391,65 +352,72 @@ module evcot_top #(
     wire [X_W-1:0]      pass_x;
     wire [Y_W-1:0]      pass_y;
 
-    cot_tracker #(
-        .TRACKER(TRACKER),
-        .N      (N),
-        .X_W    (X_W),
-        .Y_W    (Y_W),
-        .FRAC   (FRAC),
-        .TICK_W (TICK_W),
-        .RADIX_W(RADIX_W),
-        .NEV_W  (NEV_W),
-        .TC_W   (TC_W),
-        .SUP_W  (SUP_W),
-        .ID_W   (ID_W),
-        .SEQ_W  (SEQ_W),
-        .TIME_W (TIME_W)
-    ) u_tracker (
-        .clk         (clk),
-        .rst         (core_rst),
-        .cfg_valid   (cfg_valid),
-        .cfg_slot    (cfg_slot),
-        .cfg_addr    (cfg_addr),
-        .cfg_data    (cfg_data),
-        .s_valid     (t_valid),
-        .s_ready     (t_ready),
-        .s_tick      (t_tick),
-        .s_event     (t_event),
-        .s_skip      (t_skip),
-        .s_x         (t_x),
-        .s_y         (t_y),
-        .s_p         (t_p),
-        .m_cm_valid  (cm_valid),
-        .m_cm_ready  (cm_ready),
-        .m_cm_kind   (cm_kind),
-        .m_cm_slot   (cm_slot),
-        .m_cm_id     (cm_id),
-        .m_cm_other  (cm_other),
-        .m_cm_x      (cm_x),
-        .m_cm_y      (cm_y),
-        .m_cm_radius (cm_radius),
-        .m_cm_n_ev   (cm_n_ev),
-        .m_cm_support(cm_support),
-        .m_cm_seq    (cm_seq),
-        .m_cm_time   (cm_time),
-        .m_own_valid (own_valid),
-        .m_own_ready (own_ready),
-        .m_own_slot  (own_slot),
-        .m_own_x     (own_x),
-        .m_own_y     (own_y),
-        .m_own_p     (own_p),
-        .m_own_seq   (own_seq),
-        .m_pass_valid(pass_valid),
-        .m_pass_ready(pass_ready),
-        .m_pass_x    (pass_x),
-        .m_pass_y    (pass_y),
-        .m_pass_p    (pass_p),
-        .m_pass_seq  (pass_seq),
-        .idle        (trackers_idle)
+    cot_filtered #(
+        .TRACKER     (TRACKER),
+        .HAS         (HAS),
+        .WIDTH       (WIDTH),
+        .HEIGHT      (HEIGHT),
+        .STAMP_W     (STAMP_W),
+        .RECENT_DEPTH(RECENT_DEPTH),
+        .N           (N),
+        .X_W         (X_W),
+        .Y_W         (Y_W),
+        .FRAC        (FRAC),
+        .TICK_W      (TICK_W),
+        .RADIX_W     (RADIX_W),
+        .NEV_W       (NEV_W),
+        .TC_W        (TC_W),
+        .SUP_W       (SUP_W),
+        .ID_W        (ID_W),
+        .SEQ_W       (SEQ_W),
+        .TIME_W      (TIME_W)
+    ) u_filtered (
+        .clk             (clk),
+        .rst             (core_rst),
+        .cfg_valid       (cfg_valid),
+        .cfg_slot        (cfg_slot),
+        .cfg_addr        (cfg_addr),
+        .cfg_data        (cfg_data),
+        .filter_cfg_valid(filter_cfg_valid),
+        .filter_cfg_addr (filter_cfg_addr),
+        .filter_cfg_data (filter_cfg_data),
+        .s_valid         (f_valid),
+        .s_ready         (f_ready),
+        .s_tick          (s_tick),
+        .s_event         (s_event),
+        .s_skip          (s_skip),
+        .s_x             (s_x),
+        .s_y             (s_y),
+        .s_p             (s_p),
+        .m_cm_valid      (cm_valid),
+        .m_cm_ready      (cm_ready),
+        .m_cm_kind       (cm_kind),
+        .m_cm_slot       (cm_slot),
+        .m_cm_id         (cm_id),
+        .m_cm_other      (cm_other),
+        .m_cm_x          (cm_x),
+        .m_cm_y          (cm_y),
+        .m_cm_radius     (cm_radius),
+        .m_cm_n_ev       (cm_n_ev),
+        .m_cm_support    (cm_support),
+        .m_cm_seq        (cm_seq),
+        .m_cm_time       (cm_time),
+        .m_own_valid     (own_valid),
+        .m_own_ready     (own_ready),
+        .m_own_slot      (own_slot),
+        .m_own_x         (own_x),
+        .m_own_y         (own_y),
+        .m_own_p         (own_p),
+        .m_own_seq       (own_seq),
+        .m_pass_valid    (pass_valid),
+        .m_pass_ready    (pass_ready),
+        .m_pass_x        (pass_x),
+        .m_pass_y        (pass_y),
+        .m_pass_p        (pass_p),
+        .m_pass_seq      (pass_seq),
+        .filtered        (filtered),
+        .idle            (idle)
     );
-
-    assign idle = filters_idle && trackers_idle;
 
     // ---- outputs -----------------------------------------------------------------------------------------------------
 
@@ -540,7 +508,7 @@ module evcot_top #(
     wire recorded = cm_valid && cm_ready;
 
     always @(posedge clk) begin
-        if (t_valid && t_ready && t_skip) n_filtered <= n_filtered + 1'b1;
+        if (filtered) n_filtered <= n_filtered + 1'b1;
         if (own_valid && own_ready) n_owned <= n_owned + 1'b1;
         if (pass_valid && pass_ready) n_passed <= n_passed + 1'b1;
         if (recorded) n_records <= n_records + 1'b1;

@@ -5,15 +5,16 @@ from __future__ import annotations
 
 import pytest
 
-from evcot.errors import ToolchainError
-from evcot_cosim.build import load
 from evcot_cosim.testing import lint
 
 
-def test_refuses_a_kind_that_is_none() -> None:
-    with pytest.raises(ToolchainError, match="TRACKER must be 0 to 2"):
-        load("cot_tracker", {"TRACKER": 3})
+@pytest.mark.parametrize("kind", [0, 1, 2])
+def test_lints_clean(kind: int) -> None:
+    assert lint("cot_tracker", TRACKER=kind, N=2) == (0, "")
 
 
-def test_a_source_of_evt_words_refuses_a_format_that_is_none() -> None:
-    assert "FORMAT_must_be_EVT2_EVT21_or_EVT3" in lint("evt_source", FORMAT=2)[1]
+@pytest.mark.parametrize("kind", [-1, 3])
+def test_refuses_a_kind_that_is_none(kind: int) -> None:
+    code, log = lint("cot_tracker", TRACKER=kind)
+    assert code != 0
+    assert "TRACKER_must_be_0_to_2" in log

@@ -73,9 +73,9 @@ def test_the_block_diagram_names_modules_that_are_there() -> None:
     boxes = [node.text or "" for node in drawing.iter("{http://www.w3.org/2000/svg}text")]
     modules = [text for text in boxes if (verilog_dir() / f"{text}.v").exists()]
     assert len(modules) == len(set(modules)) == 14
-    both = "".join((verilog_dir() / f"{top}.v").read_text() for top in ("evcot_top", "event_sources"))
+    text = "".join((verilog_dir() / f"{top}.v").read_text() for top in ("evcot_top", "event_sources", "cot_filtered"))
     for module in modules:
-        assert re.search(rf"^\s*(?:module )?{module} #\(", both, re.MULTILINE), module
+        assert re.search(rf"^\s*(?:module )?{module} #\(", text, re.MULTILINE), module
 
 
 @pytest.mark.parametrize("top", ["kv260_evcot", "davis_evcot"])
