@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes what the self-test of a board needs over AXI4-Lite, once, and then leaves the bus to somebody else.
 //
-// What is written stands in board_selftest.vh, which evcot_cosim/fpga/board.py makes: words before the slots, a slot's words
+// What is written stands in board_selftest.vh, which evcot_cosim/fpga/headers.py makes: words before the slots, a slot's words
 // for each slot, words after them. Between two writes there are 64 clocks, time for a reset that one of them asks for.
 `default_nettype none
 `include "evcot_regs.vh"

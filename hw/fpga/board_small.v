@@ -96,9 +96,9 @@ module board_small #(
             WORD_SHAPE0:  value = SHAPE0 | N;
             WORD_SHAPE1:  value = SHAPE1;
             WORD_SHAPE2:  value = SHAPE2;
-            WORD_BUILD:   value = 32'h00000200;  // no filter, the LFSR, an array
-            WORD_SENSOR:  value = 32'h007F007F;
-            WORD_MEMORY:  value = 32'h00000004;
+            WORD_BUILD:   value = BUILD;  // no filter, the LFSR, an array
+            WORD_SENSOR:  value = SENSOR;
+            WORD_MEMORY:  value = MEMORY;
             WORD_CONTROL: value = {31'd0, enable};
             WORD_EVENTS:  value = n_events;
             WORD_OWNED:   value = n_owned;
@@ -137,7 +137,7 @@ module board_small #(
     lfsr_event_source #(
         .X_W   (SHAPE_X_W),
         .Y_W   (SHAPE_Y_W),
-        .GAP_W (6),
+        .GAP_W (GAP_W),
         .LFSR_W(32)
     ) u_source (
         .clk       (clk),
@@ -148,10 +148,10 @@ module board_small #(
         .seed_error(),
         .done      (),
         .gap       (GAP),
-        .x_min     ({SHAPE_X_W{1'b0}}),
-        .x_span    ({SHAPE_X_W{1'b1}}),
-        .y_min     ({SHAPE_Y_W{1'b0}}),
-        .y_span    ({SHAPE_Y_W{1'b1}}),
+        .x_min     (X_MIN),
+        .x_span    (X_SPAN),
+        .y_min     (Y_MIN),
+        .y_span    (Y_SPAN),
         .m_valid   (offered),
         .m_ready   (take),
         .m_x       (event_x),
@@ -195,7 +195,7 @@ module board_small #(
         .cfg_data    (data),
         .s_valid     (offered && enable && loaded),
         .s_ready     (ready),
-        .s_tick      (first ? {SHAPE_TICK_W{1'b0}} : {{SHAPE_TICK_W - 6{1'b0}}, GAP} + 1'b1),
+        .s_tick      (first ? {SHAPE_TICK_W{1'b0}} : {{SHAPE_TICK_W - GAP_W{1'b0}}, GAP} + 1'b1),
         .s_event     (1'b1),
         .s_skip      (1'b0),
         .s_x         (event_x),

@@ -4,7 +4,7 @@
 // After reset the registers of all slots are written, then events of lfsr_event_source.v go in, one tick each. Records, owned
 // and passed events are folded into a signature each: rotated by one bit, then the word's 32-bit pieces exclusive-ored in.
 // What they hold depends on the order of the events alone, so the signatures are the same for cot_array and cot_engine, at
-// any clock, and those of the Python twin, evcot_cosim/fpga/selftest.py, which also writes evcot_selftest.vh.
+// any clock, and those of the Python twin, evcot_cosim/fpga/selftest.py.
 //
 // done rises for good when all is quiet; passed then says whether the signatures are as expected. Reset starts over.
 `default_nettype none
@@ -24,7 +24,7 @@ module evcot_selftest #(
     output reg  [31:0] pass_signature
 );
 
-    // N, EVENTS, SEED, GAP, MIN, SPAN, *_EXPECTED, WRITES, register_write
+    // N, EVENTS, SEED, GAP_W, GAP, MIN, SPAN, *_EXPECTED, WRITES, register_write
     `include "evcot_selftest.vh"
 
     localparam SLOT_W = (N > 1) ? $clog2(N) : 1;
@@ -78,7 +78,7 @@ module evcot_selftest #(
     lfsr_event_source #(
         .X_W   (X_W),
         .Y_W   (Y_W),
-        .GAP_W (6),
+        .GAP_W (GAP_W),
         .LFSR_W(32)
     ) u_source (
         .clk       (clk),

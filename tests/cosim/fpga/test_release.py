@@ -144,7 +144,7 @@ def test_the_self_test_lints_clean() -> None:
 
 
 def test_the_self_test_expects_what_the_model_gives() -> None:
-    assert (HW / "fpga" / "evcot_selftest.vh").read_text() == header(), "run python -m evcot_cosim.fpga.selftest"
+    assert (HW / "fpga" / "evcot_selftest.vh").read_text() == header(), "run python -m evcot_cosim.fpga.headers"
 
 
 def fusesoc(folder: Path, target: str, cores: Path) -> str:
