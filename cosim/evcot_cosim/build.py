@@ -28,7 +28,7 @@ from evcot_cosim.toolchain import OPTIMISATION, Toolchain, find_toolchain
 
 __all__ = ["BuiltModel", "build", "cache_dir", "load", "verilog_dir"]
 
-# In several files a design compiles on several cores, but takes twice the time of one, and a header of its own to be read.
+# In several files a design would compile on several cores, but take twice the time of one, half of it for headers.
 _VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--output-split", "0", "--default-language", "1364-2005")
 # pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
 # of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.

@@ -75,7 +75,7 @@ def find_toolchain(environment: Mapping[str, str] | None = None) -> Toolchain:
     compiler_version = _first_line([*compiler, "--version"], bare)
     child = bare | {
         "PATH": os.pathsep.join([str(executable.parent), bare.get("PATH", os.defpath)]),
-        "MAKEFLAGS": _make_flags(compiler, "clang" in compiler_version),
+        "MAKEFLAGS": _make_flags(compiler),
     }
     # An installed Verilator knows its own root, and older ones do not even find their binary when told.
     if root == executable.resolve().parents[1]:
@@ -125,7 +125,7 @@ def _probe(executable: Path, bare: Mapping[str, str], origin: str) -> tuple[Path
     return executable, f"{number[0]} ({answer.strip()})", root
 
 
-def _make_flags(compiler: tuple[str, ...], clang: bool) -> str:
+def _make_flags(compiler: tuple[str, ...]) -> str:
     """MAKEFLAGS that make any Verilator's makefile fit this machine, whatever machine it was configured on."""
     variables = {
         "CXX": shlex.join(compiler),
@@ -133,9 +133,6 @@ def _make_flags(compiler: tuple[str, ...], clang: bool) -> str:
         "AR": "ar",
         "PERL": "perl",
         "PYTHON3": shlex.quote(sys.executable),
-        # How to name a precompiled header; left empty by some packages, which breaks any design of several files.
-        "CFG_CXXFLAGS_PCH_I": "-include-pch" if clang else "-include",
-        "CFG_GCH_IF_CLANG": ".gch" if clang else "",
         **OPTIMISATION,
     }
     words = [
