@@ -12,7 +12,9 @@ from evcot_cosim.testing import evaluate, lint
 @pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (5, 3), (8, 3), (12, 4)])
 def test_every_set_of_bits(n: int, slot_w: int) -> None:
     among = np.arange(1 << n)
-    told = evaluate("engine_lowest", {"N": n, "SLOT_W": slot_w}, {"among": among, "asked": np.ones_like(among)}, ["any", "lowest"])
+    told = evaluate(
+        "engine_lowest", {"N": n, "SLOT_W": slot_w}, {"among": among, "asked": np.ones_like(among)}, ["any", "lowest"]
+    )
     lowest = [next((i for i in range(n) if one >> i & 1), 0) for one in among.tolist()]
     np.testing.assert_array_equal(told["any"], among > 0)
     np.testing.assert_array_equal(told["lowest"][1:], lowest[1:])

@@ -99,14 +99,18 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
             if not folder.is_dir():
                 os.replace(stage, folder)
     cells = json.loads((folder / "cells.json").read_text())["modules"]
-    inside, around = Resources(), Resources()
-    for name, counted in cells.items():
-        taken = device.count(counted["num_cells_by_type"])
-        if name == "\\harness":
-            around += taken
-        else:
-            inside += taken
-    return Synthesis(case, key, inside, around, folder)
+    around = _taken("\\harness", cells, device, below=False)
+    return Synthesis(case, key, _taken("\\harness", cells, device) + around * -1, around, folder)
+
+
+def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = True) -> Resources:
+    """What a module takes, with all that is kept apart from it as often as it stands in it, or alone."""
+    counted = cells[name]["num_cells_by_type"]
+    total = device.count(counted)
+    for part, times in counted.items():
+        if below and (kept := part if part in cells else f"\\{part}") in cells:
+            total += _taken(kept, cells, device) * times
+    return total
 
 
 def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
