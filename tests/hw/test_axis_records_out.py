@@ -8,9 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.contract import RECORD
-from evcot_cosim.build import load
 from evcot_cosim.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.testing import lint
 
 FIELDS = {
     "kind": 2,
@@ -81,9 +80,8 @@ def test_records_wait_for_a_receiver_that_does_not_listen() -> None:
 
 
 def test_is_idle_when_the_last_beat_has_gone() -> None:
-    sim = load("axis_records_out", {"DATA_W": 64})
+    sim = device_of(64).sim
     io = sim.io
-    reset(sim)
     io.s_cm_valid, io.m_axis_tready = 1, 1
     sim.clock.tick()
     io.s_cm_valid = 0

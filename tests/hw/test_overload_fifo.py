@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.build import load
 from evcot_cosim.stream_device import StreamDevice, random_stalls
-from evcot_cosim.testing import PATTERNS, Sink, Source, always, lint, reset, run_streams
+from evcot_cosim.testing import PATTERNS, Sink, Source, always, lint, run_streams
 from evcot_cosim.token_trials import TOKENS_IN, TOKENS_OUT, hear
 
 TOP = "overload_fifo"
@@ -139,9 +138,7 @@ def test_every_event_that_stays_keeps_its_time(shape: tuple[int, int, int], drop
 @pytest.mark.parametrize("shape", SHAPES)
 def test_counters_add_up_at_every_clock(shape: tuple[int, int, int]) -> None:
     depth, tick_w, _ = shape
-    sim = load(TOP, parameters(*shape))
-    reset(sim)
-    sim.io.drop_enable = 1
+    sim = device_of(*shape).sim
     rng = np.random.default_rng(82)
     tokens = [tuple(token) for token in random_tokens(rng, 3_000, tick_w).tolist()]
     sink = Sink(sim, "m", TOKENS_OUT.fields, PATTERNS["rarely"](rng))
