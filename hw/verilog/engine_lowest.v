@@ -15,25 +15,25 @@ module engine_lowest #(
 );
 
     localparam LEAVES = 1 << SLOT_W;
-    localparam [31:0] FIRST = LEAVES;
 
     assign any = |among;
 
-    // Node 1 is the root; the children of node i are 2 i and 2 i + 1. `place` is the number of its first leaf that is set.
+    // Node 1 is the root; the children of node i are 2 i and 2 i + 1. Its `place` is the number of its first leaf that is set.
     always @* begin : tree
         integer i;
-        reg [2*LEAVES-1:0] has;
-        reg [SLOT_W-1:0]   place [0:2*LEAVES-1];
+        reg [2*LEAVES-1:0]        has;
+        reg [2*LEAVES*SLOT_W-1:0] place;
         i      = 0;
-        has    = {{(2 * LEAVES - N) {1'b0}}, among} << FIRST;
+        has    = {{(2 * LEAVES - N) {1'b0}}, among} << LEAVES;
+        place  = {(2 * LEAVES * SLOT_W) {1'b0}};
         lowest = {SLOT_W{1'bx}};
-        for (i = 0; i < 2 * LEAVES; i = i + 1) place[i] = i[SLOT_W-1:0];
         if (asked && any) begin
+            for (i = 0; i < LEAVES; i = i + 1) place[(LEAVES+i)*SLOT_W+:SLOT_W] = i[SLOT_W-1:0];
             for (i = LEAVES - 1; i > 0; i = i - 1) begin
-                has[i]   = has[2*i] || has[2*i+1];
-                place[i] = has[2*i] ? place[2*i] : place[2*i+1];
+                has[i] = has[2*i] || has[2*i+1];
+                place[i*SLOT_W+:SLOT_W] = has[2*i] ? place[2*i*SLOT_W+:SLOT_W] : place[(2*i+1)*SLOT_W+:SLOT_W];
             end
-            lowest = place[1];
+            lowest = place[SLOT_W+:SLOT_W];
         end
     end
 

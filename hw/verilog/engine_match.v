@@ -60,16 +60,15 @@ module engine_match #(
     // ---- M ---------------------------------------------------------------------------------------------------------
 
     reg [N-1:0] hit_active_reg, hit_other_reg;
-    reg [N-1:0] meets;  // anything where there is no window or no probe
 
     wire [N-1:0] others = m_check ? active & ~({{(N - 1) {1'b0}}, 1'b1} << m_self) : candidate;
 
-    always @* begin : compare
+    // No condition around the registers: it would become a reset of them, which is slower than one input more.
+    always @(posedge clk) begin : compare
         integer i;
         reg [X_W:0] from_lo_x, to_hi_x;
         reg [Y_W:0] from_lo_y, to_hi_y;
-        i = 0;  // on every path, or these would be latches
-        {from_lo_x, to_hi_x, from_lo_y, to_hi_y} = {(2 * X_W + 2 * Y_W + 4) {1'b0}};
+        reg [N-1:0] meets;  // anything where there is no window or no probe
         meets = {N{1'bx}};
         if (m_valid)
             for (i = 0; i < N; i = i + 1)
@@ -80,10 +79,6 @@ module engine_match #(
                     to_hi_y   = {1'b0, hi_y[i]} - {1'b0, m_lo_y};
                     meets[i]  = !from_lo_x[X_W] && !to_hi_x[X_W] && !from_lo_y[Y_W] && !to_hi_y[Y_W];
                 end
-    end
-
-    // No condition around these: it would become a reset of the registers, which is slower than one input more.
-    always @(posedge clk) begin
         hit_active_reg <= meets & active & {N{m_valid && !m_check}};
         hit_other_reg  <= meets & others & {N{m_valid}};
     end
