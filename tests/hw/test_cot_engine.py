@@ -130,6 +130,18 @@ def test_registers_written_between_events_act_as_in_the_array() -> None:
     assert restarted > 3
 
 
+def test_a_shorter_lifetime_counts_from_the_next_event_on() -> None:
+    device = Device(CotConfig(SHAPE, (JUMPY,) * 3), "cot_engine")
+    x = np.full(2, 20, np.uint16)
+    device.stream(np.array([1]), x[:1], x[:1], np.zeros(1, np.uint8))
+    io = device.sim.io
+    io.cfg_valid, io.cfg_slot, io.cfg_addr, io.cfg_data = 1, 0, REGISTERS["max_ticks"].address, 5
+    device.sim.clock.tick()
+    io.cfg_valid = 0
+    records = device.stream(np.array([2, 20]), x, x, np.zeros(2, np.uint8)).records
+    assert records[["kind", "time"]].tolist() == [(Kind.MOVED, 2), (Kind.LOST, 7), (Kind.BORN, 20)]
+
+
 def test_a_mode_write_restarts_one_slot_alone() -> None:
     device = Device(CotConfig(SHAPE, (JUMPY,) * 3), "cot_engine")
     xs = np.array([20, 60, 100], np.uint16)
