@@ -91,6 +91,17 @@ def test_an_event_that_no_tracker_wants_comes_out_at_the_end(engine: Engine) -> 
     assert (run.owners, run.kinds) == ([-1, -1], [])
 
 
+def test_time_goes_on_where_nobody_takes_what_passes() -> None:
+    device = Device(CotConfig(SHAPE, (JUMPY,) * 3), "cot_chain")
+    x = np.array([20], np.uint16)
+    device.stream(np.array([0]), x, x, np.zeros(1, np.uint8))
+    io = device.sim.io
+    io.s_valid, io.s_event, io.s_tick, io.m_cm_ready, io.m_pass_ready = 1, 0, 10, 0, 0
+    for _ in range(600):
+        device.sim.clock.tick()
+    assert (io.m_cm_valid, io.m_cm_kind, io.m_cm_time) == (1, LOST, 1000)
+
+
 class TestClocks:
     """What the header of cot_chain.v claims."""
 
