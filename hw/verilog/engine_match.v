@@ -61,26 +61,54 @@ module engine_match #(
 
     reg [N-1:0] hit_active_reg, hit_other_reg;
 
-    wire [N-1:0] others = m_check ? active & ~({{(N - 1) {1'b0}}, 1'b1} << m_self) : candidate;
+    reg  [N-1:0] left, right, above, below;  // of the window; anything where there is none or no probe
+    wire [N-1:0] hit_active, hit_other;
 
-    // No condition around the registers: it would become a reset of them, which is slower than one input more.
-    always @(posedge clk) begin : compare
-        integer i;
-        reg [X_W:0] from_lo_x, to_hi_x;
-        reg [Y_W:0] from_lo_y, to_hi_y;
-        reg [N-1:0] meets;  // anything where there is no window or no probe
-        meets = {N{1'bx}};
-        if (m_valid)
-            for (i = 0; i < N; i = i + 1)
-                if (active[i] || candidate[i]) begin
-                    from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[i]};
-                    to_hi_x   = {1'b0, hi_x[i]} - {1'b0, m_lo_x};
-                    from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[i]};
-                    to_hi_y   = {1'b0, hi_y[i]} - {1'b0, m_lo_y};
-                    meets[i]  = !from_lo_x[X_W] && !to_hi_x[X_W] && !from_lo_y[Y_W] && !to_hi_y[Y_W];
-                end
-        hit_active_reg <= meets & active & {N{m_valid && !m_check}};
-        hit_other_reg  <= meets & others & {N{m_valid}};
+    // Whose windows count.
+    wire [N-1:0] myself = {{(N - 1) {1'b0}}, 1'b1} << m_self;
+    wire [N-1:0] owners = active & {N{m_valid && !m_check}};
+    wire [N-1:0] others = (m_check ? active & ~myself : candidate) & {N{m_valid}};
+
+    genvar g;
+    generate
+        for (g = 0; g < N; g = g + 1) begin : g_slot
+            wire [X_W:0] from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[g]};
+            wire [X_W:0] to_hi_x   = {1'b0, hi_x[g]} - {1'b0, m_lo_x};
+            wire [Y_W:0] from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[g]};
+            wire [Y_W:0] to_hi_y   = {1'b0, hi_y[g]} - {1'b0, m_lo_y};
+            wire unused = &{1'b0, from_lo_x, to_hi_x, from_lo_y, to_hi_y};
+            always @* begin
+                {left[g], right[g], above[g], below[g]} = 4'bxxxx;
+                if (m_valid && (active[g] || candidate[g]))
+                    {left[g], right[g], above[g], below[g]} = {from_lo_x[X_W], to_hi_x[X_W], from_lo_y[Y_W], to_hi_y[Y_W]};
+            end
+        end
+    endgenerate
+
+    engine_hits #(
+        .N(N)
+    ) u_active (
+        .left  (left),
+        .right (right),
+        .above (above),
+        .below (below),
+        .counts(owners),
+        .hits  (hit_active)
+    );
+    engine_hits #(
+        .N(N)
+    ) u_others (
+        .left  (left),
+        .right (right),
+        .above (above),
+        .below (below),
+        .counts(others),
+        .hits  (hit_other)
+    );
+
+    always @(posedge clk) begin
+        hit_active_reg <= hit_active;
+        hit_other_reg  <= hit_other;
     end
 
     // ---- E ---------------------------------------------------------------------------------------------------------
@@ -119,7 +147,6 @@ module engine_match #(
         64'hF0F0_F0F0_F0F0_F0F0, 64'hCCCC_CCCC_CCCC_CCCC, 64'hAAAA_AAAA_AAAA_AAAA
     };
 
-    genvar g;
     generate
         for (g = 0; g < SLOT_W; g = g + 1) begin : g_encode
             assign active_slot[g] = |(hit_active_reg & BITS[64*g+:N]);

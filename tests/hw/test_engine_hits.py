@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""engine_hits.v: a slot is hit where the probe lies on no side of its window and it counts."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from evcot_cosim.testing import evaluate, lint
+
+PORTS = ("left", "right", "above", "below", "counts")
+
+
+def test_every_combination_in_every_bit() -> None:
+    every = np.array(list(product((0, 1), repeat=5)))
+    words = {name: int((every[:, i] << np.arange(32)).sum()) for i, name in enumerate(PORTS)}  # bit i: combination i
+    told = evaluate("engine_hits", {"N": 32}, {name: np.array([word]) for name, word in words.items()}, ["hits"])["hits"]
+    assert told.tolist() == [1 << every.tolist().index([0, 0, 0, 0, 1])]
+
+
+def test_lints_clean() -> None:
+    assert lint("engine_hits", N=1) == (0, "")
+    assert lint("engine_hits", N=64) == (0, "")
