@@ -49,7 +49,7 @@ docs: $(VENV)/.installed-docs ## Build the API reference from docstrings, in bui
 	@$(BIN)/pdoc --docformat google -o build/docs/api evcot evcot_cosim
 	@echo "build/docs/api/index.html"
 
-mutants: $(VENV)/.installed-test ## Break the RTL in one place at a time and see that a test fails each time (minutes)
+mutants: $(VENV)/.installed-test ## Break the RTL in one place at a time and see that a test fails each time (an hour)
 	@$(BIN)/python tests/mutations.py $(ARGS)
 
 fuzz: $(VENV)/.installed-test ## Damage recordings of every format in every way that the tests know, leaving nothing out (an hour)
