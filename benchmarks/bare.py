@@ -93,7 +93,7 @@ def _build(model: BuiltModel, folder: Path) -> Path:
     tools = find_toolchain()
     command = [
         str(tools.executable), "--cc", "--exe", "--build", "--trace", "-Wno-fatal", "-Mdir", str(folder),
-        *verilator_flags(model), "-CFLAGS", _request(model)["cargs"],
+        *verilator_flags(model), "-CFLAGS", _request(model)["cargs"].replace("-include evcot_runtime.h", ""),
         "-y", str(verilog_dir()), str(verilog_dir() / f"{model.top}.v"), str(_MAIN),
     ]  # fmt: skip
     log = folder / "build.log"
