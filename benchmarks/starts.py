@@ -29,12 +29,12 @@ _FIRST_EVENT = """
 import os, time
 from evcot_cosim.cli import main
 from evcot_cosim.device import Device
-stream = Device.stream
+stream = Device.stream_timed
 def first(device, *columns):
     stream(device, *(column[:1] for column in columns))
     print(time.monotonic(), flush=True)
     os._exit(0)
-Device.stream = first
+Device.stream_timed = first
 main(["cosim", "--quiet"])
 """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The streaming drive of the 8-slot array, alone and checked, against a bare C++ main and on its own."""
+"""The streaming drive: the 8-slot array, alone and checked, against a bare C++ main and on its own; the engine."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from measure import Clock, Goal, Result, Timing, take_turns, timed
 __all__ = ["measure"]
 
 _RATE_GOAL_M = 5.0
+_ENGINE_GOALS_M = {8: 5.0, 32: 3.0}  # by slots
 
 
 def measure(folder: Path, quick: bool) -> Iterator[Result]:
-    """stream_rate_8, stream_vs_bare, checked_vs_bare."""
+    """stream_rate_8, stream_vs_bare, checked_vs_bare, engine_rate_8, engine_rate_32."""
     config = streams.config().cot
     model = build_device(config)
     events = streams.joined(200_000 if quick else 1_000_000)
@@ -57,3 +58,20 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
         ratio=turns.speed_ratio("checked", "bare", Clock.WALL), goal=Goal(0.7),
         how=f"two threads, wall time; CPU ratio of the thread that drives: {turns.speed_ratio('checked', 'bare'):.3f}",
     )  # fmt: skip
+    for slots, goal_m in _ENGINE_GOALS_M.items():
+        yield _engine_rate(slots, goal_m, 100_000 if quick else 500_000, 3 if quick else 9)
+
+
+def _engine_rate(slots: int, goal_m: float, count: int, rounds: int) -> Result:
+    """cot_engine with as many discs as slots."""
+    config = streams.config(slots).cot
+    model = build_device(config, "cot_engine")
+    events = streams.joined(count, slots)
+
+    def drive() -> Timing:
+        with Lockstep(config, "cot_engine", check=False, model=model) as lockstep:
+            return timed(lambda: list(map(lockstep.feed, chunks(events))))
+
+    rate_m = count / take_turns({"engine": drive}, rounds).seconds("engine", Clock.CPU) / 1e6
+    how = "chunks of 65,536, no check, CPU time"
+    return Result(f"engine_rate_{slots}", rate_m, "M events/s", goal_m, "goal", goal=Goal(1), how=how)
