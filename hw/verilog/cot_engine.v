@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cot_array as a pipeline: the same ports, registers and records, the same three streams bit for bit. docs/engine.md draws it.
 //
-// Latency, unstalled, from the clock edge that takes the event: a record after 10, for any N.
+// Latency, unstalled, from the clock edge that takes the event: a record after 11, for any N.
 // Throughput: a token every clock. 6 clocks more after an event that moves a centre or starts a life, about 4 N + 35 for the
 // end of a life, about 12 (X_W + FRAC) + 50 for a merge, and 2 N + 12 every max_ticks or detect_ticks, whichever is less.
 // Every output holds its value until taken. Reset turns all slots off; about 6 N clocks later the engine is idle.
@@ -93,7 +93,7 @@ module cot_engine #(
     localparam AT_Y    = (Y_W > RADIX_W + 1 ? Y_W : RADIX_W + 1) + 2;
     localparam STEP_W  = $clog2(2 * N + 8);
     localparam [31:0] SLOTS  = 2 * N;
-    localparam [31:0] WALKED = 2 * N + 6;
+    localparam [31:0] WALKED = 2 * N + 7;
 
     // What the engine is doing.
     localparam [2:0] RUN    = 3'd0;  // issuing tokens
@@ -169,11 +169,11 @@ module cot_engine #(
     reg               e_due, c_due;                        // the bound has come
     reg               u_ends;                              // in place of u_valid: lives, before this token
     reg               rewound;                             // the clock before threw tokens out
-    reg [SLOT_W-1:0]  c_slot, v_slot;
+    reg [SLOT_W-1:0]  c_slot;
     reg [SLOT_W-1:0]  c_slot_too, c_slot_regs;             // c_slot again, for it goes to every bit of the context
-    reg               c_takes, c_passes, c_active, c_seeds, c_report, c_clear, c_join, c_walks;
-    reg               o_report, o_clear, o_join, o_walks;  // an operation, on its way to C
-    reg               u_takes, u_passes, u_walks, v_decided, v_owned;
+    reg               c_takes, c_passes, c_active, c_seeds, c_report, c_clear, c_join, c_looks;
+    reg               o_report, o_clear, o_join, o_looks;  // an operation, or a look at a slot, on its way to C
+    reg               u_takes, u_passes, u_walks, v_walks, v_decided, v_owned;
 
     reg               found;              // the window checked overlaps
     reg [SLOT_W-1:0]  moved, found_slot;  // that of this slot, which moved, and that of the other
@@ -235,15 +235,15 @@ module cot_engine #(
 
     // ---- C to W: what it does to its owner -----------------------------------------------------------------------------
 
-    wire                c_commits, u_special, u_busy, u_timed, u_on, v_busy;
-    wire [SLOT_W-1:0]   u_slot;
-    wire [ID_W-1:0]     u_id, stays_id;
+    wire                c_commits, u_special, u_busy, v_timed, v_on, v_busy, w_busy;
+    wire [SLOT_W-1:0]   v_slot;
+    wire [ID_W-1:0]     v_id, stays_id;
     wire [X_W+FRAC-1:0] u_cm_x, join_x;
     wire [Y_W+FRAC-1:0] u_cm_y, join_y;
     wire [RADIX_W-1:0]  u_g, join_g;
     wire [SUP_W-1:0]    v_support, join_support;
-    wire [LIFE_W-1:0]   u_deadline;
-    wire [TC_W-1:0]     u_max_ticks, u_detect_ticks;
+    wire [LIFE_W-1:0]   v_deadline;
+    wire [TC_W-1:0]     v_grant;
     wire [RADIX_W+1:0]  v_rel_x, v_rel_y;
     wire [TIME_W-1:0]   ended_time;
 
@@ -282,30 +282,31 @@ module cot_engine #(
         .c_seeds       (c_seeds),
         .c_x           (c_x),
         .c_y           (c_y),
-        .c_time        (c_time),
         .c_report      (c_report),
         .c_clear       (c_clear),
         .c_join        (c_join),
+        .c_looks       (c_looks),
+        .looks_max     (!on_detect),
         .join_x        (join_x),
         .join_y        (join_y),
         .join_g        (join_g),
         .join_support  (join_support),
         .u_special     (u_special),
-        .u_slot        (u_slot),
         .u_busy        (u_busy),
-        .u_id          (u_id),
         .u_cm_x        (u_cm_x),
         .u_cm_y        (u_cm_y),
         .u_g           (u_g),
-        .v_support     (v_support),
-        .u_timed       (u_timed),
-        .u_deadline    (u_deadline),
-        .u_on          (u_on),
-        .u_max_ticks   (u_max_ticks),
-        .u_detect_ticks(u_detect_ticks),
         .v_busy        (v_busy),
+        .v_slot        (v_slot),
+        .v_id          (v_id),
+        .v_support     (v_support),
+        .v_timed       (v_timed),
+        .v_deadline    (v_deadline),
+        .v_on          (v_on),
+        .v_grant       (v_grant),
         .v_rel_x       (v_rel_x),
         .v_rel_y       (v_rel_y),
+        .w_busy        (w_busy),
         .w_checks      (w_checks),
         .w_places      (w_places),
         .w_changes     (w_changes),
@@ -354,18 +355,16 @@ module cot_engine #(
         .m_time      (m_time[LIFE_W-1:0]),
         .m_due       (m_due),
         .survey      (survey),
-        .on_detect   (on_detect),
         .surveys     (surveys),
         .start       (start),
-        .step        (u_walks),
+        .step        (v_walks),
         .finish      (walked && !surveys && !ended),
         .now         (now),
-        .slot        (u_slot),
-        .timed       (u_timed),
-        .deadline    (u_deadline),
-        .on          (u_on),
-        .max_ticks   (u_max_ticks),
-        .detect_ticks(u_detect_ticks),
+        .slot        (v_slot),
+        .timed       (v_timed),
+        .deadline    (v_deadline),
+        .on          (v_on),
+        .grant       (v_grant),
         .ended       (ended),
         .ended_slot  (ended_slot),
         .ended_time  (ended_time)
@@ -383,8 +382,8 @@ module cot_engine #(
         .clk         (clk),
         .take_a      (take_a),
         .take_b      (take_b),
-        .slot        (u_slot),
-        .id          (u_id),
+        .slot        (v_slot),
+        .id          (v_id),
         .cm_x        (u_cm_x),
         .cm_y        (u_cm_y),
         .g           (u_g),
@@ -531,12 +530,12 @@ module cot_engine #(
         c_report <= o_report;
         c_clear  <= o_clear;
         c_join   <= o_join;
-        c_walks  <= o_walks;
+        c_looks  <= o_looks;
 
         o_report <= reports;
         o_clear  <= clears;
         o_join   <= joins;
-        o_walks  <= phase == WALK && step < SLOTS[STEP_W-1:0] && step[0];
+        o_looks  <= phase == FETCH || (phase == WALK && step < SLOTS[STEP_W-1:0] && step[0]);
 
         u_valid  <= c_commits;
         u_ends   <= c_valid && !rewind && c_early;
@@ -547,11 +546,11 @@ module cot_engine #(
         u_time   <= c_time;
         u_counts <= c_counts;
         u_p      <= c_p;
-        u_walks  <= c_walks;
+        u_walks  <= c_looks && phase == WALK;
 
         v_decided <= commit && (u_takes || u_passes);
         v_owned   <= u_takes;
-        v_slot    <= u_slot;
+        v_walks   <= u_walks;
         v_x       <= u_x;
         v_y       <= u_y;
         v_p       <= u_p;
@@ -582,7 +581,7 @@ module cot_engine #(
         take_a  <= phase == FETCH && step == TWO;
         take_b  <= phase == FETCH && step == THREE;
 
-        settled      <= !(reports || clears || joins || operates || u_special || v_busy);
+        settled      <= !(reports || clears || joins || operates || u_special || v_busy || w_busy);
         restarting   <= restart_any;
         restart_slot <= restart_lowest;
         restarts     <= phase == RUN && restarting && drained && !restarts;

@@ -26,8 +26,7 @@ module engine_lives #(
     output wire               m_due,
 
     input  wire               survey,       // a walk over max_ticks begins: forget the last survey
-    input  wire               on_detect,    // this walk is the one over detect_ticks
-    input  wire               surveys,      // this walk is one of both
+    input  wire               surveys,      // this walk is one over max_ticks or detect_ticks
     input  wire               start,        // a walk over deadlines begins
     input  wire               step,         // the slot's context is there
     input  wire               finish,       // the walk over deadlines is complete: take over the bound
@@ -36,8 +35,7 @@ module engine_lives #(
     input  wire               timed,
     input  wire [LIFE_W-1:0]  deadline,
     input  wire               on,           // mode is not off
-    input  wire [TC_W-1:0]    max_ticks,
-    input  wire [TC_W-1:0]    detect_ticks,
+    input  wire [TC_W-1:0]    grant,        // max_ticks, in the second survey detect_ticks
 
     output reg                ended,        // a life ended by now
     output reg  [SLOT_W-1:0]  ended_slot,
@@ -53,7 +51,6 @@ module engine_lives #(
     reg [LIFE_W-1:0] bound;
 
     wire [LIFE_W-1:0] left  = deadline - now[LIFE_W-1:0];
-    wire [LIFE_W-1:0] grant = {{(LIFE_W - TC_W) {1'b0}}, on_detect ? detect_ticks : max_ticks};
     wire [LIFE_W-1:0] over  = m_time - bound;
 
     // Sign extended by one bit: the sign of the difference is the comparison.
@@ -67,7 +64,7 @@ module engine_lives #(
     always @(posedge clk) begin
         step_reg   <= step && (surveys ? on : timed);
         if (step) begin
-            ticks_reg <= surveys ? {grant, 1'b1} : {left, 1'b0};
+            ticks_reg <= surveys ? {{(LIFE_W - TC_W) {1'b0}}, grant, 1'b1} : {left, 1'b0};
             slot_reg  <= slot;
         end
         compared   <= step_reg;

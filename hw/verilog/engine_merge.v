@@ -2,7 +2,7 @@
 // Two tracks that merge: which one stays, and where both are then. The first born stays, at the mean of both centres weighted
 // by support, with the larger g and both supports.
 //
-// Latency: 4 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
+// Latency: 5 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
 `default_nettype none
 
 module engine_merge #(
@@ -16,7 +16,7 @@ module engine_merge #(
 ) (
     input  wire               clk,
 
-    // the context of one slot, taken twice; its support follows a clock later
+    // the context of one slot, taken twice; its number, id and support follow a clock later
     input  wire               take_a,
     input  wire               take_b,
     input  wire [SLOT_W-1:0]  slot,
@@ -79,23 +79,27 @@ module engine_merge #(
 
     always @(posedge clk) begin
         if (take_a) begin
-            a_slot    <= slot;
-            a_id      <= id;
             a_x       <= cm_x;
             a_y       <= cm_y;
             a_g       <= g;
         end
         if (take_b) begin
-            b_slot    <= slot;
-            b_id      <= id;
             b_x       <= cm_x;
             b_y       <= cm_y;
             b_g       <= g;
         end
         take_a_reg <= take_a;
         take_b_reg <= take_b;
-        if (take_a_reg) a_support <= support;
-        if (take_b_reg) b_support <= support;
+        if (take_a_reg) begin
+            a_slot    <= slot;
+            a_id      <= id;
+            a_support <= support;
+        end
+        if (take_b_reg) begin
+            b_slot    <= slot;
+            b_id      <= id;
+            b_support <= support;
+        end
         start <= take_b_reg || (!on_y && done_axis && !start);
         if (take_b || take_b_reg) on_y <= 1'b0;
         else if (!on_y && done_axis && !start) begin

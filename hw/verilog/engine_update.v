@@ -3,11 +3,12 @@
 //
 // What enters C with a slot's number is an event that the slot takes, or an operation: REPORT puts out a record of the slot as
 // it is, CLEAR takes it back to INIT_CELL, JOIN puts it where a merge says. What U commits is written at its end: average,
-// ring, support, timer. What changes a window is written at the end of W, with a record of it.
+// ring, support, timer. What changes a window is written at the end of W. What only a special event or an operation needs of
+// the context is read in U, once there is one; N_ev of the next window follows from it in X, the record with it.
 //
-// Latency:    4 clocks from C to the record, 2 to the recentred address.
+// Latency:    5 clocks from C to the record, 2 to the recentred address.
 // Throughput: an event per clock. After a special one (the first of a life, or the last of its window of events) or an
-//             operation, the next one of the same slot may follow when it is through W.
+//             operation, the next one of the same slot may be in C when it is through X and one clock more.
 // Reset:      no record; ids from 0. The context is not reset: clear every slot.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -49,10 +50,11 @@ module engine_update #(
     input  wire                c_seeds,    // the event starts a life
     input  wire [X_W-1:0]      c_x,
     input  wire [Y_W-1:0]      c_y,
-    input  wire [CLOCK_W-1:0]  c_time,
     input  wire                c_report,
     input  wire                c_clear,
     input  wire                c_join,
+    input  wire                c_looks,    // no operation: the context of its slot is looked at, its timer or
+    input  wire                looks_max,  // its max_ticks in place of detect_ticks
     input  wire [X_W+FRAC-1:0] join_x,
     input  wire [Y_W+FRAC-1:0] join_y,
     input  wire [RADIX_W-1:0]  join_g,
@@ -60,25 +62,25 @@ module engine_update #(
 
     // U: what C took is committed; the context of its slot
     output reg                 u_special,  // an event that changes a window
-    output reg  [SLOT_W-1:0]   u_slot,
     output reg                 u_busy,     // an operation
-    output reg  [ID_W-1:0]     u_id,
     output wire [X_W+FRAC-1:0] u_cm_x,
     output wire [Y_W+FRAC-1:0] u_cm_y,
     output reg  [RADIX_W-1:0]  u_g,
-    output reg                 u_timed,
-    output reg  [LIFE_W-1:0]   u_deadline,
-    output reg                 u_on,       // mode is not off
-    output reg  [TC_W-1:0]     u_max_ticks,
-    output reg  [TC_W-1:0]     u_detect_ticks,
 
-    // V
-    output wire [SUP_W-1:0]    v_support,
+    // V: more of it
     output reg                 v_busy,     // a special event or an operation
-    output reg  [RADIX_W+1:0]  v_rel_x,
-    output reg  [RADIX_W+1:0]  v_rel_y,
+    output reg  [SLOT_W-1:0]   v_slot,
+    output reg  [ID_W-1:0]     v_id,
+    output wire [SUP_W-1:0]    v_support,
+    output reg                 v_timed,
+    output reg  [LIFE_W-1:0]   v_deadline,
+    output reg                 v_on,       // mode is not off
+    output reg  [TC_W-1:0]     v_grant,    // ticks that an event grants
+    output wire [RADIX_W+1:0]  v_rel_x,
+    output wire [RADIX_W+1:0]  v_rel_y,
 
     // W: what becomes of the slot's window
+    output reg                 w_busy,
     output reg                 w_checks,   // it might overlap now
     output reg                 w_places,
     output wire                w_changes,
@@ -120,7 +122,8 @@ module engine_update #(
     localparam CM_W   = POS_X + POS_Y + RADIX_W;
 
     reg [AV_W-1:0]    av       [0:N-1];  // averages: x, y
-    reg [LIFE_W:0]    life     [0:N-1];  // has a deadline (active, or a candidate that has begun to collect); its low bits
+    reg               timed    [0:N-1];  // has a deadline: active, or a candidate that has begun to collect
+    reg [LIFE_W-1:0]  deadline [0:N-1];  // its low bits
     reg               ring     [0:N-1];  // was occupied in this window
     reg [SUP_W:0]     support  [0:N-1];  // with a bit above that says that it is saturated
     reg [CM_W-1:0]    cm       [0:N-1];  // centre: x, y; g
@@ -142,7 +145,7 @@ module engine_update #(
     wire [TC_W-1:0]    max_ticks, nev_th, detect_ticks;
     wire [NEV_W-1:0]   clust_nev, nev_min, nev_max;
 
-    cot_regs #(
+    engine_regs #(
         .N      (N),
         .X_W    (X_W),
         .Y_W    (Y_W),
@@ -157,16 +160,17 @@ module engine_update #(
         .cfg_slot    (cfg_slot),
         .cfg_addr    (cfg_addr),
         .cfg_data    (cfg_data),
-        .slot        (c_slot_regs),
-        .mode        (mode),
+        .c_slot      (c_slot_regs),
         .init_cm_x   (init_cm_x),
         .init_cm_y   (init_cm_y),
-        .init_radix  (init_radix),
         .radix_th    (radix_th),
         .radix_step  (radix_step),
         .radix_min   (radix_min),
         .radix_max   (radix_max),
         .hist_avg    (hist_avg),
+        .u_slot      (u_slot),
+        .mode        (mode),
+        .init_radix  (init_radix),
         .max_ticks   (max_ticks),
         .clust_nev   (clust_nev),
         .nev_min     (nev_min),
@@ -179,32 +183,25 @@ module engine_update #(
     localparam [NEV_W:0]   TWICE = 2;
     localparam [NEV_W-1:0] TWO = TWICE[NEV_W-1:0];  // 0 where it does not fit: then nothing is
 
+    reg [SLOT_W-1:0]  u_slot;
     reg               u_takes, u_last, u_again, u_follows, u_active, u_clear, u_join, u_report, u_first, u_places;
-    reg [1:0]         u_mode;
     reg [NEV_W-1:0]   u_rest;
     reg               u_one;  // u_rest is 1
-    reg [TC_W:0]      u_span;       // its highest bit is a borrow of u_span_high
-    reg [TIME_W-1:TC_W] u_span_high;
-    reg [TC_W-1:0]    u_last_tc2, u_nev_th;
-    reg [RADIX_W:0]   u_radius, u_lowest, u_highest;
-    reg [RADIX_W-1:0] u_init, u_th, u_step, u_min, u_max;
-    reg [NEV_W-1:0]   u_n_ev, u_nev_min, u_nev_max, u_clust_nev;
+    reg               u_timed, u_max_grant;
+    reg [RADIX_W-1:0] u_th, u_step, u_min, u_max;
 
     reg                v_took, v_moves;  // the average changes
-    reg [SLOT_W-1:0]   v_slot;
     wire [POS_X-1:0]   w_cm_x, c_av_x, c_cm_x;  // w_cm in V: the new average
     wire [POS_Y-1:0]   w_cm_y, c_av_y, c_cm_y;
     wire [RADIX_W-1:0] c_g;
-    wire               c_timed, c_none, c_one;
-    wire [LIFE_W-1:0]  c_deadline;
-    wire [TIME_W-1:0]  c_start = start[c_slot_too];
+    wire               c_timed = timed[c_slot_too];
+    wire               c_none, c_one;
     wire [NEV_W-1:0]   c_rest;
 
     // An average that is just being written is taken on its way.
     wire passes = v_moves && v_slot == c_slot;
     assign {c_av_x, c_av_y}      = av[c_slot];
     assign {c_cm_x, c_cm_y, c_g} = cm[c_slot_too];
-    assign {c_timed, c_deadline} = life[c_slot_too];
     assign {c_none, c_one, c_rest} = rest[c_slot];
 
     // The event in U is of the same slot.
@@ -214,45 +211,28 @@ module engine_update #(
     wire first   = !c_active && !c_timed;
 
     always @(posedge clk) begin
-        u_slot         <= c_slot;
-        u_takes        <= c_takes && c_commits;
-        u_follows      <= forward;
-        u_again        <= (c_takes && c_commits && (last || first)) || c_report || c_clear || c_join;
-        u_active       <= c_active;
-        u_report       <= c_report;
-        u_clear        <= c_clear;
-        u_join         <= c_join;
-        u_busy         <= c_report || c_clear || c_join;
-        u_last         <= c_takes && c_commits && last;
-        u_first        <= first;
-        u_special      <= c_takes && c_commits && (last || first);
-        u_places       <= (c_takes && c_commits && (c_seeds || last)) || c_clear || c_join;
-        u_id           <= id[c_slot_too];
-        u_g            <= c_g;
-        u_radius       <= {1'b0, c_g} + {1'b0, radix_th};
-        u_n_ev         <= n_ev[c_slot_too];
-        u_rest         <= forward ? u_rest - 1'b1 : c_rest;
-        u_one          <= forward ? u_two : c_one;
-        u_timed        <= c_timed;
-        u_deadline     <= c_deadline;
-        u_span         <= {1'b0, c_time[TC_W-1:0]} - {1'b0, c_start[TC_W-1:0]};
-        u_span_high    <= c_time[TIME_W-1:TC_W] - c_start[TIME_W-1:TC_W];
-        u_last_tc2     <= last_tc2[c_slot_too];
-        u_nev_th       <= nev_th;
-        u_mode         <= mode;
-        u_on           <= mode != `EVCOT_MODE_OFF;
-        u_init         <= init_radix;
-        u_th           <= radix_th;
-        u_step         <= radix_step;
-        u_lowest       <= {1'b0, radix_min} + {1'b0, radix_step};
-        u_highest      <= {1'b0, radix_max} - {1'b0, radix_step};
-        u_min          <= radix_min;
-        u_max          <= radix_max;
-        u_max_ticks    <= max_ticks;
-        u_detect_ticks <= detect_ticks;
-        u_clust_nev    <= clust_nev;
-        u_nev_min      <= nev_min;
-        u_nev_max      <= nev_max;
+        u_slot      <= c_slot;
+        u_takes     <= c_takes && c_commits;
+        u_follows   <= forward;
+        u_again     <= (c_takes && c_commits && (last || first)) || c_report || c_clear || c_join || c_looks;
+        u_active    <= c_active;
+        u_report    <= c_report;
+        u_clear     <= c_clear;
+        u_join      <= c_join;
+        u_busy      <= c_report || c_clear || c_join;
+        u_last      <= c_takes && c_commits && last;
+        u_first     <= first;
+        u_special   <= c_takes && c_commits && (last || first);
+        u_places    <= (c_takes && c_commits && (c_seeds || last)) || c_clear || c_join;
+        u_max_grant <= c_active || c_join || (c_looks && looks_max);
+        u_timed     <= c_timed;
+        u_g         <= c_g;
+        u_rest      <= forward ? u_rest - 1'b1 : c_rest;
+        u_one       <= forward ? u_two : c_one;
+        u_th        <= radix_th;
+        u_step      <= radix_step;
+        u_min       <= radix_min;
+        u_max       <= radix_max;
         if (rst) {u_takes, u_special, u_report, u_clear, u_join, u_busy} <= 6'd0;
     end
 
@@ -317,34 +297,28 @@ module engine_update #(
     wire signed [OFF_W-1:0] under_x  = inner + offset_x;
     wire signed [OFF_W-1:0] under_y  = inner + offset_y;
 
-    wire [OFF_W-1:0] rel_x = offset_x + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
-    wire [OFF_W-1:0] rel_y = offset_y + {{(OFF_W - RADIX_W - 1) {1'b0}}, u_radius};
-
-    wire [NEV_W:0]   doubled = {u_n_ev, 1'b0};
-    wire [NEV_W-1:0] halved  = u_n_ev >> 1;
-
     // Signs of differences tell which is larger.
-    wire [NEV_W+1:0]   over_max  = {2'b00, u_nev_max} - {1'b0, doubled};
-    wire [NEV_W:0]     under_min = {1'b0, halved} - {1'b0, u_nev_min};
-    wire [RADIX_W:0]   grows_by  = {1'b0, u_highest[RADIX_W-1:0]} - {1'b0, u_g};
-    wire [RADIX_W+1:0] shrinks_by = {2'b00, u_g} - {1'b0, u_lowest};
+    wire [RADIX_W:0]   highest    = {1'b0, u_max} - {1'b0, u_step};
+    wire [RADIX_W:0]   lowest     = {1'b0, u_min} + {1'b0, u_step};
+    wire [RADIX_W:0]   grows_by   = {1'b0, highest[RADIX_W-1:0]} - {1'b0, u_g};
+    wire [RADIX_W+1:0] shrinks_by = {2'b00, u_g} - {1'b0, lowest};
 
     wire u_two = u_rest == TWO;
 
     wire u_outside = over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];
-    wire lives     = u_active || u_last || u_join;
 
-    reg               v_special, v_active, v_last, v_report, v_clear, v_join, v_places, v_outside, v_rung, v_times, v_lives;
+    reg               v_special, v_active, v_last, v_first, v_report, v_clear, v_join, v_places;
+    reg               v_outside, v_rung, v_times, v_lives;
     reg [1:0]         v_mode;
+    reg [X_W:0]       v_offset_x;
+    reg [Y_W:0]       v_offset_y;
     reg [RADIX_W-1:0] v_g, v_grown, v_shrunk, v_th;
-    reg [RADIX_W:0]   v_less_th;
-    reg [NEV_W-1:0]   v_n_ev, v_doubled, v_halved, v_clust_nev;
-    reg [ID_W-1:0]    v_id;
-    reg [TC_W-1:0]    v_span, v_grant;
-    reg               v_far;  // the span does not fit
+    reg [RADIX_W:0]   v_radius, v_less_th;
+    reg [NEV_W-1:0]   v_n_ev, v_nev_min, v_nev_max, v_clust_nev;
+    reg [TIME_W-1:0]  v_start;
+    reg [TC_W-1:0]    v_last_tc2, v_nev_th;
     reg               v_full;
     reg [SUP_W-1:0]   v_count;
-    reg [TC_W:0]      v_slow_over, v_fast_under;
 
     wire v_ring = v_rung || v_outside;
 
@@ -353,42 +327,45 @@ module engine_update #(
     wire [SUP_W:0] new_support = v_clear ? {(SUP_W + 1) {1'b0}} : v_join ? {1'b0, join_support} : counted;
 
     always @(posedge clk) begin
-
-        v_busy       <= u_special || u_busy;
-        v_took       <= u_takes;
-        v_moves      <= u_takes || u_clear || u_join;
-        v_special    <= u_special;
-        v_last       <= u_last;
-        v_report     <= u_report;
-        v_clear      <= u_clear;
-        v_join       <= u_join;
-        v_places     <= u_places;
-        v_slot       <= u_slot;
-        v_rel_x      <= rel_x[RADIX_W+1:0];
-        v_rel_y      <= rel_y[RADIX_W+1:0];
-        v_outside    <= u_outside;
-        v_rung       <= u_follows ? v_ring : ring[u_slot];
+        v_busy     <= u_special || u_busy;
+        v_took     <= u_takes;
+        v_moves    <= u_takes || u_clear || u_join;
+        v_special  <= u_special;
+        v_last     <= u_last;
+        v_report   <= u_report;
+        v_clear    <= u_clear;
+        v_join     <= u_join;
+        v_places   <= u_places;
+        v_slot     <= u_slot;
+        v_offset_x <= u_offset_x;
+        v_offset_y <= u_offset_y;
+        v_radius   <= {1'b0, u_g} + {1'b0, u_th};
+        v_outside  <= u_outside;
+        v_rung     <= u_follows ? v_ring : ring[u_slot];
         {v_full, v_count} <= u_follows ? new_support : support[u_slot];
-        v_times      <= u_clear || u_join || (u_takes && (u_active || u_special));
-        v_lives      <= lives;
-        v_grant      <= lives ? u_max_ticks : u_detect_ticks;
+        v_times    <= u_clear || u_join || (u_takes && (u_active || u_special));
+        v_lives    <= u_max_grant || u_last;
+        v_grant    <= (u_max_grant || u_last) ? max_ticks : detect_ticks;
         if (u_again) begin
-            v_active     <= u_active;
-            v_mode       <= u_mode;
-            v_g          <= u_clear ? u_init : !u_join ? u_g : (join_g > u_max) ? u_max : join_g;
-            v_grown      <= (u_highest[RADIX_W] || grows_by[RADIX_W]) ? u_max : u_g + u_step;
-            v_shrunk     <= shrinks_by[RADIX_W+1] ? u_min : u_g - u_step;
-            v_th         <= u_th;
-            v_less_th    <= {(RADIX_W + 1) {1'b0}} - {1'b0, u_th};
-            v_n_ev       <= u_n_ev;
-            v_doubled    <= over_max[NEV_W+1] ? u_nev_max : doubled[NEV_W-1:0];
-            v_halved     <= under_min[NEV_W] ? u_nev_min : halved;
-            v_clust_nev  <= u_clust_nev;
-            v_id         <= u_id;
-            v_span       <= u_first ? {TC_W{1'b0}} : u_span[TC_W-1:0];
-            v_far        <= !u_first && u_span_high != {{(TIME_W - TC_W - 1) {1'b0}}, u_span[TC_W]};
-            v_slow_over  <= {1'b0, u_last_tc2} + {1'b0, u_nev_th};
-            v_fast_under <= {1'b0, u_last_tc2} - {1'b0, u_nev_th};
+            v_active    <= u_active;
+            v_first     <= u_first;
+            v_mode      <= mode;
+            v_on        <= mode != `EVCOT_MODE_OFF;
+            v_timed     <= u_timed;
+            v_deadline  <= deadline[u_slot];
+            v_id        <= id[u_slot];
+            v_g         <= u_clear ? init_radix : !u_join ? u_g : (join_g > u_max) ? u_max : join_g;
+            v_grown     <= (highest[RADIX_W] || grows_by[RADIX_W]) ? u_max : u_g + u_step;
+            v_shrunk    <= shrinks_by[RADIX_W+1] ? u_min : u_g - u_step;
+            v_th        <= u_th;
+            v_less_th   <= {(RADIX_W + 1) {1'b0}} - {1'b0, u_th};
+            v_n_ev      <= n_ev[u_slot];
+            v_nev_min   <= nev_min;
+            v_nev_max   <= nev_max;
+            v_clust_nev <= clust_nev;
+            v_start     <= start[u_slot];
+            v_last_tc2  <= last_tc2[u_slot];
+            v_nev_th    <= nev_th;
         end
         if (rst) v_moves <= 1'b0;
         if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places} <= 8'd0;
@@ -396,36 +373,48 @@ module engine_update #(
 
     // ---- V ---------------------------------------------------------------------------------------------------------
 
+    wire signed [OFF_W-1:0] from_x = {{(OFF_W - X_W - 1) {v_offset_x[X_W]}}, v_offset_x};
+    wire signed [OFF_W-1:0] from_y = {{(OFF_W - Y_W - 1) {v_offset_y[Y_W]}}, v_offset_y};
+
+    wire [OFF_W-1:0] rel_x = from_x + {{(OFF_W - RADIX_W - 1) {1'b0}}, v_radius};
+    wire [OFF_W-1:0] rel_y = from_y + {{(OFF_W - RADIX_W - 1) {1'b0}}, v_radius};
+
+    assign v_rel_x = rel_x[RADIX_W+1:0];
+    assign v_rel_y = rel_y[RADIX_W+1:0];
+
     // A window that starts a timer or moves it is read again after W, the timer itself only in walks.
     wire [LIFE_W-1:0] new_deadline = now[LIFE_W-1:0] + {{(LIFE_W - TC_W) {1'b0}}, v_grant} + {{(LIFE_W - 1) {1'b0}}, !v_lives};
 
     assign v_support = v_count | {SUP_W{v_full}};
 
-    wire [TC_W-1:0] v_tc2 = v_span | {TC_W{v_far}};
-    wire [TC_W+1:0] over_slow = {1'b0, v_slow_over} - {2'b00, v_tc2};
-    wire [TC_W:0]   over_fast = {1'b0, v_tc2} - {1'b0, v_fast_under[TC_W-1:0]};
-    wire slower = over_slow[TC_W+1];
-    wire faster = over_fast[TC_W] && !v_fast_under[TC_W];
     wire [RADIX_W-1:0] new_g = !v_last ? v_g : v_ring ? v_grown : v_shrunk;
 
+    wire [NEV_W:0]   doubled   = {v_n_ev, 1'b0};
+    wire [NEV_W-1:0] halved    = v_n_ev >> 1;
+    wire [NEV_W+1:0] over_max  = {2'b00, v_nev_max} - {1'b0, doubled};
+    wire [NEV_W:0]   under_min = {1'b0, halved} - {1'b0, v_nev_min};
+
     reg               w_last, w_special, w_report, w_clear, w_old;
+    reg               w_first;
     reg [1:0]         w_mode;
-    reg               w_slower, w_faster;
     reg [RADIX_W-1:0] w_g;
     reg [RADIX_W:0]   w_radius;
     reg [RADIX_W+1:0] w_less;
     reg [NEV_W-1:0]   w_same, w_doubled, w_halved;
     reg [SUP_W:0]     w_support;
     reg [ID_W-1:0]    w_id;
-    reg [TC_W-1:0]    w_tc2;
+    reg [TIME_W-1:0]  w_span;  // ticks that the window took
+    reg [TC_W:0]      w_slow_over, w_fast_under;
     reg               w_reports;
 
     always @(posedge clk) begin
         if (v_took || v_clear || v_join) support[v_slot] <= new_support;
         if (v_moves) av[v_slot] <= {w_cm_x, w_cm_y};
         if (v_took || v_clear) ring[v_slot] <= v_ring && !v_last && !v_clear;
-        if (v_times) life[v_slot] <= {!v_clear, new_deadline};
+        if (v_times) timed[v_slot] <= !v_clear;
+        if (v_times) deadline[v_slot] <= new_deadline;
 
+        w_busy    <= v_busy;
         w_checks  <= v_last || v_join;
         w_reports <= v_last || v_join || v_report;
         w_places  <= v_places;
@@ -440,21 +429,20 @@ module engine_update #(
             w_g       <= new_g;
             w_radius  <= {1'b0, new_g} + {1'b0, v_th};
             w_less    <= {v_less_th[RADIX_W], v_less_th} - {2'b00, new_g};
-            w_slower  <= v_last && v_active && slower;
-            w_faster  <= v_last && v_active && faster;
             w_same    <= v_clear ? v_clust_nev : v_n_ev;
-            w_doubled <= v_doubled;
-            w_halved  <= v_halved;
+            w_doubled <= over_max[NEV_W+1] ? v_nev_max : doubled[NEV_W-1:0];
+            w_halved  <= under_min[NEV_W] ? v_nev_min : halved;
             w_support <= v_report ? {v_full, v_count} : new_support;
             w_id      <= v_id;
-            w_tc2     <= v_tc2;
+            w_first   <= v_first;
+            w_span    <= now[TIME_W-1:0] - v_start;
+            w_slow_over  <= {1'b0, v_last_tc2} + {1'b0, v_nev_th};
+            w_fast_under <= {1'b0, v_last_tc2} - {1'b0, v_nev_th};
         end
-        if (rst) {w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear} <= 7'd0;
+        if (rst) {w_busy, w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear} <= 8'd0;
     end
 
     // ---- W ---------------------------------------------------------------------------------------------------------
-
-    wire [NEV_W-1:0] w_n_ev = w_slower ? w_doubled : w_faster ? w_halved : w_same;
 
     engine_window #(
         .W   (X_W),
@@ -485,30 +473,70 @@ module engine_update #(
     assign w_active  = !w_clear && (w_old || w_last);
 
     wire w_born = w_last && !w_old;
-    wire w_rest = w_last || w_clear;  // the number of events left starts over, a clock later
 
-    reg              x_rest;
+    // TC2, the window's ticks, has TC_W bits and stops at its largest value.
+    wire [TC_W+1:0] over_slow = {1'b0, w_slow_over} - {2'b00, w_span[TC_W-1:0]};
+    wire [TC_W:0]   over_fast = {1'b0, w_span[TC_W-1:0]} - {1'b0, w_fast_under[TC_W-1:0]};
+
+    reg              x_reports, x_last, x_first, x_rest, x_adapts;
+    reg              x_far;             // the span has more bits
+    reg              x_over, x_at_most; // it is over slow_over, so is its largest value; not so
+    reg              x_under;           // it is under fast_under
+    reg [TC_W-1:0]   x_span;
     reg [SLOT_W-1:0] x_slot;
-    reg [NEV_W-1:0]  x_n_ev;
+    reg [NEV_W-1:0]  x_same, x_doubled, x_halved;
+
+    // ---- X ---------------------------------------------------------------------------------------------------------
+
+    wire             slower = x_adapts && (x_far ? !x_at_most : x_over);
+    wire             faster = x_adapts && !x_far && x_under;
+    wire [NEV_W-1:0] x_n_ev = slower ? x_doubled : faster ? x_halved : x_same;
+
+    reg              y_rest;  // the number of events left starts over
+    reg [SLOT_W-1:0] y_slot;
+    reg [NEV_W-1:0]  y_n_ev;
 
     always @(posedge clk) begin
         if (w_places) cm[w_slot] <= {w_cm_x, w_cm_y, w_g};
-        if (w_rest) n_ev[w_slot] <= w_n_ev;
-        if (w_last) last_tc2[w_slot] <= w_tc2;
         if (w_special) start[w_slot] <= now[TIME_W-1:0];
         if (w_born) begin
             id[w_slot] <= births;
             births     <= births + 1'b1;
         end
-        x_rest <= w_rest;
-        x_slot <= w_slot;
-        x_n_ev <= w_n_ev;
-        if (x_rest) rest[x_slot] <= {x_n_ev == ONE, x_n_ev == TWO, x_n_ev - 1'b1};
+
+        x_reports <= w_reports;
+        x_last    <= w_last;
+        x_rest    <= w_last || w_clear;
+        if (w_busy) begin
+            x_slot    <= w_slot;
+            x_first   <= w_first;
+            x_adapts  <= w_last && w_old;
+            x_far     <= |w_span[TIME_W-1:TC_W];
+            x_over    <= over_slow[TC_W+1];
+            x_at_most <= w_slow_over[TC_W] || &w_slow_over[TC_W-1:0];
+            x_under   <= over_fast[TC_W] && !w_fast_under[TC_W];
+            x_span    <= w_span[TC_W-1:0];
+            x_same    <= w_same;
+            x_doubled <= w_doubled;
+            x_halved  <= w_halved;
+        end
+
+        if (x_rest) n_ev[x_slot] <= x_n_ev;
+        if (x_last) last_tc2[x_slot] <= x_first ? {TC_W{1'b0}} : x_span | {TC_W{x_far}};
+        y_rest <= x_rest;
+        y_slot <= x_slot;
+        y_n_ev <= x_n_ev;
+
+        if (y_rest) rest[y_slot] <= {y_n_ev == ONE, y_n_ev == TWO, y_n_ev - 1'b1};
         else if (u_takes) rest[u_slot] <= {u_one, u_two, u_rest - 1'b1};
 
         if (m_cm_ready) m_cm_valid <= 1'b0;
+        if (x_reports) begin
+            m_cm_valid <= 1'b1;
+            m_cm_n_ev  <= x_n_ev;
+        end
+        // The rest of the record is a clock early: nothing is in the register then.
         if (w_reports) begin
-            m_cm_valid   <= 1'b1;
             m_cm_kind    <= w_report ? (lost ? `EVCOT_KIND_LOST : `EVCOT_KIND_MERGED)
                           : w_born   ? `EVCOT_KIND_BORN : `EVCOT_KIND_MOVED;
             m_cm_slot    <= w_slot;
@@ -517,7 +545,6 @@ module engine_update #(
             m_cm_x       <= w_cm_x;
             m_cm_y       <= w_cm_y;
             m_cm_radius  <= w_radius;
-            m_cm_n_ev    <= w_n_ev;
             m_cm_support <= w_support[SUP_W-1:0] | {SUP_W{w_support[SUP_W]}};
             m_cm_seq     <= seq;
             m_cm_time    <= (w_report && lost) ? ended : now[TIME_W-1:0];
@@ -525,10 +552,11 @@ module engine_update #(
         if (rst) begin
             births     <= {ID_W{1'b0}};
             m_cm_valid <= 1'b0;
+            {x_reports, x_last, x_rest, y_rest} <= 4'd0;
         end
     end
 
-    wire unused = &{1'b0, over_max, under_min, grows_by, shrinks_by, over_slow, over_fast,
+    wire unused = &{1'b0, over_max, under_min, grows_by, lowest, highest, shrinks_by, over_slow, over_fast,
                     rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
 
 endmodule

@@ -171,9 +171,9 @@ class TestClocks:
         return times.accepted, times.recorded
 
     @pytest.mark.parametrize("n", [1, 3, 8, 32])
-    def test_a_record_comes_10_clocks_after_its_event_for_any_number_of_slots(self, n: int) -> None:
+    def test_a_record_comes_11_clocks_after_its_event_for_any_number_of_slots(self, n: int) -> None:
         accepted, recorded = self.burst(RANDOM[n][0], JUMPY, np.full(1, 64, np.uint16))
-        assert np.subtract(recorded, accepted).tolist() == [10]
+        assert np.subtract(recorded, accepted).tolist() == [11]
 
     @pytest.mark.parametrize("n_ev", [2, 8, 16])
     def test_an_event_takes_a_clock_and_a_centre_six_more(self, n_ev: int) -> None:
