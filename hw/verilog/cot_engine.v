@@ -341,7 +341,7 @@ module cot_engine #(
     // ---- lives that end, tracks that merge -----------------------------------------------------------------------------
 
     wire              ended, done;
-    reg               survey, start, walked, take_a, take_b;
+    reg               walks, survey, start, walked, take_a, take_b;
     wire [SLOT_W-1:0] ended_slot, stays, goes;
 
     engine_lives #(
@@ -354,6 +354,7 @@ module cot_engine #(
         .clk         (clk),
         .m_time      (m_time[LIFE_W-1:0]),
         .m_due       (m_due),
+        .walks       (walks),
         .survey      (survey),
         .surveys     (surveys),
         .start       (start),
@@ -571,15 +572,16 @@ module cot_engine #(
         if (commit) exempt <= 1'b0;
         if (commit && u_counts) next_seq <= next_seq + 1'b1;
         if (commit || u_ends || restarts) seq <= next_seq;
-        idle    <= input_empty && !s_valid && !cfg_valid && phase == RUN && settled && !checks && !restart_any
-                && !v_decided && output_empty && !m_cm_valid;
         stalled <= m_cm_valid && !m_cm_ready;
         closed  <= phase != RUN || operates || v_busy || !room || restart_any;
-        survey  <= phase == WALK && step == {STEP_W{1'b0}} && surveys && !on_detect;
-        start   <= phase == WALK && step == {STEP_W{1'b0}} && !surveys;
-        walked  <= phase == WALK && step == WALKED[STEP_W-1:0];
-        take_a  <= phase == FETCH && step == TWO;
-        take_b  <= phase == FETCH && step == THREE;
+        walks   <= phase == WALK;
+        walked  <= 1'b0;
+        {survey, start, take_a, take_b} <= 4'd0;
+
+        idle <= 1'b0;
+        if (input_empty)
+            idle <= !s_valid && !cfg_valid && phase == RUN && settled && !checks && !restart_any && !v_decided
+                 && output_empty && !m_cm_valid;
 
         settled      <= !(reports || clears || joins || operates || u_special || v_busy || w_busy);
         restarting   <= restart_any;
@@ -606,6 +608,9 @@ module cot_engine #(
                 end
             end
             WALK: begin
+                survey <= step == {STEP_W{1'b0}} && surveys && !on_detect;
+                start  <= step == {STEP_W{1'b0}} && !surveys;
+                walked <= step == WALKED[STEP_W-1:0];
                 if (step[0]) slow_slot <= slow_slot + 1'b1;
                 if (walked && surveys) begin
                     step      <= {STEP_W{1'b0}};
@@ -620,6 +625,8 @@ module cot_engine #(
                 end
             end
             FETCH: begin
+                take_a    <= step == TWO;
+                take_b    <= step == THREE;
                 slow_slot <= found_slot;
                 if (step == EIGHT) begin
                     why       <= MERGE;

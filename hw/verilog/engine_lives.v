@@ -25,6 +25,7 @@ module engine_lives #(
     input  wire [LIFE_W-1:0]  m_time,
     output wire               m_due,
 
+    input  wire               walks,        // a walk is under way: from its beginning until it is complete
     input  wire               survey,       // a walk over max_ticks begins: forget the last survey
     input  wire               surveys,      // this walk is one over max_ticks or detect_ticks
     input  wire               start,        // a walk over deadlines begins
@@ -62,23 +63,25 @@ module engine_lives #(
     assign m_due = !over[LIFE_W-1];
 
     always @(posedge clk) begin
-        step_reg   <= step && (surveys ? on : timed);
-        if (step) begin
-            ticks_reg <= surveys ? {{(LIFE_W - TC_W) {1'b0}}, grant, 1'b1} : {left, 1'b0};
-            slot_reg  <= slot;
-        end
-        compared   <= step_reg;
-        sooner     <= behind[LIFE_W+1];
-        ended      <= !least[0] && (least[LIFE_W] || least[LIFE_W:1] == {LIFE_W{1'b0}});
-        ended_time <= when[TIME_W-1:0];
+        if (walks) begin
+            step_reg   <= step && (surveys ? on : timed);
+            compared   <= step_reg;
+            sooner     <= behind[LIFE_W+1];
+            ended      <= !least[0] && (least[LIFE_W] || least[LIFE_W:1] == {LIFE_W{1'b0}});
+            ended_time <= when[TIME_W-1:0];
+            if (step) begin
+                ticks_reg <= surveys ? {{(LIFE_W - TC_W) {1'b0}}, grant, 1'b1} : {left, 1'b0};
+                slot_reg  <= slot;
+            end
 
-        if (survey) least <= FAR;
-        else if (start) least <= granted;
-        else if (compared && sooner) begin
-            least      <= ticks_reg;
-            ended_slot <= slot_reg;
+            if (survey) least <= FAR;
+            else if (start) least <= granted;
+            else if (compared && sooner) begin
+                least      <= ticks_reg;
+                ended_slot <= slot_reg;
+            end
+            if (surveys) granted <= least;
         end
-        if (surveys) granted <= least;
         if (finish) bound <= when[LIFE_W-1:0];
     end
 

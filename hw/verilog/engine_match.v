@@ -69,21 +69,24 @@ module engine_match #(
     wire [N-1:0] owners = active & {N{m_valid && !m_check}};
     wire [N-1:0] others = (m_check ? active & ~myself : candidate) & {N{m_valid}};
 
-    genvar g;
-    generate
-        for (g = 0; g < N; g = g + 1) begin : g_slot
-            wire [X_W:0] from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[g]};
-            wire [X_W:0] to_hi_x   = {1'b0, hi_x[g]} - {1'b0, m_lo_x};
-            wire [Y_W:0] from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[g]};
-            wire [Y_W:0] to_hi_y   = {1'b0, hi_y[g]} - {1'b0, m_lo_y};
-            wire unused = &{1'b0, from_lo_x, to_hi_x, from_lo_y, to_hi_y};
-            always @* begin
-                {left[g], right[g], above[g], below[g]} = 4'bxxxx;
-                if (m_valid && (active[g] || candidate[g]))
-                    {left[g], right[g], above[g], below[g]} = {from_lo_x[X_W], to_hi_x[X_W], from_lo_y[Y_W], to_hi_y[Y_W]};
+    always @* begin : compare
+        integer i;
+        reg [X_W:0] from_lo_x, to_hi_x;
+        reg [Y_W:0] from_lo_y, to_hi_y;
+        {left, right, above, below} = {(4 * N) {1'bx}};
+        {from_lo_x, to_hi_x, from_lo_y, to_hi_y} = {(2 * X_W + 2 * Y_W + 4) {1'bx}};
+        if (m_valid)
+            for (i = 0; i < N; i = i + 1) begin
+                from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[i]};
+                to_hi_x   = {1'b0, hi_x[i]} - {1'b0, m_lo_x};
+                from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[i]};
+                to_hi_y   = {1'b0, hi_y[i]} - {1'b0, m_lo_y};
+                left[i]   = from_lo_x[X_W];
+                right[i]  = to_hi_x[X_W];
+                above[i]  = from_lo_y[Y_W];
+                below[i]  = to_hi_y[Y_W];
             end
-        end
-    endgenerate
+    end
 
     engine_hits #(
         .N(N)
@@ -131,7 +134,7 @@ module engine_match #(
         .N     (N),
         .SLOT_W(SLOT_W)
     ) u_free (
-        .asked (refreshes),
+        .asked (refreshes && !names),
         .among (free),
         .any   (any_free),
         .lowest(free_slot)
@@ -147,6 +150,7 @@ module engine_match #(
         64'hF0F0_F0F0_F0F0_F0F0, 64'hCCCC_CCCC_CCCC_CCCC, 64'hAAAA_AAAA_AAAA_AAAA
     };
 
+    genvar g;
     generate
         for (g = 0; g < SLOT_W; g = g + 1) begin : g_encode
             assign active_slot[g] = |(hit_active_reg & BITS[64*g+:N]);

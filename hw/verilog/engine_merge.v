@@ -43,6 +43,7 @@ module engine_merge #(
     reg [RADIX_W-1:0] a_g, b_g;
     reg [SUP_W-1:0]   a_support, b_support;
     reg               start, take_a_reg, take_b_reg;
+    reg               under_way;
 
     reg  b_older;
     wire [SUP_W:0] both = {1'b0, a_support} + {1'b0, b_support};
@@ -100,18 +101,24 @@ module engine_merge #(
             b_id      <= id;
             b_support <= support;
         end
-        start <= take_b_reg || (!on_y && done_axis && !start);
-        if (take_b || take_b_reg) on_y <= 1'b0;
-        else if (!on_y && done_axis && !start) begin
-            on_y   <= 1'b1;
-            join_x <= mean[POS_X-1:0];
+        start <= take_b_reg || (!on_y && done_axis && under_way && !start);
+        if (take_b_reg) begin
+            on_y      <= 1'b0;
+            under_way <= 1'b1;
         end
-        b_older      <= b_id < a_id;
-        stays        <= b_older ? b_slot : a_slot;
-        goes         <= b_older ? a_slot : b_slot;
-        stays_id     <= b_older ? b_id : a_id;
-        join_g       <= (b_g > a_g) ? b_g : a_g;
-        join_support <= both[SUP_W] ? {SUP_W{1'b1}} : both[SUP_W-1:0];
+        if (under_way) begin
+            if (!on_y && done_axis && !start) begin
+                on_y   <= 1'b1;
+                join_x <= mean[POS_X-1:0];
+            end
+            if (done) under_way <= 1'b0;
+            b_older      <= b_id < a_id;
+            stays        <= b_older ? b_slot : a_slot;
+            goes         <= b_older ? a_slot : b_slot;
+            stays_id     <= b_older ? b_id : a_id;
+            join_g       <= (b_g > a_g) ? b_g : a_g;
+            join_support <= both[SUP_W] ? {SUP_W{1'b1}} : both[SUP_W-1:0];
+        end
     end
 
 endmodule

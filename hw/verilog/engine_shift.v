@@ -24,10 +24,9 @@ module engine_shift #(
 
     reg [4:0] is;  // k is 2 i or 2 i + 1
 
-    always @(posedge clk) begin : decode
-        integer i;
+    always @(posedge clk) begin
         if (load) begin
-            for (i = 0; i < 5; i = i + 1) is[i] <= k[3:1] == i[2:0];
+            is  <= {k[3:1] == 3'd4, k[3:1] == 3'd3, k[3:1] == 3'd2, k[3:1] == 3'd1, k[3:1] == 3'd0};
             odd <= k[0];
         end
         if (rst) begin
@@ -36,22 +35,20 @@ module engine_shift #(
         end
     end
 
-    wire signed [W:0] all_a_not = {a_not, 1'b1};
-    wire signed [W:0] all_b_not = {b_not, 1'b1};
-    wire signed [W:0] all_c = {c, 1'b0};
-    wire        [W:0] moved [0:4];
+    wire [W:0] moved [0:4];
 
     genvar i;
     generate
         for (i = 0; i < 5; i = i + 1) begin : g_k
             engine_products #(
-                .W(W + 1)
+                .W (W + 1),
+                .BY(2 * i)
             ) u_products (
-                .a_not(all_a_not >>> (2 * i)),
-                .b_not(all_b_not >>> (2 * i)),
-                .c(all_c >>> (2 * i)),
-                .d({(W + 1) {is[i]}}),
-                .y(moved[i])
+                .a_not ({a_not, 1'b1}),
+                .b_not ({b_not, 1'b1}),
+                .c     ({c, 1'b0}),
+                .wanted(is[i]),
+                .y     (moved[i])
             );
         end
     endgenerate

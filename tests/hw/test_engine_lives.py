@@ -27,9 +27,10 @@ class Slot:
     detect_ticks: int
 
 
-def walk(sim: PyVerilator, slots: list[Slot], begins: str = "") -> None:
+def walk(sim: PyVerilator, slots: list[Slot], begins: str = "", grants: str = "max_ticks") -> None:
     """All slots in ascending order, every other clock, and the clocks until the walk is complete."""
     io = sim.io
+    io.walks = 1
     if begins:
         io[begins] = 1
         sim.clock.tick()
@@ -37,21 +38,21 @@ def walk(sim: PyVerilator, slots: list[Slot], begins: str = "") -> None:
     for number, slot in enumerate(slots):
         io.slot, io.timed, io.on = number, slot.deadline is not None, slot.on
         io.deadline = (slot.deadline or 0) % (1 << LIFE_W)
-        io.max_ticks, io.detect_ticks = slot.max_ticks, slot.detect_ticks
+        io.grant = getattr(slot, grants)
         io.step = 1
         sim.clock.tick()
         io.step, io.slot, io.timed, io.on, io.deadline = 0, 0, 1, 1, 0  # nobody looks
         sim.clock.tick()
     for _ in range(3):
         sim.clock.tick()
+    io.walks = 0
 
 
 def survey(sim: PyVerilator, slots: list[Slot]) -> None:
     """Both walks over what events grant."""
-    sim.io.surveys, sim.io.on_detect = 1, 0
-    walk(sim, slots, "survey")
-    sim.io.on_detect = 1
-    walk(sim, slots)
+    sim.io.surveys = 1
+    walk(sim, slots, "survey", "max_ticks")
+    walk(sim, slots, grants="detect_ticks")
     sim.io.surveys = 0
 
 

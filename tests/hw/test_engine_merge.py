@@ -34,12 +34,13 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int) -> None:
     })  # fmt: skip
     rng, io, saturated = np.random.default_rng(pos_x), sim.io, 0
 
-    def clock(track: Track | None = None, support: int = 0, **takes: int) -> None:
-        """One clock with a slot's context and the support of the one before."""
+    nobody = Track(7, 0, 0, 0, 15, 0)
+
+    def clock(track: Track = nobody, before: Track = nobody, **takes: int) -> None:
+        """One clock with where one track is, and the rest of the context of the one before."""
         io.take_a, io.take_b = takes.get("take_a", 0), takes.get("take_b", 0)
-        shown = track or Track(7, 0, 0, 0, 15, 0)
-        io.slot, io.id, io.cm_x, io.cm_y, io.g = shown[:5]
-        io.support = support
+        io.cm_x, io.cm_y, io.g = track.cm_x, track.cm_y, track.g
+        io.slot, io.id, io.support = before.slot, before.id, before.support
         sim.clock.tick()
 
     for _ in range(60):
@@ -47,8 +48,8 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int) -> None:
         draws = rng.integers([0, 0, 0, 1], [1 << pos_x, 1 << pos_y, 16, 1 << SUP_W], (2, 4))
         a, b = (Track(i, int(ids[i]), *map(int, draws[i])) for i in range(2))
         clock(a, take_a=1)
-        clock(b, a.support, take_b=1)
-        clock(support=b.support)
+        clock(b, a, take_b=1)
+        clock(before=b)
         for _ in range(3):
             clock()
         older, younger = (a, b) if a.id < b.id else (b, a)
