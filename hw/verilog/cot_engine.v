@@ -2,8 +2,8 @@
 // cot_array as a pipeline: the same ports, registers and records, the same three streams bit for bit. docs/engine.md draws it.
 //
 // Latency, unstalled, from the clock edge that takes the event: a record after 11, for any N.
-// Throughput: a token every clock. 6 clocks more after an event that moves a centre or starts a life, about 4 N + 35 for the
-// end of a life, about 12 (X_W + FRAC) + 50 for a merge, and 2 N + 12 every max_ticks or detect_ticks, whichever is less.
+// Throughput: a token every clock. 6 clocks more after an event that moves a centre or starts a life, about 2 N + 35 for the
+// end of a life, about 4 (X_W + FRAC) + 35 for a merge, and N + 12 every max_ticks or detect_ticks, whichever is less.
 // Every output holds its value until taken. Reset turns all slots off; about 6 N clocks later the engine is idle.
 // All outputs are registers; no path leads from an input to an output.
 `default_nettype none
@@ -91,9 +91,11 @@ module cot_engine #(
     localparam CLOCK_W = TIME_W > LIFE_W ? TIME_W : LIFE_W;        // bits of the time inside
     localparam AT_X    = (X_W > RADIX_W + 1 ? X_W : RADIX_W + 1) + 2;  // bits of a bound of a window
     localparam AT_Y    = (Y_W > RADIX_W + 1 ? Y_W : RADIX_W + 1) + 2;
-    localparam STEP_W  = $clog2(2 * N + 8);
-    localparam [31:0] SLOTS  = 2 * N;
-    localparam [31:0] WALKED = 2 * N + 7;
+    localparam STEP_W  = $clog2(N + 8);
+    localparam [31:0] SLOTS  = N;
+    localparam [31:0] WALKED = N + 6;
+    localparam [N-1:0] NONE  = 0;
+    localparam [N-1:0] FIRST = 1;
 
     // What the engine is doing.
     localparam [2:0] RUN    = 3'd0;  // issuing tokens
@@ -158,8 +160,8 @@ module cot_engine #(
     reg               m_valid, e_valid, c_valid, u_valid;  // a token is there
     reg               m_check, e_check;                    // a window is, to be checked
     reg [SLOT_W-1:0]  m_self, e_self;                      // whose
-    reg [AT_X-1:0]    m_lo_x, m_hi_x;
-    reg [AT_Y-1:0]    m_lo_y, m_hi_y;
+    reg [AT_X-1:0]    m_lo_x_not, m_hi_x;
+    reg [AT_Y-1:0]    m_lo_y_not, m_hi_y;
     reg [X_W-1:0]     e_x, c_x, u_x, v_x;
     reg [Y_W-1:0]     e_y, c_y, u_y, v_y;
     reg               m_event, e_event;
@@ -195,8 +197,8 @@ module cot_engine #(
     wire [N-1:0]      active;
     wire              w_checks, w_places, w_changes, w_free, w_window, w_active;
     wire [SLOT_W-1:0] w_slot;
-    wire [AT_X-1:0]   w_lo_x, w_hi_x;
-    wire [AT_Y-1:0]   w_lo_y, w_hi_y;
+    wire [AT_X-1:0]   w_lo_x_not, w_hi_x;
+    wire [AT_Y-1:0]   w_lo_y_not, w_hi_y;
 
     engine_match #(
         .N     (N),
@@ -209,9 +211,9 @@ module cot_engine #(
         .m_valid  (m_check || (m_valid && m_event && !rewound)),
         .m_check  (m_check),
         .m_self   (m_self),
-        .m_lo_x   (m_lo_x),
+        .m_lo_x_not(m_lo_x_not),
         .m_hi_x   (m_hi_x),
-        .m_lo_y   (m_lo_y),
+        .m_lo_y_not(m_lo_y_not),
         .m_hi_y   (m_hi_y),
         .names    (phase != RUN),
         .slot     (slow_slot),
@@ -223,9 +225,9 @@ module cot_engine #(
         .w_places (w_places),
         .w_changes(w_changes),
         .w_slot   (w_slot),
-        .w_lo_x   (w_lo_x),
+        .w_lo_x_not(w_lo_x_not),
         .w_hi_x   (w_hi_x),
-        .w_lo_y   (w_lo_y),
+        .w_lo_y_not(w_lo_y_not),
         .w_hi_y   (w_hi_y),
         .w_free   (w_free),
         .w_window (w_window),
@@ -311,9 +313,9 @@ module cot_engine #(
         .w_places      (w_places),
         .w_changes     (w_changes),
         .w_slot        (w_slot),
-        .w_lo_x        (w_lo_x),
+        .w_lo_x_not    (w_lo_x_not),
         .w_hi_x        (w_hi_x),
-        .w_lo_y        (w_lo_y),
+        .w_lo_y_not    (w_lo_y_not),
         .w_hi_y        (w_hi_y),
         .w_free        (w_free),
         .w_window      (w_window),
@@ -487,9 +489,9 @@ module cot_engine #(
         m_valid  <= issue;
         m_check  <= w_checks;
         m_self   <= w_slot;
-        m_lo_x   <= w_checks ? w_lo_x : {1'b1, {(AT_X - X_W - 1) {1'b0}}, token_x};
+        m_lo_x_not <= w_checks ? w_lo_x_not : {1'b0, {(AT_X - X_W - 1) {1'b1}}, ~token_x};
         m_hi_x   <= w_checks ? w_hi_x : {1'b1, {(AT_X - X_W - 1) {1'b0}}, token_x};
-        m_lo_y   <= w_checks ? w_lo_y : {1'b1, {(AT_Y - Y_W - 1) {1'b0}}, token_y};
+        m_lo_y_not <= w_checks ? w_lo_y_not : {1'b0, {(AT_Y - Y_W - 1) {1'b1}}, ~token_y};
         m_hi_y   <= w_checks ? w_hi_y : {1'b1, {(AT_Y - Y_W - 1) {1'b0}}, token_y};
         m_time   <= token_time;
         m_counts <= token_counts;
@@ -501,8 +503,8 @@ module cot_engine #(
         e_check  <= m_check;
         e_self   <= m_self;
         e_due    <= m_due;
-        e_x      <= m_lo_x[X_W-1:0];
-        e_y      <= m_lo_y[Y_W-1:0];
+        e_x      <= m_hi_x[X_W-1:0];
+        e_y      <= m_hi_y[Y_W-1:0];
         e_time   <= m_time;
         e_counts <= m_counts;
         e_event  <= m_event;
@@ -536,7 +538,7 @@ module cot_engine #(
         o_report <= reports;
         o_clear  <= clears;
         o_join   <= joins;
-        o_looks  <= phase == FETCH || (phase == WALK && step < SLOTS[STEP_W-1:0] && step[0]);
+        o_looks  <= phase == FETCH || (phase == WALK && step < SLOTS[STEP_W-1:0]);
 
         u_valid  <= c_commits;
         u_ends   <= c_valid && !rewind && c_early;
@@ -611,7 +613,7 @@ module cot_engine #(
                 survey <= step == {STEP_W{1'b0}} && surveys && !on_detect;
                 start  <= step == {STEP_W{1'b0}} && !surveys;
                 walked <= step == WALKED[STEP_W-1:0];
-                if (step[0]) slow_slot <= slow_slot + 1'b1;
+                slow_slot <= slow_slot + 1'b1;
                 if (walked && surveys) begin
                     step      <= {STEP_W{1'b0}};
                     slow_slot <= {SLOT_W{1'b0}};
@@ -646,9 +648,9 @@ module cot_engine #(
             default: phase <= RUN;
         endcase
 
-        if (restarts) restart[restart_slot] <= 1'b0;
+        restart <= (restart & ~(restarts ? FIRST << restart_slot : NONE))
+                 | ((cfg_valid && cfg_addr == `EVCOT_REG_MODE) ? FIRST << cfg_slot : NONE);
         if (cfg_valid) stale <= 1'b1;
-        if (cfg_valid && cfg_addr == `EVCOT_REG_MODE) restart[cfg_slot] <= 1'b1;
 
         if (rst) begin
             phase   <= RUN;

@@ -158,6 +158,8 @@ module engine_average #(
         u_d_again    <= moves ? to_av : {(W + 1) {1'b0}};
         u_offset     <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];
         v_av         <= new_av[W-1:0];
+        // `forward` comes late: a reset of its own keeps synthesis from making one of it.
+        if (rst) u_d_read_not <= {(W + 1) {1'b0}};
     end
 
     wire unused = &{1'b0, from_centre, read_not[0], passed_not[0], new_av[W]};

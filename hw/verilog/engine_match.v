@@ -5,6 +5,8 @@
 // that does, else the lowest free slot. That of a check is a window: is there another active slot that shares a pixel
 // with it, and which is the lowest? No two active windows overlap, so an event has at most one active owner.
 //
+// Lower bounds come and are kept as complements (_not): a comparison then is a sum, without an inverter in it.
+//
 // Latency:    1 clock from the probe to the answer. A window that is written in one clock is there in the next, a change of
 //             which slots are free two clocks later for an event in E.
 // Throughput: 1 probe per clock.
@@ -24,8 +26,8 @@ module engine_match #(
     input  wire              m_valid,
     input  wire              m_check,
     input  wire [SLOT_W-1:0] m_self,    // CHECK: whose window it is
-    input  wire [X_W-1:0]    m_lo_x, m_hi_x,
-    input  wire [Y_W-1:0]    m_lo_y, m_hi_y,
+    input  wire [X_W-1:0]    m_lo_x_not, m_hi_x,
+    input  wire [Y_W-1:0]    m_lo_y_not, m_hi_y,
 
     // E: the answer, and the slot where none is held: a free one, or `slot` where `names` asked for that the clock before
     input  wire              names,
@@ -40,8 +42,8 @@ module engine_match #(
     input  wire              w_places,
     input  wire              w_changes,
     input  wire [SLOT_W-1:0] w_slot,
-    input  wire [X_W-1:0]    w_lo_x, w_hi_x,
-    input  wire [Y_W-1:0]    w_lo_y, w_hi_y,
+    input  wire [X_W-1:0]    w_lo_x_not, w_hi_x,
+    input  wire [Y_W-1:0]    w_lo_y_not, w_hi_y,
     input  wire              w_free,
     input  wire              w_window,
     input  wire              w_active,
@@ -49,10 +51,12 @@ module engine_match #(
     output reg  [N-1:0]      active     // visible
 );
 
-    (* mem2reg *) reg [X_W-1:0] lo_x [0:N-1];
-    (* mem2reg *) reg [X_W-1:0] hi_x [0:N-1];
-    (* mem2reg *) reg [Y_W-1:0] lo_y [0:N-1];
-    (* mem2reg *) reg [Y_W-1:0] hi_y [0:N-1];
+    (* mem2reg *) reg [X_W-1:0] lo_x_not [0:N-1];
+    (* mem2reg *) reg [X_W-1:0] hi_x     [0:N-1];
+    (* mem2reg *) reg [Y_W-1:0] lo_y_not [0:N-1];
+    (* mem2reg *) reg [Y_W-1:0] hi_y     [0:N-1];
+
+    localparam [N-1:0] FIRST = 1;
 
     reg [N-1:0] free;       // seeded, and no life has started
     reg [N-1:0] candidate;  // has a window, is not active
@@ -65,7 +69,7 @@ module engine_match #(
     wire [N-1:0] hit_active, hit_other;
 
     // Whose windows count.
-    wire [N-1:0] myself = {{(N - 1) {1'b0}}, 1'b1} << m_self;
+    wire [N-1:0] myself = FIRST << m_self;
     wire [N-1:0] owners = active & {N{m_valid && !m_check}};
     wire [N-1:0] others = (m_check ? active & ~myself : candidate) & {N{m_valid}};
 
@@ -73,14 +77,15 @@ module engine_match #(
         integer i;
         reg [X_W:0] from_lo_x, to_hi_x;
         reg [Y_W:0] from_lo_y, to_hi_y;
+        i = 0;
         {left, right, above, below} = {(4 * N) {1'bx}};
         {from_lo_x, to_hi_x, from_lo_y, to_hi_y} = {(2 * X_W + 2 * Y_W + 4) {1'bx}};
         if (m_valid)
             for (i = 0; i < N; i = i + 1) begin
-                from_lo_x = {1'b0, m_hi_x} - {1'b0, lo_x[i]};
-                to_hi_x   = {1'b0, hi_x[i]} - {1'b0, m_lo_x};
-                from_lo_y = {1'b0, m_hi_y} - {1'b0, lo_y[i]};
-                to_hi_y   = {1'b0, hi_y[i]} - {1'b0, m_lo_y};
+                from_lo_x = {1'b0, m_hi_x} + {1'b1, lo_x_not[i]} + 1'b1;
+                to_hi_x   = {1'b0, hi_x[i]} + {1'b1, m_lo_x_not} + 1'b1;
+                from_lo_y = {1'b0, m_hi_y} + {1'b1, lo_y_not[i]} + 1'b1;
+                to_hi_y   = {1'b0, hi_y[i]} + {1'b1, m_lo_y_not} + 1'b1;
                 left[i]   = from_lo_x[X_W];
                 right[i]  = to_hi_x[X_W];
                 above[i]  = from_lo_y[Y_W];
@@ -159,17 +164,20 @@ module engine_match #(
 
     // ---- W ---------------------------------------------------------------------------------------------------------
 
+    // Masks, since synthesis makes more of a bit with a variable number.
+    wire [N-1:0] here = FIRST << w_slot;
+
     always @(posedge clk) begin
         if (w_places) begin
-            lo_x[w_slot] <= w_lo_x;
-            hi_x[w_slot] <= w_hi_x;
-            lo_y[w_slot] <= w_lo_y;
-            hi_y[w_slot] <= w_hi_y;
+            lo_x_not[w_slot] <= w_lo_x_not;
+            hi_x[w_slot]     <= w_hi_x;
+            lo_y_not[w_slot] <= w_lo_y_not;
+            hi_y[w_slot]     <= w_hi_y;
         end
         if (w_changes) begin
-            free[w_slot]      <= w_free;
-            candidate[w_slot] <= w_window && !w_active;
-            active[w_slot]    <= w_active;
+            free      <= w_free ? free | here : free & ~here;
+            candidate <= (w_window && !w_active) ? candidate | here : candidate & ~here;
+            active    <= w_active ? active | here : active & ~here;
         end
         refreshes    <= w_changes || names;
         if (names) else_slot <= slot;

@@ -2,6 +2,7 @@
 // The software-written registers as the engine reads them: those of the slot in C that every event may need, and those of the slot
 // in U that only its timer or a special event needs. Each bank is cot_regs.v, and keeps in hardware only what is read of it.
 `default_nettype none
+`include "evcot_defs.vh"
 
 module engine_regs #(
     parameter N       = 8,   // slots
@@ -40,91 +41,66 @@ module engine_regs #(
     output wire [TC_W-1:0]    detect_ticks
 );
 
-    // What the other bank is for.
-    wire [1:0]         c_mode;
-    wire [X_W-1:0]     u_init_cm_x;
-    wire [Y_W-1:0]     u_init_cm_y;
-    wire [RADIX_W-1:0] c_init_radix;
-    wire [RADIX_W-1:0] u_radix_th;
-    wire [RADIX_W-1:0] u_radix_step;
-    wire [RADIX_W-1:0] u_radix_min;
-    wire [RADIX_W-1:0] u_radix_max;
-    wire [3:0]         u_hist_avg;
-    wire [TC_W-1:0]    c_max_ticks;
-    wire [NEV_W-1:0]   c_clust_nev;
-    wire [NEV_W-1:0]   c_nev_min;
-    wire [NEV_W-1:0]   c_nev_max;
-    wire [TC_W-1:0]    c_nev_th;
-    wire [TC_W-1:0]    c_detect_ticks;
+    reg [1:0]         mode_mem         [0:N-1];
+    reg [X_W-1:0]     init_cm_x_mem    [0:N-1];
+    reg [Y_W-1:0]     init_cm_y_mem    [0:N-1];
+    reg [RADIX_W-1:0] init_radix_mem   [0:N-1];
+    reg [RADIX_W-1:0] radix_th_mem     [0:N-1];
+    reg [RADIX_W-1:0] radix_step_mem   [0:N-1];
+    reg [RADIX_W-1:0] radix_min_mem    [0:N-1];
+    reg [RADIX_W-1:0] radix_max_mem    [0:N-1];
+    reg [3:0]         hist_avg_mem     [0:N-1];
+    reg [TC_W-1:0]    max_ticks_mem    [0:N-1];
+    reg [NEV_W-1:0]   clust_nev_mem    [0:N-1];
+    reg [NEV_W-1:0]   nev_min_mem      [0:N-1];
+    reg [NEV_W-1:0]   nev_max_mem      [0:N-1];
+    reg [TC_W-1:0]    nev_th_mem       [0:N-1];
+    reg [TC_W-1:0]    detect_ticks_mem [0:N-1];
 
-    cot_regs #(
-        .N      (N),
-        .X_W    (X_W),
-        .Y_W    (Y_W),
-        .RADIX_W(RADIX_W),
-        .NEV_W  (NEV_W),
-        .TC_W   (TC_W),
-        .SLOT_W (SLOT_W)
-    ) u_c (
-        .clk         (clk),
-        .rst         (rst),
-        .cfg_valid   (cfg_valid),
-        .cfg_slot    (cfg_slot),
-        .cfg_addr    (cfg_addr),
-        .cfg_data    (cfg_data),
-        .slot        (c_slot),
-        .mode        (c_mode),
-        .init_cm_x   (init_cm_x),
-        .init_cm_y   (init_cm_y),
-        .init_radix  (c_init_radix),
-        .radix_th    (radix_th),
-        .radix_step  (radix_step),
-        .radix_min   (radix_min),
-        .radix_max   (radix_max),
-        .hist_avg    (hist_avg),
-        .max_ticks   (c_max_ticks),
-        .clust_nev   (c_clust_nev),
-        .nev_min     (c_nev_min),
-        .nev_max     (c_nev_max),
-        .nev_th      (c_nev_th),
-        .detect_ticks(c_detect_ticks)
-    );
+    assign mode         = mode_mem[u_slot];
+    assign init_cm_x    = init_cm_x_mem[c_slot];
+    assign init_cm_y    = init_cm_y_mem[c_slot];
+    assign init_radix   = init_radix_mem[u_slot];
+    assign radix_th     = radix_th_mem[c_slot];
+    assign radix_step   = radix_step_mem[c_slot];
+    assign radix_min    = radix_min_mem[c_slot];
+    assign radix_max    = radix_max_mem[c_slot];
+    assign hist_avg     = hist_avg_mem[c_slot];
+    assign max_ticks    = max_ticks_mem[u_slot];
+    assign clust_nev    = clust_nev_mem[u_slot];
+    assign nev_min      = nev_min_mem[u_slot];
+    assign nev_max      = nev_max_mem[u_slot];
+    assign nev_th       = nev_th_mem[u_slot];
+    assign detect_ticks = detect_ticks_mem[u_slot];
 
-    cot_regs #(
-        .N      (N),
-        .X_W    (X_W),
-        .Y_W    (Y_W),
-        .RADIX_W(RADIX_W),
-        .NEV_W  (NEV_W),
-        .TC_W   (TC_W),
-        .SLOT_W (SLOT_W)
-    ) u_u (
-        .clk         (clk),
-        .rst         (rst),
-        .cfg_valid   (cfg_valid),
-        .cfg_slot    (cfg_slot),
-        .cfg_addr    (cfg_addr),
-        .cfg_data    (cfg_data),
-        .slot        (u_slot),
-        .mode        (mode),
-        .init_cm_x   (u_init_cm_x),
-        .init_cm_y   (u_init_cm_y),
-        .init_radix  (init_radix),
-        .radix_th    (u_radix_th),
-        .radix_step  (u_radix_step),
-        .radix_min   (u_radix_min),
-        .radix_max   (u_radix_max),
-        .hist_avg    (u_hist_avg),
-        .max_ticks   (max_ticks),
-        .clust_nev   (clust_nev),
-        .nev_min     (nev_min),
-        .nev_max     (nev_max),
-        .nev_th      (nev_th),
-        .detect_ticks(detect_ticks)
-    );
+    integer i;
 
-    wire unused = &{1'b0, c_mode, u_init_cm_x, u_init_cm_y, c_init_radix, u_radix_th, u_radix_step, u_radix_min, u_radix_max,
-                    u_hist_avg, c_max_ticks, c_clust_nev, c_nev_min, c_nev_max, c_nev_th, c_detect_ticks};
+    always @(posedge clk) begin
+        if (cfg_valid) begin
+            case (cfg_addr)
+                `EVCOT_REG_MODE:         mode_mem[cfg_slot]         <= cfg_data[1:0];
+                `EVCOT_REG_INIT_CM_X:    init_cm_x_mem[cfg_slot]    <= cfg_data[X_W-1:0];
+                `EVCOT_REG_INIT_CM_Y:    init_cm_y_mem[cfg_slot]    <= cfg_data[Y_W-1:0];
+                `EVCOT_REG_INIT_RADIX:   init_radix_mem[cfg_slot]   <= cfg_data[RADIX_W-1:0];
+                `EVCOT_REG_RADIX_TH:     radix_th_mem[cfg_slot]     <= cfg_data[RADIX_W-1:0];
+                `EVCOT_REG_RADIX_STEP:   radix_step_mem[cfg_slot]   <= cfg_data[RADIX_W-1:0];
+                `EVCOT_REG_RADIX_MIN:    radix_min_mem[cfg_slot]    <= cfg_data[RADIX_W-1:0];
+                `EVCOT_REG_RADIX_MAX:    radix_max_mem[cfg_slot]    <= cfg_data[RADIX_W-1:0];
+                `EVCOT_REG_HIST_AVG:     hist_avg_mem[cfg_slot]     <= cfg_data[3:0];
+                `EVCOT_REG_MAX_TICKS:    max_ticks_mem[cfg_slot]    <= cfg_data[TC_W-1:0];
+                `EVCOT_REG_CLUST_NEV:    clust_nev_mem[cfg_slot]    <= cfg_data[NEV_W-1:0];
+                `EVCOT_REG_NEV_MIN:      nev_min_mem[cfg_slot]      <= cfg_data[NEV_W-1:0];
+                `EVCOT_REG_NEV_MAX:      nev_max_mem[cfg_slot]      <= cfg_data[NEV_W-1:0];
+                `EVCOT_REG_NEV_TH:       nev_th_mem[cfg_slot]       <= cfg_data[TC_W-1:0];
+                `EVCOT_REG_DETECT_TICKS: detect_ticks_mem[cfg_slot] <= cfg_data[TC_W-1:0];
+                default: ;  // no such register
+            endcase
+        end
+        if (rst)
+            for (i = 0; i < N; i = i + 1) mode_mem[i] <= `EVCOT_MODE_OFF;
+    end
+
+    wire unused = &{1'b0, cfg_data};
 
 endmodule
 

@@ -35,11 +35,10 @@ module engine_shift #(
         end
     end
 
-    wire [W:0] moved [0:4];
-
     genvar i;
     generate
         for (i = 0; i < 5; i = i + 1) begin : g_k
+            wire [W:0] y;
             engine_products #(
                 .W (W + 1),
                 .BY(2 * i)
@@ -48,12 +47,12 @@ module engine_shift #(
                 .b_not ({b_not, 1'b1}),
                 .c     ({c, 1'b0}),
                 .wanted(is[i]),
-                .y     (moved[i])
+                .y     (y)
             );
         end
     endgenerate
 
-    assign evenly = moved[0] | moved[1] | moved[2] | moved[3] | moved[4];
+    assign evenly = g_k[0].y | g_k[1].y | g_k[2].y | g_k[3].y | g_k[4].y;
 
 endmodule
 

@@ -85,8 +85,8 @@ module engine_update #(
     output reg                 w_places,
     output wire                w_changes,
     output reg  [SLOT_W-1:0]   w_slot,
-    output wire [AT_X-1:0]     w_lo_x, w_hi_x,
-    output wire [AT_Y-1:0]     w_lo_y, w_hi_y,
+    output wire [AT_X-1:0]     w_lo_x_not, w_hi_x,
+    output wire [AT_Y-1:0]     w_lo_y_not, w_hi_y,
     output wire                w_free,
     output wire                w_window,
     output wire                w_active,
@@ -199,19 +199,19 @@ module engine_update #(
     wire [NEV_W-1:0]   c_rest;
 
     // An average that is just being written is taken on its way.
-    wire passes = v_moves && v_slot == c_slot;
+    wire passes = v_moves && v_slot == c_slot_too;
     assign {c_av_x, c_av_y}      = av[c_slot];
     assign {c_cm_x, c_cm_y, c_g} = cm[c_slot_too];
-    assign {c_none, c_one, c_rest} = rest[c_slot];
+    assign {c_none, c_one, c_rest} = rest[c_slot_too];
 
     // The event in U is of the same slot.
-    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot;
+    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot_too;
     wire place   = c_seeds || c_clear || c_join;
     wire last    = forward ? u_one : c_none;
     wire first   = !c_active && !c_timed;
 
     always @(posedge clk) begin
-        u_slot      <= c_slot;
+        u_slot      <= c_slot_too;
         u_takes     <= c_takes && c_commits;
         u_follows   <= forward;
         u_again     <= (c_takes && c_commits && (last || first)) || c_report || c_clear || c_join || c_looks;
@@ -358,7 +358,7 @@ module engine_update #(
             v_grown     <= (highest[RADIX_W] || grows_by[RADIX_W]) ? u_max : u_g + u_step;
             v_shrunk    <= shrinks_by[RADIX_W+1] ? u_min : u_g - u_step;
             v_th        <= u_th;
-            v_less_th   <= {(RADIX_W + 1) {1'b0}} - {1'b0, u_th};
+            v_less_th   <= {1'b0, u_th} - 1'b1;
             v_n_ev      <= n_ev[u_slot];
             v_nev_min   <= nev_min;
             v_nev_max   <= nev_max;
@@ -428,7 +428,7 @@ module engine_update #(
             w_mode    <= v_mode;
             w_g       <= new_g;
             w_radius  <= {1'b0, new_g} + {1'b0, v_th};
-            w_less    <= {v_less_th[RADIX_W], v_less_th} - {2'b00, new_g};
+            w_less    <= {v_less_th[RADIX_W], v_less_th} + {2'b00, new_g};
             w_same    <= v_clear ? v_clust_nev : v_n_ev;
             w_doubled <= over_max[NEV_W+1] ? v_nev_max : doubled[NEV_W-1:0];
             w_halved  <= under_min[NEV_W] ? v_nev_min : halved;
@@ -452,7 +452,7 @@ module engine_update #(
         .centre(w_cm_x),
         .radius(w_radius),
         .less  (w_less),
-        .lo    (w_lo_x),
+        .lo_not(w_lo_x_not),
         .hi    (w_hi_x)
     );
     engine_window #(
@@ -463,7 +463,7 @@ module engine_update #(
         .centre(w_cm_y),
         .radius(w_radius),
         .less  (w_less),
-        .lo    (w_lo_y),
+        .lo_not(w_lo_y_not),
         .hi    (w_hi_y)
     );
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One axis of a cluster's window, as cot_window.v has it, but not cut off at the edges of the sensor: one addition per bound,
-// the half that rounds a centre to its pixel, the highest bit of the fraction, carried into both.
+// the half that rounds a centre to its pixel, the highest bit of the fraction, carried into both. The lower bound is given as its
+// complement, which is what a comparison adds.
 //
 // Every window has its centre's pixel on the sensor, so whether two windows share a pixel there is whether they share one
 // at all.
@@ -16,18 +17,18 @@ module engine_window #(
 ) (
     input  wire [W+FRAC-1:0] centre,
     input  wire [R_W-1:0]    radius,
-    input  wire [R_W:0]      less,    // minus radius
-    output wire [AT_W-1:0]   lo,      // both with 2^(AT_W-1) added, so that they are not negative
+    input  wire [R_W:0]      less,    // radius - 1, signed
+    output wire [AT_W-1:0]   lo_not,  // of both bounds with 2^(AT_W-1) added, so that they are not negative
     output wire [AT_W-1:0]   hi
 );
 
     wire half = (FRAC > 0) && centre[FRAC > 0 ? FRAC - 1 : 0];
 
     wire [AT_W-1:0] whole = {{(AT_W - W) {1'b0}}, centre[W+FRAC-1:FRAC]};
-    wire [AT_W:0]   low   = {whole, 1'b1} + {{(AT_W - R_W - 1) {less[R_W]}}, less, half};
+    wire [AT_W:0]   low   = {~whole, 1'b1} + {{(AT_W - R_W - 1) {less[R_W]}}, less, !half};
     wire [AT_W:0]   high  = {whole, 1'b1} + {{(AT_W - R_W) {1'b0}}, radius, half};
 
-    assign lo = {!low[AT_W], low[AT_W-1:1]};
+    assign lo_not = {!low[AT_W], low[AT_W-1:1]};
     assign hi = {!high[AT_W], high[AT_W-1:1]};
 
     wire unused = &{1'b0, centre, low[0], high[0]};

@@ -28,9 +28,9 @@ class Slot:
 
 
 def walk(sim: PyVerilator, slots: list[Slot], begins: str = "", grants: str = "max_ticks") -> None:
-    """All slots in ascending order, every other clock, and the clocks until the walk is complete."""
+    """All slots in ascending order, and the clocks until the walk is complete."""
     io = sim.io
-    io.walks = 1
+    io.walks, pauses = 1, np.random.default_rng(len(slots))
     if begins:
         io[begins] = 1
         sim.clock.tick()
@@ -42,7 +42,8 @@ def walk(sim: PyVerilator, slots: list[Slot], begins: str = "", grants: str = "m
         io.step = 1
         sim.clock.tick()
         io.step, io.slot, io.timed, io.on, io.deadline = 0, 0, 1, 1, 0  # nobody looks
-        sim.clock.tick()
+        for _ in range(int(pauses.integers(0, 2))):
+            sim.clock.tick()
     for _ in range(3):
         sim.clock.tick()
     io.walks = 0

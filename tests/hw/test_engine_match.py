@@ -51,10 +51,15 @@ def random_window(rng: np.random.Generator) -> Window:
     return int(x), int(min(x + width, SIDE - 1)), int(y), int(min(y + height, SIDE - 1))
 
 
+def bounds(window: Window) -> Window:
+    """As the ports take them: the lower ones as complements."""
+    return SIDE - 1 - window[0], window[1], SIDE - 1 - window[2], window[3]
+
+
 def put(sim: PyVerilator, number: int, slot: Slot, places: bool, changes: bool) -> None:
     io = sim.io
     io.w_places, io.w_changes, io.w_slot = places, changes, number
-    io.w_lo_x, io.w_hi_x, io.w_lo_y, io.w_hi_y = slot.window
+    io.w_lo_x_not, io.w_hi_x, io.w_lo_y_not, io.w_hi_y = bounds(slot.window)
     io.w_free, io.w_window, io.w_active = slot.free, slot.candidate or slot.active, slot.active
 
 
@@ -78,7 +83,7 @@ def test_random_probes_while_windows_change(sim: PyVerilator) -> None:
         probe = random_window(rng) if check else (x, x, y, y)
         myself, named = int(rng.integers(N)), int(rng.integers(N))
         io.m_valid, io.m_check, io.m_self, io.names, io.slot = valid, check, myself, names, named
-        io.m_lo_x, io.m_hi_x, io.m_lo_y, io.m_hi_y = probe
+        io.m_lo_x_not, io.m_hi_x, io.m_lo_y_not, io.m_hi_y = bounds(probe)
 
         hits = [i for i, slot in enumerate(slots) if valid and meet(slot.window, probe)]
         owner = None if check else lowest([i for i in hits if slots[i].active])
