@@ -173,8 +173,8 @@ module cot_engine #(
     reg               rewound;                             // the clock before threw tokens out
     reg [SLOT_W-1:0]  c_slot;
     reg [SLOT_W-1:0]  c_slot_too, c_slot_regs;             // c_slot again, for it goes to every bit of the context
-    reg               c_takes, c_passes, c_active, c_seeds, c_report, c_clear, c_join, c_looks;
-    reg               o_report, o_clear, o_join, o_looks;  // an operation, or a look at a slot, on its way to C
+    reg               c_takes, c_passes, c_active, c_seeds, c_busy, c_report, c_clear, c_join, c_looks;
+    reg               o_busy, o_report, o_clear, o_join, o_looks;  // an operation, or a look at a slot, on its way to C
     reg               u_takes, u_passes, u_walks, v_walks, v_decided, v_owned;
 
     reg               found;              // the window checked overlaps
@@ -447,6 +447,7 @@ module cot_engine #(
     localparam [STEP_W-1:0] EIGHT = 8;
 
     reg              settled;               // no operation is under way, no window changes
+    reg              restart_due;           // some slot is to be restarted, or was a clock ago
     reg              restarting, restarts;  // some slot is to be restarted, this one next
     reg [SLOT_W-1:0] restart_slot;
 
@@ -463,7 +464,7 @@ module cot_engine #(
         .lowest(restart_lowest)
     );
 
-    wire operates = o_report || o_clear || o_join || c_report || c_clear || c_join || u_busy;
+    wire operates = o_busy || c_busy || u_busy;
     wire checks   = m_check || e_check || found;
     wire drained  = settled && !checks && !m_valid && !e_valid && !c_valid && !u_valid && !u_ends;
 
@@ -474,11 +475,6 @@ module cot_engine #(
     assign commit = u_valid;
     assign rewind = u_ends || u_special || found || stalled;
     assign issue  = token_valid && !closed && !rewound;
-
-    // The operation that is begun.
-    wire reports = phase == REPORT && !m_cm_valid;
-    wire clears = phase == CLEAR && settled;
-    wire joins  = phase == JOIN && done && !m_cm_valid;
 
     // ---- tokens ----------------------------------------------------------------------------------------------------
 
@@ -530,14 +526,12 @@ module cot_engine #(
         c_time   <= e_time;
         c_counts <= e_counts;
         c_p      <= e_p;
+        c_busy   <= o_busy;
         c_report <= o_report;
         c_clear  <= o_clear;
         c_join   <= o_join;
         c_looks  <= o_looks;
 
-        o_report <= reports;
-        o_clear  <= clears;
-        o_join   <= joins;
         o_looks  <= phase == FETCH || (phase == WALK && step < SLOTS[STEP_W-1:0]);
 
         u_valid  <= c_commits;
@@ -563,7 +557,7 @@ module cot_engine #(
             // Registers that differ in their reset stay apart in synthesis.
             c_slot_too  <= {SLOT_W{1'b0}};
             c_slot_regs <= {SLOT_W{1'b1}};
-            {o_report, o_clear, o_join, c_report, c_clear, c_join} <= 6'd0;
+            {c_busy, c_report, c_clear, c_join} <= 4'd0;
         end
     end
 
@@ -575,20 +569,23 @@ module cot_engine #(
         if (commit && u_counts) next_seq <= next_seq + 1'b1;
         if (commit || u_ends || restarts) seq <= next_seq;
         stalled <= m_cm_valid && !m_cm_ready;
-        closed  <= phase != RUN || operates || v_busy || !room || restart_any;
+        closed  <= phase != RUN || operates || v_busy || !room || restart_due;
         walks   <= phase == WALK;
         walked  <= 1'b0;
         {survey, start, take_a, take_b} <= 4'd0;
 
         idle <= 1'b0;
         if (input_empty)
-            idle <= !s_valid && !cfg_valid && phase == RUN && settled && !checks && !restart_any && !v_decided
+            idle <= !s_valid && !cfg_valid && phase == RUN && settled && !checks && !restart_due && !v_decided
                  && output_empty && !m_cm_valid;
 
-        settled      <= !(reports || clears || joins || operates || u_special || v_busy || w_busy);
+        {o_busy, o_report, o_clear, o_join} <= 4'd0;
+        settled      <= !(operates || u_special || v_busy || w_busy);
+        restart_due  <= restart_any || (cfg_valid && cfg_addr == `EVCOT_REG_MODE);
         restarting   <= restart_any;
         restart_slot <= restart_lowest;
-        restarts     <= phase == RUN && restarting && drained && !restarts;
+        restarts     <= 1'b0;
+        if (restarting) restarts <= phase == RUN && drained && !restarts;
 
         step <= step + 1'b1;
         case (phase)
@@ -636,15 +633,30 @@ module cot_engine #(
                     phase     <= REPORT;
                 end
             end
-            REPORT:  if (!m_cm_valid) phase <= CLEAR;
-            CLEAR:   if (settled) phase <= (why == RESTART) ? RUN : SETTLE;
+            REPORT:
+            if (!m_cm_valid) begin
+                {o_busy, o_report} <= 2'b11;
+                settled            <= 1'b0;
+                phase              <= CLEAR;
+            end
+            CLEAR:
+            if (settled) begin
+                {o_busy, o_clear} <= 2'b11;
+                settled           <= 1'b0;
+                phase             <= (why == RESTART) ? RUN : SETTLE;
+            end
             SETTLE:
             if (settled) begin
                 step      <= {STEP_W{1'b0}};
                 slow_slot <= (why == LIFE) ? {SLOT_W{1'b0}} : stays;
                 phase     <= (why == LIFE) ? WALK : JOIN;
             end
-            JOIN:    if (done && !m_cm_valid) phase <= RUN;
+            JOIN:
+            if (done && !m_cm_valid) begin
+                {o_busy, o_join} <= 2'b11;
+                settled          <= 1'b0;
+                phase            <= RUN;
+            end
             default: phase <= RUN;
         endcase
 
@@ -657,6 +669,7 @@ module cot_engine #(
             now     <= {CLOCK_W{1'b0}};
             next_seq <= {SEQ_W{1'b0}};
             restart    <= {N{1'b1}};
+            restart_due <= 1'b1;
             restarting <= 1'b0;
             restarts   <= 1'b0;
             stale   <= 1'b1;
@@ -664,6 +677,7 @@ module cot_engine #(
             stalled <= 1'b0;
             closed  <= 1'b1;
             settled <= 1'b1;
+            {o_busy, o_report, o_clear, o_join} <= 4'd0;
             idle    <= 1'b0;
         end
     end

@@ -8,12 +8,12 @@
 module engine_hits #(
     parameter N = 8
 ) (
-    input  wire [N-1:0] left, right, above, below,  // the probe lies there, outside of the window
+    input  wire [N-1:0] not_left, not_right, not_above, not_below,  // where the probe is not, beside the window
     input  wire [N-1:0] counts,
     output wire [N-1:0] hits
 );
 
-    assign hits = ~left & ~right & ~above & ~below & counts;
+    assign hits = not_left & not_right & not_above & not_below & counts;
 
 endmodule
 

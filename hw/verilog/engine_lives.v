@@ -40,7 +40,7 @@ module engine_lives #(
 
     output reg                ended,        // a life ended by now
     output reg  [SLOT_W-1:0]  ended_slot,
-    output reg  [TIME_W-1:0]  ended_time
+    output wire [TIME_W-1:0]  ended_time
 );
 
     localparam [LIFE_W:0] FAR = {1'b0, {LIFE_W{1'b1}}};
@@ -64,15 +64,16 @@ module engine_lives #(
     wire takes = step_2 && (took ? under_before : under_least);
 
     wire [CLOCK_W+LIFE_W-1:0] wide = {{CLOCK_W{least[LIFE_W]}}, least[LIFE_W:1]};
-    wire [CLOCK_W-1:0]        when = now + wide[CLOCK_W-1:0];
+    reg  [CLOCK_W-1:0]        when;
 
+    assign ended_time = when[TIME_W-1:0];
     assign m_due = !over[LIFE_W-1];
 
     always @(posedge clk) begin
         if (walks) begin
             step_reg   <= step && (surveys ? on : timed);
             ended      <= !least[0] && (least[LIFE_W] || least[LIFE_W:1] == {LIFE_W{1'b0}});
-            ended_time <= when[TIME_W-1:0];
+            when       <= now + wide[CLOCK_W-1:0];
             if (step) begin
                 ticks_reg <= surveys ? {{(LIFE_W - TC_W) {1'b0}}, grant, 1'b1} : {left, 1'b0};
                 slot_reg  <= slot;

@@ -65,7 +65,7 @@ module engine_match #(
 
     reg [N-1:0] hit_active_reg, hit_other_reg;
 
-    reg  [N-1:0] left, right, above, below;  // of the window; anything where there is none or no probe
+    reg  [N-1:0] not_left, not_right, not_above, not_below;  // where the probe is not; anything where there is none
     wire [N-1:0] hit_active, hit_other;
 
     // Whose windows count.
@@ -78,40 +78,40 @@ module engine_match #(
         reg [X_W:0] from_lo_x, to_hi_x;
         reg [Y_W:0] from_lo_y, to_hi_y;
         i = 0;
-        {left, right, above, below} = {(4 * N) {1'bx}};
+        {not_left, not_right, not_above, not_below} = {(4 * N) {1'bx}};
         {from_lo_x, to_hi_x, from_lo_y, to_hi_y} = {(2 * X_W + 2 * Y_W + 4) {1'bx}};
         if (m_valid)
             for (i = 0; i < N; i = i + 1) begin
-                from_lo_x = {1'b0, m_hi_x} + {1'b1, lo_x_not[i]} + 1'b1;
-                to_hi_x   = {1'b0, hi_x[i]} + {1'b1, m_lo_x_not} + 1'b1;
-                from_lo_y = {1'b0, m_hi_y} + {1'b1, lo_y_not[i]} + 1'b1;
-                to_hi_y   = {1'b0, hi_y[i]} + {1'b1, m_lo_y_not} + 1'b1;
-                left[i]   = from_lo_x[X_W];
-                right[i]  = to_hi_x[X_W];
-                above[i]  = from_lo_y[Y_W];
-                below[i]  = to_hi_y[Y_W];
+                from_lo_x = {1'b0, m_hi_x} + {1'b0, lo_x_not[i]} + 1'b1;
+                to_hi_x   = {1'b0, hi_x[i]} + {1'b0, m_lo_x_not} + 1'b1;
+                from_lo_y = {1'b0, m_hi_y} + {1'b0, lo_y_not[i]} + 1'b1;
+                to_hi_y   = {1'b0, hi_y[i]} + {1'b0, m_lo_y_not} + 1'b1;
+                not_left[i]  = from_lo_x[X_W];
+                not_right[i] = to_hi_x[X_W];
+                not_above[i] = from_lo_y[Y_W];
+                not_below[i] = to_hi_y[Y_W];
             end
     end
 
     engine_hits #(
         .N(N)
     ) u_active (
-        .left  (left),
-        .right (right),
-        .above (above),
-        .below (below),
-        .counts(owners),
-        .hits  (hit_active)
+        .not_left (not_left),
+        .not_right(not_right),
+        .not_above(not_above),
+        .not_below(not_below),
+        .counts   (owners),
+        .hits     (hit_active)
     );
     engine_hits #(
         .N(N)
     ) u_others (
-        .left  (left),
-        .right (right),
-        .above (above),
-        .below (below),
-        .counts(others),
-        .hits  (hit_other)
+        .not_left (not_left),
+        .not_right(not_right),
+        .not_above(not_above),
+        .not_below(not_below),
+        .counts   (others),
+        .hits     (hit_other)
     );
 
     always @(posedge clk) begin

@@ -42,10 +42,6 @@ module engine_mean #(
     wire last     = left == {LEFT_W{1'b0}};
     wire negative = high[WEIGHT_W+1];
 
-    wire [WEIGHT_W:0]   grown = {1'b0, high[WEIGHT_W-1:0]} + {1'b0, bits[0] ? weight : {WEIGHT_W{1'b0}}};
-    wire [WEIGHT_W+1:0] twice = {high[WEIGHT_W:0], bits[W-1]};
-    wire [WEIGHT_W+1:0] s     = {1'b0, sum};
-
     always @(posedge clk) begin
         loads <= start;
         if (start) begin
@@ -60,13 +56,13 @@ module engine_mean #(
             bits       <= b_higher ? difference[W-1:0] : {W{1'b0}} - difference[W-1:0];
             high       <= {(WEIGHT_W + 2) {1'b0}};
         end else if (multiplies) begin
-            {high, bits} <= {1'b0, grown, bits} >> 1;
+            {high, bits} <= {{2'b00, high[WEIGHT_W-1:0]} + {2'b00, bits[0] ? weight : {WEIGHT_W{1'b0}}}, bits} >> 1;
             left         <= last ? BITS[LEFT_W-1:0] : left - 1'b1;
             multiplies   <= !last;
             divides      <= last;
             first        <= 1'b1;
         end else if (divides) begin
-            high    <= negative ? twice + s : twice - s;
+            high    <= {high[WEIGHT_W:0], bits[W-1]} + {!negative, negative ? sum : ~sum} + {{(WEIGHT_W + 1) {1'b0}}, !negative};
             bits    <= (bits << 1) | {{(W - 1) {1'b0}}, !negative && !first};
             left    <= left - 1'b1;
             first   <= 1'b0;

@@ -38,30 +38,25 @@ module engine_merge #(
 
     reg [SLOT_W-1:0]  a_slot, b_slot;
     reg [ID_W-1:0]    a_id, b_id;
-    reg [POS_X-1:0]   a_x, b_x;
     reg [POS_Y-1:0]   a_y, b_y;
     reg [RADIX_W-1:0] a_g, b_g;
     reg [SUP_W-1:0]   a_support, b_support;
     reg               start, take_a_reg, take_b_reg;
     reg               under_way;
 
-    reg  b_older;
-    wire [SUP_W:0] both = {1'b0, a_support} + {1'b0, b_support};
+    reg            b_older;
+    reg  [SUP_W:0] both;
 
     // One axis after the other.
     localparam POS_W = (POS_X > POS_Y) ? POS_X : POS_Y;
 
     reg              on_y;
+    reg  [POS_W-1:0] a_at, b_at;
     wire [POS_W-1:0] mean;
     wire             done_axis;
 
     assign join_y = mean[POS_Y-1:0];
     assign done   = on_y && done_axis && !start;
-
-    wire [POS_W-1:0] wide_a_x = {{(POS_W - POS_X) {1'b0}}, a_x};
-    wire [POS_W-1:0] wide_b_x = {{(POS_W - POS_X) {1'b0}}, b_x};
-    wire [POS_W-1:0] wide_a_y = {{(POS_W - POS_Y) {1'b0}}, a_y};
-    wire [POS_W-1:0] wide_b_y = {{(POS_W - POS_Y) {1'b0}}, b_y};
 
     engine_mean #(
         .W       (POS_W),
@@ -70,9 +65,9 @@ module engine_merge #(
     ) u_mean (
         .clk     (clk),
         .start   (start),
-        .a       (on_y ? wide_a_y : wide_a_x),
+        .a       (a_at),
         .weight_a(a_support),
-        .b       (on_y ? wide_b_y : wide_b_x),
+        .b       (b_at),
         .weight_b(b_support),
         .done    (done_axis),
         .mean    (mean)
@@ -80,12 +75,12 @@ module engine_merge #(
 
     always @(posedge clk) begin
         if (take_a) begin
-            a_x       <= cm_x;
+            a_at      <= {{(POS_W - POS_X) {1'b0}}, cm_x};
             a_y       <= cm_y;
             a_g       <= g;
         end
         if (take_b) begin
-            b_x       <= cm_x;
+            b_at      <= {{(POS_W - POS_X) {1'b0}}, cm_x};
             b_y       <= cm_y;
             b_g       <= g;
         end
@@ -101,14 +96,17 @@ module engine_merge #(
             b_id      <= id;
             b_support <= support;
         end
-        start <= take_b_reg || (!on_y && done_axis && under_way && !start);
+        start <= take_b_reg;
         if (take_b_reg) begin
             on_y      <= 1'b0;
             under_way <= 1'b1;
         end
         if (under_way) begin
             if (!on_y && done_axis && !start) begin
+                start  <= 1'b1;
                 on_y   <= 1'b1;
+                a_at   <= {{(POS_W - POS_Y) {1'b0}}, a_y};
+                b_at   <= {{(POS_W - POS_Y) {1'b0}}, b_y};
                 join_x <= mean[POS_X-1:0];
             end
             if (done) under_way <= 1'b0;
@@ -117,6 +115,7 @@ module engine_merge #(
             goes         <= b_older ? a_slot : b_slot;
             stays_id     <= b_older ? b_id : a_id;
             join_g       <= (b_g > a_g) ? b_g : a_g;
+            both         <= {1'b0, a_support} + {1'b0, b_support};
             join_support <= both[SUP_W] ? {SUP_W{1'b1}} : both[SUP_W-1:0];
         end
     end

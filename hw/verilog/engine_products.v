@@ -13,17 +13,13 @@ module engine_products #(
     input  wire [W-1:0] b_not,
     input  wire [W-1:0] c,
     input  wire         wanted,  // else 0
-    output reg  [W-1:0] y
+    output wire [W-1:0] y
 );
 
-    wire signed [W-1:0] a = ~a_not;
-    wire signed [W-1:0] b = ~b_not;
-    wire signed [W-1:0] d = c;
+    wire signed [W-1:0] sum     = ~a_not | ~b_not | c;
+    wire        [W-1:0] shifted = sum >>> BY;
 
-    always @* begin
-        y = {W{1'b0}};
-        if (wanted) y = (a >>> BY) | (b >>> BY) | (d >>> BY);
-    end
+    assign y = shifted & {W{wanted}};
 
 endmodule
 

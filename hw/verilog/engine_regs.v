@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The software-written registers as the engine reads them: those of the slot in C that every event may need, and those of the slot
-// in U that only its timer or a special event needs. Each bank is cot_regs.v, and keeps in hardware only what is read of it.
+// The registers of N tracker slots as cot_regs.v has them, but shown of two slots at once: of the slot in C what every event may
+// need, of the slot in U what only its timer or a special event needs.
+//
+// Writes take effect on the next clock; reads are combinational. Reset turns every slot off and leaves the rest as it is.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -26,7 +26,7 @@ module engine_shift #(
 
     always @(posedge clk) begin
         if (load) begin
-            is  <= {k[3:1] == 3'd4, k[3:1] == 3'd3, k[3:1] == 3'd2, k[3:1] == 3'd1, k[3:1] == 3'd0};
+            is  <= 5'd1 << k[3:1];
             odd <= k[0];
         end
         if (rst) begin

@@ -449,6 +449,7 @@ module engine_update #(
         .FRAC(FRAC),
         .R_W (RADIX_W + 1)
     ) u_window_x (
+        .asked (w_busy),
         .centre(w_cm_x),
         .radius(w_radius),
         .less  (w_less),
@@ -460,6 +461,7 @@ module engine_update #(
         .FRAC(FRAC),
         .R_W (RADIX_W + 1)
     ) u_window_y (
+        .asked (w_busy),
         .centre(w_cm_y),
         .radius(w_radius),
         .less  (w_less),
@@ -478,7 +480,7 @@ module engine_update #(
     wire [TC_W+1:0] over_slow = {1'b0, w_slow_over} - {2'b00, w_span[TC_W-1:0]};
     wire [TC_W:0]   over_fast = {1'b0, w_span[TC_W-1:0]} - {1'b0, w_fast_under[TC_W-1:0]};
 
-    reg              x_reports, x_last, x_first, x_rest, x_adapts;
+    reg              x_busy, x_reports, x_last, x_first, x_rest, x_adapts;
     reg              x_far;             // the span has more bits
     reg              x_over, x_at_most; // it is over slow_over, so is its largest value; not so
     reg              x_under;           // it is under fast_under
@@ -488,9 +490,16 @@ module engine_update #(
 
     // ---- X ---------------------------------------------------------------------------------------------------------
 
-    wire             slower = x_adapts && (x_far ? !x_at_most : x_over);
-    wire             faster = x_adapts && !x_far && x_under;
-    wire [NEV_W-1:0] x_n_ev = slower ? x_doubled : faster ? x_halved : x_same;
+    reg [NEV_W-1:0]  x_n_ev;
+
+    always @* begin
+        x_n_ev = {NEV_W{1'bx}};
+        if (x_busy) begin
+            x_n_ev = x_same;
+            if (x_adapts && (x_far ? !x_at_most : x_over)) x_n_ev = x_doubled;
+            else if (x_adapts && !x_far && x_under) x_n_ev = x_halved;
+        end
+    end
 
     reg              y_rest;  // the number of events left starts over
     reg [SLOT_W-1:0] y_slot;
@@ -504,6 +513,7 @@ module engine_update #(
             births     <= births + 1'b1;
         end
 
+        x_busy    <= w_busy;
         x_reports <= w_reports;
         x_last    <= w_last;
         x_rest    <= w_last || w_clear;

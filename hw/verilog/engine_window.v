@@ -15,23 +15,30 @@ module engine_window #(
     parameter R_W  = 9,  // bits of a radius
     parameter AT_W = (W > R_W ? W : R_W) + 2  // derived: leave it alone
 ) (
+    input  wire              asked,   // else nobody looks at the answer: simulators skip it
     input  wire [W+FRAC-1:0] centre,
     input  wire [R_W-1:0]    radius,
     input  wire [R_W:0]      less,    // radius - 1, signed
-    output wire [AT_W-1:0]   lo_not,  // of both bounds with 2^(AT_W-1) added, so that they are not negative
-    output wire [AT_W-1:0]   hi
+    output reg  [AT_W-1:0]   lo_not,  // of both bounds with 2^(AT_W-1) added, so that they are not negative
+    output reg  [AT_W-1:0]   hi
 );
 
-    wire half = (FRAC > 0) && centre[FRAC > 0 ? FRAC - 1 : 0];
+    always @* begin : bounds
+        reg            half;
+        reg [AT_W-1:0] whole;
+        reg [AT_W:0]   low, high;
+        {half, whole, low, high, lo_not, hi} = {(5 * AT_W + 3) {1'bx}};
+        if (asked) begin
+            half   = (FRAC > 0) && centre[FRAC > 0 ? FRAC - 1 : 0];
+            whole  = {{(AT_W - W) {1'b0}}, centre[W+FRAC-1:FRAC]};
+            low    = {~whole, 1'b1} + {{(AT_W - R_W - 1) {less[R_W]}}, less, !half};
+            high   = {whole, 1'b1} + {{(AT_W - R_W) {1'b0}}, radius, half};
+            lo_not = {!low[AT_W], low[AT_W-1:1]};
+            hi     = {!high[AT_W], high[AT_W-1:1]};
+        end
+    end
 
-    wire [AT_W-1:0] whole = {{(AT_W - W) {1'b0}}, centre[W+FRAC-1:FRAC]};
-    wire [AT_W:0]   low   = {~whole, 1'b1} + {{(AT_W - R_W - 1) {less[R_W]}}, less, !half};
-    wire [AT_W:0]   high  = {whole, 1'b1} + {{(AT_W - R_W) {1'b0}}, radius, half};
-
-    assign lo_not = {!low[AT_W], low[AT_W-1:1]};
-    assign hi = {!high[AT_W], high[AT_W-1:1]};
-
-    wire unused = &{1'b0, centre, low[0], high[0]};
+    wire unused = &{1'b0, centre};
 
 endmodule
 
