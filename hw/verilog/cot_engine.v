@@ -91,9 +91,9 @@ module cot_engine #(
     localparam CLOCK_W = TIME_W > LIFE_W ? TIME_W : LIFE_W;        // bits of the time inside
     localparam AT_X    = (X_W > RADIX_W + 1 ? X_W : RADIX_W + 1) + 2;  // bits of a bound of a window
     localparam AT_Y    = (Y_W > RADIX_W + 1 ? Y_W : RADIX_W + 1) + 2;
-    localparam STEP_W  = $clog2(N + 8);
+    localparam STEP_W  = $clog2(N + 9);
     localparam [31:0] SLOTS  = N;
-    localparam [31:0] WALKED = N + 6;
+    localparam [31:0] WALKED = N + 7;
     localparam [N-1:0] NONE  = 0;
     localparam [N-1:0] FIRST = 1;
 
@@ -172,7 +172,7 @@ module cot_engine #(
     reg               u_ends;                              // in place of u_valid: lives, before this token
     reg               rewound;                             // the clock before threw tokens out
     reg [SLOT_W-1:0]  c_slot;
-    reg [SLOT_W-1:0]  c_slot_too, c_slot_regs;             // c_slot again, for it goes to every bit of the context
+    reg [SLOT_W-1:0]  c_slot_av, c_slot_regs;              // c_slot again, for it goes to every bit of the context
     reg               c_takes, c_passes, c_active, c_seeds, c_busy, c_report, c_clear, c_join, c_looks;
     reg               o_busy, o_report, o_clear, o_join, o_looks;  // an operation, or a look at a slot, on its way to C
     reg               u_takes, u_passes, u_walks, v_walks, v_decided, v_owned;
@@ -192,8 +192,8 @@ module cot_engine #(
 
     // ---- M and E: whose is it? ---------------------------------------------------------------------------------------
 
-    wire              e_active, e_other, e_free, m_due;
-    wire [SLOT_W-1:0] e_slot, e_lowest;
+    wire              e_active, e_other, e_free, e_wanted, m_due;
+    wire [SLOT_W-1:0] e_known, e_lowest;
     wire [N-1:0]      active;
     wire              w_checks, w_places, w_changes, w_free, w_window, w_active;
     wire [SLOT_W-1:0] w_slot;
@@ -220,8 +220,9 @@ module cot_engine #(
         .e_active (e_active),
         .e_other  (e_other),
         .e_free   (e_free),
-        .e_slot   (e_slot),
         .e_lowest (e_lowest),
+        .e_wanted (e_wanted),
+        .e_known  (e_known),
         .w_places (w_places),
         .w_changes(w_changes),
         .w_slot   (w_slot),
@@ -233,6 +234,33 @@ module cot_engine #(
         .w_window (w_window),
         .w_active (w_active),
         .active   (active)
+    );
+
+    wire [SLOT_W-1:0] e_slot, e_slot_av, e_slot_regs;
+
+    engine_choice #(
+        .SLOT_W(SLOT_W)
+    ) u_slot (
+        .known (e_known),
+        .lowest(e_lowest),
+        .wanted(e_wanted),
+        .slot  (e_slot)
+    );
+    engine_choice #(
+        .SLOT_W(SLOT_W)
+    ) u_slot_av (
+        .known (e_known),
+        .lowest(e_lowest),
+        .wanted(e_wanted),
+        .slot  (e_slot_av)
+    );
+    engine_choice #(
+        .SLOT_W(SLOT_W)
+    ) u_slot_regs (
+        .known (e_known),
+        .lowest(e_lowest),
+        .wanted(e_wanted),
+        .slot  (e_slot_regs)
     );
 
     // ---- C to W: what it does to its owner -----------------------------------------------------------------------------
@@ -276,7 +304,7 @@ module cot_engine #(
         .e_x           (e_x),
         .e_y           (e_y),
         .c_slot        (c_slot),
-        .c_slot_too    (c_slot_too),
+        .c_slot_av     (c_slot_av),
         .c_slot_regs   (c_slot_regs),
         .c_commits     (c_commits),
         .c_takes       (c_takes),
@@ -447,6 +475,8 @@ module cot_engine #(
     localparam [STEP_W-1:0] EIGHT = 8;
 
     reg              settled;               // no operation is under way, no window changes
+    reg              mode_written;          // a clock ago, of this slot
+    reg [SLOT_W-1:0] mode_slot;
     reg              restart_due;           // some slot is to be restarted, or was a clock ago
     reg              restarting, restarts;  // some slot is to be restarted, this one next
     reg [SLOT_W-1:0] restart_slot;
@@ -466,7 +496,6 @@ module cot_engine #(
 
     wire operates = o_busy || c_busy || u_busy;
     wire checks   = m_check || e_check || found;
-    wire drained  = settled && !checks && !m_valid && !e_valid && !c_valid && !u_valid && !u_ends;
 
     // The first token behind lives that have ended finds nobody in U.
     wire c_early   = stale || (c_due && (!exempt || u_valid));
@@ -514,9 +543,9 @@ module cot_engine #(
 
         c_valid  <= e_valid && !rewind;
         c_due    <= e_due;
-        c_slot   <= e_slot;
-        c_slot_too   <= e_slot;
-        c_slot_regs  <= e_slot;
+        c_slot      <= e_slot;
+        c_slot_av   <= e_slot_av;
+        c_slot_regs <= e_slot_regs;
         c_takes  <= e_valid && e_event && owned;
         c_passes <= e_event && !owned;
         c_active <= e_active;
@@ -555,7 +584,7 @@ module cot_engine #(
         if (rst) begin
             {m_valid, e_valid, c_valid, u_valid, u_ends, m_check, e_check, found, rewound, v_decided} <= 10'd0;
             // Registers that differ in their reset stay apart in synthesis.
-            c_slot_too  <= {SLOT_W{1'b0}};
+            c_slot_av   <= {SLOT_W{1'b0}};
             c_slot_regs <= {SLOT_W{1'b1}};
             {c_busy, c_report, c_clear, c_join} <= 4'd0;
         end
@@ -581,11 +610,13 @@ module cot_engine #(
 
         {o_busy, o_report, o_clear, o_join} <= 4'd0;
         settled      <= !(operates || u_special || v_busy || w_busy);
-        restart_due  <= restart_any || (cfg_valid && cfg_addr == `EVCOT_REG_MODE);
+        restart_due  <= restart_any || mode_written || (cfg_valid && cfg_addr == `EVCOT_REG_MODE);
         restarting   <= restart_any;
         restart_slot <= restart_lowest;
         restarts     <= 1'b0;
-        if (restarting) restarts <= phase == RUN && drained && !restarts;
+        if (restarting)
+            restarts <= phase == RUN && !restarts && settled && !checks
+                     && !m_valid && !e_valid && !c_valid && !u_valid && !u_ends;
 
         step <= step + 1'b1;
         case (phase)
@@ -660,14 +691,16 @@ module cot_engine #(
             default: phase <= RUN;
         endcase
 
-        restart <= (restart & ~(restarts ? FIRST << restart_slot : NONE))
-                 | ((cfg_valid && cfg_addr == `EVCOT_REG_MODE) ? FIRST << cfg_slot : NONE);
+        mode_written <= cfg_valid && cfg_addr == `EVCOT_REG_MODE;
+        mode_slot    <= cfg_slot;
+        restart      <= (restart & ~(restarts ? FIRST << restart_slot : NONE)) | (mode_written ? FIRST << mode_slot : NONE);
         if (cfg_valid) stale <= 1'b1;
 
         if (rst) begin
             phase   <= RUN;
             now     <= {CLOCK_W{1'b0}};
             next_seq <= {SEQ_W{1'b0}};
+            mode_written <= 1'b0;
             restart    <= {N{1'b1}};
             restart_due <= 1'b1;
             restarting <= 1'b0;

@@ -4,7 +4,7 @@
 // The bound is the least of all deadlines and, for every slot that is on, of the times now + max_ticks and now + detect_ticks
 // which a later event would exceed or reach. So it holds until the next walk, whatever is decided in between.
 //
-// A walk takes a slot every clock in ascending order with `step`, and is complete 4 clocks after the last one. After
+// A walk takes a slot every clock in ascending order with `step`, and is complete 5 clocks after the last one. After
 // registers were written, two walks survey max_ticks and detect_ticks; what they find stays. Every other walk looks at
 // deadlines.
 // If a life has ended by `now`, `ended` and the slot with the earliest deadline (then the lowest) are there: clear it and
@@ -46,19 +46,19 @@ module engine_lives #(
     localparam [LIFE_W:0] FAR = {1'b0, {LIFE_W{1'b1}}};
 
     // Ticks from now, signed; below them a bit that lets a deadline come before a bound at the same tick.
-    reg [LIFE_W:0]   ticks_reg, ticks_2, least, granted;
-    reg [SLOT_W-1:0] slot_reg, slot_2;
-    reg              step_reg, step_2;
+    reg [LIFE_W:0]   ticks_1, ticks_2, least, granted;
+    reg [SLOT_W-1:0] slot_reg, slot_1, slot_2;
+    reg              step_reg, step_1, step_2;
+    reg [LIFE_W-1:0] at, base;                   // the slot's deadline or grant, and what it counts from
     reg              under_least, under_before;  // ticks_2 is less than `least` was, than what was in ticks_2 before
     reg              took;                       // that one became the least
     reg [LIFE_W-1:0] bound;
 
-    wire [LIFE_W-1:0] left  = deadline - now[LIFE_W-1:0];
     wire [LIFE_W-1:0] over  = m_time - bound;
 
     // Sign extended by one bit: the sign of the difference is the comparison.
-    wire [LIFE_W+1:0] to_least  = {ticks_reg[LIFE_W], ticks_reg} - {least[LIFE_W], least};
-    wire [LIFE_W+1:0] to_before = {ticks_reg[LIFE_W], ticks_reg} - {ticks_2[LIFE_W], ticks_2};
+    wire [LIFE_W+1:0] to_least  = {ticks_1[LIFE_W], ticks_1} - {least[LIFE_W], least};
+    wire [LIFE_W+1:0] to_before = {ticks_1[LIFE_W], ticks_1} - {ticks_2[LIFE_W], ticks_2};
 
     // `least` is two clocks old here: then what was taken in between decides.
     wire takes = step_2 && (took ? under_before : under_least);
@@ -71,16 +71,18 @@ module engine_lives #(
 
     always @(posedge clk) begin
         if (walks) begin
-            step_reg   <= step && (surveys ? on : timed);
-            ended      <= !least[0] && (least[LIFE_W] || least[LIFE_W:1] == {LIFE_W{1'b0}});
-            when       <= now + wide[CLOCK_W-1:0];
-            if (step) begin
-                ticks_reg <= surveys ? {{(LIFE_W - TC_W) {1'b0}}, grant, 1'b1} : {left, 1'b0};
-                slot_reg  <= slot;
-            end
-            step_2       <= step_reg;
-            ticks_2      <= ticks_reg;
-            slot_2       <= slot_reg;
+            step_reg     <= step && (surveys ? on : timed);
+            ended        <= !least[0] && (least[LIFE_W] || least[LIFE_W:1] == {LIFE_W{1'b0}});
+            when         <= now + wide[CLOCK_W-1:0];
+            base         <= surveys ? {LIFE_W{1'b0}} : now[LIFE_W-1:0];
+            at           <= surveys ? {{(LIFE_W - TC_W) {1'b0}}, grant} : deadline;
+            slot_reg     <= slot;
+            step_1       <= step_reg;
+            ticks_1      <= {at - base, surveys};
+            slot_1       <= slot_reg;
+            step_2       <= step_1;
+            ticks_2      <= ticks_1;
+            slot_2       <= slot_1;
             under_least  <= to_least[LIFE_W+1];
             under_before <= to_before[LIFE_W+1];
             took         <= takes;

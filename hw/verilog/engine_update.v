@@ -43,7 +43,7 @@ module engine_update #(
     input  wire [X_W-1:0]      e_x,
     input  wire [Y_W-1:0]      e_y,
     input  wire [SLOT_W-1:0]   c_slot,
-    input  wire [SLOT_W-1:0]   c_slot_too, c_slot_regs,  // the same, for fewer readers each
+    input  wire [SLOT_W-1:0]   c_slot_av, c_slot_regs,  // the same for averages and registers: fewer readers each
     input  wire                c_commits,  // unless something happens to it, the event is committed in U
     input  wire                c_takes,
     input  wire                c_active,   // the event's slot is active
@@ -117,21 +117,22 @@ module engine_update #(
     localparam XY_W  = X_W > Y_W ? X_W : Y_W;
     localparam OFF_W = (XY_W > RADIX_W ? XY_W : RADIX_W) + 3;  // an offset from the centre, with a radius added
 
-    // One memory for all that is written together.
+    // One memory for all that is written together. no_rw_check: never written in the clock in which somebody looks at the same
+    // slot, so where a memory is synchronous (iCE40), nothing has to pass by it.
     localparam AV_W   = POS_X + POS_Y;
     localparam CM_W   = POS_X + POS_Y + RADIX_W;
 
     reg [AV_W-1:0]    av       [0:N-1];  // averages: x, y
     reg               timed    [0:N-1];  // has a deadline: active, or a candidate that has begun to collect
-    reg [LIFE_W-1:0]  deadline [0:N-1];  // its low bits
+    (* no_rw_check *) reg [LIFE_W-1:0]  deadline [0:N-1];  // its low bits
     reg               ring     [0:N-1];  // was occupied in this window
     reg [SUP_W:0]     support  [0:N-1];  // with a bit above that says that it is saturated
-    reg [CM_W-1:0]    cm       [0:N-1];  // centre: x, y; g
-    reg [NEV_W-1:0]   n_ev     [0:N-1];
+    (* no_rw_check *) reg [CM_W-1:0]    cm       [0:N-1];  // centre: x, y; g
+    (* no_rw_check *) reg [NEV_W-1:0]   n_ev     [0:N-1];
     reg [NEV_W+1:0]   rest     [0:N-1];  // is the next 0, is it 1: events until the last one of this window
-    reg [ID_W-1:0]    id       [0:N-1];
-    reg [TIME_W-1:0]  start    [0:N-1];  // tick at which the window of N_ev events began
-    reg [TC_W-1:0]    last_tc2 [0:N-1];
+    (* no_rw_check *) reg [ID_W-1:0]    id       [0:N-1];
+    (* no_rw_check *) reg [TIME_W-1:0]  start    [0:N-1];  // tick at which the window of N_ev events began
+    (* no_rw_check *) reg [TC_W-1:0]    last_tc2 [0:N-1];
 
     reg [ID_W-1:0] births;  // id of the next track
 
@@ -194,24 +195,24 @@ module engine_update #(
     wire [POS_X-1:0]   w_cm_x, c_av_x, c_cm_x;  // w_cm in V: the new average
     wire [POS_Y-1:0]   w_cm_y, c_av_y, c_cm_y;
     wire [RADIX_W-1:0] c_g;
-    wire               c_timed = timed[c_slot_too];
+    wire               c_timed = timed[c_slot];
     wire               c_none, c_one;
     wire [NEV_W-1:0]   c_rest;
 
     // An average that is just being written is taken on its way.
-    wire passes = v_moves && v_slot == c_slot_too;
-    assign {c_av_x, c_av_y}      = av[c_slot];
-    assign {c_cm_x, c_cm_y, c_g} = cm[c_slot_too];
-    assign {c_none, c_one, c_rest} = rest[c_slot_too];
+    wire passes = v_moves && v_slot == c_slot;
+    assign {c_av_x, c_av_y}      = av[c_slot_av];
+    assign {c_cm_x, c_cm_y, c_g} = cm[c_slot];
+    assign {c_none, c_one, c_rest} = rest[c_slot];
 
     // The event in U is of the same slot.
-    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot_too;
+    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot;
     wire place   = c_seeds || c_clear || c_join;
     wire last    = forward ? u_one : c_none;
     wire first   = !c_active && !c_timed;
 
     always @(posedge clk) begin
-        u_slot      <= c_slot_too;
+        u_slot      <= c_slot;
         u_takes     <= c_takes && c_commits;
         u_follows   <= forward;
         u_again     <= (c_takes && c_commits && (last || first)) || c_report || c_clear || c_join || c_looks;
@@ -389,10 +390,8 @@ module engine_update #(
 
     wire [RADIX_W-1:0] new_g = !v_last ? v_g : v_ring ? v_grown : v_shrunk;
 
-    wire [NEV_W:0]   doubled   = {v_n_ev, 1'b0};
-    wire [NEV_W-1:0] halved    = v_n_ev >> 1;
-    wire [NEV_W+1:0] over_max  = {2'b00, v_nev_max} - {1'b0, doubled};
-    wire [NEV_W:0]   under_min = {1'b0, halved} - {1'b0, v_nev_min};
+    wire [NEV_W+1:0] over_max  = {2'b00, v_nev_max} - {1'b0, v_n_ev, 1'b0};
+    wire [NEV_W:0]   under_min = {1'b0, v_n_ev >> 1} - {1'b0, v_nev_min};
 
     reg               w_last, w_special, w_report, w_clear, w_old;
     reg               w_first;
@@ -400,7 +399,8 @@ module engine_update #(
     reg [RADIX_W-1:0] w_g;
     reg [RADIX_W:0]   w_radius;
     reg [RADIX_W+1:0] w_less;
-    reg [NEV_W-1:0]   w_same, w_doubled, w_halved;
+    reg [NEV_W-1:0]   w_n_ev, w_nev_min, w_nev_max;
+    reg               w_over, w_under;  // twice and half of n_ev are over and under these
     reg [SUP_W:0]     w_support;
     reg [ID_W-1:0]    w_id;
     reg [TIME_W-1:0]  w_span;  // ticks that the window took
@@ -429,9 +429,11 @@ module engine_update #(
             w_g       <= new_g;
             w_radius  <= {1'b0, new_g} + {1'b0, v_th};
             w_less    <= {v_less_th[RADIX_W], v_less_th} + {2'b00, new_g};
-            w_same    <= v_clear ? v_clust_nev : v_n_ev;
-            w_doubled <= over_max[NEV_W+1] ? v_nev_max : doubled[NEV_W-1:0];
-            w_halved  <= under_min[NEV_W] ? v_nev_min : halved;
+            w_n_ev    <= v_clear ? v_clust_nev : v_n_ev;
+            w_nev_min <= v_nev_min;
+            w_nev_max <= v_nev_max;
+            w_over    <= over_max[NEV_W+1];
+            w_under   <= under_min[NEV_W];
             w_support <= v_report ? {v_full, v_count} : new_support;
             w_id      <= v_id;
             w_first   <= v_first;
@@ -526,9 +528,9 @@ module engine_update #(
             x_at_most <= w_slow_over[TC_W] || &w_slow_over[TC_W-1:0];
             x_under   <= over_fast[TC_W] && !w_fast_under[TC_W];
             x_span    <= w_span[TC_W-1:0];
-            x_same    <= w_same;
-            x_doubled <= w_doubled;
-            x_halved  <= w_halved;
+            x_same    <= w_n_ev;
+            x_doubled <= w_over ? w_nev_max : w_n_ev << 1;
+            x_halved  <= w_under ? w_nev_min : w_n_ev >> 1;
         end
 
         if (x_rest) n_ev[x_slot] <= x_n_ev;

@@ -44,7 +44,7 @@ def walk(sim: PyVerilator, slots: list[Slot], begins: str = "", grants: str = "m
         io.step, io.slot, io.timed, io.on, io.deadline = 0, 0, 1, 1, 0  # nobody looks
         for _ in range(int(pauses.integers(0, 2))):
             sim.clock.tick()
-    for _ in range(3):
+    for _ in range(4):
         sim.clock.tick()
     io.walks = 0
 
