@@ -66,9 +66,9 @@ module engine_merge #(
         .clk     (clk),
         .start   (start),
         .a       (a_at),
-        .weight_a(a_support),
         .b       (b_at),
         .weight_b(b_support),
+        .weight  (both),
         .done    (done_axis),
         .mean    (mean)
     );

@@ -43,7 +43,7 @@ module engine_update #(
     input  wire [X_W-1:0]      e_x,
     input  wire [Y_W-1:0]      e_y,
     input  wire [SLOT_W-1:0]   c_slot,
-    input  wire [SLOT_W-1:0]   c_slot_av, c_slot_regs,  // the same for averages and registers: fewer readers each
+    input  wire [SLOT_W-1:0]   c_slot_av, c_slot_regs,  // the same for what events move, and for registers: fewer readers each
     input  wire                c_commits,  // unless something happens to it, the event is committed in U
     input  wire                c_takes,
     input  wire                c_active,   // the event's slot is active
@@ -200,19 +200,19 @@ module engine_update #(
     wire [NEV_W-1:0]   c_rest;
 
     // An average that is just being written is taken on its way.
-    wire passes = v_moves && v_slot == c_slot;
+    wire passes = v_moves && v_slot == c_slot_av;
     assign {c_av_x, c_av_y}      = av[c_slot_av];
     assign {c_cm_x, c_cm_y, c_g} = cm[c_slot];
-    assign {c_none, c_one, c_rest} = rest[c_slot];
+    assign {c_none, c_one, c_rest} = rest[c_slot_av];
 
     // The event in U is of the same slot.
-    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot;
+    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot_av;
     wire place   = c_seeds || c_clear || c_join;
     wire last    = forward ? u_one : c_none;
     wire first   = !c_active && !c_timed;
 
     always @(posedge clk) begin
-        u_slot      <= c_slot;
+        u_slot      <= c_slot_av;
         u_takes     <= c_takes && c_commits;
         u_follows   <= forward;
         u_again     <= (c_takes && c_commits && (last || first)) || c_report || c_clear || c_join || c_looks;

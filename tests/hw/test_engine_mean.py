@@ -26,7 +26,7 @@ def sim(request: pytest.FixtureRequest) -> PyVerilator:
 def mean(sim: PyVerilator, a: int, weight_a: int, b: int, weight_b: int) -> tuple[int, int]:
     """The mean that the hardware makes, and its clocks from `start` to `done`."""
     io = sim.io
-    io.a, io.weight_a, io.b, io.weight_b = a, weight_a, b, weight_b
+    io.a, io.b, io.weight_b, io.weight = a, b, weight_b, weight_a + weight_b
     io.start = 1
     sim.clock.tick()
     io.start = 0
