@@ -192,8 +192,8 @@ module cot_engine #(
 
     // ---- M and E: whose is it? ---------------------------------------------------------------------------------------
 
-    wire              e_active, e_other, e_free, e_wanted, m_due;
-    wire [SLOT_W-1:0] e_known, e_lowest;
+    wire              e_active, e_other, e_free, m_due;
+    wire [SLOT_W-1:0] e_slot, e_lowest;
     wire [N-1:0]      active;
     wire              w_checks, w_places, w_changes, w_free, w_window, w_active;
     wire [SLOT_W-1:0] w_slot;
@@ -220,9 +220,8 @@ module cot_engine #(
         .e_active (e_active),
         .e_other  (e_other),
         .e_free   (e_free),
+        .e_slot   (e_slot),
         .e_lowest (e_lowest),
-        .e_wanted (e_wanted),
-        .e_known  (e_known),
         .w_places (w_places),
         .w_changes(w_changes),
         .w_slot   (w_slot),
@@ -234,33 +233,6 @@ module cot_engine #(
         .w_window (w_window),
         .w_active (w_active),
         .active   (active)
-    );
-
-    wire [SLOT_W-1:0] e_slot, e_slot_av, e_slot_regs;
-
-    engine_choice #(
-        .SLOT_W(SLOT_W)
-    ) u_slot (
-        .known (e_known),
-        .lowest(e_lowest),
-        .wanted(e_wanted),
-        .slot  (e_slot)
-    );
-    engine_choice #(
-        .SLOT_W(SLOT_W)
-    ) u_slot_av (
-        .known (e_known),
-        .lowest(e_lowest),
-        .wanted(e_wanted),
-        .slot  (e_slot_av)
-    );
-    engine_choice #(
-        .SLOT_W(SLOT_W)
-    ) u_slot_regs (
-        .known (e_known),
-        .lowest(e_lowest),
-        .wanted(e_wanted),
-        .slot  (e_slot_regs)
     );
 
     // ---- C to W: what it does to its owner -----------------------------------------------------------------------------
@@ -544,8 +516,8 @@ module cot_engine #(
         c_valid  <= e_valid && !rewind;
         c_due    <= e_due;
         c_slot      <= e_slot;
-        c_slot_av   <= e_slot_av;
-        c_slot_regs <= e_slot_regs;
+        c_slot_av   <= e_slot;
+        c_slot_regs <= e_slot;
         c_takes  <= e_valid && e_event && owned;
         c_passes <= e_event && !owned;
         c_active <= e_active;

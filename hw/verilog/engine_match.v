@@ -35,9 +35,8 @@ module engine_match #(
     output wire              e_active,  // an active slot holds the event
     output wire              e_other,   // a candidate does; CHECK: an active slot overlaps
     output wire              e_free,    // some slot is free
+    output wire [SLOT_W-1:0] e_slot,    // the first of these that holds
     output wire [SLOT_W-1:0] e_lowest,  // the slot of e_other
-    output wire              e_wanted,  // e_other, but not e_active: the event's slot is e_lowest
-    output wire [SLOT_W-1:0] e_known,   // else it is this one
 
     // W: a slot's new window and state
     input  wire              w_places,
@@ -148,8 +147,7 @@ module engine_match #(
 
     assign e_free   = any_free_reg;
     assign e_active = |hit_active_reg;
-    assign e_wanted = e_other && !e_active;
-    assign e_known  = active_slot | (else_slot & {SLOT_W{!e_active && !e_other}});
+    assign e_slot   = e_active ? active_slot : e_other ? e_lowest : else_slot;
 
     // Bit i of each number from 0 to 63.
     localparam [6*64-1:0] BITS = {

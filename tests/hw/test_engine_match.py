@@ -97,8 +97,7 @@ def test_random_probes_while_windows_change(sim: PyVerilator) -> None:
         assert (io.e_active, io.e_other, io.e_free) == (owner is not None, other is not None, free is not None), clock
         first = next((slot for slot in (owner, other, spare) if slot is not None), None)
         if first is not None:
-            assert (io.e_lowest if io.e_wanted else io.e_known) == first, clock
-            assert not (io.e_wanted and io.e_known), clock
+            assert io.e_slot == first, clock
         if other is not None:
             assert io.e_lowest == other, clock
         assert io.active == sum(slot.active << i for i, slot in enumerate(slots)), clock
@@ -120,7 +119,7 @@ def test_reset_leaves_no_window(sim: PyVerilator) -> None:
     io.w_places = io.w_changes = 0
     io.m_valid = 1
     sim.clock.tick()
-    assert (io.e_active, io.e_known, io.e_free) == (1, 2, 1)
+    assert (io.e_active, io.e_slot, io.e_free) == (1, 2, 1)
     reset(sim)
     sim.clock.tick()
     assert (io.e_active, io.e_other, io.e_free, io.active) == (0, 0, 0, 0)
