@@ -33,7 +33,7 @@ module engine_average #(
     input  wire [A_W+FRAC-1:0] av,
     input  wire                passes,    // no: v_av, which is on its way there
     input  wire [A_W+FRAC-1:0] cm,
-    input  wire                place,     // instead: average and centre at `position`
+    input  wire                place,     // instead: the centre at `position`; the average of the slot means nothing until set to it
     input  wire [A_W+FRAC-1:0] position,
 
     // U
@@ -152,8 +152,8 @@ module engine_average #(
         u_cm_not     <= ~(place ? position : cm);
         u_follows    <= forward;
         back_by      <= {1'b0, event_at} - {1'b0, next_at};
-        u_av_read    <= again ? u_cm : place ? position : passes ? v_av : av;
-        u_d_read_not <= (forward || again || place) ? {(W + 1) {1'b1}} : passes ? passed_not[W+1:1] : read_not[W+1:1];
+        u_av_read    <= again ? u_cm : passes ? v_av : av;
+        u_d_read_not <= (forward || again) ? {(W + 1) {1'b1}} : passes ? passed_not[W+1:1] : read_not[W+1:1];
         u_d_back_not <= forward ? back_not : {(W + 1) {1'b1}};
         u_d_again    <= moves ? to_av : {(W + 1) {1'b0}};
         u_offset     <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];

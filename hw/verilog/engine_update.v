@@ -185,13 +185,13 @@ module engine_update #(
     localparam [NEV_W-1:0] TWO = TWICE[NEV_W-1:0];  // 0 where it does not fit: then nothing is
 
     reg [SLOT_W-1:0]  u_slot;
-    reg               u_takes, u_last, u_again, u_follows, u_active, u_clear, u_join, u_report, u_first, u_places;
+    reg               u_takes, u_last, u_again, u_follows, u_active, u_clear, u_join, u_report, u_first, u_placed, u_places;
     reg [NEV_W-1:0]   u_rest;
     reg               u_one;  // u_rest is 1
     reg               u_timed, u_max_grant;
     reg [RADIX_W-1:0] u_th, u_step, u_min, u_max;
 
-    reg                v_took, v_moves;  // the average changes
+    reg                v_took;
     wire [POS_X-1:0]   w_cm_x, c_av_x, c_cm_x;  // w_cm in V: the new average
     wire [POS_Y-1:0]   w_cm_y, c_av_y, c_cm_y;
     wire [RADIX_W-1:0] c_g;
@@ -200,7 +200,7 @@ module engine_update #(
     wire [NEV_W-1:0]   c_rest;
 
     // An average that is just being written is taken on its way.
-    wire passes = v_moves && v_slot == c_slot_av;
+    wire passes = v_took && v_slot == c_slot_av;
     assign {c_av_x, c_av_y}      = av[c_slot_av];
     assign {c_cm_x, c_cm_y, c_g} = cm[c_slot];
     assign {c_none, c_one, c_rest} = rest[c_slot_av];
@@ -224,6 +224,7 @@ module engine_update #(
         u_last      <= c_takes && c_commits && last;
         u_first     <= first;
         u_special   <= c_takes && c_commits && (last || first);
+        u_placed    <= place;
         u_places    <= (c_takes && c_commits && (c_seeds || last)) || c_clear || c_join;
         u_max_grant <= c_active || c_join || (c_looks && looks_max);
         u_timed     <= c_timed;
@@ -259,7 +260,7 @@ module engine_update #(
         .place   (place),
         .position(c_join ? join_x : {c_clear ? init_cm_x : c_x, {FRAC{1'b0}}}),
         .again   (u_again),
-        .moves   (u_last),
+        .moves   (u_last && !u_placed),
         .u_cm    (u_cm_x),
         .u_offset(u_offset_x),
         .v_av    (w_cm_x)
@@ -281,7 +282,7 @@ module engine_update #(
         .place   (place),
         .position(c_join ? join_y : {c_clear ? init_cm_y : c_y, {FRAC{1'b0}}}),
         .again   (u_again),
-        .moves   (u_last),
+        .moves   (u_last && !u_placed),
         .u_cm    (u_cm_y),
         .u_offset(u_offset_y),
         .v_av    (w_cm_y)
@@ -308,7 +309,7 @@ module engine_update #(
 
     wire u_outside = over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];
 
-    reg               v_special, v_active, v_last, v_first, v_report, v_clear, v_join, v_places;
+    reg               v_special, v_active, v_last, v_first, v_report, v_clear, v_join, v_places, v_sets;
     reg               v_outside, v_rung, v_times, v_lives;
     reg [1:0]         v_mode;
     reg [X_W:0]       v_offset_x;
@@ -330,13 +331,13 @@ module engine_update #(
     always @(posedge clk) begin
         v_busy     <= u_special || u_busy;
         v_took     <= u_takes;
-        v_moves    <= u_takes || u_clear || u_join;
         v_special  <= u_special;
         v_last     <= u_last;
         v_report   <= u_report;
         v_clear    <= u_clear;
         v_join     <= u_join;
         v_places   <= u_places;
+        v_sets     <= u_places && u_placed;
         v_slot     <= u_slot;
         v_offset_x <= u_offset_x;
         v_offset_y <= u_offset_y;
@@ -368,8 +369,7 @@ module engine_update #(
             v_last_tc2  <= last_tc2[u_slot];
             v_nev_th    <= nev_th;
         end
-        if (rst) v_moves <= 1'b0;
-        if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places} <= 8'd0;
+        if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places, v_sets} <= 9'd0;
     end
 
     // ---- V ---------------------------------------------------------------------------------------------------------
@@ -405,11 +405,12 @@ module engine_update #(
     reg [ID_W-1:0]    w_id;
     reg [TIME_W-1:0]  w_span;  // ticks that the window took
     reg [TC_W:0]      w_slow_over, w_fast_under;
-    reg               w_reports;
+    reg               w_reports, w_sets;
 
     always @(posedge clk) begin
         if (v_took || v_clear || v_join) support[v_slot] <= new_support;
-        if (v_moves) av[v_slot] <= {w_cm_x, w_cm_y};
+        // Where a centre is placed, the average is set to it in W.
+        if (v_took || w_sets) av[w_sets ? w_slot : v_slot] <= {w_cm_x, w_cm_y};
         if (v_took || v_clear) ring[v_slot] <= v_ring && !v_last && !v_clear;
         if (v_times) timed[v_slot] <= !v_clear;
         if (v_times) deadline[v_slot] <= new_deadline;
@@ -418,6 +419,7 @@ module engine_update #(
         w_checks  <= v_last || v_join;
         w_reports <= v_last || v_join || v_report;
         w_places  <= v_places;
+        w_sets    <= v_sets;
         w_special <= v_special;
         w_last    <= v_last;
         w_report  <= v_report;
@@ -441,7 +443,7 @@ module engine_update #(
             w_slow_over  <= {1'b0, v_last_tc2} + {1'b0, v_nev_th};
             w_fast_under <= {1'b0, v_last_tc2} - {1'b0, v_nev_th};
         end
-        if (rst) {w_busy, w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear} <= 8'd0;
+        if (rst) {w_busy, w_checks, w_reports, w_places, w_special, w_last, w_report, w_clear, w_sets} <= 9'd0;
     end
 
     // ---- W ---------------------------------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ def test_random_events_of_several_slots(a_w: int, frac: int, k_max: int) -> None
     ks = rng.integers(0, k_max + 1, SLOTS).tolist()
     due: list[Due] = []
     forwarded = bubble = 0
-    slot = 0
+    slot, placed = 0, (0, 0)  # when the average of which slot is set to its centre
     behind = int(rng.integers(1 << a_w))  # address of the next event, a clock ahead
     for clock in range(3_000):
         address, behind = behind, int(rng.integers(1 << a_w))
@@ -57,8 +57,10 @@ def test_random_events_of_several_slots(a_w: int, frac: int, k_max: int) -> None
             bubble, entering = 0, None
         else:
             slot = int(rng.integers(SLOTS)) if rng.random() < 0.4 else slot
+            if clock <= placed[0] and slot == placed[1]:
+                slot = (slot + 1) % SLOTS
             at, position = address, int(rng.integers(highest + 1))
-            special, place = bool(rng.random() < 0.2), bool(rng.random() < 0.05)
+            special, place = bool(rng.random() < 0.2), clock > placed[0] and bool(rng.random() < 0.05)
             io.again = io.moves = 0
             io.k, io.av, io.cm = ks[slot], memory[slot], centre[slot]
             io.forward, io.passes = slot == in_u and not place, slot == in_v
@@ -70,15 +72,19 @@ def test_random_events_of_several_slots(a_w: int, frac: int, k_max: int) -> None
             due += [
                 Due(clock + 1, "u_cm", position if place else old),
                 Due(clock + 1, "u_offset", 0 if place else (at - pixel) % (2 << a_w)),
-                Due(clock + 2, "v_av", average[slot]),
             ]
+            if not place:
+                due.append(Due(clock + 2, "v_av", average[slot]))
             if place or special:
                 centre[slot] = position if place else moved(old, average[slot], ks[slot], frac)
                 due.append(Due(clock + 3, "v_av", centre[slot]))
                 bubble = 1 if place else 2
+                placed = (clock + 3, slot) if place else placed
             entering = slot
         if in_v is not None:
             memory[in_v] = int(io.v_av)
+        if clock == placed[0]:
+            memory[placed[1]] = int(io.v_av)
         sim.clock.tick()
         in_u, in_v = entering, in_u
     assert forwarded > 800
