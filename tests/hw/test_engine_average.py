@@ -43,7 +43,7 @@ def test_random_events_of_several_slots(a_w: int, frac: int, k_max: int) -> None
     ks = rng.integers(0, k_max + 1, SLOTS).tolist()
     due: list[Due] = []
     forwarded = bubble = 0
-    slot, placed = 0, (0, 0)  # when the average of which slot is set to its centre
+    slot, placed = 0, (-1, 0)  # when the average of which slot is set to its centre
     behind = int(rng.integers(1 << a_w))  # address of the next event, a clock ahead
     for clock in range(3_000):
         address, behind = behind, int(rng.integers(1 << a_w))
