@@ -23,22 +23,24 @@ module engine_window #(
     output reg  [AT_W-1:0]   hi
 );
 
-    always @* begin : bounds
-        reg            half;
-        reg [AT_W-1:0] whole;
-        reg [AT_W:0]   low, high;
-        {half, whole, low, high, lo_not, hi} = {(5 * AT_W + 3) {1'bx}};
+    // 2^(AT_W-1) goes into an addend, so that nothing comes behind the carry.
+    reg          half;
+    reg [W-1:0]  whole;
+    reg [AT_W:0] low, high;
+
+    always @* begin
+        {half, whole, low, high, lo_not, hi} = {(4 * AT_W + W + 3) {1'bx}};
         if (asked) begin
             half   = (FRAC > 0) && centre[FRAC > 0 ? FRAC - 1 : 0];
-            whole  = {{(AT_W - W) {1'b0}}, centre[W+FRAC-1:FRAC]};
-            low    = {~whole, 1'b1} + {{(AT_W - R_W - 1) {less[R_W]}}, less, !half};
-            high   = {whole, 1'b1} + {{(AT_W - R_W) {1'b0}}, radius, half};
-            lo_not = {!low[AT_W], low[AT_W-1:1]};
-            hi     = {!high[AT_W], high[AT_W-1:1]};
+            whole  = centre[W+FRAC-1:FRAC];
+            low    = {!less[R_W], {(AT_W - R_W - 2) {less[R_W]}}, less, 1'b0} - {{(AT_W - W) {1'b0}}, whole, half};
+            high   = {1'b1, {(AT_W - W - 1) {1'b0}}, whole, 1'b1} + {{(AT_W - R_W) {1'b0}}, radius, half};
+            lo_not = low[AT_W:1];
+            hi     = high[AT_W:1];
         end
     end
 
-    wire unused = &{1'b0, centre};
+    wire unused = &{1'b0, centre, low[0], high[0]};
 
 endmodule
 
