@@ -31,6 +31,7 @@ module engine_regs #(
     output wire [RADIX_W-1:0] radix_min,
     output wire [RADIX_W-1:0] radix_max,
     output wire [3:0]         hist_avg,
+    output wire [TC_W-1:0]    nev_th,
 
     input  wire [SLOT_W-1:0]  u_slot,
     output wire [1:0]         mode,
@@ -39,7 +40,6 @@ module engine_regs #(
     output wire [NEV_W-1:0]   clust_nev,
     output wire [NEV_W-1:0]   nev_min,
     output wire [NEV_W-1:0]   nev_max,
-    output wire [TC_W-1:0]    nev_th,
     output wire [TC_W-1:0]    detect_ticks
 );
 
@@ -72,7 +72,7 @@ module engine_regs #(
     assign clust_nev    = clust_nev_mem[u_slot];
     assign nev_min      = nev_min_mem[u_slot];
     assign nev_max      = nev_max_mem[u_slot];
-    assign nev_th       = nev_th_mem[u_slot];
+    assign nev_th       = nev_th_mem[c_slot];
     assign detect_ticks = detect_ticks_mem[u_slot];
 
     integer i;

@@ -190,6 +190,7 @@ module engine_update #(
     reg               u_one;  // u_rest is 1
     reg               u_timed, u_max_grant;
     reg [RADIX_W-1:0] u_th, u_step, u_min, u_max;
+    reg [TC_W-1:0]    u_nev_th;
 
     reg                v_took;
     wire [POS_X-1:0]   w_cm_x, c_av_x, c_cm_x;  // w_cm in V: the new average
@@ -235,6 +236,7 @@ module engine_update #(
         u_step      <= radix_step;
         u_min       <= radix_min;
         u_max       <= radix_max;
+        u_nev_th    <= nev_th;
         if (rst) {u_takes, u_special, u_report, u_clear, u_join, u_busy} <= 6'd0;
     end
 
@@ -367,7 +369,7 @@ module engine_update #(
             v_clust_nev <= clust_nev;
             v_start     <= start[u_slot];
             v_last_tc2  <= last_tc2[u_slot];
-            v_nev_th    <= nev_th;
+            v_nev_th    <= u_nev_th;
         end
         if (rst) {v_busy, v_took, v_special, v_last, v_report, v_clear, v_join, v_places, v_sets} <= 9'd0;
     end

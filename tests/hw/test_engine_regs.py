@@ -12,7 +12,7 @@ from evcot_cosim.build import load
 from evcot_cosim.testing import lint, reset
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=6, radix_w=5, nev_w=4, tc_w=12)
-OF_C = ("init_cm_x", "init_cm_y", "radix_th", "radix_step", "radix_min", "radix_max", "hist_avg")
+OF_C = ("init_cm_x", "init_cm_y", "radix_th", "radix_step", "radix_min", "radix_max", "hist_avg", "nev_th")
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def test_each_of_two_slots_shows_what_was_last_written_of_its_own(sim: PyVerilat
 def test_nothing_is_written_unless_valid(sim: PyVerilator) -> None:
     address = REGISTERS["nev_th"].address
     write(sim, 1, address, 5)
-    sim.io.u_slot, sim.io.cfg_slot, sim.io.cfg_addr, sim.io.cfg_data = 1, 1, address, 9
+    sim.io.c_slot, sim.io.cfg_slot, sim.io.cfg_addr, sim.io.cfg_data = 1, 1, address, 9
     sim.clock.tick()
     assert sim.io.nev_th == 5
 
