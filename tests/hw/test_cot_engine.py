@@ -91,6 +91,20 @@ def test_noise_that_is_born_merges_and_dies_all_the_time_is_exact(frac: int) -> 
     assert merged > 1_000
 
 
+def test_a_window_longer_than_its_timer_counts_as_the_longest() -> None:
+    rng = np.random.default_rng(41)
+    shape = replace(SHAPE, n_slots=1, tc_w=6)
+    slot = replace(JUMPY, clust_nev=4, nev_max=16, nev_th=8, max_ticks=60, detect_ticks=60)
+    gaps = np.repeat(rng.choice([1, 5, 16, 17, 22, 32, 33, 43], 400), 12)  # ticks between events, 63 at most in a timer
+    at = np.full(len(gaps), 20, np.uint16)
+    traffic = Traffic(np.cumsum(gaps), at, at, np.zeros(len(gaps), np.uint8))
+    config = CotConfig(shape, (slot,))
+    golden = CotModel(config).feed(*traffic[:3])
+    assert same(Device(config, "cot_engine").stream(*traffic), golden)
+    assert len(np.unique(golden.records["n_ev"])) > 3
+    assert set(golden.records["kind"].tolist()) == {Kind.BORN, Kind.MOVED}
+
+
 def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
     records = 0
     for seed in range(6):
