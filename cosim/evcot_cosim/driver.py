@@ -116,6 +116,7 @@ def source(top: str, shape: Shape) -> str:
         takes_seq=top == "cot",
         in_order=top in ("cot", "cot_array", "cot_engine"),
         filtered=top == "cot_filtered",
+        registered=top == "cot_engine",
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,
         time_mask=(1 << shape.time_w) - 1,
