@@ -26,6 +26,7 @@ _BESIDE = "/beside"  # the made-up folder
 _SIZE_PX = 1600, 1000
 _NAMES_PX, _BORDER_PX = 340, 40  # left of the waves; scroll bars and the like
 _ZOOM_PX = 200  # GTKWave's zoom z: so many pixels show 2^-z steps of time
+_ONE_BIT = re.compile(r"\[(\d+):\1\]$")  # of a vector that GTKWave calls name[0]
 _PLOT_ROWS = 2  # a curve is so many rows higher than a number
 
 # Trace flags, named as in GTKWave's analyzer.h.
@@ -160,8 +161,9 @@ class _Writer:
         if row.codes is not None:
             yield f"^1 {_BESIDE}/{self.beside(row.codes).name}"
         label = row.label or name.rpartition(".")[2]
-        is_part = row.packed or row.field
-        yield _part(label, entry, low, width) if is_part else f"+{{{label}}} {entry.reference}"
+        is_part = entry.width > 1 and (row.packed or row.field)
+        whole = _ONE_BIT.sub(r"[\1]", entry.reference)
+        yield _part(label, entry, low, width) if is_part else f"+{{{label}}} {whole}"
         if flags & _ANALOG_STEP:
             yield f"@{_ANALOG_BLANK_STRETCH:x}"
             yield from ["-"] * _PLOT_ROWS

@@ -343,3 +343,17 @@ def test_gtkwave_shows_every_value_after_the_folder_has_been_renamed(
     time = int(event.times[np.flatnonzero(event.values)[3]])
     opened = [moved / f"{top}.vcd"] * both_named + [moved / f"{top}.gtkw"]
     assert told_by_gtkwave(opened, time, moved / "tell.tcl") == meant(View(opened[-1]), wave, config.shape.frac, time)
+
+
+@needs_gtkwave
+@pytest.mark.parametrize("slots", [1, 2])
+def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_path: Path) -> None:
+    shape = replace(config.shape, n_slots=slots)
+    device = Device(CotConfig(shape, config.slots[:slots]), "cot_engine")
+    with device.dumping(tmp_path / "run.vcd"):
+        device.stream(np.array([1]), *np.full((2, 1), 60, np.uint16), np.zeros(1, np.uint8))
+    write_view(tmp_path / "run.vcd", tmp_path / "run.gtkw")
+    told = told_by_gtkwave([tmp_path / "run.vcd", tmp_path / "run.gtkw"], 100, tmp_path / "tell.tcl")
+    wanted = {"e_slot", "c_slot", "u_slot", "v_slot", "w_slot", "found_slot"}
+    assert wanted <= {label for group, label in told if group == "pipeline"}
+    assert ("slot 0", "active") in told

@@ -45,6 +45,8 @@ class Module:
 _SIZES = (1, 2, 4, 8, 16, 32, 64)
 _TICK = {"TICK_W": 1}
 _SMALL = {"TICK_W": 1, "X_W": 7, "Y_W": 7}
+# What the host makes whole again: with it 8 slots of the engine fit the block RAMs of an HX8K.
+_NARROW = {"TICK_W": 20, "SEQ_W": 32, "ID_W": 16, "TIME_W": 32, "TC_W": 22}
 _PIXELS = {"WIDTH": 128, "HEIGHT": 128}
 
 _TABLE = (
@@ -52,6 +54,7 @@ _TABLE = (
     Module("cot_chain", "cot_chain", _TICK, _SIZES, (8,), "record"),
     Module("cot_array", "cot_array", _TICK, _SIZES, (8,), "record"),
     Module("cot_engine", "cot_engine", _TICK, _SIZES, (8,), "record"),
+    Module("cot_engine_narrow", "cot_engine", _NARROW, (8,), (8,), "record"),
     Module("cot_published_chain", "cot_published_chain"),
     Module("filter_region", "filter_region", _SMALL, answer="token"),
     Module("filter_polarity", "filter_polarity", _SMALL, answer="token"),
