@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import re
+import subprocess
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -113,6 +114,10 @@ def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = Tr
     return total
 
 
+PATIENCE_S = 900.0
+"""How long a seed may take: a full device may be routed for ever."""
+
+
 def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
     """Place and route with one seed: Fmax in MHz, or None and what went wrong.
 
@@ -123,13 +128,17 @@ def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
     name = _hash([command, tools.version(command[0])])
     kept, report = done.folder / f"{name}.json", done.folder / f"{name}.partial"
     if not kept.is_file():
-        ran = tools.run([*command, "--report", report.name, "-q"], done.folder)
-        if ran.returncode:
-            report.write_text(json.dumps({"error": _telling(ran.stderr)}))
+        try:
+            ran = tools.run([*command, "--report", report.name, "-q"], done.folder, PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            report.write_text(json.dumps({"error": f"no route within {PATIENCE_S / 60:g} minutes"}))
+        else:
+            if ran.returncode:
+                report.write_text(json.dumps({"error": f"does not fit: {_telling(ran.stderr)}"}))
         os.replace(report, kept)
     answer = json.loads(kept.read_text())
     if "error" in answer:
-        return None, f"does not fit: {answer['error']}"
+        return None, answer["error"]
     return min(clock["achieved"] for clock in answer["fmax"].values()), ""
 
 

@@ -51,10 +51,20 @@ def versions() -> dict[str, str]:
     return found
 
 
-def run(command: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run a tool in a folder; its output is in the result and it may fail."""
+def run(command: Sequence[str], folder: Path, limit_s: float | None = None) -> subprocess.CompletedProcess[str]:
+    """Run a tool in a folder; its output is in the result and it may fail.
+
+    Raises:
+        TimeoutExpired: it took longer than `limit_s`, and was stopped.
+    """
     return subprocess.run(
-        [find(command[0]), *command[1:]], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+        [find(command[0]), *command[1:]],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=limit_s,
     )
 
 

@@ -87,6 +87,15 @@ def test_what_does_not_fit_is_a_result(tmp_path: Path) -> None:
     assert problem.startswith("does not fit: ")
 
 
+def test_a_seed_that_finds_no_route_is_a_result_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("evcot_cosim.fpga.measure.PATIENCE_S", 0.06)
+    done = synthesise(SMALL, tmp_path)
+    assert place(done, 1) == (None, "no route within 0.001 minutes")
+    monkeypatch.undo()
+    assert place(done, 1) == (None, "no route within 0.001 minutes")  # kept like any other
+    assert place(done, 2)[1] == ""
+
+
 def test_a_module_that_is_refused_does_not_stop_the_others(tmp_path: Path) -> None:
     refused = Case(Module("wide", "filter_polarity", {"NONE_SUCH": 3}), None, SMALL.device)
     done, failed = synthesised([refused, SMALL], tmp_path, 2)
