@@ -26,7 +26,7 @@ def cot_log(recording: Recording, config: RunConfig, *, rtl: bool = True) -> Tra
     if not rtl:
         return track(recording, cot)
     events = recording.events
-    with Lockstep(cot, model=build_device(cot)) as lockstep:
+    with Lockstep(cot, model=build_device(cot, waves=False)) as lockstep:
         steps = [lockstep.feed(run).hardware for run in chunks(events)]
     raw = np.concatenate([np.empty(0, RECORD), *(step.records for step in steps)])
     records = to_track_records(raw, cot, events.t_us, 0, int(events.t_us[0]))

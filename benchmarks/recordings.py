@@ -32,7 +32,7 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
 def _one(path: Path, goal: float | None, rounds: int) -> Result:
     recording = read_recording(path)
     config = fit(for_sensor(recording.width), recording.width, recording.height, streams.SLOTS).cot
-    model = build_device(config)
+    model = build_device(config, waves=False)
     walls: list[float] = []
     for _ in range(rounds):
         with Lockstep(config, model=model) as lockstep:

@@ -21,7 +21,7 @@ _GOAL_S = 3.0
 _BUILD = """
 import streams
 from evcot_cosim.device import build_device
-print(build_device(streams.config().cot).build_s)
+print(build_device(streams.config().cot, waves=False).build_s)
 """
 
 # `evcot cosim`, which tells the time and ends once one event has been through the hardware.

@@ -21,7 +21,7 @@ _ENGINE_GOALS_M = {8: 5.0, 32: 3.0}  # by slots
 def measure(folder: Path, quick: bool) -> Iterator[Result]:
     """stream_rate_8, stream_vs_bare, checked_vs_bare, engine_rate_8, engine_rate_32."""
     config = streams.config().cot
-    model = build_device(config)
+    model = build_device(config, waves=False)
     events = streams.joined(200_000 if quick else 1_000_000)
     outcomes: dict[bool, bare.Outcome] = {}
 
@@ -65,7 +65,7 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
 def _engine_rate(slots: int, goal_m: float, count: int, rounds: int) -> Result:
     """cot_engine with as many discs as slots."""
     config = streams.config(slots).cot
-    model = build_device(config, "cot_engine")
+    model = build_device(config, "cot_engine", waves=False)
     events = streams.joined(count, slots)
 
     clocks = 0

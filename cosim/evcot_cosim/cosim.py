@@ -94,7 +94,7 @@ def run_cosim(
         raise RecordingError(f"{recording.name}: holds no events")
     check_addresses(recording, config.cot)
     cot = config.hardware(recording.width, recording.height)
-    build = build_device(cot, top, on_miss=building)
+    build = build_device(cot, top, waves=False, on_miss=building)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
     _compile_kernels(recording, config)

@@ -97,9 +97,18 @@ class StreamTimes(NamedTuple):
 
 
 def build_device(
-    config: CotConfig, top: Top = "cot_array", *, verilog: Path | None = None, on_miss: Callable[[], None] | None = None
+    config: CotConfig,
+    top: Top = "cot_array",
+    *,
+    waves: bool = True,
+    verilog: Path | None = None,
+    on_miss: Callable[[], None] | None = None,
 ) -> BuiltModel:
-    """Build (or find) the model of `top` in the shape that `config` asks for, with the streaming drive inside."""
+    """Build (or find) the model of `top` in the shape that `config` asks for, with the streaming drive inside.
+
+    Without `waves` a waveform has the signals of `top` itself alone: Verilator need not keep what lies below, a twentieth of the
+    time.
+    """
     shape = config.shape
     parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}
     module: str = top
@@ -115,9 +124,8 @@ def build_device(
         tracker = register_map().trackers.index(top.removeprefix("cot_"))
         parameters |= {"HAS": config.filters.enable, "TRACKER": tracker}
     drive = {"stream.cpp": source(module, shape)}
-    return build(
-        module, parameters, drive, extra_flags=("--trace-max-array", "64"), verilog=verilog, on_miss=on_miss
-    )  # fmt: skip
+    flags = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
+    return build(module, parameters, drive, extra_flags=flags, verilog=verilog, on_miss=on_miss)
 
 
 class Device:

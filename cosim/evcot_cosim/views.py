@@ -195,14 +195,13 @@ _ENGINE_CORE = Group(
         Row("phase", codes=_ENGINE_PHASE, colour=Colour.CONTROL),
         *_rows("issue m_valid m_check e_valid c_valid u_valid commit rewind found", Colour.CONTROL),
         *_rows("m_hi_x m_hi_y", Colour.EVENT),
-        *_rows("e_slot c_slot u_update.u_slot v_slot w_slot"),
+        *_rows("d_slot u_update.c_slot u_update.u_slot v_slot w_slot"),
         *_rows("u_update.u_last u_special u_ends w_checks restarts", Colour.CONTROL),
         *_rows("now seq", Colour.TIME),
         *_rows("moved found_slot stays goes"),
     ),
 )
 _CM = "POS_X", "POS_Y", "RADIX_W"  # what lies in u_update.cm, from the top
-_AV = "POS_X", "POS_Y"
 _ENGINE_SLOT = Group(
     "slot {slot}",
     (
@@ -211,7 +210,7 @@ _ENGINE_SLOT = Group(
         *(Row("u_update.cm[{slot}]", f"cm_{at}", Form.PLOT_PIXELS, Colour.PLACE, field=_CM[i:]) for i, at in enumerate("xy")),
         Row("u_update.cm[{slot}]", "g", Form.PLOT, Colour.PLACE, field=_CM[2:]),
         *(Row(f"u_match.{name}[{{slot}}]", name, colour=Colour.PLACE) for name in ("lo_x_not", "hi_x", "lo_y_not", "hi_y")),
-        *(Row("u_update.av[{slot}]", f"av_{at}", Form.PIXELS, Colour.PLACE, field=_AV[i:]) for i, at in enumerate("xy")),
+        *(Row(f"u_update.{name}[{{slot}}]", name, Form.PIXELS, Colour.PLACE) for name in ("av_x", "av_y")),
         *(Row(f"u_update.{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("timed", "deadline", "start", "last_tc2")),
         *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("ring", "n_ev")),
         Row("u_update.rest[{slot}]", "rest", field=("NEV_W",)),

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // cot_array as a pipeline: the same ports, registers and records, the same three streams bit for bit. docs/engine.md draws it.
 //
-// Latency, unstalled, from the clock edge that takes the event: a record after 11, for any N.
-// Throughput: a token every clock. 6 clocks more after an event that moves a centre or starts a life, about 2 N + 35 for the
-// end of a life, about 4 (X_W + FRAC) + 35 for a merge, and N + 12 every max_ticks or detect_ticks, whichever is less.
-// Every output holds its value until taken. Reset turns all slots off; about 6 N clocks later the engine is idle.
+// Latency, unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16.
+// Throughput: a token every clock. 6 clocks more, or 7 where N > 16, after an event that moves a centre or starts a life, about
+// 2 N + 35 for the end of a life, about 4 (X_W + FRAC) + 35 for a merge, or 2 (X_W + FRAC) + 40 where N > 16, and N + 12 every
+// max_ticks or detect_ticks, whichever is less.
+// Every output holds its value until taken. Reset turns all slots off; about 7 N clocks later the engine is idle.
 // All outputs are registers; no path leads from an input to an output.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -87,13 +88,17 @@ module cot_engine #(
     parameter_check #(.OK(TIME_W >= TICK_W)) TIME_W_must_be_at_least_TICK_W ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
+    localparam FAR     = (N > 16) ? 1 : 0;  // many slots lie far apart: one stage more, D, for the way to them
     localparam LIFE_W  = (TC_W > TICK_W ? TC_W : TICK_W) + 2;      // bits of a deadline
     localparam CLOCK_W = TIME_W > LIFE_W ? TIME_W : LIFE_W;        // bits of the time inside
     localparam AT_X    = (X_W > RADIX_W + 1 ? X_W : RADIX_W + 1) + 2;  // bits of a bound of a window
     localparam AT_Y    = (Y_W > RADIX_W + 1 ? Y_W : RADIX_W + 1) + 2;
-    localparam STEP_W  = $clog2(N + 9);
+    localparam STEP_W  = $clog2(N + 9 + FAR);
     localparam [31:0] SLOTS  = N;
-    localparam [31:0] WALKED = N + 7;
+    localparam [31:0] WALKED = N + 7 + FAR;  // until the walk has seen the last one
+    localparam [31:0] FIRST_AT = 2 + FAR;    // clocks from FETCH on until the context of the first slot is there
+    localparam [31:0] OTHER_AT = 3 + FAR;    // that of the other
+    localparam [31:0] FETCHED  = 8 + FAR;    // it is known which of them goes
     localparam [N-1:0] NONE  = 0;
     localparam [N-1:0] FIRST = 1;
 
@@ -101,7 +106,7 @@ module cot_engine #(
     localparam [2:0] RUN    = 3'd0;  // issuing tokens
     localparam [2:0] WALK   = 3'd1;  // looking through all deadlines
     localparam [2:0] FETCH  = 3'd2;  // reading two slots that merge
-    localparam [2:0] REPORT = 3'd3;  // reporting the slot that goes, when the record before is taken
+    localparam [2:0] REPORT = 3'd3;  // reporting the slot that goes, if it is active, when the record before is taken
     localparam [2:0] CLEAR  = 3'd4;  // clearing it
     localparam [2:0] SETTLE = 3'd5;  // waiting until it is cleared
     localparam [2:0] JOIN   = 3'd6;  // waiting for the mean, then placing the slot that stays
@@ -157,24 +162,26 @@ module cot_engine #(
 
     // ---- the stages' registers -------------------------------------------------------------------------------------
 
-    reg               m_valid, e_valid, c_valid, u_valid;  // a token is there
+    // D is a stage if FAR, else it is E.
+    reg               m_valid, e_valid, d_valid, c_valid, u_valid;  // a token is there
     reg               m_check, e_check;                    // a window is, to be checked
     reg [SLOT_W-1:0]  m_self, e_self;                      // whose
     reg [AT_X-1:0]    m_lo_x_not, m_hi_x;
     reg [AT_Y-1:0]    m_lo_y_not, m_hi_y;
-    reg [X_W-1:0]     e_x, c_x, u_x, v_x;
-    reg [Y_W-1:0]     e_y, c_y, u_y, v_y;
-    reg               m_event, e_event;
-    reg               m_counts, e_counts, c_counts, u_counts;
-    reg               m_p, e_p, c_p, u_p, v_p;
-    reg [CLOCK_W-1:0] m_time, e_time, c_time, u_time;
-    reg               e_due, c_due;                        // the bound has come
+    reg [X_W-1:0]     e_x, d_x, c_x, u_x, v_x;
+    reg [Y_W-1:0]     e_y, d_y, c_y, u_y, v_y;
+    reg               m_event, e_event, d_event;
+    reg               m_counts, e_counts, d_counts, c_counts, u_counts;
+    reg               m_p, e_p, d_p, c_p, u_p, v_p;
+    reg [CLOCK_W-1:0] m_time, e_time, d_time, c_time, u_time;
+    reg               e_due, d_due, c_due;                 // the bound has come
     reg               u_ends;                              // in place of u_valid: lives, before this token
     reg               rewound;                             // the clock before threw tokens out
-    reg [SLOT_W-1:0]  c_slot;
-    reg [SLOT_W-1:0]  c_slot_av, c_slot_regs;              // c_slot again, for it goes to every bit of the context
+    reg               d_there;                             // a token is, or was before it was thrown out
+    wire [5*SLOT_W-1:0] c_slots;                           // five times the slot, for it goes to every bit of the context
     reg               c_takes, c_passes, c_active, c_seeds, c_busy, c_report, c_clear, c_join, c_looks;
     reg               o_busy, o_report, o_clear, o_join, o_looks;  // an operation, or a look at a slot, on its way to C
+    reg               d_busy, d_report, d_clear, d_join, d_looks;
     reg               u_takes, u_passes, u_walks, v_walks, v_decided, v_owned;
 
     reg               found;              // the window checked overlaps
@@ -190,10 +197,10 @@ module cot_engine #(
     reg [SEQ_W-1:0]   seq;         // number of its event, or of the next one where a life ends
     reg [SEQ_W-1:0]   next_seq;
 
-    // ---- M and E: whose is it? ---------------------------------------------------------------------------------------
+    // ---- M to D: whose is it? ----------------------------------------------------------------------------------------
 
-    wire              e_active, e_other, e_free, m_due;
-    wire [SLOT_W-1:0] e_slot, e_lowest;
+    wire              m_due, e_other, d_active, d_other, d_free;
+    wire [SLOT_W-1:0] e_lowest, d_slot;
     wire [N-1:0]      active;
     wire              w_checks, w_places, w_changes, w_free, w_window, w_active;
     wire [SLOT_W-1:0] w_slot;
@@ -202,6 +209,7 @@ module cot_engine #(
 
     engine_match #(
         .N     (N),
+        .FAR   (FAR),
         .X_W   (AT_X),
         .Y_W   (AT_Y),
         .SLOT_W(SLOT_W)
@@ -217,11 +225,12 @@ module cot_engine #(
         .m_hi_y   (m_hi_y),
         .names    (phase != RUN),
         .slot     (slow_slot),
-        .e_active (e_active),
         .e_other  (e_other),
-        .e_free   (e_free),
-        .e_slot   (e_slot),
         .e_lowest (e_lowest),
+        .d_active (d_active),
+        .d_other  (d_other),
+        .d_free   (d_free),
+        .d_slot   (d_slot),
         .w_places (w_places),
         .w_changes(w_changes),
         .w_slot   (w_slot),
@@ -234,6 +243,32 @@ module cot_engine #(
         .w_active (w_active),
         .active   (active)
     );
+
+    // Where the slots are far, registers that synthesis keeps apart. Where they are few, those that differ in their reset stay apart,
+    // and as addresses they may go into a memory.
+    genvar g;
+    generate
+        if (FAR != 0) begin : g_copies
+            for (g = 0; g < 5; g = g + 1) begin : g_slot
+                engine_copy #(
+                    .W(SLOT_W)
+                ) u_slot (
+                    .clk(clk),
+                    .s  (d_slot),
+                    .m  (c_slots[SLOT_W*g+:SLOT_W])
+                );
+            end
+        end else begin : g_three
+            reg [SLOT_W-1:0] slot, slot_av, slot_regs;
+
+            always @(posedge clk) begin
+                slot      <= d_slot;
+                slot_av   <= rst ? {SLOT_W{1'b0}} : d_slot;
+                slot_regs <= rst ? {SLOT_W{1'b1}} : d_slot;
+            end
+            assign c_slots = {slot, {3{slot_av}}, slot_regs};
+        end
+    endgenerate
 
     // ---- C to W: what it does to its owner -----------------------------------------------------------------------------
 
@@ -251,6 +286,7 @@ module cot_engine #(
 
     engine_update #(
         .N      (N),
+        .FAR    (FAR),
         .X_W    (X_W),
         .Y_W    (Y_W),
         .FRAC   (FRAC),
@@ -273,11 +309,10 @@ module cot_engine #(
         .cfg_slot      (cfg_slot),
         .cfg_addr      (cfg_addr),
         .cfg_data      (cfg_data),
-        .e_x           (e_x),
-        .e_y           (e_y),
-        .c_slot        (c_slot),
-        .c_slot_av     (c_slot_av),
-        .c_slot_regs   (c_slot_regs),
+        .d_x           (d_x),
+        .d_y           (d_y),
+        .d_slot        (d_slot),
+        .c_slots       (c_slots),
         .c_commits     (c_commits),
         .c_takes       (c_takes),
         .c_active      (c_active),
@@ -380,7 +415,8 @@ module cot_engine #(
         .RADIX_W(RADIX_W),
         .SUP_W  (SUP_W),
         .ID_W   (ID_W),
-        .SLOT_W (SLOT_W)
+        .SLOT_W (SLOT_W),
+        .MEANS  (FAR != 0 ? 2 : 1)
     ) u_merge (
         .clk         (clk),
         .take_a      (take_a),
@@ -442,9 +478,6 @@ module cot_engine #(
 
     // ---- what happens in this clock ----------------------------------------------------------------------------------
 
-    localparam [STEP_W-1:0] TWO   = 2;
-    localparam [STEP_W-1:0] THREE = 3;
-    localparam [STEP_W-1:0] EIGHT = 8;
 
     reg              settled;               // no operation is under way, no window changes
     reg              mode_written;          // a clock ago, of this slot
@@ -466,7 +499,7 @@ module cot_engine #(
         .lowest(restart_lowest)
     );
 
-    wire operates = o_busy || c_busy || u_busy;
+    wire operates = o_busy || d_busy || c_busy || u_busy;
     wire checks   = m_check || e_check || found;
 
     // The first token behind lives that have ended finds nobody in U.
@@ -479,7 +512,46 @@ module cot_engine #(
 
     // ---- tokens ----------------------------------------------------------------------------------------------------
 
-    wire owned   = e_active || e_other || e_free;
+    wire owned = d_active || d_other || d_free;
+
+    generate
+        if (FAR != 0) begin : g_far
+            always @(posedge clk) begin
+                d_valid  <= e_valid && !rewind;
+                d_there  <= e_valid;
+                d_due    <= e_due;
+                d_event  <= e_event;
+                d_counts <= e_counts;
+                d_x      <= e_x;
+                d_y      <= e_y;
+                d_p      <= e_p;
+                d_time   <= e_time;
+                d_busy   <= o_busy;
+                d_report <= o_report;
+                d_clear  <= o_clear;
+                d_join   <= o_join;
+                d_looks  <= o_looks;
+                if (rst) {d_valid, d_busy, d_report, d_clear, d_join} <= 5'd0;
+            end
+        end else begin : g_near
+            always @* begin
+                d_valid  = e_valid && !rewind;
+                d_there  = e_valid;
+                d_due    = e_due;
+                d_event  = e_event;
+                d_counts = e_counts;
+                d_x      = e_x;
+                d_y      = e_y;
+                d_p      = e_p;
+                d_time   = e_time;
+                d_busy   = o_busy;
+                d_report = o_report;
+                d_clear  = o_clear;
+                d_join   = o_join;
+                d_looks  = o_looks;
+            end
+        end
+    endgenerate
 
     always @(posedge clk) begin
         // A token, or in its place a window that has changed.
@@ -513,25 +585,22 @@ module cot_engine #(
             found_slot <= e_lowest;
         end
 
-        c_valid  <= e_valid && !rewind;
-        c_due    <= e_due;
-        c_slot      <= e_slot;
-        c_slot_av   <= e_slot;
-        c_slot_regs <= e_slot;
-        c_takes  <= e_valid && e_event && owned;
-        c_passes <= e_event && !owned;
-        c_active <= e_active;
-        c_seeds  <= e_valid && !e_active && !e_other;
-        c_x      <= e_x;
-        c_y      <= e_y;
-        c_time   <= e_time;
-        c_counts <= e_counts;
-        c_p      <= e_p;
-        c_busy   <= o_busy;
-        c_report <= o_report;
-        c_clear  <= o_clear;
-        c_join   <= o_join;
-        c_looks  <= o_looks;
+        c_valid  <= d_valid && !rewind;
+        c_due    <= d_due;
+        c_takes  <= d_there && d_event && owned;
+        c_passes <= d_event && !owned;
+        c_active <= d_active;
+        c_seeds  <= d_there && !d_active && !d_other;
+        c_x      <= d_x;
+        c_y      <= d_y;
+        c_time   <= d_time;
+        c_counts <= d_counts;
+        c_p      <= d_p;
+        c_busy   <= d_busy;
+        c_report <= d_report;
+        c_clear  <= d_clear;
+        c_join   <= d_join;
+        c_looks  <= d_looks;
 
         o_looks  <= phase == FETCH || (phase == WALK && step < SLOTS[STEP_W-1:0]);
 
@@ -555,9 +624,6 @@ module cot_engine #(
 
         if (rst) begin
             {m_valid, e_valid, c_valid, u_valid, u_ends, m_check, e_check, found, rewound, v_decided} <= 10'd0;
-            // Registers that differ in their reset stay apart in synthesis.
-            c_slot_av   <= {SLOT_W{1'b0}};
-            c_slot_regs <= {SLOT_W{1'b1}};
             {c_busy, c_report, c_clear, c_join} <= 4'd0;
         end
     end
@@ -588,7 +654,7 @@ module cot_engine #(
         restarts     <= 1'b0;
         if (restarting)
             restarts <= phase == RUN && !restarts && settled && !checks
-                     && !m_valid && !e_valid && !c_valid && !u_valid && !u_ends;
+                     && !m_valid && !e_valid && !d_valid && !c_valid && !u_valid && !u_ends;
 
         step <= step + 1'b1;
         case (phase)
@@ -606,7 +672,7 @@ module cot_engine #(
                 end else if (restarts) begin
                     why       <= RESTART;
                     slow_slot <= restart_slot;
-                    phase     <= active[restart_slot] ? REPORT : CLEAR;
+                    phase     <= REPORT;
                 end
             end
             WALK: begin
@@ -623,14 +689,14 @@ module cot_engine #(
                     why       <= LIFE;
                     slow_slot <= ended_slot;
                     exempt    <= !ended;
-                    phase     <= !ended ? RUN : active[ended_slot] ? REPORT : CLEAR;
+                    phase     <= ended ? REPORT : RUN;
                 end
             end
             FETCH: begin
-                take_a    <= step == TWO;
-                take_b    <= step == THREE;
+                take_a    <= step == FIRST_AT[STEP_W-1:0];
+                take_b    <= step == OTHER_AT[STEP_W-1:0];
                 slow_slot <= found_slot;
-                if (step == EIGHT) begin
+                if (step == FETCHED[STEP_W-1:0]) begin
                     why       <= MERGE;
                     slow_slot <= goes;
                     phase     <= REPORT;
@@ -638,9 +704,11 @@ module cot_engine #(
             end
             REPORT:
             if (!m_cm_valid) begin
-                {o_busy, o_report} <= 2'b11;
-                settled            <= 1'b0;
-                phase              <= CLEAR;
+                if (active[slow_slot]) begin
+                    {o_busy, o_report} <= 2'b11;
+                    settled            <= 1'b0;
+                end
+                phase <= CLEAR;
             end
             CLEAR:
             if (settled) begin

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The windows of all slots and whose an event is: stages M (compare) and E (encode) of the engine.
+// The windows of all slots and whose an event is: stages M (compare), E (encode) and, if FAR, D (choose) of the engine.
 //
 // A probe is a rectangle. That of an event is its pixel: the active slot that holds it owns it, else the lowest candidate
 // that does, else the lowest free slot. That of a check is a window: is there another active slot that shares a pixel
@@ -7,14 +7,15 @@
 //
 // Lower bounds come and are kept as complements (_not): a comparison then is a sum, without an inverter in it.
 //
-// Latency:    1 clock from the probe to the answer. A window that is written in one clock is there in the next, a change of
-//             which slots are free two clocks later for an event in E.
+// Latency:    1 clock from the probe to the answer, 1 + FAR to whose an event is. A window that is written in one clock is
+//             there in the next, a change of which slots are free two clocks later for an event in E.
 // Throughput: 1 probe per clock.
 // Reset:      no slot has a window or is free.
 `default_nettype none
 
 module engine_match #(
     parameter N      = 8,  // slots
+    parameter FAR    = 0,  // 1: whose an event is comes a clock later
     parameter X_W    = 11, // bits of a bound, see engine_window.v
     parameter Y_W    = 11,
     parameter SLOT_W = 3   // bits of a slot number
@@ -29,14 +30,17 @@ module engine_match #(
     input  wire [X_W-1:0]    m_lo_x_not, m_hi_x,
     input  wire [Y_W-1:0]    m_lo_y_not, m_hi_y,
 
-    // E: the answer, and the slot where none is held: a free one, or `slot` where `names` asked for that the clock before
+    // E: the answer; the slot where none is held is a free one, or `slot` where `names` asked for that the clock before
     input  wire              names,
     input  wire [SLOT_W-1:0] slot,
-    output wire              e_active,  // an active slot holds the event
-    output wire              e_other,   // a candidate does; CHECK: an active slot overlaps
-    output wire              e_free,    // some slot is free
-    output wire [SLOT_W-1:0] e_slot,    // the first of these that holds
-    output wire [SLOT_W-1:0] e_lowest,  // the slot of e_other
+    output wire              e_other,   // a candidate holds the event; CHECK: an active slot overlaps
+    output wire [SLOT_W-1:0] e_lowest,  // the lowest such slot
+
+    // D if FAR, else E: whose the event is
+    output reg               d_active,  // an active slot holds the event
+    output reg               d_other,   // a candidate does
+    output reg               d_free,    // some slot is free
+    output wire [SLOT_W-1:0] d_slot,    // the first of these that holds
 
     // W: a slot's new window and state
     input  wire              w_places,
@@ -145,9 +149,31 @@ module engine_match #(
         .lowest(free_slot)
     );
 
-    assign e_free   = any_free_reg;
-    assign e_active = |hit_active_reg;
-    assign e_slot   = e_active ? active_slot : e_other ? e_lowest : else_slot;
+    reg [SLOT_W-1:0] d_active_slot, d_other_slot, d_else_slot;
+
+    generate
+        if (FAR != 0) begin : g_far
+            always @(posedge clk) begin
+                d_active      <= |hit_active_reg;
+                d_other       <= e_other;
+                d_free        <= any_free_reg;
+                d_active_slot <= active_slot;
+                d_other_slot  <= e_lowest;
+                d_else_slot   <= else_slot;
+            end
+        end else begin : g_near
+            always @* begin
+                d_active      = |hit_active_reg;
+                d_other       = e_other;
+                d_free        = any_free_reg;
+                d_active_slot = active_slot;
+                d_other_slot  = e_lowest;
+                d_else_slot   = else_slot;
+            end
+        end
+    endgenerate
+
+    assign d_slot = d_active ? d_active_slot : d_other ? d_other_slot : d_else_slot;
 
     // Bit i of each number from 0 to 63.
     localparam [6*64-1:0] BITS = {

@@ -2,7 +2,8 @@
 // Two tracks that merge: which one stays, and where both are then. The first born stays, at the mean of both centres weighted
 // by support, with the larger g and both supports.
 //
-// Latency: 5 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too.
+// Latency: 5 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too, after
+//          2 W + 5 clocks where MEANS is 2 and 4 W + 10 where it is 1, W the bits of a centre (of the wider axis).
 `default_nettype none
 
 module engine_merge #(
@@ -12,7 +13,8 @@ module engine_merge #(
     parameter RADIX_W = 8,   // bits of a radius register
     parameter SUP_W   = 16,  // bits of a support count
     parameter ID_W    = 32,  // bits of a track id
-    parameter SLOT_W  = 3    // bits of a slot number
+    parameter SLOT_W  = 3,   // bits of a slot number
+    parameter MEANS   = 1    // 1: one axis after the other; 2: both at once
 ) (
     input  wire               clk,
 
@@ -30,7 +32,7 @@ module engine_merge #(
     output reg  [SLOT_W-1:0]  goes,
     output reg  [ID_W-1:0]    stays_id,
     output wire               done,
-    output reg  [POS_X-1:0]   join_x,
+    output wire [POS_X-1:0]   join_x,
     output wire [POS_Y-1:0]   join_y,
     output reg  [RADIX_W-1:0] join_g,
     output reg  [SUP_W-1:0]   join_support
@@ -38,6 +40,7 @@ module engine_merge #(
 
     reg [SLOT_W-1:0]  a_slot, b_slot;
     reg [ID_W-1:0]    a_id, b_id;
+    reg [POS_X-1:0]   a_x, b_x;
     reg [POS_Y-1:0]   a_y, b_y;
     reg [RADIX_W-1:0] a_g, b_g;
     reg [SUP_W-1:0]   a_support, b_support;
@@ -47,40 +50,86 @@ module engine_merge #(
     reg            b_older;
     reg  [SUP_W:0] both;
 
-    // One axis after the other.
-    localparam POS_W = (POS_X > POS_Y) ? POS_X : POS_Y;
+    generate
+        if (MEANS == 2) begin : g_both
+            wire done_x, done_y;
 
-    reg              on_y;
-    reg  [POS_W-1:0] a_at, b_at;
-    wire [POS_W-1:0] mean;
-    wire             done_axis;
+            assign done = done_x && done_y;
 
-    assign join_y = mean[POS_Y-1:0];
-    assign done   = on_y && done_axis && !start;
+            engine_mean #(
+                .W       (POS_X),
+                .WEIGHT_W(SUP_W),
+                .ROUND   (ROUND)
+            ) u_mean_x (
+                .clk     (clk),
+                .start   (start),
+                .a       (a_x),
+                .b       (b_x),
+                .weight_b(b_support),
+                .weight  (both),
+                .done    (done_x),
+                .mean    (join_x)
+            );
+            engine_mean #(
+                .W       (POS_Y),
+                .WEIGHT_W(SUP_W),
+                .ROUND   (ROUND)
+            ) u_mean_y (
+                .clk     (clk),
+                .start   (start),
+                .a       (a_y),
+                .b       (b_y),
+                .weight_b(b_support),
+                .weight  (both),
+                .done    (done_y),
+                .mean    (join_y)
+            );
+        end else begin : g_turns
+            localparam POS_W = (POS_X > POS_Y) ? POS_X : POS_Y;
 
-    engine_mean #(
-        .W       (POS_W),
-        .WEIGHT_W(SUP_W),
-        .ROUND   (ROUND)
-    ) u_mean (
-        .clk     (clk),
-        .start   (start),
-        .a       (a_at),
-        .b       (b_at),
-        .weight_b(b_support),
-        .weight  (both),
-        .done    (done_axis),
-        .mean    (mean)
-    );
+            reg              on_y, turns;
+            reg  [POS_X-1:0] mean_x;
+            wire             done_axis;
+            wire [POS_W-1:0] mean;
+
+            assign join_x = mean_x;
+            assign join_y = mean[POS_Y-1:0];
+            assign done   = on_y && done_axis && !turns;
+
+            engine_mean #(
+                .W       (POS_W),
+                .WEIGHT_W(SUP_W),
+                .ROUND   (ROUND)
+            ) u_mean (
+                .clk     (clk),
+                .start   (start || turns),
+                .a       (on_y ? {{(POS_W - POS_Y) {1'b0}}, a_y} : {{(POS_W - POS_X) {1'b0}}, a_x}),
+                .b       (on_y ? {{(POS_W - POS_Y) {1'b0}}, b_y} : {{(POS_W - POS_X) {1'b0}}, b_x}),
+                .weight_b(b_support),
+                .weight  (both),
+                .done    (done_axis),
+                .mean    (mean)
+            );
+
+            always @(posedge clk) begin
+                turns <= 1'b0;
+                if (take_b_reg) on_y <= 1'b0;
+                else if (under_way && !on_y && done_axis && !start) begin
+                    {on_y, turns} <= 2'b11;
+                    mean_x        <= mean[POS_X-1:0];
+                end
+            end
+        end
+    endgenerate
 
     always @(posedge clk) begin
         if (take_a) begin
-            a_at      <= {{(POS_W - POS_X) {1'b0}}, cm_x};
+            a_x       <= cm_x;
             a_y       <= cm_y;
             a_g       <= g;
         end
         if (take_b) begin
-            b_at      <= {{(POS_W - POS_X) {1'b0}}, cm_x};
+            b_x       <= cm_x;
             b_y       <= cm_y;
             b_g       <= g;
         end
@@ -97,19 +146,9 @@ module engine_merge #(
             b_support <= support;
         end
         start <= take_b_reg;
-        if (take_b_reg) begin
-            on_y      <= 1'b0;
-            under_way <= 1'b1;
-        end
+        if (take_b_reg) under_way <= 1'b1;
         if (under_way) begin
-            if (!on_y && done_axis && !start) begin
-                start  <= 1'b1;
-                on_y   <= 1'b1;
-                a_at   <= {{(POS_W - POS_Y) {1'b0}}, a_y};
-                b_at   <= {{(POS_W - POS_Y) {1'b0}}, b_y};
-                join_x <= mean[POS_X-1:0];
-            end
-            if (done) under_way <= 1'b0;
+            if (done && !start) under_way <= 1'b0;
             b_older      <= b_id < a_id;
             stays        <= b_older ? b_slot : a_slot;
             goes         <= b_older ? a_slot : b_slot;

@@ -2,7 +2,8 @@
 // The registers of N tracker slots as cot_regs.v has them, but shown of two slots at once: of the slot in C what every event may
 // need, of the slot in U what only its timer or a special event needs.
 //
-// Writes take effect on the next clock; reads are combinational. Reset turns every slot off and leaves the rest as it is.
+// Writes take effect on the next clock, that of a mode on the one after; reads are combinational. Reset turns every slot off and
+// leaves the rest as it is.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -75,12 +76,14 @@ module engine_regs #(
     assign nev_th       = nev_th_mem[c_slot];
     assign detect_ticks = detect_ticks_mem[u_slot];
 
-    integer i;
+    reg              mode_written;
+    reg [SLOT_W-1:0] mode_slot;
+    reg [1:0]        mode_data;
+    integer          i;
 
     always @(posedge clk) begin
         if (cfg_valid) begin
             case (cfg_addr)
-                `EVCOT_REG_MODE:         mode_mem[cfg_slot]         <= cfg_data[1:0];
                 `EVCOT_REG_INIT_CM_X:    init_cm_x_mem[cfg_slot]    <= cfg_data[X_W-1:0];
                 `EVCOT_REG_INIT_CM_Y:    init_cm_y_mem[cfg_slot]    <= cfg_data[Y_W-1:0];
                 `EVCOT_REG_INIT_RADIX:   init_radix_mem[cfg_slot]   <= cfg_data[RADIX_W-1:0];
@@ -98,8 +101,15 @@ module engine_regs #(
                 default: ;  // no such register
             endcase
         end
-        if (rst)
+        // One that is reset is no memory: its decoder is given a clock.
+        mode_written <= cfg_valid && cfg_addr == `EVCOT_REG_MODE;
+        mode_slot    <= cfg_slot;
+        mode_data    <= cfg_data[1:0];
+        if (mode_written) mode_mem[mode_slot] <= mode_data;
+        if (rst) begin
+            mode_written <= 1'b0;
             for (i = 0; i < N; i = i + 1) mode_mem[i] <= `EVCOT_MODE_OFF;
+        end
     end
 
     wire unused = &{1'b0, cfg_data};

@@ -15,6 +15,7 @@
 
 module engine_update #(
     parameter N       = 8,   // tracker slots
+    parameter FAR     = 0,   // 1: what enters C next stands in registers: see cot_engine.v
     parameter X_W     = 9,   // bits of an x address
     parameter Y_W     = 9,   // bits of a y address
     parameter FRAC    = 4,   // fractional bits of a centre and of an average
@@ -39,11 +40,11 @@ module engine_update #(
     input  wire [3:0]          cfg_addr,
     input  wire [31:0]         cfg_data,
 
-    // E, C
-    input  wire [X_W-1:0]      e_x,
-    input  wire [Y_W-1:0]      e_y,
-    input  wire [SLOT_W-1:0]   c_slot,
-    input  wire [SLOT_W-1:0]   c_slot_av, c_slot_regs,  // the same for what events move, and for registers: fewer readers each
+    // D, what enters C next; C
+    input  wire [X_W-1:0]      d_x,
+    input  wire [Y_W-1:0]      d_y,
+    input  wire [SLOT_W-1:0]   d_slot,
+    input  wire [5*SLOT_W-1:0] c_slots,    // five times its slot: fewer readers each
     input  wire                c_commits,  // unless something happens to it, the event is committed in U
     input  wire                c_takes,
     input  wire                c_active,   // the event's slot is active
@@ -119,10 +120,10 @@ module engine_update #(
 
     // One memory for all that is written together. no_rw_check: never written in the clock in which somebody looks at the same
     // slot, so where a memory is synchronous (iCE40), nothing has to pass by it.
-    localparam AV_W   = POS_X + POS_Y;
     localparam CM_W   = POS_X + POS_Y + RADIX_W;
 
-    reg [AV_W-1:0]    av       [0:N-1];  // averages: x, y
+    reg [POS_X-1:0]   av_x     [0:N-1];  // averages
+    reg [POS_Y-1:0]   av_y     [0:N-1];
     reg               timed    [0:N-1];  // has a deadline: active, or a candidate that has begun to collect
     (* no_rw_check *) reg [LIFE_W-1:0]  deadline [0:N-1];  // its low bits
     reg               ring     [0:N-1];  // was occupied in this window
@@ -137,6 +138,9 @@ module engine_update #(
     reg [ID_W-1:0] births;  // id of the next track
 
     // ---- C ---------------------------------------------------------------------------------------------------------
+
+    wire [SLOT_W-1:0]  c_slot, c_slot_x, c_slot_y, c_slot_rest, c_slot_regs;
+    assign {c_slot, c_slot_x, c_slot_y, c_slot_rest, c_slot_regs} = c_slots;
 
     wire [1:0]         mode;
     wire [X_W-1:0]     init_cm_x;
@@ -200,23 +204,42 @@ module engine_update #(
     wire               c_none, c_one;
     wire [NEV_W-1:0]   c_rest;
 
+    // Is the slot in C that in U, that in V? Worked out a clock before where it is known then.
+    reg same_u, same_v;
+
+    generate
+        if (FAR != 0) begin : g_far
+            always @(posedge clk) begin
+                same_u <= d_slot == c_slot;
+                same_v <= d_slot == u_slot;
+            end
+        end else begin : g_near
+            always @* begin
+                same_u = c_slot_rest == u_slot;
+                same_v = c_slot_rest == v_slot;
+            end
+        end
+    endgenerate
+
     // An average that is just being written is taken on its way.
-    wire passes = v_took && v_slot == c_slot_av;
-    assign {c_av_x, c_av_y}      = av[c_slot_av];
+    wire passes = v_took && same_v;
+    assign c_av_x = av_x[c_slot_x];
+    assign c_av_y = av_y[c_slot_y];
     assign {c_cm_x, c_cm_y, c_g} = cm[c_slot];
-    assign {c_none, c_one, c_rest} = rest[c_slot_av];
+    assign {c_none, c_one, c_rest} = rest[c_slot_rest];
 
     // The event in U is of the same slot.
-    wire forward = c_takes && u_takes && !u_special && u_slot == c_slot_av;
+    wire forward = c_takes && u_takes && !u_special && same_u;
     wire place   = c_seeds || c_clear || c_join;
     wire last    = forward ? u_one : c_none;
     wire first   = !c_active && !c_timed;
 
     always @(posedge clk) begin
-        u_slot      <= c_slot_av;
+        u_slot      <= c_slot_rest;
         u_takes     <= c_takes && c_commits;
         u_follows   <= forward;
-        u_again     <= (c_takes && c_commits && (last || first)) || c_report || c_clear || c_join || c_looks;
+        // Committed or not: what is thrown out in C has nothing behind it that counts.
+        u_again     <= (c_takes && (last || first)) || c_report || c_clear || c_join || c_looks;
         u_active    <= c_active;
         u_report    <= c_report;
         u_clear     <= c_clear;
@@ -252,7 +275,7 @@ module engine_update #(
     ) u_average_x (
         .clk     (clk),
         .rst     (rst),
-        .next_at (e_x),
+        .next_at (d_x),
         .event_at(c_x),
         .k       (hist_avg),
         .forward (forward),
@@ -274,7 +297,7 @@ module engine_update #(
     ) u_average_y (
         .clk     (clk),
         .rst     (rst),
-        .next_at (e_y),
+        .next_at (d_y),
         .event_at(c_y),
         .k       (hist_avg),
         .forward (forward),
@@ -317,7 +340,7 @@ module engine_update #(
     reg [X_W:0]       v_offset_x;
     reg [Y_W:0]       v_offset_y;
     reg [RADIX_W-1:0] v_g, v_grown, v_shrunk, v_th;
-    reg [RADIX_W:0]   v_radius, v_less_th;
+    reg [RADIX_W:0]   v_radius, v_th_less_1;
     reg [NEV_W-1:0]   v_n_ev, v_nev_min, v_nev_max, v_clust_nev;
     reg [TIME_W-1:0]  v_start;
     reg [TC_W-1:0]    v_last_tc2, v_nev_th;
@@ -362,7 +385,7 @@ module engine_update #(
             v_grown     <= (highest[RADIX_W] || grows_by[RADIX_W]) ? u_max : u_g + u_step;
             v_shrunk    <= shrinks_by[RADIX_W+1] ? u_min : u_g - u_step;
             v_th        <= u_th;
-            v_less_th   <= {1'b0, u_th} - 1'b1;
+            v_th_less_1 <= {1'b0, u_th} - 1'b1;
             v_n_ev      <= n_ev[u_slot];
             v_nev_min   <= nev_min;
             v_nev_max   <= nev_max;
@@ -400,7 +423,7 @@ module engine_update #(
     reg [1:0]         w_mode;
     reg [RADIX_W-1:0] w_g;
     reg [RADIX_W:0]   w_radius;
-    reg [RADIX_W+1:0] w_less;
+    reg [RADIX_W+1:0] w_inset;
     reg [NEV_W-1:0]   w_n_ev, w_nev_min, w_nev_max;
     reg               w_over, w_under;  // twice and half of n_ev are over and under these
     reg [SUP_W:0]     w_support;
@@ -412,7 +435,10 @@ module engine_update #(
     always @(posedge clk) begin
         if (v_took || v_clear || v_join) support[v_slot] <= new_support;
         // Where a centre is placed, the average is set to it in W.
-        if (v_took || w_sets) av[w_sets ? w_slot : v_slot] <= {w_cm_x, w_cm_y};
+        if (v_took || w_sets) begin
+            av_x[w_sets ? w_slot : v_slot] <= w_cm_x;
+            av_y[w_sets ? w_slot : v_slot] <= w_cm_y;
+        end
         if (v_took || v_clear) ring[v_slot] <= v_ring && !v_last && !v_clear;
         if (v_times) timed[v_slot] <= !v_clear;
         if (v_times) deadline[v_slot] <= new_deadline;
@@ -432,7 +458,7 @@ module engine_update #(
             w_mode    <= v_mode;
             w_g       <= new_g;
             w_radius  <= {1'b0, new_g} + {1'b0, v_th};
-            w_less    <= {v_less_th[RADIX_W], v_less_th} + {2'b00, new_g};
+            w_inset   <= {v_th_less_1[RADIX_W], v_th_less_1} + {2'b00, new_g};
             w_n_ev    <= v_clear ? v_clust_nev : v_n_ev;
             w_nev_min <= v_nev_min;
             w_nev_max <= v_nev_max;
@@ -458,7 +484,7 @@ module engine_update #(
         .asked (w_busy),
         .centre(w_cm_x),
         .radius(w_radius),
-        .less  (w_less),
+        .inset (w_inset),
         .lo_not(w_lo_x_not),
         .hi    (w_hi_x)
     );
@@ -470,7 +496,7 @@ module engine_update #(
         .asked (w_busy),
         .centre(w_cm_y),
         .radius(w_radius),
-        .less  (w_less),
+        .inset (w_inset),
         .lo_not(w_lo_y_not),
         .hi    (w_hi_y)
     );
@@ -572,7 +598,7 @@ module engine_update #(
         end
     end
 
-    wire unused = &{1'b0, over_max, under_min, grows_by, lowest, highest, shrinks_by, over_slow, over_fast,
+    wire unused = &{1'b0, d_slot, over_max, under_min, grows_by, lowest, highest, shrinks_by, over_slow, over_fast,
                     rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
 
 endmodule

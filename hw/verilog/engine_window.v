@@ -18,7 +18,7 @@ module engine_window #(
     input  wire              asked,   // else nobody looks at the answer: simulators skip it
     input  wire [W+FRAC-1:0] centre,
     input  wire [R_W-1:0]    radius,
-    input  wire [R_W:0]      less,    // radius - 1, signed
+    input  wire [R_W:0]      inset,   // radius - 1, signed
     output reg  [AT_W-1:0]   lo_not,  // of both bounds with 2^(AT_W-1) added, so that they are not negative
     output reg  [AT_W-1:0]   hi
 );
@@ -33,7 +33,7 @@ module engine_window #(
         if (asked) begin
             half   = (FRAC > 0) && centre[FRAC > 0 ? FRAC - 1 : 0];
             whole  = centre[W+FRAC-1:FRAC];
-            low    = {!less[R_W], {(AT_W - R_W - 2) {less[R_W]}}, less, 1'b0} - {{(AT_W - W) {1'b0}}, whole, half};
+            low    = {!inset[R_W], {(AT_W - R_W - 2) {inset[R_W]}}, inset, 1'b0} - {{(AT_W - W) {1'b0}}, whole, half};
             high   = {1'b1, {(AT_W - W - 1) {1'b0}}, whole, 1'b1} + {{(AT_W - R_W) {1'b0}}, radius, half};
             lo_not = low[AT_W:1];
             hi     = high[AT_W:1];

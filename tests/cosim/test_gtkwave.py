@@ -354,6 +354,6 @@ def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_pat
         device.stream(np.array([1]), *np.full((2, 1), 60, np.uint16), np.zeros(1, np.uint8))
     write_view(tmp_path / "run.vcd", tmp_path / "run.gtkw")
     told = told_by_gtkwave([tmp_path / "run.vcd", tmp_path / "run.gtkw"], 100, tmp_path / "tell.tcl")
-    wanted = {"e_slot", "c_slot", "u_slot", "v_slot", "w_slot", "found_slot"}
+    wanted = {"d_slot", "c_slot", "u_slot", "v_slot", "w_slot", "found_slot"}
     assert wanted <= {label for group, label in told if group == "pipeline"}
     assert ("slot 0", "active") in told

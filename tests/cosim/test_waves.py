@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from evcot.config import CotConfig
 from evcot.errors import ConfigError, OutputError
 from evcot.events import Events
-from evcot_cosim.device import Device, Stalls, Top
+from evcot_cosim.device import Device, Stalls, Top, build_device
 from evcot_cosim.waveform import Samples, Wave
 from evcot_cosim.waves import Window, write_waves
 
@@ -91,6 +91,20 @@ def test_decisions_are_those_of_a_run_that_is_not_dumped(config: CotConfig, blob
     for theirs, ours in zip(watched, plain.stream(*run), strict=True):
         assert np.array_equal(theirs, ours)
     assert dumped.cycle == plain.cycle
+
+
+@pytest.mark.parametrize("top", ["cot_array", "cot_engine"])
+def test_a_model_without_waves_decides_the_same_and_shows_its_top(
+    config: CotConfig, blobs: Events, top: Top, tmp_path: Path
+) -> None:
+    bare, whole = Device(config, top, model=build_device(config, top, waves=False)), Device(config, top)
+    run = (blobs.t_us[:500], blobs.x[:500], blobs.y[:500], blobs.p[:500])
+    with bare.dumping(tmp_path / "x.vcd", 0, 99), whole.dumping(tmp_path / "y.vcd", 0, 99):
+        for ours, theirs in zip(bare.stream(*run), whole.stream(*run), strict=True):
+            assert np.array_equal(ours, theirs)
+    shown, everything = (set(Wave.open(tmp_path / name).find("TOP.*")) for name in ("x.vcd", "y.vcd"))
+    assert {"TOP.s_x", f"TOP.{top}.s_x"} <= shown < everything
+    assert max(path.count(".") for path in shown) == 2
 
 
 def test_nothing_stays_behind_where_nothing_can_be_written(config: CotConfig, blobs: Events, tmp_path: Path) -> None:

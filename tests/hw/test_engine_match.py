@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,9 +38,8 @@ def lowest(slots: list[int]) -> int | None:
     return min(slots, default=None)
 
 
-@pytest.fixture
-def sim() -> PyVerilator:
-    sim = load("engine_match", {"N": N, "X_W": 5, "Y_W": 5, "SLOT_W": 3})
+def started(far: int) -> PyVerilator:
+    sim = load("engine_match", {"N": N, "FAR": far, "X_W": 5, "Y_W": 5, "SLOT_W": 3})
     sim.io.m_valid = sim.io.w_places = sim.io.w_changes = 0
     reset(sim)
     return sim
@@ -63,8 +63,11 @@ def put(sim: PyVerilator, number: int, slot: Slot, places: bool, changes: bool) 
     io.w_free, io.w_window, io.w_active = slot.free, slot.candidate or slot.active, slot.active
 
 
-def test_random_probes_while_windows_change(sim: PyVerilator) -> None:
+@pytest.mark.parametrize("far", [0, 1])
+def test_random_probes_while_windows_change(far: int) -> None:
+    sim = started(far)
     rng, io = np.random.default_rng(8), sim.io
+    coming = deque[tuple[tuple[bool, bool, bool], int | None]]()  # whose the probes under way are
     slots, seen = [Slot()] * N, dict.fromkeys(("active", "candidate", "free", "nobody", "overlap", "alone"), 0)
     for clock in range(2_500):
         # A window anywhere, but no two active ones share a pixel.
@@ -94,23 +97,29 @@ def test_random_probes_while_windows_change(sim: PyVerilator) -> None:
         if writes:
             slots[number] = new
 
-        assert (io.e_active, io.e_other, io.e_free) == (owner is not None, other is not None, free is not None), clock
         first = next((slot for slot in (owner, other, spare) if slot is not None), None)
-        if first is not None:
-            assert io.e_slot == first, clock
+        coming.append(((owner is not None, other is not None, free is not None), first))
+        if len(coming) > far:
+            held, whose = coming.popleft()
+            assert (io.d_active, io.d_other, io.d_free) == held, clock
+            if whose is not None:
+                assert io.d_slot == whose, clock
+        assert io.e_other == (other is not None), clock
         if other is not None:
             assert io.e_lowest == other, clock
         assert io.active == sum(slot.active << i for i, slot in enumerate(slots)), clock
         if valid and check:
             seen["alone" if other is None else "overlap"] += 1
         elif valid:
-            held = "active" if owner is not None else "candidate" if other is not None else "free"
-            seen["nobody" if first is None else held] += 1
+            holder = "active" if owner is not None else "candidate" if other is not None else "free"
+            seen["nobody" if first is None else holder] += 1
     print(seen)
     assert min(seen.values()) > 30
 
 
-def test_reset_leaves_no_window(sim: PyVerilator) -> None:
+@pytest.mark.parametrize("far", [0, 1])
+def test_reset_leaves_no_window(far: int) -> None:
+    sim = started(far)
     put(sim, 2, Slot((0, SIDE - 1, 0, SIDE - 1), active=True), places=True, changes=True)
     sim.clock.tick()
     put(sim, 3, Slot(free=True), places=False, changes=True)
@@ -118,13 +127,15 @@ def test_reset_leaves_no_window(sim: PyVerilator) -> None:
     io = sim.io
     io.w_places = io.w_changes = 0
     io.m_valid = 1
-    sim.clock.tick()
-    assert (io.e_active, io.e_slot, io.e_free) == (1, 2, 1)
+    for _ in range(1 + far):
+        sim.clock.tick()
+    assert (io.d_active, io.d_slot, io.d_free) == (1, 2, 1)
     reset(sim)
-    sim.clock.tick()
-    assert (io.e_active, io.e_other, io.e_free, io.active) == (0, 0, 0, 0)
+    for _ in range(1 + far):
+        sim.clock.tick()
+    assert (io.d_active, io.d_other, io.d_free, io.active) == (0, 0, 0, 0)
 
 
-@pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (8, 3), (64, 6)])
-def test_lints_clean(n: int, slot_w: int) -> None:
-    assert lint("engine_match", N=n, SLOT_W=slot_w) == (0, "")
+@pytest.mark.parametrize(("n", "slot_w", "far"), [(1, 1, 0), (8, 3, 0), (8, 3, 1), (64, 6, 1)])
+def test_lints_clean(n: int, slot_w: int, far: int) -> None:
+    assert lint("engine_match", N=n, SLOT_W=slot_w, FAR=far) == (0, "")

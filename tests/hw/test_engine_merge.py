@@ -27,11 +27,13 @@ class Track(NamedTuple):
     support: int
 
 
+@pytest.mark.parametrize("means", [1, 2])
 @pytest.mark.parametrize(("pos_x", "pos_y", "rounds"), [(7, 5, 1), (4, 6, 0)])
-def test_random_tracks(pos_x: int, pos_y: int, rounds: int) -> None:
+def test_random_tracks(pos_x: int, pos_y: int, rounds: int, means: int) -> None:
     sim = load("engine_merge", {
-        "POS_X": pos_x, "POS_Y": pos_y, "ROUND": rounds, "RADIX_W": 4, "SUP_W": SUP_W, "ID_W": 8, "SLOT_W": 3,
+        "POS_X": pos_x, "POS_Y": pos_y, "ROUND": rounds, "RADIX_W": 4, "SUP_W": SUP_W, "ID_W": 8, "SLOT_W": 3, "MEANS": means,
     })  # fmt: skip
+    latency = 2 * max(pos_x, pos_y) + 5 if means == 2 else 4 * max(pos_x, pos_y) + 10
     rng, io, saturated = np.random.default_rng(pos_x), sim.io, 0
 
     nobody = Track(7, 0, 0, 0, 15, 0)
@@ -58,13 +60,13 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int) -> None:
         assert (io.stays, io.stays_id, io.goes) == (older.slot, older.id, younger.slot)
         assert (io.join_g, io.join_support) == (max(a.g, b.g), min(both, (1 << SUP_W) - 1))
         assert io.done == 0
-        for _ in range(30 * max(pos_x, pos_y)):
-            if io.done:
-                break
+        clocks = 4
+        while not io.done and clocks < 200:
             clock()
-        assert io.done == 1
-        means = (Fraction(getattr(a, at) * a.support + getattr(b, at) * b.support, both) for at in ("cm_x", "cm_y"))
-        assert (io.join_x, io.join_y) == tuple(floor(mean + Fraction(rounds, 2)) for mean in means)
+            clocks += 1
+        assert clocks == latency
+        at_best = (Fraction(getattr(a, at) * a.support + getattr(b, at) * b.support, both) for at in ("cm_x", "cm_y"))
+        assert (io.join_x, io.join_y) == tuple(floor(mean + Fraction(rounds, 2)) for mean in at_best)
         clock()
         assert io.done == 1
     assert 5 < saturated < 55

@@ -42,6 +42,7 @@ def test_each_of_two_slots_shows_what_was_last_written_of_its_own(sim: PyVerilat
             value = int(rng.integers(1 << 32))
             write(sim, slot, REGISTERS[name].address, value)
             kept[slot][name] = value & ((1 << REGISTERS[name].bits(SHAPE)) - 1)
+    sim.clock.tick()  # for a mode
     for c_slot in range(SHAPE.n_slots):
         for u_slot in range(SHAPE.n_slots):
             expected = {name: kept[c_slot if name in OF_C else u_slot][name] for name in REGISTERS}
@@ -56,11 +57,24 @@ def test_nothing_is_written_unless_valid(sim: PyVerilator) -> None:
     assert sim.io.nev_th == 5
 
 
+def test_a_mode_takes_a_clock_more_than_the_rest(sim: PyVerilator) -> None:
+    for name, expected in {"mode": [1, 2], "nev_th": [2, 2]}.items():
+        write(sim, 2, REGISTERS[name].address, 1)
+        sim.clock.tick()
+        write(sim, 2, REGISTERS[name].address, 2)
+        seen = [shown(sim, 2, 2)[name]]
+        sim.clock.tick()
+        assert [*seen, shown(sim, 2, 2)[name]] == expected
+
+
 def test_reset_turns_every_slot_off_and_keeps_the_rest(sim: PyVerilator) -> None:
     for slot in range(SHAPE.n_slots):
         for register in REGISTERS.values():
             write(sim, slot, register.address, 2)
+    sim.io.cfg_valid, sim.io.cfg_addr = 1, REGISTERS["mode"].address
     reset(sim, clocks=1)
+    sim.io.cfg_valid = 0
+    sim.clock.tick()
     for slot in range(SHAPE.n_slots):
         assert shown(sim, slot, slot) == dict.fromkeys(REGISTERS, 2) | {"mode": Mode.OFF}
 

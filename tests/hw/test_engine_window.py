@@ -11,7 +11,7 @@ from evcot_cosim.testing import evaluate, lint
 
 def check(centre: np.ndarray, radius: np.ndarray, w: int, frac: int, r_w: int) -> None:
     """The definition: a centre rounded to nearest, halves up, less and plus a radius."""
-    inputs = {"asked": 1, "centre": centre, "radius": radius, "less": (radius - 1) % (1 << r_w + 1)}
+    inputs = {"asked": 1, "centre": centre, "radius": radius, "inset": (radius - 1) % (1 << r_w + 1)}
     told = evaluate("engine_window", {"W": w, "FRAC": frac, "R_W": r_w}, inputs, ["lo_not", "hi"])
     pixel = np.floor(centre / 2.0**frac + (0.5 if frac else 0)).astype(np.int64)
     zero = 1 << max(w, r_w) + 1  # what stands for address 0

@@ -92,7 +92,7 @@ def _jobs(job: Job, progress: Progress) -> Iterator[tuple[str, Callable[[], Any]
         title = "golden model" if name == "cot" else f"{name}, {preset}"
         yield title, partial(_track, name, settings, events, sensor)
     hardware = job.config.hardware(*sensor)
-    model = build_device(hardware, job.top, on_miss=progress.building)
+    model = build_device(hardware, job.top, waves=False, on_miss=progress.building)
     for check, title in ((False, job.top), (True, f"{job.top}, checked against the model")):
 
         def simulate(check: bool = check) -> None:

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// A register that synthesis keeps apart from others of the same value: each has fewer readers, and may lie beside them.
+//
+// Latency:    1 clock.
+// Throughput: a value per clock.
+// Reset:      none.
+`default_nettype none
+
+(* keep_hierarchy *)
+module engine_copy #(
+    parameter W = 1
+) (
+    input  wire         clk,
+    input  wire [W-1:0] s,
+    output reg  [W-1:0] m
+);
+
+    always @(posedge clk) m <= s;
+
+endmodule
+
+`default_nettype wire
