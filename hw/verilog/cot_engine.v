@@ -178,7 +178,7 @@ module cot_engine #(
     reg               u_ends;                              // in place of u_valid: lives, before this token
     reg               rewound;                             // the clock before threw tokens out
     reg               d_there;                             // a token is, or was before it was thrown out
-    wire [5*SLOT_W-1:0] c_slots;                           // five times the slot, for it goes to every bit of the context
+    wire [3*SLOT_W-1:0] c_slots;                           // three times the slot, for it goes to every bit of the context
     reg               c_takes, c_passes, c_active, c_seeds, c_busy, c_report, c_clear, c_join, c_looks;
     reg               o_busy, o_report, o_clear, o_join, o_looks;  // an operation, or a look at a slot, on its way to C
     reg               d_busy, d_report, d_clear, d_join, d_looks;
@@ -249,7 +249,7 @@ module cot_engine #(
     genvar g;
     generate
         if (FAR != 0) begin : g_copies
-            for (g = 0; g < 5; g = g + 1) begin : g_slot
+            for (g = 0; g < 3; g = g + 1) begin : g_slot
                 engine_copy #(
                     .W(SLOT_W)
                 ) u_slot (
@@ -259,14 +259,14 @@ module cot_engine #(
                 );
             end
         end else begin : g_three
-            reg [SLOT_W-1:0] slot, slot_av, slot_regs;
+            reg [SLOT_W-1:0] slot, slot_rest, slot_regs;
 
             always @(posedge clk) begin
                 slot      <= d_slot;
-                slot_av   <= rst ? {SLOT_W{1'b0}} : d_slot;
+                slot_rest <= rst ? {SLOT_W{1'b0}} : d_slot;
                 slot_regs <= rst ? {SLOT_W{1'b1}} : d_slot;
             end
-            assign c_slots = {slot, {3{slot_av}}, slot_regs};
+            assign c_slots = {slot, slot_rest, slot_regs};
         end
     endgenerate
 
@@ -378,7 +378,7 @@ module cot_engine #(
     // ---- lives that end, tracks that merge -----------------------------------------------------------------------------
 
     wire              ended, done;
-    reg               walks, survey, start, walked, take_a, take_b;
+    reg               walks, reports, goes_active, joinable, survey, start, walked, take_a, take_b;
     wire [SLOT_W-1:0] ended_slot, stays, goes;
 
     engine_lives #(
@@ -638,6 +638,9 @@ module cot_engine #(
         stalled <= m_cm_valid && !m_cm_ready;
         closed  <= phase != RUN || operates || v_busy || !room || restart_due;
         walks   <= phase == WALK;
+        reports <= phase == REPORT;
+        goes_active <= active[slow_slot];
+        joinable <= done;
         walked  <= 1'b0;
         {survey, start, take_a, take_b} <= 4'd0;
 
@@ -703,8 +706,8 @@ module cot_engine #(
                 end
             end
             REPORT:
-            if (!m_cm_valid) begin
-                if (active[slow_slot]) begin
+            if (reports && !m_cm_valid) begin
+                if (goes_active) begin
                     {o_busy, o_report} <= 2'b11;
                     settled            <= 1'b0;
                 end
@@ -723,7 +726,7 @@ module cot_engine #(
                 phase     <= (why == LIFE) ? WALK : JOIN;
             end
             JOIN:
-            if (done && !m_cm_valid) begin
+            if (joinable && !m_cm_valid) begin
                 {o_busy, o_join} <= 2'b11;
                 settled          <= 1'b0;
                 phase            <= RUN;

@@ -158,8 +158,12 @@ module engine_average #(
         u_d_again    <= moves ? to_av : {(W + 1) {1'b0}};
         u_offset     <= place ? {(A_W + 1) {1'b0}} : from_centre[W:FRAC];
         v_av         <= new_av[W-1:0];
-        // `forward` comes late: a reset of its own keeps synthesis from making one of it.
-        if (rst) u_d_read_not <= {(W + 1) {1'b0}};
+        // `forward` comes late: a reset of its own keeps synthesis from making one of it. That of u_follows keeps it apart from
+        // the other axis'.
+        if (rst) begin
+            u_d_read_not <= {(W + 1) {1'b0}};
+            u_follows    <= COPY != 0;
+        end
     end
 
     wire unused = &{1'b0, from_centre, read_not[0], passed_not[0], new_av[W]};

@@ -52,7 +52,16 @@ module engine_shift #(
         end
     endgenerate
 
-    assign evenly = g_k[0].y | g_k[1].y | g_k[2].y | g_k[3].y | g_k[4].y;
+    engine_or #(
+        .W(W + 1)
+    ) u_or (
+        .a(g_k[0].y),
+        .b(g_k[1].y),
+        .c(g_k[2].y),
+        .d(g_k[3].y),
+        .e(g_k[4].y),
+        .y(evenly)
+    );
 
 endmodule
 

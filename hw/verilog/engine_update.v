@@ -44,7 +44,7 @@ module engine_update #(
     input  wire [X_W-1:0]      d_x,
     input  wire [Y_W-1:0]      d_y,
     input  wire [SLOT_W-1:0]   d_slot,
-    input  wire [5*SLOT_W-1:0] c_slots,    // five times its slot: fewer readers each
+    input  wire [3*SLOT_W-1:0] c_slots,    // three times its slot: fewer readers each
     input  wire                c_commits,  // unless something happens to it, the event is committed in U
     input  wire                c_takes,
     input  wire                c_active,   // the event's slot is active
@@ -75,7 +75,7 @@ module engine_update #(
     output wire [SUP_W-1:0]    v_support,
     output reg                 v_timed,
     output reg  [LIFE_W-1:0]   v_deadline,
-    output reg                 v_on,       // mode is not off
+    output wire                v_on,       // mode is not off
     output reg  [TC_W-1:0]     v_grant,    // ticks that an event grants
     output wire [RADIX_W+1:0]  v_rel_x,
     output wire [RADIX_W+1:0]  v_rel_y,
@@ -139,8 +139,8 @@ module engine_update #(
 
     // ---- C ---------------------------------------------------------------------------------------------------------
 
-    wire [SLOT_W-1:0]  c_slot, c_slot_x, c_slot_y, c_slot_rest, c_slot_regs;
-    assign {c_slot, c_slot_x, c_slot_y, c_slot_rest, c_slot_regs} = c_slots;
+    wire [SLOT_W-1:0]  c_slot, c_slot_rest, c_slot_regs;
+    assign {c_slot, c_slot_rest, c_slot_regs} = c_slots;
 
     wire [1:0]         mode;
     wire [X_W-1:0]     init_cm_x;
@@ -204,27 +204,39 @@ module engine_update #(
     wire               c_none, c_one;
     wire [NEV_W-1:0]   c_rest;
 
-    // Is the slot in C that in U, that in V? Worked out a clock before where it is known then.
+    // Is the slot in C that in U, that in V? What is its average? Worked out a clock before where the slot is known then; an
+    // average that is just being written is taken on its way.
     reg same_u, same_v;
 
     generate
         if (FAR != 0) begin : g_far
+            reg             written;
+            reg [POS_X-1:0] read_x, written_x;
+            reg [POS_Y-1:0] read_y, written_y;
+
             always @(posedge clk) begin
                 same_u <= d_slot == c_slot;
                 same_v <= d_slot == u_slot;
+                read_x <= av_x[d_slot];
+                read_y <= av_y[d_slot];
+                written   <= v_took && d_slot == v_slot;
+                written_x <= w_cm_x;
+                written_y <= w_cm_y;
             end
+            assign c_av_x = written ? written_x : read_x;
+            assign c_av_y = written ? written_y : read_y;
         end else begin : g_near
             always @* begin
                 same_u = c_slot_rest == u_slot;
                 same_v = c_slot_rest == v_slot;
             end
+            assign c_av_x = av_x[c_slot_rest];
+            assign c_av_y = av_y[c_slot_rest];
         end
     endgenerate
 
-    // An average that is just being written is taken on its way.
+    // So is one that is being written now.
     wire passes = v_took && same_v;
-    assign c_av_x = av_x[c_slot_x];
-    assign c_av_y = av_y[c_slot_y];
     assign {c_cm_x, c_cm_y, c_g} = cm[c_slot];
     assign {c_none, c_one, c_rest} = rest[c_slot_rest];
 
@@ -377,7 +389,6 @@ module engine_update #(
             v_active    <= u_active;
             v_first     <= u_first;
             v_mode      <= mode;
-            v_on        <= mode != `EVCOT_MODE_OFF;
             v_timed     <= u_timed;
             v_deadline  <= deadline[u_slot];
             v_id        <= id[u_slot];
@@ -410,6 +421,8 @@ module engine_update #(
 
     // A window that starts a timer or moves it is read again after W, the timer itself only in walks.
     wire [LIFE_W-1:0] new_deadline = now[LIFE_W-1:0] + {{(LIFE_W - TC_W) {1'b0}}, v_grant} + {{(LIFE_W - 1) {1'b0}}, !v_lives};
+
+    assign v_on = v_mode != `EVCOT_MODE_OFF;
 
     assign v_support = v_count | {SUP_W{v_full}};
 
