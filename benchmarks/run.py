@@ -105,7 +105,7 @@ def _versions() -> dict[str, str]:
         "evcot": evcot.__version__,
         "python": platform.python_version(),
         "verilator": tools.version,
-        "compiler": tools.compiler_version,
+        "compiler": f"{tools.compiler_version}, {tools.optimisation}",
         **{package: version(package) for package in packages},
     }
 

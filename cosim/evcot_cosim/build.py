@@ -24,7 +24,7 @@ from pathlib import Path
 from pyverilator import PyVerilator
 
 from evcot.errors import ToolchainError
-from evcot_cosim.toolchain import OPTIMISATION, Toolchain, find_toolchain
+from evcot_cosim.toolchain import Toolchain, find_toolchain
 
 __all__ = ["BuiltModel", "build", "cache_dir", "load", "verilog_dir"]
 
@@ -169,7 +169,8 @@ class _Recipe:
     def runtime_key(self) -> str:
         """A hash of what decides how Verilator's own runtime is compiled, which is the same for many designs."""
         tools, for_all = self.tools, [_CONTEXT_CPP, _HEADER]
-        return _hash(tools.version, tools.compiler_version, OPTIMISATION, self.request["cargs"], self.flags, for_all)
+        compiles = [tools.compiler_version, tools.optimisation, tools.target]
+        return _hash(tools.version, compiles, self.request["cargs"], self.flags, for_all)
 
 
 def _hash(*parts: object) -> str:

