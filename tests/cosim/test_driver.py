@@ -55,10 +55,10 @@ def test_widths_become_constants() -> None:
 
 def test_only_ports_that_the_top_has_are_used() -> None:
     cot, array = source("cot", Shape(n_slots=1)), source("cot_array", Shape())
-    assert "top->s_seq" in cot
-    assert "top->m_cm_slot" not in cot
-    assert "top->s_seq" not in array
-    assert "top->m_cm_slot" in array
+    assert "io->s_seq" in cot
+    assert "io->m_cm_slot" not in cot
+    assert "io->s_seq" not in array
+    assert "io->m_cm_slot" in array
 
 
 def test_every_field_of_a_shape_is_a_parameter() -> None:
