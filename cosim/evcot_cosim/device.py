@@ -106,8 +106,8 @@ def build_device(
 ) -> BuiltModel:
     """Build (or find) the model of `top` in the shape that `config` asks for, with the streaming drive inside.
 
-    Without `waves` a waveform has the signals of `top` itself alone: Verilator need not keep what lies below, a twentieth of
-    the time.
+    Without `waves` a waveform has the signals of `top` itself alone: Verilator need not keep what lies
+    below, which takes time.
     """
     shape = config.shape
     parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}

@@ -138,8 +138,8 @@ def _optimisation(compiler: tuple[str, ...], chosen: str | None, env: tuple[tupl
     wanted = _OPTIMISATIONS if chosen is None else (chosen,)
     for options in wanted:
         command = [*compiler, *options.split(), "-E", "-v", "-x", "c++", os.devnull]
-        told = subprocess.run(command, env=dict(env), capture_output=True, text=True, check=False)
-        if told.returncode == 0:
+        told = _ran(command, dict(env))
+        if told is not None:
             return options, told.stderr
     return wanted[-1], ""
 
@@ -169,8 +169,14 @@ def _which(tool: str, env: Mapping[str, str]) -> Path | None:
 
 def _first_line(command: list[str], env: Mapping[str, str]) -> str:
     """The first line that a command prints, or nothing when it fails."""
+    done = _ran(command, env)
+    return "" if done is None else done.stdout.partition("\n")[0]
+
+
+def _ran(command: list[str], env: Mapping[str, str]) -> subprocess.CompletedProcess[str] | None:
+    """What a command printed, or None when it fails."""
     try:
         done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, check=False)
     except (OSError, subprocess.TimeoutExpired):
-        return ""
-    return done.stdout.partition("\n")[0] if done.returncode == 0 else ""
+        return None
+    return done if done.returncode == 0 else None

@@ -3,9 +3,9 @@
 //
 // Latency, unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16.
 // Throughput: a token every clock. 6 clocks more, or 7 where N > 16, after an event that moves a centre or starts a life, about
-// 2 N + 35 for the end of a life, about 4 (X_W + FRAC) + 35 for a merge, or 2 (X_W + FRAC) + 40 where N > 16, and N + 12 every
+// 2 N + 45 for the end of a life, about 4 (X_W + FRAC) + 35 for a merge, or 2 (X_W + FRAC) + 40 where N > 16, and N + 12 every
 // max_ticks or detect_ticks, whichever is less.
-// Every output holds its value until taken. Reset turns all slots off; about 7 N clocks later the engine is idle.
+// Every output holds its value until taken. Reset turns all slots off; about 12 N clocks later the engine is idle.
 // All outputs are registers; no path leads from an input to an output.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -477,7 +477,6 @@ module cot_engine #(
     );
 
     // ---- what happens in this clock ----------------------------------------------------------------------------------
-
 
     reg              settled;               // no operation is under way, no window changes
     reg              mode_written;          // a clock ago, of this slot

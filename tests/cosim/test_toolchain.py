@@ -135,6 +135,10 @@ def test_models_are_compiled_for_this_machine_where_the_compiler_can(machine: di
         assert (tools.optimisation, tools.target) == (("-O3 -march=native", f"{told}\n") if told else ("-O3", ""))
         assert tools.environment["MAKEFLAGS"].endswith(tools.optimisation.replace(" ", "\\ "))
     assert find_toolchain(environment | {"EVCOT_OPTIMISATION": "-O1"}).optimisation == "-O1"
+    broken = tmp_path / "broken"
+    broken.write_bytes(b"\0")
+    broken.chmod(0o755)
+    assert find_toolchain(environment | {"CXX": str(broken)}).optimisation == "-O3"
 
 
 def test_nothing_of_an_outer_build_reaches_the_tools(machine: dict[str, str], tmp_path: Path) -> None:
