@@ -2,9 +2,9 @@
 // cot_array as a pipeline: the same ports, registers and records, the same three streams bit for bit. docs/engine.md draws it.
 //
 // Latency, unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16.
-// Throughput: a token every clock. 6 clocks more, or 7 where N > 16, after an event that moves a centre or starts a life, about
-// 2 N + 40 for the end of a life (2 N + 45 where N > 16), about 4 (X_W + FRAC) + 35 for a merge, or 2 (X_W + FRAC) + 40 where N > 16, and N + 12 every
-// max_ticks or detect_ticks, whichever is less.
+// Throughput: a token every clock. More clocks, where N > 16 those in brackets: 6 (7) after an event that moves a centre or
+// starts a life, 2 N + 40 (2 N + 45) for the end of a life, about 4 (X_W + FRAC) + 35 (2 (X_W + FRAC) + 40) for a merge, and
+// N + 12 every max_ticks or detect_ticks, whichever is less.
 // Every output holds its value until taken. Reset turns all slots off; about 12 N clocks later the engine is idle.
 // All outputs are registers; no path leads from an input to an output.
 `default_nettype none
