@@ -6,7 +6,7 @@
 // to its tracker or filter in 16 clocks, `mode` last and only if it was written. All banks pending by then are copied before
 // busy falls.
 //
-// Latency:    6 clocks from the handshake that completes a read to its answer, 7 of a write; 17 more for each bank that is
+// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; 17 more for each bank that is
 //             copied, and 16 N + 16 after reset, while the shadow is filled.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears what has happened,
 //             and every mode counts as written.
@@ -129,15 +129,17 @@ module axi_lite_regs #(
 
     // ---- the bus -----------------------------------------------------------------------------------------------------
 
-    localparam [2:0] FILL   = 3'd0;  // after reset: giving the shadow its first values
-    localparam [2:0] IDLE   = 3'd1;  // waiting for an access, or for a bank to copy
-    localparam [2:0] FETCH  = 3'd2;  // reading the shadow
-    localparam [2:0] MERGE  = 3'd3;  // putting the bytes together
-    localparam [2:0] CHECK  = 3'd4;  // a write: checking the value, writing it
-    localparam [2:0] ANSWER = 3'd5;  // answering
-    localparam [2:0] COPY   = 3'd6;  // copying a bank to where it takes effect
+    localparam [3:0] FILL   = 4'd0;  // after reset: giving the shadow its first values
+    localparam [3:0] IDLE   = 4'd1;  // waiting for an access, or for a bank to copy
+    localparam [3:0] FETCH  = 4'd2;  // reading the shadow
+    localparam [3:0] LOOK   = 4'd3;  // taking what was read out of the shadow
+    localparam [3:0] MERGE  = 4'd4;  // putting the bytes together
+    localparam [3:0] WEIGH  = 4'd5;  // a write: comparing the value with its limits
+    localparam [3:0] CHECK  = 4'd6;  // a write: judging it, writing it
+    localparam [3:0] ANSWER = 4'd7;  // answering
+    localparam [3:0] COPY   = 4'd8;  // copying a bank to where it takes effect
 
-    reg [2:0] state;
+    reg [3:0] state;
 
     wire              request_valid, request_write;
     wire [WORD_W-1:0] word;
@@ -187,11 +189,20 @@ module axi_lite_regs #(
     localparam [4:0]        FILTER_COMMIT = `EVCOT_BANK_FILTER_COMMIT;
 
     wire [6:0] in_slots = {1'b0, word[9:4]};
-    wire in_slot   = word[WORD_W-1] == SLOT_BASE[WORD_W+1] && in_slots < SLOTS;
-    wire in_filter = word[WORD_W-1:5] == FILTER_BASE[WORD_W+1:7] && HAS != 0 && word[4:0] <= FILTER_COMMIT;
-    wire commits   = (in_slot && word[3:0] == LAST) || (in_filter && word[4:0] == FILTER_COMMIT);
-    wire marks     = in_filter && word[4:0] == {1'b0, `EVCOT_FREG_MASK};
-    wire shadowed  = (in_slot || in_filter) && !commits && !marks;
+
+    // From the clock after the access begins.
+    reg in_slot, in_filter, at_commit, at_mask;
+
+    always @(posedge clk) begin
+        in_slot   <= word[WORD_W-1] == SLOT_BASE[WORD_W+1] && in_slots < SLOTS;
+        in_filter <= word[WORD_W-1:5] == FILTER_BASE[WORD_W+1:7] && HAS != 0 && word[4:0] <= FILTER_COMMIT;
+        at_commit <= (word[WORD_W-1] == SLOT_BASE[WORD_W+1]) ? word[3:0] == LAST : word[4:0] == FILTER_COMMIT;
+        at_mask   <= word[4:0] == {1'b0, `EVCOT_FREG_MASK};
+    end
+
+    wire commits  = (in_slot || in_filter) && at_commit;
+    wire marks    = in_filter && at_mask;
+    wire shadowed = (in_slot || in_filter) && !commits && !marks;
 
     wire [BANK_W-1:0] bank = in_filter ? FILTERS : in_slots[BANK_W-1:0];
     reg  [N:0] pending;       // by bank
@@ -209,15 +220,21 @@ module axi_lite_regs #(
     wire known    = words_known || in_slot || in_filter;
     wire writable = words_writable || in_slot || in_filter;
     wire acts     = state == CHECK && strb != 4'd0;
-    wire [31:0] old = (shadowed || commits) ? shadow_out : words_value;
-    wire [31:0] kept = shadowed ? shadow_out : words_value & words_kept;
+    wire [31:0] legal = over ? high : under ? low : merged;
 
-    wire [31:0] low     = in_filter ? filter_low(word[3:0]) : slot_low(word[3:0]);
-    wire [31:0] high    = in_filter ? filter_high(word[3:0]) : slot_high(word[3:0]);
-    wire        refuses = in_filter ? filter_refuses(word[3:0]) : slot_refuses(word[3:0]);
-    wire        over    = shadowed && merged > high;
-    wire        under   = shadowed && merged < low;
-    wire [31:0] legal   = over ? high : under ? low : merged;
+    // Free-running: each has had its clock by the time it is asked for.
+    reg  [31:0] in_shadow, low, high;
+    reg         refuses, over, under;
+
+    always @(posedge clk) begin
+        in_shadow <= shadow_out;
+
+        low     <= in_filter ? filter_low(word[3:0]) : slot_low(word[3:0]);
+        high    <= in_filter ? filter_high(word[3:0]) : slot_high(word[3:0]);
+        refuses <= in_filter ? filter_refuses(word[3:0]) : slot_refuses(word[3:0]);
+        over    <= shadowed && merged > high;
+        under   <= shadowed && merged < low;
+    end
 
     wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
     wire fault_pending  = acts && locked;
@@ -228,7 +245,8 @@ module axi_lite_regs #(
 
     // ---- the shadow --------------------------------------------------------------------------------------------------
 
-    reg [31:0] shadow [0:16*(N+1)-1];
+    // Nobody uses what is read in the clock in which the same word is written.
+    (* no_rw_check *) reg [31:0] shadow [0:16*(N+1)-1];
     reg [BANK_W+3:0] fill;
     reg [BANK_W-1:0] copied;         // the bank in COPY
     reg [4:0] step;                  // the word that is read in COPY: 1 to 15, then 0
@@ -240,12 +258,15 @@ module axi_lite_regs #(
     wire filled = fill == {FILTERS, 4'd15};
     wire [31:0] first = (fill[BANK_W+3:4] == FILTERS) ? filter_low(fill[3:0]) : slot_low(fill[3:0]);
 
-    wire            shadow_write = fills || stamps || stores;
-    wire [BANK_W+3:0] shadow_to  = fills ? fill : stamps ? {copied, LAST} : {bank, word[3:0]};
-    wire [31:0]     shadow_in    = fills ? (fill[3:0] == LAST ? 32'd0 : first) : stamps ? seq[31:0] : legal;
+    reg               shadow_write;
+    reg  [BANK_W+3:0] shadow_to;
+    reg  [31:0]       shadow_in;
     wire [BANK_W+3:0] shadow_from = (state == COPY) ? {copied, step[3:0]} : {bank, commits ? LAST : word[3:0]};
 
     always @(posedge clk) begin
+        shadow_write <= fills || stamps || stores;
+        shadow_to    <= fills ? fill : stamps ? {copied, LAST} : {bank, word[3:0]};
+        shadow_in    <= fills ? (fill[3:0] == LAST ? 32'd0 : first) : stamps ? seq[31:0] : legal;
         if (shadow_write) shadow[shadow_to] <= shadow_in;
         shadow_out <= shadow[shadow_from];
     end
@@ -291,13 +312,15 @@ module axi_lite_regs #(
                     else if (request_valid) state <= FETCH;
                 end
             end
-            FETCH: state <= MERGE;
+            FETCH: state <= LOOK;
+            LOOK:  state <= MERGE;
             MERGE: begin
-                result <= known ? old : 32'd0;
-                merged <= (data & lanes) | (kept & ~lanes);
+                result <= !known ? 32'd0 : (shadowed || commits) ? in_shadow : words_value;
+                merged <= (data & lanes) | ((shadowed ? in_shadow : words_kept) & ~lanes);
                 error  <= !known;
-                state  <= request_write ? CHECK : ANSWER;
+                state  <= request_write ? WEIGH : ANSWER;
             end
+            WEIGH: state <= CHECK;
             CHECK: begin
                 error <= faulty;
                 if (acts && commits && !locked) pending[bank] <= 1'b1;

@@ -2,9 +2,10 @@
 // The words of evcot_top.v outside the banks: one port for each field, and what an access to each address does.
 // Generated from sw/evcot/registers.toml by `python -m evcot.generate`: edit there.
 //
-// An access is combinational but for its effect: `word` (an address without its two low bits) gives `known`, `writable`,
-// `value`, and `kept`, the bits that a byte-wise write of the others must give back. With `write`, `data` takes effect at the
-// next clock, unless `refused`; fields that it clamps say so in `clamped`. A pulse lasts one clock.
+// Two clocks after `word` (an address without its two low bits) come `known`, `writable`, `value`, and `kept`, those bits of
+// the value that a byte-wise write of the others must give back; a clock after `data` come `refused`, and `clamped`, should a
+// field have to be. With `write` from there on, word and data still the same, data takes effect at the next clock, unless
+// refused. A pulse lasts one clock.
 // Reset gives every field its reset value.
 `default_nettype none
 
@@ -199,182 +200,234 @@ module axi_lite_words #(
     localparam [15:0] TOP_LFSR_Y_SPAN = {16{1'b1}} >> (16 - Y_W);
     wire over_lfsr_y_span = {1'b0, new_lfsr_y_span} > {1'b0, TOP_LFSR_Y_SPAN};
 
-    // ---- an access ---------------------------------------------------------------------------------------------------
+    // ---- which word --------------------------------------------------------------------------------------------------
+
+    reg at_id;
+    reg at_version;
+    reg at_shape0;
+    reg at_shape1;
+    reg at_shape2;
+    reg at_build;
+    reg at_sensor;
+    reg at_memory;
+    reg at_control;
+    reg at_source;
+    reg at_tick_us;
+    reg at_prescale;
+    reg at_lfsr_seed;
+    reg at_lfsr_gap;
+    reg at_lfsr_x;
+    reg at_lfsr_y;
+    reg at_status;
+    reg at_fault;
+    reg at_irq_status;
+    reg at_irq_enable;
+    reg at_irq_clear;
+    reg at_commit_seq_low;
+    reg at_commit_seq_high;
+    reg at_commits;
+    reg at_events_in;
+    reg at_events_dropped;
+    reg at_malformed;
+    reg at_events;
+    reg at_filtered;
+    reg at_owned;
+    reg at_passed;
+    reg at_records;
+    reg at_stalls;
+
+    always @(posedge clk) begin
+        at_id <= word == 11'h000;
+        at_version <= word == 11'h001;
+        at_shape0 <= word == 11'h002;
+        at_shape1 <= word == 11'h003;
+        at_shape2 <= word == 11'h004;
+        at_build <= word == 11'h005;
+        at_sensor <= word == 11'h006;
+        at_memory <= word == 11'h007;
+        at_control <= word == 11'h008;
+        at_source <= word == 11'h009;
+        at_tick_us <= word == 11'h00a;
+        at_prescale <= word == 11'h00b;
+        at_lfsr_seed <= word == 11'h00c;
+        at_lfsr_gap <= word == 11'h00d;
+        at_lfsr_x <= word == 11'h00e;
+        at_lfsr_y <= word == 11'h00f;
+        at_status <= word == 11'h010;
+        at_fault <= word == 11'h011;
+        at_irq_status <= word == 11'h012;
+        at_irq_enable <= word == 11'h013;
+        at_irq_clear <= word == 11'h014;
+        at_commit_seq_low <= word == 11'h015;
+        at_commit_seq_high <= word == 11'h016;
+        at_commits <= word == 11'h017;
+        at_events_in <= word == 11'h020;
+        at_events_dropped <= word == 11'h021;
+        at_malformed <= word == 11'h022;
+        at_events <= word == 11'h023;
+        at_filtered <= word == 11'h024;
+        at_owned <= word == 11'h025;
+        at_passed <= word == 11'h026;
+        at_records <= word == 11'h027;
+        at_stalls <= word == 11'h028;
+    end
+
+    // ---- what it holds -----------------------------------------------------------------------------------------------
+
+    reg [31:0] held, stays;
 
     always @* begin
-        known    = 1'b1;
-        writable = 1'b0;
-        value    = 32'd0;
-        kept     = 32'd0;
-        clamped  = 1'b0;
-        refused  = 1'b0;
-        case (word)
-            11'h000: begin
-                value[31:0] = id;
-            end
-            11'h001: begin
-                value[15:0] = version_minor;
-                value[31:16] = version_major;
-            end
-            11'h002: begin
-                value[6:0] = shape0_n_slots;
-                value[11:8] = shape0_frac;
-                value[20:16] = shape0_x_w;
-                value[28:24] = shape0_y_w;
-            end
-            11'h003: begin
-                value[5:0] = shape1_tick_w;
-                value[11:8] = shape1_radix_w;
-                value[20:16] = shape1_nev_w;
-                value[29:24] = shape1_tc_w;
-            end
-            11'h004: begin
-                value[5:0] = shape2_sup_w;
-                value[13:8] = shape2_id_w;
-                value[21:16] = shape2_seq_w;
-                value[29:24] = shape2_time_w;
-            end
-            11'h005: begin
-                value[6:0] = build_filters;
-                value[13:8] = build_sources;
-                value[17:16] = build_tracker;
-            end
-            11'h006: begin
-                value[15:0] = sensor_last_x;
-                value[31:16] = sensor_last_y;
-            end
-            11'h007: begin
-                value[5:0] = memory_stamp_w;
-                value[15:8] = memory_recent_last;
-                value[31:16] = memory_fifo_depth;
-            end
-            11'h008: begin
-                value[0:0] = control_enable;
-                value[1:1] = control_drop;
-                writable = 1'b1;
-                kept     = 32'h00000003;
-            end
-            11'h009: begin
-                value[2:0] = source_select;
-                value[8:8] = source_clock_time;
-                value[16:16] = source_swap_bytes;
-                value[17:17] = source_swap_halves;
-                value[24:24] = source_active_low;
-                value[25:25] = source_word_serial;
-                writable = 1'b1;
-                kept     = 32'h03030107;
-                if (bad_source_select) refused = 1'b1;
-            end
-            11'h00a: begin
-                value[19:0] = tick_us;
-                writable = 1'b1;
-                kept     = 32'h000fffff;
-                if (over_tick_us) clamped = 1'b1;
-                if (under_tick_us) clamped = 1'b1;
-            end
-            11'h00b: begin
-                value[15:0] = prescale_tick;
-                value[31:16] = prescale_us;
-                writable = 1'b1;
-                kept     = 32'hffffffff;
-                if (under_prescale_tick) clamped = 1'b1;
-                if (under_prescale_us) clamped = 1'b1;
-            end
-            11'h00c: begin
-                value[31:0] = lfsr_seed;
-                writable = 1'b1;
-                kept     = 32'hffffffff;
-                if (over_lfsr_seed) clamped = 1'b1;
-            end
-            11'h00d: begin
-                value[15:0] = lfsr_gap;
-                writable = 1'b1;
-                kept     = 32'h0000ffff;
-            end
-            11'h00e: begin
-                value[15:0] = lfsr_x_min;
-                value[31:16] = lfsr_x_span;
-                writable = 1'b1;
-                kept     = 32'hffffffff;
-                if (over_lfsr_x_min) clamped = 1'b1;
-                if (over_lfsr_x_span) clamped = 1'b1;
-            end
-            11'h00f: begin
-                value[15:0] = lfsr_y_min;
-                value[31:16] = lfsr_y_span;
-                writable = 1'b1;
-                kept     = 32'hffffffff;
-                if (over_lfsr_y_min) clamped = 1'b1;
-                if (over_lfsr_y_span) clamped = 1'b1;
-            end
-            11'h010: begin
-                value[0:0] = status_idle;
-                value[1:1] = status_pending;
-                value[2:2] = status_open;
-                value[31:16] = status_held;
-            end
-            11'h011: begin
-                value[0:0] = fault_clamped;
-                value[1:1] = fault_refused;
-                value[2:2] = fault_pending;
-                value[3:3] = fault_unmapped;
-                value[28:16] = fault_address;
-                writable = 1'b1;
-            end
-            11'h012: begin
-                value[0:0] = irq_status_birth;
-                value[1:1] = irq_status_loss;
-                value[2:2] = irq_status_merge;
-                value[3:3] = irq_status_overflow;
-                value[4:4] = irq_status_commit;
-            end
-            11'h013: begin
-                value[4:0] = irq_enable;
-                writable = 1'b1;
-                kept     = 32'h0000001f;
-            end
-            11'h014: begin
-                writable = 1'b1;
-            end
-            11'h015: begin
-                value[31:0] = commit_seq_low;
-            end
-            11'h016: begin
-                value[15:0] = commit_seq_high;
-            end
-            11'h017: begin
-                value[31:0] = commits;
-            end
-            11'h020: begin
-                value[31:0] = events_in;
-            end
-            11'h021: begin
-                value[31:0] = events_dropped;
-            end
-            11'h022: begin
-                value[31:0] = malformed;
-            end
-            11'h023: begin
-                value[31:0] = events;
-            end
-            11'h024: begin
-                value[31:0] = filtered;
-            end
-            11'h025: begin
-                value[31:0] = owned;
-            end
-            11'h026: begin
-                value[31:0] = passed;
-            end
-            11'h027: begin
-                value[31:0] = records;
-            end
-            11'h028: begin
-                value[31:0] = stalls;
-            end
-            default: known = 1'b0;
-        endcase
+        held  = 32'd0;
+        stays = 32'd0;
+        held[31:0] = held[31:0] | ({32{at_id}} & id);
+        held[15:0] = held[15:0] | ({16{at_version}} & version_minor);
+        held[31:16] = held[31:16] | ({16{at_version}} & version_major);
+        held[6:0] = held[6:0] | ({7{at_shape0}} & shape0_n_slots);
+        held[11:8] = held[11:8] | ({4{at_shape0}} & shape0_frac);
+        held[20:16] = held[20:16] | ({5{at_shape0}} & shape0_x_w);
+        held[28:24] = held[28:24] | ({5{at_shape0}} & shape0_y_w);
+        held[5:0] = held[5:0] | ({6{at_shape1}} & shape1_tick_w);
+        held[11:8] = held[11:8] | ({4{at_shape1}} & shape1_radix_w);
+        held[20:16] = held[20:16] | ({5{at_shape1}} & shape1_nev_w);
+        held[29:24] = held[29:24] | ({6{at_shape1}} & shape1_tc_w);
+        held[5:0] = held[5:0] | ({6{at_shape2}} & shape2_sup_w);
+        held[13:8] = held[13:8] | ({6{at_shape2}} & shape2_id_w);
+        held[21:16] = held[21:16] | ({6{at_shape2}} & shape2_seq_w);
+        held[29:24] = held[29:24] | ({6{at_shape2}} & shape2_time_w);
+        held[6:0] = held[6:0] | ({7{at_build}} & build_filters);
+        held[13:8] = held[13:8] | ({6{at_build}} & build_sources);
+        held[17:16] = held[17:16] | ({2{at_build}} & build_tracker);
+        held[15:0] = held[15:0] | ({16{at_sensor}} & sensor_last_x);
+        held[31:16] = held[31:16] | ({16{at_sensor}} & sensor_last_y);
+        held[5:0] = held[5:0] | ({6{at_memory}} & memory_stamp_w);
+        held[15:8] = held[15:8] | ({8{at_memory}} & memory_recent_last);
+        held[31:16] = held[31:16] | ({16{at_memory}} & memory_fifo_depth);
+        held[0:0] = held[0:0] | ({1{at_control}} & control_enable);
+        stays[0:0] = stays[0:0] | ({1{at_control}} & control_enable);
+        held[1:1] = held[1:1] | ({1{at_control}} & control_drop);
+        stays[1:1] = stays[1:1] | ({1{at_control}} & control_drop);
+        held[2:0] = held[2:0] | ({3{at_source}} & source_select);
+        stays[2:0] = stays[2:0] | ({3{at_source}} & source_select);
+        held[8:8] = held[8:8] | ({1{at_source}} & source_clock_time);
+        stays[8:8] = stays[8:8] | ({1{at_source}} & source_clock_time);
+        held[16:16] = held[16:16] | ({1{at_source}} & source_swap_bytes);
+        stays[16:16] = stays[16:16] | ({1{at_source}} & source_swap_bytes);
+        held[17:17] = held[17:17] | ({1{at_source}} & source_swap_halves);
+        stays[17:17] = stays[17:17] | ({1{at_source}} & source_swap_halves);
+        held[24:24] = held[24:24] | ({1{at_source}} & source_active_low);
+        stays[24:24] = stays[24:24] | ({1{at_source}} & source_active_low);
+        held[25:25] = held[25:25] | ({1{at_source}} & source_word_serial);
+        stays[25:25] = stays[25:25] | ({1{at_source}} & source_word_serial);
+        held[19:0] = held[19:0] | ({20{at_tick_us}} & tick_us);
+        stays[19:0] = stays[19:0] | ({20{at_tick_us}} & tick_us);
+        held[15:0] = held[15:0] | ({16{at_prescale}} & prescale_tick);
+        stays[15:0] = stays[15:0] | ({16{at_prescale}} & prescale_tick);
+        held[31:16] = held[31:16] | ({16{at_prescale}} & prescale_us);
+        stays[31:16] = stays[31:16] | ({16{at_prescale}} & prescale_us);
+        held[31:0] = held[31:0] | ({32{at_lfsr_seed}} & lfsr_seed);
+        stays[31:0] = stays[31:0] | ({32{at_lfsr_seed}} & lfsr_seed);
+        held[15:0] = held[15:0] | ({16{at_lfsr_gap}} & lfsr_gap);
+        stays[15:0] = stays[15:0] | ({16{at_lfsr_gap}} & lfsr_gap);
+        held[15:0] = held[15:0] | ({16{at_lfsr_x}} & lfsr_x_min);
+        stays[15:0] = stays[15:0] | ({16{at_lfsr_x}} & lfsr_x_min);
+        held[31:16] = held[31:16] | ({16{at_lfsr_x}} & lfsr_x_span);
+        stays[31:16] = stays[31:16] | ({16{at_lfsr_x}} & lfsr_x_span);
+        held[15:0] = held[15:0] | ({16{at_lfsr_y}} & lfsr_y_min);
+        stays[15:0] = stays[15:0] | ({16{at_lfsr_y}} & lfsr_y_min);
+        held[31:16] = held[31:16] | ({16{at_lfsr_y}} & lfsr_y_span);
+        stays[31:16] = stays[31:16] | ({16{at_lfsr_y}} & lfsr_y_span);
+        held[0:0] = held[0:0] | ({1{at_status}} & status_idle);
+        held[1:1] = held[1:1] | ({1{at_status}} & status_pending);
+        held[2:2] = held[2:2] | ({1{at_status}} & status_open);
+        held[31:16] = held[31:16] | ({16{at_status}} & status_held);
+        held[0:0] = held[0:0] | ({1{at_fault}} & fault_clamped);
+        held[1:1] = held[1:1] | ({1{at_fault}} & fault_refused);
+        held[2:2] = held[2:2] | ({1{at_fault}} & fault_pending);
+        held[3:3] = held[3:3] | ({1{at_fault}} & fault_unmapped);
+        held[28:16] = held[28:16] | ({13{at_fault}} & fault_address);
+        held[0:0] = held[0:0] | ({1{at_irq_status}} & irq_status_birth);
+        held[1:1] = held[1:1] | ({1{at_irq_status}} & irq_status_loss);
+        held[2:2] = held[2:2] | ({1{at_irq_status}} & irq_status_merge);
+        held[3:3] = held[3:3] | ({1{at_irq_status}} & irq_status_overflow);
+        held[4:4] = held[4:4] | ({1{at_irq_status}} & irq_status_commit);
+        held[4:0] = held[4:0] | ({5{at_irq_enable}} & irq_enable);
+        stays[4:0] = stays[4:0] | ({5{at_irq_enable}} & irq_enable);
+        held[31:0] = held[31:0] | ({32{at_commit_seq_low}} & commit_seq_low);
+        held[15:0] = held[15:0] | ({16{at_commit_seq_high}} & commit_seq_high);
+        held[31:0] = held[31:0] | ({32{at_commits}} & commits);
+        held[31:0] = held[31:0] | ({32{at_events_in}} & events_in);
+        held[31:0] = held[31:0] | ({32{at_events_dropped}} & events_dropped);
+        held[31:0] = held[31:0] | ({32{at_malformed}} & malformed);
+        held[31:0] = held[31:0] | ({32{at_events}} & events);
+        held[31:0] = held[31:0] | ({32{at_filtered}} & filtered);
+        held[31:0] = held[31:0] | ({32{at_owned}} & owned);
+        held[31:0] = held[31:0] | ({32{at_passed}} & passed);
+        held[31:0] = held[31:0] | ({32{at_records}} & records);
+        held[31:0] = held[31:0] | ({32{at_stalls}} & stalls);
     end
+
+    always @(posedge clk) begin
+        value    <= held;
+        kept     <= stays;
+        known    <= at_id ||
+                    at_version ||
+                    at_shape0 ||
+                    at_shape1 ||
+                    at_shape2 ||
+                    at_build ||
+                    at_sensor ||
+                    at_memory ||
+                    at_control ||
+                    at_source ||
+                    at_tick_us ||
+                    at_prescale ||
+                    at_lfsr_seed ||
+                    at_lfsr_gap ||
+                    at_lfsr_x ||
+                    at_lfsr_y ||
+                    at_status ||
+                    at_fault ||
+                    at_irq_status ||
+                    at_irq_enable ||
+                    at_irq_clear ||
+                    at_commit_seq_low ||
+                    at_commit_seq_high ||
+                    at_commits ||
+                    at_events_in ||
+                    at_events_dropped ||
+                    at_malformed ||
+                    at_events ||
+                    at_filtered ||
+                    at_owned ||
+                    at_passed ||
+                    at_records ||
+                    at_stalls;
+        writable <= at_control ||
+                    at_source ||
+                    at_tick_us ||
+                    at_prescale ||
+                    at_lfsr_seed ||
+                    at_lfsr_gap ||
+                    at_lfsr_x ||
+                    at_lfsr_y ||
+                    at_fault ||
+                    at_irq_enable ||
+                    at_irq_clear;
+        refused  <= 1'b0;
+        clamped  <= 1'b0;
+        if (at_source && bad_source_select) refused <= 1'b1;
+        if (at_tick_us && over_tick_us) clamped <= 1'b1;
+        if (at_tick_us && under_tick_us) clamped <= 1'b1;
+        if (at_prescale && under_prescale_tick) clamped <= 1'b1;
+        if (at_prescale && under_prescale_us) clamped <= 1'b1;
+        if (at_lfsr_seed && over_lfsr_seed) clamped <= 1'b1;
+        if (at_lfsr_x && over_lfsr_x_min) clamped <= 1'b1;
+        if (at_lfsr_x && over_lfsr_x_span) clamped <= 1'b1;
+        if (at_lfsr_y && over_lfsr_y_min) clamped <= 1'b1;
+        if (at_lfsr_y && over_lfsr_y_span) clamped <= 1'b1;
+    end
+
+    // ---- what a write does -------------------------------------------------------------------------------------------
 
     always @(posedge clk) begin
         control_latch <= 1'd0;
@@ -384,57 +437,55 @@ module axi_lite_words #(
         fault_pending_clear <= 1'd0;
         fault_unmapped_clear <= 1'd0;
         irq_clear <= 5'd0;
-        if (write && !refused)
-            case (word)
-                11'h008: begin
-                    control_enable <= data[0:0];
-                    control_drop <= data[1:1];
-                    control_latch <= data[8:8];
-                    control_soft_reset <= data[9:9];
-                end
-                11'h009: begin
-                    source_select <= data[2:0];
-                    source_clock_time <= data[8:8];
-                    source_swap_bytes <= data[16:16];
-                    source_swap_halves <= data[17:17];
-                    source_active_low <= data[24:24];
-                    source_word_serial <= data[25:25];
-                end
-                11'h00a: begin
-                    tick_us <= under_tick_us ? 20'd1 : over_tick_us ? TOP_TICK_US : new_tick_us;
-                end
-                11'h00b: begin
-                    prescale_tick <= under_prescale_tick ? 16'd1 : new_prescale_tick;
-                    prescale_us <= under_prescale_us ? 16'd1 : new_prescale_us;
-                end
-                11'h00c: begin
-                    lfsr_seed <= over_lfsr_seed ? TOP_LFSR_SEED : new_lfsr_seed;
-                end
-                11'h00d: begin
-                    lfsr_gap <= data[15:0];
-                end
-                11'h00e: begin
-                    lfsr_x_min <= over_lfsr_x_min ? TOP_LFSR_X_MIN : new_lfsr_x_min;
-                    lfsr_x_span <= over_lfsr_x_span ? TOP_LFSR_X_SPAN : new_lfsr_x_span;
-                end
-                11'h00f: begin
-                    lfsr_y_min <= over_lfsr_y_min ? TOP_LFSR_Y_MIN : new_lfsr_y_min;
-                    lfsr_y_span <= over_lfsr_y_span ? TOP_LFSR_Y_SPAN : new_lfsr_y_span;
-                end
-                11'h011: begin
-                    fault_clamped_clear <= data[0:0];
-                    fault_refused_clear <= data[1:1];
-                    fault_pending_clear <= data[2:2];
-                    fault_unmapped_clear <= data[3:3];
-                end
-                11'h013: begin
-                    irq_enable <= data[4:0];
-                end
-                11'h014: begin
-                    irq_clear <= data[4:0];
-                end
-                default: ;
-            endcase
+        if (write && !refused) begin
+            if (at_control) begin
+                control_enable <= data[0:0];
+                control_drop <= data[1:1];
+                control_latch <= data[8:8];
+                control_soft_reset <= data[9:9];
+            end
+            if (at_source) begin
+                source_select <= data[2:0];
+                source_clock_time <= data[8:8];
+                source_swap_bytes <= data[16:16];
+                source_swap_halves <= data[17:17];
+                source_active_low <= data[24:24];
+                source_word_serial <= data[25:25];
+            end
+            if (at_tick_us) begin
+                tick_us <= under_tick_us ? 20'd1 : over_tick_us ? TOP_TICK_US : new_tick_us;
+            end
+            if (at_prescale) begin
+                prescale_tick <= under_prescale_tick ? 16'd1 : new_prescale_tick;
+                prescale_us <= under_prescale_us ? 16'd1 : new_prescale_us;
+            end
+            if (at_lfsr_seed) begin
+                lfsr_seed <= over_lfsr_seed ? TOP_LFSR_SEED : new_lfsr_seed;
+            end
+            if (at_lfsr_gap) begin
+                lfsr_gap <= data[15:0];
+            end
+            if (at_lfsr_x) begin
+                lfsr_x_min <= over_lfsr_x_min ? TOP_LFSR_X_MIN : new_lfsr_x_min;
+                lfsr_x_span <= over_lfsr_x_span ? TOP_LFSR_X_SPAN : new_lfsr_x_span;
+            end
+            if (at_lfsr_y) begin
+                lfsr_y_min <= over_lfsr_y_min ? TOP_LFSR_Y_MIN : new_lfsr_y_min;
+                lfsr_y_span <= over_lfsr_y_span ? TOP_LFSR_Y_SPAN : new_lfsr_y_span;
+            end
+            if (at_fault) begin
+                fault_clamped_clear <= data[0:0];
+                fault_refused_clear <= data[1:1];
+                fault_pending_clear <= data[2:2];
+                fault_unmapped_clear <= data[3:3];
+            end
+            if (at_irq_enable) begin
+                irq_enable <= data[4:0];
+            end
+            if (at_irq_clear) begin
+                irq_clear <= data[4:0];
+            end
+        end
         if (rst) begin
             control_enable <= 1'd0;
             control_drop <= 1'd0;

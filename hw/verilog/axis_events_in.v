@@ -5,7 +5,7 @@
 // as long as T_W bits last; a smaller fall is a time that ran back, and is handed on as it is. A beat whose tkeep is not all
 // ones, or whose pixel lies beyond WIDTH x HEIGHT, is skipped and counted. tlast means nothing.
 //
-// Latency:    2 clocks. Throughput: an event per clock.
+// Latency:    3 clocks. Throughput: an event per clock.
 // Stall:      an event on offer holds until taken.
 // Reset:      empty, counter 0, time starts at the first event's 32 bits.
 // Combinational paths: none; s_axis_tready is a register.
@@ -63,39 +63,61 @@ module axis_events_in #(
         .m_data ({whole, word})
     );
 
-    wire [31:0] t = word[`EVCOT_EVENT_T_LSB +: `EVCOT_EVENT_T_W];
+    // ---- is it an event? ---------------------------------------------------------------------------------------------
+
     wire [16:0] x = {{(17 - `EVCOT_EVENT_X_W) {1'b0}}, word[`EVCOT_EVENT_X_LSB +: `EVCOT_EVENT_X_W]};
     wire [16:0] y = {{(17 - `EVCOT_EVENT_Y_W) {1'b0}}, word[`EVCOT_EVENT_Y_LSB +: `EVCOT_EVENT_Y_W]};
 
-    reg  [T_W-1:0]    last;
-    wire [31:0]       fall    = last[31:0] - t;
-    wire              wrapped = t < last[31:0] && fall[31];
-    wire [HIGH_W-1:0] high    = last[T_W-1:32] + {{(HIGH_W - 1) {1'b0}}, wrapped};
-    wire              sound   = whole && x < COLUMNS[16:0] && y < ROWS[16:0];
+    reg           seen, sound, seen_p;
+    reg [31:0]    t;
+    reg [X_W-1:0] seen_x;
+    reg [Y_W-1:0] seen_y;
 
     assign ready = m_ready || !m_valid;
-    assign idle  = !valid && !m_valid;
 
     always @(posedge clk) begin
+        if (ready) begin
+            seen   <= valid;
+            sound  <= whole && x < COLUMNS[16:0] && y < ROWS[16:0];
+            t      <= word[`EVCOT_EVENT_T_LSB +: `EVCOT_EVENT_T_W];
+            seen_x <= x[X_W-1:0];
+            seen_y <= y[Y_W-1:0];
+            seen_p <= word[`EVCOT_EVENT_P_LSB];
+        end
+        if (rst) seen <= 1'b0;
+    end
+
+    // ---- its whole time ----------------------------------------------------------------------------------------------
+
+    reg  [31:0]       last;
+    reg  [HIGH_W-1:0] turn, turn_next;  // a turn begins in every second clock at most
+    wire              wrapped = last[31] && !t[31] && last[30:0] >= t[30:0];
+
+    assign idle = !valid && !seen && !m_valid;
+
+    always @(posedge clk) begin
+        turn_next <= turn + 1'b1;
         if (m_ready) m_valid <= 1'b0;
-        if (valid && ready) begin
+        if (seen && ready) begin
             if (sound) begin
                 m_valid <= 1'b1;
-                last    <= {high, t};
-                m_t     <= {high, t};
-                m_x     <= x[X_W-1:0];
-                m_y     <= y[Y_W-1:0];
-                m_p     <= word[`EVCOT_EVENT_P_LSB];
+                last    <= t;
+                if (wrapped) turn <= turn_next;
+                m_t     <= {wrapped ? turn_next : turn, t};
+                m_x     <= seen_x;
+                m_y     <= seen_y;
+                m_p     <= seen_p;
             end else n_skipped <= n_skipped + 1'b1;
         end
         if (rst) begin
             m_valid   <= 1'b0;
-            last      <= {T_W{1'b0}};
+            last      <= 32'd0;
+            turn      <= {HIGH_W{1'b0}};
             n_skipped <= 32'd0;
         end
     end
 
-    wire unused = &{1'b0, s_axis_tlast, word, x, y, fall};
+    wire unused = &{1'b0, s_axis_tlast, word, x, y};
 
 endmodule
 

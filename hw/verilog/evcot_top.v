@@ -8,7 +8,7 @@
 // Registers and the words of all streams: docs/registers.md. After reset nothing is selected but SOURCE, everything is off and
 // the gate is closed: write a slot, commit it, set control.enable.
 //
-// Latency, unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 12 clocks,
+// Latency, unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 16 clocks,
 // those of the filters that are built, and those of the tracker: 2 in cot_array, 5 in the first of cot_chain, cot_engine's.
 // Throughput: an event per clock, where source, filters and trackers keep up.
 // Stall:   an output that is not taken stops the trackers, then the gate, then the source; with control.drop events are

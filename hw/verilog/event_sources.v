@@ -83,7 +83,9 @@ module event_sources #(
     wire [K*X_W-1:0] x;
     wire [K*Y_W-1:0] y;
     wire [K*32-1:0]  skipped;
-    wire [K-1:0]     chosen = {{(K - 1) {1'b0}}, 1'b1} << select;
+    reg  [K-1:0]     chosen;
+
+    always @(posedge clk) chosen <= BUILT & ({{(K - 1) {1'b0}}, 1'b1} << select);
 
     assign s_axis_tready = |(axis_ready & chosen);
 
@@ -266,39 +268,56 @@ module event_sources #(
 
     // ---- the selected one --------------------------------------------------------------------------------------------
 
-    wire           event_valid = |(valid & chosen);
-    wire           event_ready, stamp_ready, clock_ready;
-    reg  [T_W-1:0] event_t;
-    reg  [X_W-1:0] event_x;
-    reg  [Y_W-1:0] event_y;
+    reg  [T_W-1:0] chosen_t;
+    reg  [X_W-1:0] chosen_x;
+    reg  [Y_W-1:0] chosen_y;
     reg  [31:0]    skipped_now;
-    wire           event_p = |(p & chosen);
+    wire           chosen_ready;
 
     always @* begin : choose
         integer i;
-        event_t     = {T_W{1'b0}};
-        event_x     = {X_W{1'b0}};
-        event_y     = {Y_W{1'b0}};
+        chosen_t    = {T_W{1'b0}};
+        chosen_x    = {X_W{1'b0}};
+        chosen_y    = {Y_W{1'b0}};
         skipped_now = 32'd0;
         for (i = 0; i < K; i = i + 1) if (chosen[i]) begin
-            event_t     = event_t | t[i*T_W +: T_W];
-            event_x     = event_x | x[i*X_W +: X_W];
-            event_y     = event_y | y[i*Y_W +: Y_W];
+            chosen_t    = chosen_t | t[i*T_W +: T_W];
+            chosen_x    = chosen_x | x[i*X_W +: X_W];
+            chosen_y    = chosen_y | y[i*Y_W +: Y_W];
             skipped_now = skipped_now | skipped[i*32 +: 32];
         end
     end
 
-    assign ready       = event_ready ? chosen : {K{1'b0}};
-    assign event_ready = clock_time ? clock_ready : stamp_ready;
+    assign ready = chosen_ready ? chosen : {K{1'b0}};
+
+    wire           event_valid, event_ready, event_p;
+    wire [T_W-1:0] event_t;
+    wire [X_W-1:0] event_x;
+    wire [Y_W-1:0] event_y;
+
+    skid_buffer #(
+        .W(T_W + X_W + Y_W + 1)
+    ) u_chosen (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(|(valid & chosen)),
+        .s_ready(chosen_ready),
+        .s_data ({chosen_t, chosen_x, chosen_y, |(p & chosen)}),
+        .m_valid(event_valid),
+        .m_ready(event_ready),
+        .m_data ({event_t, event_x, event_y, event_p})
+    );
 
     // ---- ticks -------------------------------------------------------------------------------------------------------
 
     localparam TOKEN_W = TICK_W + 2 + X_W + Y_W + 1;
 
-    wire               stamp_valid, clock_valid, fifo_ready, stamp_idle, clock_idle, fifo_idle;
-    wire [TOKEN_W-1:0] stamp_token, clock_token;
-    wire [TOKEN_W-1:0] token = clock_time ? clock_token : stamp_token;
+    wire               stamp_ready, stamp_valid, clock_ready, clock_valid, stamp_idle, clock_idle;
+    wire               ticks_ready, token_valid, token_ready, fifo_idle;
+    wire [TOKEN_W-1:0] stamp_token, clock_token, token;
     wire [31:0]        n_backward, n_out;
+
+    assign event_ready = clock_time ? clock_ready : stamp_ready;
 
     stamp_ticks #(
         .T_W   (T_W),
@@ -316,7 +335,7 @@ module event_sources #(
         .s_y       (event_y),
         .s_p       (event_p),
         .m_valid   (stamp_valid),
-        .m_ready   (fifo_ready && !clock_time),
+        .m_ready   (ticks_ready && !clock_time),
         .m_tick    (stamp_token[TOKEN_W-1 -: TICK_W]),
         .m_event   (stamp_token[X_W+Y_W+2]),
         .m_skip    (stamp_token[X_W+Y_W+1]),
@@ -342,7 +361,7 @@ module event_sources #(
         .s_y     (event_y),
         .s_p     (event_p),
         .m_valid (clock_valid),
-        .m_ready (fifo_ready && clock_time),
+        .m_ready (ticks_ready && clock_time),
         .m_tick  (clock_token[TOKEN_W-1 -: TICK_W]),
         .m_event (clock_token[X_W+Y_W+2]),
         .m_skip  (clock_token[X_W+Y_W+1]),
@@ -350,6 +369,19 @@ module event_sources #(
         .m_y     (clock_token[1 +: Y_W]),
         .m_p     (clock_token[0]),
         .idle    (clock_idle)
+    );
+
+    skid_buffer #(
+        .W(TOKEN_W)
+    ) u_token (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(clock_time ? clock_valid : stamp_valid),
+        .s_ready(ticks_ready),
+        .s_data (clock_time ? clock_token : stamp_token),
+        .m_valid(token_valid),
+        .m_ready(token_ready),
+        .m_data (token)
     );
 
     // ---- the input FIFO ----------------------------------------------------------------------------------------------
@@ -365,8 +397,8 @@ module event_sources #(
         .clk        (clk),
         .rst        (rst),
         .drop_enable(drop),
-        .s_valid    (clock_time ? clock_valid : stamp_valid),
-        .s_ready    (fifo_ready),
+        .s_valid    (token_valid),
+        .s_ready    (token_ready),
         .s_tick     (token[TOKEN_W-1 -: TICK_W]),
         .s_event    (token[X_W+Y_W+2]),
         .s_skip     (token[X_W+Y_W+1]),
@@ -389,7 +421,7 @@ module event_sources #(
         .idle       (fifo_idle)
     );
 
-    assign idle = &(source_idle | ~chosen) && stamp_idle && clock_idle && fifo_idle;
+    assign idle = &(source_idle | ~chosen) && !event_valid && stamp_idle && clock_idle && !token_valid && fifo_idle;
 
     always @(posedge clk) n_malformed <= rst ? 32'd0 : skipped_now;
 

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // First-in first-out queue, first word falls through.
 //
-// Latency:    1 clock from s_ to m_ when empty.
-// Throughput: 1 word per clock; with DEPTH = 1, one word in two clocks, since a full queue takes nothing until the
-//             clock after it gave a word.
-// Stall:      s_ready is low while DEPTH words are held.
+// Latency:    1 clock from s_ to m_ when empty, 3 with BLOCK = 1.
+// Throughput: 1 word per clock; with DEPTH = 1, one word in two clocks, with BLOCK = 1 in three, since a full queue takes
+//             nothing until the clock after it gave a word.
+// Stall:      s_ready is low while DEPTH words are held; with BLOCK = 1 there is one more on offer.
 // Reset:      becomes empty. The memory is not reset.
-// Combinational paths: none from port to port; m_data is a memory read, to be cut by a skid_buffer where that is slow.
+// Combinational paths: none from port to port. m_data is a memory read, with BLOCK = 1 a register.
 `default_nettype none
 
 module fifo #(
     // bits of a word, at least 1
     parameter W = 8,
     // words held, at least 1, any number
-    parameter DEPTH = 16
+    parameter DEPTH = 16,
+    // 1: for block RAM, which is slow to read: a register stands behind it, and no word is read in the clock of its writing
+    parameter BLOCK = 0
 ) (
     input  wire                       clk,
     input  wire                       rst,
@@ -26,42 +28,78 @@ module fifo #(
     input  wire                       m_ready,
     output wire [W-1:0]               m_data,
 
-    // words held, 0..DEPTH
+    // words held, 0..DEPTH, without the one in the register
     output wire [$clog2(DEPTH+1)-1:0] level
 );
 
     parameter_check #(.OK(W >= 1)) W_must_be_at_least_1 ();
     parameter_check #(.OK(DEPTH >= 1)) DEPTH_must_be_at_least_1 ();
+    parameter_check #(.OK(BLOCK == 0 || BLOCK == 1)) BLOCK_must_be_0_or_1 ();
 
     localparam ADDR_W = (DEPTH > 1) ? $clog2(DEPTH) : 1;
     localparam LEVEL_W = $clog2(DEPTH + 1);
     localparam [31:0] LAST = DEPTH - 1;
-    localparam [31:0] FULL = DEPTH;
 
-    reg [W-1:0] memory [0:DEPTH-1];
+    (* no_rw_check = BLOCK *) reg [W-1:0] memory [0:DEPTH-1];
     reg [ADDR_W-1:0] write_reg, read_reg;
     reg [LEVEL_W-1:0] level_reg;
+    reg full_reg;
 
     wire push = s_valid && s_ready;
-    wire pop = m_valid && m_ready;
+    wire pop;
+    wire [ADDR_W-1:0] read_next = !pop ? read_reg : (read_reg == LAST[ADDR_W-1:0]) ? {ADDR_W{1'b0}} : read_reg + 1'b1;
 
-    assign s_ready = level_reg != FULL[LEVEL_W-1:0];
-    assign m_valid = level_reg != {LEVEL_W{1'b0}};
-    assign m_data = memory[read_reg];
+    assign s_ready = !full_reg;
     assign level = level_reg;
+
+    generate
+        if (BLOCK != 0) begin : g_block
+            reg settling;  // the newest word was written in the clock before
+            reg m_valid_reg;
+            reg [W-1:0] read_data_reg, m_data_reg;
+
+            wire settled = {1'b0, level_reg} != {{LEVEL_W{1'b0}}, settling};
+
+            assign pop = settled && (m_ready || !m_valid_reg);
+            assign m_valid = m_valid_reg;
+            assign m_data = m_data_reg;
+
+            always @(posedge clk) begin
+                settling <= push;
+                read_data_reg <= memory[read_next];
+                if (m_ready) m_valid_reg <= 1'b0;
+                if (pop) begin
+                    m_valid_reg <= 1'b1;
+                    m_data_reg <= read_data_reg;
+                end
+                if (rst) {settling, m_valid_reg} <= 2'b00;
+            end
+        end else begin : g_through
+            assign pop = m_valid && m_ready;
+            assign m_valid = level_reg != {LEVEL_W{1'b0}};
+            assign m_data = memory[read_reg];
+        end
+    endgenerate
 
     always @(posedge clk) begin
         if (push) begin
             memory[write_reg] <= s_data;
             write_reg <= (write_reg == LAST[ADDR_W-1:0]) ? {ADDR_W{1'b0}} : write_reg + 1'b1;
         end
-        if (pop) read_reg <= (read_reg == LAST[ADDR_W-1:0]) ? {ADDR_W{1'b0}} : read_reg + 1'b1;
-        if (push && !pop) level_reg <= level_reg + 1'b1;
-        if (pop && !push) level_reg <= level_reg - 1'b1;
+        read_reg <= read_next;
+        if (push && !pop) begin
+            level_reg <= level_reg + 1'b1;
+            full_reg <= level_reg == LAST[LEVEL_W-1:0];
+        end
+        if (pop && !push) begin
+            level_reg <= level_reg - 1'b1;
+            full_reg <= 1'b0;
+        end
         if (rst) begin
             write_reg <= {ADDR_W{1'b0}};
             read_reg <= {ADDR_W{1'b0}};
             level_reg <= {LEVEL_W{1'b0}};
+            full_reg <= 1'b0;
         end
     end
 

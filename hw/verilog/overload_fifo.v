@@ -7,8 +7,8 @@
 // go with the next event, or as soon as the queue is empty. Dropped events get no number.
 // With drop_enable low the queue is a plain one: s_ready falls while it is full.
 //
-// Latency:    4 clocks from s_ to m_ when empty.
-// Throughput: 1 token per clock; with DEPTH = 1, one in two clocks.
+// Latency:    5 clocks from s_ to m_ when empty.
+// Throughput: 1 token per clock; with DEPTH = 1, one in three clocks.
 // Stall:      a token stays until taken; s_ready stays high while drop_enable is.
 // Reset:      becomes empty, counts from 0.
 // Counters:   n_in = n_out + n_dropped + held, at every clock. They count events, skipped ones included, and wrap around.
@@ -19,10 +19,10 @@ module overload_fifo #(
     parameter X_W     = 9,    // bits of an x address
     parameter Y_W     = 9,    // bits of a y address
     parameter TICK_W  = 20,   // bits of a token's ticks
-    parameter DEPTH   = 256,  // events that wait, at least 1, any number; 5 more are on their way out
+    parameter DEPTH   = 256,  // events that wait, at least 1, any number; 4 more are on their way out
     parameter GAP_W   = 40,   // bits of the ticks kept with an event: a stall must be shorter
     parameter COUNT_W = 32,   // bits of a counter
-    parameter HELD_W  = $clog2(DEPTH + 6)  // bits of held, which counts up to DEPTH + 5
+    parameter HELD_W  = $clog2(DEPTH + 5)  // bits of held, which counts up to DEPTH + 4
 ) (
     input  wire               clk,
     input  wire               rst,
@@ -60,31 +60,33 @@ module overload_fifo #(
     parameter_check #(.OK(GAP_W > TICK_W)) GAP_W_must_exceed_TICK_W ();
     parameter_check #(.OK(GAP_W <= 48)) GAP_W_must_be_at_most_48 ();
     parameter_check #(.OK(COUNT_W >= 8 && COUNT_W <= 64)) COUNT_W_must_be_8_to_64 ();
-    parameter_check #(.OK(HELD_W >= $clog2(DEPTH + 6))) HELD_W_must_hold_DEPTH_and_5_more ();
+    parameter_check #(.OK(HELD_W >= $clog2(DEPTH + 5))) HELD_W_must_hold_DEPTH_and_4_more ();
 
     localparam TOKEN_W = GAP_W + X_W + Y_W + 3;
 
     reg  [GAP_W-1:0] waiting;  // ticks of what was dropped, and of tokens of ticks alone
     wire [GAP_W-1:0] ticks = waiting + (s_valid ? {{(GAP_W - TICK_W) {1'b0}}, s_tick} : {GAP_W{1'b0}});
 
-    wire room, queue_valid, queue_ready, read_valid, read_ready, read_event, read_skip, read_p, output_idle;
-    wire [TOKEN_W-1:0] queue_token;
-    wire [GAP_W-1:0]   read_tick;
-    wire [X_W-1:0]     read_x;
-    wire [Y_W-1:0]     read_y;
-    wire [$clog2(DEPTH+1)-1:0] unused_level;
+    wire room, queue_valid, queue_ready, queue_event, queue_skip, queue_p, output_idle;
+    wire [GAP_W-1:0]   queue_tick;
+    wire [X_W-1:0]     queue_x;
+    wire [Y_W-1:0]     queue_y;
+    wire [$clog2(DEPTH+1)-1:0] level;
+
+    wire empty = level == {($clog2(DEPTH + 1)) {1'b0}};
 
     assign s_ready = drop_enable || room;
 
     wire arrives = s_valid && s_ready && (s_event || s_skip);
     wire keeps   = arrives && room;
     wire drops   = arrives && !room;
-    wire flushes = !arrives && !queue_valid && (waiting != {GAP_W{1'b0}} || (s_valid && s_tick != {TICK_W{1'b0}}));
+    wire flushes = !arrives && empty && (waiting != {GAP_W{1'b0}} || (s_valid && s_tick != {TICK_W{1'b0}}));
     wire gives   = m_valid && m_ready && (m_event || m_skip);
 
     fifo #(
         .W    (TOKEN_W),
-        .DEPTH(DEPTH)
+        .DEPTH(DEPTH),
+        .BLOCK(1)
     ) u_queue (
         .clk    (clk),
         .rst    (rst),
@@ -93,22 +95,8 @@ module overload_fifo #(
         .s_data ({ticks, keeps && s_event, keeps && s_skip, s_x, s_y, s_p}),
         .m_valid(queue_valid),
         .m_ready(queue_ready),
-        .m_data (queue_token),
-        .level  (unused_level)
-    );
-
-    // The queue's memory is slow to read.
-    skid_buffer #(
-        .W(TOKEN_W)
-    ) u_read (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(queue_valid),
-        .s_ready(queue_ready),
-        .s_data (queue_token),
-        .m_valid(read_valid),
-        .m_ready(read_ready),
-        .m_data ({read_tick, read_event, read_skip, read_x, read_y, read_p})
+        .m_data ({queue_tick, queue_event, queue_skip, queue_x, queue_y, queue_p}),
+        .level  (level)
     );
 
     tick_splitter #(
@@ -119,14 +107,14 @@ module overload_fifo #(
     ) u_output (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(read_valid),
-        .s_ready(read_ready),
-        .s_tick (read_tick),
-        .s_event(read_event),
-        .s_skip (read_skip),
-        .s_x    (read_x),
-        .s_y    (read_y),
-        .s_p    (read_p),
+        .s_valid(queue_valid),
+        .s_ready(queue_ready),
+        .s_tick (queue_tick),
+        .s_event(queue_event),
+        .s_skip (queue_skip),
+        .s_x    (queue_x),
+        .s_y    (queue_y),
+        .s_p    (queue_p),
         .m_valid(m_valid),
         .m_ready(m_ready),
         .m_tick (m_tick),
@@ -138,7 +126,7 @@ module overload_fifo #(
         .idle   (output_idle)
     );
 
-    assign idle = waiting == {GAP_W{1'b0}} && !queue_valid && !read_valid && output_idle;
+    assign idle = waiting == {GAP_W{1'b0}} && empty && !queue_valid && output_idle;
 
     always @(posedge clk) begin
         if (keeps || flushes) waiting <= {GAP_W{1'b0}};

@@ -5,7 +5,7 @@
 // counted. Ticks that do not fit into one token go ahead in tokens of ticks alone.
 //
 // Latency:    4 clocks from s_ to m_.
-// Throughput: 1 event per clock if tick_us is 1, or while less than 2 ticks pass between events; T_W + 3 clocks for an event
+// Throughput: 1 event per clock if tick_us is 1, or while less than a tick passes between events; T_W + 3 clocks for an event
 //             after a longer time (a division), and 1 for each token of ticks alone.
 // Stall:      a token stays until taken.
 // Reset:      becomes empty; the next event sets t0.
@@ -50,11 +50,12 @@ module stamp_ticks #(
     parameter_check #(.OK(COUNT_W >= 8 && COUNT_W <= 64)) COUNT_W_must_be_8_to_64 ();
 
     localparam TICK_US_W = 20;
-    localparam SHORT_W = TICK_US_W + 1;  // bits of a time that may be less than two ticks
-    localparam NEAR_W = SHORT_W + 2;     // of sums of such times, signed
+    localparam NEAR_W = TICK_US_W + 2;  // bits of sums of times of less than a tick, signed
 
-    wire every_us = tick_us <= 20'd1;
+    reg  every_us;  // a tick is a microsecond
     wire near_ready, near_leaves;
+
+    always @(posedge clk) every_us <= tick_us <= 20'd1;
 
     // ---- how long after the latest event? ----------------------------------------------------------------------------
 
@@ -88,15 +89,16 @@ module stamp_ticks #(
         end
     end
 
-    // ---- that time, and what one and two ticks leave of it -----------------------------------------------------------
+    // ---- that time, and what a tick leaves of it ---------------------------------------------------------------------
 
-    reg                near_valid, near_p, is_long;
+    reg                near_valid, near_p, divides;
     reg  [T_W-1:0]     near_passed;
-    reg  [NEAR_W-1:0]  less_one, less_two;
+    reg  [NEAR_W-1:0]  less_one;
     reg  [X_W-1:0]     near_x;
     reg  [Y_W-1:0]     near_y;
 
-    wire [NEAR_W-1:0]  short_us = {2'b00, passed[SHORT_W-1:0]};
+    wire [NEAR_W-1:0]  less_now = {2'b00, passed[TICK_US_W-1:0]} - {2'b00, tick_us};
+    wire               is_long  = passed[T_W-1:TICK_US_W] != {(T_W - TICK_US_W) {1'b0}};
 
     assign near_ready = !near_valid || near_leaves;
 
@@ -104,24 +106,21 @@ module stamp_ticks #(
         if (near_ready) begin
             near_valid  <= valid;
             near_passed <= passed;
-            is_long     <= (passed >> SHORT_W) != {T_W{1'b0}};
-            less_one    <= short_us - {3'd0, tick_us};
-            less_two    <= short_us - {2'd0, tick_us, 1'b0};
+            divides     <= valid && !every_us && (is_long || !less_now[NEAR_W-1]);
+            less_one    <= less_now;
             near_x      <= x;
             near_y      <= y;
             near_p      <= p;
         end
-        if (rst) near_valid <= 1'b0;
+        if (rst) {near_valid, divides} <= 2'b00;
     end
 
-    // ---- how many ticks? What is less than two needs no division. ----------------------------------------------------
+    // ---- how many ticks? After less than one, one or none: that needs no division. -----------------------------------
 
     reg  [TICK_US_W-1:0] rest;  // microseconds since the last tick
-    wire [NEAR_W-1:0]    after_none = {3'd0, rest} + {2'b00, near_passed[SHORT_W-1:0]};
-    wire [NEAR_W-1:0]    after_one  = {3'd0, rest} + less_one;
-    wire [NEAR_W-1:0]    after_two  = {3'd0, rest} + less_two;
+    wire [NEAR_W-1:0]    after_none = {2'd0, rest} + {2'b00, near_passed[TICK_US_W-1:0]};
+    wire [NEAR_W-1:0]    after_one  = {2'd0, rest} + less_one;
     wire                 none       = after_one[NEAR_W-1];
-    wire                 divides    = near_valid && !every_us && (is_long || !after_two[NEAR_W-1]);
 
     wire                 quotient_valid, output_ready, output_idle, unused_ready;
     wire [T_W:0]         quotient;
@@ -187,7 +186,7 @@ module stamp_ticks #(
 
     assign idle = !valid && !near_valid && output_idle;
 
-    wire unused = &{1'b0, quotient[T_W], after_none[NEAR_W-1:TICK_US_W], after_one[NEAR_W-2:TICK_US_W], after_two[NEAR_W-2:0]};
+    wire unused = &{1'b0, quotient[T_W], after_none[NEAR_W-1:TICK_US_W], after_one[NEAR_W-2:TICK_US_W]};
 
 endmodule
 

@@ -225,7 +225,7 @@ def test_what_happens_in_the_clock_that_clears_it_interrupts_again() -> None:
 def test_an_access_takes_the_clocks_of_the_header(device: TopDevice) -> None:
     device.read(0)  # waits until the shadow is filled
     told = device.run(commands=[read(0), write(slot_address(0, "radix_max"), 3)])
-    assert (told.commands["ended"] - told.commands["began"]).tolist() == [6, 7]
+    assert (told.commands["ended"] - told.commands["began"]).tolist() == [7, 9]
 
 
 class TestPython:

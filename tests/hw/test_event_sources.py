@@ -171,7 +171,7 @@ def test_idle_when_every_event_has_left_with_its_ticks() -> None:
         sim.clock.tick()
         io.s_axis_tvalid = 0
         waits = 0
-        while not io.m_event:
+        while not (io.m_valid and io.m_event):
             assert (io.idle, waits < 99) == (0, True)
             sim.clock.tick()
             waits += 1

@@ -25,9 +25,10 @@ def sim(depth: int) -> PyVerilator:
     return sim
 
 
+@pytest.mark.parametrize("block", [0, 1])
 @pytest.mark.parametrize(("w", "depth"), [(1, 1), (8, 2), (8, 5), (70, 16)])
-def test_lints_clean(w: int, depth: int) -> None:
-    assert lint("fifo", W=w, DEPTH=depth) == (0, "")
+def test_lints_clean(w: int, depth: int, block: int) -> None:
+    assert lint("fifo", W=w, DEPTH=depth, BLOCK=block) == (0, "")
 
 
 @pytest.mark.parametrize("parameter", ["W", "DEPTH"])
@@ -91,3 +92,46 @@ def test_traffic_arrives_as_sent(sim: PyVerilator, depth: int, idle: str, stall:
     run_streams(sim, [source], [sink], on_clock=check_level)
     assert sink.words == words
     assert sim.io.level == 0
+
+
+class TestBlockRam:
+    """With BLOCK = 1."""
+
+    @pytest.fixture
+    def sim(self, depth: int) -> PyVerilator:
+        sim = load("fifo", {"W": 8, "DEPTH": depth, "BLOCK": 1})
+        reset(sim)
+        return sim
+
+    def test_one_more_is_on_offer_and_reset_empties_it(self, sim: PyVerilator, depth: int) -> None:
+        sim.io.s_valid = 1
+        for k in range(depth + 20):
+            sim.io.s_data = k
+            sim.clock.tick()
+        assert (sim.io.m_valid, sim.io.m_data, sim.io.level, sim.io.s_ready) == (1, 0, depth, 0)
+        reset(sim)
+        assert (sim.io.m_valid, sim.io.s_ready, sim.io.level) == (0, 1, 0)
+
+    def test_throughput(self, sim: PyVerilator, depth: int) -> None:
+        """A word every clock, three clocks later; every third clock when only one word fits."""
+        words = [(k,) for k in range(40)]
+        sink = Sink(sim, "m", ["data"], always())
+        run_streams(sim, [Source(sim, "s", ["data"], words, always())], [sink])
+        assert sink.words == words
+        assert sink.clocks == [3 + k * (3 if depth == 1 else 1) for k in range(40)]
+
+    @pytest.mark.parametrize("stall", PATTERNS)
+    @pytest.mark.parametrize("idle", PATTERNS)
+    def test_traffic_arrives_as_sent(self, sim: PyVerilator, depth: int, idle: str, stall: str) -> None:
+        rng = np.random.default_rng(4)
+        words = [(int(word),) for word in rng.integers(256, size=300)]
+        source = Source(sim, "s", ["data"], words, PATTERNS[idle](rng))
+        sink = Sink(sim, "m", ["data"], PATTERNS[stall](rng))
+
+        def check_level(_clock: int) -> None:
+            held = source.taken - len(sink.words)
+            assert (sim.io.level, sim.io.s_ready) == (held - sim.io.m_valid, held - sim.io.m_valid < depth)
+
+        run_streams(sim, [source], [sink], on_clock=check_level)
+        assert sink.words == words
+        assert (sim.io.level, sim.io.m_valid) == (0, 0)

@@ -12,10 +12,10 @@ from evcot_cosim.testing import PATTERNS, Sink, Source, always, lint, run_stream
 from evcot_cosim.token_trials import TOKENS_IN, TOKENS_OUT, hear
 
 TOP = "overload_fifo"
-BEHIND = 5  # events on their way out, behind the queue
+BEHIND = 4  # events on their way out, behind the queue
 
 # depth, tick_w, gap_w
-SHAPES = [(1, 1, 20), (3, 8, 16), (64, 20, 40)]  # 3 and BEHIND are a power of two: held needs a bit more
+SHAPES = [(1, 1, 20), (4, 8, 16), (64, 20, 40)]  # 4 and BEHIND are a power of two: held needs a bit more
 
 
 def parameters(depth: int, tick_w: int, gap_w: int) -> dict[str, int]:
@@ -49,7 +49,7 @@ def test_lints_clean(shape: tuple[int, int, int]) -> None:
         ({"DEPTH": 0}, "DEPTH_must_be_at_least_1"),
         ({"GAP_W": 20}, "GAP_W_must_exceed_TICK_W"),
         ({"GAP_W": 49}, "GAP_W_must_be_at_most_48"),
-        ({"DEPTH": 59, "HELD_W": 6}, "HELD_W_must_hold_DEPTH_and_5_more"),
+        ({"DEPTH": 60, "HELD_W": 6}, "HELD_W_must_hold_DEPTH_and_4_more"),
         ({"COUNT_W": 65}, "COUNT_W_must_be_8_to_64"),
     ],
 )
@@ -87,7 +87,7 @@ class TestStories:
         device = device_of(3, 8, 16)
         run = device.run({"s_": [[9, 0, 0, 0, 0, 0]]})
         assert run.words["m_"][:, :3].tolist() == [[9, 0, 0]]
-        assert run.given["m_"] - run.accepted["s_"] == 4
+        assert run.given["m_"] - run.accepted["s_"] == 5
 
     def test_without_drop_enable_the_source_waits(self) -> None:
         device = device_of(3, 8, 16, drop_enable=0)
@@ -159,8 +159,8 @@ def test_counters_add_up_at_every_clock(shape: tuple[int, int, int]) -> None:
 
 
 def test_clocks() -> None:
-    """A token every clock, 4 clocks later."""
+    """A token every clock, 5 clocks later."""
     device = device_of(64, 20, 40)
     run = device.run({"s_": [[1, 1, 0, 0, 0, 0]] * 100})
     assert set(np.diff(run.accepted["s_"])) == {1}
-    assert set(run.given["m_"] - run.accepted["s_"]) == {4}
+    assert set(run.given["m_"] - run.accepted["s_"]) == {5}

@@ -114,7 +114,7 @@ def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = Tr
     return total
 
 
-PATIENCE_S = 900.0
+PATIENCE_S = 1800.0
 """How long a seed may take: a full device may be routed for ever."""
 
 
