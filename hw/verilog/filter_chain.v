@@ -3,7 +3,7 @@
 //
 // HAS says which filters are built; one that is not hands on its tokens by wire, and its bit in `enable` does nothing.
 //
-// Latency:    the sum of those of the filters that are built, enabled or not: 34 clocks from s_ to m_ for all seven.
+// Latency:    the sum of those of the filters that are built, enabled or not: 38 clocks from s_ to m_ for all seven.
 // Throughput: that of the slowest filter: 1 token per clock, with the rare stalls of stamp_walk.v and a clock for each mark.
 // Stall:      a token once given holds until taken; filters behind one another fill up one by one.
 // Reset:      disables all filters and empties all memories, pixel by pixel. Until that is done idle is low, tokens wait

@@ -5,10 +5,10 @@
 // Time runs in units of 1/32 of a half-life, and the memory holds units. A weight is halved once per 32 units, so after 257
 // nothing is left of it, and stamps of 9 bits, exact below an age of 384, do for any rate: see stamp_walk.v.
 //
-// Latency:    11 clocks from s_ to m_: products and sum of the clock, 5 of the memory, table, halving, sums, sum and decision.
+// Latency:    13 clocks from s_ to m_: products and sum of the clock, 6 of the memory, table, halving, sums, sum, decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
 // Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events: ceil(WIDTH/4) * ceil(HEIGHT/4) + 5 clocks with idle low, in which two
+// Reset:      becomes empty and forgets all events: ceil(WIDTH/4) * ceil(HEIGHT/4) + 6 clocks with idle low, in which two
 //             tokens at most are taken.
 // RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * 9 bits. Two multipliers, TICK_W x 13 and TICK_W x 12 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
@@ -141,6 +141,9 @@ module filter_decay #(
     reg [16*4-1:0]    halvings;
     reg [16*9-1:0]    weight;
     reg [4*11-1:0]    sums;      // of four weights each
+    reg               total_valid, total_inside;
+    reg [TOKEN_W-1:0] total;
+    reg [11:0]        support;   // 8 neighbours of 256 at most
 
     always @(posedge clk) begin : weigh
         integer k;
@@ -156,6 +159,7 @@ module filter_decay #(
             for (k = 0; k < 4; k = k + 1)
                 sums[k*11 +: 11] <= ({2'd0, weight[k*36 +: 9]} + {2'd0, weight[k*36 + 9 +: 9]})
                                   + ({2'd0, weight[k*36 + 18 +: 9]} + {2'd0, weight[k*36 + 27 +: 9]});
+            support <= ({1'b0, sums[10:0]} + {1'b0, sums[21:11]}) + ({1'b0, sums[32:22]} + {1'b0, sums[43:33]});
         end
     end
 
@@ -170,32 +174,33 @@ module filter_decay #(
             added_valid    <= weighed_valid;
             added_inside   <= weighed_inside;
             added          <= weighed;
+            total_valid    <= added_valid;
+            total_inside   <= added_inside;
+            total          <= added;
         end
         if (rst) begin
             tabled_valid  <= 1'b0;
             weighed_valid <= 1'b0;
             added_valid   <= 1'b0;
+            total_valid   <= 1'b0;
         end
     end
 
     // ---- decision ----------------------------------------------------------------------------------------------------
 
-    // 8 neighbours of 256 at most.
-    wire [11:0] support = ({1'b0, sums[10:0]} + {1'b0, sums[21:11]}) + ({1'b0, sums[32:22]} + {1'b0, sums[43:33]});
-
     wire              judged, is_event, skip;
     wire [TICK_W-1:0] tick;
     wire [X_W+Y_W:0]  rest;  // x, y, p
-    assign {judged, tick, is_event, skip, rest} = added;
+    assign {judged, tick, is_event, skip, rest} = total;
 
-    wire drops = judged && !(added_inside && support >= decay_support);
+    wire drops = judged && !(total_inside && support >= decay_support);
 
     skid_buffer #(
         .W(TICK_W + X_W + Y_W + 3)
     ) u_output (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(added_valid),
+        .s_valid(total_valid),
         .s_ready(space),
         .s_data ({tick, is_event && !drops, skip || drops, rest}),
         .m_valid(m_valid),
@@ -203,7 +208,8 @@ module filter_decay #(
         .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
     );
 
-    assign idle = memory_idle && !scaled_valid && !passed_valid && !tabled_valid && !weighed_valid && !added_valid && !m_valid;
+    assign idle = memory_idle && !scaled_valid && !passed_valid && !tabled_valid && !weighed_valid && !added_valid && !total_valid
+                  && !m_valid;
 
 endmodule
 

@@ -2,14 +2,14 @@
 // Silences each pixel for a while after an event that stayed (docs/filters.md).
 //
 // One bank of block RAM holds when each pixel's last event stayed; stamp_walk.v keeps stamps of STAMP_W bits exact while they
-// wrap. A pixel is read three clocks before the decision and written with it, as only events that stay are remembered. So an
+// wrap. A pixel is read four clocks before the decision and written with it, as only events that stay are remembered. So an
 // event whose pixel is decided upon in between gets the new stamp passed on; a visit of the walk, which is decided and written
 // in the same place, does too. A read never counts on what it finds at the address that is written in the same clock.
 //
-// Latency:    6 clocks from s_ to m_: time and address, address, RAM, its output, age, decision.
+// Latency:    7 clocks from s_ to m_: time and address, address, RAM, its output, stamp, age, decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
 // Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events: WIDTH * HEIGHT + 5 clocks with idle and s_ready low.
+// Reset:      becomes empty and forgets all events: WIDTH * HEIGHT + 6 clocks with idle and s_ready low.
 // RAM:        WIDTH * HEIGHT * STAMP_W bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
@@ -94,11 +94,12 @@ module filter_refractory #(
 
     reg                read_valid, read_access, read_visits;
     reg                found_valid, found_access, found_visits;
+    reg                held_valid, held_access, held_visits;
     reg                then_valid, then_access, then_visits;
     reg                age_valid, age_access, age_visits;
-    reg [TOKEN_W-1:0]  read_token, found_token, then_token, age_token;
-    reg [ADDR_W-1:0]   read_at, found_at, then_at, age_at;
-    reg [STAMP_W-1:0]  read_now, found_now, then_now, age_now;
+    reg [TOKEN_W-1:0]  read_token, found_token, held_token, then_token, age_token;
+    reg [ADDR_W-1:0]   read_at, found_at, held_at, then_at, age_at;
+    reg [STAMP_W-1:0]  read_now, found_now, held_now, then_now, age_now;
 
     stamp_walk #(
         .W        (STAMP_W),
@@ -130,12 +131,12 @@ module filter_refractory #(
 
     (* ram_style = "block", no_rw_check *)
     reg [STAMP_W-1:0] stamps [0:PIXELS-1];
-    reg [STAMP_W-1:0] found, then, age;
+    reg [STAMP_W-1:0] found, held, then, age;
 
-    // What the read could not find: written by the slot ahead or the next one, in this clock, or by the third one ahead, in
-    // the clock of the read.
-    reg               same_as_first, same_as_second, passed;
-    reg [STAMP_W-1:0] passed_stamp;
+    // What the read could not find: written by the slot ahead, by the second, the third one ahead, or by the fourth, in the clock
+    // of the read.
+    reg               same_as_first, same_as_second, same_as_third, passed, replaced;
+    reg [STAMP_W-1:0] passed_stamp, replacement;
 
     wire stays  = age_access && age >= {1'b0, refractory_ticks};
     wire writes = stays || (age_visits && (age[STAMP_W-1] || clearing));
@@ -148,10 +149,15 @@ module filter_refractory #(
             passed         <= read_at == age_at && writes;
             passed_stamp   <= stamp;
 
-            same_as_second <= read_at == then_at;
-            then           <= (same_as_second && writes) ? stamp : passed ? passed_stamp : found;
+            same_as_third  <= read_at == then_at;
+            held           <= found;  // a RAM gives late in its clock
+            replaced       <= (same_as_third && writes) || passed;
+            replacement    <= (same_as_third && writes) ? stamp : passed_stamp;
 
-            same_as_first  <= found_at == then_at;
+            same_as_second <= found_at == then_at;
+            then           <= (same_as_second && writes) ? stamp : replaced ? replacement : held;
+
+            same_as_first  <= held_at == then_at;
             age            <= then_now - ((same_as_first && stays) ? age_now : then);
         end
 
@@ -173,12 +179,19 @@ module filter_refractory #(
             found_at     <= read_at;
             found_now    <= read_now;
 
-            then_valid   <= found_valid;
-            then_access  <= found_access;
-            then_visits  <= found_visits;
-            then_token   <= found_token;
-            then_at      <= found_at;
-            then_now     <= found_now;
+            held_valid   <= found_valid;
+            held_access  <= found_access;
+            held_visits  <= found_visits;
+            held_token   <= found_token;
+            held_at      <= found_at;
+            held_now     <= found_now;
+
+            then_valid   <= held_valid;
+            then_access  <= held_access;
+            then_visits  <= held_visits;
+            then_token   <= held_token;
+            then_at      <= held_at;
+            then_now     <= held_now;
 
             age_valid    <= then_valid;
             age_access   <= then_access;
@@ -194,6 +207,9 @@ module filter_refractory #(
             found_valid  <= 1'b0;
             found_access <= 1'b0;
             found_visits <= 1'b0;
+            held_valid   <= 1'b0;
+            held_access  <= 1'b0;
+            held_visits  <= 1'b0;
             then_valid   <= 1'b0;
             then_access  <= 1'b0;
             then_visits  <= 1'b0;
@@ -223,7 +239,7 @@ module filter_refractory #(
         .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
     );
 
-    assign idle = !clearing && !waits && !read_valid && !found_valid && !then_valid && !age_valid && !m_valid;
+    assign idle = !clearing && !waits && !read_valid && !found_valid && !held_valid && !then_valid && !age_valid && !m_valid;
 
 endmodule
 

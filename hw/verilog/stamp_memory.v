@@ -5,14 +5,14 @@
 // An event asks the banks of its neighbours and is written into its own in the same clock, so it finds every event before it
 // and not itself. stamp_walk.v keeps stamps exact while they wrap: m_age is exact below KEEP = 2^STAMP_W - 2^(SEGMENT_W+1);
 // KEEP or more says that the pixel had no event, or none of an age that matters.
-// A visit reads a row of all banks and writes it back three clocks later. An event in between would want the port, or might
-// have written what the visit writes: then the visit is done again. So no cell is ever read and written in one clock, but for
+// A visit reads a row of all banks and writes it back three clocks later. Where an event wants the port in that clock, or has
+// written into the row in between, the visit is done again. So no cell is ever read and written in one clock, but for
 // the own bank of an event, whose answer is not used.
 //
-// Latency:    5 clocks from s_ to m_: time and address, addresses of the banks, RAM, its output, ages.
+// Latency:    6 clocks from s_ to m_: address, time, addresses of the banks, RAM, its output, ages.
 // Throughput: 1 token per clock; for stalls by the walk, which are rare, see stamp_walk.v.
 // Stall:      while advance is low nothing moves; m_ outputs hold.
-// Reset:      no token inside; then all cells are emptied, which takes as many clocks as a bank has cells, and 4 more.
+// Reset:      no token inside; then all cells are emptied, which takes as many clocks as a bank has cells, and 5 more.
 //             Meanwhile idle and s_ready are low.
 // RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * STAMP_W bits. One read and one write port per bank, contents not reset.
 // Combinational paths: advance -> s_ready.
@@ -77,11 +77,11 @@ module stamp_memory #(
     wire        inside_sensor = x < ACROSS && y < DOWN;
     wire        unused = &{1'b0, square};
 
-    reg [DATA_W-1:0] data;
-    reg [ADDR_W-1:0] base;
-    reg [1:0]        col, line;         // within the square
-    reg [3:0]        near_cols, near_lines;
-    reg              on_sensor;
+    reg [DATA_W-1:0] data, ask_data;
+    reg [ADDR_W-1:0] base, ask_base;
+    reg [1:0]        col, line, ask_col, ask_line;  // within the square
+    reg [3:0]        near_cols, near_lines, ask_near_cols, ask_near_lines;
+    reg              on_sensor, ask_on_sensor;
 
     // The columns (or lines) of banks of a place and of the places next to it, as far as those are on the sensor.
     function [3:0] around;
@@ -111,15 +111,17 @@ module stamp_memory #(
     wire [ADDR_W-1:0]  row;
     wire [STAMP_W-1:0] now;
 
+    reg                 ask_valid, ask_access, ask_visits;
     reg                 read_valid, read_access, read_visits, read_on_sensor;
     reg                 found_valid, found_access, found_visits, found_on_sensor;
     reg                 then_valid, then_access, then_visits, then_on_sensor;
     reg                 age_valid, age_visits, age_on_sensor;
     reg [DATA_W-1:0]    read_data, found_data, then_data, age_data;
     reg [ADDR_W-1:0]    read_base, found_base, then_base, age_base;
-    reg [STAMP_W-1:0]   read_now, found_now, then_now, age_now;
+    reg [STAMP_W-1:0]   ask_now, read_now, found_now, then_now, age_now;
     reg [15:0]          read_near, found_near, then_near, age_near;
     reg [15:0]          read_own;
+    reg                 same_as_found, same_as_then;  // row as what is in age
 
     stamp_walk #(
         .W        (STAMP_W),
@@ -148,17 +150,29 @@ module stamp_memory #(
     );
 
     assign visited = age_visits;
-    assign missed  = age_visits && (read_access || found_access || then_access);
+    assign missed  = age_visits && (read_access || (found_access && same_as_found) || (then_access && same_as_then));
 
     always @(posedge clk) begin
         if (advance) begin
-            read_valid      <= enters;
-            read_access     <= access;
-            read_visits     <= visits && !missed;
-            read_data       <= data;
-            read_base       <= visits ? row : base;
-            read_now        <= now;
-            read_on_sensor  <= on_sensor;
+            ask_valid       <= enters;
+            ask_access      <= access;
+            ask_visits      <= visits && !missed;
+            ask_data        <= data;
+            ask_base        <= visits ? row : base;
+            ask_col         <= col;
+            ask_line        <= line;
+            ask_near_cols   <= near_cols;
+            ask_near_lines  <= near_lines;
+            ask_now         <= now;
+            ask_on_sensor   <= on_sensor;
+
+            read_valid      <= ask_valid;
+            read_access     <= ask_access;
+            read_visits     <= ask_visits && !missed;
+            read_data       <= ask_data;
+            read_base       <= ask_base;
+            read_now        <= ask_now;
+            read_on_sensor  <= ask_on_sensor;
 
             found_valid     <= read_valid;
             found_access    <= read_access;
@@ -185,8 +199,14 @@ module stamp_memory #(
             age_now         <= then_now;
             age_near        <= then_near;
             age_on_sensor   <= then_on_sensor;
+
+            same_as_found   <= read_base == then_base;
+            same_as_then    <= found_base == then_base;
         end
         if (rst) begin
+            ask_valid    <= 1'b0;
+            ask_access   <= 1'b0;
+            ask_visits   <= 1'b0;
             read_valid   <= 1'b0;
             read_access  <= 1'b0;
             read_visits  <= 1'b0;
@@ -216,14 +236,15 @@ module stamp_memory #(
             localparam [1:0]  LINE = BANK[3:2];
 
             // The square that the neighbour in this bank lies in; where there is none on the sensor, any.
-            wire right = !visits && COL == 2'd0 && col == 2'd3;
-            wire left  = !visits && COL == 2'd3 && col == 2'd0;
-            wire below = !visits && LINE == 2'd0 && line == 2'd3;
-            wire above = !visits && LINE == 2'd3 && line == 2'd0;
+            wire right = !ask_visits && COL == 2'd0 && ask_col == 2'd3;
+            wire left  = !ask_visits && COL == 2'd3 && ask_col == 2'd0;
+            wire below = !ask_visits && LINE == 2'd0 && ask_line == 2'd3;
+            wire above = !ask_visits && LINE == 2'd3 && ask_line == 2'd0;
 
             wire [ADDR_W-1:0] aside = right ? {{(ADDR_W - 1) {1'b0}}, 1'b1} : {ADDR_W{left}};
             wire [ADDR_W-1:0] astride = below ? STRIDE[ADDR_W-1:0]
                                       : above ? {ADDR_W{1'b0}} - STRIDE[ADDR_W-1:0] : {ADDR_W{1'b0}};
+            wire              own     = ask_col == COL && ask_line == LINE;
 
             (* ram_style = "block", no_rw_check *)
             reg [STAMP_W-1:0] stamps [0:CELLS-1];
@@ -235,9 +256,9 @@ module stamp_memory #(
 
             always @(posedge clk)
                 if (advance) begin
-                    at           <= (visits ? row : base) + aside + astride;
-                    read_own[b]  <= access && col == COL && line == LINE;
-                    read_near[b] <= on_sensor && near_cols[COL] && near_lines[LINE] && !(col == COL && line == LINE);
+                    at           <= ask_base + aside + astride;
+                    read_own[b]  <= ask_access && own;
+                    read_near[b] <= ask_on_sensor && ask_near_cols[COL] && ask_near_lines[LINE] && !own;
 
                     if (writes) stamps[write_base] <= write_stamp;
                     found <= stamps[at];
@@ -254,7 +275,7 @@ module stamp_memory #(
     assign m_data   = age_data;
     assign m_inside = age_on_sensor;
     assign m_near   = age_near;
-    assign idle     = !clearing && !waits && !read_valid && !found_valid && !then_valid && !age_valid;
+    assign idle     = !clearing && !waits && !ask_valid && !read_valid && !found_valid && !then_valid && !age_valid;
 
 endmodule
 

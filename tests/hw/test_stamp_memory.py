@@ -131,7 +131,7 @@ class Memory:
 @pytest.mark.parametrize(("stamp_w", "segment_w"), [(4, 2), (9, 6)])
 def test_ages_are_those_of_a_record_without_end(stamp_w: int, segment_w: int) -> None:
     memory = Memory(stamp_w, segment_w)
-    assert memory.cleared_after == SQUARES + 4
+    assert memory.cleared_after == SQUARES + 5
     for run, (busy, rate, freely) in enumerate([(1.0, 0.3, 1.0), (0.6, 2, 0.7), (0.2, 1, 1.0), (0.9, 20, 0.6)]):
         rng = np.random.default_rng([7, run])
         offering = False
