@@ -83,7 +83,7 @@ module filter_refractory #(
     reg [ADDR_W-1:0]  token_at;
 
     always @(posedge clk)
-        if (s_valid && s_ready) begin
+        if (s_ready) begin
             token    <= {s_event && enable, s_tick, s_event, s_skip, s_x, s_y, s_p};
             token_at <= pixel[ADDR_W-1:0];
         end

@@ -95,7 +95,7 @@ module stamp_memory #(
     endfunction
 
     always @(posedge clk)
-        if (s_valid && s_ready) begin
+        if (s_ready) begin
             data       <= s_data;
             base       <= square[ADDR_W-1:0];
             col        <= x[1:0];
@@ -107,21 +107,21 @@ module stamp_memory #(
 
     // ---- time, and what enters: a token, or a visit of the walk ------------------------------------------------------
 
-    wire enters, access, visits, visited, missed, clearing, waits;
+    wire enters, access, visits, visited, clearing, waits;
+    reg  missed, tidies;  // of what is in age, a visit: it is to be done again; it writes
     wire [ADDR_W-1:0]  row;
     wire [STAMP_W-1:0] now;
 
     reg                 ask_valid, ask_access, ask_visits;
     reg                 read_valid, read_access, read_visits, read_on_sensor;
     reg                 found_valid, found_access, found_visits, found_on_sensor;
-    reg                 then_valid, then_access, then_visits, then_on_sensor;
+    reg                 then_valid, then_visits, then_on_sensor;
     reg                 age_valid, age_visits, age_on_sensor;
     reg [DATA_W-1:0]    read_data, found_data, then_data, age_data;
     reg [ADDR_W-1:0]    read_base, found_base, then_base, age_base;
     reg [STAMP_W-1:0]   ask_now, read_now, found_now, then_now, age_now;
     reg [15:0]          read_near, found_near, then_near, age_near;
     reg [15:0]          read_own;
-    reg                 same_as_found, same_as_then;  // row as what is in age
 
     stamp_walk #(
         .W        (STAMP_W),
@@ -150,7 +150,8 @@ module stamp_memory #(
     );
 
     assign visited = age_visits;
-    assign missed  = age_visits && (read_access || (found_access && same_as_found) || (then_access && same_as_then));
+
+    wire would_miss = ask_access || (read_access && read_base == then_base) || (found_access && found_base == then_base);
 
     always @(posedge clk) begin
         if (advance) begin
@@ -184,7 +185,6 @@ module stamp_memory #(
             found_on_sensor <= read_on_sensor;
 
             then_valid      <= found_valid;
-            then_access     <= found_access;
             then_visits     <= found_visits && !missed;
             then_data       <= found_data;
             then_base       <= found_base;
@@ -200,8 +200,8 @@ module stamp_memory #(
             age_near        <= then_near;
             age_on_sensor   <= then_on_sensor;
 
-            same_as_found   <= read_base == then_base;
-            same_as_then    <= found_base == then_base;
+            missed          <= then_visits && !missed && would_miss;
+            tidies          <= then_visits && !missed && !would_miss;
         end
         if (rst) begin
             ask_valid    <= 1'b0;
@@ -214,17 +214,17 @@ module stamp_memory #(
             found_access <= 1'b0;
             found_visits <= 1'b0;
             then_valid   <= 1'b0;
-            then_access  <= 1'b0;
             then_visits  <= 1'b0;
             age_valid    <= 1'b0;
             age_visits   <= 1'b0;
+            missed       <= 1'b0;
+            tidies       <= 1'b0;
         end
     end
 
     // ---- banks -------------------------------------------------------------------------------------------------------
 
     // One write a clock: a visit's at the end of its way, to all banks whose stamp is too old; else an event's, to its own.
-    wire               tidies      = visited && !missed;
     wire [ADDR_W-1:0]  write_base  = tidies ? age_base : read_base;
     wire [STAMP_W-1:0] write_stamp = tidies ? age_now - KEEP : read_now;
 

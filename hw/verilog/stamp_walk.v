@@ -95,9 +95,8 @@ module stamp_walk #(
             segment <= new_segment;
             place   <= new_place;
             if (goes && far) segments_left <= segments_left - 1'b1;
-            if (enters) held <= 1'b0;
-            if (s_valid && s_ready) begin
-                held                  <= 1'b1;
+            if (enters || !held) begin
+                held                  <= s_valid && !clearing;
                 held_access           <= s_access;
                 {segments_left, rest} <= counting;
             end
