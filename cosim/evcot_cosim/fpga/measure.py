@@ -142,8 +142,16 @@ def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
     return min(clock["achieved"] for clock in answer["fmax"].values()), ""
 
 
+_CELLS = {"ICESTORM_LC": "logic cells", "ICESTORM_RAM": "block RAMs"}
+"""What nextpnr calls a device's places."""
+
+
 def _telling(log: str) -> str:
-    """The line in which nextpnr gives up."""
+    """The line in which nextpnr gives up, or what it means where that is known."""
+    if needed := re.search(r"Failed to expand region .* of (\d+) ICESTORM_LCs", log):
+        return f"{int(needed[1]):,} logic cells"
+    if lacking := re.search(r"no BELs remaining to implement cell type '(\w+)'", log):
+        return f"too few {_CELLS.get(lacking[1], lacking[1])}"
     found = re.search(r"^ERROR: (.*)$", log, re.MULTILINE)
     return found[1].rstrip(".") if found else "nextpnr failed without a message"
 

@@ -85,6 +85,10 @@ def test_what_does_not_fit_is_a_result(tmp_path: Path) -> None:
     mhz, problem = place(synthesise(Case(MODULES["filter_mask"], None, without_ram), tmp_path), 1)
     assert mhz is None
     assert problem.startswith("does not fit: ")
+    assert place(synthesise(Case(MODULES["evt2_decoder"], None, without_ram), tmp_path), 1) == (
+        None,
+        "does not fit: too few logic cells",
+    )
 
 
 def test_a_seed_that_finds_no_route_is_a_result_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
