@@ -73,7 +73,7 @@ def test_the_value_of_a_word_that_does_not_fit_is_refused() -> None:
             "m_valid = level_reg > {LEVEL_W{1'b0}} && !s_valid",
             "fifo withdrew or changed",
         ),
-        ("s_ready = level_reg != FULL[LEVEL_W-1:0]", "s_ready = 1'b0", "fifo stands still"),
+        ("s_ready = !full_reg", "s_ready = 1'b0", "fifo stands still"),
     ],
 )
 def test_a_broken_queue_is_found_out(right: str, wrong: str, message: str, tmp_path: Path) -> None:
