@@ -38,6 +38,12 @@ def test_refuses_zero(parameter: str) -> None:
     assert f"{parameter}_must_be_at_least_1" in log
 
 
+def test_refuses_what_is_neither_kind_of_memory() -> None:
+    code, log = lint("fifo", BLOCK=2)
+    assert code != 0
+    assert "BLOCK_must_be_0_or_1" in log
+
+
 def test_fills_up_to_its_depth_then_empties_in_order(sim: PyVerilator, depth: int) -> None:
     assert (sim.io.m_valid, sim.io.s_ready, sim.io.level) == (0, 1, 0)
     sim.io.s_valid = 1
