@@ -138,9 +138,17 @@ module filter_refractory #(
     reg               same_as_first, same_as_second, same_as_third, passed, replaced;
     reg [STAMP_W-1:0] passed_stamp, replacement;
 
-    wire stays  = age_access && age >= {1'b0, refractory_ticks};
+    // An age of KEEP or more is long enough. A lesser one, less refractory_ticks, lies between -KEEP and KEEP: its sign tells.
+    reg  [STAMP_W-1:0] then_least;  // the newest stamp that is old enough
+    reg                too_young;   // if the age is less than KEEP
+
+    wire stays  = age_access && (age[STAMP_W-1] || !too_young);
     wire writes = stays || (age_visits && (age[STAMP_W-1] || clearing));
     wire [STAMP_W-1:0] stamp = stays ? age_now : age_now - KEEP;
+
+    wire [STAMP_W-1:0] last   = (same_as_first && stays) ? age_now : then;
+    wire [STAMP_W-1:0] margin = then_least - last;  // age - refractory_ticks
+    wire               unused_margin = &{1'b0, margin};
 
     always @(posedge clk)
         if (space) begin
@@ -158,7 +166,9 @@ module filter_refractory #(
             then           <= (same_as_second && writes) ? stamp : replaced ? replacement : held;
 
             same_as_first  <= held_at == then_at;
-            age            <= then_now - ((same_as_first && stays) ? age_now : then);
+            age            <= then_now - last;
+            then_least     <= held_now - {1'b0, refractory_ticks};
+            too_young      <= margin[STAMP_W-1];
         end
 
     // ---- the way to the decision -------------------------------------------------------------------------------------

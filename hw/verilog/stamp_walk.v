@@ -58,26 +58,27 @@ module stamp_walk #(
     localparam COUNT_W = W - SEGMENT_W;                    // bits that tell segments apart
     localparam WIDE_W  = (STEP_W > W ? STEP_W : W) + 1;    // room to compare steps with KEEP
     localparam [31:0] LAST = ROWS - 1;
+    localparam [SEGMENT_W-1:0] NONE = {SEGMENT_W{1'b0}};
 
     // ---- the token's steps, as far as they count ---------------------------------------------------------------------
 
     localparam [W-1:0] KEEP = {{(W - SEGMENT_W - 1) {1'b1}}, {(SEGMENT_W + 1) {1'b0}}};
 
     wire [WIDE_W-1:0] wide_step = {{(WIDE_W - STEP_W) {1'b0}}, s_step};
-    wire [W-1:0]      counting  = (wide_step > {{(WIDE_W - W) {1'b0}}, KEEP}) ? KEEP : wide_step[W-1:0];
+    wire              most      = (|wide_step[WIDE_W-1:W]) || (&wide_step[W-1:SEGMENT_W+1]);  // KEEP or more
+    wire [W-1:0]      counting  = most ? KEEP : wide_step[W-1:0];
 
     reg                  held, held_access;
     reg  [COUNT_W-1:0]   segments_left;  // whole ones, before the rest of the token's steps
-    reg  [SEGMENT_W-1:0] rest;
 
     // ---- time --------------------------------------------------------------------------------------------------------
 
     reg  [COUNT_W-1:0]   segment;
     reg  [SEGMENT_W-1:0] place;          // within it
+    reg  [SEGMENT_W:0]   sum;            // the place after the rest of the steps of the token held; without one, the place
     reg                  issued, walked; // all visits of this segment: on their way, done
 
     wire                 far         = segments_left != {COUNT_W{1'b0}};
-    wire [SEGMENT_W:0]   sum         = {1'b0, place} + {1'b0, rest};
     wire                 crosses     = far || sum[SEGMENT_W];
     wire                 goes        = held && !clearing && (walked || !crosses);
     wire [COUNT_W-1:0]   new_segment = segment + {{(COUNT_W - 1) {1'b0}}, goes && crosses};
@@ -96,9 +97,10 @@ module stamp_walk #(
             place   <= new_place;
             if (goes && far) segments_left <= segments_left - 1'b1;
             if (enters || !held) begin
-                held                  <= s_valid && !clearing;
-                held_access           <= s_access;
-                {segments_left, rest} <= counting;
+                held          <= s_valid && !clearing;
+                held_access   <= s_access;
+                segments_left <= counting[W-1:SEGMENT_W];
+                sum           <= {1'b0, sum[SEGMENT_W-1:0]} + {1'b0, (s_valid && !clearing) ? counting[SEGMENT_W-1:0] : NONE};
             end
 
             if (visits) begin
@@ -123,6 +125,7 @@ module stamp_walk #(
             held     <= 1'b0;
             segment  <= {COUNT_W{1'b0}};
             place    <= {SEGMENT_W{1'b0}};
+            sum      <= {(SEGMENT_W + 1) {1'b0}};
             row      <= {ROW_W{1'b0}};
             issued   <= 1'b0;
             walked   <= 1'b0;
