@@ -17,11 +17,13 @@ import pytest
 
 from evcot.contract import Mode
 from evcot.registers import register_map
-from evcot_cosim.build import verilog_dir
+from evcot_cosim.build import load, verilog_dir
 from evcot_cosim.pages.__main__ import source_text, title
 from evcot_cosim.pages.interfaces import DIAGRAMS
 from evcot_cosim.pages.modules import page
-from evcot_cosim.pages.trace import wave
+from evcot_cosim.pages.stimulus import play
+from evcot_cosim.pages.trace import Trace, wave
+from evcot_cosim.testing import reset
 from evcot_cosim.toolchain import find_toolchain
 
 ROOT = Path(__file__).parents[2]
@@ -33,6 +35,13 @@ COST = re.compile(r"^\| (?:on \||(?:N = 8, |\w+, )?(?:ECP5|iCE40|Xilinx|Gowin)).
 @pytest.mark.parametrize("name", DIAGRAMS)
 def test_a_timing_diagram_shows_what_the_rtl_does(name: str) -> None:
     assert (DOCS / "timing" / f"{name}.json").read_text() == source_text(DIAGRAMS[name]()), AGAIN
+
+
+def test_a_diagram_of_a_stall_that_holds_nothing_up_is_refused() -> None:
+    sim = load("skid_buffer")
+    reset(sim)
+    with pytest.raises(ValueError, match=r"^m_ready: stalled only where nothing is offered$"):
+        play(Trace(sim, ()), 5, (), {"m_ready": (2, 3)})
 
 
 @pytest.mark.parametrize("name", DIAGRAMS)

@@ -146,9 +146,9 @@ def _axi_lite() -> Diagram:
     offers = [
         Offer(trace.sim, "s_axil_aw", ("addr",), [(words["tick_us"],)], {0}),
         Offer(trace.sim, "s_axil_w", ("data",), [(0,)], {0, 1}),
-        Offer(trace.sim, "s_axil_ar", ("addr",), [(words["id"],)], set(range(11))),
+        Offer(trace.sim, "s_axil_ar", ("addr",), [(words["id"],)], set(range(13))),
     ]
-    play(trace, 21, offers, {"s_axil_bready": (9,), "s_axil_rready": ()})
+    play(trace, 22, offers, {"s_axil_bready": (11,), "s_axil_rready": ()})
     return trace.diagram()
 
 

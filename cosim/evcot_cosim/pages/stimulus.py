@@ -61,7 +61,11 @@ def play(
         offers: words that go in.
         stalls: ready inputs, each with the clocks at which it is low.
         also: sets further inputs at each clock.
+
+    Raises:
+        ValueError: an output is stalled only where it offers nothing: the diagram would not show what a stall does.
     """
+    idle_stalls = {port for port, low in (stalls or {}).items() if low}
     for clock in range(clocks):
         for offer in offers:
             offer.drive(clock)
@@ -70,6 +74,9 @@ def play(
         if also is not None:
             also(clock)
         trace.sample()
+        idle_stalls -= {port for port in idle_stalls if not trace.sim.io[port] and trace.sim.io[port.replace("ready", "valid")]}
         for offer in offers:
             offer.note()
         trace.sim.clock.tick()
+    if idle_stalls:
+        raise ValueError(f"{', '.join(sorted(idle_stalls))}: stalled only where nothing is offered")
