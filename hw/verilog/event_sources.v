@@ -3,6 +3,8 @@
 //
 //     events, EVT 2.0, 2.1, 3.0 on one AXI4-Stream; AER; LFSR  ->  the selected one  ->  ticks  ->  overload_fifo
 //
+// Behind the choice of a source and behind that of its ticks stands a skid buffer: neither choice is in a path to the other.
+//
 // Ticks come from the events' own time (stamp_ticks) or from the clock (tick_prescaler). The time of an event of the LFSR is
 // that of its twin, sw/evcot/lfsr_event_source.py: a microsecond for each step. Settings must stand still but under reset.
 //

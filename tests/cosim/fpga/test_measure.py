@@ -18,7 +18,7 @@ from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import load, save
 from evcot_cosim.fpga.harness import render
 from evcot_cosim.fpga.interface import Port, ports
-from evcot_cosim.fpga.measure import Case, place, synthesise
+from evcot_cosim.fpga.measure import Case, _telling, place, synthesise
 from evcot_cosim.fpga.run import figures_of, synthesised
 from evcot_cosim.fpga.sources import modules
 
@@ -91,6 +91,15 @@ def test_what_does_not_fit_is_a_result(tmp_path: Path) -> None:
         None,
         "does not fit: too few logic cells",
     )
+
+
+def test_a_device_too_small_is_told_in_logic_cells() -> None:
+    assert (
+        _telling("Info: packing\nERROR: Failed to expand region (0, 0) |_> (33, 33) of 8014 ICESTORM_LCs\n")
+        == "8,014 logic cells"
+    )
+    assert _telling("ERROR: Something else went wrong.\n") == "Something else went wrong"
+    assert _telling("") == "nextpnr failed without a message"
 
 
 def test_a_seed_that_finds_no_route_is_a_result_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
