@@ -8,7 +8,8 @@
 //
 // Latency:    5 clocks from C to the record, 2 to the recentred address.
 // Throughput: an event per clock. After a special one (the first of a life, or the last of its window of events) or an
-//             operation, the next one of the same slot may be in C when it is through X and one clock more.
+//             operation, nothing that counts may be in C before it is through X and one clock more: 6 clocks later. What
+//             is thrown out there may be, right behind it. An operation comes when U and V are empty.
 // Reset:      no record; ids from 0. The context is not reset: clear every slot.
 `default_nettype none
 `include "evcot_defs.vh"
