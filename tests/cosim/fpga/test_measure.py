@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -117,6 +118,21 @@ def test_a_module_that_is_refused_does_not_stop_the_others(tmp_path: Path) -> No
     assert [one.case for one in done] == [SMALL]
     assert len(failed) == 1
     assert failed[0].startswith("wide up5k: yosys: ")
+
+
+def test_devices_that_share_a_netlist_make_it_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    runs: list[str] = []
+    yosys = tools.yosys
+
+    def noted(script: Sequence[str], folder: Path) -> str:
+        runs.extend(line for line in script if line.startswith("synth_"))
+        return yosys(script, folder)
+
+    monkeypatch.setattr(tools, "yosys", noted)
+    cases = [replace(SMALL, device=DEVICES[name]) for name in ("ecp5-25", "up5k", "ecp5-45", "ecp5-85")]
+    done, failed = synthesised(cases, tmp_path, 4)
+    assert ([one.case for one in done], failed) == (cases, [])
+    assert sorted(runs) == ["synth_ecp5 -top harness", "synth_ice40 -device u -dsp -top harness"]
 
 
 def test_each_tool_runs_alone_before_it_runs_many_times_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
