@@ -19,10 +19,14 @@ from evcot_cosim.testing import lint, reset
 N, LIFE_W = 3, 8
 SHAPE = Shape(n_slots=N, x_w=7, y_w=6, frac=4, radix_w=5, nev_w=4, tc_w=6, sup_w=4, id_w=8)
 EDGE_BITS_X, EDGE_BITS_Y = 9, 8  # of a bound: see engine_window.v
-PARAMETERS = {
-    "N": N, "X_W": 7, "Y_W": 6, "FRAC": 4, "RADIX_W": 5, "NEV_W": 4, "TC_W": 6, "SUP_W": 4, "ID_W": 8, "LIFE_W": LIFE_W,
-    "SLOT_W": 2, "AT_X": EDGE_BITS_X, "AT_Y": EDGE_BITS_Y,
-}  # fmt: skip
+WIDTHS = ("X_W", "Y_W", "FRAC", "RADIX_W", "NEV_W", "TC_W", "SUP_W", "ID_W")
+PARAMETERS = {name: getattr(SHAPE, name.lower()) for name in WIDTHS} | {
+    "N": N,
+    "LIFE_W": LIFE_W,
+    "SLOT_W": 2,
+    "AT_X": EDGE_BITS_X,
+    "AT_Y": EDGE_BITS_Y,
+}
 REL = 1 << SHAPE.radix_w + 2  # recentred addresses are modulo this
 NOTHING = dict.fromkeys(["c_takes", "c_commits", "c_seeds", "c_active", "c_report", "c_clear", "c_join", "c_looks"], 0)
 OTHER, ENDED = 77, 55  # what a record says of a merge, of a loss

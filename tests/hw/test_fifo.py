@@ -75,6 +75,8 @@ def test_with_block_ram_one_more_than_its_depth_is_on_offer(sim: PyVerilator, de
         sim.io.s_data = k
         sim.clock.tick()
     assert (sim.io.m_valid, sim.io.m_data, sim.io.level, sim.io.s_ready) == (1, 0, depth, 0)
+    reset(sim)
+    assert (sim.io.m_valid, sim.io.s_ready, sim.io.level) == (0, 1, 0)
 
 
 def test_reset_empties_it(sim: PyVerilator, block: int) -> None:
@@ -89,6 +91,7 @@ def test_reset_empties_it(sim: PyVerilator, block: int) -> None:
     for _ in range(latency):
         sim.clock.tick()
     assert (sim.io.m_valid, sim.io.m_data) == (1, 42)
+    assert block or sim.io.level == 1
 
 
 def test_throughput(sim: PyVerilator, depth: int, block: int) -> None:
