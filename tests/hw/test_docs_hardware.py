@@ -57,6 +57,11 @@ def test_every_module_has_its_section_as_its_source_says() -> None:
     assert COST.sub("", (DOCS / "modules.md").read_text()) == COST.sub("", page()), AGAIN
 
 
+def test_what_a_parameter_means_is_said_of_no_port() -> None:
+    """clk and rst stand right behind the parameters, without a word of their own."""
+    assert "| `clk`" not in page()
+
+
 def test_the_costs_are_the_recorded_ones() -> None:
     recorded = COST.findall(page())
     assert len(recorded) > 20

@@ -14,7 +14,15 @@ from typing import Literal
 
 from evcot.errors import ConfigError
 
-__all__ = ["MODULES", "Module", "chosen"]
+__all__ = ["MODULES", "Answer", "Module", "chosen"]
+
+Answer = Literal["record", "centre", "beat", "token", "event", "aer_event", "aer_request"]
+"""What latency is counted to.
+
+record, centre, beat: those of the event that moves the centre of the last of all trackers, counted from the token, from the
+request, from the event's beat to the first beat of the record. token: the one that went in. event: that of a word. aer_event:
+that of a request. aer_request: that for an event.
+"""
 
 
 @dataclass(frozen=True)
@@ -27,7 +35,7 @@ class Module:
         parameters: those that are not left at their defaults.
         sizes: values of N to measure; empty for a module without N.
         usual: those of `sizes` that are measured when nothing else is asked for.
-        answer: what its latency is counted to: a record of a tracker, or the token or word that went in; None: no latency.
+        answer: what its latency is counted to; None: there is nothing that it answers.
     """
 
     name: str
@@ -35,7 +43,7 @@ class Module:
     parameters: Mapping[str, int] = field(default_factory=dict)
     sizes: tuple[int, ...] = ()
     usual: tuple[int, ...] = ()
-    answer: Literal["record", "token"] | None = None
+    answer: Answer | None = None
 
     def at(self, n: int | None) -> dict[str, int]:
         """All parameters, at one size."""
@@ -55,7 +63,7 @@ _TABLE = (
     Module("cot_array", "cot_array", _TICK, _SIZES, (8,), "record"),
     Module("cot_engine", "cot_engine", _TICK, _SIZES, (8,), "record"),
     Module("cot_engine_narrow", "cot_engine", _NARROW, (8,), (8,), "record"),
-    Module("cot_published_chain", "cot_published_chain"),
+    Module("cot_published_chain", "cot_published_chain", answer="centre"),
     Module("filter_region", "filter_region", _SMALL, answer="token"),
     Module("filter_polarity", "filter_polarity", _SMALL, answer="token"),
     Module("filter_mask", "filter_mask", {**_SMALL, **_PIXELS}, answer="token"),
@@ -65,14 +73,14 @@ _TABLE = (
     Module("filter_decay", "filter_decay", {**_SMALL, **_PIXELS}, answer="token"),
     Module("filter_chain", "filter_chain", {**_SMALL, **_PIXELS}, answer="token"),
     Module("filter_chain_346x260", "filter_chain", _TICK, answer="token"),
-    Module("evt2_decoder", "evt2_decoder"),
-    Module("evt21_decoder", "evt21_decoder"),
-    Module("evt3_decoder", "evt3_decoder"),
+    Module("evt2_decoder", "evt2_decoder", answer="event"),
+    Module("evt21_decoder", "evt21_decoder", answer="event"),
+    Module("evt3_decoder", "evt3_decoder", answer="event"),
     Module("lfsr_event_source", "lfsr_event_source"),
-    Module("overload_fifo", "overload_fifo"),
-    Module("aer_in", "aer_in"),
-    Module("aer_out", "aer_out"),
-    Module("evcot_top", "evcot_top", {"TRACKER": 2}, _SIZES, (8,)),
+    Module("overload_fifo", "overload_fifo", answer="token"),
+    Module("aer_in", "aer_in", answer="aer_event"),
+    Module("aer_out", "aer_out", answer="aer_request"),
+    Module("evcot_top", "evcot_top", {"TRACKER": 2}, _SIZES, (8,), "beat"),
 )
 
 MODULES: Mapping[str, Module] = MappingProxyType({module.name: module for module in _TABLE})

@@ -104,8 +104,9 @@ def _document(figures: Figures) -> None:
     from .latency import clocks
     from .report import latency_name, write_tables
 
+    modules = list(MODULES)
     known = {(figure.module, figure.n) for figure in figures.values() if figure.median_mhz}
-    cases = sorted(known, key=lambda case: (case[0], case[1] or 0))
+    cases = sorted(known, key=lambda case: (modules.index(case[0]), case[1] or 0))
     measured = {latency_name(name, n): clocks(MODULES[name], n) for name, n in cases}
     told = {name: count for name, count in measured.items() if count is not None}
     docs = verilog_dir().parents[1] / "docs"

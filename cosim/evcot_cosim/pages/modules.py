@@ -131,13 +131,13 @@ def _ports(lines: Iterable[str]) -> Iterator[_Port]:
         bare = line.strip()
         if bare.startswith("//"):
             heading = bare[3:]
-        elif not bare:
-            heading = ""
         elif found := _PORT.match(line):
             direction = "in" if found[1] == "input" else "out"
             width = (found[2] or "").replace("`", "")
             for name in re.split(r"\s*,\s*", found[3]):
                 yield _Port(name, direction, width, found[4] or "", heading)
+        else:
+            heading = ""
 
 
 def _bundles(ports: Sequence[_Port]) -> Iterator[tuple[str, str, str, str]]:

@@ -41,9 +41,9 @@ def test_tables_say_what_was_measured(tmp_path: Path) -> None:
     text = page.read_text()
     assert "| cot_engine, N = 8 | 4,001 | 600 | 3,000 | 0 | 2 | 125 (131) |" in section(text, "cost")
     assert "| filter_mask | 200 | 0 | 100 | 40 | 0 | does not fit: 40 of 32 block RAMs |" in section(text, "cost")
-    assert "| cot_engine, N = 8 | 8 | 125 | 64 |" in section(text, "latency")  # 8 clocks of 8 ns
+    assert "| cot_engine, N = 8 | 8 | ecp5-25 | 125 | 64 |" in section(text, "latency")  # 8 clocks of 8 ns
     assert "filter_mask" not in section(text, "latency")
-    assert "| published tracker, alone | 7 at 50 MHz |  | 140 |" in section(text, "latency")
+    assert "| published tracker, alone | 7 at 50 MHz |  |  | 140 |" in section(text, "latency")
     assert "| cot_engine, MHz, ecp5-25 | 125 (131) |" in section(text, "scaling")
     assert "old" not in text
     assert text.startswith("before\ncost:\n")
@@ -51,6 +51,15 @@ def test_tables_say_what_was_measured(tmp_path: Path) -> None:
 
     write_tables(page, table(ENGINE, MASK), {"cot_engine N=8": 8, "filter_mask": 4})
     assert page.read_text() == text
+
+
+def test_latency_is_that_on_the_first_device_that_was_routed_for(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    page.write_text(MARKS)
+    too_small = replace(ENGINE, fmax_mhz=(), misfit="does not fit: more of everything")
+    larger = [replace(ENGINE, device=device, fmax_mhz=(mhz,)) for device, mhz in (("ecp5-85", 160.0), ("ecp5-45", 100.0))]
+    write_tables(page, table(too_small, *larger), {"cot_engine N=8": 8})
+    assert "| cot_engine, N = 8 | 8 | ecp5-45 | 100 | 80 |" in section(page.read_text(), "latency")
 
 
 def test_a_mark_that_is_missing_is_named(tmp_path: Path) -> None:
@@ -79,8 +88,19 @@ def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
     assert (tmp_path / "few.png").read_bytes() != (tmp_path / "many.png").read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("name", "n", "expected"), [("cot", None, 3), ("filter_polarity", None, 1), ("lfsr_event_source", None, None)]
-)
-def test_latency_is_what_the_modules_header_says(name: str, n: int | None, expected: int | None) -> None:
-    assert clocks(MODULES[name], n) == expected
+# By the headers: cot_published_chain's 7 and 3 for each of three upstream; aer_in's and aer_out's SYNC + 2 and SETUP + 1.
+LATENCIES = {
+    "cot": 3, "cot_published_chain": 7 + 3 * 3, "filter_polarity": 1, "evt2_decoder": 6, "evt21_decoder": 6, "evt3_decoder": 6,
+    "overload_fifo": 5, "aer_in": 2 + 2, "aer_out": 1 + 1,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "expected"), LATENCIES.items())
+def test_latency_is_what_the_modules_header_and_the_page_say(name: str, expected: int) -> None:
+    assert clocks(MODULES[name], None) == expected
+    shown = section((REPOSITORY / "docs" / "fpga.md").read_text(), "latency")
+    assert re.search(rf"^\| {name} \| {expected} \| ecp5-25 \| \d+ \| \d+ \|$", shown, re.MULTILINE)
+
+
+def test_what_answers_nothing_has_no_latency() -> None:
+    assert clocks(MODULES["lfsr_event_source"], None) is None
