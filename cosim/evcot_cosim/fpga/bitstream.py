@@ -51,7 +51,11 @@ def make_bitstream(board: Board, folder: Path, *, size: str = "85k", seed: int =
         tools.yosys([read, f"{synthesis} -top {board.name} -json netlist.json"], work)
         _run(_place(board, size, seed), work)
         report = json.loads((work / "report.json").read_text())["fmax"]
-        clocks = {name.lstrip("$").split("$")[0]: (clock["achieved"], clock["constraint"]) for name, clock in report.items()}
+        clocks = {
+            _clock_name(net): (clock["achieved"], clock["constraint"])
+            for net, clock in report.items()
+            if not net.startswith("$PACKER")  # there hangs what has no clock
+        }
         _run(["yowasp-icepack", "placed", "packed"] if ice40 else ["yowasp-ecppack", "--compress", "placed", "packed"], work)
         for name, (reached, wanted) in clocks.items():
             if reached < wanted:
@@ -59,6 +63,11 @@ def make_bitstream(board: Board, folder: Path, *, size: str = "85k", seed: int =
         path = folder / f"{board.name}.{'bin' if ice40 else 'bit'}"
         os.replace(work / "packed", path)
     return Bitstream(path, clocks)
+
+
+def _clock_name(net: str) -> str:
+    """The clock of a global net, such as $glbnet$clk$TRELLIS_IO_IN or core_clk_$glb_clk."""
+    return net.removeprefix("$glbnet$").split("$")[0].rstrip("_")
 
 
 def _modules(folder: Path) -> list[str]:

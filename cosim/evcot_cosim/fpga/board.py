@@ -43,15 +43,19 @@ def shape(n: int) -> Shape:
     return Shape(n_slots=n, x_w=7, y_w=7, frac=4, tick_w=8, radix_w=6, nev_w=5, tc_w=13, sup_w=8, id_w=8, seq_w=16, time_w=20)
 
 
-def expected_records(n: int, count: int = RECORDS) -> NDArray[np.void]:
-    """The first records of a board with so many slots after reset, (count,) of dtype `contract.RECORD`."""
-    events = _SOURCE.events(_EVENTS)
-    model = CotModel(CotConfig(shape(n), (_SLOT,) * n))
-    return model.feed(events.t_us - events.t_us[0], events.x, events.y).records[:count]
+def expected_records(n: int, count: int | None = None, events: int = _EVENTS) -> NDArray[np.void]:
+    """The first records of a board with so many slots after reset, (count,) of dtype `contract.RECORD`; None: all that so many
+    events make. Numbers that the board has fewer bits for begin again at 0."""
+    noise, small = _SOURCE.events(events), shape(n)
+    model = CotModel(CotConfig(small, (_SLOT,) * n))
+    records = model.feed(noise.t_us - noise.t_us[0], noise.x, noise.y).records[:count]
+    records["seq"] %= 1 << small.seq_w
+    records["time"] %= 1 << small.time_w
+    return records
 
 
 def _expected(n: int) -> int:
-    words = np.frombuffer(expected_records(n).tobytes(), "<u4")
+    words = np.frombuffer(expected_records(n, RECORDS).tobytes(), "<u4")
     assert len(words) == RECORDS * RECORD.itemsize // 4
     return signature(words.astype(np.uint64))
 

@@ -45,40 +45,22 @@ class Board(NamedTuple):
     constraints: str
 
 
-BOARDS = {
-    board.name: board
-    for board in (
-        Board(
-            "icebreaker",
-            "iCEBreaker",
-            12_000_000,
-            "clk",
-            "rx",
-            "tx",
-            "btn_n",
-            1,
-            ("led_green_n", 1, 0),
-            "up5k",
-            "icebreaker.pcf",
-        ),
-        Board(
-            "ulx3s", "ULX3S", 25_000_000, "clk_25mhz", "ftdi_txd", "ftdi_rxd", "btn_n", 8, ("led", 3, 1), "ecp5-85", "ulx3s.lpf"
-        ),
-        Board(
-            "ecp5_evn",
-            "ECP5 Evaluation Board",
-            12_000_000,
-            "clk",
-            "rx",
-            "tx",
-            "btn_n",
-            8,
-            ("led_n", 3, 2),
-            "ecp5-85-5g",
-            "ecp5_evn.lpf",
-        ),
-    )
-}
+_TABLE = (
+    Board(
+        "icebreaker", "iCEBreaker", 12_000_000, "clk", "rx", "tx", "btn_n", 1, ("led_green_n", 1, 0), "up5k",
+        "icebreaker.pcf",
+    ),
+    Board(
+        "ulx3s", "ULX3S", 25_000_000, "clk_25mhz", "ftdi_txd", "ftdi_rxd", "btn_n", 8, ("led", 3, 1), "ecp5-85",
+        "ulx3s.lpf",
+    ),
+    Board(
+        "ecp5_evn", "ECP5 Evaluation Board", 12_000_000, "clk", "rx", "tx", "btn_n", 8, ("led_n", 3, 2), "ecp5-85-5g",
+        "ecp5_evn.lpf",
+    ),
+)  # fmt: skip
+
+BOARDS = {board.name: board for board in _TABLE}
 
 
 def sources(folder: Path) -> Path:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// iCEBreaker (iCE40 UP5K, 12 MHz, of which the tracker takes every second clock): green LED on when the self-test has passed, red LED on when it has failed and until then in
-// the rhythm of the records; the user button resets. Serial line: the board's second USB port, 1 Mbaud.
+// iCEBreaker (iCE40 UP5K, 12 MHz, of which the tracker takes every second clock): green LED on when the self-test has passed, red
+// LED on when it has failed and until then in the rhythm of the records; the user button resets. Serial line: the second port of
+// the board's USB, 1 Mbaud.
 `default_nettype none
 
 module icebreaker (
