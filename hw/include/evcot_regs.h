@@ -93,7 +93,7 @@
 #define EVCOT_CONTROL_LATCH_SHIFT 8u
 #define EVCOT_CONTROL_LATCH_MASK 0x00000100u /* pulse: copy all counters at one clock, to be read */
 #define EVCOT_CONTROL_SOFT_RESET_SHIFT 9u
-#define EVCOT_CONTROL_SOFT_RESET_MASK 0x00000200u /* pulse: reset everything but the registers; `source`, `tick_us`, `prescale` and `lfsr_*` take effect */
+#define EVCOT_CONTROL_SOFT_RESET_MASK 0x00000200u /* pulse: reset everything but the registers, at once; `source`, `tick_us`, `prescale` and `lfsr_*` take effect */
 
 /* where events come from; takes effect with `soft_reset` */
 #define EVCOT_SOURCE 0x024u
@@ -143,7 +143,7 @@
 /* how it stands */
 #define EVCOT_STATUS 0x040u
 #define EVCOT_STATUS_IDLE_SHIFT 0u
-#define EVCOT_STATUS_IDLE_MASK 0x00000001u /* ro: nothing under way from the input FIFO on, and no commit */
+#define EVCOT_STATUS_IDLE_MASK 0x00000001u /* ro: nothing under way from the source to the outputs, and no commit; with `clock_time` ticks are under way, too */
 #define EVCOT_STATUS_PENDING_SHIFT 1u
 #define EVCOT_STATUS_PENDING_MASK 0x00000002u /* ro: a commit waits or is being applied */
 #define EVCOT_STATUS_OPEN_SHIFT 2u
@@ -216,8 +216,11 @@
 /* records */
 #define EVCOT_RECORDS 0x09Cu
 
-/* clocks in which a token waited for filters, trackers, outputs or a commit */
+/* clocks in which a token waited for filters, trackers, outputs or a commit, while enabled */
 #define EVCOT_STALLS 0x0A0u
+
+/* events whose own time lay before that of an earlier one: they stand still; many say that a time mark was damaged */
+#define EVCOT_BACKWARD 0x0A4u
 
 /* Registers of slot i: written into a shadow, in effect after any write to the slot's EVCOT_SLOT_COMMIT. */
 #define EVCOT_SLOT(i, reg) (0x1000u + 64u * (uint32_t)(i) + (reg))

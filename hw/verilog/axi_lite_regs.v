@@ -7,7 +7,8 @@
 // busy falls.
 //
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; 17 more for each bank that is
-//             copied, and 16 N + 16 after reset, while the shadow is filled.
+//             copied, and 16 N + 16 after reset, while the shadow is filled. A write of `mask` waits until the filters are
+//             cleared after a reset: they would lose it.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears what has happened,
 //             and every mode counts as written.
 `default_nettype none
@@ -85,6 +86,7 @@ module axi_lite_regs #(
     // registers of the trackers and filters, written while `apply`
     output wire                busy,           // a commit is pending
     input  wire                apply,          // nothing is under way
+    input  wire                cleared,        // the filters' memories have become empty since reset
     input  wire [47:0]         seq,            // number of the next event
     output reg                 cfg_valid,
     output reg  [SLOT_W-1:0]   cfg_slot,
@@ -101,6 +103,7 @@ module axi_lite_regs #(
     input  wire [31:0]         n_events_in,
     input  wire [31:0]         n_events_dropped,
     input  wire [31:0]         n_malformed,
+    input  wire [31:0]         n_backward,
     input  wire [31:0]         n_filtered,
     input  wire [31:0]         n_owned,
     input  wire [31:0]         n_passed,
@@ -224,7 +227,7 @@ module axi_lite_regs #(
 
     // Free-running: each has had its clock by the time it is asked for.
     reg  [31:0] in_shadow, low, high;
-    reg         refuses, over, under;
+    reg         refuses, over, under, off_sensor;
 
     always @(posedge clk) begin
         in_shadow <= shadow_out;
@@ -234,11 +237,13 @@ module axi_lite_regs #(
         refuses <= in_filter ? filter_refuses(word[3:0]) : slot_refuses(word[3:0]);
         over    <= shadowed && merged > high;
         under   <= shadowed && merged < low;
+
+        off_sensor <= marks && (merged[15:0] > LAST_X[15:0] || {1'b0, merged[30:16]} > LAST_Y[15:0]);
     end
 
     wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
     wire fault_pending  = acts && locked;
-    wire fault_refused  = acts && !locked && (words_refused || ((over || under) && refuses));
+    wire fault_refused  = acts && !locked && (words_refused || off_sensor || ((over || under) && refuses));
     wire fault_clamped  = acts && !locked && (words_clamped || ((over || under) && !refuses)) && !fault_refused;
     wire faulty         = fault_unmapped || fault_pending || fault_refused || fault_clamped;
     wire stores         = acts && shadowed && !locked && !fault_refused;
@@ -320,12 +325,12 @@ module axi_lite_regs #(
                 error  <= !known;
                 state  <= request_write ? WEIGH : ANSWER;
             end
-            WEIGH: state <= CHECK;
+            WEIGH: if (!marks || cleared) state <= CHECK;
             CHECK: begin
                 error <= faulty;
                 if (acts && commits && !locked) pending[bank] <= 1'b1;
                 if (stores && in_slot && word[3:0] == `EVCOT_REG_MODE) mode_new[word[4+:SLOT_W]] <= 1'b1;
-                if (acts && marks) begin
+                if (acts && marks && !off_sensor) begin
                     filter_cfg_valid <= 1'b1;
                     cfg_addr         <= `EVCOT_FREG_MASK;
                     cfg_data         <= merged;
@@ -377,7 +382,7 @@ module axi_lite_regs #(
     reg  [`EVCOT_IRQ_W-1:0] irq_status;
     reg  [3:0]  fault;
     reg  [`EVCOT_CSR_ADDR_W-1:0] fault_address;
-    reg  [31:0] events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls;
+    reg  [31:0] events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls, backward;
 
     always @(posedge clk) begin
         irq_status <= (irq_status & ~irq_clear) | {committed, happened};
@@ -394,6 +399,7 @@ module axi_lite_regs #(
             passed         <= n_passed;
             records        <= n_records;
             stalls         <= n_stalls;
+            backward       <= n_backward;
         end
         if (core_rst) begin
             irq_status <= {`EVCOT_IRQ_W{1'b0}};
@@ -402,7 +408,7 @@ module axi_lite_regs #(
         if (rst) begin
             fault         <= 4'd0;
             fault_address <= {`EVCOT_CSR_ADDR_W{1'b0}};
-            {events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls} <= {9 * 32{1'b0}};
+            {events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls, backward} <= {10 * 32{1'b0}};
         end
     end
 
@@ -503,7 +509,8 @@ module axi_lite_regs #(
         .owned               (owned),
         .passed              (passed),
         .records             (records),
-        .stalls              (stalls)
+        .stalls              (stalls),
+        .backward            (backward)
     );
 
     wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, in_slots};

@@ -165,8 +165,11 @@ module axi_lite_words #(
     // 09c: records
     input  wire [31:0] records,
 
-    // 0a0: clocks in which a token waited for filters, trackers, outputs or a commit
-    input  wire [31:0] stalls
+    // 0a0: clocks in which a token waited for filters, trackers, outputs or a commit, while enabled
+    input  wire [31:0] stalls,
+
+    // 0a4: events whose own time lay before that of an earlier one: they stand still; many say that a time mark was damaged
+    input  wire [31:0] backward
 );
 
     parameter_check #(.OK(((SOURCES >> SOURCE) & 1) == 1)) SOURCE_must_be_one_of_SOURCES ();
@@ -177,9 +180,10 @@ module axi_lite_words #(
     localparam [31:0] ALLOWED_SOURCE_SELECT = SOURCES;
     wire bad_source_select = !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
     wire [19:0] new_tick_us = data[19:0];
+    wire        wide_tick_us = |data[31:20];
     localparam [19:0] TOP_TICK_US = 20'd1000000;
-    wire over_tick_us = {1'b0, new_tick_us} > {1'b0, TOP_TICK_US};
-    wire under_tick_us = new_tick_us < 20'd1;
+    wire over_tick_us = wide_tick_us || {1'b0, new_tick_us} > {1'b0, TOP_TICK_US};
+    wire under_tick_us = !wide_tick_us && new_tick_us < 20'd1;
     wire [15:0] new_prescale_tick = data[15:0];
     wire under_prescale_tick = new_prescale_tick < 16'd1;
     wire [15:0] new_prescale_us = data[31:16];
@@ -187,6 +191,10 @@ module axi_lite_words #(
     wire [31:0] new_lfsr_seed = data[31:0];
     localparam [31:0] TOP_LFSR_SEED = 32'd4294967294;
     wire over_lfsr_seed = {1'b0, new_lfsr_seed} > {1'b0, TOP_LFSR_SEED};
+    wire [15:0] new_lfsr_gap = data[15:0];
+    wire        wide_lfsr_gap = |data[31:16];
+    localparam [15:0] TOP_LFSR_GAP = 16'd65535;
+    wire over_lfsr_gap = wide_lfsr_gap;
     wire [15:0] new_lfsr_x_min = data[15:0];
     localparam [15:0] TOP_LFSR_X_MIN = {16{1'b1}} >> (16 - X_W);
     wire over_lfsr_x_min = {1'b0, new_lfsr_x_min} > {1'b0, TOP_LFSR_X_MIN};
@@ -235,6 +243,7 @@ module axi_lite_words #(
     reg at_passed;
     reg at_records;
     reg at_stalls;
+    reg at_backward;
 
     always @(posedge clk) begin
         at_id <= word == 11'h000;
@@ -270,6 +279,7 @@ module axi_lite_words #(
         at_passed <= word == 11'h026;
         at_records <= word == 11'h027;
         at_stalls <= word == 11'h028;
+        at_backward <= word == 11'h029;
     end
 
     // ---- what it holds -----------------------------------------------------------------------------------------------
@@ -364,6 +374,7 @@ module axi_lite_words #(
         held[31:0] = held[31:0] | ({32{at_passed}} & passed);
         held[31:0] = held[31:0] | ({32{at_records}} & records);
         held[31:0] = held[31:0] | ({32{at_stalls}} & stalls);
+        held[31:0] = held[31:0] | ({32{at_backward}} & backward);
     end
 
     always @(posedge clk) begin
@@ -401,7 +412,8 @@ module axi_lite_words #(
                     at_owned ||
                     at_passed ||
                     at_records ||
-                    at_stalls;
+                    at_stalls ||
+                    at_backward;
         writable <= at_control ||
                     at_source ||
                     at_tick_us ||
@@ -421,6 +433,7 @@ module axi_lite_words #(
         if (at_prescale && under_prescale_tick) clamped <= 1'b1;
         if (at_prescale && under_prescale_us) clamped <= 1'b1;
         if (at_lfsr_seed && over_lfsr_seed) clamped <= 1'b1;
+        if (at_lfsr_gap && over_lfsr_gap) clamped <= 1'b1;
         if (at_lfsr_x && over_lfsr_x_min) clamped <= 1'b1;
         if (at_lfsr_x && over_lfsr_x_span) clamped <= 1'b1;
         if (at_lfsr_y && over_lfsr_y_min) clamped <= 1'b1;
@@ -463,7 +476,7 @@ module axi_lite_words #(
                 lfsr_seed <= over_lfsr_seed ? TOP_LFSR_SEED : new_lfsr_seed;
             end
             if (at_lfsr_gap) begin
-                lfsr_gap <= data[15:0];
+                lfsr_gap <= over_lfsr_gap ? TOP_LFSR_GAP : new_lfsr_gap;
             end
             if (at_lfsr_x) begin
                 lfsr_x_min <= over_lfsr_x_min ? TOP_LFSR_X_MIN : new_lfsr_x_min;

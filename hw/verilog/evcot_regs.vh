@@ -6,7 +6,7 @@
 
 `define EVCOT_CSR_ID      32'h45564354
 `define EVCOT_CSR_MAJOR   16'd1
-`define EVCOT_CSR_MINOR   16'd0
+`define EVCOT_CSR_MINOR   16'd1
 `define EVCOT_CSR_ADDR_W  13
 
 `define EVCOT_BANK_FILTER        13'h200

@@ -129,14 +129,14 @@ module evcot_top #(
     wire [15:0] new_prescale_tick, new_prescale_us, new_gap, new_x_min, new_x_span, new_y_min, new_y_span;
     wire [31:0] new_seed;
 
-    wire              enable, drop, busy, apply, open, dropped, idle, all_idle;
+    wire              enable, drop, busy, apply, cleared, open, dropped, idle, all_idle;
     wire [47:0]       seq;
     wire              cfg_valid, filter_cfg_valid;
     wire [SLOT_W-1:0] cfg_slot;
     wire [3:0]        cfg_addr, filter_cfg_addr;
     wire [31:0]       cfg_data, filter_cfg_data;
     wire [15:0]       held;
-    wire [31:0]       n_in, n_dropped, n_malformed;
+    wire [31:0]       n_in, n_dropped, n_malformed, n_backward;
     reg  [31:0]       n_filtered, n_owned, n_passed, n_records, n_stalls;
     reg  [`EVCOT_IRQ_COMMIT-1:0] happened;
 
@@ -205,6 +205,7 @@ module evcot_top #(
         .lfsr_y_span     (new_y_span),
         .busy            (busy),
         .apply           (apply),
+        .cleared         (cleared),
         .seq             (seq),
         .cfg_valid       (cfg_valid),
         .cfg_slot        (cfg_slot),
@@ -219,6 +220,7 @@ module evcot_top #(
         .n_events_in     (n_in),
         .n_events_dropped(n_dropped),
         .n_malformed     (n_malformed),
+        .n_backward      (n_backward),
         .n_filtered      (n_filtered),
         .n_owned         (n_owned),
         .n_passed        (n_passed),
@@ -311,6 +313,7 @@ module evcot_top #(
         .n_in         (n_in),
         .n_dropped    (n_dropped),
         .n_malformed  (n_malformed),
+        .n_backward   (n_backward),
         .held         (held),
         .idle         (sources_idle)
     );
@@ -326,6 +329,7 @@ module evcot_top #(
         .busy    (busy),
         .idle    (idle),
         .apply   (apply),
+        .cleared (cleared),
         .open    (open),
         .seq     (seq),
         .s_valid (s_valid),
@@ -512,7 +516,7 @@ module evcot_top #(
         if (own_valid && own_ready) n_owned <= n_owned + 1'b1;
         if (pass_valid && pass_ready) n_passed <= n_passed + 1'b1;
         if (recorded) n_records <= n_records + 1'b1;
-        if (s_valid && !s_ready) n_stalls <= n_stalls + 1'b1;
+        if (s_valid && !s_ready && enable) n_stalls <= n_stalls + 1'b1;
 
         happened[`EVCOT_IRQ_BIRTH]    <= recorded && cm_kind == `EVCOT_KIND_BORN;
         happened[`EVCOT_IRQ_LOSS]     <= recorded && cm_kind == `EVCOT_KIND_LOST;

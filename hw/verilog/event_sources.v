@@ -67,6 +67,7 @@ module event_sources #(
     output wire [31:0]       n_in,
     output wire [31:0]       n_dropped,
     output reg  [31:0]       n_malformed,
+    output wire [31:0]       n_backward,
     output wire [15:0]       held,
     output wire              idle            // no event inside
 );
@@ -89,7 +90,8 @@ module event_sources #(
 
     always @(posedge clk) chosen <= BUILT & ({{(K - 1) {1'b0}}, 1'b1} << select);
 
-    assign s_axis_tready = |(axis_ready & chosen);
+    // What was taken under reset would be lost.
+    assign s_axis_tready = |(axis_ready & chosen) && !rst;
 
     genvar k;
     generate
@@ -139,9 +141,15 @@ module event_sources #(
             localparam S      = `EVCOT_SOURCE_LFSR;
             localparam LFSR_W = (X_W + Y_W < 32) ? 32 : 40;
 
+            localparam [31:0] COLUMNS = WIDTH, ROWS = HEIGHT;
+
             reg           loaded;
             reg [T_W-1:0] steps, steps_before;
-            wire          step = chosen[S] && loaded && (ready[S] || !valid[S]);
+            reg [31:0]    n_outside;
+            wire          drawn;  // an event, that may lie beyond the sensor
+            wire          on_sensor = {{32 - X_W{1'b0}}, x[S*X_W +: X_W]} < COLUMNS && {{32 - Y_W{1'b0}}, y[S*Y_W +: Y_W]} < ROWS;
+            wire          takes  = ready[S] || !on_sensor;
+            wire          step   = chosen[S] && loaded && (takes || !drawn);
             wire          seed_error, done;
             wire [39:0]   seed = {8'd0, lfsr_seed};
 
@@ -163,8 +171,8 @@ module event_sources #(
                 .x_span    (lfsr_x_span),
                 .y_min     (lfsr_y_min),
                 .y_span    (lfsr_y_span),
-                .m_valid   (valid[S]),
-                .m_ready   (ready[S]),
+                .m_valid   (drawn),
+                .m_ready   (takes),
                 .m_x       (x[S*X_W +: X_W]),
                 .m_y       (y[S*Y_W +: Y_W]),
                 .m_p       (p[S])
@@ -172,19 +180,22 @@ module event_sources #(
 
             always @(posedge clk) begin
                 loaded <= 1'b1;
+                if (drawn && !on_sensor) n_outside <= n_outside + 1'b1;
                 if (step) begin
                     steps        <= steps + 1'b1;
                     steps_before <= steps;
                 end
                 if (rst) begin
-                    loaded <= 1'b0;
-                    steps  <= {T_W{1'b0}};
+                    loaded    <= 1'b0;
+                    steps     <= {T_W{1'b0}};
+                    n_outside <= 32'd0;
                 end
             end
 
+            assign valid[S]            = drawn && on_sensor;
             assign t[S*T_W +: T_W]     = steps_before;
-            assign skipped[S*32 +: 32] = 32'd0;
-            assign source_idle[S]      = !valid[S];
+            assign skipped[S*32 +: 32] = n_outside;
+            assign source_idle[S]      = !drawn;
             wire unused_lfsr = &{1'b0, seed_error, done, seed};
         end
 
@@ -317,7 +328,7 @@ module event_sources #(
     wire               stamp_ready, stamp_valid, clock_ready, clock_valid, stamp_idle, clock_idle;
     wire               ticks_ready, token_valid, token_ready, fifo_idle;
     wire [TOKEN_W-1:0] stamp_token, clock_token, token;
-    wire [31:0]        n_backward, n_out;
+    wire [31:0]        n_out;
 
     assign event_ready = clock_time ? clock_ready : stamp_ready;
 
@@ -427,7 +438,7 @@ module event_sources #(
 
     always @(posedge clk) n_malformed <= rst ? 32'd0 : skipped_now;
 
-    wire unused = &{1'b0, n_backward, n_out, s_axis_tvalid, s_axis_tdata, s_axis_tkeep, s_axis_tlast, axis_ready, ready,
+    wire unused = &{1'b0, n_out, s_axis_tvalid, s_axis_tdata, s_axis_tkeep, s_axis_tlast, axis_ready, ready,
                     swap_halves, swap_bytes, lfsr_seed, lfsr_gap, lfsr_x_min, lfsr_x_span, lfsr_y_min, lfsr_y_span};
 
 endmodule

@@ -2,7 +2,8 @@
 // The one place where tokens can be held back, so that registers change between two events: closes, says when nothing is under
 // way behind it, and opens again when what was written has settled. Numbers the events that go through.
 //
-// A token on offer behind the gate is never taken back: the gate closes when it has been taken.
+// A token on offer behind the gate is never taken back: the gate closes when it has been taken. After reset it stays closed until
+// all behind it has been idle once: memories that begin empty take their time for that.
 //
 // Latency:    none, by wire. Throughput: a token per clock.
 // Stall:      while closed, s_ready is low.
@@ -20,6 +21,7 @@ module token_gate #(
     input  wire             busy,     // registers are to be written: close
     input  wire             idle,     // nothing is under way behind the gate
     output wire             apply,    // closed and idle: they may be written
+    output reg              cleared,  // it was so, once since reset
     output reg              open,
     output reg  [SEQ_W-1:0] seq,      // number of the next event
 
@@ -44,12 +46,14 @@ module token_gate #(
     always @(posedge clk) begin
         if (busy) settle <= SETTLE;
         else if (settle > 2'd1 || idle) settle <= (settle == 2'd0) ? 2'd0 : settle - 1'b1;
-        if (!waits) open <= enable && !busy && settle == 2'd0;
+        if (idle) cleared <= 1'b1;
+        if (!waits) open <= enable && cleared && !busy && settle == 2'd0;
         if (m_valid && m_ready && s_counts) seq <= seq + 1'b1;
         if (rst) begin
-            settle <= 2'd0;
-            open   <= 1'b0;
-            seq    <= {SEQ_W{1'b0}};
+            settle  <= 2'd0;
+            cleared <= 1'b0;
+            open    <= 1'b0;
+            seq     <= {SEQ_W{1'b0}};
         end
     end
 

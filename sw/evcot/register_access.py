@@ -269,6 +269,7 @@ class Registers(Group):
     passed = Bits("passed")
     records = Bits("records")
     stalls = Bits("stalls")
+    backward = Bits("backward")
 
     def __init__(self, transport: Transport) -> None:
         super().__init__(transport, 0, Shape(), FilterShape())
@@ -345,4 +346,5 @@ _COUNTERS = {
     "passed": 0x098,
     "records": 0x09C,
     "stalls": 0x0A0,
+    "backward": 0x0A4,
 }

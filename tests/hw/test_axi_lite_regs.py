@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot.contract import FILTER_REGISTERS, REGISTERS
+from evcot.contract import FILTER_REGISTERS, REGISTERS, mask_word
 from evcot.errors import ConfigError
 from evcot.register_access import Registers
 from evcot.registers import BusError, register_map
@@ -128,9 +128,18 @@ def test_what_has_no_nearest_legal_value_is_refused(device: TopDevice, address: 
     assert fault(device) == (REFUSED, address)
 
 
+@pytest.mark.parametrize(("x", "y"), [(60, 0), (0, 50), (65_535, 32_767)])
+def test_a_mark_beyond_the_sensor_is_refused(device: TopDevice, x: int, y: int) -> None:
+    address = filter_address("mask")
+    assert answers(device.run(commands=[write(address, mask_word(x, y))])) == [(SLVERR, 0)]
+    assert fault(device) == (REFUSED, address)
+    assert answers(device.run(commands=[write(address, mask_word(59, 49)), read(address)])) == [(OKAY, 0), (OKAY, 0)]
+
+
 def test_words_outside_the_banks_clamp_too(device: TopDevice) -> None:
     for name, value, stored in (
-        ("tick_us", 0, 1), ("tick_us", 0xF_FFFF, 1_000_000), ("lfsr_seed", 0xFFFF_FFFF, 0xFFFF_FFFE),
+        ("tick_us", 0, 1), ("tick_us", 0xF_FFFF, 1_000_000), ("tick_us", 2_000_000, 1_000_000), ("tick_us", 1 << 20, 1_000_000),
+        ("lfsr_gap", 1 << 16, 0xFFFF), ("lfsr_seed", 0xFFFF_FFFF, 0xFFFF_FFFE),
         ("lfsr_x", 0x0040_003F, 0x003F_003F), ("prescale", 0x0005_0000, 0x0005_0001),
     ):  # fmt: skip
         assert answers(device.run(commands=[write(address_of(name), value)])) == [(SLVERR, 0)]

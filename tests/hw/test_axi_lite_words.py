@@ -66,7 +66,7 @@ class Model:
             "writable": int(word is not None and word.writable),
             "value": sum(told[word.port(f)] << f.lsb for f in fields if word and f.access is not Access.PULSE),
             "kept": sum(told[word.port(f)] << f.lsb for f in fields if word and f.access is Access.RW),
-            "clamped": int(any(legal(f, data) not in (None, (data & f.mask) >> f.lsb) for f in fields)),
+            "clamped": int(any(legal(f, data) not in (None, written(f, data)) for f in fields)),
             "refused": int(any(legal(f, data) is None for f in fields)),
         }
 
@@ -80,9 +80,15 @@ class Model:
                 (self.kept if field.access is Access.RW else self.pulses)[port(word, field)] = legal(field, data) or 0
 
 
+def written(field: Field, data: int) -> int:
+    """What a write says of a field: its bits of the data, but all 32 where the field is the whole word and has limits."""
+    limited = field.access is Access.RW and (field.low or field.high is not None)
+    return data if limited and not field.name else (data & field.mask) >> field.lsb
+
+
 def legal(field: Field, data: int) -> int | None:
     """What a write makes of a field: the nearest legal value, or None where it is refused."""
-    value = (data & field.mask) >> field.lsb
+    value = written(field, data)
     if field.access is not Access.RW:
         return value
     if field.allowed:
@@ -100,7 +106,9 @@ def test_every_access_does_what_the_map_says() -> None:
     seen = dict.fromkeys(("clamped", "refused"), 0)
     for number in chain(range(1 << 11), rng.choice(list(known), 6_000).tolist()):
         word, writes = known.get(number), bool(rng.random() < 0.7)
-        data = int(rng.choice([0, 1, 0xFFFF_FFFF, int(rng.integers(1 << 32)), int(rng.integers(1 << 32)) & 0x003F_003F]))
+        data = int(
+            rng.choice([0, 1, 1 << 20, 0xFFFF_FFFF, int(rng.integers(1 << 32)), int(rng.integers(1 << 32)) & 0x003F_003F])
+        )
         io.word, io.data = number, data
         given = {name: int(rng.integers(1 << bits)) for name, bits in inputs.items() if word and name.startswith(word.name)}
         for name, value in given.items():

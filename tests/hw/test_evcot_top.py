@@ -260,11 +260,48 @@ def test_counters_add_up() -> None:
         "passed": np.count_nonzero(owner == -1),
         "records": len(told.records),
         "stalls": found["stalls"],
+        "backward": 0,
     }
     assert found["filtered"] > 100
     device.run(words[:100])
     assert registers.events_in == 4_999  # as they were when latched
     assert registers.counters()["events_in"] == 5_099
+
+
+def test_waiting_for_enable_is_no_stall_and_time_that_runs_back_is_counted() -> None:
+    device = device_of("array behind filters", CotConfig.uniform(SMALL, EVERY))
+    registers = Registers(device)
+    nine = np.full(6, 9)
+    device.run(pack_events(np.array([10, 5, 6, 20, 19, 21]), nine, nine, 0 * nine))
+    found = registers.counters()
+    assert (found["events_in"], found["backward"], found["stalls"]) == (6, 3, 0)
+
+
+@pytest.mark.parametrize("reset", ["power", "soft"])
+def test_hot_pixels_that_are_written_right_after_a_reset_are_marked(reset: str) -> None:
+    """The filters need thousands of clocks to become empty, and nothing asks software to wait."""
+    rng = np.random.default_rng(31)
+    x, y = rng.permutation(60)[:12], rng.permutation(50)[:12]
+    build = BUILDS["array behind filters"]
+    hot = FilterRegisters(enable=1 << Filter.MASK, hot_pixels=tuple(zip(x.tolist(), y.tolist(), strict=True)))
+    config = replace(CotConfig.uniform(SMALL, EVERY), filters=hot, filter_shape=build.filter_shape)
+    device = device_of("array behind filters", config)
+    if reset == "soft":
+        device.run(quiet_clocks=8_000)
+        device.run(commands=[write(CONTROL, 1 << 9), *configuration(config), poll(STATUS, PENDING, 0), write(CONTROL, 1)])
+    else:
+        device.configure()
+    device.run(pack_events(np.arange(24), np.tile(x, 2), np.tile(y, 2), np.zeros(24, np.int64)))
+    assert Registers(device).counters()["filtered"] == 24
+
+
+def test_nothing_is_taken_during_a_soft_reset() -> None:
+    """Whatever is taken from the clock on in which its answer comes goes through."""
+    device = device_of("array behind filters", CotConfig.uniform(SMALL, EVERY))
+    told = device.run(pack_events(np.arange(400), *np.full((3, 400), 1)), [write(CONTROL, 1 << 9 | 2)])
+    after = np.count_nonzero(told.accepted >= told.commands["ended"][0])
+    assert 100 < after < 390
+    assert Registers(device).counters()["events_in"] == after
 
 
 class TestOverload:

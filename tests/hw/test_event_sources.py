@@ -13,6 +13,7 @@ from evcot.cot import CotModel
 from evcot.events import Events
 from evcot.files import write_events
 from evcot.formats.evt3 import evt3_layout
+from evcot.lfsr_event_source import LfsrEventSource
 from evcot.register_access import Registers
 from evcot.streams import unpack
 from evcot_cosim.build import load
@@ -23,6 +24,7 @@ from evcot_cosim.top_trials import BUILDS, EVERY, device_of
 
 EVENTS, LFSR, AER, EVT2, EVT21, EVT3 = range(6)
 SENSOR = BUILDS["sources"].filter_shape
+CONTROL = address_of("control")
 CONFIG = CotConfig.uniform(BUILDS["sources"].shape, EVERY)
 
 
@@ -64,6 +66,36 @@ def test_words_of_a_camera_give_the_log_of_its_events(source: int, tmp_path: Pat
             assert np.array_equal(getattr(found, field), getattr(golden, field)), field
         assert len(golden.records) > 40
         assert Registers(device).counters()["malformed"] == 0
+
+
+def test_nothing_is_taken_before_the_reset_is_over() -> None:
+    """The camera is there first: its beats wait from the first clock on, a time mark among them."""
+    device = device_of("sources")  # EVT 2.0 after reset
+    rng = np.random.default_rng(9)
+    events = random_events(rng, 10, SENSOR.width, SENSOR.height, 100)
+    words = evt2_words(events, vectors=False)
+    beats = axis_beats(words, 64)
+    device.run(beats[:, 0].copy(), keeps=beats[:, 1].astype(np.uint8))
+    counters = Registers(device).counters()
+    assert (counters["events_in"], counters["malformed"]) == (len(events), 0)
+
+
+def test_what_the_lfsr_gives_beyond_the_sensor_is_left_out_and_counted() -> None:
+    device = device_of("sources")
+    registers = Registers(device)
+    registers.source.select = LFSR
+    registers.lfsr_seed, registers.lfsr_gap = 0xC0FFEE, 20
+    registers.lfsr_x.min, registers.lfsr_x.span = 190, 40
+    registers.lfsr_y.min, registers.lfsr_y.span = 100, 100
+    registers.control.soft_reset = 1
+    found = unpack("passed", device.run(commands=[write(CONTROL, 1)], clocks=100_000, most=10_000).passed)
+    source = LfsrEventSource(x_w=8, y_w=8, seed=0xC0FFEE, gap=20, x_min=190, x_span=40, y_min=100, y_span=100)
+    events = source.events(5_000)
+    inside = np.flatnonzero((events.x < SENSOR.width) & (events.y < SENSOR.height))[: len(found)]
+    assert len(found) > 200
+    for axis in ("x", "y", "p"):
+        assert np.array_equal(found[axis], getattr(events, axis)[inside])
+    assert registers.counters()["malformed"] >= inside[-1] + 1 - len(found) > 1_000
 
 
 def test_damaged_words_are_skipped_and_counted(tmp_path: Path) -> None:

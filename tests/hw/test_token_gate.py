@@ -16,6 +16,7 @@ def sim() -> PyVerilator:
     sim = load("token_gate", {"SEQ_W": 48})
     reset(sim)
     sim.io.idle = 1
+    sim.clock.tick()
     return sim
 
 
@@ -34,6 +35,20 @@ def test_is_closed_after_reset_and_opens_when_enabled(sim: PyVerilator) -> None:
     sim.io.enable = 0
     sim.clock.tick()
     assert sim.io.open == 0
+
+
+def test_opens_after_reset_only_when_all_behind_it_has_been_idle_once() -> None:
+    sim = load("token_gate")
+    reset(sim)
+    sim.io.enable = 1
+    assert (clocks_until_open(sim), sim.io.cleared) == (20, 0)
+    sim.io.idle = 1
+    assert clocks_until_open(sim) == 2
+    sim.io.idle = 0
+    sim.clock.tick()
+    assert (sim.io.open, sim.io.cleared) == (1, 1)
+    reset(sim)
+    assert (sim.io.open, sim.io.cleared) == (0, 0)
 
 
 def test_a_closed_gate_lets_nothing_through_either_way(sim: PyVerilator) -> None:

@@ -56,6 +56,8 @@ _SMALL = {"TICK_W": 1, "X_W": 7, "Y_W": 7}
 # What the host makes whole again: with it 8 slots of the engine fit the block RAMs of an HX8K.
 _NARROW = {"TICK_W": 20, "SEQ_W": 32, "ID_W": 16, "TIME_W": 32, "TC_W": 22}
 _PIXELS = {"WIDTH": 128, "HEIGHT": 128}
+# As in hw/fpga/examples/kv260_evcot.v.
+_KV260 = {"SOURCES": 16, "SOURCE": 4, "TRACKER": 2, "WIDTH": 1280, "HEIGHT": 720, "X_W": 11, "Y_W": 10}
 
 _TABLE = (
     Module("cot", "cot", _TICK, answer="record"),
@@ -81,6 +83,7 @@ _TABLE = (
     Module("aer_in", "aer_in", answer="aer_event"),
     Module("aer_out", "aer_out", answer="aer_request"),
     Module("evcot_top", "evcot_top", {"TRACKER": 2}, _SIZES, (8,), "beat"),
+    Module("evcot_top_kv260", "evcot_top", _KV260, (8,), (8,)),
 )
 
 MODULES: Mapping[str, Module] = MappingProxyType({module.name: module for module in _TABLE})
