@@ -2,8 +2,8 @@
 // A part of evcot_top.v that the smallest board holds: LFSR source, cot_array, records, and a part of the registers.
 //
 // Same addresses as in docs/registers.md. Read: id, version, shape0 to shape2, build, sensor, and the counters `events`, `owned`,
-// `passed` and `records`, which no latch holds; all other words read 0. Write: control.enable, and the registers of a slot, which
-// act at once, one by one; all other writes are taken and do nothing. The LFSR's settings are those of the self-test.
+// `passed` and `records`; all other words read 0. Write: control.enable, control.latch, and the registers of a slot, which act at
+// once, one by one; all other writes are taken and do nothing. The LFSR's settings are those of the self-test.
 `default_nettype none
 `include "evcot_regs.vh"
 
@@ -51,6 +51,7 @@ module board_small #(
     reg  [31:0]       value;
     reg               enable;
     reg  [31:0]       n_events, n_owned, n_passed, n_records;
+    reg  [31:0]       events, owned, passed, records;  // as they stood at the last latch
 
     axi_lite_slave #(
         .ADDR_W(`EVCOT_CSR_ADDR_W)
@@ -100,16 +101,27 @@ module board_small #(
             WORD_SENSOR:  value = SENSOR;
             WORD_MEMORY:  value = MEMORY;
             WORD_CONTROL: value = {31'd0, enable};
-            WORD_EVENTS:  value = n_events;
-            WORD_OWNED:   value = n_owned;
-            WORD_PASSED:  value = n_passed;
-            WORD_RECORDS: value = n_records;
+            WORD_EVENTS:  value = events;
+            WORD_OWNED:   value = owned;
+            WORD_PASSED:  value = passed;
+            WORD_RECORDS: value = records;
             default:      value = 32'd0;
         endcase
 
     always @(posedge clk) begin
-        if (request && writes && word == WORD_CONTROL) enable <= data[0];
-        if (rst) enable <= 1'b0;
+        if (request && writes && word == WORD_CONTROL) begin
+            enable <= data[0];
+            if (data[8]) begin
+                events  <= n_events;
+                owned   <= n_owned;
+                passed  <= n_passed;
+                records <= n_records;
+            end
+        end
+        if (rst) begin
+            enable <= 1'b0;
+            {events, owned, passed, records} <= {4 * 32{1'b0}};
+        end
     end
 
     // ---- source ------------------------------------------------------------------------------------------------------

@@ -59,7 +59,7 @@ def test_a_board_tests_itself_tells_its_records_and_answers_its_host(name: str) 
         first = registers.counters()
         assert first["events"] == first["owned"] + first["passed"] > 0
         assert first["records"] >= count
-        assert registers.counters() | {"stalls": 0} == first | {"stalls": 0}  # a token waits at the gate
+        assert registers.counters() == first
         registers.slot[0].mode = 0
         registers.slot[0].commit()
         registers.control.enable = 1
@@ -148,5 +148,5 @@ def test_the_pages_python_talks_to_a_board(capsys: pytest.CaptureFixture[str]) -
     blocks = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     assert len(blocks) == 1
     with SimulatedBoard(BOARDS["ulx3s"]) as board:
-        exec(compile(blocks[0].replace("/dev/ttyUSB1", board.port), "boards.md", "exec"), {})
+        exec(compile(blocks[0].replace("/dev/ttyUSB0", board.port), "boards.md", "exec"), {})
     assert "Shape(n_slots=8" in capsys.readouterr().out

@@ -63,7 +63,7 @@ _TABLE = (
     Module("cot", "cot", _TICK, answer="record"),
     Module("cot_chain", "cot_chain", _TICK, _SIZES, (8,), "record"),
     Module("cot_array", "cot_array", _TICK, _SIZES, (8,), "record"),
-    Module("cot_engine", "cot_engine", _TICK, _SIZES, (8,), "record"),
+    Module("cot_engine", "cot_engine", _TICK, _SIZES, (8, 32), "record"),
     Module("cot_engine_narrow", "cot_engine", _NARROW, (8,), (8,), "record"),
     Module("cot_published_chain", "cot_published_chain", answer="centre"),
     Module("filter_region", "filter_region", _SMALL, answer="token"),

@@ -55,16 +55,13 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
             counts = {row.n: row.luts for row in here}
             luts.plot(list(counts), list(counts.values()), color=colour, marker="o", markersize=4, label=module)
             _fmax(fmax, module, here, colour)
-            points = [
-                (row.n, clocks[name] / row.median_mhz * 1e3)
-                for row in here
-                if row.device == "ecp5-25" and row.median_mhz and (name := latency_name(module, row.n)) in clocks
-            ]
-            sizes, times = [n for n, _ in points], [ns for _, ns in points]
-            latency.plot(sizes, times, color=colour, marker="o", markersize=4, label=module)
+            routed = {row.n: row.median_mhz for row in reversed(here) if row.median_mhz}  # of each N the smallest device
+            names = {n: latency_name(module, n) for n in sorted(routed, key=lambda n: n or 0)}
+            times = {n: clocks[name] / routed[n] * 1e3 for n, name in names.items() if name in clocks}
+            latency.plot(list(times), list(times.values()), color=colour, marker="o", markersize=4, label=module)
         for ns, label in ((140, "published tracker alone"), (320, "behind three others")):
             latency.axhline(ns, color=_INK, linewidth=0.8, linestyle="dashed")
-            latency.text(1, ns * 1.05, label, fontsize=7, color=_INK)
+            latency.text(64, ns * 1.05, label, fontsize=7, color=_INK, ha="right")
         luts.axhline(24_288, color=_INK, linewidth=0.8, linestyle="dashed")
         luts.text(1, 24_288 * 1.08, "ECP5-25 has", fontsize=7, color=_INK)
         for axes in (luts, fmax, latency):
@@ -75,7 +72,8 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
         luts.set(yscale="log", ylim=(1_000, max(50_000, luts.get_ylim()[1])))
         luts.yaxis.set_major_formatter("{x:,.0f}")
         fmax.set(ylim=(0, 1.1 * fmax.get_ylim()[1]))
-        latency.set(ylim=(0, max(380, latency.get_ylim()[1])))
+        latency.set(yscale="log", ylim=(50, max(1_000, latency.get_ylim()[1])))
+        latency.yaxis.set_major_formatter("{x:,.0f}")
         for axes in (luts, fmax, latency):
             axes.minorticks_off()
         with written_aside(path) as file:

@@ -13,7 +13,7 @@ from statistics import fmean, median, variance
 from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 
-__all__ = ["LIMIT", "Figure", "Figures", "Growth", "growths", "load", "save", "seed_noise"]
+__all__ = ["LIMIT", "Figure", "Figures", "Growth", "growths", "load", "save", "seed_noise", "smallest_loss"]
 
 LIMIT = 0.05
 """What may get worse without a word, as a fraction."""
@@ -110,6 +110,11 @@ class Growth:
     change: float
 
 
+def smallest_loss(noise: float, seeds: int, seeds_now: int | None = None) -> float:
+    """How much lower a median over so many seeds must be to be no chance, as a fraction, and no less than `LIMIT`."""
+    return max(LIMIT, _SURE * _MEDIAN * noise * sqrt(1 / seeds + 1 / (seeds_now or seeds)))
+
+
 def growths(before: Figure, now: Figure, noise: float) -> list[Growth]:
     """What has become more than `LIMIT` worse.
 
@@ -122,9 +127,8 @@ def growths(before: Figure, now: Figure, noise: float) -> list[Growth]:
         if new > old * (1 + LIMIT) and new - old > few:
             found.append(Growth(now.name, what, f"{old:,}", f"{new:,}", new / old - 1 if old else float("inf")))
     if before.median_mhz and now.median_mhz:
-        error = _MEDIAN * noise * sqrt(1 / len(before.fmax_mhz) + 1 / len(now.fmax_mhz))
         change = now.median_mhz / before.median_mhz - 1
-        if -change > max(LIMIT, _SURE * error):
+        if -change > smallest_loss(noise, len(before.fmax_mhz), len(now.fmax_mhz)):
             found.append(Growth(now.name, "median Fmax", f"{before.median_mhz:.1f} MHz", f"{now.median_mhz:.1f} MHz", change))
     elif before.median_mhz and now.misfit:
         found.append(Growth(now.name, "fit", f"{before.median_mhz:.1f} MHz", now.misfit, float("-inf")))

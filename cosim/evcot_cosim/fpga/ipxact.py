@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A module described for Vivado's IP catalogue: IP-XACT 1685-2009 with Xilinx' bus types, beside the single-file release."""
+"""A module described for Vivado's IP catalogue: IP-XACT 1685-2009 with Xilinx' bus types, beside the single-file release.
+
+A folder of it holds component.xml, and the dialogue in which a user sets the parameters: Vivado takes them from nowhere else.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,18 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 import evcot
+from evcot.contract import FILTER_SHAPE_RANGES, SHAPE_RANGES, Filter
+from evcot.registers import register_map
 
-from .header import Header, evaluate, read
+from ..driver import PARAMETERS
+from .header import DeclaredPort, Header, evaluate, read
 
-__all__ = ["Bus", "buses", "component"]
+__all__ = ["CHOICES", "LIMITS", "Bus", "buses", "component", "dialogue", "dialogue_file"]
 
 _SIGNALS = {
     "axis": ("tvalid", "tready", "tdata", "tkeep", "tuser", "tlast", "tid", "tdest", "tstrb"),
@@ -25,6 +31,24 @@ _SIGNALS = {
     ),
 }
 _MARK = {"axis": "tvalid", "aximm": "awvalid"}
+_ALWAYS = ("clk", "rst")  # inputs that nobody leaves open
+
+LIMITS: Mapping[str, tuple[int, int]] = {
+    **{PARAMETERS[name]: (low, high) for name, (low, high, _) in SHAPE_RANGES.items()},
+    **{name.upper(): (low, high) for name, (low, high, _) in FILTER_SHAPE_RANGES.items()},
+    "HAS": (0, (1 << len(Filter)) - 1),
+    "SOURCES": (1, (1 << len(register_map().sources)) - 1),
+    "FIFO_DEPTH": (1, 16_384),
+    "RECORD_DEPTH": (1, 16_384),
+}
+"""Smallest and largest value of a parameter, by name."""
+
+CHOICES: Mapping[str, Mapping[int, str]] = {
+    "TRACKER": {i: f"cot_{name}" for i, name in enumerate(register_map().trackers)},
+    "SOURCE": dict(enumerate(register_map().sources)),
+    "DATA_W": {bits: f"{bits} bits" for bits in (32, 64, 128, 256)},
+}
+"""The only values of a parameter, and what they are called."""
 
 
 @dataclass(frozen=True)
@@ -60,23 +84,60 @@ def component(top: str, file: str, verilog: Path | None = None) -> str:
     header = read(top, verilog)
     values = header.values({})
     lefts = {port.name: evaluate(port.left, values) for port in header.ports if port.left is not None}
-    environment = Environment(
-        loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True, autoescape=True
-    )
-    return environment.get_template("component.xml.j2").render(
+    return _rendered(
+        "component.xml.j2",
         header=header,
         values=values,
         lefts=lefts,
         buses=buses(header),
-        version=evcot.__version__.rpartition(".")[0],
+        version=_version(),
         file=file,
+        dialogue=dialogue_file(top),
+        limits=LIMITS,
+        choices={name: choice for name, choice in CHOICES.items() if name in values},
+        tied={port.name: _tied(port, lefts) for port in header.ports if port.direction == "in" and port.name not in _ALWAYS},
         map_bytes={port.name: 2 << lefts[port.name] for port in header.ports if port.name.endswith("_awaddr")},
         dependency=_dependency,
     )
 
 
+def dialogue_file(top: str) -> str:
+    """Where the dialogue stands, relative to component.xml."""
+    return f"xgui/{top}_v{_version().replace('.', '_')}.tcl"
+
+
+def dialogue(top: str, verilog: Path | None = None) -> str:
+    """The Tcl of the dialogue: every parameter that a user sets, handed to the module.
+
+    Raises:
+        ConfigError: there is no such module.
+    """
+    return _rendered("xgui.tcl.j2", header=read(top, verilog))
+
+
+def _version() -> str:
+    return evcot.__version__.rpartition(".")[0]
+
+
+def _rendered(template: str, **values: Any) -> str:
+    environment = Environment(
+        loader=PackageLoader("evcot_cosim"),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        autoescape=template.endswith(".xml.j2"),
+    )
+    return environment.get_template(template).render(**values)
+
+
+def _tied(port: DeclaredPort, lefts: Mapping[str, int]) -> int:
+    """What an input is that a block design leaves open: outputs are taken, whole beats come, no chip requests."""
+    if port.name.endswith("_tkeep"):
+        return (2 << lefts[port.name]) - 1
+    return int(port.name.endswith("ready") or port.name == "aer_req")
+
+
 def _dependency(expression: str, kind: Literal["MODELPARAM_VALUE", "PARAM_VALUE"]) -> str:
     """A Verilog expression as the XPath that Vivado evaluates; the derived width of a slot number is its only function."""
-    text = re.sub(r"\(?(\w+) > 1\)? \? \$clog2\(\1\) : 1", r"ceil(log(2, \1 + (\1 = 1)))", expression)
-    text = re.sub(r"\b(ceil|log)\(", r"spirit:\1(", text).replace("/", " div ")
-    return re.sub(r"(?<!:)\b[A-Z]\w*\b", lambda found: f"spirit:decode(id('{kind}.{found[0]}'))", text)
+    steps = " + ".join(rf"(\1 > {1 << bit})" for bit in range(1, (LIMITS["N"][1] - 1).bit_length()))
+    text = re.sub(r"\(?(\w+) > 1\)? \? \$clog2\(\1\) : 1", f"1 + {steps}", expression).replace("/", " div ")
+    return re.sub(r"\b[A-Z]\w*\b", lambda found: f"spirit:decode(id('{kind}.{found[0]}'))", text)

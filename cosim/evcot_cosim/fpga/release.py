@@ -9,7 +9,7 @@ import evcot
 from evcot.outputs import written_aside
 
 from ..build import verilog_dir
-from .ipxact import component
+from .ipxact import component, dialogue, dialogue_file
 from .sources import flat, modules
 
 __all__ = ["TOPS", "release_text", "write_release"]
@@ -35,6 +35,11 @@ def release_text(verilog: Path | None = None) -> str:
     return _HEADER.format(version=evcot.__version__, count=len(names)) + flat(names, verilog, comments=True)
 
 
+def _papers(root: Path) -> tuple[Path, ...]:
+    """What a user of the registers needs besides the RTL."""
+    return root / "LICENSE", root / "docs" / "registers.md", root / "hw" / "include" / "evcot_regs.h"
+
+
 def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
     """Write the release into a folder, which is made: evcot.v, the constraints, ecp5/ and ip/TOP/ with a copy of evcot.v.
 
@@ -44,13 +49,14 @@ def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
     text = release_text(verilog).encode()
     files = {"evcot.v": text}
     boards = (verilog or verilog_dir()).parent / "fpga"
-    for path in sorted((boards / "constraints").iterdir()):
+    for path in (*sorted((boards / "constraints").iterdir()), *_papers(boards.parents[1])):
         files[path.name] = path.read_bytes()
     for path in sorted((boards / "ecp5").iterdir()):
         files[f"ecp5/{path.name}"] = path.read_bytes()
     for top in TOPS:
         files[f"ip/{top}/evcot.v"] = text
         files[f"ip/{top}/component.xml"] = component(top, "evcot.v", verilog).encode()
+        files[f"ip/{top}/{dialogue_file(top)}"] = dialogue(top, verilog).encode()
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,7 @@ from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 
 from .devices import DEVICES
-from .figures import Figure, Figures, seed_noise
+from .figures import Figure, Figures, seed_noise, smallest_loss
 
 __all__ = ["PUBLISHED_NS", "latency_name", "write_tables"]
 
@@ -38,7 +38,7 @@ def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int]) -> Non
         "cost": _cost(figures.values()),
         "scaling": _scaling(figures.values()),
         "latency": _latency(figures, clocks),
-        "noise": f"From seed to seed Fmax differs by {seed_noise(figures.values()):.1%} (standard deviation).",
+        "noise": _noise(seed_noise(figures.values())),
     }
     for name, table in tables.items():
         mark, end = f"<!-- {name} -->\n", "<!-- end -->"
@@ -86,18 +86,29 @@ def _cost(figures: Iterable[Figure]) -> str:
 
 
 def _scaling(figures: Iterable[Figure]) -> str:
-    """ECP5: LUTs over N, and Fmax on each size of the device."""
-    here = [figure for figure in figures if figure.device.startswith("ecp5") and figure.n is not None]
-    sizes = sorted({figure.n for figure in here if figure.n is not None})
+    """Over N: LUTs, once for devices of one synthesis, and Fmax on each device that places and routes."""
+    scaled = [figure for figure in figures if figure.n is not None]
+    sizes = sorted({figure.n for figure in scaled if figure.n is not None})
     rows = []
-    for module in dict.fromkeys(figure.module for figure in here):
-        luts = {figure.n: f"{figure.luts:,}" for figure in here if figure.module == module}
-        rows.append([f"{module}, LUTs", *(luts.get(n, "") for n in sizes)])
-        for device in DEVICES:
-            fmax = {row.n: _mhz(row) for row in here if row.module == module and row.device == device and row.seeds}
-            if fmax:
-                rows.append([f"{module}, MHz, {device}", *(fmax.get(n, "") for n in sizes)])
+    for module in dict.fromkeys(figure.module for figure in scaled):
+        if len({row.n for row in scaled if row.module == module}) == 1:
+            continue
+        told = set()
+        for name, device in DEVICES.items():
+            here = {row.n: row for row in scaled if row.module == module and row.device == name}
+            if here and device.synthesis not in told:
+                told.add(device.synthesis)
+                family = "ecp5" if device.synthesis == "synth_ecp5" else name
+                rows.append([f"{module}, LUTs, {family}", *(f"{here[n].luts:,}" if n in here else "" for n in sizes)])
+            if device.placement and any(row.median_mhz for row in here.values()):
+                fmax = {n: "–" if row.misfit.startswith("does not fit") else _mhz(row) for n, row in here.items()}
+                rows.append([f"{module}, MHz, {name}", *(fmax.get(n, "") for n in sizes)])
     return _table(["N", *map(str, sizes)], rows)
+
+
+def _noise(noise: float) -> str:
+    seen = " or ".join(f"by {smallest_loss(noise, seeds):.1%} with {seeds} seeds" for seeds in (3, 5))
+    return f"From seed to seed Fmax differs by {noise:.1%} (standard deviation). A median is seen when it is lower {seen}."
 
 
 def latency_name(module: str, n: int | None) -> str:

@@ -126,12 +126,14 @@ def _parameters(lines: Iterable[str]) -> Iterator[tuple[str, str, str]]:
 
 
 def _ports(lines: Iterable[str]) -> Iterator[_Port]:
-    heading = ""
+    heading, goes_on = "", False
     for line in lines:
         bare = line.strip()
         if bare.startswith("//"):
-            heading = bare[3:]
-        elif found := _PORT.match(line):
+            heading, goes_on = f"{heading} {bare[3:]}" if goes_on else bare[3:], True
+            continue
+        goes_on = False
+        if found := _PORT.match(line):
             direction = "in" if found[1] == "input" else "out"
             width = (found[2] or "").replace("`", "")
             for name in re.split(r"\s*,\s*", found[3]):

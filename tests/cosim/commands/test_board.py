@@ -33,6 +33,7 @@ def test_a_board_says_what_it_is_and_gives_the_models_records(name: str, slots: 
     assert told["first_record"] > 0
     assert told["difference"] is None
     assert told["counters"]["records"] > 0
+    assert told["counters"]["owned"] + told["counters"].get("passed", 0) <= told["counters"]["events"]  # read at one clock
 
 
 def test_a_record_that_differs_is_named_with_both_values() -> None:

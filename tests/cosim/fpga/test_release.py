@@ -20,10 +20,11 @@ from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.core import core_text
 from evcot_cosim.fpga.header import evaluate, read
 from evcot_cosim.fpga.interface import ports
-from evcot_cosim.fpga.ipxact import buses, component
+from evcot_cosim.fpga.ipxact import CHOICES, LIMITS, buses, component, dialogue
 from evcot_cosim.fpga.release import TOPS, release_text, write_release
 from evcot_cosim.fpga.selftest import header
 from evcot_cosim.fpga.sources import modules
+from evcot_cosim.testing import lint
 from evcot_cosim.toolchain import find_toolchain
 
 HW = verilog_dir().parent
@@ -69,7 +70,11 @@ def test_the_one_file_lints_clean_for_each_top(tmp_path: Path) -> None:
 
 def test_a_release_has_its_files(tmp_path: Path) -> None:
     files = {str(path.relative_to(tmp_path)) for path in write_release(tmp_path)}
-    assert {"evcot.v", "evcot.sdc", "evcot.xdc", "ip/evcot_top/component.xml", "ip/evcot_top/evcot.v"} <= files
+    assert {"evcot.v", "evcot.sdc", "evcot.xdc", "LICENSE", "registers.md", "evcot_regs.h"} <= files
+    for top in TOPS:
+        tree = ET.parse(tmp_path / "ip" / top / "component.xml")
+        named = {f"ip/{top}/{file.findtext(f'{SPIRIT}name')}" for file in tree.iter(f"{SPIRIT}file")}
+        assert named | {f"ip/{top}/component.xml"} == {file for file in files if file.startswith(f"ip/{top}/")}
     assert f"evcot {evcot.__version__}" in (tmp_path / "evcot.v").read_text()
     assert all((tmp_path / name).stat().st_size for name in files)
 
@@ -110,6 +115,69 @@ def test_ip_xact_agrees_with_the_rtl(top: str, chosen: dict[str, int]) -> None:
     assert model == {name: str(value) for name, value in defaults.items()}
     settable = [one.findtext(f"{SPIRIT}name") for one in tree.findall(f"{SPIRIT}parameters/{SPIRIT}parameter")]
     assert settable == [*(name for name in defaults if name != "SLOT_W"), "Component_Name"]
+
+
+@pytest.mark.parametrize("top", TOPS)
+def test_the_dialogue_hands_every_parameter_to_the_module(top: str) -> None:
+    """Vivado sets a parameter of the module by this procedure, and by nothing else."""
+    text = dialogue(top)
+    settable = [parameter.name for parameter in read(top).parameters if not parameter.derived]
+    assert re.findall(r'add_param \$IPINST -name "(\w+)" -parent \$page', text) == settable
+    value = r"\$\{(?:MODEL)?PARAM_VALUE\.(\w+)\}"
+    body = rf"^proc update_MODELPARAM_VALUE\.(\w+) .*\n  set_property value \[get_property value {value}\] {value}$"
+    handed = re.findall(body, text, re.MULTILINE)
+    assert handed == [(name,) * 3 for name in settable]
+
+
+def test_the_width_of_a_slot_number_follows_the_number_of_slots() -> None:
+    tree = ET.fromstring(component("cot_engine", "evcot.v"))
+    slot_w = next(one for one in tree.iter(f"{SPIRIT}modelParameter") if one.findtext(f"{SPIRIT}name") == "SLOT_W")
+    value = slot_w.find(f"{SPIRIT}value")
+    assert value is not None
+    asked = value.attrib[f"{SPIRIT}dependency"].replace("spirit:decode(id('MODELPARAM_VALUE.N'))", "N")
+    for n in range(1, 65):
+        assert eval(asked, {"N": n}) == max(1, (n - 1).bit_length())
+
+
+def test_a_user_is_offered_the_values_that_the_rtl_takes() -> None:
+    tree = ET.fromstring(component("evcot_top", "evcot.v"))
+    values = {
+        one.findtext(f"{SPIRIT}name"): one.find(f"{SPIRIT}value")
+        for one in tree.findall(f"{SPIRIT}parameters/{SPIRIT}parameter")
+    }
+    chosen = {name: value.get(f"{SPIRIT}choiceRef") for name, value in values.items() if value is not None}
+    assert {name for name, reference in chosen.items() if reference} == CHOICES.keys()
+    assert {one.findtext(f"{SPIRIT}name") for one in tree.iter(f"{SPIRIT}choice")} == {f"choice_{name}" for name in CHOICES}
+    assert chosen.keys() - CHOICES.keys() - {"Component_Name"} <= LIMITS.keys()
+    n = values["N"]
+    assert n is not None
+    assert (n.get(f"{SPIRIT}minimum"), n.get(f"{SPIRIT}maximum")) == ("1", "64")
+
+
+@pytest.mark.parametrize(
+    ("name", "beyond"),
+    [
+        *((name, low - 1) for name, (low, _) in LIMITS.items() if low and name in ("SOURCES", "FIFO_DEPTH", "RECORD_DEPTH")),
+        *((name, high + 1) for name, (_, high) in LIMITS.items() if name in ("HAS", "SOURCES", "FIFO_DEPTH")),
+        *((name, max(values) + 1) for name, values in CHOICES.items()),
+    ],
+)
+def test_the_rtl_refuses_what_lies_beyond(name: str, beyond: int) -> None:
+    assert lint("evcot_top", **{name: beyond})[0] != 0
+
+
+def test_inputs_left_open_are_tied_so_that_nothing_stops() -> None:
+    tree = ET.fromstring(component("evcot_top", "evcot.v"))
+    tied = {port.findtext(f"{SPIRIT}name"): port.findtext(f".//{SPIRIT}defaultValue") for port in tree.iter(f"{SPIRIT}port")}
+    ones = {name: value for name, value in tied.items() if value not in (None, "0")}
+    assert ones == {
+        "aer_req": "1", "s_axis_tkeep": "255", "s_axil_bready": "1", "s_axil_rready": "1",
+        **{f"m_axis_{name}_tready": "1" for name in ("records", "owned", "passed")},
+    }  # fmt: skip
+    assert {port.name for port in read("evcot_top").ports if tied[port.name] is None and port.direction == "in"} == {
+        "clk",
+        "rst",
+    }
 
 
 def test_buses_are_told_by_their_ports() -> None:

@@ -44,7 +44,7 @@ def test_tables_say_what_was_measured(tmp_path: Path) -> None:
     assert "| cot_engine, N = 8 | 8 | ecp5-25 | 125 | 64 |" in section(text, "latency")  # 8 clocks of 8 ns
     assert "filter_mask" not in section(text, "latency")
     assert "| published tracker, alone | 7 at 50 MHz |  |  | 140 |" in section(text, "latency")
-    assert "| cot_engine, MHz, ecp5-25 | 125 (131) |" in section(text, "scaling")
+    assert "cot_engine" not in section(text, "scaling")  # one size does not scale
     assert "old" not in text
     assert text.startswith("before\ncost:\n")
     assert text.endswith("<!-- end -->\nafter\n")
@@ -60,6 +60,24 @@ def test_latency_is_that_on_the_first_device_that_was_routed_for(tmp_path: Path)
     larger = [replace(ENGINE, device=device, fmax_mhz=(mhz,)) for device, mhz in (("ecp5-85", 160.0), ("ecp5-45", 100.0))]
     write_tables(page, table(too_small, *larger), {"cot_engine N=8": 8})
     assert "| cot_engine, N = 8 | 8 | ecp5-45 | 100 | 80 |" in section(page.read_text(), "latency")
+
+
+def test_scaling_tells_luts_once_for_one_synthesis_and_fmax_for_each_device(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    page.write_text(MARKS)
+    small, large = replace(ENGINE, n=1, luts=900), replace(ENGINE, device="ecp5-85", fmax_mhz=(140.0,))
+    tight = replace(ENGINE, device="hx8k", luts=4_100, fmax_mhz=(), misfit="does not fit: 35 of 32 block RAMs")
+    fits = replace(tight, n=1, luts=800, fmax_mhz=(97.0,), misfit="")
+    gowin = replace(small, device="gowin", luts=950, fmax_mhz=(), seeds=0)
+    write_tables(page, table(small, ENGINE, large, fits, tight, gowin), {})
+    assert section(page.read_text(), "scaling").splitlines()[2:] == [
+        "| cot_engine, LUTs, ecp5 | 900 | 4,001 |",
+        "| cot_engine, MHz, ecp5-25 | 125 (131) | 125 (131) |",
+        "| cot_engine, MHz, ecp5-85 |  | 140 (140) |",
+        "| cot_engine, LUTs, hx8k | 800 | 4,100 |",
+        "| cot_engine, MHz, hx8k | 97 (97) | – |",
+        "| cot_engine, LUTs, gowin | 950 |  |",
+    ]
 
 
 def test_a_mark_that_is_missing_is_named(tmp_path: Path) -> None:
