@@ -106,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except EvcotError as error:
         print(f"evcot: {error}", file=sys.stderr)
         return 2
-    clocks = (f"{name} reaches {reached:.1f} of {wanted:g} MHz" for name, (reached, wanted) in made.clocks.items())
+    clocks = (f"{name} reaches {reached:.1f} of {wanted:.4g} MHz" for name, (reached, wanted) in made.clocks.items())
     print(f"{made.path}: {made.path.stat().st_size:,} bytes; {', '.join(clocks)}")
     return 0
 
