@@ -17,6 +17,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from evcot.errors import ToolchainError
+
 from . import harness, tools
 from .catalogue import Module
 from .devices import Device, Resources
@@ -122,7 +124,7 @@ def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
     """Place and route with one seed: Fmax in MHz, or None and what went wrong.
 
     Raises:
-        ToolchainError: nextpnr is missing.
+        ToolchainError: nextpnr is missing, or somebody stopped it.
     """
     command = [*done.case.device.placement, "--json", "netlist.json", "--seed", str(seed)]
     name = _hash([command, tools.version(command[0])])
@@ -133,6 +135,8 @@ def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
         except subprocess.TimeoutExpired:
             report.write_text(json.dumps({"error": f"no route within {PATIENCE_S / 60:g} minutes"}))
         else:
+            if ran.returncode < 0:  # it says nothing of the design
+                raise ToolchainError(f"{done.case.name}, seed {seed}: {command[0]} was stopped by signal {-ran.returncode}")
             if ran.returncode:
                 report.write_text(json.dumps({"error": f"does not fit: {_telling(ran.stderr)}"}))
         os.replace(report, kept)

