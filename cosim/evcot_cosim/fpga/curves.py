@@ -59,9 +59,9 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
             names = {n: latency_name(module, n) for n in sorted(routed, key=lambda n: n or 0)}
             times = {n: clocks[name] / routed[n] * 1e3 for n, name in names.items() if name in clocks}
             latency.plot(list(times), list(times.values()), color=colour, marker="o", markersize=4, label=module)
-        for ns, label in ((140, "published tracker alone"), (320, "behind three others")):
+        for ns, n, side, label in ((140, 64, "right", "published tracker alone"), (320, 1, "left", "behind three others")):
             latency.axhline(ns, color=_INK, linewidth=0.8, linestyle="dashed")
-            latency.text(64, ns * 1.05, label, fontsize=7, color=_INK, ha="right")
+            latency.text(n, ns * 1.05, label, fontsize=7, color=_INK, ha=side)
         luts.axhline(24_288, color=_INK, linewidth=0.8, linestyle="dashed")
         luts.text(1, 24_288 * 1.08, "ECP5-25 has", fontsize=7, color=_INK)
         for axes in (luts, fmax, latency):
@@ -72,7 +72,7 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
         luts.set(yscale="log", ylim=(1_000, max(50_000, luts.get_ylim()[1])))
         luts.yaxis.set_major_formatter("{x:,.0f}")
         fmax.set(ylim=(0, 1.1 * fmax.get_ylim()[1]))
-        latency.set(yscale="log", ylim=(50, max(1_000, latency.get_ylim()[1])))
+        latency.set(yscale="log", ylim=(50, max(1_000, latency.get_ylim()[1])), yticks=(50, 100, 200, 500, 1_000))
         latency.yaxis.set_major_formatter("{x:,.0f}")
         for axes in (luts, fmax, latency):
             axes.minorticks_off()
