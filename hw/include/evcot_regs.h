@@ -93,7 +93,7 @@
 #define EVCOT_CONTROL_LATCH_SHIFT 8u
 #define EVCOT_CONTROL_LATCH_MASK 0x00000100u /* pulse: copy all counters at one clock, to be read */
 #define EVCOT_CONTROL_SOFT_RESET_SHIFT 9u
-#define EVCOT_CONTROL_SOFT_RESET_MASK 0x00000200u /* pulse: reset everything but the registers, at once; `source`, `tick_us`, `prescale` and `lfsr_*` take effect */
+#define EVCOT_CONTROL_SOFT_RESET_MASK 0x00000200u /* pulse: reset everything but the registers and what has reached an output, at once; `source`, `tick_us`, `prescale` and `lfsr_*` take effect */
 
 /* where events come from; takes effect with `soft_reset` */
 #define EVCOT_SOURCE 0x024u

@@ -13,6 +13,8 @@
 // Throughput: with a sender that answers at once, an event in 2 * SYNC + 3 clocks, one more now and then.
 // Stall:      an event stays until taken; the next one is stamped when it comes, and acknowledged when there is room.
 // Reset:      no acknowledge, no row is known; a request that is already there is taken for a new one.
+// Flush:      an event inside is dropped and counters begin anew, but the handshake goes on: what has not been acknowledged is
+//             read when the flush is over, what has been is not read again, and the row stays.
 `default_nettype none
 
 module aer_in #(
@@ -28,7 +30,9 @@ module aer_in #(
     input  wire               clk,
     input  wire               rst,
 
-    // settings: change them under reset alone
+    input  wire               flush,
+
+    // settings: change them under reset or flush alone
     input  wire               active_low,   // of aer_req and aer_ack
     input  wire               word_serial,
 
@@ -100,14 +104,14 @@ module aer_in #(
     wire [Y_W-1:0]  y = word_serial ? row : word[AER_W-1:X_W+1];
     wire            on_sensor = {{(32 - X_W) {1'b0}}, x} < COLUMNS && {{(32 - Y_W) {1'b0}}, y} < ROWS;
     wire            is_event = !sets_row && !rowless && on_sensor;
-    wire            decided = state == DECIDE && (!is_event || m_ready || !m_valid);
+    wire            decided = state == DECIDE && (!is_event || m_ready || !m_valid) && !flush;
 
     assign idle = state == LISTEN && !request && !m_valid;
 
     always @(posedge clk) begin
         case (state)
             LISTEN:
-            if (request) begin
+            if (request && !flush) begin
                 is_row  <= aer_row;
                 word    <= aer_data;
                 arrival <= t_us;
@@ -142,14 +146,17 @@ module aer_in #(
                 m_p     <= word[0];
             end
         end
+        if (flush && state == DECIDE) state <= LISTEN;
+        if (rst || flush) begin
+            m_valid   <= 1'b0;
+            n_events  <= {COUNT_W{1'b0}};
+            n_outside <= {COUNT_W{1'b0}};
+            n_rowless <= {COUNT_W{1'b0}};
+        end
         if (rst) begin
             state       <= LISTEN;
             acknowledge <= 1'b0;
             row_known   <= 1'b0;
-            m_valid     <= 1'b0;
-            n_events    <= {COUNT_W{1'b0}};
-            n_outside   <= {COUNT_W{1'b0}};
-            n_rowless   <= {COUNT_W{1'b0}};
         end
     end
 

@@ -25,8 +25,8 @@ module axi_lite_words #(
     output reg         writable,
     output reg  [31:0] value,
     output reg  [31:0] kept,
-    output reg         clamped,
-    output reg         refused,
+    output wire        clamped,
+    output wire        refused,
 
     // 000: the letters EVCT
     input  wire [31:0] id,
@@ -174,40 +174,6 @@ module axi_lite_words #(
 
     parameter_check #(.OK(((SOURCES >> SOURCE) & 1) == 1)) SOURCE_must_be_one_of_SOURCES ();
 
-    // ---- legal values ------------------------------------------------------------------------------------------------
-
-    wire [2:0]  new_source_select = data[2:0];
-    localparam [31:0] ALLOWED_SOURCE_SELECT = SOURCES;
-    wire bad_source_select = !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
-    wire [19:0] new_tick_us = data[19:0];
-    wire        wide_tick_us = |data[31:20];
-    localparam [19:0] TOP_TICK_US = 20'd1000000;
-    wire over_tick_us = wide_tick_us || {1'b0, new_tick_us} > {1'b0, TOP_TICK_US};
-    wire under_tick_us = !wide_tick_us && new_tick_us < 20'd1;
-    wire [15:0] new_prescale_tick = data[15:0];
-    wire under_prescale_tick = new_prescale_tick < 16'd1;
-    wire [15:0] new_prescale_us = data[31:16];
-    wire under_prescale_us = new_prescale_us < 16'd1;
-    wire [31:0] new_lfsr_seed = data[31:0];
-    localparam [31:0] TOP_LFSR_SEED = 32'd4294967294;
-    wire over_lfsr_seed = {1'b0, new_lfsr_seed} > {1'b0, TOP_LFSR_SEED};
-    wire [15:0] new_lfsr_gap = data[15:0];
-    wire        wide_lfsr_gap = |data[31:16];
-    localparam [15:0] TOP_LFSR_GAP = 16'd65535;
-    wire over_lfsr_gap = wide_lfsr_gap;
-    wire [15:0] new_lfsr_x_min = data[15:0];
-    localparam [15:0] TOP_LFSR_X_MIN = {16{1'b1}} >> (16 - X_W);
-    wire over_lfsr_x_min = {1'b0, new_lfsr_x_min} > {1'b0, TOP_LFSR_X_MIN};
-    wire [15:0] new_lfsr_x_span = data[31:16];
-    localparam [15:0] TOP_LFSR_X_SPAN = {16{1'b1}} >> (16 - X_W);
-    wire over_lfsr_x_span = {1'b0, new_lfsr_x_span} > {1'b0, TOP_LFSR_X_SPAN};
-    wire [15:0] new_lfsr_y_min = data[15:0];
-    localparam [15:0] TOP_LFSR_Y_MIN = {16{1'b1}} >> (16 - Y_W);
-    wire over_lfsr_y_min = {1'b0, new_lfsr_y_min} > {1'b0, TOP_LFSR_Y_MIN};
-    wire [15:0] new_lfsr_y_span = data[31:16];
-    localparam [15:0] TOP_LFSR_Y_SPAN = {16{1'b1}} >> (16 - Y_W);
-    wire over_lfsr_y_span = {1'b0, new_lfsr_y_span} > {1'b0, TOP_LFSR_Y_SPAN};
-
     // ---- which word --------------------------------------------------------------------------------------------------
 
     reg at_id;
@@ -281,6 +247,66 @@ module axi_lite_words #(
         at_stalls <= word == 11'h028;
         at_backward <= word == 11'h029;
     end
+
+    // ---- legal values ------------------------------------------------------------------------------------------------
+
+    wire [2:0]  new_source_select = data[2:0];
+    localparam [31:0] ALLOWED_SOURCE_SELECT = SOURCES;
+    reg bad_source_select;
+    wire [19:0] new_tick_us = data[19:0];
+    wire        wide_tick_us = |data[31:20];
+    localparam [19:0] TOP_TICK_US = 20'd1000000;
+    reg over_tick_us;
+    reg under_tick_us;
+    wire [15:0] new_prescale_tick = data[15:0];
+    reg under_prescale_tick;
+    wire [15:0] new_prescale_us = data[31:16];
+    reg under_prescale_us;
+    wire [31:0] new_lfsr_seed = data[31:0];
+    localparam [31:0] TOP_LFSR_SEED = 32'd4294967294;
+    reg over_lfsr_seed;
+    wire [15:0] new_lfsr_gap = data[15:0];
+    wire        wide_lfsr_gap = |data[31:16];
+    localparam [15:0] TOP_LFSR_GAP = 16'd65535;
+    reg over_lfsr_gap;
+    wire [15:0] new_lfsr_x_min = data[15:0];
+    localparam [15:0] TOP_LFSR_X_MIN = {16{1'b1}} >> (16 - X_W);
+    reg over_lfsr_x_min;
+    wire [15:0] new_lfsr_x_span = data[31:16];
+    localparam [15:0] TOP_LFSR_X_SPAN = {16{1'b1}} >> (16 - X_W);
+    reg over_lfsr_x_span;
+    wire [15:0] new_lfsr_y_min = data[15:0];
+    localparam [15:0] TOP_LFSR_Y_MIN = {16{1'b1}} >> (16 - Y_W);
+    reg over_lfsr_y_min;
+    wire [15:0] new_lfsr_y_span = data[31:16];
+    localparam [15:0] TOP_LFSR_Y_SPAN = {16{1'b1}} >> (16 - Y_W);
+    reg over_lfsr_y_span;
+
+    always @(posedge clk) begin
+        bad_source_select <= at_source && !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
+        over_tick_us <= at_tick_us && (wide_tick_us || {1'b0, new_tick_us} > {1'b0, TOP_TICK_US});
+        under_tick_us <= at_tick_us && !wide_tick_us && new_tick_us < 20'd1;
+        under_prescale_tick <= at_prescale && new_prescale_tick < 16'd1;
+        under_prescale_us <= at_prescale && new_prescale_us < 16'd1;
+        over_lfsr_seed <= at_lfsr_seed && {1'b0, new_lfsr_seed} > {1'b0, TOP_LFSR_SEED};
+        over_lfsr_gap <= at_lfsr_gap && wide_lfsr_gap;
+        over_lfsr_x_min <= at_lfsr_x && {1'b0, new_lfsr_x_min} > {1'b0, TOP_LFSR_X_MIN};
+        over_lfsr_x_span <= at_lfsr_x && {1'b0, new_lfsr_x_span} > {1'b0, TOP_LFSR_X_SPAN};
+        over_lfsr_y_min <= at_lfsr_y && {1'b0, new_lfsr_y_min} > {1'b0, TOP_LFSR_Y_MIN};
+        over_lfsr_y_span <= at_lfsr_y && {1'b0, new_lfsr_y_span} > {1'b0, TOP_LFSR_Y_SPAN};
+    end
+
+    assign refused = bad_source_select;
+    assign clamped = over_tick_us ||
+                     under_tick_us ||
+                     under_prescale_tick ||
+                     under_prescale_us ||
+                     over_lfsr_seed ||
+                     over_lfsr_gap ||
+                     over_lfsr_x_min ||
+                     over_lfsr_x_span ||
+                     over_lfsr_y_min ||
+                     over_lfsr_y_span;
 
     // ---- what it holds -----------------------------------------------------------------------------------------------
 
@@ -425,19 +451,6 @@ module axi_lite_words #(
                     at_fault ||
                     at_irq_enable ||
                     at_irq_clear;
-        refused  <= 1'b0;
-        clamped  <= 1'b0;
-        if (at_source && bad_source_select) refused <= 1'b1;
-        if (at_tick_us && over_tick_us) clamped <= 1'b1;
-        if (at_tick_us && under_tick_us) clamped <= 1'b1;
-        if (at_prescale && under_prescale_tick) clamped <= 1'b1;
-        if (at_prescale && under_prescale_us) clamped <= 1'b1;
-        if (at_lfsr_seed && over_lfsr_seed) clamped <= 1'b1;
-        if (at_lfsr_gap && over_lfsr_gap) clamped <= 1'b1;
-        if (at_lfsr_x && over_lfsr_x_min) clamped <= 1'b1;
-        if (at_lfsr_x && over_lfsr_x_span) clamped <= 1'b1;
-        if (at_lfsr_y && over_lfsr_y_min) clamped <= 1'b1;
-        if (at_lfsr_y && over_lfsr_y_span) clamped <= 1'b1;
     end
 
     // ---- what a write does -------------------------------------------------------------------------------------------

@@ -15,7 +15,8 @@
 //          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 where
 //          nobody listens.
 // Reset:   synchronous, active high, at least 2 clocks. Written registers are lost; control.soft_reset keeps them, but
-//          slots and filters are off after it until they are committed.
+//          slots and filters are off after it until they are committed. It breaks no handshake: what has reached an output goes
+//          out whole, and an AER chip is answered to the end.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"
@@ -110,7 +111,7 @@ module evcot_top #(
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 16384)) FIFO_DEPTH_must_be_1_to_16384 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
-    // ---- reset: of everything, or of all but the registers ------------------------------------------------------------
+    // ---- reset: of everything, or of what lies between the buses ------------------------------------------------------------
 
     wire      soft_reset;
     reg [1:0] resetting;
@@ -276,6 +277,7 @@ module evcot_top #(
     ) u_sources (
         .clk          (clk),
         .rst          (core_rst),
+        .aer_rst      (rst),
         .select       (select),
         .clock_time   (clock_time),
         .swap_bytes   (swap_bytes),
@@ -423,7 +425,7 @@ module evcot_top #(
         .idle            (idle)
     );
 
-    // ---- outputs -----------------------------------------------------------------------------------------------------
+    // ---- outputs: what has come here goes out whole, soft reset or not -------------------------------------------------
 
     wire records_idle;
 
@@ -441,7 +443,7 @@ module evcot_top #(
         .TIME_W  (TIME_W)
     ) u_records (
         .clk          (clk),
-        .rst          (core_rst),
+        .rst          (rst),
         .s_cm_valid   (cm_valid),
         .s_cm_ready   (cm_ready),
         .s_cm_kind    (cm_kind),
@@ -469,7 +471,7 @@ module evcot_top #(
         .SEQ_W (SEQ_W)
     ) u_owned (
         .clk          (clk),
-        .rst          (core_rst),
+        .rst          (rst),
         .s_own_valid  (own_valid),
         .s_own_ready  (own_ready),
         .s_own_slot   (own_slot),
@@ -491,7 +493,7 @@ module evcot_top #(
         .SEQ_W(SEQ_W)
     ) u_passed (
         .clk          (clk),
-        .rst          (core_rst),
+        .rst          (rst),
         .s_pass_valid (pass_valid),
         .s_pass_ready (pass_ready),
         .s_pass_x     (pass_x),

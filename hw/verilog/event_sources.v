@@ -22,7 +22,8 @@ module event_sources #(
     parameter DEPTH   = 256   // tokens in the input FIFO
 ) (
     input  wire              clk,
-    input  wire              rst,
+    input  wire              rst,            // of all but the handshake with an AER chip
+    input  wire              aer_rst,        // of the handshake
 
     // settings
     input  wire [2:0]        select,
@@ -221,7 +222,8 @@ module event_sources #(
                 .HEIGHT(HEIGHT)
             ) u_aer (
                 .clk        (clk),
-                .rst        (rst || !chosen[S]),
+                .rst        (aer_rst || !chosen[S]),
+                .flush      (rst),
                 .active_low (active_low),
                 .word_serial(word_serial),
                 .t_us       (t_us),
@@ -244,7 +246,7 @@ module event_sources #(
             wire unused_aer = &{1'b0, n_events};
         end else begin : g_no_aer
             assign aer_ack = active_low;
-            wire unused_aer = &{1'b0, aer_req, aer_row, aer_data, word_serial, prescale_us};
+            wire unused_aer = &{1'b0, aer_req, aer_row, aer_data, word_serial, prescale_us, aer_rst};
         end
 
         for (k = `EVCOT_SOURCE_EVT2; k <= `EVCOT_SOURCE_EVT3; k = k + 1) begin : g_evt

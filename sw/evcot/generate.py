@@ -74,6 +74,13 @@ def _checked(word: Word, field: Field) -> bool:
     return field.access is Access.RW and bool(field.low or field.high is not None or field.allowed)
 
 
+def _flaws(field: Field) -> list[str]:
+    """In which ways a value that is written to a field may be illegal."""
+    if field.allowed:
+        return ["bad"]
+    return ["over"] * (field.high is not None) + ["under"] * bool(field.low)
+
+
 def _legal(field: Field) -> str:
     """The legal values of a field, for people."""
     if field.access is not Access.RW:
@@ -97,6 +104,7 @@ def _vocabulary() -> dict[str, Any]:
     assert RECORD.names is not None
     assert RECORD.fields is not None
     sizes = {1: "uint8_t", 2: "uint16_t", 4: "uint32_t", 8: "uint64_t"}
+    checked = [(word, field) for word in register_of.words for field in word.fields if _checked(word, field)]
     slot, filters = register_of.banks["slot"].base, register_of.banks["filter"].base
     return {
         "map": register_of,
@@ -109,7 +117,11 @@ def _vocabulary() -> dict[str, Any]:
             "slot": [(name, "REG", entry.low, _verilog_high(entry)) for name, entry in REGISTERS.items()],
             "filter": [(name, "FREG", entry.low, _verilog_high(entry)) for name, entry in FILTER_REGISTERS.items()],
         },
-        "checked": [(word, field) for word in register_of.words for field in word.fields if _checked(word, field)],
+        "checked": checked,
+        "flaws": _flaws,
+        "refusing": [f"bad_{word.port(field)}" for word, field in checked if field.allowed],
+        "clamping": [f"{flaw}_{word.port(field)}" for word, field in checked for flaw in _flaws(field) if not field.allowed],
+        "wide": lambda field: not field.name and field.bits < 32,
         "record": [
             (name, 8 * int(RECORD.fields[name][1]), 8 * RECORD[name].itemsize) for name in RECORD.names if name[0] != "_"
         ],

@@ -159,6 +159,49 @@ def test_reset_forgets_the_row() -> None:
         assert device.sim.io.n_rowless == 1
 
 
+@pytest.mark.parametrize("ready", [0, 1])
+@pytest.mark.parametrize("lasts", [1, 5])
+def test_a_flush_at_any_clock_drops_what_is_inside_and_reads_no_word_twice(lasts: int, ready: int) -> None:
+    device = device_of(*SHAPES[0])
+    sim, io = device.sim, device.sim.io
+    dropped_in_all = 0
+    for begin in range(30):
+        device.reset(active_low=0, word_serial=0)
+        rows, came = [1, 2, 3], []
+        dropped = counted = 0
+        for clock in range(60):
+            io.flush, io.m_ready, io.t_us = int(begin <= clock < begin + lasts), ready or clock > 45, clock
+            acknowledged = io.aer_ack
+            if not acknowledged and rows:
+                io.aer_req, io.aer_data = 1, rows[0] << 9
+            elif acknowledged and io.aer_req:
+                io.aer_req = 0
+                del rows[0]
+            if io.m_valid and (io.flush or io.m_ready):
+                came.append(io.m_y)
+                dropped += io.flush
+                if clock > begin and not io.flush:
+                    counted += 1
+                    assert io.m_t >= begin + lasts  # the clock that stamps may begin anew with the flush
+            request = io.aer_req
+            sim.clock.tick()
+            assert io.aer_ack in (acknowledged, request)
+        assert came == [1, 2, 3]
+        assert io.n_events == counted
+        dropped_in_all += dropped
+    assert dropped_in_all > 2
+
+
+def test_a_flush_keeps_the_row() -> None:
+    device = device_of(*SHAPES[0])
+    device.reset(active_low=0, word_serial=1)
+    device.run([[5, 1]], Chip(), 0)
+    device.sim.io.flush = 1
+    device.sim.clock.tick()
+    device.sim.io.flush = 0
+    assert device.run([[3 << 1, 0]], Chip(), 1).out[0, 1:].tolist() == [3, 5, 0]
+
+
 @pytest.mark.parametrize("sync", [2, 3])
 def test_clocks(sync: int) -> None:
     """A chip that answers at once gets a word through in 2 * SYNC + 3 clocks."""
@@ -172,7 +215,7 @@ def test_clocks(sync: int) -> None:
 TWINS = {
     "acknowledges for one clock": ("aer_in.v", "if (!request) begin", "begin", "took its signal back|no request"),
     "drops what finds no room": ("aer_in.v", "(!is_event || m_ready || !m_valid)", "1'b1", "withdrew or changed"),
-    "listens too soon": ("aer_in.v", "if (request) begin is_row", "begin is_row", "no request"),
+    "listens too soon": ("aer_in.v", "if (request && !flush) begin is_row", "begin is_row", "no request"),
     "trusts the first flip-flop": ("synchronizer.v", "stages[STAGES-1]", "stages[0]", "stamped too early"),
     "has no flip-flop": ("synchronizer.v", "q = stages[STAGES-1]", "q = d", "events lost or changed"),
     "stamps when there is room": ("aer_in.v", "m_t <= arrival", "m_t <= t_us", "stamped too late"),

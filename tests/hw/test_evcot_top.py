@@ -304,6 +304,62 @@ def test_nothing_is_taken_during_a_soft_reset() -> None:
     assert Registers(device).counters()["events_in"] == after
 
 
+@pytest.mark.parametrize("name", ["array behind filters", "engine"])
+def test_a_soft_reset_cuts_no_record_and_withdraws_no_event(name: str) -> None:
+    """What had reached the outputs comes out whole, at any pace; the drive sees to it that no beat is taken back."""
+    build = BUILDS[name]
+    rng = np.random.default_rng(11)
+    config = replace(CotConfig.uniform(build.shape, EVERY), filter_shape=build.filter_shape)
+    traffic = traffic_of(rng, build, 300)
+    golden = CotModel(config).feed(*traffic._replace(ticks=traffic.ticks - traffic.ticks[0])).records
+    waited = 0
+    for at in range(20, 220, 20):
+        device = device_of(name, config, pace=Pace.random(rng))
+        device.configure()
+        told = device.run(pack_events(*traffic), [write(CONTROL, 1 << 9 | 1, after=at)])
+        assert len(told.records) < len(golden)
+        assert np.array_equal(told.records, golden[: len(told.records)])
+        waited += np.count_nonzero(told.recorded > told.commands["ended"][0] + 8)
+    assert waited > 0  # the reset did meet records that waited
+
+
+def test_what_nobody_took_before_a_soft_reset_is_taken_after_it() -> None:
+    device = device_of("array behind filters", CotConfig(SMALL, (EVERY,) + (replace(EVERY, mode=Mode.OFF),) * 3))
+    device.configure()
+    device.run(pack_events(np.arange(4), np.array([10, 10, 50, 50]), np.full(4, 10), np.zeros(4, np.int64)), listens=False)
+    registers = Registers(device)
+    assert registers.status.idle == 0
+    device.run(commands=[write(CONTROL, 1 << 9)], listens=False)
+    told = device.run()
+    assert len(told.records) > 0
+    assert len(told.owned) > 0
+    assert len(told.passed) > 0
+    assert registers.status.idle == 1
+
+
+def test_a_soft_reset_lets_an_aer_chip_finish_and_reads_no_word_twice() -> None:
+    device = device_of("sources")
+    registers, io = Registers(device), device.sim.io
+    registers.source.select = 2
+    io.aer_req, io.aer_data = 1, 5 << 9 | 7 << 1  # active low, so no request
+    registers.control.soft_reset = 1
+    device.run(clocks=20)
+
+    def given() -> tuple[int, int]:
+        device.run(clocks=20)
+        return int(io.aer_ack), registers.counters()["events_in"]
+
+    assert given() == (1, 0)
+    io.aer_req = 0
+    assert given() == (0, 1)
+    registers.control.soft_reset = 1
+    assert given() == (0, 0)
+    io.aer_req = 1
+    assert given() == (1, 0)
+    io.aer_req = 0
+    assert given() == (0, 1)
+
+
 class TestOverload:
     """A closed gate fills the input FIFO: the source waits, or events are dropped and time goes on."""
 
