@@ -256,6 +256,7 @@ module axi_lite_words #(
     wire [19:0] new_tick_us = data[19:0];
     wire        wide_tick_us = |data[31:20];
     localparam [19:0] TOP_TICK_US = 20'd1000000;
+    wire        more_tick_us = {1'b0, new_tick_us} > {1'b0, TOP_TICK_US};
     reg over_tick_us;
     reg under_tick_us;
     wire [15:0] new_prescale_tick = data[15:0];
@@ -264,6 +265,7 @@ module axi_lite_words #(
     reg under_prescale_us;
     wire [31:0] new_lfsr_seed = data[31:0];
     localparam [31:0] TOP_LFSR_SEED = 32'd4294967294;
+    wire        more_lfsr_seed = {1'b0, new_lfsr_seed} > {1'b0, TOP_LFSR_SEED};
     reg over_lfsr_seed;
     wire [15:0] new_lfsr_gap = data[15:0];
     wire        wide_lfsr_gap = |data[31:16];
@@ -271,29 +273,33 @@ module axi_lite_words #(
     reg over_lfsr_gap;
     wire [15:0] new_lfsr_x_min = data[15:0];
     localparam [15:0] TOP_LFSR_X_MIN = {16{1'b1}} >> (16 - X_W);
+    wire        more_lfsr_x_min = {1'b0, new_lfsr_x_min} > {1'b0, TOP_LFSR_X_MIN};
     reg over_lfsr_x_min;
     wire [15:0] new_lfsr_x_span = data[31:16];
     localparam [15:0] TOP_LFSR_X_SPAN = {16{1'b1}} >> (16 - X_W);
+    wire        more_lfsr_x_span = {1'b0, new_lfsr_x_span} > {1'b0, TOP_LFSR_X_SPAN};
     reg over_lfsr_x_span;
     wire [15:0] new_lfsr_y_min = data[15:0];
     localparam [15:0] TOP_LFSR_Y_MIN = {16{1'b1}} >> (16 - Y_W);
+    wire        more_lfsr_y_min = {1'b0, new_lfsr_y_min} > {1'b0, TOP_LFSR_Y_MIN};
     reg over_lfsr_y_min;
     wire [15:0] new_lfsr_y_span = data[31:16];
     localparam [15:0] TOP_LFSR_Y_SPAN = {16{1'b1}} >> (16 - Y_W);
+    wire        more_lfsr_y_span = {1'b0, new_lfsr_y_span} > {1'b0, TOP_LFSR_Y_SPAN};
     reg over_lfsr_y_span;
 
     always @(posedge clk) begin
         bad_source_select <= at_source && !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
-        over_tick_us <= at_tick_us && (wide_tick_us || {1'b0, new_tick_us} > {1'b0, TOP_TICK_US});
+        over_tick_us <= at_tick_us && (wide_tick_us || more_tick_us);
         under_tick_us <= at_tick_us && !wide_tick_us && new_tick_us < 20'd1;
         under_prescale_tick <= at_prescale && new_prescale_tick < 16'd1;
         under_prescale_us <= at_prescale && new_prescale_us < 16'd1;
-        over_lfsr_seed <= at_lfsr_seed && {1'b0, new_lfsr_seed} > {1'b0, TOP_LFSR_SEED};
+        over_lfsr_seed <= at_lfsr_seed && more_lfsr_seed;
         over_lfsr_gap <= at_lfsr_gap && wide_lfsr_gap;
-        over_lfsr_x_min <= at_lfsr_x && {1'b0, new_lfsr_x_min} > {1'b0, TOP_LFSR_X_MIN};
-        over_lfsr_x_span <= at_lfsr_x && {1'b0, new_lfsr_x_span} > {1'b0, TOP_LFSR_X_SPAN};
-        over_lfsr_y_min <= at_lfsr_y && {1'b0, new_lfsr_y_min} > {1'b0, TOP_LFSR_Y_MIN};
-        over_lfsr_y_span <= at_lfsr_y && {1'b0, new_lfsr_y_span} > {1'b0, TOP_LFSR_Y_SPAN};
+        over_lfsr_x_min <= at_lfsr_x && more_lfsr_x_min;
+        over_lfsr_x_span <= at_lfsr_x && more_lfsr_x_span;
+        over_lfsr_y_min <= at_lfsr_y && more_lfsr_y_min;
+        over_lfsr_y_span <= at_lfsr_y && more_lfsr_y_span;
     end
 
     assign refused = bad_source_select;

@@ -332,6 +332,10 @@ module event_sources #(
     wire [TOKEN_W-1:0] stamp_token, clock_token, token;
     wire [31:0]        n_out;
 
+    reg [15:0] clocks_per_tick;
+
+    always @(posedge clk) clocks_per_tick <= clock_time ? prescale_tick : 16'd0;
+
     assign event_ready = clock_time ? clock_ready : stamp_ready;
 
     stamp_ticks #(
@@ -369,7 +373,7 @@ module event_sources #(
     ) u_clock (
         .clk     (clk),
         .rst     (rst),
-        .prescale(clock_time ? prescale_tick : 16'd0),
+        .prescale(clocks_per_tick),
         .s_valid (event_valid && clock_time),
         .s_ready (clock_ready),
         .s_x     (event_x),

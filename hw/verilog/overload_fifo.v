@@ -65,7 +65,9 @@ module overload_fifo #(
     localparam TOKEN_W = GAP_W + X_W + Y_W + 3;
 
     reg  [GAP_W-1:0] waiting;  // ticks of what was dropped, and of tokens of ticks alone
+    reg              waits;    // there are any
     wire [GAP_W-1:0] ticks = waiting + (s_valid ? {{(GAP_W - TICK_W) {1'b0}}, s_tick} : {GAP_W{1'b0}});
+    wire             some  = waits || (s_valid && s_tick != {TICK_W{1'b0}});
 
     wire room, queue_valid, queue_ready, queue_event, queue_skip, queue_p, output_idle;
     wire [GAP_W-1:0]   queue_tick;
@@ -80,7 +82,7 @@ module overload_fifo #(
     wire arrives = s_valid && s_ready && (s_event || s_skip);
     wire keeps   = arrives && room;
     wire drops   = arrives && !room;
-    wire flushes = !arrives && empty && (waiting != {GAP_W{1'b0}} || (s_valid && s_tick != {TICK_W{1'b0}}));
+    wire flushes = !arrives && empty && some;
     wire gives   = m_valid && m_ready && (m_event || m_skip);
 
     fifo #(
@@ -126,11 +128,16 @@ module overload_fifo #(
         .idle   (output_idle)
     );
 
-    assign idle = waiting == {GAP_W{1'b0}} && empty && !queue_valid && output_idle;
+    assign idle = !waits && empty && !queue_valid && output_idle;
 
     always @(posedge clk) begin
-        if (keeps || flushes) waiting <= {GAP_W{1'b0}};
-        else if (s_ready) waiting <= ticks;
+        if (keeps || flushes) begin
+            waiting <= {GAP_W{1'b0}};
+            waits   <= 1'b0;
+        end else if (s_ready) begin
+            waiting <= ticks;
+            waits   <= some;
+        end
         dropped <= drops;
         if (arrives) n_in <= n_in + 1'b1;
         if (drops) n_dropped <= n_dropped + 1'b1;
@@ -139,6 +146,7 @@ module overload_fifo #(
         if (gives && !keeps) held <= held - 1'b1;
         if (rst) begin
             waiting   <= {GAP_W{1'b0}};
+            waits     <= 1'b0;
             dropped   <= 1'b0;
             n_in      <= {COUNT_W{1'b0}};
             n_out     <= {COUNT_W{1'b0}};
