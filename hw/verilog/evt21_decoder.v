@@ -56,8 +56,21 @@ module evt21_decoder #(
     // Types 0, 1 (events), 8 (time mark), 10 (trigger), 14 and 15 (vendors').
     localparam [15:0] DEFINED = 16'b1100_0101_0000_0011;
 
-    wire        word_valid, word_ready, words_idle;
-    wire [63:0] both;
+    wire              word_valid, word_ready, words_idle;
+    wire [DATA_W-1:0] beat;
+    wire [63:0]       both;
+    wire [31:0]       word, mask;
+
+    // Halves are exchanged where a beat comes in, and where it is but a half, behind the register that holds the word.
+    generate
+        if (DATA_W == 64) begin : g_exchanged
+            assign beat         = swap_halves ? {s_axis_tdata[31:0], s_axis_tdata[DATA_W-1:DATA_W-32]} : s_axis_tdata;
+            assign {word, mask} = both;
+        end else begin : g_half
+            assign beat         = s_axis_tdata;
+            assign {word, mask} = swap_halves ? {both[31:0], both[63:32]} : both;
+        end
+    endgenerate
 
     axis_words #(
         .DATA_W (DATA_W),
@@ -69,7 +82,7 @@ module evt21_decoder #(
         .swap_bytes   (swap_bytes),
         .s_axis_tvalid(s_axis_tvalid),
         .s_axis_tready(s_axis_tready),
-        .s_axis_tdata (s_axis_tdata),
+        .s_axis_tdata (beat),
         .s_axis_tkeep (s_axis_tkeep),
         .s_axis_tlast (s_axis_tlast),
         .m_valid      (word_valid),
@@ -79,11 +92,9 @@ module evt21_decoder #(
         .idle         (words_idle)
     );
 
-    wire [31:0] word     = swap_halves ? both[31:0] : both[63:32];
-    wire [31:0] mask     = swap_halves ? both[63:32] : both[31:0];
-    wire [3:0]  kind     = word[31:28];
-    wire        is_event = kind <= 4'd1;
-    wire        taken    = word_valid && word_ready;
+    wire [3:0] kind     = word[31:28];
+    wire       is_event = kind <= 4'd1;
+    wire       taken    = word_valid && word_ready;
 
     wire [T_W-LOW_W-1:0] high;
     wire                 timed, events_ready, events_idle, unused_differs;

@@ -65,7 +65,9 @@ module stamp_ticks #(
     wire               backward = begun && since[T_W];
 
     reg                valid, p;
-    reg  [T_W-1:0]     passed;  // microseconds
+    reg                later;  // than the latest one
+    reg  [T_W-1:0]     ahead;  // by how many microseconds, if so
+    reg                behind;
     reg  [X_W-1:0]     x;
     reg  [Y_W-1:0]     y;
 
@@ -76,15 +78,18 @@ module stamp_ticks #(
         if (s_valid && s_ready) begin
             begun <= 1'b1;
             if (!backward) latest <= s_t;
-            passed <= (begun && !backward) ? since[T_W-1:0] : {T_W{1'b0}};
-            x      <= s_x;
-            y      <= s_y;
-            p      <= s_p;
-            if (backward) n_backward <= n_backward + 1'b1;
+            later <= begun && !backward;
+            ahead <= since[T_W-1:0];
+            x     <= s_x;
+            y     <= s_y;
+            p     <= s_p;
         end
+        behind <= s_valid && s_ready && backward;
+        if (behind) n_backward <= n_backward + 1'b1;
         if (rst) begin
             valid      <= 1'b0;
             begun      <= 1'b0;
+            behind     <= 1'b0;
             n_backward <= {COUNT_W{1'b0}};
         end
     end
@@ -97,6 +102,7 @@ module stamp_ticks #(
     reg  [X_W-1:0]     near_x;
     reg  [Y_W-1:0]     near_y;
 
+    wire [T_W-1:0]     passed   = later ? ahead : {T_W{1'b0}};
     wire [NEAR_W-1:0]  less_now = {2'b00, passed[TICK_US_W-1:0]} - {2'b00, tick_us};
     wire               is_long  = passed[T_W-1:TICK_US_W] != {(T_W - TICK_US_W) {1'b0}};
 
