@@ -104,7 +104,10 @@ module aer_in #(
     wire [Y_W-1:0]  y = word_serial ? row : word[AER_W-1:X_W+1];
     wire            on_sensor = {{(32 - X_W) {1'b0}}, x} < COLUMNS && {{(32 - Y_W) {1'b0}}, y} < ROWS;
     wire            is_event = !sets_row && !rowless && on_sensor;
-    wire            decided = state == DECIDE && (!is_event || m_ready || !m_valid) && !flush;
+    wire            room = m_ready || !m_valid;
+    wire            decided = state == DECIDE && (!is_event || room) && !flush;
+
+    reg             was_rowless, was_outside;  // the word that was decided in the clock before
 
     assign idle = state == LISTEN && !request && !m_valid;
 
@@ -132,26 +135,29 @@ module aer_in #(
 
         if (m_ready) m_valid <= 1'b0;
         if (m_valid && m_ready) n_events <= n_events + 1'b1;
-        if (decided) begin
-            if (sets_row) begin
-                row       <= word[Y_W-1:0];
-                row_known <= 1'b1;
-            end else if (rowless) n_rowless <= n_rowless + 1'b1;
-            else if (!on_sensor) n_outside <= n_outside + 1'b1;
-            else begin
-                m_valid <= 1'b1;
-                m_t     <= arrival;
-                m_x     <= x;
-                m_y     <= y;
-                m_p     <= word[0];
-            end
+        if (state == DECIDE && room) begin  // an event or not
+            m_t <= arrival;
+            m_x <= x;
+            m_y <= y;
+            m_p <= word[0];
         end
+        if (decided && is_event) m_valid <= 1'b1;
+        if (decided && sets_row) begin
+            row       <= word[Y_W-1:0];
+            row_known <= 1'b1;
+        end
+        was_rowless <= decided && rowless;
+        was_outside <= decided && !sets_row && !rowless && !on_sensor;
+        if (was_rowless) n_rowless <= n_rowless + 1'b1;
+        if (was_outside) n_outside <= n_outside + 1'b1;
         if (flush && state == DECIDE) state <= LISTEN;
         if (rst || flush) begin
-            m_valid   <= 1'b0;
-            n_events  <= {COUNT_W{1'b0}};
-            n_outside <= {COUNT_W{1'b0}};
-            n_rowless <= {COUNT_W{1'b0}};
+            m_valid     <= 1'b0;
+            was_rowless <= 1'b0;
+            was_outside <= 1'b0;
+            n_events    <= {COUNT_W{1'b0}};
+            n_outside   <= {COUNT_W{1'b0}};
+            n_rowless   <= {COUNT_W{1'b0}};
         end
         if (rst) begin
             state       <= LISTEN;

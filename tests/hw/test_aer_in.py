@@ -214,7 +214,8 @@ def test_clocks(sync: int) -> None:
 # file, right, wrong, what is seen of it
 TWINS = {
     "acknowledges for one clock": ("aer_in.v", "if (!request) begin", "begin", "took its signal back|no request"),
-    "drops what finds no room": ("aer_in.v", "(!is_event || m_ready || !m_valid)", "1'b1", "withdrew or changed"),
+    "drops what finds no room": ("aer_in.v", "(!is_event || room)", "1'b1", "events lost or changed"),
+    "overwrites what waits": ("aer_in.v", "if (state == DECIDE && room)", "if (state == DECIDE)", "withdrew or changed"),
     "listens too soon": ("aer_in.v", "if (request && !flush) begin is_row", "begin is_row", "no request"),
     "trusts the first flip-flop": ("synchronizer.v", "stages[STAGES-1]", "stages[0]", "stamped too early"),
     "has no flip-flop": ("synchronizer.v", "q = stages[STAGES-1]", "q = d", "events lost or changed"),
