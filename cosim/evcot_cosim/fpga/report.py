@@ -58,7 +58,9 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def _mhz(figure: Figure) -> str:
     if figure.median_mhz is None or figure.best_mhz is None:
         return figure.misfit
-    return f"{figure.median_mhz:.0f} ({figure.best_mhz:.0f})"
+    routed = len(figure.fmax_mhz)
+    fewer = f", {routed} of {figure.seeds} seeds" if routed < figure.seeds else ""
+    return f"{figure.median_mhz:.0f} ({figure.best_mhz:.0f}){fewer}"
 
 
 def _label(figure: Figure) -> str:

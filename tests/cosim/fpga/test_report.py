@@ -65,15 +65,15 @@ def test_latency_is_that_on_the_first_device_that_was_routed_for(tmp_path: Path)
 def test_scaling_tells_luts_once_for_one_synthesis_and_fmax_for_each_device(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     page.write_text(MARKS)
-    small, large = replace(ENGINE, n=1, luts=900), replace(ENGINE, device="ecp5-85", fmax_mhz=(140.0,))
+    small, large = replace(ENGINE, n=1, luts=900), replace(ENGINE, device="ecp5-85", fmax_mhz=(140.0,), misfit="gave up twice")
     tight = replace(ENGINE, device="hx8k", luts=4_100, fmax_mhz=(), misfit="does not fit: 35 of 32 block RAMs")
-    fits = replace(tight, n=1, luts=800, fmax_mhz=(97.0,), misfit="")
+    fits = replace(tight, n=1, luts=800, seeds=1, fmax_mhz=(97.0,), misfit="")
     gowin = replace(small, device="gowin", luts=950, fmax_mhz=(), seeds=0)
     write_tables(page, table(small, ENGINE, large, fits, tight, gowin), {})
     assert section(page.read_text(), "scaling").splitlines()[2:] == [
         "| cot_engine, LUTs, ecp5 | 900 | 4,001 |",
         "| cot_engine, MHz, ecp5-25 | 125 (131) | 125 (131) |",
-        "| cot_engine, MHz, ecp5-85 |  | 140 (140) |",
+        "| cot_engine, MHz, ecp5-85 |  | 140 (140), 1 of 3 seeds |",
         "| cot_engine, LUTs, hx8k | 800 | 4,100 |",
         "| cot_engine, MHz, hx8k | 97 (97) | – |",
         "| cot_engine, LUTs, gowin | 950 |  |",
