@@ -111,7 +111,7 @@ module evcot_top #(
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 16384)) FIFO_DEPTH_must_be_1_to_16384 ();
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
-    // ---- reset: of everything, or of what lies between the buses ------------------------------------------------------------
+    // ---- reset: of everything, or of what lies between the buses -----------------------------------------------------
 
     wire      soft_reset;
     reg [1:0] resetting;
@@ -425,7 +425,7 @@ module evcot_top #(
         .idle            (idle)
     );
 
-    // ---- outputs: what has come here goes out whole, soft reset or not -------------------------------------------------
+    // ---- outputs: what has come here goes out whole, soft reset or not -----------------------------------------------
 
     wire records_idle;
 
