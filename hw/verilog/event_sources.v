@@ -23,7 +23,7 @@ module event_sources #(
 ) (
     input  wire              clk,
     input  wire              rst,            // of all but the handshake with an AER chip
-    input  wire              aer_rst,        // of the handshake
+    input  wire              aer_rst,        // of the handshake; with rst
 
     // settings
     input  wire [2:0]        select,
@@ -222,8 +222,8 @@ module event_sources #(
                 .HEIGHT(HEIGHT)
             ) u_aer (
                 .clk        (clk),
-                .rst        (aer_rst || !chosen[S]),
-                .flush      (rst),
+                .rst        (aer_rst),
+                .flush      (rst || !chosen[S]),
                 .active_low (active_low),
                 .word_serial(word_serial),
                 .t_us       (t_us),

@@ -65,7 +65,7 @@ module overload_fifo #(
     localparam TOKEN_W = GAP_W + X_W + Y_W + 3;
 
     reg  [GAP_W-1:0] waiting;  // ticks of what was dropped, and of tokens of ticks alone
-    reg              waits;    // there are any
+    reg              waits;    // there are any: known without looking at all of them
     wire [GAP_W-1:0] ticks = waiting + (s_valid ? {{(GAP_W - TICK_W) {1'b0}}, s_tick} : {GAP_W{1'b0}});
     wire             some  = waits || (s_valid && s_tick != {TICK_W{1'b0}});
 

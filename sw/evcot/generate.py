@@ -122,6 +122,7 @@ def _vocabulary() -> dict[str, Any]:
         "refusing": [f"bad_{word.port(field)}" for word, field in checked if field.allowed],
         "clamping": [f"{flaw}_{word.port(field)}" for word, field in checked for flaw in _flaws(field) if not field.allowed],
         "wide": lambda field: not field.name and field.bits < 32,
+        "compared": lambda field: field.high is not None and field.high != (1 << field.bits) - 1,
         "record": [
             (name, 8 * int(RECORD.fields[name][1]), 8 * RECORD[name].itemsize) for name in RECORD.names if name[0] != "_"
         ],

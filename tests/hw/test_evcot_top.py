@@ -358,6 +358,13 @@ def test_a_soft_reset_lets_an_aer_chip_finish_and_reads_no_word_twice() -> None:
     assert given() == (1, 0)
     io.aer_req = 0
     assert given() == (0, 1)
+    registers.source.select = 3
+    registers.control.soft_reset = 1
+    assert given() == (0, 0)
+    io.aer_req = 1
+    assert given() == (1, 0)
+    io.aer_req = 0
+    assert given() == (1, 0)  # it is not listened to
 
 
 class TestOverload:

@@ -214,8 +214,9 @@ def test_idle_when_every_event_has_left_with_its_ticks() -> None:
 def test_a_column_before_any_row_counts_as_malformed() -> None:
     sim = load("event_sources", {"SOURCES": 1 << AER})
     io = sim.io
-    io.select, io.word_serial, io.aer_req = AER, 1, 1
+    io.select, io.word_serial, io.aer_req, io.aer_rst = AER, 1, 1, 1
     reset(sim)
+    io.aer_rst = 0
     for _ in range(8):
         sim.clock.tick()
     assert (io.aer_ack, io.n_malformed) == (1, 1)

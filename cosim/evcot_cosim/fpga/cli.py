@@ -17,7 +17,7 @@ from . import tools
 from .catalogue import MODULES, Module, chosen
 from .devices import DEVICES
 from .figures import Figure, Figures, growths, load, save, seed_noise
-from .measure import Case
+from .measure import PATIENCE_MIN, Case
 from .release import write_release
 from .run import figures_of, synthesised
 
@@ -38,6 +38,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--all", action="store_true", help="every size on every device: hours")
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="cases at once (default: 2)")
+    parser.add_argument(
+        "--patience", type=float, default=PATIENCE_MIN, metavar="MINUTES", help="that a seed may take (default: %(default)g)"
+    )
     parser.add_argument("--record", action="store_true", help="write the figures into hw/fpga/figures.json and docs/fpga.md")
     parser.add_argument("--release", action="store_true", help="write build/release: one file, IP-XACT, constraints")
     parser.add_argument("--check", action="store_true", help="compare with hw/fpga/figures.json; exit code 1 when worse")
@@ -68,6 +71,8 @@ def _cases(options: argparse.Namespace) -> list[Case]:
         value = getattr(options, name)
         if value is not None and value < least:
             raise ConfigError(f"--{name} {value}: must be at least {least}")
+    if not 0 < options.patience <= 10_000:
+        raise ConfigError(f"--patience {options.patience:g}: must be more than 0, at most 10,000 minutes")
     devices = options.device or (DEVICES if options.all else _USUAL_DEVICES)
     for name in devices:
         if name not in DEVICES:
@@ -85,7 +90,7 @@ def _measure(options: argparse.Namespace) -> int:
     usual = _ALL_SEEDS if options.all else _USUAL_SEEDS
     seeds = usual if options.seeds is None else options.seeds
     syntheses, failed = synthesised(_cases(options), _cache(), options.jobs)
-    figures = figures_of([(one, seeds) for one in syntheses], options.jobs)
+    figures = figures_of([(one, seeds) for one in syntheses], options.jobs, options.patience)
     if figures:
         print_table([_HEAD, *map(_row, figures)])
     if options.record:
@@ -119,7 +124,7 @@ def _check(options: argparse.Namespace) -> int:
     cases = _cases(options)
     syntheses, failed = synthesised([case for case in cases if case.name in recorded], _cache(), options.jobs)
     changed = [one for one in syntheses if one.key != recorded[one.case.name].key]
-    figures = figures_of([(one, recorded[one.case.name].seeds) for one in changed], options.jobs)
+    figures = figures_of([(one, recorded[one.case.name].seeds) for one in changed], options.jobs, options.patience)
     noise = seed_noise(recorded.values())
     worse = [growth for figure in figures for growth in growths(recorded[figure.name], figure, noise)]
     if worse:

@@ -14,8 +14,9 @@ from matplotlib.figure import Figure as Picture
 
 from evcot.outputs import written_aside
 
+from .devices import DEVICES
 from .figures import Figure, Figures
-from .report import latency_name
+from .report import PUBLISHED_NS, latency_name
 
 __all__ = ["draw"]
 
@@ -59,11 +60,13 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
             names = {n: latency_name(module, n) for n in sorted(routed, key=lambda n: n or 0)}
             times = {n: clocks[name] / routed[n] * 1e3 for n, name in names.items() if name in clocks}
             latency.plot(list(times), list(times.values()), color=colour, marker="o", markersize=4, label=module)
-        for ns, n, side, label in ((140, 64, "right", "published tracker alone"), (320, 1, "left", "behind three others")):
-            latency.axhline(ns, color=_INK, linewidth=0.8, linestyle="dashed")
-            latency.text(n, ns * 1.05, label, fontsize=7, color=_INK, ha=side)
-        luts.axhline(24_288, color=_INK, linewidth=0.8, linestyle="dashed")
-        luts.text(1, 24_288 * 1.08, "ECP5-25 has", fontsize=7, color=_INK)
+        for (name, _, ns), (n, side) in zip(PUBLISHED_NS[1:], ((64, "right"), (1, "left")), strict=True):
+            latency.axhline(float(ns), color=_INK, linewidth=0.8, linestyle="dashed")
+            latency.text(n, float(ns) * 1.05, name.replace(", ", ",\n"), fontsize=7, color=_INK, ha=side)
+        smallest = DEVICES["ecp5-25"].capacity
+        assert smallest is not None
+        luts.axhline(smallest.luts, color=_INK, linewidth=0.8, linestyle="dashed")
+        luts.text(1, smallest.luts * 1.08, "ECP5-25 has", fontsize=7, color=_INK)
         for axes in (luts, fmax, latency):
             axes.set(xlabel="N, tracker slots", xscale="log", xticks=(1, 2, 4, 8, 16, 32, 64))
             axes.xaxis.set_major_formatter("{x:g}")

@@ -25,7 +25,7 @@ from .devices import Device, Resources
 from .interface import ports
 from .sources import closure, flat, stand_ins
 
-__all__ = ["Case", "Synthesis", "place", "synthesise"]
+__all__ = ["PATIENCE_MIN", "Case", "Synthesis", "place", "synthesise"]
 
 _UNITS = {"luts": "LUTs", "ffs": "flip-flops", "block_rams": "block RAMs", "multipliers": "multipliers"}
 
@@ -116,12 +116,14 @@ def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = Tr
     return total
 
 
-PATIENCE_S = 1800.0
-"""How long a seed may take: a full device may be routed for ever."""
+PATIENCE_MIN = 30.0
+"""Minutes that a seed may take: a full device may be routed for ever."""
 
 
-def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
+def place(done: Synthesis, seed: int, patience_min: float = PATIENCE_MIN) -> tuple[float | None, str]:
     """Place and route with one seed: Fmax in MHz, or None and what went wrong.
+
+    A seed that was given up earlier than after `patience_min` minutes is tried again.
 
     Raises:
         ToolchainError: nextpnr is missing, or somebody stopped it.
@@ -129,11 +131,12 @@ def place(done: Synthesis, seed: int) -> tuple[float | None, str]:
     command = [*done.case.device.placement, "--json", "netlist.json", "--seed", str(seed)]
     name = _hash([command, tools.version(command[0])])
     kept, report = done.folder / f"{name}.json", done.folder / f"{name}.partial"
-    if not kept.is_file():
+    if not kept.is_file() or json.loads(kept.read_text()).get("given_up_min", patience_min) < patience_min:
         try:
-            ran = tools.run([*command, "--report", report.name, "-q"], done.folder, PATIENCE_S)
+            ran = tools.run([*command, "--report", report.name, "-q"], done.folder, 60 * patience_min)
         except subprocess.TimeoutExpired:
-            report.write_text(json.dumps({"error": f"no route within {PATIENCE_S / 60:g} minutes"}))
+            given_up = {"error": f"no route within {patience_min:g} minutes", "given_up_min": patience_min}
+            report.write_text(json.dumps(given_up))
         else:
             if ran.returncode < 0:  # it says nothing of the design
                 raise ToolchainError(f"{done.case.name}, seed {seed}: {command[0]} was stopped by signal {-ran.returncode}")

@@ -15,7 +15,7 @@ from evcot.errors import ToolchainError
 
 from . import tools
 from .figures import Figure
-from .measure import Case, Synthesis, place, synthesise
+from .measure import PATIENCE_MIN, Case, Synthesis, place, synthesise
 
 __all__ = ["figures_of", "synthesised"]
 
@@ -67,14 +67,14 @@ def synthesised(cases: Sequence[Case], cache: Path, jobs: int) -> tuple[list[Syn
     return [done[number] for number in sorted(done)], [failed[number] for number in sorted(failed)]
 
 
-def figures_of(syntheses: Sequence[tuple[Synthesis, int]], jobs: int) -> list[Figure]:
+def figures_of(syntheses: Sequence[tuple[Synthesis, int]], jobs: int, patience_min: float = PATIENCE_MIN) -> list[Figure]:
     """Place and route each, on as many seeds from 1 up, where it fits and the device has a tool for that."""
     placed = [(one, seeds) for one, seeds in syntheses if one.case.device.placement and not one.misfit()]
     _unpack({one.case.device.placement[0] for one, seeds in placed if seeds})
     with _bars() as bars, ThreadPoolExecutor(jobs) as pool:
         task = bars.add_task("place and route", total=sum(seeds for _, seeds in placed), state="")
         running: dict[Future[tuple[float | None, str]], Synthesis] = {
-            pool.submit(place, one, seed): one for one, seeds in placed for seed in range(1, seeds + 1)
+            pool.submit(place, one, seed, patience_min): one for one, seeds in placed for seed in range(1, seeds + 1)
         }
         try:
             for finished in as_completed(running):

@@ -103,13 +103,12 @@ def test_a_device_too_small_is_told_in_logic_cells() -> None:
     assert _telling("") == "nextpnr failed without a message"
 
 
-def test_a_seed_that_finds_no_route_is_a_result_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("evcot_cosim.fpga.measure.PATIENCE_S", 0.06)
+def test_a_seed_that_finds_no_route_is_a_result_too_until_it_is_given_more_time(tmp_path: Path) -> None:
     done = synthesise(SMALL, tmp_path)
-    assert place(done, 1) == (None, "no route within 0.001 minutes")
-    monkeypatch.undo()
-    assert place(done, 1) == (None, "no route within 0.001 minutes")  # kept like any other
-    assert place(done, 2)[1] == ""
+    assert place(done, 1, 0.001) == (None, "no route within 0.001 minutes")
+    assert place(done, 1, 0.0005) == (None, "no route within 0.001 minutes")  # kept like any other
+    assert place(done, 1)[1] == ""
+    assert place(done, 1, 0.001)[1] == ""
 
 
 def test_a_seed_that_somebody_stopped_says_nothing_of_the_design(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -179,6 +178,8 @@ def test_a_tool_that_dies_without_a_word_is_told_by_its_code(tmp_path: Path, mon
         (["cot", "--device", "ecp6"], "device ecp6: unknown; there are ecp5-25, "),
         (["cot_array", "--n", "65"], "--n 65: must be 1 to 64"),
         (["cot", "--seeds", "-1"], "--seeds -1: must be at least 0"),
+        (["cot", "--patience", "0"], "--patience 0: must be more than 0, at most 10,000 minutes"),
+        (["cot", "--patience", "inf"], "--patience inf: must be more than 0, at most 10,000 minutes"),
     ],
 )
 def test_a_wrong_argument_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
