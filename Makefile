@@ -53,7 +53,7 @@ mutants: $(VENV)/.installed-test ## Break the RTL in one place at a time and see
 	@$(BIN)/python tests/mutations.py $(ARGS)
 
 fuzz: $(VENV)/.installed-test ## Damage recordings of every format in every way that the tests know, leaving nothing out (an hour)
-	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/formats -k "damage or cut or corruption" $(ARGS)
+	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/recordings/formats -k "damage or cut or corruption" $(ARGS)
 
 fpga: $(VENV)/.installed-fpga ## Synthesise, place, route: what the RTL costs and how fast it is [ARGS="cot_engine --n 8 --seeds 5"]
 	@$(BIN)/python -m evcot_cosim.fpga $(ARGS)

@@ -22,13 +22,13 @@ from evcot.anomalies.score import AlarmScores, score_alarms, truth_log
 from evcot.events import Events, Recording
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
-from evcot.kalman import tracker as kalman
-from evcot.kalman.presets import PRESETS as KALMAN_PRESETS
-from evcot.rct import tracker as rct
-from evcot.rct.presets import FILTERS, PRESETS
 from evcot.scenes.registry import simulate_scene
 from evcot.scenes.truth import Label, Truth
-from evcot.tracklog import TrackLog
+from evcot.trackers.kalman import tracker as kalman
+from evcot.trackers.kalman.presets import PRESETS as KALMAN_PRESETS
+from evcot.trackers.rct import tracker as rct
+from evcot.trackers.rct.presets import FILTERS, PRESETS
+from evcot.tracks.log import TrackLog
 from measure import Goal, Result
 
 __all__ = ["measure"]

@@ -16,12 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.config import CotConfig
-from evcot.contract import REGISTERS
-from evcot.cot import tick_times
 from evcot.events import Events
-from evcot_cosim.build import BuiltModel, verilog_dir
-from evcot_cosim.toolchain import find_toolchain
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import REGISTERS
+from evcot.ticks import tick_times
+from evcot_cosim.build.model import BuiltModel
+from evcot_cosim.build.rtl import rtl_files, search_flags
+from evcot_cosim.build.toolchain import find_toolchain
 from measure import Timing
 
 __all__ = ["BareMain", "Outcome", "register_writes", "running", "verilator_flags"]
@@ -94,7 +95,7 @@ def _build(model: BuiltModel, folder: Path) -> Path:
     command = [
         str(tools.executable), "--cc", "--exe", "--build", "--trace", "-Wno-fatal", "-Mdir", str(folder),
         *verilator_flags(model), "-CFLAGS", _request(model)["cargs"].replace("-include evcot_runtime.h", ""),
-        "-y", str(verilog_dir()), str(verilog_dir() / f"{model.top}.v"), str(_MAIN),
+        *search_flags(), str(rtl_files()[f"{model.top}.v"]), str(_MAIN),
     ]  # fmt: skip
     log = folder / "build.log"
     with log.open("w") as output:

@@ -21,8 +21,8 @@ import numpy as np
 
 import streams
 from clustering_runs import EVENTS, FRAMES, PIPELINE, Case, Outcome, as_written, cases, outcomes
-from evcot.mean_shift.presets import PRESETS
-from evcot.mean_shift.tracker import MeanShiftTracker
+from evcot.trackers.mean_shift.presets import PRESETS
+from evcot.trackers.mean_shift.tracker import MeanShiftTracker
 from measure import Goal, Result, Timing, take_turns, timed
 
 __all__ = ["measure"]

@@ -13,23 +13,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.events import Events, Recording
-from evcot.files import read_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
-from evcot.frame_based import presets as frame_presets
-from evcot.frame_based.config import FrameConfig
-from evcot.frame_based.stream import DetectionTracker
-from evcot.frame_based.tracker import FrameTracker
-from evcot.mean_shift import presets as shift_presets
-from evcot.mean_shift.config import MeanShiftConfig
-from evcot.mean_shift.tracker import MeanShiftTracker
 from evcot.metrics import GroundTruth, Rule, evaluate, load_rule, read_truth
 from evcot.metrics.frames import line_up
 from evcot.metrics.sampling import expiring
+from evcot.recordings.files import read_recording
 from evcot.scenes import simulate_scene
-from evcot.tracking import track_recording
-from evcot.tracklog import TrackLog
+from evcot.trackers.frame_based import presets as frame_presets
+from evcot.trackers.frame_based.config import FrameConfig
+from evcot.trackers.frame_based.stream import DetectionTracker
+from evcot.trackers.frame_based.tracker import FrameTracker
+from evcot.trackers.mean_shift import presets as shift_presets
+from evcot.trackers.mean_shift.config import MeanShiftConfig
+from evcot.trackers.mean_shift.tracker import MeanShiftTracker
+from evcot.tracks.log import TrackLog
+from evcot.tracks.tracking import track_recording
 from measure import timed
 
 __all__ = ["EVENTS", "FRAMES", "PIPELINE", "Case", "Outcome", "as_written", "cases", "outcomes"]

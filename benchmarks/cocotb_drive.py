@@ -18,10 +18,11 @@ import numpy as np
 
 import streams
 from bare import Outcome, register_writes, verilator_flags
-from evcot.cot import Decisions, tick_times
-from evcot_cosim.build import verilog_dir
-from evcot_cosim.device import Device, build_device
-from evcot_cosim.toolchain import find_toolchain
+from evcot.hardware.cot import Decisions
+from evcot.ticks import tick_times
+from evcot_cosim.build.rtl import rtl_files, search_flags
+from evcot_cosim.build.toolchain import find_toolchain
+from evcot_cosim.devices.device import Device, build_device
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 
 __all__ = ["measure"]
@@ -88,9 +89,9 @@ def _main(home: Path) -> None:
 
     runner = get_runner("verilator")
     runner.build(
-        sources=[verilog_dir() / "cot_array.v"],
+        sources=[rtl_files()["cot_array.v"]],
         hdl_toplevel="cot_array",
-        build_args=[*json.loads((home / "flags.json").read_text()), "-Wno-fatal", "-y", str(verilog_dir())],
+        build_args=[*json.loads((home / "flags.json").read_text()), "-Wno-fatal", *search_flags()],
         build_dir=home,
         timescale=("1ns", "1ps"),
     )

@@ -16,9 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evcot.config import RunConfig
 from evcot.events import Recording
-from evcot.files import read_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
@@ -27,10 +25,12 @@ from evcot.metrics.frames import line_up
 from evcot.metrics.rule import Rule
 from evcot.metrics.sampling import expiring
 from evcot.metrics.truth import GroundTruth
-from evcot.presets import fit, for_sensor, preset
-from evcot.rct.tracker import track
+from evcot.recordings.files import read_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.tracklog import TrackLog
+from evcot.trackers.config import RunConfig
+from evcot.trackers.presets import fit, for_sensor, preset
+from evcot.trackers.rct.tracker import track
+from evcot.tracks.log import TrackLog
 from exact import cot_log
 from measure import Result
 from what_if import WHAT_IF, what_if

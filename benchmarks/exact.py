@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from evcot.config import RunConfig
-from evcot.contract import RECORD
-from evcot.cot import to_track_records, track
 from evcot.events import Recording
-from evcot.tracklog import TrackLog
-from evcot_cosim.device import build_device
-from evcot_cosim.lockstep import Lockstep, chunks
+from evcot.hardware.contract import RECORD
+from evcot.hardware.cot import to_track_records, track
+from evcot.trackers.config import RunConfig
+from evcot.tracks.log import TrackLog
+from evcot_cosim.devices.device import build_device
+from evcot_cosim.lockstep.lockstep import Lockstep, chunks
 
 __all__ = ["cot_log"]
 

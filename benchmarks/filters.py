@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import streams
-from evcot.contract import Filter
 from evcot.events import Events
 from evcot.filters.chain import FilterChain
 from evcot.filters.config import FilterConfig
+from evcot.filters.contract import Filter
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 
 __all__ = ["measure"]

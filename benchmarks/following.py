@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
 from evcot.metrics.clear import clear
 from evcot.metrics.frames import line_up
 from evcot.metrics.rule import load_rule
@@ -21,7 +20,7 @@ from evcot.metrics.sampling import expiring, positions
 from evcot.metrics.truth import OBJECT, GroundTruth
 from evcot.scenes.scene import Scene
 from evcot.scenes.truth import Box
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import Kind, TrackLog
 
 _ON_THE_BOX = 1e-6  # similarity: not 0, at which CLEAR would keep a pair that has parted
 

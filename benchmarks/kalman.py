@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import streams
-from evcot.kalman.config import KalmanConfig
-from evcot.kalman.presets import PRESETS
-from evcot.kalman.tracker import KalmanTracker
+from evcot.trackers.kalman.config import KalmanConfig
+from evcot.trackers.kalman.presets import PRESETS
+from evcot.trackers.kalman.tracker import KalmanTracker
 from measure import Clock, Goal, Result, Timing, take_turns, timed
 
 __all__ = ["measure"]

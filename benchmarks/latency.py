@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import streams
-from evcot.contract import Kind
-from evcot.cot import tick_times
-from evcot_cosim.device import Device, Stalls, StreamTimes, Top, build_device
+from evcot.ticks import tick_times
+from evcot.tracks.log import Kind
+from evcot_cosim.devices.device import Device, Stalls, StreamTimes, Top, build_device
 from measure import Goal, Result
 
 __all__ = ["measure"]

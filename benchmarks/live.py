@@ -23,10 +23,10 @@ from typing import Any, cast
 import numpy as np
 
 import streams
-from evcot.engines import ENGINES
 from evcot.events import Events
-from evcot.files import RecordingFile
 from evcot.filters.config import FilterConfig
+from evcot.recordings.files import RecordingFile
+from evcot.trackers.engines import ENGINES
 from evcot_cosim.live.server import Server
 from evcot_cosim.live.session import Session
 from evcot_cosim.live.sources import FileSource

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import streams
-from evcot_cosim.lockstep import CHUNK, Lockstep
+from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep
 from measure import Goal, Result
 
 __all__ = ["measure", "own_peak_mb"]

@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from cot_quality import Case
-from evcot.engines import ENGINES
 from evcot.filters.config import FilterConfig
 from evcot.metrics import Scores, evaluate
-from evcot.tracking import log_of
-from evcot.tracklog import TrackLog
+from evcot.trackers.engines import ENGINES
+from evcot.tracks.log import TrackLog
+from evcot.tracks.tracking import log_of
 from measure import Goal, Result
 from quality_cases import CONTOURS, FILMED, TRAFFIC, groups, traffic_is_here
 

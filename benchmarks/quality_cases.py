@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from cot_quality import Case, between, simulated
 from evcot.events import Events, Recording
-from evcot.files import read_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.metrics import load_rule, read_truth
 from evcot.metrics.truth import OBJECT, GroundTruth
+from evcot.recordings.files import read_recording
 
 __all__ = ["CONTOURS", "FILMED", "TRAFFIC", "groups", "traffic_cases", "traffic_is_here"]
 

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 
 import streams
-from evcot.cot import Arrangement, CotModel, tick_times
-from evcot.rct.tracker import RctTracker
-from evcot_cosim.lockstep import chunks
+from evcot.hardware.cot import Arrangement, CotModel
+from evcot.ticks import tick_times
+from evcot.trackers.rct.tracker import RctTracker
+from evcot_cosim.lockstep.lockstep import chunks
 from measure import Clock, Goal, Result, Timing, take_turns, timed
 
 __all__ = ["measure"]

@@ -23,9 +23,9 @@ from numba import njit
 
 import streams
 from evcot.events import Events
-from evcot.rct.config import RctConfig
-from evcot.rct.presets import PRESETS
-from evcot.rct.tracker import RctTracker
+from evcot.trackers.rct.config import RctConfig
+from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.tracker import RctTracker
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 from memory import own_peak_mb
 

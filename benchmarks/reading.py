@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 import streams
 from evcot.events import Events
-from evcot.files import RecordingFile, open_recording, write_events
+from evcot.recordings.files import RecordingFile, open_recording, write_events
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 
 __all__ = ["measure"]

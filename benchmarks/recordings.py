@@ -8,10 +8,10 @@ from pathlib import Path
 from statistics import median
 
 import streams
-from evcot.files import read_recording
-from evcot.presets import fit, for_sensor
-from evcot_cosim.device import build_device
-from evcot_cosim.lockstep import Lockstep, chunks
+from evcot.recordings.files import read_recording
+from evcot.trackers.presets import fit, for_sensor
+from evcot_cosim.devices.device import build_device
+from evcot_cosim.lockstep.lockstep import Lockstep, chunks
 from measure import Goal, Result, Skip
 
 __all__ = ["measure"]

@@ -13,9 +13,9 @@ from typing import Any
 from evcot.errors import ConfigError
 from evcot.filters.run import apply
 from evcot.metrics import Scores, evaluate
-from evcot.rct.config import RctConfig
-from evcot.rct.presets import FILTERS, PRESETS
-from evcot.rct.tracker import track
+from evcot.trackers.rct.config import RctConfig
+from evcot.trackers.rct.presets import FILTERS, PRESETS
+from evcot.trackers.rct.tracker import track
 from quality_cases import TRAFFIC, traffic_cases, traffic_is_here
 
 __all__ = ["changed", "main"]

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import bare
 import streams
-from evcot_cosim.device import build_device
-from evcot_cosim.lockstep import Lockstep, Step, chunks
+from evcot_cosim.devices.device import build_device
+from evcot_cosim.lockstep.lockstep import Lockstep, Step, chunks
 from measure import Clock, Goal, Result, Timing, take_turns, timed
 
 __all__ = ["measure"]

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.config import RunConfig
 from evcot.events import Events
-from evcot.presets import fit, for_sensor
+from evcot.trackers.config import RunConfig
+from evcot.trackers.presets import fit, for_sensor
 
 __all__ = ["HEIGHT", "SLOTS", "WIDTH", "config", "joined", "runs"]
 

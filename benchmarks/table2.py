@@ -19,12 +19,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.config import CotConfig, RunConfig
-from evcot.contract import Kind, Shape
-from evcot.presets import fit, preset
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import Shape
 from evcot.scenes.boxes import BoxExperiment, simulate
 from evcot.scenes.scene import Scene
-from evcot.tracklog import TrackLog
+from evcot.trackers.config import RunConfig
+from evcot.trackers.presets import fit, preset
+from evcot.tracks.log import Kind, TrackLog
 from exact import cot_log
 from following import follow
 from measure import Result

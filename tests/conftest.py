@@ -14,6 +14,6 @@ def pytest_configure() -> None:
 
 def pytest_collection_finish() -> None:
     assert signal.getsignal(signal.SIGPIPE) == signal.SIG_IGN, (
-        "an import has changed what a broken pipe does (vcdvcd does: evcot_cosim.waveform.vcd.parse puts that back); "
+        "an import has changed what a broken pipe does (vcdvcd does: evcot_cosim.waves.vcd.parse puts that back); "
         "a test whose peer closes a socket would end the whole run without a word"
     )

@@ -19,7 +19,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from evcot_cosim.build import cache_dir, verilog_dir
+from evcot_cosim.build.model import cache_dir
+from evcot_cosim.build.rtl import verilog_dir
 from evcot_cosim.testing import broken_copy
 
 ROOT = Path(__file__).parents[1]
@@ -54,15 +55,21 @@ def mutations() -> Iterator[Mutation]:
             yield Mutation(mistake["meaning"], file, mistake["right"], mistake["wrong"], tuple(mistake.get("tests", [own])))
 
 
+def path_of(test: str) -> Path:
+    """Where below tests/hw a test file is."""
+    (path,) = (ROOT / "tests" / "hw").rglob(test)
+    return path
+
+
 def first_failures(verilog: Path, tests: tuple[str, ...], cache: Path) -> list[str]:
     """The first test that fails on this RTL in each file, as file::name; a linter's complaint is none."""
     found = []
     for name in tests:
         pytest = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider"]
-        command = [*pytest, "-k", "not lints", f"tests/hw/{name}"]
+        command = [*pytest, "-k", "not lints", str(path_of(name))]
         environment = os.environ | {"EVCOT_VERILOG": str(verilog), "EVCOT_CACHE": str(cache)}
         done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-        failed = re.search(r"^(?:FAILED|ERROR) tests/hw/(.*?)(?: - .*)?$", done.stdout, re.MULTILINE)
+        failed = re.search(r"^(?:FAILED|ERROR) tests/hw/(?:\w+/)*(.*?)(?: - .*)?$", done.stdout, re.MULTILINE)
         if "ToolchainError" in done.stdout or done.returncode > 1 or (done.returncode and not failed):
             raise SystemExit(f"{name} did not run on {verilog}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
         if failed:

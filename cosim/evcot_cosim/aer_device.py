@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from .build import build
-from .device import HardwareError
-from .driver import pointer
+from evcot.templating import templates
+
+from .build.model import build
+from .devices.device import HardwareError
+from .devices.driver import pointer
 from .testing import reset
 
 __all__ = ["STEPS_PER_CLOCK", "AerDevice", "AerRun", "Chip"]
@@ -183,7 +184,6 @@ class AerDevice:
 
 def _source(top: str, parameters: Mapping[str, int]) -> str:
     """C++ text of the drive."""
-    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
     values: dict[str, Any] = {
         "top": top,
         "sends": top == "aer_in",
@@ -192,6 +192,6 @@ def _source(top: str, parameters: Mapping[str, int]) -> str:
         "steps_per_clock": STEPS_PER_CLOCK,
     }
     fields = [(ctype, name) for name, _, ctype in _JOB]
-    return environment.get_template("aer.cpp.j2").render(
+    return templates("evcot_cosim.devices").get_template("aer.cpp.j2").render(
         **values, job_fields=fields, statuses=[status.name for status in _Status]
     )  # fmt: skip

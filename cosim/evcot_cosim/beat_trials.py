@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from evcot.registers import register_map
-from evcot.streams import unpack
+from evcot.hardware.registers import register_map
+from evcot.hardware.streams import unpack
 
 from .stream_device import Bundle, StreamDevice, random_stalls
 

@@ -33,7 +33,7 @@ from .commands import (
 )
 from .commands import filter as filter_command
 from .commands.cosim import MISMATCH
-from .lockstep import MismatchError
+from .lockstep.lockstep import MismatchError
 
 __all__ = ["main", "parser"]
 

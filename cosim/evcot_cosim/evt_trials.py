@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.events import Events
-from evcot.formats.prophesee_header import HEADER_BYTES, parse_header
-from evcot.formats.words import Layout, WordArray
+from evcot.recordings.formats.prophesee_header import HEADER_BYTES, parse_header
+from evcot.recordings.formats.words import Layout, WordArray
 
 from .stream_device import Bundle, StreamDevice
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
-from evcot.published import (
+from evcot.hardware.published.model import (
     CASCADE_INPUT,
     CASCADE_OUTPUT,
     REGISTERS,
@@ -29,7 +29,7 @@ from evcot.published import (
     decode,
 )
 
-from .build import build
+from .build.model import build
 
 __all__ = [
     "CHAIN",

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from .build import build
-from .device import HardwareError
-from .driver import pointer
+from evcot.templating import templates
+
+from .build.model import build
+from .devices.device import HardwareError
+from .devices.driver import pointer
 from .testing import reset
 
 __all__ = ["Bundle", "StreamDevice", "StreamRun", "random_pattern", "random_stalls"]
@@ -123,13 +124,16 @@ def random_stalls(rng: np.random.Generator, prefixes: Iterable[str]) -> dict[str
 
 def _source(top: str, inputs: Sequence[Bundle], outputs: Sequence[Bundle], has_idle: bool) -> str:
     """C++ text of the streaming drive for one module."""
-    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
     layouts = {
         name: [(ctype, field) for field, _, ctype in fields]
         for name, fields in (("input_fields", _INPUT), ("output_fields", _OUTPUT), ("job_fields", _JOB))
     }
-    return environment.get_template("words.cpp.j2").render(
-        top=top, inputs=inputs, outputs=outputs, has_idle=has_idle, statuses=[status.name for status in _Status], **layouts
+    return (
+        templates("evcot_cosim.devices")
+        .get_template("words.cpp.j2")
+        .render(
+            top=top, inputs=inputs, outputs=outputs, has_idle=has_idle, statuses=[status.name for status in _Status], **layouts
+        )
     )
 
 

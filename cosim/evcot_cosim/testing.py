@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from .build import load, verilog_dir
-from .toolchain import Toolchain, find_toolchain
+from .build.model import load
+from .build.rtl import copy_rtl, rtl_files, search_flags
+from .build.toolchain import Toolchain, find_toolchain
 
 __all__ = [
     "PATTERNS",
@@ -71,8 +72,7 @@ def lint(top: str, **parameters: int) -> tuple[int, str]:
     tools = _tools()
     overrides = [f"-G{name}={value}" for name, value in parameters.items()]
     done = subprocess.run(
-        [str(tools.executable), "--lint-only", "-Wall", "-y", ".", *overrides, f"{top}.v"],
-        cwd=verilog_dir(),
+        [str(tools.executable), "--lint-only", "-Wall", *search_flags(), *overrides, str(rtl_files()[f"{top}.v"])],
         env=dict(tools.environment),
         capture_output=True,
         text=True,
@@ -119,9 +119,7 @@ def broken_copy(folder: Path, file: str, right: str, wrong: str) -> Path:
     Raises:
         ValueError: the file does not hold `right` exactly once.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    for path in verilog_dir().glob("*.v*"):
-        (folder / path.name).write_bytes(path.read_bytes())
+    copy_rtl(folder)
     spaced = r"\s+".join(re.escape(word) for word in right.split())
     text, count = re.subn(spaced, lambda _: wrong, (folder / file).read_text())
     if count != 1:

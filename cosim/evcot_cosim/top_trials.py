@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evcot.config import CotConfig, SlotConfig
-from evcot.contract import FilterShape, Shape
-from evcot.presets import PRESETS, fit
+from evcot.filters.contract import FilterShape
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import Shape
+from evcot.trackers.presets import PRESETS, fit
 
-from .top_device import Pace, TopDevice
+from .devices.top_device import Pace, TopDevice
 from .trials import Traffic, random_traffic
 
 __all__ = ["BUILDS", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]

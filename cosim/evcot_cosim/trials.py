@@ -15,11 +15,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.config import CotConfig, SlotConfig
-from evcot.contract import REGISTERS, Kind, Mode, Shape
-from evcot.cot import Arrangement, CotModel, Decisions
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.tracks.log import Kind
 
-from .device import Device, Stalls, Top, build_device
+from .devices.device import Device, Stalls, Top, build_device
 
 __all__ = ["ENGINES", "Engine", "Told", "Traffic", "exact", "random_config", "random_traffic", "tell"]
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The registers of evcot_top.v: byte addresses, fields, and the words of its streams.
- * Generated from sw/evcot/registers.toml and contract.py by `python -m evcot.generate`: edit there.
+ * Generated from sw/evcot/hardware/registers.toml and contract.py by `python -m evcot.hardware.generate`: edit there.
  *
  * A field F of a word has EVCOT_F_SHIFT and EVCOT_F_MASK (in place): EVCOT_GET(word, EVCOT_STATUS_HELD).
  */

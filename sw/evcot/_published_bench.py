@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ._published_kernel import (
+from .hardware.published._kernel import (
     BUSY,
     FREE,
     IDLE,

@@ -17,10 +17,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import evcot_cosim.build
+import evcot_cosim.build.model
 from evcot.events import Events, Recording
-from evcot.files import write_recording
-from evcot.tracklog import TrackLog
+from evcot.recordings.files import write_recording
+from evcot.tracks.log import TrackLog
+from evcot_cosim.build.rtl import copy_rtl
 from evcot_cosim.cli import main
 
 Capture = pytest.CaptureFixture[str]
@@ -29,7 +30,7 @@ Capture = pytest.CaptureFixture[str]
 @pytest.fixture(autouse=True)
 def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Every command runs in a folder of its own; models come from the cache that the test run shares."""
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.cache_dir()))
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -152,14 +153,11 @@ def test_presets_are_listed(capsys: Capture) -> None:
 
 def broken_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, old: str, new: str) -> None:
     """Let builds use a copy of the RTL in which one text stands for another."""
-    sources = tmp_path / "broken"
-    sources.mkdir()
-    for path in evcot_cosim.build.verilog_dir().iterdir():
-        (sources / path.name).write_bytes(path.read_bytes())
+    sources = copy_rtl(tmp_path / "broken")
     text = (sources / file).read_text()
     assert text.count(old) == 1
     (sources / file).write_text(text.replace(old, new))
-    monkeypatch.setattr(evcot_cosim.build, "verilog_dir", lambda: sources)
+    monkeypatch.setattr(evcot_cosim.build.model, "verilog_dir", lambda: sources)
 
 
 def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(

@@ -15,16 +15,17 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from evcot.contract import Mode
-from evcot.registers import register_map
-from evcot_cosim.build import load, verilog_dir
+from evcot.hardware.contract import Mode
+from evcot.hardware.registers import register_map
+from evcot_cosim.build.model import load
+from evcot_cosim.build.rtl import rtl_files, search_flags
+from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.pages.__main__ import source_text, title
 from evcot_cosim.pages.interfaces import DIAGRAMS
 from evcot_cosim.pages.modules import page
 from evcot_cosim.pages.stimulus import play
 from evcot_cosim.pages.trace import Trace, wave
 from evcot_cosim.testing import reset
-from evcot_cosim.toolchain import find_toolchain
 
 ROOT = Path(__file__).parents[2]
 DOCS, EXAMPLES = ROOT / "docs", ROOT / "hw" / "fpga" / "examples"
@@ -85,9 +86,9 @@ def test_the_page_shows_every_picture_and_its_links_lead_somewhere() -> None:
 def test_the_block_diagram_names_modules_that_are_there() -> None:
     drawing = ElementTree.parse(DOCS / "images" / "evcot_top.svg")
     boxes = [node.text or "" for node in drawing.iter("{http://www.w3.org/2000/svg}text")]
-    modules = [text for text in boxes if (verilog_dir() / f"{text}.v").exists()]
+    modules = [text for text in boxes if f"{text}.v" in rtl_files()]
     assert len(modules) == len(set(modules)) == 14
-    text = "".join((verilog_dir() / f"{top}.v").read_text() for top in ("evcot_top", "event_sources", "cot_filtered"))
+    text = "".join(rtl_files()[f"{top}.v"].read_text() for top in ("evcot_top", "event_sources", "cot_filtered"))
     for module in modules:
         assert re.search(rf"^\s*(?:module )?{module} #\(", text, re.MULTILINE), module
 
@@ -96,15 +97,14 @@ def test_the_block_diagram_names_modules_that_are_there() -> None:
 def test_the_examples_are_clean(top: str) -> None:
     source = EXAMPLES / f"{top}.v"
     tools = find_toolchain()
-    command = [str(tools.executable), "--lint-only", "-Wall", "--quiet", "--default-language", "1364-2005", "-y", "."]
-    done = subprocess.run(
-        [*command, "--top-module", top, str(source)], cwd=verilog_dir(), env=tools.environment, capture_output=True, text=True
-    )
+    command = [str(tools.executable), "--lint-only", "-Wall", "--quiet", "--default-language", "1364-2005"]
+    command += [*search_flags(), "--top-module", top, str(source)]
+    done = subprocess.run(command, env=tools.environment, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
     if icarus := shutil.which("iverilog"):
         warnings = ["-Wall", "-Wno-sensitivity-entire-array"]  # see hw/lint.py
-        command = [icarus, "-g2005", *warnings, "-I.", "-y.", "-o", "/dev/null", "-s", top, str(source)]
-        assert subprocess.run(command, cwd=verilog_dir(), capture_output=True, text=True).stderr == ""
+        command = [icarus, "-g2005", *warnings, *search_flags(), "-o", "/dev/null", "-s", top, str(source)]
+        assert subprocess.run(command, capture_output=True, text=True).stderr == ""
 
 
 class Memory:

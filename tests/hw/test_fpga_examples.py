@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 from pyverilator import PyVerilator
 
-from evcot.contract import RECORD, Kind
-from evcot.register_access import Registers
-from evcot_cosim.build import load, verilog_dir
+from evcot.hardware.contract import RECORD
+from evcot.hardware.register_access import Registers
+from evcot.tracks.log import Kind
+from evcot_cosim.build.model import load
+from evcot_cosim.build.rtl import copy_rtl
 
 EXAMPLES = Path(__file__).parents[2] / "hw" / "fpga" / "examples"
 PIXELS = [(100 + int(dx), 60 + int(dy)) for dx, dy in np.random.default_rng(1).integers(-5, 6, (400, 2))]
@@ -35,8 +37,7 @@ class Board:
     """An example under a host: a transport for `Registers`; each clock a step of its camera, and what records come."""
 
     def __init__(self, top: str, folder: Path) -> None:
-        for path in (*verilog_dir().glob("*.v*"), EXAMPLES / f"{top}.v"):
-            shutil.copy(path, folder)
+        shutil.copy(EXAMPLES / f"{top}.v", copy_rtl(folder))
         self.sim: PyVerilator = load(top, verilog=folder)
         self.camera: Iterator[None] = iter(())
         self.received = bytearray()

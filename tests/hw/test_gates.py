@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.contract import Kind, Shape
-from evcot.cot import CotModel, Decisions
 from evcot.errors import ToolchainError
-from evcot_cosim.device import Device, Stalls, Top, build_device
-from evcot_cosim.driver import PARAMETERS
+from evcot.hardware.contract import Shape
+from evcot.hardware.cot import CotModel, Decisions
+from evcot.tracks.log import Kind
+from evcot_cosim.devices.device import Device, Stalls, Top, build_device
+from evcot_cosim.devices.driver import PARAMETERS
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.gates import DIFFERENT, Netlist, side_by_side
 from evcot_cosim.trials import random_config, random_traffic

@@ -15,10 +15,10 @@ from evcot.anomalies.alarm import check_table_path, rows, write_alarms
 from evcot.anomalies.belongs import check_belongs
 from evcot.anomalies.learn import smallest_sensor
 from evcot.errors import ConfigError, TrackLogError
-from evcot.files import open_recording
+from evcot.recordings.files import open_recording
 from evcot.scenes.registry import adjusted
-from evcot.timeline import lifetimes
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import TrackLog
+from evcot.tracks.timeline import lifetimes
 
 from .counting import Counting
 from .options import sensor_from

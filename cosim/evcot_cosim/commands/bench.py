@@ -11,19 +11,19 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from evcot.engines import ENGINES
 from evcot.events import Events
-from evcot.files import open_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
-from evcot.tracking import log_of
+from evcot.recordings.files import open_recording
+from evcot.trackers.engines import ENGINES
+from evcot.tracks.tracking import log_of
 
-from ..device import build_device
-from ..lockstep import Lockstep, chunks
-from ..progress import Progress
+from ..devices.device import build_device
+from ..lockstep.lockstep import Lockstep, chunks
 from .job import Job, input_options, job_from
 from .options import window_from, window_options
 from .parsing import add_command
+from .progress import Progress
 from .tables import print_table
 
 __all__ = ["add"]

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import RECORD
 from evcot.errors import ConfigError
-from evcot.register_access import Registers
-from evcot.registers import register_map
+from evcot.hardware.contract import RECORD
+from evcot.hardware.register_access import Registers
+from evcot.hardware.registers import register_map
 
 from ..fpga.board import RECORDS, SIZES, expected_records, shape
 from ..fpga.serial_host import SerialHost

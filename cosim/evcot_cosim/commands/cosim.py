@@ -10,15 +10,15 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..artifacts import write_mismatch, write_run
-from ..cosim import run_cosim
-from ..lockstep import MismatchError
-from ..progress import Progress
-from ..run_file import run_toml
-from ..summary import table
+from ..lockstep.cosim import run_cosim
+from ..lockstep.lockstep import MismatchError
+from ..lockstep.run_file import run_toml
+from ..lockstep.summary import table
+from ..report.artifacts import write_mismatch, write_run
 from .job import input_options, job_from
 from .options import window_from, window_options
 from .parsing import add_command
+from .progress import Progress
 from .tables import print_table
 
 __all__ = ["MISMATCH", "add"]

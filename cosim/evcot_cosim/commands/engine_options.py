@@ -8,12 +8,12 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from evcot.config import RunConfig, load_toml, load_tracker
-from evcot.engines import ENGINES
 from evcot.errors import ConfigError
 from evcot.filters.config import FilterConfig
-from evcot.presets import for_sensor
 from evcot.ranges import read_value
+from evcot.trackers.config import RunConfig, load_toml, load_tracker
+from evcot.trackers.engines import ENGINES
+from evcot.trackers.presets import for_sensor
 
 __all__ = ["configured", "engine_options", "plain"]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from evcot.errors import TrackLogError
 from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth, rule_for
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import TrackLog
 
 from .counting import Counting
 from .options import sensor_from

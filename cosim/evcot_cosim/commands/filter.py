@@ -10,13 +10,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from evcot.config import RunConfig, load_toml
-from evcot.contract import Filter
 from evcot.errors import ConfigError
-from evcot.files import format_for, write_events
 from evcot.filters.chain import Total
+from evcot.filters.contract import Filter
 from evcot.filters.run import filtered
-from evcot.presets import for_sensor
+from evcot.recordings.files import format_for, write_events
+from evcot.trackers.config import RunConfig, load_toml
+from evcot.trackers.presets import for_sensor
 
 from .counting import Counting
 from .filter_options import filter_options, filters_from

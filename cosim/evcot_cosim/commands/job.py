@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
 
-from evcot.config import RunConfig, load_toml
 from evcot.errors import ConfigError
 from evcot.events import Recording
-from evcot.presets import fit, for_sensor, preset
 from evcot.scenes.registry import SCENES
+from evcot.trackers.config import RunConfig, load_toml
+from evcot.trackers.presets import fit, for_sensor, preset
 
-from ..cosim import check_addresses, stalls_from
-from ..device import Stalls, Top
-from ..run_file import RUN_FILE, RunFile, Source, digest, read_run_file
+from ..devices.device import Stalls, Top
+from ..lockstep.cosim import check_addresses, stalls_from
+from ..lockstep.run_file import RUN_FILE, RunFile, Source, digest, read_run_file
 from .filter_options import filter_options, filters_from
 from .options import damage_options, sensor_from
 

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from evcot.engines import ENGINES
 from evcot.errors import ConfigError
 from evcot.events import Events
-from evcot.formats.source import Sensor
-from evcot.tracking import Tracker
+from evcot.recordings.formats.source import Sensor
+from evcot.trackers.engines import ENGINES
+from evcot.tracks.tracking import Tracker
 
 from ..live.camera import CameraSource
 from ..live.dashboard import rows_of, show

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from evcot.errors import ConfigError
 from evcot.events import Recording
-from evcot.files import RecordingFile, open_recording
+from evcot.recordings.files import RecordingFile, open_recording
 
 __all__ = [
     "check_other_file",

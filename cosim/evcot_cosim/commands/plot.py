@@ -8,8 +8,8 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from evcot.plots import KINDS, Material, density, plot
-from evcot.plots.style import COLUMN_MM
+from evcot.pictures.plots import KINDS, Material, density, plot
+from evcot.pictures.plots.style import COLUMN_MM
 
 from .parsing import add_command
 from .tracked import tracked_from, tracked_options

@@ -8,9 +8,9 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from evcot.engines import ENGINES, Engine
 from evcot.filters.config import FilterConfig
-from evcot.presets import PRESETS
+from evcot.trackers.engines import ENGINES, Engine
+from evcot.trackers.presets import PRESETS
 
 from .parsing import add_command
 from .tables import print_table

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from evcot.describe import PEAK_WINDOW_US, Description, PixelFigures, describe
-from evcot.files import format_for, write_events
-from evcot.formats import WRITABLE
+from evcot.recordings.describe import PEAK_WINDOW_US, Description, PixelFigures, describe
+from evcot.recordings.files import format_for, write_events
+from evcot.recordings.formats import WRITABLE
 
 from .counting import Counting
 from .options import check_other_file, open_from, recording_options, window_from

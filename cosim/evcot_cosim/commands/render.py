@@ -9,11 +9,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from evcot.films import Look, render, side_of
-from evcot.films.film import SUFFIXES, check_suffix, picture_times
+from evcot.pictures.films import Look, render, side_of
+from evcot.pictures.films.film import SUFFIXES, check_suffix, picture_times
 
-from ..progress import Progress
 from .parsing import add_command
+from .progress import Progress
 from .tracked import tracked_from, tracked_options
 
 __all__ = ["add"]

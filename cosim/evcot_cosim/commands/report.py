@@ -14,14 +14,14 @@ import evcot
 from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.metrics import RULES
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import TrackLog
 
-from ..progress import Progress
+from ..lockstep.run_file import RUN_FILE, Source, read_run_file
+from ..lockstep.summary import SUMMARY, read_summary
 from ..report import REPORT, Material, Side, Truth, truth_of, write_report
-from ..run_file import RUN_FILE, Source, read_run_file
-from ..summary import SUMMARY, read_summary
 from .options import damage_options, open_from, sensor_from, window_from, window_options
 from .parsing import add_command
+from .progress import Progress
 
 __all__ = ["add"]
 

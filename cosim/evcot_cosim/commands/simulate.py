@@ -12,8 +12,8 @@ from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.events import Events
-from evcot.files import write_events
 from evcot.outputs import written_aside
+from evcot.recordings.files import write_events
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
 
 from .counting import Counting

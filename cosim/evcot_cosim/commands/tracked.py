@@ -11,11 +11,11 @@ from pathlib import Path
 
 from evcot.errors import ConfigError
 from evcot.events import Events
-from evcot.formats.source import Sensor
-from evcot.plots import Log
-from evcot.tracklog import TrackLog
+from evcot.pictures.plots import Log
+from evcot.recordings.formats.source import Sensor
+from evcot.tracks.log import TrackLog
 
-from ..run_file import RUN_FILE, read_run_file
+from ..lockstep.run_file import RUN_FILE, read_run_file
 from .options import open_from, recording_options, window_from
 
 __all__ = ["Tracked", "tracked_from", "tracked_options"]

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from evcot.errors import ConfigError
 
-from ..artifacts import folder_written_aside
-from ..moments import MOMENTS, Moment, find_moment
-from ..properties import Verdict, judge, load_properties
-from ..waves import Window, write_waves
+from ..lockstep.moments import MOMENTS, Moment, find_moment
+from ..report.artifacts import folder_written_aside
+from ..waves.properties import Verdict, judge, load_properties
+from ..waves.window import Window, write_waves
 from .counting import Counting
 from .job import Job, input_options, job_from
 from .options import window_from

@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.config import CotConfig
-from evcot.contract import FILTER_SHAPE_RANGES, RECORD, Shape
-from evcot.cot import CotModel
-from evcot.registers import register_map
+from evcot.filters.contract import FILTER_SHAPE_RANGES
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import RECORD, Shape
+from evcot.hardware.cot import CotModel
+from evcot.hardware.registers import register_map
 
-from ..build import verilog_dir
+from ..build.rtl import verilog_dir
 from .noise import SIZE, SLOT, rendered, signature, source, writes
 
 __all__ = ["RECORDS", "SIZES", "board_dir", "expected_records", "header", "shape"]

@@ -14,9 +14,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from evcot.templating import templates
 
-from ..build import build, verilog_dir
+from ..build.model import build
+from ..build.rtl import copy_rtl
 from .board import board_dir
 from .serial_host import BAUD
 
@@ -65,8 +66,8 @@ BOARDS = {board.name: board for board in _TABLE}
 
 def sources(folder: Path) -> Path:
     """Copy all Verilog that a board may need into a folder, and return it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for origin in (verilog_dir(), board_dir(), board_dir() / "boards"):
+    copy_rtl(folder)
+    for origin in (board_dir(), board_dir() / "boards"):
         for path in origin.glob("*.v*"):
             shutil.copyfile(path, folder / path.name)
     return folder
@@ -84,10 +85,9 @@ class SimulatedBoard:
 
     def __init__(self, board: Board, verilog: Path | None = None) -> None:
         self.board = board
-        environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
         divisor = round(board.clock_hz / BAUD)
         pins = {"clock": board.clock, "rx": board.rx, "tx": board.tx}
-        drive = environment.get_template("board.cpp.j2").render(top=board.name, divisor=divisor, **pins)
+        drive = templates("evcot_cosim.fpga").get_template("board.cpp.j2").render(top=board.name, divisor=divisor, **pins)
         with tempfile.TemporaryDirectory() as folder:
             model = build(board.name, {}, {"board.cpp": drive}, verilog=verilog or sources(Path(folder)))
         self.sim = model.load()

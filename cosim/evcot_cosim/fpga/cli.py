@@ -11,7 +11,7 @@ from pathlib import Path
 
 from evcot.errors import ConfigError, EvcotError
 
-from ..build import verilog_dir
+from ..build.rtl import verilog_dir
 from ..commands.tables import print_table
 from . import tools
 from .catalogue import MODULES, Module, chosen

@@ -6,21 +6,20 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 import evcot
 from evcot.outputs import written_aside
+from evcot.templating import templates
 
-from ..build import verilog_dir
-from .sources import manifest
+from ..build.rtl import manifest, verilog_dir
 
 __all__ = ["core_text"]
 
 
 def core_text(verilog: Path | None = None) -> str:
     """The core description."""
-    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
-    return environment.get_template("evcot.core.j2").render(version=evcot.__version__, files=manifest(verilog))
+    return (
+        templates("evcot_cosim.fpga").get_template("evcot.core.j2").render(version=evcot.__version__, files=manifest(verilog))
+    )
 
 
 def _main() -> int:

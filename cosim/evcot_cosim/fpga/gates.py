@@ -13,9 +13,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from evcot.templating import templates
 
-from ..build import verilog_dir
+from ..build.rtl import copy_rtl
 from . import tools
 from .interface import instance, ports
 from .sources import closure, flat
@@ -62,9 +62,7 @@ def side_by_side(
     Returns:
         The names of the outputs, in the order of the bits of `DIFFERENT`.
     """
-    folder.mkdir(parents=True)
-    for path in verilog_dir().iterdir():
-        (folder / path.name).write_bytes(path.read_bytes())
+    copy_rtl(folder)
     work = folder / "netlist"
     work.mkdir()
     (work / "lut.v").write_text(_LUT)
@@ -93,9 +91,10 @@ def side_by_side(
     outputs = [port for port in around if port.direction == "output"]
     names = [port.name for port in outputs]
     valid = {name: stream for name in names if (stream := f"{name.rpartition('_')[0]}_valid") in names and stream != name}
-    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
-    text = environment.get_template("side_by_side.v.j2").render(
-        top=top, parameters=parameters, ports=around, outputs=outputs, valid=valid, different=DIFFERENT
+    text = (
+        templates("evcot_cosim.fpga")
+        .get_template("side_by_side.v.j2")
+        .render(top=top, parameters=parameters, ports=around, outputs=outputs, valid=valid, different=DIFFERENT)
     )
     (folder / f"{top}.v").write_text(text)
     return names

@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from evcot.templating import templates
 
 from .interface import Port
 
 __all__ = ["TEMPLATE", "render"]
 
-TEMPLATE = Path(__file__).parents[1] / "templates" / "harness.v.j2"
+TEMPLATE = Path(__file__).with_name("templates") / "harness.v.j2"
 _CLOCK = "clk"
 _FOLD = 4  # inputs of a look-up table
 
@@ -29,17 +29,20 @@ def render(top: str, parameters: Mapping[str, int], ports: Sequence[Port]) -> st
     levels = [sum(port.width for port in outputs)]
     while levels[-1] > 1:
         levels.append(-(-levels[-1] // _FOLD))
-    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
-    return environment.get_template(TEMPLATE.name).render(
-        top=top,
-        parameters=parameters,
-        clock=_CLOCK,
-        clocked=any(port.name == _CLOCK for port in ports),
-        inputs=_placed(inputs),
-        n_inputs=max(1, sum(port.width for port in inputs)),
-        outputs=_placed(outputs),
-        levels=levels,
-        fold=_FOLD,
+    return (
+        templates("evcot_cosim.fpga")
+        .get_template(TEMPLATE.name)
+        .render(
+            top=top,
+            parameters=parameters,
+            clock=_CLOCK,
+            clocked=any(port.name == _CLOCK for port in ports),
+            inputs=_placed(inputs),
+            n_inputs=max(1, sum(port.width for port in inputs)),
+            outputs=_placed(outputs),
+            levels=levels,
+            fold=_FOLD,
+        )
     )
 
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 from evcot.errors import ConfigError
 
-from ..build import verilog_dir
+from ..build.rtl import rtl_files, verilog_dir
 from .sources import without_comments
 
 __all__ = ["DeclaredPort", "Header", "Parameter", "clog2", "evaluate", "read"]
@@ -87,11 +87,12 @@ def read(top: str, verilog: Path | None = None) -> Header:
     Raises:
         ConfigError: there is no such module, or it declares something in another style.
     """
-    folder = verilog or verilog_dir()
-    if not (folder / f"{top}.v").is_file():
-        raise ConfigError(f"module {top}: no {top}.v in {folder}")
-    text = (folder / f"{top}.v").read_text()
-    defines = {name: value for path in folder.glob("*.vh") for name, value in _DEFINE.findall(path.read_text())}
+    files = rtl_files(verilog)
+    if f"{top}.v" not in files:
+        raise ConfigError(f"module {top}: no {top}.v in {verilog or verilog_dir()}")
+    text = files[f"{top}.v"].read_text()
+    headers = (path for path in files.values() if path.suffix == ".vh")
+    defines = {name: value for path in headers for name, value in _DEFINE.findall(path.read_text())}
     title = " ".join(line[3:] for line in text.splitlines()[1:] if line.startswith("// ")).split(". ")[0].rstrip(".")
     declaration = re.search(rf"^module {top}\b.*?^\);", text, re.MULTILINE | re.DOTALL)
     assert declaration is not None

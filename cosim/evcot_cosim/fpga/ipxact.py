@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 import evcot
-from evcot.contract import FILTER_SHAPE_RANGES, SHAPE_RANGES, Filter
-from evcot.registers import register_map
+from evcot.filters.contract import FILTER_SHAPE_RANGES, Filter
+from evcot.hardware.contract import SHAPE_RANGES
+from evcot.hardware.registers import register_map
+from evcot.templating import templates
 
-from ..driver import PARAMETERS
+from ..devices.driver import PARAMETERS
 from .header import DeclaredPort, Header, evaluate, read
 
 __all__ = ["CHOICES", "LIMITS", "Bus", "buses", "component", "dialogue", "dialogue_file"]
@@ -120,12 +120,7 @@ def _version() -> str:
 
 
 def _rendered(template: str, **values: Any) -> str:
-    environment = Environment(
-        loader=PackageLoader("evcot_cosim"),
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-        autoescape=template.endswith(".xml.j2"),
-    )
+    environment = templates("evcot_cosim.fpga", autoescape=template.endswith(".xml.j2"))
     return environment.get_template(template).render(**values)
 
 

@@ -10,16 +10,16 @@ from typing import cast
 import numpy as np
 from pyverilator import PyVerilator
 
-from evcot.config import CotConfig, SlotConfig
-from evcot.contract import Mode, Shape
-from evcot.published import PublishedConfig
-from evcot.streams import pack_events
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import Mode, Shape
+from evcot.hardware.published.model import PublishedConfig
+from evcot.hardware.streams import pack_events
 
-from ..build import load
-from ..device import Device, Stalls, Top
+from ..build.model import load
+from ..devices.device import Device, Stalls, Top
+from ..devices.top_device import TopDevice
 from ..published_trials import at, play
 from ..testing import reset
-from ..top_device import TopDevice
 from .catalogue import Answer, Module
 
 __all__ = ["clocks"]

@@ -6,13 +6,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from numba import njit
 from numpy.typing import NDArray
 
-from evcot.config import SlotConfig
-from evcot.contract import REGISTERS, Mode
-from evcot.lfsr_event_source import LfsrEventSource
+from evcot.hardware.config import SlotConfig
+from evcot.hardware.contract import REGISTERS, Mode
+from evcot.hardware.lfsr_event_source import LfsrEventSource
+from evcot.templating import templates
 
 __all__ = ["SIZE", "SLOT", "rendered", "signature", "source", "writes"]
 
@@ -53,5 +53,4 @@ def _fold(words):  # type: ignore[no-untyped-def]
 
 def rendered(template: str, **values: Any) -> str:
     """The text of a header."""
-    environment = Environment(loader=PackageLoader("evcot_cosim"), undefined=StrictUndefined, keep_trailing_newline=True)
-    return environment.get_template(template).render(**values)
+    return templates("evcot_cosim.fpga").get_template(template).render(**values)

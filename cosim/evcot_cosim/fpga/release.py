@@ -8,9 +8,9 @@ from pathlib import Path
 import evcot
 from evcot.outputs import written_aside
 
-from ..build import verilog_dir
+from ..build.rtl import modules, verilog_dir
 from .ipxact import component, dialogue, dialogue_file
-from .sources import flat, modules
+from .sources import flat
 
 __all__ = ["TOPS", "release_text", "write_release"]
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.config import CotConfig
-from evcot.contract import Shape
-from evcot.cot import CotModel
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import Shape
+from evcot.hardware.cot import CotModel
 
 from .noise import SLOT, rendered, signature, source, writes
 

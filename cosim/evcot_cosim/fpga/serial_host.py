@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import RECORD
 from evcot.errors import EvcotError
-from evcot.registers import BusError
+from evcot.hardware.contract import RECORD
+from evcot.hardware.registers import BusError
 
 __all__ = ["BAUD", "LinkError", "SerialHost"]
 
@@ -30,7 +30,7 @@ class LinkError(EvcotError, OSError):
 
 
 class SerialHost:
-    """A board on a serial port; a transport for `evcot.register_access.Registers`.
+    """A board on a serial port; a transport for `evcot.hardware.register_access.Registers`.
 
     Args:
         port: device of the line, such as /dev/ttyUSB1, or any URL of pyserial.

@@ -10,26 +10,15 @@ from pathlib import Path
 
 from evcot.errors import ConfigError
 
-from ..build import verilog_dir
+from ..build.rtl import modules, rtl_files, verilog_dir
 
-__all__ = ["closure", "flat", "manifest", "modules", "stand_ins", "without_comments"]
+__all__ = ["closure", "flat", "stand_ins", "without_comments"]
 
 _COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 _INCLUDE = re.compile(r'^[ \t]*`include[ \t]+"([^"]+)"[^\n]*\n', re.MULTILINE)
 _PROOF = re.compile(r"^`ifdef FORMAL\n.*?^`endif\n+", re.MULTILINE | re.DOTALL)
 _GUARD = re.compile(r"\A\s*`ifndef\s+\w+")
 _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
-
-
-def manifest(verilog: Path | None = None) -> list[str]:
-    """The names of all files, headers too, each after those that it needs."""
-    lines = ((verilog or verilog_dir()) / "manifest.txt").read_text().splitlines()
-    return [line for line in lines if line and not line.startswith("#")]
-
-
-def modules(verilog: Path | None = None) -> list[str]:
-    """The names of all modules, each after those that it instantiates."""
-    return [name.removesuffix(".v") for name in manifest(verilog) if name.endswith(".v")]
 
 
 def without_comments(text: str) -> str:
@@ -44,8 +33,7 @@ def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
     Raises:
         ConfigError: a top is not in the manifest.
     """
-    folder = verilog or verilog_dir()
-    known = modules(folder)
+    known, files = modules(verilog), rtl_files(verilog)
     waiting, needed = list(tops), set[str]()
     for top in waiting:
         if top not in known:
@@ -54,7 +42,7 @@ def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
         module = waiting.pop()
         if module not in needed:
             needed.add(module)
-            words = set(_WORD.findall(_bare(folder / f"{module}.v")))
+            words = set(_WORD.findall(_bare(files[f"{module}.v"])))
             waiting += [other for other in known if other in words]
     return [module for module in known if module in needed]
 
@@ -64,18 +52,18 @@ def flat(names: Iterable[str], verilog: Path | None = None, *, comments: bool = 
 
     Without comments the text, and so every name that a tool derives from its line numbers, does not change with them.
     """
-    folder = verilog or verilog_dir()
+    files = rtl_files(verilog)
     seen = set[str]()
 
     def included(found: re.Match[str]) -> str:
-        text = (folder / found[1]).read_text()
+        text = files[found[1]].read_text()
         if _GUARD.match(without_comments(text)):
             if found[1] in seen:
                 return ""
             seen.add(found[1])
         return text
 
-    texts = (_PROOF.sub("", (folder / f"{module}.v").read_text()) for module in names)
+    texts = (_PROOF.sub("", files[f"{module}.v"].read_text()) for module in names)
     text = "\n".join(_INCLUDE.sub(included, source) for source in texts)
     return text if comments else without_comments(text)
 

@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
-from evcot.tracklog import TRACK
+from evcot.tracks.log import TRACK, Kind
 
 __all__ = ["Alive", "Clusters"]
 

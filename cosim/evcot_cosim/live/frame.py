@@ -10,8 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from evcot.contract import DROPPED
-from evcot.formats.source import Sensor
+from evcot.recordings.formats.source import Sensor
+from evcot.tracks.log import DROPPED
 
 from .alive import Clusters
 from .session import Step

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import DROPPED
 from evcot.events import Events
-from evcot.tracking import Told, Tracker
+from evcot.tracks.log import DROPPED
+from evcot.tracks.tracking import Told, Tracker
 
 __all__ = ["GapTracker"]
 

@@ -11,7 +11,7 @@ from rich.color import Color
 from rich.segment import Segment
 from rich.style import Style
 
-from evcot.formats.source import Sensor
+from evcot.recordings.formats.source import Sensor
 
 from .alive import Clusters
 from .frame import Frame

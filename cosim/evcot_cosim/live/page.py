@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from evcot.templating import templates
 
 from ..report.page import inline_modules
 
@@ -31,10 +31,7 @@ class Page:
 def page() -> Page:
     """The page; its headers allow no other script than its own, and no other connection than to where it came from."""
     script = "\n".join([inline_modules(_SHARED), *(_source(f"{name}.js") for name in _OWN)])
-    environment = Environment(
-        loader=PackageLoader("evcot_cosim", "templates/live"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+    environment = templates("evcot_cosim.live", autoescape=True, trim_blocks=True, lstrip_blocks=True)
     body = environment.get_template("live.html.j2").render(style=_source("style.css"), script=script).encode()
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     policy = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
@@ -50,4 +47,4 @@ def page() -> Page:
 
 
 def _source(name: str) -> str:
-    return (files("evcot_cosim") / "templates" / "live" / name).read_text(encoding="utf-8")
+    return (files("evcot_cosim.live") / "templates" / name).read_text(encoding="utf-8")

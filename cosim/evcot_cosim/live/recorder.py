@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, OutputError, RecordingError
 from evcot.events import Events
-from evcot.files import format_for
-from evcot.formats.aedat4_sink import Aedat4Sink
-from evcot.formats.evt_writers import Evt3Sink
-from evcot.formats.source import Sensor
-from evcot.tracklog import TRACK, TrackLog
+from evcot.recordings.files import format_for
+from evcot.recordings.formats.aedat4_sink import Aedat4Sink
+from evcot.recordings.formats.evt_writers import Evt3Sink
+from evcot.recordings.formats.source import Sensor
+from evcot.tracks.log import TRACK, TrackLog
 
 __all__ = ["FLUSH_S", "LogKeeper", "Recorder"]
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
 from evcot.events import Events
-from evcot.tracking import Tracker
+from evcot.tracks.log import Kind
+from evcot.tracks.tracking import Tracker
 
 from .alive import Alive, Clusters
 from .gaps import GapTracker

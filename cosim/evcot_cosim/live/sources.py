@@ -13,9 +13,9 @@ import numpy as np
 
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, find_fault
-from evcot.files import RecordingFile, sound
-from evcot.formats.aedat4_stream import Aedat4Stream
-from evcot.formats.source import Sensor
+from evcot.recordings.files import RecordingFile, sound
+from evcot.recordings.formats.aedat4_stream import Aedat4Stream
+from evcot.recordings.formats.source import Sensor
 
 from .waiting import Arrival
 

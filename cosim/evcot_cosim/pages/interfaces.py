@@ -8,10 +8,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from evcot.contract import RECORD, REGISTERS, Kind, Mode
-from evcot.registers import register_map
+from evcot.hardware.contract import RECORD, REGISTERS, Mode
+from evcot.hardware.registers import register_map
+from evcot.tracks.log import Kind
 
-from ..build import load
+from ..build.model import load
 from ..testing import reset
 from .serial_line import uart_byte, uart_frames
 from .stimulus import Offer, play

@@ -8,11 +8,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..build import verilog_dir
+from ..build.rtl import modules, rtl_files, verilog_dir
 from ..fpga.catalogue import MODULES
 from ..fpga.devices import DEVICES
 from ..fpga.figures import Figure, load
-from ..fpga.sources import modules
 
 __all__ = ["page"]
 
@@ -42,10 +41,10 @@ class _Port:
 def page(verilog: Path | None = None) -> str:
     """The whole page."""
     folder = verilog or verilog_dir()
-    names = modules(folder)
+    names, files = modules(folder), rtl_files(folder)
     figures = load(folder.parent / "fpga" / "figures.json").values()
     contents = " ·\n".join(f"[{name}](#{name})" for name in names)
-    sections = (_section(name, (folder / f"{name}.v").read_text(), figures) for name in names)
+    sections = (_section(name, files[f"{name}.v"].read_text(), figures) for name in names)
     return f"{_HEAD}{contents}\n\n" + "\n".join(sections)
 
 

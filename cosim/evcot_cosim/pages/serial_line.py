@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from evcot.registers import register_map
+from evcot.hardware.registers import register_map
 
-from ..build import load
+from ..build.model import load
 from ..testing import reset
 from ..uart_trials import BYTE_BITS, Ear, levels, request
 from .trace import Diagram, wave

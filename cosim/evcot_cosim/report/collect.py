@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.timeline import OPEN, alive
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import TrackLog
+from evcot.tracks.timeline import OPEN, alive
 
 from .material import Material
 from .pack import Column

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from evcot.metrics import Scores
-from evcot.timeline import merges
+from evcot.tracks.timeline import merges
 
 from .material import Material
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from evcot.contract import DROPPED
+from evcot.tracks.log import DROPPED
 
 from .material import Material
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import TrackLog
 
 from .truth import Truth
 

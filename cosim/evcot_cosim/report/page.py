@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from evcot.contract import DROPPED, Kind
 from evcot.outputs import written_aside
+from evcot.templating import templates
+from evcot.tracks.log import DROPPED, Kind
 
 from .collect import Collected, collect
 from .facts import agreement_rows, differences, flat, latency_bars, run_rows, score_rows
@@ -72,10 +72,7 @@ def render(material: Material) -> str:
         "mismatch": _mismatch_us(material),
         "differences": [[p.at_us, p.side, p.track] for p in (found.merges + found.lives if found else [])],
     }
-    environment = Environment(
-        loader=PackageLoader("evcot_cosim", "templates/report"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"ms": _ms}
     return environment.get_template("report.html.j2").render(
         title=material.summary.get("name", material.recording.name),
@@ -117,7 +114,7 @@ def inline_modules(names: tuple[str, ...]) -> str:
 
 
 def _source(name: str) -> str:
-    return (files("evcot_cosim") / "templates" / "report" / name).read_text(encoding="utf-8")
+    return (files("evcot_cosim.report") / "templates" / name).read_text(encoding="utf-8")
 
 
 def _fitting(material: Material) -> tuple[Collected, Packed]:

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
 from evcot.metrics import GroundTruth
-from evcot.timeline import LIFE, OPEN, lifetimes
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import LIFE, OPEN, lifetimes
 
 from .pack import Column
 from .thin import LIVES_MAX, RECORDS_MAX, longest_lives, thinned_events, thinned_records

@@ -9,8 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import Kind, TrackLog
 
 __all__ = ["QuietPeaks", "quiet_peaks"]
 

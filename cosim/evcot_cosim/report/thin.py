@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
+from evcot.tracks.log import Kind
 
 __all__ = ["EVENTS_MAX", "LIVES_MAX", "RECORDS_MAX", "longest_lives", "thinned_events", "thinned_records"]
 

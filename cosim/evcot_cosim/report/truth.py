@@ -14,9 +14,9 @@ from evcot.errors import EvcotError, RecordingWarning
 from evcot.events import Recording
 from evcot.metrics import GroundTruth, Rule, Scores, evaluate, load_rule, read_truth, rule_for
 from evcot.scenes import Truth as SceneTruth
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import TrackLog
 
-from ..run_file import Source
+from ..lockstep.run_file import Source
 
 __all__ = ["Truth", "scene_truth", "truth_of"]
 

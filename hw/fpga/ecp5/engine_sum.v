@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// hw/verilog/engine_sum.v in the carry chain of an ECP5: the look-up table before each carry chooses.
+// hw/verilog/tracker/engine/engine_sum.v in the carry chain of an ECP5: the look-up table before each carry chooses.
 `default_nettype none
 
 (* keep_hierarchy *)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from evcot.contract import Mode
-from evcot.register_access import Registers
-from evcot.registers import Transport
+from evcot.hardware.contract import Mode
+from evcot.hardware.register_access import Registers
+from evcot.hardware.registers import Transport
 
 
 class Uio:

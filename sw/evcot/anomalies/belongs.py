@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import TrackLogError
-from ..tracklog import TrackLog
+from ..tracks.log import TrackLog
 
 __all__ = ["check_belongs"]
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-from ..contract import Kind
+from ..tracks.log import Kind
 from .judge import end, judge
 from .motion import add_place, begin, close_step
 

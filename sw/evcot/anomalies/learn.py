@@ -14,10 +14,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..contract import Kind
 from ..errors import ConfigError
 from ..metrics.sampling import checked
-from ..tracklog import TRACK, TrackLog
+from ..tracks.log import TRACK, Kind, TrackLog
 from .config import AnomalyConfig
 from .field import FieldConfig, NormalMotion, grid
 from .layout import TRACE

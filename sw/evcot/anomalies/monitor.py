@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError, TrackLogError
 from ..metrics.sampling import checked
-from ..tracklog import TrackLog
+from ..tracks.log import TrackLog
 from .alarm import ALARM
 from .config import AnomalyConfig
 from .field import NormalMotion

@@ -14,10 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from .._panels import INK
-from ..contract import Kind
 from ..outputs import written_aside
-from ..tracklog import TrackLog
+from ..pictures.panels import INK
+from ..tracks.log import Kind, TrackLog
 from .alarm import Anomaly
 from .field import NormalMotion
 from .zones import Zones

@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract import Kind
 from ..scenes.truth import Label, Truth
-from ..tracklog import TRACK, TrackLog
+from ..tracks.log import TRACK, Kind, TrackLog
 from .alarm import Anomaly
 
 __all__ = ["FOUND_BY", "AlarmScores", "score_alarms", "truth_log"]

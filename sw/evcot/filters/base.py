@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract import FilterShape
 from ..errors import ConfigError
+from .contract import FilterShape
 from .registers import FilterRegisters
 
 __all__ = ["NEVER", "EventFilter", "per_pixel"]

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract import Filter, FilterShape
 from .activity import ActivityFilter
 from .base import EventFilter
+from .contract import Filter, FilterShape
 from .decay import DecayFilter
 from .mask import MaskFilter
 from .polarity import PolarityFilter

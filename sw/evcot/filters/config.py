@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from ..contract import FILTER_REGISTERS, Filter, FilterShape
 from ..errors import ConfigError
 from ..ranges import Range, check_ranges
+from .contract import FILTER_REGISTERS, Filter, FilterShape
 from .decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE
 from .registers import FilterRegisters
 

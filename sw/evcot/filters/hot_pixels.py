@@ -22,11 +22,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..contract import FilterShape
 from ..errors import ConfigError
 from ..events import Events
 from ..outputs import written_aside
 from .base import per_pixel
+from .contract import FilterShape
 
 __all__ = [
     "OVER_MEDIAN",

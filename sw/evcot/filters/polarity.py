@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..contract import FilterShape
 from .base import EventFilter
+from .contract import FilterShape
 from .registers import FilterRegisters
 
 __all__ = ["PolarityFilter"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..contract import FILTER_REGISTERS, Filter, FilterShape
 from ..errors import ConfigError
+from .contract import FILTER_REGISTERS, Filter, FilterShape
 
 __all__ = ["FilterRegisters"]
 

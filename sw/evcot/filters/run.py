@@ -8,11 +8,11 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract import Filter
-from ..cot import tick_times
 from ..events import Events, Recording
+from ..ticks import tick_times
 from .chain import FilterChain, Total
 from .config import FilterConfig
+from .contract import Filter
 
 __all__ = ["Filtered", "apply", "filtered"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import TrackLogError
-from ..tracklog import TrackLog
+from ..tracks.log import TrackLog
 from .clear import clear
 from .frames import Frames, Matches, line_up
 from .hota import hota

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..timeline import SAMPLE, sample
-from ..tracklog import TrackLog
+from ..tracks.log import TrackLog
+from ..tracks.timeline import SAMPLE, sample
 from .rule import Rule
 from .truth import OBJECT, GroundTruth
 

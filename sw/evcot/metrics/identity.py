@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pairing import best_pairs
+from ..tracks.pairing import best_pairs
 from .frames import Frames
 
 __all__ = ["Identity", "identity"]

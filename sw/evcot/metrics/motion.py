@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tracklog import TrackLog
+from ..tracks.log import TrackLog
 from .sampling import positions
 
 __all__ = ["Motion", "motion"]

@@ -6,9 +6,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contract import Kind
 from ..errors import TrackLogError
-from ..tracklog import TrackLog
+from ..tracks.log import Kind, TrackLog
 
 __all__ = ["checked", "expiring", "positions"]
 

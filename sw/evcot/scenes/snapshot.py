@@ -19,8 +19,8 @@ from PIL import Image
 
 from ..errors import EvcotError
 from ..events import Recording
-from ..files import read_recording
 from ..outputs import written_aside
+from ..recordings.files import read_recording
 
 __all__ = ["main", "snapshot"]
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..errors import EvcotError
 from ..events import Recording
-from ..files import read_recording
+from ..recordings.files import read_recording
 
 __all__ = ["Statistics", "main", "statistics", "table"]
 

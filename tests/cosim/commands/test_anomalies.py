@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.contract import Kind
 from evcot.events import Events
-from evcot.files import write_events
-from evcot.tracklog import TRACK, TrackLog
+from evcot.recordings.files import write_events
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.cli import main
 
 Capture = pytest.CaptureFixture[str]

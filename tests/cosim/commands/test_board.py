@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from evcot.register_access import Registers
+from evcot.hardware.register_access import Registers
 from evcot_cosim.cli import main
 from evcot_cosim.commands import board
 from evcot_cosim.fpga.board import expected_records

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.contract import Kind
-from evcot.tracklog import TRACK, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.cli import main
 
 Capture = pytest.CaptureFixture[str]

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from evcot.events import Events, Recording
-from evcot.files import read_recording, write_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import save_hot_pixels
 from evcot.filters.run import apply
+from evcot.recordings.files import read_recording, write_recording
 from evcot_cosim.cli import main
 
 HOT = (20, 7)

@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.files import read_recording, write_recording
-from evcot.rct.presets import PRESETS
-from evcot.rct.tracker import track
+from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.tracklog import TrackLog
+from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.tracker import track
+from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
 
 DURATION_US = 400_000

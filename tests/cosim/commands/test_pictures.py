@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from evcot.config import RunConfig
 from evcot.events import Recording
-from evcot.files import write_recording
-from evcot.presets import fit, preset
-from evcot.rct.presets import PRESETS
-from evcot.rct.tracker import track
+from evcot.recordings.files import write_recording
 from evcot.scenes.registry import simulate_scene
+from evcot.trackers.config import RunConfig
+from evcot.trackers.presets import fit, preset
+from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.tracker import track
 from evcot_cosim.cli import main
-from evcot_cosim.run_file import RunFile, Source, digest, write_run_file
+from evcot_cosim.lockstep.run_file import RunFile, Source, digest, write_run_file
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from evcot.events import Events
-from evcot.files import read_recording, write_events
-from evcot.formats import WRITABLE
+from evcot.recordings.files import read_recording, write_events
+from evcot.recordings.formats import WRITABLE
 from evcot_cosim.cli import main
 
 Capture = pytest.CaptureFixture[str]

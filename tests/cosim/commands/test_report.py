@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import evcot_cosim.build
+import evcot_cosim.build.model
 from evcot.scenes import simulate_scene
 from evcot_cosim.cli import main
 
@@ -18,7 +18,7 @@ Capture = pytest.CaptureFixture[str]
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder to work in; models come from the cache that the test run shares."""
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.cache_dir()))
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from evcot.files import read_recording
+from evcot.recordings.files import read_recording
 from evcot.scenes import SCENES, Truth, simulate_scene
 from evcot_cosim.cli import USER_ERROR, main
 

@@ -10,18 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.config import RunConfig
-from evcot.contract import Kind
-from evcot.cot import track as cot_track
-from evcot.engines import ENGINES
-from evcot.files import read_recording, write_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import apply
-from evcot.presets import fit, preset
-from evcot.rct.presets import PRESETS
-from evcot.rct.tracker import track as rct_track
+from evcot.hardware.cot import track as cot_track
+from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.tracklog import TrackLog
+from evcot.trackers.config import RunConfig
+from evcot.trackers.engines import ENGINES
+from evcot.trackers.presets import fit, preset
+from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.tracker import track as rct_track
+from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.cli import main
 
 

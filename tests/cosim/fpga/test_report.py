@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from evcot.errors import ConfigError
-from evcot_cosim.build import verilog_dir
+from evcot_cosim.build.rtl import verilog_dir
 from evcot_cosim.fpga.catalogue import MODULES
 from evcot_cosim.fpga.curves import draw
 from evcot_cosim.fpga.figures import Figure, Figures, load

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ConfigError
-from evcot_cosim.build import verilog_dir
-from evcot_cosim.fpga.sources import closure, flat, modules, without_comments
+from evcot_cosim.build.rtl import copy_rtl, modules, rtl_files
+from evcot_cosim.fpga.sources import closure, flat, without_comments
 
 
 def test_a_module_comes_with_all_below_it_and_after_them() -> None:
@@ -19,7 +19,7 @@ def test_a_module_comes_with_all_below_it_and_after_them() -> None:
 
 
 def test_a_module_that_is_only_spoken_of_does_not_come() -> None:
-    assert "skid_buffer" in (verilog_dir() / "cot.v").read_text()
+    assert "skid_buffer" in rtl_files()["cot.v"].read_text()
     assert "skid_buffer" not in closure(["cot"])
 
 
@@ -42,8 +42,7 @@ def test_includes_are_in_their_places_once() -> None:
 
 
 def test_a_comment_changes_nothing_and_code_does(tmp_path: Path) -> None:
-    for path in verilog_dir().glob("*.*"):
-        (tmp_path / path.name).write_bytes(path.read_bytes())
+    copy_rtl(tmp_path)
     before = flat(closure(["cot"], tmp_path), tmp_path)
     update = tmp_path / "cot_update.v"
     update.write_text("// said once more\n\n" + update.read_text())

@@ -10,10 +10,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
 from evcot.events import Events
-from evcot.tracking import Told
-from evcot.tracklog import TRACK
+from evcot.tracks.log import TRACK, Kind
+from evcot.tracks.tracking import Told
 from evcot_cosim.live.waiting import Arrival
 
 SENSOR = (64, 48)

@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot.contract import Kind
-from evcot.rct.presets import PRESETS
-from evcot.rct.tracker import track
 from evcot.scenes.registry import simulate_scene
-from evcot.timeline import sample
+from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.tracker import track
+from evcot.tracks.log import Kind
+from evcot.tracks.timeline import sample
 from evcot_cosim.live.alive import Alive
 
 from .stories import record

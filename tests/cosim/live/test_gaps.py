@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.contract import DROPPED, Kind
 from evcot.events import Events
-from evcot.rct.presets import PRESETS
-from evcot.rct.tracker import RctTracker
 from evcot.scenes.registry import simulate_scene
-from evcot.tracking import KeptTracker, Told
-from evcot.tracklog import TRACK
+from evcot.trackers.rct.presets import PRESETS
+from evcot.trackers.rct.tracker import RctTracker
+from evcot.tracks.log import DROPPED, TRACK, Kind
+from evcot.tracks.tracking import KeptTracker, Told
 from evcot_cosim.live.gaps import GapTracker
 
 from .stories import EveryTenth, random_events, record

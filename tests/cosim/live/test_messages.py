@@ -8,8 +8,8 @@ import struct
 import numpy as np
 import pytest
 
-from evcot.contract import DROPPED, Kind
 from evcot.events import Events
+from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.live.alive import Alive, Clusters
 from evcot_cosim.live.frame import FrameMaker
 from evcot_cosim.live.messages import drawn_number, pack_frame

@@ -11,11 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.contract import Kind
 from evcot.errors import ConfigError, OutputError
 from evcot.events import Events
-from evcot.files import read_recording
-from evcot.tracklog import TrackLog
+from evcot.recordings.files import read_recording
+from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.live.recorder import LogKeeper, Recorder
 
 from .stories import SENSOR, parts_of, random_events, record

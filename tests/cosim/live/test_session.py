@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.contract import DROPPED, Kind
 from evcot.errors import RecordingError
 from evcot.events import Events
-from evcot.files import read_recording
-from evcot.tracking import Told
-from evcot.tracklog import TrackLog
+from evcot.recordings.files import read_recording
+from evcot.tracks.log import DROPPED, Kind, TrackLog
+from evcot.tracks.tracking import Told
 from evcot_cosim.live.recorder import LogKeeper, Recorder
 from evcot_cosim.live.session import Session
 

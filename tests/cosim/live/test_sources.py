@@ -14,7 +14,7 @@ import pytest
 
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Events, Recording
-from evcot.files import open_recording, write_recording
+from evcot.recordings.files import open_recording, write_recording
 from evcot_cosim.live.camera import CameraSource
 from evcot_cosim.live.sources import FileSource, NetworkSource, StreamSource
 

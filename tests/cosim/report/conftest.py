@@ -14,12 +14,12 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from evcot.compare import compare
-from evcot.cot import track as track_model
-from evcot.presets import fit, for_sensor
-from evcot.rct.tracker import track as track_software
+from evcot.hardware.cot import track as track_model
 from evcot.scenes import simulate_scene
-from evcot.tracklog import TrackLog
+from evcot.trackers.presets import fit, for_sensor
+from evcot.trackers.rct.tracker import track as track_software
+from evcot.tracks.compare import compare
+from evcot.tracks.log import TrackLog
 from evcot_cosim.report import Material, Side, Truth, write_report
 from evcot_cosim.report.truth import scene_truth
 

@@ -14,7 +14,7 @@ import pytest
 
 from evcot.errors import ConfigError, OutputError
 from evcot.events import Events, Recording
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import TrackLog
 from evcot_cosim.report import Material, Side, page, write_report
 from evcot_cosim.report.material import Material as Made
 

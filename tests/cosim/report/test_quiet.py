@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from evcot.contract import Kind
-from evcot.tracklog import TRACK, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.report.quiet import quiet_peaks
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from evcot.contract import Kind
-from evcot.timeline import LIFE
+from evcot.tracks.log import Kind
+from evcot.tracks.timeline import LIFE
 from evcot_cosim.report.thin import longest_lives, thinned_events, thinned_records
 
 

@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
-from evcot.tracklog import TRACK, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 
 SENSOR = (346, 260)
 STEP_US = 10_000

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from evcot.anomalies import Anomaly, AnomalyConfig, Monitor, NormalMotion, Zones, anomalies, learn
 from evcot.anomalies.zones import Line, Zone
-from evcot.contract import Kind
 from evcot.errors import ConfigError, TrackLogError
+from evcot.tracks.log import Kind
 
 from .roads import LANES_PX, SENSOR, away, log, still, straight, towards, track, traffic
 

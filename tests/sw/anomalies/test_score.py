@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from evcot.anomalies import ALARM, Anomaly, anomalies, learn
 from evcot.anomalies.belongs import check_belongs
 from evcot.anomalies.score import score_alarms, truth_log
-from evcot.contract import Kind
 from evcot.errors import TrackLogError
 from evcot.scenes import highway
 from evcot.scenes.registry import scene_settings
 from evcot.scenes.truth import TRUTH, Label, Truth, on_sensor
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import Kind, TrackLog
 
 from .roads import log, still, track
 

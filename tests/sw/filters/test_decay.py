@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from evcot.contract import FilterShape
+from evcot.filters.contract import FilterShape
 from evcot.filters.decay import DecayFilter, weights
 from evcot.filters.registers import FilterRegisters
 

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot import cot
-from evcot.config import RunConfig
 from evcot.events import Events, Recording
-from evcot.files import read_recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.effect import Effect, add_noise, area_under_curve, effect
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
-from evcot.presets import fit, preset
-from evcot.rct.tracker import track
+from evcot.hardware import cot
+from evcot.recordings.files import read_recording
 from evcot.scenes.boxes import BoxExperiment, simulate
-from evcot.tracklog import TrackLog
+from evcot.trackers.config import RunConfig
+from evcot.trackers.presets import fit, preset
+from evcot.trackers.rct.tracker import track
+from evcot.tracks.log import TrackLog
 
 TRAFFIC = Path(__file__).parents[4] / "shared" / "data" / "traffic_outbound.aedat4"
 HOT = (192, 209)

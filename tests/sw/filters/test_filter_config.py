@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from evcot.config import RunConfig, load_toml
-from evcot.contract import Filter, FilterShape
 from evcot.errors import ConfigError
 from evcot.filters.config import FILTER_RANGES, FilterConfig
+from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.hot_pixels import save_hot_pixels
 from evcot.filters.registers import FilterRegisters
 from evcot.ranges import span
+from evcot.trackers.config import RunConfig, load_toml
 
 EVERYTHING = FilterConfig(
     region=(1, 2, 30, 40),

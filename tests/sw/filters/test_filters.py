@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.contract import Filter, FilterShape
 from evcot.errors import ConfigError
 from evcot.filters.chain import FILTERS, FilterChain, Total
+from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 
 Pixel = tuple[int, int]

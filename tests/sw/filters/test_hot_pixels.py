@@ -10,8 +10,8 @@ import pytest
 
 from evcot.errors import ConfigError, OutputError
 from evcot.events import Events
-from evcot.files import read_recording
 from evcot.filters.hot_pixels import OVER_MEDIAN, SLICE_US, learn_hot_pixels, load_hot_pixels, save_hot_pixels
+from evcot.recordings.files import read_recording
 from evcot.scenes.boxes import BoxExperiment, simulate
 
 SHARED = Path(__file__).parents[4] / "shared" / "data"

@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot.contract import Filter
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.filters.chain import Total
 from evcot.filters.config import FilterConfig
+from evcot.filters.contract import Filter
 from evcot.filters.run import apply, filtered
 
 EPOCH_US = 1_718_925_184_590_631

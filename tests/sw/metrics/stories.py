@@ -5,9 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from evcot.contract import Kind
 from evcot.metrics import GroundTruth
-from evcot.tracklog import TRACK, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 
 Record = tuple[int, int, Kind, float, float]
 

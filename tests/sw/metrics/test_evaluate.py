@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.contract import Kind
 from evcot.errors import TrackLogError
 from evcot.metrics import GroundTruth, Scores, evaluate, load_rule, read_truth
 from evcot.scenes.registry import SCENES, scene_settings
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import Kind, TrackLog
 
 from .stories import following, logged
 

@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from evcot.contract import Kind
 from evcot.errors import ConfigError
 from evcot.metrics import GroundTruth, Rule
 from evcot.metrics.frames import Frames, line_up
 from evcot.metrics.truth import OBJECT
+from evcot.tracks.log import Kind
 
 from .stories import logged
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.contract import Kind
 from evcot.metrics.motion import Motion, motion
 from evcot.metrics.truth import OBJECT
-from evcot.tracklog import TRACK, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 
 INSTANTS_US = np.arange(300_000, 1_700_000, 10_000)
 

@@ -6,11 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot.contract import Kind
 from evcot.errors import TrackLogError
 from evcot.metrics.sampling import checked, expiring, positions
-from evcot.timeline import sample
-from evcot.tracklog import TrackLog
+from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import sample
 
 from .stories import logged
 

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from evcot.events import Events, Recording
-from evcot.files import write_recording
+from evcot.recordings.files import write_recording
 from evcot.scenes.snapshot import main, snapshot
 
 RED, BLUE, WHITE = (200, 60, 0), (0, 90, 180), (255, 255, 255)

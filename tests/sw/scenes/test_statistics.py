@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from evcot.events import Events, Recording
-from evcot.files import read_recording, write_recording
+from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes import simulate_scene
 from evcot.scenes.statistics import main, statistics, table
 

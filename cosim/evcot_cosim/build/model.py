@@ -1,0 +1,337 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a Verilog module to a loadable model: built once by pyverilator, kept under a hash of all that went into it."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import hashlib
+import importlib.metadata
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pyverilator import PyVerilator
+
+from evcot.errors import ToolchainError
+from .rtl import rtl_files, verilog_dir
+from .toolchain import Toolchain, find_toolchain
+
+__all__ = ["BuiltModel", "build", "cache_dir", "load"]
+
+# In several files a design would compile on several cores, but take twice the time of one, half of it for headers.
+_VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--output-split", "0", "--default-language", "1364-2005")
+# pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
+# of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.
+# Nothing replaces a function of a model at load time: knowing that lets the compiler inline them, a third more speed.
+_COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT", "-fno-semantic-interposition", "-include", "evcot_runtime.h")
+# Without it g++ shares some symbols between all loaded models, and no model is ever unloaded.
+_GCC_FLAGS = ("-fno-gnu-unique",)
+# Calls within a model go straight to their function, not through a table that the loader fills.
+_GCC_VERILATOR_FLAGS = ("-LDFLAGS", "-Wl,-Bsymbolic-functions")
+
+# A context for each simulation: in a common one, every waveform would show the signals of all of them.
+_CONTEXT_FILE = "evcot_context.cpp"
+_CONTEXT_CPP = """#include "verilated.h"
+extern "C" void evcot_new_context() { Verilated::threadContextp(new VerilatedContext); }
+"""
+
+# What every file of a model includes, which takes longer to read than a small model: g++ keeps it read.
+_HEADER_FILE = "evcot_runtime.h"
+_HEADER = """#include "verilated_vcd_c.h"
+"""
+
+_WORKER = Path(__file__).with_name("worker.py")
+_UNUSED_AFTER_S = 30 * 86400
+_ABANDONED_AFTER_S = 86400
+
+
+@dataclass(frozen=True)
+class BuiltModel:
+    """One module, with fixed parameters, as a shared object on disk."""
+
+    top: str
+    parameters: Mapping[str, int]
+    shared_object: Path
+    key: str
+    cached: bool
+    """True when an earlier build was found."""
+    build_s: float
+    """How long finding or building it took."""
+
+    def load(self) -> PyVerilator:
+        """A new, independent simulation of this model, all inputs zero; any number may run side by side."""
+        ctypes.CDLL(str(self.shared_object)).evcot_new_context()
+        return PyVerilator(str(self.shared_object))
+
+
+def build(
+    top: str,
+    parameters: Mapping[str, int] | None = None,
+    extra_cpp: Mapping[str, str] | None = None,
+    *,
+    extra_flags: Sequence[str] = (),
+    verilog: Path | None = None,
+    toolchain: Toolchain | None = None,
+    on_miss: Callable[[], None] | None = None,
+) -> BuiltModel:
+    """Build the Verilog module `top`, or find it in the cache.
+
+    Args:
+        top: module name; its source is `<top>.v`.
+        parameters: values for its Verilog parameters; the rest keep their defaults.
+        extra_cpp: C++ files, name to text. Those that end in `.cpp` are compiled into the same shared object, where
+            their `extern "C"` functions are reachable as `sim.lib.<name>` and may be given `sim.model`, a `V<top>*`.
+        extra_flags: more flags for Verilator.
+        verilog: folder of the sources (default: evcot's own).
+        toolchain: the tools to use (default: `find_toolchain()`).
+        on_miss: called before a real build begins, which takes seconds.
+
+    Raises:
+        ToolchainError: a tool is missing, or Verilator or the compiler refused; the whole log is kept on disk.
+    """
+    started = time.perf_counter()
+    parameters = dict(sorted((parameters or {}).items()))
+    tools = toolchain or find_toolchain()
+    recipe = _recipe(top, parameters, extra_cpp or {}, extra_flags, verilog or verilog_dir(), tools)
+    key = recipe.key
+    root = cache_dir()
+    home = root / "models" / f"{top}-{key[:20]}"
+    shared_object = home / f"V{top}"
+    try:
+        cached = shared_object.is_file()
+        if cached:
+            with contextlib.suppress(OSError):  # a cache of someone else's serves too
+                os.utime(home)  # what is in use is not swept away
+        else:
+            if on_miss is not None:
+                on_miss()
+            _build_to(shared_object, root, recipe)
+    except OSError as error:
+        raise ToolchainError(f"{error.filename or root}: cannot keep the built model: {error.strerror or error}") from error
+    return BuiltModel(top, parameters, shared_object, key, cached, time.perf_counter() - started)
+
+
+def load(
+    top: str,
+    parameters: Mapping[str, int] | None = None,
+    extra_cpp: Mapping[str, str] | None = None,
+    *,
+    extra_flags: Sequence[str] = (),
+    verilog: Path | None = None,
+) -> PyVerilator:
+    """`build` the module if need be and return a new simulation of it, all inputs zero."""
+    return build(top, parameters, extra_cpp, extra_flags=extra_flags, verilog=verilog).load()
+
+
+def cache_dir() -> Path:
+    """Where built models and build logs are kept: $EVCOT_CACHE, else evcot's folder in the user's cache."""
+    if chosen := os.environ.get("EVCOT_CACHE"):
+        return Path(chosen).absolute()
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "evcot"
+
+
+@dataclass(frozen=True)
+class _Recipe:
+    """All that goes into one build, tools aside."""
+
+    label: str
+    files: Mapping[str, bytes]
+    flags: Sequence[str]
+    request: Mapping[str, object]
+    tools: Toolchain
+
+    @property
+    def key(self) -> str:
+        """A hash of everything that decides what the shared object does."""
+        contents = sorted((name, hashlib.sha256(text).hexdigest()) for name, text in self.files.items())
+        worker = _WORKER.read_text() + importlib.metadata.version("pyverilator-mm")
+        return _hash(self.runtime_key, self.request, contents, worker)
+
+    @property
+    def runtime_key(self) -> str:
+        """A hash of what decides how Verilator's own runtime is compiled, which is the same for many designs."""
+        tools, for_all = self.tools, [_CONTEXT_CPP, _HEADER]
+        compiles = [tools.compiler_version, tools.optimisation, tools.target]
+        return _hash(tools.version, compiles, self.request["cargs"], self.flags, for_all)
+
+
+def _hash(*parts: object) -> str:
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def _recipe(
+    top: str,
+    parameters: Mapping[str, int],
+    extra_cpp: Mapping[str, str],
+    extra_flags: Sequence[str],
+    verilog: Path,
+    tools: Toolchain,
+) -> _Recipe:
+    """Gather the sources and spell out what the worker shall ask of pyverilator."""
+    files = {f"verilog/{name}": text for name, text in _reachable_sources(top, verilog).items()}
+    cpp = {_CONTEXT_FILE: _CONTEXT_CPP, **extra_cpp}
+    files |= {name: text.encode() for name, text in {_HEADER_FILE: _HEADER, **cpp}.items()}
+    gcc_flags, gcc_verilator_flags = ((), ()) if tools.compiler_is_clang else (_GCC_FLAGS, _GCC_VERILATOR_FLAGS)
+    flags = (*_VERILATOR_FLAGS, *gcc_verilator_flags, *extra_flags)
+    request = {
+        "top_file": f"verilog/{top}.v",
+        "verilog_path": ["verilog"],
+        "args": [
+            *flags,
+            *(f"-G{name}={value}" for name, value in parameters.items()),
+            *sorted(name for name in cpp if name.endswith(".cpp")),
+        ],
+        "cargs": " ".join([*_COMPILER_FLAGS, *gcc_flags]),
+    }
+    label = " ".join([top, *(f"{name}={value}" for name, value in parameters.items())])
+    return _Recipe(label, files, flags, request, tools)
+
+
+def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
+    """The Verilog files that `top` may need: its own, and any whose module or file name a needed one mentions."""
+    by_word = {path.stem if path.suffix == ".v" else name: path for name, path in rtl_files(folder).items()}
+    if top not in by_word:
+        raise ToolchainError(f"{folder / f'{top}.v'}: no such file, so module {top} cannot be built")
+    needed: dict[str, bytes] = {}
+    waiting = [top]
+    while waiting:
+        path = by_word[waiting.pop()]
+        if path.name not in needed:
+            needed[path.name] = path.read_bytes()
+            words = set(re.findall(r"\w+(?:\.vh)?", needed[path.name].decode(errors="replace")))
+            waiting += words & by_word.keys()
+    return needed
+
+
+def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
+    """Build in a folder of its own and move the whole result to where `shared_object` shall stand in one step."""
+    for folder in ("models", "runtime", "logs"):
+        (root / folder).mkdir(parents=True, exist_ok=True)
+    _sweep(root)
+    runtime = root / "runtime" / recipe.runtime_key[:20]
+    # make cannot work in a folder whose name has a space.
+    with _stage(Path(tempfile.gettempdir()) if " " in str(root) else root) as stage:
+        (stage / "verilog").mkdir()
+        for name, text in recipe.files.items():
+            (stage / name).write_bytes(text)
+        request = {"executable": str(recipe.tools.executable), **recipe.request}
+        (stage / "request.json").write_text(json.dumps(request, indent=1))
+        _lay_out(runtime, stage)
+        log = stage / "build.log"
+        if not _run_worker(stage, log, recipe.tools):
+            kept_log = root / "logs" / f"{shared_object.parent.name}.log"
+            line = _telling_line(log.read_text(errors="replace"))
+            os.replace(log, kept_log)
+            raise ToolchainError(f"cannot build {recipe.label}: {line} (log: {kept_log})")
+        if not runtime.exists():
+            _precompile_header(stage, log, recipe.tools)
+            _publish(_compiled_for_all(stage), runtime, root)
+        _publish([stage / shared_object.name, stage / "request.json", log], shared_object.parent, root)
+
+
+def _lay_out(runtime: Path, stage: Path) -> None:
+    """Put what an earlier build has compiled for all where this one finds it: nine tenths of a small design's compile time."""
+    newer_than_any_makefile = time.time() + _ABANDONED_AFTER_S
+    for compiled in runtime.glob("*.o"):
+        os.utime(shutil.copy(compiled, stage), (newer_than_any_makefile,) * 2)
+    for compiled in runtime.glob("*.gch"):  # large
+        (stage / compiled.name).symlink_to(compiled)
+
+
+def _compiled_for_all(stage: Path) -> list[Path]:
+    """What a build has compiled that has nothing of its design in it."""
+    return [*stage.glob("verilated*.o"), *stage.glob("evcot_context.o"), *stage.glob("*.gch")]
+
+
+def _precompile_header(stage: Path, log: Path, tools: Toolchain) -> None:
+    """Have g++ read the header once for all builds, called just as for a file that includes it; without, they take longer."""
+    included = f" -include {_HEADER_FILE} "
+    for line in log.read_text(errors="replace").splitlines():
+        before, found, after = line.partition(included)
+        options, compiled, _ = after.partition(" -c ")
+        if found and compiled and line.endswith(f" {_CONTEXT_FILE}") and not tools.compiler_is_clang:
+            command = [*shlex.split(f"{before} {options}"), "-x", "c++-header", "-o", f"{_HEADER_FILE}.gch", _HEADER_FILE]
+            subprocess.run(command, cwd=stage, env=dict(tools.environment), capture_output=True, check=False)
+
+
+def _publish(files: Iterable[Path], home: Path, root: Path) -> None:
+    """Move files to the folder `home`, all in one step; whoever was there first, with the same, keeps the place."""
+    with _stage(root) as stage:
+        whole = stage / "whole"
+        whole.mkdir()
+        for path in files:
+            shutil.move(path, whole)
+        try:
+            whole.rename(home)
+        except OSError:
+            if not home.is_dir():
+                raise
+            os.utime(home)
+
+
+@contextlib.contextmanager
+def _stage(parent: Path) -> Iterator[Path]:
+    """A temporary folder, gone at the end whatever happens."""
+    stage = Path(tempfile.mkdtemp(prefix="building-", dir=parent))
+    try:
+        yield stage
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+
+
+def _run_worker(stage: Path, log: Path, tools: Toolchain) -> bool:
+    """Run the build in a process group of its own, all output into `log`; an interrupt ends the whole group."""
+    environment = dict(tools.environment)
+    if " " in str(tools.root):  # which neither Verilator's launcher nor make can handle
+        link = stage / "verilator"
+        link.symlink_to(tools.root)
+        environment["VERILATOR_BIN"] = str(link / "bin" / "verilator_bin")
+        environment["MAKEFLAGS"] += f" VERILATOR_ROOT={link}"
+    with log.open("wb") as output:
+        worker = subprocess.Popen(
+            [sys.executable, "-P", str(_WORKER)],
+            cwd=stage,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            return worker.wait() == 0
+        except BaseException:
+            os.killpg(worker.pid, signal.SIGKILL)
+            worker.wait()
+            raise
+
+
+def _telling_line(log: str) -> str:
+    """The line of a build's output that says what went wrong: a broken parameter rule, else the first error, else the last."""
+    if rule := re.search(r"\.(\w+?_must_\w+)", log):  # the name of an instance of parameter_check
+        return rule[1].replace("_", " ")
+    lines = [line.strip() for line in log.splitlines() if line.strip()]
+    for pattern in (r"^%Error(?!: Exiting)", r"\berror:", r"No space left|not found", r"\*\*\*"):
+        if telling := [line for line in lines if re.search(pattern, line)]:
+            return telling[0]
+    return lines[-1] if lines else "no output"
+
+
+def _sweep(root: Path) -> None:
+    """Remove models that nothing has used for a month, and folders of builds that were killed."""
+    now = time.time()
+    for pattern, age_s in (("models/*", _UNUSED_AFTER_S), ("runtime/*", _UNUSED_AFTER_S), ("building-*", _ABANDONED_AFTER_S)):
+        for path in root.glob(pattern):
+            with contextlib.suppress(FileNotFoundError):
+                if now - path.stat().st_mtime > age_s:
+                    shutil.rmtree(path, ignore_errors=True)

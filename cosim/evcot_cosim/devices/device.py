@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The compiled hardware as one Python object with two speeds: interactive, cycle by cycle, and streaming."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pyverilator import PyVerilator
+
+from evcot.errors import ConfigError, EvcotError, OutputError
+from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, mask_word
+from evcot.filters.registers import FilterRegisters
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import RECORD, REGISTERS, Shape
+from evcot.hardware.cot import Arrangement, Decisions
+from evcot.hardware.registers import register_map
+from evcot.tracks.log import Kind
+
+from ..build.model import BuiltModel, build
+from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
+
+__all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "arrangement_of", "build_device"]
+
+Top = Literal["cot", "cot_chain", "cot_array", "cot_engine"]
+Pattern = NDArray[np.uint8]
+
+_FILTERED = "cot_filtered"  # the module that has filters in front of a tracker
+_SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
+_FOREVER = (1 << 63) - 1
+_NO_STALL = np.zeros(0, np.uint8)
+
+# What a fault of the streams means, for people.
+_FAULTS = {
+    Status.STUCK: "stands still: no handshake for a million clocks, waiting at event",
+    Status.EVENT_LOST: "lost event",
+    Status.OWNED_OUT_OF_ORDER: "gave twice, or out of order, owned event",
+    Status.OWNED_CHANGED: "changed the polarity of owned event",
+    Status.PASSED_OUT_OF_ORDER: "gave twice, or out of order, passed event",
+    Status.PASSED_CHANGED: "changed the address or polarity of passed event",
+}
+
+
+class HardwareError(EvcotError, RuntimeError):
+    """The hardware broke the rules of its streams: an event lost, repeated, reordered or changed, or no progress.
+
+    Attributes:
+        seq: number of the event.
+    """
+
+    def __init__(self, message: str, seq: int) -> None:
+        super().__init__(message)
+        self.seq = seq
+
+
+@dataclass(frozen=True)
+class Stalls:
+    """Stall patterns, one per stream: bytes read one per clock, from the start again at the end; 1 goes, 0 stalls.
+
+    An empty pattern never stalls. Every other one must have a 1 somewhere.
+    """
+
+    source: Pattern = field(default_factory=lambda: _NO_STALL)
+    cm: Pattern = field(default_factory=lambda: _NO_STALL)
+    own: Pattern = field(default_factory=lambda: _NO_STALL)
+    passed: Pattern = field(default_factory=lambda: _NO_STALL)
+
+    def __post_init__(self) -> None:
+        for name in ("source", "cm", "own", "passed"):
+            pattern = np.ascontiguousarray(getattr(self, name), np.uint8)
+            if len(pattern) and not pattern.any():
+                raise ConfigError(f"stalls.{name}: never goes: a pattern must hold at least one 1")
+            object.__setattr__(self, name, pattern)
+
+    @classmethod
+    def random(cls, rng: np.random.Generator, go: tuple[float, float, float, float] | None = None) -> Stalls:
+        """Independent patterns of different lengths; `go` is how often each stream goes (default: random, 0.15 to 1)."""
+        chances = rng.uniform(0.15, 1.0, 4) if go is None else go
+        patterns = []
+        for chance, length in zip(chances, (4093, 4091, 4079, 4073), strict=True):
+            pattern = (rng.random(length) < chance).astype(np.uint8)
+            pattern[rng.integers(length)] = 1
+            patterns.append(pattern)
+        return cls(*patterns)
+
+
+class StreamTimes(NamedTuple):
+    """Clocks at which events went in, (n,) int64, and records came out, (m,) int64."""
+
+    accepted: NDArray[np.int64]
+    recorded: NDArray[np.int64]
+
+
+def build_device(
+    config: CotConfig,
+    top: Top = "cot_array",
+    *,
+    waves: bool = True,
+    verilog: Path | None = None,
+    on_miss: Callable[[], None] | None = None,
+) -> BuiltModel:
+    """Build (or find) the model of `top` in the shape that `config` asks for, with the streaming drive inside.
+
+    Without `waves` a waveform has the signals of `top` itself alone: Verilator need not keep what lies
+    below, which takes time.
+    """
+    shape = config.shape
+    parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}
+    module: str = top
+    if top == "cot":
+        if shape.n_slots != 1:
+            raise ConfigError(f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker")
+        if config.filtered:
+            raise ConfigError("a single `cot` has no filters in front: take cot_array with one slot")
+        del parameters["N"]
+    elif config.filtered:
+        module = _FILTERED
+        parameters |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
+        tracker = register_map().trackers.index(top.removeprefix("cot_"))
+        parameters |= {"HAS": config.filters.enable, "TRACKER": tracker}
+    drive = {"stream.cpp": source(module, shape)}
+    flags = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
+    return build(module, parameters, drive, extra_flags=flags, verilog=verilog, on_miss=on_miss)
+
+
+class Device:
+    """One simulated tracker: `cot`, `cot_chain`, `cot_array` or `cot_engine`.
+
+    Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` is a clock, about 10^4 per second.
+    Streaming: `stream` takes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
+    the same decisions.
+
+    Args:
+        config: shape and registers; written to the hardware on construction.
+        top: which module.
+        stalls: patterns for the streaming drive.
+        model: what `build_device` returned for the same config, to save the look-up.
+
+    Raises:
+        ConfigError, ToolchainError.
+    """
+
+    def __init__(
+        self,
+        config: CotConfig,
+        top: Top = "cot_array",
+        *,
+        stalls: Stalls | None = None,
+        model: BuiltModel | None = None,
+        verilog: Path | None = None,
+    ) -> None:
+        self.config = config
+        self.top: Top = top
+        self.stalls = stalls or Stalls()
+        self.model = model or build_device(config, top, verilog=verilog)
+        self.sim: PyVerilator = self.model.load()
+        library = self.sim.lib
+        library.evcot_stream.argtypes = (ctypes.c_void_p, ctypes.POINTER(Job))
+        library.evcot_stream.restype = ctypes.c_int
+        library.evcot_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)
+        library.evcot_open_vcd.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.POINTER(ctypes.c_void_p))
+        library.evcot_close_vcd.argtypes = (ctypes.c_void_p,)
+        self._vcd: int | None = None
+        self._vcd_window = (0, _FOREVER)
+        self.reset()
+
+    @property
+    def shape(self) -> Shape:
+        """Elaboration parameters of the hardware."""
+        return self.config.shape
+
+    def reset(self) -> None:
+        """Reset the hardware and write all registers: tick 0, event 0, no track born."""
+        io = self.sim.io
+        io.rst = 1
+        self.sim.clock.tick()
+        self.sim.clock.tick()
+        io.rst = 0
+        self.now = 0
+        self.seq = 0
+        self.cycle = 0
+        for slot, registers in enumerate(self.config.slots):
+            self.write_registers(slot, registers)
+        if self.config.filtered:
+            self._settle()
+            self.write_filters(self.config.filters)
+        self._settle()
+
+    def write_registers(self, slot: int, registers: SlotConfig) -> None:
+        """Write one slot's registers through the register port, `mode` last: that restarts the slot."""
+        io = self.sim.io
+        io.cfg_valid = 1
+        if self.top != "cot":
+            io.cfg_slot = slot
+        for name in sorted(REGISTERS, key="mode".__eq__):
+            io.cfg_addr = REGISTERS[name].address
+            io.cfg_data = int(getattr(registers, name))
+            self.sim.clock.tick()
+        io.cfg_valid = 0
+
+    def write_filters(self, registers: FilterRegisters) -> None:
+        """Write the registers of the filters in front, `enable` last."""
+        writes = [(FILTER_REGISTERS["mask"].address, mask_word(x, y)) for x, y in registers.hot_pixels]
+        for name in sorted(FILTER_REGISTERS.keys() - {"mask"}, key="enable".__eq__):
+            writes.append((FILTER_REGISTERS[name].address, int(getattr(registers, name))))
+        io = self.sim.io
+        io.filter_cfg_valid = 1
+        for address, value in writes:
+            io.filter_cfg_addr, io.filter_cfg_data = address, value
+            self.sim.clock.tick()
+        io.filter_cfg_valid = 0
+
+    def _settle(self) -> None:
+        if not self.sim.lib.evcot_settle(self.sim.model, _SETTLE_CLOCKS):
+            raise HardwareError(f"{self.top} is not idle {_SETTLE_CLOCKS} clocks after reset", self.seq)
+
+    @contextmanager
+    def dumping(self, path: Path, first_event: int = 0, last_event: int = _FOREVER) -> Iterator[None]:
+        """While the block runs, the streaming drive dumps the clocks around events `first_event` to `last_event` to a VCD.
+
+        10 time units a clock, the rising edge at 5. The file appears under its name when it is whole.
+        """
+        library, handle = self.sim.lib, ctypes.c_void_p()
+        aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
+        error = library.evcot_open_vcd(self.sim.model, os.fsencode(aside), ctypes.byref(handle))
+        try:
+            self._vcd, self._vcd_window = handle.value, (first_event, last_event)
+            if not error:
+                yield
+        finally:
+            self._vcd = None
+            error = library.evcot_close_vcd(handle) or error
+            if error:
+                aside.unlink(missing_ok=True)
+        if error:
+            raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
+        os.replace(aside, path)
+
+    def stream(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        keep: NDArray[np.bool_] | None = None,
+    ) -> Decisions:
+        """Drive a run of events through the hardware and wait until it is idle again.
+
+        Args:
+            ticks: (n,) ticks since reset at each event, never decreasing.
+            x, y: (n,) pixel addresses, below 2^x_w and 2^y_w.
+            p: (n,) polarity, 0 or 1.
+            keep: (n,) bool, for a chain or an array: what a filter in front let stay. None: all.
+
+        Raises:
+            HardwareError: an event was lost, repeated, reordered or changed, or nothing moves any more.
+        """
+        return self._stream(ticks, x, y, p, None, keep)[0]
+
+    def stream_timed(
+        self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]
+    ) -> tuple[Decisions, StreamTimes]:
+        """As `stream`, with the clocks at which events were taken and records handed over."""
+        accepted = np.zeros(len(ticks), np.int64)
+        decisions, recorded = self._stream(ticks, x, y, p, accepted)
+        return decisions, StreamTimes(accepted, recorded)
+
+    def _stream(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        accepted: NDArray[np.int64] | None,
+        keep: NDArray[np.bool_] | None = None,
+    ) -> tuple[Decisions, NDArray[np.int64]]:
+        n = len(ticks)
+        ticks = np.ascontiguousarray(ticks, np.int64)
+        x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
+        keep = None if keep is None else np.ascontiguousarray(keep, np.bool_)
+        owner = np.full(n, UNDECIDED, np.int16)
+        rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # and stay so where a filter took the event out
+        patterns = self.stalls
+        job = Job(
+            n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), keep=pointer(keep), first_seq=self.seq,
+            in_pattern=pointer(patterns.source), in_length=len(patterns.source),
+            cm_pattern=pointer(patterns.cm), cm_length=len(patterns.cm),
+            own_pattern=pointer(patterns.own), own_length=len(patterns.own),
+            pass_pattern=pointer(patterns.passed), pass_length=len(patterns.passed),
+            owner=pointer(owner), rel_x=pointer(rel_x), rel_y=pointer(rel_y), accept_cycle=pointer(accepted),
+            now=self.now, began=self.now, cycle=self.cycle,
+            vcd=self._vcd, vcd_from=self._vcd_window[0], vcd_to=self._vcd_window[1],
+        )  # fmt: skip
+        records: list[NDArray[np.void]] = []
+        recorded: list[NDArray[np.int64]] = []
+        status = Status.RECORDS_FULL
+        # An event is born or moves one track; a track ends once, by a merge (two records) or by its lifetime (one).
+        most = 3 * n + 2 * self.shape.n_slots
+        while status == Status.RECORDS_FULL:
+            if sum(map(len, records)) > most:
+                raise HardwareError(f"{self.top} gives more records than {n} events can cause", self.seq + job.next)
+            room = np.zeros(max(1024, n // 4), RECORD)
+            clocks = None if accepted is None else np.zeros(len(room), np.int64)
+            job.records, job.record_capacity, job.n_records = pointer(room), len(room), 0
+            job.record_cycle = pointer(clocks)
+            status = Status(self.sim.lib.evcot_stream(self.sim.model, ctypes.byref(job)))
+            records.append(room[: job.n_records])
+            if clocks is not None:
+                recorded.append(clocks[: job.n_records])
+        self.now, self.cycle, self.seq = job.now, job.cycle, self.seq + job.next
+        if status != Status.DONE:
+            raise HardwareError(f"{self.top} {_FAULTS[status]} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
+        joined = records[0] if len(records) == 1 else np.concatenate(records)
+        order = _order_of(joined) if self.top == "cot_chain" else slice(None)
+        times = np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)
+        return Decisions(joined[order], owner, rel_x, rel_y), times
+
+    @property
+    def arrangement(self) -> Arrangement:
+        """What the golden model must be to match this hardware."""
+        return arrangement_of(self.top)
+
+
+def arrangement_of(top: Top) -> Arrangement:
+    """What the golden model must be to match a module."""
+    return Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
+
+
+def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:
+    """The order in which things happened, whatever the interleaving of a chain's trackers.
+
+    Before an event come the lives that ended on the way to it, by time, then by slot.
+    """
+    return np.lexsort((records["slot"], records["time"], records["kind"] != Kind.LOST, records["seq"]))

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A compiled filter, or a chain of them, as one Python object: tokens stream through it and the kept events come back."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from enum import IntEnum
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pyverilator import PyVerilator
+
+from evcot.templating import templates
+
+from ..build.model import build
+from .device import HardwareError, Stalls
+from .driver import pointer
+
+__all__ = ["FilterDevice", "FilterTimes"]
+
+_SETTLED_WITHIN = 1 << 33  # clocks: more than the memory of the largest sensor takes to clear
+
+
+class _Status(IntEnum):
+    """How a streaming call ended."""
+
+    DONE = 0
+    STUCK = 1
+    INVENTED = 2
+    TICKS_CHANGED = 3
+    EVENT_CHANGED = 4
+    WITHDRAWN = 5
+
+
+# What a fault of the streams means, for people.
+_FAULTS = {
+    _Status.STUCK: "stands still: no handshake for a million clocks, waiting at event",
+    _Status.INVENTED: "gave a token that never went in, before event",
+    _Status.TICKS_CHANGED: "changed the ticks at event",
+    _Status.EVENT_CHANGED: "changed more than whether it stays, at event",
+    _Status.WITHDRAWN: "withdrew or changed a token that waited to be taken, at event",
+}
+
+_POINTER = ctypes.c_void_p
+_INT = ctypes.c_int64
+
+# (field, ctypes type, C type)
+_JOB: list[tuple[str, type, str]] = [
+    # events in
+    ("n", _INT, "int64_t"),
+    ("ticks", _POINTER, "const int64_t*"),
+    ("x", _POINTER, "const uint16_t*"),
+    ("y", _POINTER, "const uint16_t*"),
+    ("p", _POINTER, "const uint8_t*"),
+    ("skip", _POINTER, "const uint8_t*"),
+    # stall patterns: one byte per clock, repeated; length 0 never stalls
+    ("in_pattern", _POINTER, "const uint8_t*"),
+    ("in_length", _INT, "int64_t"),
+    ("out_pattern", _POINTER, "const uint8_t*"),
+    ("out_length", _INT, "int64_t"),
+    # decisions out
+    ("keep", _POINTER, "uint8_t*"),
+    # when things happened, or null
+    ("accept_cycle", _POINTER, "int64_t*"),
+    ("give_cycle", _POINTER, "int64_t*"),
+    # where the drive stands
+    ("tick_max", _INT, "int64_t"),
+    ("now", _INT, "int64_t"),
+    ("cycle", _INT, "int64_t"),
+    ("fault", _INT, "int64_t"),
+]
+
+
+class _Job(ctypes.Structure):
+    """One streaming call: pointers into NumPy arrays, and where the drive stands."""
+
+    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+
+
+class FilterTimes(NamedTuple):
+    """Clocks at which events went in and came out, (n,) int64 each."""
+
+    accepted: NDArray[np.int64]
+    given: NDArray[np.int64]
+
+
+@cache
+def _source(top: str) -> str:
+    """C++ text of the streaming drive for one filter module."""
+    return (
+        templates("evcot_cosim.devices")
+        .get_template("filter.cpp.j2")
+        .render(top=top, job_fields=[(ctype, name) for name, _, ctype in _JOB], statuses=[status.name for status in _Status])
+    )
+
+
+class FilterDevice:
+    """One simulated module with the token ports of a filter.
+
+    Every token that comes out is compared with the one that went in: as many, in order, with their own ticks, an event as it
+    was or dropped, a skipped one still skipped, and each held until taken.
+
+    Args:
+        top: which module.
+        parameters: values for its Verilog parameters; the rest keep their defaults.
+        ports: values of its configuration inputs, such as `enable`; they may be changed with `set`.
+        stalls: patterns of the streaming drive: `source` for the input, `passed` for the output.
+        verilog: folder of the sources (default: evcot's own).
+
+    Raises:
+        ToolchainError: the module cannot be built.
+        HardwareError: it does not become idle after reset.
+    """
+
+    def __init__(
+        self,
+        top: str,
+        parameters: Mapping[str, int] | None = None,
+        ports: Mapping[str, int] | None = None,
+        *,
+        stalls: Stalls | None = None,
+        verilog: Path | None = None,
+    ) -> None:
+        self.top = top
+        self.stalls = stalls or Stalls()
+        self.model = build(top, parameters, {"filter.cpp": _source(top)}, verilog=verilog)
+        self.sim: PyVerilator = self.model.load()
+        library = self.sim.lib
+        library.evcot_filter_stream.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
+        library.evcot_filter_stream.restype = ctypes.c_int
+        library.evcot_filter_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)
+        library.evcot_filter_settle.restype = ctypes.c_int64
+        self.set(**(ports or {}))
+        self.reset()
+
+    def set(self, **ports: int) -> None:
+        """Put values on configuration inputs; they stay."""
+        for port, value in ports.items():
+            self.sim.io[port] = value
+
+    def reset(self) -> None:
+        """Reset the hardware, tick 0, and wait until it is idle; `settled_after` says how many clocks that took."""
+        io = self.sim.io
+        io.rst = 1
+        self.sim.clock.tick()
+        self.sim.clock.tick()
+        io.rst = 0
+        self.now = 0
+        self.cycle = 0
+        self.settled_after = self.settle()
+
+    def settle(self) -> int:
+        """Clock without input until the hardware is idle; returns how many clocks that took.
+
+        Raises:
+            HardwareError: it does not become idle.
+        """
+        clocks = int(self.sim.lib.evcot_filter_settle(self.sim.model, _SETTLED_WITHIN))
+        if clocks < 0:
+            raise HardwareError(f"{self.top} does not become idle", 0)
+        return clocks
+
+    def write(self, address: int, data: int) -> None:
+        """Write one register through the port `cfg_valid`, `cfg_addr`, `cfg_data`."""
+        io = self.sim.io
+        io.cfg_valid, io.cfg_addr, io.cfg_data = 1, address, data
+        self.sim.clock.tick()
+        io.cfg_valid = 0
+
+    def stream(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        skip: NDArray[np.bool_] | None = None,
+    ) -> NDArray[np.bool_]:
+        """Drive a run of events through the hardware, wait until it is idle again, and return which of them stay, (n,).
+
+        Args:
+            ticks: (n,) ticks since reset at each event, never decreasing; long waits become tokens of ticks alone.
+            x, y: (n,) pixel addresses, below 2^X_W and 2^Y_W.
+            p: (n,) polarity, 0 or 1.
+            skip: (n,) whether the event has been dropped already: it goes in as a skipped one (default: none).
+
+        Raises:
+            HardwareError: a token was lost, invented, changed or withdrawn, or nothing moves any more.
+        """
+        return self._stream(ticks, x, y, p, skip, None)
+
+    def stream_timed(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        skip: NDArray[np.bool_] | None = None,
+    ) -> tuple[NDArray[np.bool_], FilterTimes]:
+        """As `stream`, with the clocks at which events were taken and handed on."""
+        times = FilterTimes(np.zeros(len(ticks), np.int64), np.zeros(len(ticks), np.int64))
+        return self._stream(ticks, x, y, p, skip, times), times
+
+    def _stream(
+        self,
+        ticks: NDArray[np.int64],
+        x: NDArray[np.uint16],
+        y: NDArray[np.uint16],
+        p: NDArray[np.uint8],
+        skip: NDArray[np.bool_] | None,
+        times: FilterTimes | None,
+    ) -> NDArray[np.bool_]:
+        n = len(ticks)
+        ticks = np.ascontiguousarray(ticks, np.int64)
+        x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
+        skipped = np.zeros(n, np.uint8) if skip is None else np.ascontiguousarray(skip, np.uint8)
+        keep = np.zeros(n, np.uint8)
+        job = _Job(
+            n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), skip=pointer(skipped),
+            in_pattern=pointer(self.stalls.source), in_length=len(self.stalls.source),
+            out_pattern=pointer(self.stalls.passed), out_length=len(self.stalls.passed),
+            keep=pointer(keep), accept_cycle=pointer(times and times.accepted), give_cycle=pointer(times and times.given),
+            tick_max=(1 << int(self.sim.io["s_tick"].signal.width)) - 1, now=self.now, cycle=self.cycle,
+        )  # fmt: skip
+        status = _Status(self.sim.lib.evcot_filter_stream(self.sim.model, ctypes.byref(job)))
+        self.now, self.cycle = job.now, job.cycle
+        if status != _Status.DONE:
+            raise HardwareError(f"{self.top} {_FAULTS[status]} {job.fault} (clock {job.cycle})", job.fault)
+        return keep.astype(np.bool_)

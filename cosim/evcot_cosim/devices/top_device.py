@@ -1,0 +1,362 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A compiled `evcot_top` as one Python object: words stream through it while its registers are read and written."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pyverilator import PyVerilator
+
+from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, mask_word
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import RECORD, REGISTERS
+from evcot.hardware.cot import Decisions
+from evcot.hardware.registers import BusError, register_map
+from evcot.hardware.streams import unpack, whole_numbers
+from evcot.templating import templates
+from evcot.tracks.log import DROPPED
+
+from ..build.model import build
+from ..testing import reset
+from .device import HardwareError, _order_of
+from .driver import PARAMETERS, pointer
+
+__all__ = [
+    "COMMAND",
+    "Command",
+    "Pace",
+    "Told",
+    "TopDevice",
+    "address_of",
+    "configuration",
+    "filter_address",
+    "poll",
+    "read",
+    "slot_address",
+    "write",
+]
+
+
+class _Op(IntEnum):
+    READ = 0
+    WRITE = 1
+    POLL = 2  # read until the masked word is `data`
+
+
+class _Status(IntEnum):
+    """How a run ended."""
+
+    DONE = 0
+    UNFINISHED = 1
+    STUCK = 2
+    RECORDS_CHANGED = 3
+    RECORD_CUT = 4
+    OWNED_CHANGED = 5
+    PASSED_CHANGED = 6
+    BUS_CHANGED = 7
+    BUS_INVENTED = 8
+    TOO_MANY_RECORDS = 9
+    TOO_MANY_EVENTS = 10
+
+
+_FAULTS = {
+    _Status.UNFINISHED: "was in the middle of something when its clocks were over",
+    _Status.STUCK: "stands still: no handshake for a million clocks",
+    _Status.RECORDS_CHANGED: "withdrew or changed a beat of m_axis_records that waited",
+    _Status.RECORD_CUT: "gave a record of another length, or a tkeep with holes",
+    _Status.OWNED_CHANGED: "withdrew or changed a beat of m_axis_owned that waited, or set its tkeep or tlast wrong",
+    _Status.PASSED_CHANGED: "withdrew or changed a beat of m_axis_passed that waited, or set its tkeep or tlast wrong",
+    _Status.BUS_CHANGED: "withdrew or changed a response that waited",
+    _Status.BUS_INVENTED: "gave a response before it had been asked",
+    _Status.TOO_MANY_RECORDS: "gave more records than its events can cause",
+    _Status.TOO_MANY_EVENTS: "gave more events than went in",
+}
+
+# An access to the registers: it begins when the one before is over and `after` words of the input have been taken.
+COMMAND = np.dtype(
+    [
+        ("after", "<i8"), ("began", "<i8"), ("ended", "<i8"), ("op", "<u4"), ("address", "<u4"), ("data", "<u4"),
+        ("mask", "<u4"), ("result", "<u4"), ("response", "<u4"), ("accesses", "<u4"), ("_pad", "<u4"),
+    ]
+)  # fmt: skip
+_C_TYPES = {"i8": "int64_t", "u4": "uint32_t"}
+Command = tuple[int, int, int, int, int]
+"""after, operation, address, data, mask: made by `read`, `write` and `poll`."""
+
+_SEQ_BITS = next(field.bits for field in register_map().streams[1].fields if field.name == "seq")
+
+
+def read(address: int, after: int = 0) -> Command:
+    """A command that reads a word."""
+    return after, _Op.READ, address, 0, 0
+
+
+def write(address: int, data: int, after: int = 0, strb: int = 15) -> Command:
+    """A command that writes the bytes `strb` of a word."""
+    return after, _Op.WRITE, address, data, strb
+
+
+def poll(address: int, mask: int, data: int, after: int = 0) -> Command:
+    """A command that reads a word until its masked bits are `data`."""
+    return after, _Op.POLL, address, data, mask
+
+
+def address_of(name: str) -> int:
+    """Address of a word outside the banks."""
+    return register_map().word(name).address
+
+
+def slot_address(slot: int, register: str = "commit") -> int:
+    """Address of a slot's register, or of the word that commits it."""
+    bank = register_map().banks["slot"]
+    return bank.base + 4 * (bank.words * slot + (bank.commit if register == "commit" else REGISTERS[register].address))
+
+
+def filter_address(register: str = "commit") -> int:
+    """Address of a register of the filters, or of the word that commits them."""
+    bank = register_map().banks["filter"]
+    return bank.base + 4 * (bank.commit if register == "commit" else FILTER_REGISTERS[register].address)
+
+
+def configuration(config: CotConfig) -> list[Command]:
+    """The accesses that write and commit a configuration."""
+    found = []
+    for slot, registers in enumerate(config.slots):
+        found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in REGISTERS]
+        found.append(write(slot_address(slot), 1))
+    if config.filtered:
+        found += [write(filter_address("mask"), mask_word(x, y)) for x, y in config.filters.hot_pixels]
+        names = FILTER_REGISTERS.keys() - {"mask"}
+        found += [write(filter_address(name), int(getattr(config.filters, name))) for name in sorted(names)]
+        found.append(write(filter_address(), 1))
+    return found
+
+
+_POINTER, _INT = ctypes.c_void_p, ctypes.c_int64
+_GOES = ("in", "records", "owned", "passed", "bus")
+_JOB: list[tuple[str, type, str]] = [
+    ("n", _INT, "int64_t"),
+    ("next", _INT, "int64_t"),
+    ("words", _POINTER, "const uint64_t*"),
+    ("keeps", _POINTER, "const uint8_t*"),
+    ("accepted", _POINTER, "int64_t*"),
+    ("commands", _POINTER, "Command*"),
+    ("n_commands", _INT, "int64_t"),
+    ("most_polls", _INT, "int64_t"),
+    ("records", _POINTER, "uint8_t*"),
+    ("recorded", _POINTER, "int64_t*"),
+    ("record_capacity", _INT, "int64_t"),
+    ("n_records", _INT, "int64_t"),
+    ("owned", _POINTER, "uint64_t*"),
+    ("user", _POINTER, "uint8_t*"),
+    ("n_owned", _INT, "int64_t"),
+    ("passed", _POINTER, "uint64_t*"),
+    ("n_passed", _INT, "int64_t"),
+    ("event_capacity", _INT, "int64_t"),
+    ("clocks", _INT, "int64_t"),  # run for so many; 0: until all is through
+    ("quiet_clocks", _INT, "int64_t"),
+    *((f"go_{name}", _INT, "int64_t") for name in _GOES),  # of 256
+    ("random", ctypes.c_uint64, "uint64_t"),
+    ("clock", _INT, "int64_t"),
+    ("irq_clock", _INT, "int64_t"),
+    ("fault", _INT, "int64_t"),
+]
+
+
+class _Job(ctypes.Structure):
+    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+
+
+@cache
+def _source(data_w: int) -> str:
+    return (
+        templates("evcot_cosim.devices")
+        .get_template("top.cpp.j2")
+        .render(
+            data_w=data_w,
+            record_bytes=RECORD.itemsize,
+            command_fields=[(_C_TYPES[COMMAND[name].str[1:]], name) for name in COMMAND.names or ()],
+            command_bytes=COMMAND.itemsize,
+            job_fields=[(ctype, name) for name, _, ctype in _JOB],
+            statuses=[status.name for status in _Status],
+            ops=[op.name for op in _Op],
+        )
+    )
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How often each channel goes at a clock, in 256ths: the input, the three outputs, and the channels of the bus."""
+
+    goes: Mapping[str, int] = field(default_factory=dict)
+    seed: int = 1
+
+    @classmethod
+    def random(cls, rng: np.random.Generator) -> Pace:
+        """Another chance for each channel, at least 0.15."""
+        return cls({name: int(rng.integers(40, 257)) for name in _GOES}, int(rng.integers(1, 1 << 62)))
+
+
+class Told(NamedTuple):
+    """What a run gave.
+
+    Attributes:
+        records: (m,) RECORD, as they came.
+        owned, passed: words, uint64: see `evcot.hardware.streams`.
+        user: (k,) uint8, tuser of each owned event.
+        commands: (c,) COMMAND, with result and response.
+        accepted: clock at which each input word was taken.
+        recorded: clock of each record's first beat.
+        irq_clock: clock at which the interrupt was first seen, or -1.
+    """
+
+    records: NDArray[np.void]
+    owned: NDArray[np.uint64]
+    passed: NDArray[np.uint64]
+    user: NDArray[np.uint8]
+    commands: NDArray[np.void]
+    accepted: NDArray[np.int64]
+    recorded: NDArray[np.int64]
+    irq_clock: int
+
+    def decisions(self, first: int, n: int, chain: bool = False) -> Decisions:
+        """What became of events `first` to `first + n - 1`, which must be those of this run, in the model's terms.
+
+        The records of a chain are put into the order in which things happened.
+
+        Raises:
+            HardwareError: an event came out twice, or in an order that its stream does not have.
+        """
+        owner, rel = np.full(n, DROPPED, np.int16), np.zeros((2, n), np.uint16)
+        for stream, words in (("owned", self.owned), ("passed", self.passed)):
+            found = unpack(stream, words)
+            index = whole_numbers(found["seq"], _SEQ_BITS, first) - first
+            if len(index) and (index.min() < 0 or index.max() >= n or np.any(owner[index] != DROPPED)):
+                raise HardwareError(f"evcot_top gave {stream} events twice, or such as never went in", first)
+            if len(np.unique(index)) < len(index) or (not chain and np.any(np.diff(index) < 0)):
+                raise HardwareError(f"evcot_top gave {stream} events twice, or out of order", first)
+            owner[index] = found["slot"] if stream == "owned" else -1
+            if stream == "owned":
+                rel[:, index] = found["x"], found["y"]
+        return Decisions(self.records[_order_of(self.records)] if chain else self.records, owner, *rel)
+
+
+class TopDevice:
+    """One simulated `evcot_top`; a transport for `evcot.hardware.register_access.Registers`.
+
+    Every output is checked to hold what it offers until taken, at whatever pace it is taken.
+
+    Args:
+        config: gives the shapes; what is to be written is written over the bus.
+        parameters: values for other Verilog parameters, such as SOURCES or TRACKER.
+        pace: how the other ends of all channels stall.
+
+    Raises:
+        ToolchainError: it cannot be built.
+    """
+
+    def __init__(
+        self,
+        config: CotConfig,
+        parameters: Mapping[str, int] | None = None,
+        *,
+        pace: Pace | None = None,
+        verilog: Path | None = None,
+    ) -> None:
+        self.config = config
+        self.pace = pace or Pace()
+        chosen = {verilog_name: getattr(config.shape, name) for name, verilog_name in PARAMETERS.items()}
+        chosen |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
+        chosen |= parameters or {}
+        self.model = build("evcot_top", chosen, {"top.cpp": _source(chosen.get("DATA_W", 64))}, verilog=verilog)
+        self.sim: PyVerilator = self.model.load()
+        self.sim.lib.evcot_top_run.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
+        self.sim.lib.evcot_top_run.restype = ctypes.c_int
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset the hardware."""
+        reset(self.sim, 4)
+        self.clock = 0
+        self._random = self.pace.seed
+
+    def configure(self, config: CotConfig | None = None) -> None:
+        """Write all registers of a configuration of the same shape, commit them, and let events in."""
+        self.run(
+            commands=[*configuration(config or self.config), poll(address_of("status"), 2, 0), write(address_of("control"), 1)]
+        )
+
+    def run(
+        self,
+        words: NDArray[np.uint64] | None = None,
+        commands: Sequence[Command] = (),
+        *,
+        keeps: NDArray[np.uint8] | None = None,
+        clocks: int = 0,
+        quiet_clocks: int = 10_000,
+        most: int | None = None,
+        listens: bool = True,
+    ) -> Told:
+        """Words in, accesses to the registers on the way, until nothing has moved for `quiet_clocks`, or for `clocks`.
+
+        Args:
+            words: of the input stream.
+            commands: made by `read`, `write` and `poll`; each begins when the one before it is over.
+            keeps: tkeep of each word; all ones if None.
+            quiet_clocks: more than a filter needs to go through its memory, if one is to be waited for.
+            most: events that may come out (default: as many as words go in).
+            listens: take what comes out; else it waits for the next run.
+
+        Raises:
+            HardwareError: the hardware broke the rules of a channel, or stands still.
+        """
+        words = np.ascontiguousarray(np.empty(0) if words is None else words, np.uint64)
+        keeps = None if keeps is None else np.ascontiguousarray(keeps, np.uint8)
+        n = len(words) + 64 if most is None else most
+        table = np.zeros(max(1, len(commands)), COMMAND)
+        for row, (after, op, address, data, mask) in zip(table, commands, strict=False):
+            row["after"], row["op"], row["address"], row["data"], row["mask"] = after, op, address, data, mask
+        accepted = np.zeros(max(1, len(words)), np.int64)
+        records, recorded = np.zeros(3 * n + 1024, RECORD), np.zeros(3 * n + 1024, np.int64)
+        owned, passed = np.zeros(n + 1024, np.uint64), np.zeros(n + 1024, np.uint64)
+        user = np.zeros(n + 1024, np.uint8)
+        job = _Job(
+            n=len(words), words=pointer(words), keeps=pointer(keeps), accepted=pointer(accepted),
+            commands=pointer(table), n_commands=len(commands), most_polls=1 << 20,
+            records=pointer(records), recorded=pointer(recorded), record_capacity=len(records),
+            owned=pointer(owned), user=pointer(user), passed=pointer(passed), event_capacity=len(owned),
+            clocks=clocks, quiet_clocks=quiet_clocks, random=self._random, clock=self.clock, irq_clock=-1,
+            **{f"go_{name}": self.pace.goes.get(name, 256) for name in ("in", "bus")},
+            **{f"go_{name}": listens * self.pace.goes.get(name, 256) for name in ("records", "owned", "passed")},
+        )  # fmt: skip
+        status = _Status(self.sim.lib.evcot_top_run(self.sim.model, ctypes.byref(job)))
+        self.clock, self._random = job.clock, job.random
+        if status != _Status.DONE:
+            raise HardwareError(f"evcot_top {_FAULTS[status]} (clock {job.fault}, word {job.next})", job.next)
+        return Told(
+            records[: job.n_records], owned[: job.n_owned], passed[: job.n_passed], user[: job.n_owned],
+            table[: len(commands)], accepted[: len(words)], recorded[: job.n_records], job.irq_clock,
+        )  # fmt: skip
+
+    def _access(self, command: Command) -> int:
+        done = self.run(commands=[command], quiet_clocks=1, listens=False).commands[0]
+        if done["response"]:
+            kind = "write" if command[1] == _Op.WRITE else "read"
+            raise BusError(f"{kind} at {command[2]:#06x}: the hardware answers with an error")
+        return int(done["result"])
+
+    def read(self, address: int) -> int:
+        """See `Transport`."""
+        return self._access(read(address))
+
+    def write(self, address: int, value: int) -> None:
+        """See `Transport`."""
+        self._access(write(address, value))

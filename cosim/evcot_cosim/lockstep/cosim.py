@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The main job: hardware, golden model and software tracker on one recording, checked and compared."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.errors import ConfigError, RecordingError
+from evcot.events import Recording
+from evcot.filters.run import filtered
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import RECORD
+from evcot.hardware.cot import CotModel, to_track_records
+from evcot.ticks import tick_times
+from evcot.trackers.config import RunConfig
+from evcot.trackers.rct.tracker import RctTracker
+from evcot.tracks.compare import Agreement, compare
+from evcot.tracks.log import TRACK, TrackLog
+from evcot.tracks.tracking import KeptTracker, Tracker, log_of
+
+from ..build.model import BuiltModel
+from ..devices.device import Device, HardwareError, Stalls, Top, build_device
+from .lockstep import Lockstep, Mismatch, chunks
+
+__all__ = ["CosimRun", "check_addresses", "rerun", "run_cosim", "stalls_from"]
+
+
+@dataclass(frozen=True)
+class CosimRun:
+    """All that one run found.
+
+    Attributes:
+        recording, config, top: what ran.
+        hardware, model, software: one TrackLog per engine.
+        agreement: hardware against software, by outcome.
+        cycles: clocks of the hardware, reset and register writes left out.
+        latency: records by clocks since their event, as of `Lockstep`.
+        wall_s: duration of the lock-step alone.
+        software_s: duration of the software tracker.
+        build: the simulated model.
+        seed: seed of the stall patterns, or None.
+    """
+
+    recording: Recording
+    config: RunConfig
+    top: Top
+    hardware: TrackLog
+    model: TrackLog
+    software: TrackLog
+    agreement: Agreement
+    cycles: int
+    latency: NDArray[np.int64]
+    wall_s: float
+    software_s: float
+    build: BuiltModel
+    seed: int | None
+
+
+def check_addresses(recording: Recording, config: CotConfig) -> None:
+    """Raise ConfigError when the hardware's addresses are too narrow for the recording's sensor."""
+    for name, bits, size in (("x_w", config.shape.x_w, recording.width), ("y_w", config.shape.y_w, recording.height)):
+        if size > 1 << bits:
+            raise ConfigError(f"shape.{name} = {bits}: too few bits for {size} pixels of {recording.name}")
+
+
+def run_cosim(
+    recording: Recording,
+    config: RunConfig,
+    top: Top = "cot_array",
+    *,
+    stall_seed: int | None = None,
+    building: Callable[[], None] | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
+) -> CosimRun:
+    """Run all three engines over a recording.
+
+    Args:
+        recording: at least one event.
+        config: both trackers' configurations.
+        top: the hardware module.
+        stall_seed: seed of random stalls on every stream of the hardware; None never stalls.
+        building: called before a build that takes seconds.
+        progress: called after each run of events with (events done, time of the last event in us, events/s).
+
+    Raises:
+        MismatchError: hardware and model differ.
+        ConfigError, RecordingError, ToolchainError.
+    """
+    events = recording.events
+    if not len(events):
+        raise RecordingError(f"{recording.name}: holds no events")
+    check_addresses(recording, config.cot)
+    cot = config.hardware(recording.width, recording.height)
+    build = build_device(cot, top, waves=False, on_miss=building)
+    stalls = stalls_from(stall_seed)
+    t0_us = int(events.t_us[0])
+    _compile_kernels(recording, config)
+    hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
+    with Lockstep(cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
+        for chunk in chunks(events):
+            first = lockstep.events
+            step = lockstep.feed(chunk)
+            assert step.model is not None
+            hardware.add(step.hardware.records, step.hardware.owner, chunk.t_us, first)
+            model.add(step.model.records, step.model.owner, chunk.t_us, first)
+            if progress is not None:
+                progress(lockstep.events, int(chunk.t_us[-1]) - t0_us, lockstep.events / lockstep.wall_s)
+        cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
+
+    hardware_log = hardware.log("cot-rtl")
+    started = time.perf_counter()
+    software = log_of("rct", _software(recording, config), [events])
+    software_s = time.perf_counter() - started
+
+    agreement = compare(hardware_log, software, radius_px=config.rct.radius_px, span_us=(t0_us, int(events.t_us[-1])))
+    return CosimRun(
+        recording=recording,
+        config=config,
+        top=top,
+        hardware=hardware_log,
+        model=model.log("cot-model"),
+        software=software,
+        agreement=agreement,
+        cycles=cycles,
+        latency=lockstep.latency,
+        wall_s=wall_s,
+        software_s=software_s,
+        build=build,
+        seed=stall_seed,
+    )
+
+
+def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[TrackLog, TrackLog]:
+    """Logs of hardware and model once more, unchecked, up to the end of the run of events in which they part.
+
+    Where the hardware broke the rules of its streams there, its log has nothing of that run, and -1 for the owners.
+    """
+    cot, t0_us = config.hardware(recording.width, recording.height), int(recording.events.t_us[0])
+    device = Device(cot, found.top, stalls=stalls_from(found.seed))
+    golden = CotModel(cot, device.arrangement)
+    hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
+    first = 0
+    for chunk in chunks(recording.events):
+        ticks = tick_times(chunk.t_us, t0_us, cot.tick_us)
+        expected = golden.feed(ticks, chunk.x, chunk.y, chunk.p)
+        model.add(expected.records, expected.owner, chunk.t_us, first)
+        try:
+            decided = device.stream(ticks, chunk.x, chunk.y, chunk.p)
+            hardware.add(decided.records, decided.owner, chunk.t_us, first)
+        except HardwareError:
+            hardware.add(np.empty(0, RECORD), np.full(len(chunk), -1, np.int16), chunk.t_us, first)
+            break
+        first += len(chunk)
+        if first > found.event_index:
+            break
+    return hardware.log("cot-rtl"), model.log("cot-model")
+
+
+def stalls_from(seed: int | None) -> Stalls:
+    """Random stall patterns on every stream, or none without a seed."""
+    return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
+
+
+def _compile_kernels(recording: Recording, config: RunConfig) -> None:
+    """Have Numba compile model and tracker, which it does at first use, once per machine, before anything is timed."""
+    first = recording.events[:1]
+    model = CotModel(config.hardware(recording.width, recording.height))
+    model.feed(tick_times(first.t_us, int(first.t_us[0]), config.cot.tick_us), first.x, first.y, first.p)
+    log_of("rct", _software(recording, config), [first])
+
+
+def _software(recording: Recording, config: RunConfig) -> Tracker:
+    """The software tracker, behind the same filters in the same ticks."""
+    sensor = recording.width, recording.height
+    tracker = RctTracker(config.rct, *sensor)
+    if not config.filters.enabled:
+        return tracker
+    return KeptTracker(filtered((), config.filters, sensor, config.cot.tick_us).keep, tracker)
+
+
+class _LogParts:
+    """One engine's decisions, gathered run by run."""
+
+    def __init__(self, config: CotConfig, t0_us: int) -> None:
+        self._config = config
+        self._t0_us = t0_us
+        self._records: list[NDArray[np.void]] = []
+        self._owners: list[NDArray[np.int16]] = []
+
+    def add(self, raw: NDArray[np.void], owner: NDArray[np.int16], t_us: NDArray[np.int64], first_seq: int) -> None:
+        self._records.append(to_track_records(raw, self._config, t_us, first_seq, self._t0_us))
+        self._owners.append(owner)
+
+    def log(self, engine: str) -> TrackLog:
+        return TrackLog(engine, np.concatenate([np.empty(0, TRACK), *self._records]), np.concatenate(self._owners))

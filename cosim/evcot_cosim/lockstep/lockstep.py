@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hardware and golden model side by side on the same events, compared while the run goes on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.errors import EvcotError
+from evcot.events import Events
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import RECORD
+from evcot.hardware.cot import CotModel, Decisions
+from evcot.ticks import tick_times
+from evcot.tracks.log import Kind
+
+from ..build.model import BuiltModel
+from ..devices.device import Device, HardwareError, Stalls, StreamTimes, Top
+
+__all__ = ["CHUNK", "Clocks", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
+
+LATENCY_MAX = 4_095  # clocks that are told apart
+CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough that starting a run costs nothing
+
+
+class Step(NamedTuple):
+    """What both made of one run of events; `model` is None where the hardware ran alone."""
+
+    hardware: Decisions
+    model: Decisions | None
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """The first difference between hardware and model.
+
+    Attributes:
+        event_index: the event at which they differ.
+        tick: ticks since reset at that event.
+        field: what differs: "owner", "rel_x", "rel_y", "record.<field>", "records" (one side has more) or "stream" (the
+            hardware lost, repeated, reordered or changed an event).
+        hardware, model: both values.
+        seed: seed of the stall patterns, or None.
+        top: name of the hardware module.
+        config: the run's tracker configuration.
+    """
+
+    event_index: int
+    tick: int
+    field: str
+    hardware: int | str | None
+    model: int | str | None
+    seed: int | None
+    top: Top
+    config: CotConfig
+
+    def __str__(self) -> str:
+        return (
+            f"{self.top}: event {self.event_index}, tick {self.tick}: {self.field}: "
+            f"hardware has {self.hardware}, model has {self.model}"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything that repeats the mismatch, as plain values."""
+        return asdict(self)
+
+
+class MismatchError(EvcotError, AssertionError):
+    """Hardware and model differ; `mismatch` says where."""
+
+    def __init__(self, mismatch: Mismatch) -> None:
+        super().__init__(str(mismatch))
+        self.mismatch = mismatch
+
+
+def chunks(events: Events, size: int = CHUNK) -> Iterator[Events]:
+    """Events in runs of `size`; a view, no copy."""
+    for begin in range(0, len(events), size):
+        yield events[begin : begin + size]
+
+
+class Lockstep:
+    """Feeds events to the hardware and to the model at once, the model in a second thread, and compares each run.
+
+    Args:
+        config: what both are configured with.
+        top: the hardware module.
+        stalls: stall patterns; decisions must not depend on them.
+        seed: what the patterns were made from, for the mismatch record.
+        check: False drives the hardware alone.
+        model: a built model, to save the look-up.
+
+    Attributes:
+        device: the hardware.
+        events, records, wall_s: totals so far.
+        latency: (k,) int64, how many records came 0, 1, 2, … clocks after their event was taken, the last one and all later
+            ones together; what time caused is left out.
+    """
+
+    def __init__(
+        self,
+        config: CotConfig,
+        top: Top = "cot_array",
+        *,
+        stalls: Stalls | None = None,
+        seed: int | None = None,
+        check: bool = True,
+        model: BuiltModel | None = None,
+        verilog: Path | None = None,
+    ) -> None:
+        self.device = Device(config, top, stalls=stalls, model=model, verilog=verilog)
+        self.config = config
+        self.seed = seed
+        self.events = 0
+        self.records = 0
+        self.wall_s = 0.0
+        self.latency = np.zeros(LATENCY_MAX + 1, np.int64)
+        self._t0_us: int | None = None
+        self._golden = CotModel(config, self.device.arrangement) if check else None
+        self._second = ThreadPoolExecutor(1) if check else None
+
+    def feed(self, events: Events) -> Step:
+        """Drive one run of events, at least one, and return what became of them.
+
+        Raises:
+            MismatchError: hardware and model differ, or the hardware broke the rules of its streams.
+        """
+        if self._t0_us is None:
+            self._t0_us = int(events.t_us[0])
+        started = time.perf_counter()
+        ticks = tick_times(events.t_us, self._t0_us, self.config.tick_us)
+        if self._golden is None or self._second is None:
+            hardware, times = self.device.stream_timed(ticks, events.x, events.y, events.p)
+            step = Step(hardware, None)
+        else:
+            expected = self._second.submit(self._golden.feed, ticks, events.x, events.y, events.p)
+            try:
+                hardware, times = self.device.stream_timed(ticks, events.x, events.y, events.p)
+            except HardwareError as error:
+                index = min(max(error.seq - self.events, 0), len(ticks) - 1)
+                raise MismatchError(
+                    self._mismatch(self.events + index, int(ticks[index]), "stream", str(error), "in order")
+                ) from error
+            step = Step(hardware, expected.result())
+            self._compare(hardware, expected.result(), ticks)
+        self._count_clocks(hardware.records, times)
+        self.wall_s += time.perf_counter() - started
+        self.events += len(events)
+        self.records += len(step.hardware.records)
+        return step
+
+    def close(self) -> None:
+        """End the model's thread."""
+        if self._second is not None:
+            self._second.shutdown()
+
+    def __enter__(self) -> Lockstep:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _count_clocks(self, records: NDArray[np.void], times: StreamTimes) -> None:
+        caused = records["kind"] != Kind.LOST
+        taken = times.accepted[records["seq"][caused].astype(np.int64) - self.events]
+        clocks = np.minimum(times.recorded[caused] - taken, LATENCY_MAX)
+        self.latency += np.bincount(clocks, minlength=LATENCY_MAX + 1)
+
+    def _mismatch(self, index: int, tick: int, field: str, hardware: Any, model: Any) -> Mismatch:
+        return Mismatch(index, tick, field, hardware, model, self.seed, self.device.top, self.config)
+
+    def _compare(self, hardware: Decisions, model: Decisions, ticks: NDArray[np.int64]) -> None:
+        found: list[tuple[int, str, int | str | None, int | str | None]] = []
+        for field in ("owner", "rel_x", "rel_y"):
+            theirs, ours = getattr(hardware, field), getattr(model, field)
+            if not np.array_equal(theirs, ours):
+                i = int(np.flatnonzero(theirs != ours)[0])
+                found.append((self.events + i, field, int(theirs[i]), int(ours[i])))
+        difference = _record_difference(hardware.records, model.records)
+        if difference is not None:
+            found.append(difference)
+        if found:
+            index, field, theirs, ours = min(found, key=lambda entry: entry[0])
+            tick = int(ticks[min(max(index - self.events, 0), len(ticks) - 1)])
+            raise MismatchError(self._mismatch(index, tick, field, theirs, ours))
+
+
+def _record_difference(
+    hardware: NDArray[np.void], model: NDArray[np.void]
+) -> tuple[int, str, int | str | None, int | str | None] | None:
+    words = RECORD.itemsize // 8
+    both = min(len(hardware), len(model))
+    theirs = hardware.view("<u8").reshape(-1, words)[:both]
+    ours = model.view("<u8").reshape(-1, words)[:both]
+    if not np.array_equal(theirs, ours):
+        i = int(np.flatnonzero((theirs != ours).any(axis=1))[0])
+        field = next(name for name in RECORD.names or () if hardware[i][name] != model[i][name])
+        index = int(min(hardware[i]["seq"], model[i]["seq"]))
+        return index, f"record.{field}", int(hardware[i][field]), int(model[i][field])
+    if len(hardware) != len(model):
+        extra = (hardware if len(hardware) > both else model)[both]
+        return int(extra["seq"]), "records", f"{len(hardware)} records", f"{len(model)} records"
+    return None
+
+
+def dump_window(
+    events: Events,
+    config: CotConfig,
+    path: Path,
+    first_event: int,
+    last_event: int,
+    *,
+    top: Top = "cot_array",
+    stalls: Stalls | None = None,
+    verilog: Path | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Clocks:
+    """Run the hardware again over the same runs of events and dump the clocks around a window of them to a VCD.
+
+    Clock for clock what a `Lockstep` with the same arguments did, up to the end of the window. Returns when what happened.
+    """
+    device = Device(config, top, stalls=stalls, verilog=verilog)
+    parts = [Clocks.none()]
+    with device.dumping(path, first_event, last_event):
+        for chunk in chunks(events):
+            if device.seq > last_event:
+                break
+            try:
+                ticks = tick_times(chunk.t_us, int(events.t_us[0]), config.tick_us)
+                decided, times = device.stream_timed(ticks, chunk.x, chunk.y, chunk.p)
+            except HardwareError:
+                break  # the fault that the window shall show
+            parts.append(Clocks(times.accepted, decided.records, times.recorded))
+            if progress is not None:
+                progress(device.seq)
+    return Clocks(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+class Clocks(NamedTuple):
+    """When the hardware did what: (n,) clocks at which events 0, 1, … were taken; (m,) records of dtype `contract.RECORD` and
+    the clocks at which they were handed over."""
+
+    accepted: NDArray[np.int64]
+    records: NDArray[np.void]
+    recorded: NDArray[np.int64]
+
+    @classmethod
+    def none(cls) -> Clocks:
+        """Of no event."""
+        return cls(np.empty(0, np.int64), np.empty(0, RECORD), np.empty(0, np.int64))

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A moment of a run as a person names it: the third merge, a time, an event, the place where hardware and model part."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from evcot.errors import ConfigError
+from evcot.events import Recording
+from evcot.hardware.config import CotConfig
+from evcot.hardware.cot import track
+from evcot.tracks.log import Kind
+
+from ..devices.device import Top, arrangement_of
+from .summary import SUMMARY, read_summary
+
+__all__ = ["MOMENTS", "Moment", "find_moment"]
+
+_KINDS = {"birth": Kind.BORN, "move": Kind.MOVED, "merge": Kind.MERGED, "loss": Kind.LOST}
+MOMENTS = "birth:N, move:N, merge:N, loss:N (the N-th, 1 without it), mismatch, event:N (from 0) or time:MS"
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where to look.
+
+    Attributes:
+        event_index: the event that causes it; of a loss, which time causes, the next one.
+        name: for people and for markers.
+        kind: of the record that it is, else None.
+        track_id: whose record it is.
+    """
+
+    event_index: int
+    name: str
+    kind: Kind | None = None
+    track_id: int = -1
+
+
+def find_moment(text: str, recording: Recording, config: CotConfig, top: Top, folder: Path | None = None) -> Moment:
+    """The moment that a text names: one of `MOMENTS`. Records are the golden model's, which the hardware's are too.
+
+    Args:
+        config, top: what the hardware is.
+        folder: of the run; only a mismatch asks for it.
+
+    Raises:
+        ConfigError: no such moment; the message says which there are.
+    """
+    what, colon, number = text.partition(":")
+    events = recording.events
+    if what in _KINDS:
+        records = track(recording, config, arrangement_of(top)).of_kind(_KINDS[what])
+        n = _whole(text, number if colon else "1")
+        if not 1 <= n <= len(records):
+            rule = f"must be from 1 to {len(records)}" if len(records) else f"there is no {what} in this run"
+            raise ConfigError(f"--around {text}: {rule}")
+        record = records[n - 1]
+        index = min(int(record["event_index"]), len(events) - 1)
+        return Moment(index, f"{what} {n}", _KINDS[what], int(record["track_id"]))
+    if what == "event":
+        index = _whole(text, number)
+        if index >= len(events):
+            raise ConfigError(f"--around {text}: must be from event:0 to event:{len(events) - 1}")
+        return Moment(index, f"event {index}")
+    if what == "time":
+        return _at(text, number, recording)
+    if text == "mismatch":
+        return Moment(_mismatch(folder), "mismatch")
+    raise ConfigError(f"--around {text}: must be {MOMENTS}")
+
+
+def _whole(text: str, number: str) -> int:
+    if not (number.isascii() and number.isdigit() and len(number) < 16):
+        raise ConfigError(f"--around {text}: must be {MOMENTS}")
+    return int(number)
+
+
+def _at(text: str, number: str, recording: Recording) -> Moment:
+    try:
+        ms = float(number)
+    except ValueError as error:
+        raise ConfigError(f"--around {text}: must be {MOMENTS}") from error
+    since_us = recording.events.t_us - recording.events.t_us[0]
+    if not (math.isfinite(ms) and 0 <= 1000 * ms <= since_us[-1]):
+        raise ConfigError(f"--around {text}: must be from time:0 to time:{since_us[-1] / 1000:g}")
+    return Moment(int(np.searchsorted(since_us, round(1000 * ms))), f"{ms:g} ms")
+
+
+def _mismatch(folder: Path | None) -> int:
+    """The event at which hardware and model parted in the run of this folder."""
+    if folder is None:
+        raise ConfigError("--around mismatch: needs the folder of a run, whose summary says where it is")
+    found = read_summary(folder / SUMMARY).get("mismatch")
+    if found is None:
+        raise ConfigError("--around mismatch: there is none: hardware and model agreed in this run")
+    return int(found["event_index"])

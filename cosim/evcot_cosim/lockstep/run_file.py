@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""run.toml: all that a run of the hardware is made from, so that it can be made again, bit for bit.
+
+Its table `[run]` says which events and which module; the others are a whole configuration (`evcot.trackers.config.load_toml`).
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import asdict, dataclass, fields, replace
+from functools import lru_cache
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import tomli_w
+
+from evcot.errors import ConfigError
+from evcot.events import Events, Recording
+from evcot.outputs import written_aside
+from evcot.recordings.files import open_recording
+from evcot.scenes import Scene, Truth
+from evcot.scenes.registry import SCENES, simulate_scene
+from evcot.trackers.config import RunConfig, load_toml
+
+from ..devices.device import Top
+
+__all__ = ["RUN_FILE", "RunFile", "Source", "digest", "read_run_file", "run_toml", "write_run_file"]
+
+RUN_FILE = "run.toml"  # its name in the folder of a run
+
+_HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] says of what.\n"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where events come from.
+
+    Attributes:
+        recording: a file, or a scene's name.
+        seed: of a scene.
+        from_us, to_us: the part that is taken, after the first event; to_us None for all.
+        width, height: the sensor, where the file does not say it or says another; 0 for the file's.
+        skip_damaged: leave out what is damaged.
+    """
+
+    recording: str
+    seed: int = 1
+    from_us: int = 0
+    to_us: int | None = None
+    width: int = 0
+    height: int = 0
+    skip_damaged: bool = False
+
+    @property
+    def is_scene(self) -> bool:
+        """Whether it is a scene and no file."""
+        return self.recording in SCENES and not Path(self.recording).exists()
+
+    def read(self) -> tuple[Recording, str]:
+        """The events, and a name for what is made of them.
+
+        Raises:
+            ConfigError: no such scene's seed.
+            RecordingError: as `open_recording`.
+        """
+        if self.is_scene:
+            return _scene(self.recording, self.seed).recording.window(self.from_us, self.to_us), self.recording
+        sensor = (self.width, self.height) if self.width else None
+        with open_recording(Path(self.recording), sensor, damage="skip" if self.skip_damaged else "refuse") as file:
+            return file.read(self.from_us, self.to_us), file.name
+
+    def scene_truth(self) -> Truth | None:
+        """What is known about a scene, all of it; None for a file."""
+        return _scene(self.recording, self.seed).truth if self.is_scene else None
+
+    def absolute(self) -> Source:
+        """The same from any folder."""
+        return self if self.is_scene else replace(self, recording=str(Path(self.recording).absolute()))
+
+
+@lru_cache(maxsize=1)
+def _scene(name: str, seed: int) -> Scene:
+    """A scene, simulated once for its events and its truth."""
+    return simulate_scene(name, seed)
+
+
+@dataclass(frozen=True)
+class RunFile:
+    """What run.toml says.
+
+    Attributes:
+        source: where the events come from.
+        hardware: the module.
+        stalls: seed of the stall patterns; None never stalls.
+        digest: of the events, as `digest` makes it; empty where nobody looked.
+        config: both trackers' configurations.
+    """
+
+    source: Source
+    hardware: Top
+    stalls: int | None
+    digest: str
+    config: RunConfig
+
+    def check(self, path: Path, events: Events) -> None:
+        """Raise ConfigError, in the name of the file, where these are not the events that the run was made of."""
+        if self.digest and digest(events) != self.digest:
+            changed = f"must be that of {self.source.recording}, which has changed since: {digest(events)!r}"
+            raise ConfigError(f"{path}: run.digest = {self.digest!r}: {changed}")
+
+
+def digest(events: Events) -> str:
+    """A fingerprint of events: 16 hexadecimal digits. About 1 ns per byte."""
+    summary = blake2b(digest_size=8)
+    for column in (events.t_us, events.x, events.y, events.p):
+        summary.update(np.ascontiguousarray(column).data)
+    return summary.hexdigest()
+
+
+def run_toml(run: RunFile) -> str:
+    """The text of run.toml."""
+    plain = Source(run.source.recording)
+    source = {name: value for name, value in asdict(run.source.absolute()).items() if value != getattr(plain, name)}
+    stalls = {} if run.stalls is None else {"stalls": run.stalls}
+    config = _without_none(run.config.to_dict())
+    cot = config.pop("cot")
+    slots = cot["slots"]
+    same = all(slot == slots[0] for slot in slots)
+    tables = {
+        "name": config.pop("name"),
+        "run": {"recording": plain.recording, **source, "hardware": run.hardware, **stalls, "digest": run.digest},
+        "shape": cot["shape"],
+        "cot": {"tick_us": cot["tick_us"], **(slots[0] if same else {})},
+        **({} if same else {"slot": slots}),
+        **config,
+    }
+    return _HEAD + tomli_w.dumps(tables)
+
+
+def write_run_file(path: Path, run: RunFile) -> None:
+    """Write run.toml.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    with written_aside(path) as file:
+        file.write(run_toml(run).encode())
+
+
+def read_run_file(path: Path) -> RunFile | None:
+    """Read run.toml, or None where a configuration has no table `[run]`.
+
+    Raises:
+        ConfigError: as `load_toml`, or a table `[run]` that cannot be used; the message starts with the file's name.
+    """
+    config = load_toml(path, RunConfig())
+    run = tomllib.loads(path.read_text(encoding="utf-8")).get("run")
+    if run is None:
+        return None
+    wanted = {field.name: field.type for field in fields(Source)} | {"hardware": "str", "stalls": "int", "digest": "str"}
+    if not isinstance(run, dict):
+        raise ConfigError(f"{path}: [run] must be a table, not {run!r}")
+    for key, value in run.items():
+        kind = wanted.get(key)
+        if kind is None:
+            raise ConfigError(f"{path}: [run]: unknown field {key!r}: must be one of {', '.join(sorted(wanted))}")
+        if type(value).__name__ != str(kind).removesuffix(" | None") or (type(value) is int and value < 0):
+            raise ConfigError(f"{path}: run.{key} = {value!r}: must be {_MEANING[str(kind).removesuffix(' | None')]}")
+    if "recording" not in run:
+        raise ConfigError(f"{path}: [run] has no recording: must name a file or a scene")
+    hardware = run.pop("hardware", "cot_array")
+    if hardware not in get_args(Top):
+        raise ConfigError(f"{path}: run.hardware = {hardware!r}: must be one of {', '.join(get_args(Top))}")
+    stalls, known = run.pop("stalls", None), run.pop("digest", "")
+    return RunFile(Source(**run), hardware, stalls, known, config)
+
+
+_MEANING = {"str": "text", "int": "a whole number, not negative", "bool": "true or false"}
+
+
+def _without_none(value: Any) -> Any:
+    """TOML knows no null: what is None is left out, and so is its default."""
+    if isinstance(value, dict):
+        return {key: _without_none(entry) for key, entry in value.items() if entry is not None}
+    return [_without_none(entry) for entry in value] if isinstance(value, list | tuple) else value

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""summary.json and the short table: every figure of a run, and what is needed to repeat it."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import platform
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import evcot
+from evcot.errors import ConfigError
+from evcot.events import Recording
+from evcot.outputs import written_aside
+from evcot.trackers.config import RunConfig
+from evcot.tracks.log import DROPPED, Kind, TrackLog
+from evcot.tracks.timeline import lifetimes
+
+from ..build.toolchain import find_toolchain
+from .cosim import CosimRun
+from .lockstep import Mismatch
+
+__all__ = ["SUMMARY", "read_summary", "summarise", "summarise_mismatch", "table", "write_summary"]
+
+SUMMARY = "summary.json"  # its name in the folder of a run
+
+
+def summarise(run: CosimRun, command: str) -> dict[str, Any]:
+    """All figures of a run as plain values; a figure about nothing is None."""
+    recording, events = run.recording, len(run.recording.events)
+    recording_s = recording.duration_us / 1e6
+    logs = (run.hardware, run.model, run.software)
+    end_us = int(recording.events.t_us[-1])
+    return {
+        "name": recording.name,
+        "exact": _identical(run.hardware, run.model),
+        "events": events,
+        "records": len(run.hardware.records),
+        "recording_s": recording_s,
+        "wall_s": run.wall_s,
+        "realtime_factor": recording_s / run.wall_s,
+        "events_per_s": events / run.wall_s,
+        "software_events_per_s": events / run.software_s,
+        "cycles": run.cycles,
+        "cycles_per_event": run.cycles / events,
+        "latency_clocks": _latency(run.latency),
+        "filters": [which.name.lower() for which in run.config.filters.filters],
+        "filtered_fraction": float((run.hardware.owner == DROPPED).mean()),
+        "owned_fraction": {log.engine: float((log.owner >= 0).mean()) for log in logs},
+        "slots": run.config.cot.shape.n_slots,
+        "births": {log.engine: len(log.of_kind(Kind.BORN)) for log in logs},
+        "merges": {log.engine: len(log.of_kind(Kind.MERGED)) for log in logs},
+        "lifetimes": {log.engine: _lifetimes(log, end_us) for log in logs},
+        "agreement": run.agreement.to_dict(),
+        "sensor": {"width": recording.width, "height": recording.height},
+        "hardware": run.top,
+        "seed": run.seed,
+        "config": run.config.to_dict(),
+        "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
+        **_provenance(command),
+    }
+
+
+def summarise_mismatch(found: Mismatch, recording: Recording, config: RunConfig, command: str) -> dict[str, Any]:
+    """What summary.json says of a run that a mismatch ended: not exact, where, and how to repeat it."""
+    return {
+        "name": recording.name,
+        "exact": False,
+        "mismatch": found.to_dict(),
+        "events": len(recording.events),
+        "sensor": {"width": recording.width, "height": recording.height},
+        "config": config.to_dict(),
+        **_provenance(command),
+    }
+
+
+def _provenance(command: str) -> dict[str, Any]:
+    tools = find_toolchain()
+    return {
+        "command": command,
+        "versions": {
+            "evcot": evcot.__version__,
+            "python": platform.python_version(),
+            "verilator": tools.version,
+            "compiler": tools.compiler_version,
+            **{name: importlib.metadata.version(name) for name in ("numpy", "numba", "pyverilator-mm")},
+        },
+    }
+
+
+def _identical(a: TrackLog, b: TrackLog) -> bool:
+    return np.array_equal(a.owner, b.owner) and np.array_equal(a.records, b.records)
+
+
+def _latency(counts: NDArray[np.int64]) -> dict[str, Any]:
+    """Clocks from an event's acceptance to its records: quantiles, and [clocks, records] of each that came up."""
+    clocks = np.flatnonzero(counts)
+    so_far = np.cumsum(counts[clocks])
+    median, p99 = (int(clocks[np.searchsorted(so_far, share * so_far[-1])]) if len(clocks) else None for share in (0.5, 0.99))
+    return {
+        "median": median,
+        "p99": p99,
+        "max": int(clocks[-1]) if len(clocks) else None,
+        "histogram": np.column_stack((clocks, counts[clocks])).tolist(),
+    }
+
+
+def _lifetimes(log: TrackLog, end_us: int) -> dict[str, Any]:
+    lives = lifetimes(log, end_us)
+    lengths_s = (lives["end_us"] - lives["birth_us"]) / 1e6
+    return {
+        "tracks": len(lives),
+        "lost": int((lives["ended"] == Kind.LOST).sum()),
+        "median_s": float(np.median(lengths_s)) if len(lives) else None,
+        "longest_s": float(lengths_s.max()) if len(lives) else None,
+    }
+
+
+def write_summary(summary: dict[str, Any], path: Path) -> None:
+    """Write the summary as JSON; numbers that JSON does not know are refused."""
+    with written_aside(path) as file:
+        file.write((json.dumps(summary, indent=2, allow_nan=False) + "\n").encode())
+
+
+def read_summary(path: Path) -> dict[str, Any]:
+    """Read what `write_summary` wrote.
+
+    Raises:
+        ConfigError: it cannot be read, or is no summary.
+    """
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: is not JSON: {error}") from error
+    if not isinstance(summary, dict):
+        raise ConfigError(f"{path}: must hold an object, as `evcot cosim` writes it")
+    return summary
+
+
+def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """The short table that a run prints: (what, value)."""
+    agreement = summary["agreement"]
+    hardware, software = "cot-rtl", "rct"
+    filters = [("filtered out", f"{_percent(summary['filtered_fraction'])} of the events, by {', '.join(summary['filters'])}")]
+    return [
+        ("events", f"{summary['events']:,} in {summary['recording_s']:.3f} s"),
+        *(filters if summary["filters"] else []),
+        ("hardware = model", f"exact: {summary['records']:,} records and every event's owner" if summary["exact"] else "NO"),
+        ("cycles", f"{summary['cycles']:,} ({summary['cycles_per_event']:.3f} per event, {summary['slots']} slots)"),
+        ("lock-step rate", f"{summary['events_per_s'] / 1e6:.2f} M events/s, {summary['realtime_factor']:.1f} x real time"),
+        ("software rate", f"{summary['software_events_per_s'] / 1e6:.1f} M events/s"),
+        ("", "hardware | software"),
+        ("births", f"{summary['births'][hardware]} | {summary['births'][software]}"),
+        ("merges", f"{summary['merges'][hardware]} | {summary['merges'][software]}, {len(agreement['merges'])} correspond"),
+        (
+            "lifetimes",
+            f"{agreement['tracks_hardware']} | {agreement['tracks_software']}, {len(agreement['tracks'])} paired, "
+            f"{agreement['tracks_corresponding']} correspond",
+        ),
+        (
+            "alive",
+            f"{_figure(agreement['alive_mean_hardware'])} | {_figure(agreement['alive_mean_software'])} on average, "
+            f"equal {_percent(agreement['alive_equal_fraction'])} of the time",
+        ),
+        (
+            "distance of pairs",
+            f"{_figure(agreement['distance_median_px'])} px median, {_figure(agreement['distance_p90_px'])} px at 90 %",
+        ),
+    ]
+
+
+def _figure(value: float | None) -> str:
+    return "none" if value is None else f"{value:.2f}"
+
+
+def _percent(value: float | None) -> str:
+    return "none" if value is None else f"{100 * value:.0f} %"

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run leaves behind: a folder with summary, logs, picture and waveform, whole or not there."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from evcot.errors import OutputError
+from evcot.events import Recording
+from evcot.pictures.picture import draw
+from evcot.tracks.log import Kind
+
+from ..lockstep.cosim import CosimRun, rerun, stalls_from
+from ..lockstep.lockstep import MismatchError
+from ..lockstep.moments import Moment
+from ..lockstep.run_file import RUN_FILE, RunFile, write_run_file
+from ..lockstep.summary import SUMMARY, summarise, summarise_mismatch, write_summary
+from ..waves.window import Window, write_waves
+from . import REPORT, Material, Side, truth_of, write_report
+
+__all__ = ["folder_written_aside", "write_mismatch", "write_run"]
+
+_WAVES_EVENTS = 400  # events before and after the moment that the default waveform shows
+_MISMATCH_EVENTS = 50  # the same, around a mismatch
+
+
+def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, waves: bool = True) -> dict[str, Any]:
+    """Write run.toml, summary.json, the logs, picture, report and waveform of a run; returns the summary.
+
+    The folder takes the place of an older one only when all of it is written.
+
+    Args:
+        made_of: what repeats it.
+        waves: whether to write a waveform: the surroundings of the first merge, else of the first birth.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    summary = summarise(run, command)
+    with folder_written_aside(folder) as aside:
+        for name, log in (("hardware", run.hardware), ("model", run.model), ("software", run.software)):
+            log.save_npz(aside / f"{name}.npz")
+            log.write_csv(aside / f"{name}.csv")
+        draw(run.recording, run.hardware, run.software, aside / "picture.png", f"{run.recording.name}: {run.config.name}")
+        if waves:
+            moment = _telling_moment(run)
+            window = Window.around(moment.event_index, len(run.recording.events), _WAVES_EVENTS)
+            write_waves(
+                run.recording.events, run.config.hardware(run.recording.width, run.recording.height), aside, window,
+                top=run.top, stalls=stalls_from(run.seed), name="waves", moment=moment,
+            )  # fmt: skip
+        write_run_file(aside / RUN_FILE, made_of)
+        write_summary(summary, aside / SUMMARY)
+        sides = (Side("hardware", run.hardware), Side("software", run.software))
+        write_report(Material(run.recording, summary, sides, truth_of(made_of.source, run.recording)), aside / REPORT)
+    return summary
+
+
+def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile, folder: Path, *, command: str) -> None:
+    """Write what a mismatch leaves: run.toml, summary.json with its record, the logs up to it, the report, and a waveform
+    of the events around it with its view.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    found, config = error.mismatch, made_of.config
+    with folder_written_aside(folder) as aside:
+        window = Window.around(found.event_index, len(recording.events), _MISMATCH_EVENTS)
+        write_waves(
+            recording.events, config.hardware(recording.width, recording.height), aside, window,
+            top=found.top, stalls=stalls_from(found.seed), name="mismatch", moment=Moment(found.event_index, "mismatch"),
+        )  # fmt: skip
+        write_run_file(aside / RUN_FILE, made_of)
+        summary = summarise_mismatch(found, recording, config, command)
+        write_summary(summary, aside / SUMMARY)
+        hardware, model = rerun(recording, config, found)
+        for name, log in (("hardware", hardware), ("model", model)):
+            log.save_npz(aside / f"{name}.npz")
+        sides = (Side("hardware", hardware), Side("model", model))
+        write_report(Material(recording, summary, sides, truth_of(made_of.source, recording)), aside / REPORT)
+
+
+def _telling_moment(run: CosimRun) -> Moment:
+    for kind, name in ((Kind.MERGED, "merge 1"), (Kind.BORN, "birth 1")):
+        records = run.hardware.of_kind(kind)
+        if len(records):
+            return Moment(int(records["event_index"][0]), name, kind, int(records["track_id"][0]))
+    return Moment(0, "event 0")
+
+
+@contextmanager
+def folder_written_aside(folder: Path) -> Iterator[Path]:
+    """A folder beside `folder` that takes its place when the block ends without an error; else nothing of it stays.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    aside = folder.with_name(f".{folder.name}.partial")
+    try:
+        shutil.rmtree(aside, ignore_errors=True)
+        aside.mkdir(parents=True)
+        try:
+            yield aside
+            if folder.exists():
+                shutil.rmtree(folder)
+            aside.rename(folder)
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
+    except OutputError:
+        raise
+    except OSError as error:
+        raise OutputError(f"{error.filename or folder}: cannot be written: {error.strerror or error}") from error

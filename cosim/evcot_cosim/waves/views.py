@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a waveform view shows of each hardware module: groups of signals, each with a name, a form and a colour for people."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum, IntEnum
+
+from evcot.hardware.contract import REGISTERS, Mode, State
+from evcot.tracks.log import Kind
+
+__all__ = ["VIEWS", "Codes", "Colour", "Form", "Group", "Row"]
+
+
+class Form(Enum):
+    """How a number is shown. A single bit is always shown as a level."""
+
+    DECIMAL = "decimal"
+    PIXELS = "decimal, with the fractional bits of a centre"
+    PLOT = "curve"
+    PLOT_PIXELS = "curve, with the fractional bits of a centre"
+
+
+class Colour(Enum):
+    """What a row is about, told by its colour."""
+
+    PLAIN = "green"
+    TIME = "indigo"
+    CONTROL = "orange"
+    PLACE = "violet"
+    EVENT = "yellow"
+
+
+@dataclass(frozen=True)
+class Codes:
+    """Names of the values of a signal.
+
+    Attributes:
+        name: of the file that carries them.
+        values: (name, code) pairs; a code of None is the value of the module's constant of that name.
+    """
+
+    name: str
+    values: tuple[tuple[str, int | None], ...]
+
+    @classmethod
+    def of(cls, enum: type[IntEnum]) -> Codes:
+        """The members of an enum of the contract."""
+        return cls(enum.__name__.lower(), tuple((member.name, int(member)) for member in enum))
+
+
+@dataclass(frozen=True)
+class Row:
+    """One signal.
+
+    Attributes:
+        signal: its name within the module, or a path below it; `{slot}` stands for the slot.
+        label: the name that is shown; by default the last part of `signal`.
+        form, colour: how it is shown.
+        codes: names for its values.
+        packed: a vector of which every slot has an equal part; this slot's is shown.
+        field: a part of a signal that holds several is shown: the constants of its module that are the part's width and the
+            widths of the parts below it.
+    """
+
+    signal: str
+    label: str = ""
+    form: Form = Form.DECIMAL
+    colour: Colour = Colour.PLAIN
+    codes: Codes | None = None
+    packed: bool = False
+    field: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Group:
+    """Rows under a title. A `{slot}` in the title repeats the group for every slot that has one of its signals."""
+
+    title: str
+    rows: tuple[Row, ...]
+    closed: bool = False
+
+
+_STATE, _KIND, _MODE = (Codes.of(enum) for enum in (State, Kind, Mode))
+_PHASE = Codes("phase", tuple((name, None) for name in ("RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT")))
+
+
+def _rows(names: str, colour: Colour = Colour.PLAIN, form: Form = Form.DECIMAL) -> tuple[Row, ...]:
+    return tuple(Row(name, colour=colour, form=form) for name in names.split())
+
+
+_INPUT = Group(
+    "events in",
+    (
+        *_rows("clk rst"),
+        *_rows("s_valid s_ready", Colour.CONTROL),
+        *_rows("s_tick", Colour.TIME),
+        *_rows("s_event s_skip s_x s_y s_p", Colour.EVENT),
+    ),
+)
+_RECORDS = Group(
+    "records out",
+    (
+        *_rows("m_cm_valid m_cm_ready", Colour.CONTROL),
+        Row("m_cm_kind", codes=_KIND, colour=Colour.CONTROL),
+        *_rows("m_cm_slot m_cm_id m_cm_other"),
+        *_rows("m_cm_x m_cm_y", Colour.PLACE, Form.PIXELS),
+        *_rows("m_cm_radius", Colour.PLACE),
+        *_rows("m_cm_n_ev m_cm_support"),
+        *_rows("m_cm_seq m_cm_time", Colour.TIME),
+    ),
+)
+_OWNED = Group(
+    "owned events out",
+    (
+        *_rows("m_own_valid m_own_ready", Colour.CONTROL),
+        *_rows("m_own_slot"),
+        *_rows("m_own_x m_own_y m_own_p", Colour.EVENT),
+        *_rows("m_own_seq", Colour.TIME),
+    ),
+)
+_PASSED = Group(
+    "passed events out",
+    (
+        *_rows("m_pass_valid m_pass_ready", Colour.CONTROL),
+        *_rows("m_pass_tick", Colour.TIME),
+        *_rows("m_pass_event m_pass_x m_pass_y m_pass_p", Colour.EVENT),
+        *_rows("m_pass_seq", Colour.TIME),
+    ),
+)
+_REGISTERS = " ".join(name for name in REGISTERS if name != "mode")
+
+
+def _below(scope: str, group: Group) -> Group:
+    """The same group, of a module below some scope."""
+    return replace(group, rows=tuple(replace(row, signal=scope + row.signal) for row in group.rows))
+
+
+_TRACKER = Group(
+    "tracker",
+    (
+        Row("state", codes=_STATE, colour=Colour.CONTROL),
+        *_rows("active ring s_valid s_ready", Colour.CONTROL),
+        *_rows("cm_x cm_y", Colour.PLACE, Form.PLOT_PIXELS),
+        Row("radius", form=Form.PLOT, colour=Colour.PLACE),
+        *_rows("lo_x hi_x lo_y hi_y", Colour.PLACE),
+        *_rows("av_x av_y", Colour.PLACE, Form.PIXELS),
+        *_rows("tc tc2 last_tc2", Colour.TIME),
+        *_rows("n_ev count support id"),
+        *_rows("token_x token_y", Colour.EVENT),
+        Row("mode", codes=_MODE),
+    ),
+)
+_CHAIN_SLOT = replace(_below("tracker[{slot}].u_cot.", _TRACKER), title="tracker {slot}")
+_FILTERED = Group(
+    "behind the filters",
+    (
+        *_rows("valid ready", Colour.CONTROL),
+        *_rows("tick", Colour.TIME),
+        *_rows("is_event skip x y p", Colour.EVENT),
+    ),
+)
+_ARRAY_CORE = Group(
+    "decision",
+    (
+        Row("phase", codes=_PHASE, colour=Colour.CONTROL),
+        *_rows("space token_valid token_taken", Colour.CONTROL),
+        *_rows("token_event token_skip x y", Colour.EVENT),
+        *_rows("tick now seq", Colour.TIME),
+        *_rows("in_active in_candidate seeds owner slot"),
+        *_rows("takes passes updates ends due restarting overlaps", Colour.CONTROL),
+        *_rows("moved stays goes births"),
+    ),
+)
+_ARRAY_SLOT = Group(
+    "slot {slot}",
+    (
+        Row("active", packed=True, colour=Colour.CONTROL),
+        Row("window", packed=True, colour=Colour.CONTROL),
+        Row("free", packed=True, colour=Colour.CONTROL),
+        Row("cm_x[{slot}]", "cm_x", Form.PLOT_PIXELS, Colour.PLACE),
+        Row("cm_y[{slot}]", "cm_y", Form.PLOT_PIXELS, Colour.PLACE),
+        Row("g[{slot}]", "g", Form.PLOT, Colour.PLACE),
+        *(Row(name, packed=True, colour=Colour.PLACE) for name in ("lo_x", "hi_x", "lo_y", "hi_y")),
+        *(Row(f"{name}[{{slot}}]", name, Form.PIXELS, Colour.PLACE) for name in ("av_x", "av_y")),
+        Row("deadline", packed=True, colour=Colour.TIME),
+        *(Row(f"{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("start", "last_tc2")),
+        *(Row(f"{name}[{{slot}}]", name) for name in ("ring", "n_ev", "count", "support", "id")),
+        Row("u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
+    ),
+)
+_ENGINE_PHASE = Codes("engine_phase", tuple((n, None) for n in ("RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN")))
+_ENGINE_CORE = Group(
+    "pipeline",
+    (
+        Row("phase", codes=_ENGINE_PHASE, colour=Colour.CONTROL),
+        *_rows("issue m_valid m_check e_valid c_valid u_valid commit rewind found", Colour.CONTROL),
+        *_rows("m_hi_x m_hi_y", Colour.EVENT),
+        *_rows("d_slot u_update.c_slot u_update.u_slot v_slot w_slot"),
+        *_rows("u_update.u_last u_special u_ends w_checks restarts", Colour.CONTROL),
+        *_rows("now seq", Colour.TIME),
+        *_rows("moved found_slot stays goes"),
+    ),
+)
+_CM = "POS_X", "POS_Y", "RADIX_W"  # what lies in u_update.cm, from the top
+_ENGINE_SLOT = Group(
+    "slot {slot}",
+    (
+        Row("active", packed=True, colour=Colour.CONTROL),
+        *(Row(f"u_match.{name}", packed=True, colour=Colour.CONTROL) for name in ("candidate", "free")),
+        *(Row("u_update.cm[{slot}]", f"cm_{at}", Form.PLOT_PIXELS, Colour.PLACE, field=_CM[i:]) for i, at in enumerate("xy")),
+        Row("u_update.cm[{slot}]", "g", Form.PLOT, Colour.PLACE, field=_CM[2:]),
+        *(Row(f"u_match.{name}[{{slot}}]", name, colour=Colour.PLACE) for name in ("lo_x_not", "hi_x", "lo_y_not", "hi_y")),
+        *(Row(f"u_update.{name}[{{slot}}]", name, Form.PIXELS, Colour.PLACE) for name in ("av_x", "av_y")),
+        *(Row(f"u_update.{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("timed", "deadline", "start", "last_tc2")),
+        *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("ring", "n_ev")),
+        Row("u_update.rest[{slot}]", "rest", field=("NEV_W",)),
+        *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("support", "id")),
+        Row("u_update.u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
+    ),
+)
+_OUTPUTS = (_RECORDS, _OWNED, _PASSED)
+
+# Module -> what to show of it, from top to bottom. Signals that a waveform lacks are left out.
+VIEWS: dict[str, tuple[Group, ...]] = {
+    "cot": (_INPUT, _TRACKER, *_OUTPUTS, Group("registers", _rows(_REGISTERS), closed=True)),
+    "cot_chain": (_INPUT, _CHAIN_SLOT, *_OUTPUTS),
+    "cot_array": (
+        _INPUT,
+        _ARRAY_CORE,
+        _ARRAY_SLOT,
+        *_OUTPUTS,
+        Group("registers", (Row("mode", codes=_MODE), *_rows(_REGISTERS)), closed=True),
+    ),
+    "cot_engine": (_INPUT, _ENGINE_CORE, _ENGINE_SLOT, *_OUTPUTS),
+    "cot_filtered": (
+        _INPUT,
+        _FILTERED,
+        *(_below("u_trackers.g_array.u_tracker.", group) for group in (_ARRAY_CORE, _ARRAY_SLOT)),
+        _below("u_trackers.g_chain.u_tracker.", _CHAIN_SLOT),
+        *(_below("u_trackers.g_engine.u_tracker.", group) for group in (_ENGINE_CORE, _ENGINE_SLOT)),
+        *_OUTPUTS,
+    ),
+}

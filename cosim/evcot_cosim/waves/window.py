@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Waveforms of a run: a window of events simulated again, as VCD and FST, and a view that opens it in GTKWave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from evcot.errors import ConfigError
+from evcot.events import Events
+from evcot.hardware.config import CotConfig
+
+from ..devices.device import Stalls, Top
+from ..lockstep.lockstep import Clocks, dump_window
+from ..lockstep.moments import Moment
+from .fst import fst_writer, write_fst
+from .gtkwave import Marker, write_view
+
+__all__ = ["Window", "write_waves"]
+
+_CLOCK, _EDGE = 10, 5  # steps of a VCD's time: a clock, and where its edge rises
+_SHOWN_CLOCKS = 40  # before and after a moment, when the view opens
+
+
+@dataclass(frozen=True)
+class Window:
+    """Events `first` to `last`, both shown."""
+
+    first: int
+    last: int
+
+    @classmethod
+    def around(cls, event: int, n_events: int, reach: int) -> Window:
+        """`reach` events before and after one, as far as the recording goes."""
+        return cls(max(0, event - reach), min(n_events - 1, event + reach))
+
+    @classmethod
+    def of_time(cls, events: Events, from_us: int, to_us: int) -> Window:
+        """The events with from_us <= t - t[0] < to_us.
+
+        Raises:
+            ConfigError: there are none.
+        """
+        t_us = events.t_us - events.t_us[0]
+        first, end = (int(i) for i in np.searchsorted(t_us, (from_us, to_us)))
+        if first >= end:
+            raise ConfigError(f"waveform from {from_us} us to {to_us} us: no event there, the last is at {int(t_us[-1])} us")
+        return cls(first, end - 1)
+
+
+def write_waves(
+    events: Events,
+    config: CotConfig,
+    folder: Path,
+    window: Window,
+    *,
+    top: Top = "cot_array",
+    stalls: Stalls | None = None,
+    name: str = "waves",
+    moment: Moment | None = None,
+) -> tuple[Path, Path]:
+    """Simulate up to the window's end again and write `<name>.vcd`, its GTKWave view `<name>.gtkw` and, with pylibfst,
+    `<name>.fst` into a folder. Markers in the view: where `moment`'s event is taken, where its record is handed over.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    vcd = folder / f"{name}.vcd"
+    clocks = dump_window(events, config, vcd, window.first, window.last, top=top, stalls=stalls)
+    view = folder / f"{name}.gtkw"
+    write_view(vcd, view, _markers(moment, clocks) if moment else (), reach=_SHOWN_CLOCKS * _CLOCK)
+    if fst_writer() is not None:
+        write_fst(vcd, vcd.with_suffix(".fst"))
+    return vcd, view
+
+
+def _markers(moment: Moment, clocks: Clocks) -> list[Marker]:
+    """When the event of a moment went in and its record came out."""
+    markers = []
+    if moment.event_index < len(clocks.accepted):
+        title = "event" if moment.kind is not None else moment.name
+        markers.append(Marker(int(clocks.accepted[moment.event_index]) * _CLOCK + _EDGE, title))
+    if moment.kind is not None:
+        records = clocks.records
+        found = np.flatnonzero((records["kind"] == moment.kind) & (records["track_id"] == moment.track_id))
+        at = found[records["seq"][found] >= moment.event_index]
+        if len(at):
+            markers.append(Marker(int(clocks.recorded[at[0]]) * _CLOCK + _EDGE, moment.name))
+    return markers

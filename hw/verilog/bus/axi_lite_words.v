@@ -1,0 +1,552 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of evcot_top.v outside the banks: one port for each field, and what an access to each address does.
+// Generated from sw/evcot/hardware/registers.toml by `python -m evcot.hardware.generate`: edit there.
+//
+// Two clocks after `word` (an address without its two low bits) come `known`, `writable`, `value`, and `kept`, those bits of
+// the value that a byte-wise write of the others must give back; a clock after `data` come `refused`, and `clamped`, should a
+// field have to be. With `write` from there on, word and data still the same, data takes effect at the next clock, unless
+// refused. A pulse lasts one clock.
+// Reset gives every field its reset value.
+`default_nettype none
+
+module axi_lite_words #(
+    parameter X_W     = 9,   // bits of an x address
+    parameter Y_W     = 9,   // bits of a y address
+    parameter SOURCE  = 0,   // the source after reset
+    parameter SOURCES = 1    // a bit for each source that was built
+) (
+    input  wire        clk,
+    input  wire        rst,
+
+    input  wire [10:0] word,
+    input  wire        write,
+    input  wire [31:0] data,
+    output reg         known,
+    output reg         writable,
+    output reg  [31:0] value,
+    output reg  [31:0] kept,
+    output wire        clamped,
+    output wire        refused,
+
+    // 000: the letters EVCT
+    input  wire [31:0] id,
+
+    // 004: version of this map
+    input  wire [15:0] version_minor,
+    input  wire [15:0] version_major,
+
+    // 008: shape of the trackers
+    input  wire [6:0]  shape0_n_slots,
+    input  wire [3:0]  shape0_frac,
+    input  wire [4:0]  shape0_x_w,
+    input  wire [4:0]  shape0_y_w,
+
+    // 00c: shape of the trackers
+    input  wire [5:0]  shape1_tick_w,
+    input  wire [3:0]  shape1_radix_w,
+    input  wire [4:0]  shape1_nev_w,
+    input  wire [5:0]  shape1_tc_w,
+
+    // 010: shape of the trackers
+    input  wire [5:0]  shape2_sup_w,
+    input  wire [5:0]  shape2_id_w,
+    input  wire [5:0]  shape2_seq_w,
+    input  wire [5:0]  shape2_time_w,
+
+    // 014: what was built
+    input  wire [6:0]  build_filters,
+    input  wire [5:0]  build_sources,
+    input  wire [1:0]  build_tracker,
+
+    // 018: size of the sensor
+    input  wire [15:0] sensor_last_x,
+    input  wire [15:0] sensor_last_y,
+
+    // 01c: memories
+    input  wire [5:0]  memory_stamp_w,
+    input  wire [7:0]  memory_recent_last,
+    input  wire [15:0] memory_fifo_depth,
+
+    // 020: control
+    output reg         control_enable,
+    output reg         control_drop,
+    output reg         control_latch,
+    output reg         control_soft_reset,
+
+    // 024: where events come from; takes effect with `soft_reset`
+    output reg  [2:0]  source_select,
+    output reg         source_clock_time,
+    output reg         source_swap_bytes,
+    output reg         source_swap_halves,
+    output reg         source_active_low,
+    output reg         source_word_serial,
+
+    // 028: length of a tick of the events' own time; takes effect with `soft_reset`
+    output reg  [19:0] tick_us,
+
+    // 02c: length of a tick, and of a microsecond, of the clock; takes effect with `soft_reset`
+    output reg  [15:0] prescale_tick,
+    output reg  [15:0] prescale_us,
+
+    // 030: self-test source: seed; takes effect with `soft_reset`
+    output reg  [31:0] lfsr_seed,
+
+    // 034: self-test source: how dense
+    output reg  [15:0] lfsr_gap,
+
+    // 038: self-test source: columns
+    output reg  [15:0] lfsr_x_min,
+    output reg  [15:0] lfsr_x_span,
+
+    // 03c: self-test source: rows
+    output reg  [15:0] lfsr_y_min,
+    output reg  [15:0] lfsr_y_span,
+
+    // 040: how it stands
+    input  wire        status_idle,
+    input  wire        status_pending,
+    input  wire        status_open,
+    input  wire [15:0] status_held,
+
+    // 044: writes that did not do what they said
+    input  wire        fault_clamped,
+    output reg         fault_clamped_clear,
+    input  wire        fault_refused,
+    output reg         fault_refused_clear,
+    input  wire        fault_pending,
+    output reg         fault_pending_clear,
+    input  wire        fault_unmapped,
+    output reg         fault_unmapped_clear,
+    input  wire [12:0] fault_address,
+
+    // 048: what has happened since it was cleared
+    input  wire        irq_status_birth,
+    input  wire        irq_status_loss,
+    input  wire        irq_status_merge,
+    input  wire        irq_status_overflow,
+    input  wire        irq_status_commit,
+
+    // 04c: which of them raise `irq`
+    output reg  [4:0]  irq_enable,
+
+    // 050: clears what is written as 1
+    output reg  [4:0]  irq_clear,
+
+    // 054: number of the first event after the last commit
+    input  wire [31:0] commit_seq_low,
+
+    // 058: number of the first event after the last commit
+    input  wire [15:0] commit_seq_high,
+
+    // 05c: commits applied since reset
+    input  wire [31:0] commits,
+
+    // 080: events that came from the source: = events_dropped + events + those in the input FIFO
+    input  wire [31:0] events_in,
+
+    // 084: events that found the input FIFO full
+    input  wire [31:0] events_dropped,
+
+    // 088: input words that were skipped, and events outside the sensor
+    input  wire [31:0] malformed,
+
+    // 08c: events that entered filters and trackers: = filtered + owned + passed, when idle
+    input  wire [31:0] events,
+
+    // 090: events that a filter took out
+    input  wire [31:0] filtered,
+
+    // 094: events that a slot took
+    input  wire [31:0] owned,
+
+    // 098: events that no slot took
+    input  wire [31:0] passed,
+
+    // 09c: records
+    input  wire [31:0] records,
+
+    // 0a0: clocks in which a token waited for filters, trackers, outputs or a commit, while enabled
+    input  wire [31:0] stalls,
+
+    // 0a4: events whose own time lay before that of an earlier one: they stand still; many say that a time mark was damaged
+    input  wire [31:0] backward
+);
+
+    parameter_check #(.OK(((SOURCES >> SOURCE) & 1) == 1)) SOURCE_must_be_one_of_SOURCES ();
+
+    // ---- which word --------------------------------------------------------------------------------------------------
+
+    reg at_id;
+    reg at_version;
+    reg at_shape0;
+    reg at_shape1;
+    reg at_shape2;
+    reg at_build;
+    reg at_sensor;
+    reg at_memory;
+    reg at_control;
+    reg at_source;
+    reg at_tick_us;
+    reg at_prescale;
+    reg at_lfsr_seed;
+    reg at_lfsr_gap;
+    reg at_lfsr_x;
+    reg at_lfsr_y;
+    reg at_status;
+    reg at_fault;
+    reg at_irq_status;
+    reg at_irq_enable;
+    reg at_irq_clear;
+    reg at_commit_seq_low;
+    reg at_commit_seq_high;
+    reg at_commits;
+    reg at_events_in;
+    reg at_events_dropped;
+    reg at_malformed;
+    reg at_events;
+    reg at_filtered;
+    reg at_owned;
+    reg at_passed;
+    reg at_records;
+    reg at_stalls;
+    reg at_backward;
+
+    always @(posedge clk) begin
+        at_id <= word == 11'h000;
+        at_version <= word == 11'h001;
+        at_shape0 <= word == 11'h002;
+        at_shape1 <= word == 11'h003;
+        at_shape2 <= word == 11'h004;
+        at_build <= word == 11'h005;
+        at_sensor <= word == 11'h006;
+        at_memory <= word == 11'h007;
+        at_control <= word == 11'h008;
+        at_source <= word == 11'h009;
+        at_tick_us <= word == 11'h00a;
+        at_prescale <= word == 11'h00b;
+        at_lfsr_seed <= word == 11'h00c;
+        at_lfsr_gap <= word == 11'h00d;
+        at_lfsr_x <= word == 11'h00e;
+        at_lfsr_y <= word == 11'h00f;
+        at_status <= word == 11'h010;
+        at_fault <= word == 11'h011;
+        at_irq_status <= word == 11'h012;
+        at_irq_enable <= word == 11'h013;
+        at_irq_clear <= word == 11'h014;
+        at_commit_seq_low <= word == 11'h015;
+        at_commit_seq_high <= word == 11'h016;
+        at_commits <= word == 11'h017;
+        at_events_in <= word == 11'h020;
+        at_events_dropped <= word == 11'h021;
+        at_malformed <= word == 11'h022;
+        at_events <= word == 11'h023;
+        at_filtered <= word == 11'h024;
+        at_owned <= word == 11'h025;
+        at_passed <= word == 11'h026;
+        at_records <= word == 11'h027;
+        at_stalls <= word == 11'h028;
+        at_backward <= word == 11'h029;
+    end
+
+    // ---- legal values ------------------------------------------------------------------------------------------------
+
+    wire [2:0]  new_source_select = data[2:0];
+    localparam [31:0] ALLOWED_SOURCE_SELECT = SOURCES;
+    reg bad_source_select;
+    wire [19:0] new_tick_us = data[19:0];
+    wire        wide_tick_us = |data[31:20];
+    localparam [19:0] TOP_TICK_US = 20'd1000000;
+    wire        more_tick_us = {1'b0, new_tick_us} > {1'b0, TOP_TICK_US};
+    reg over_tick_us;
+    reg under_tick_us;
+    wire [15:0] new_prescale_tick = data[15:0];
+    reg under_prescale_tick;
+    wire [15:0] new_prescale_us = data[31:16];
+    reg under_prescale_us;
+    wire [31:0] new_lfsr_seed = data[31:0];
+    localparam [31:0] TOP_LFSR_SEED = 32'd4294967294;
+    wire        more_lfsr_seed = {1'b0, new_lfsr_seed} > {1'b0, TOP_LFSR_SEED};
+    reg over_lfsr_seed;
+    wire [15:0] new_lfsr_gap = data[15:0];
+    wire        wide_lfsr_gap = |data[31:16];
+    localparam [15:0] TOP_LFSR_GAP = 16'd65535;
+    reg over_lfsr_gap;
+    wire [15:0] new_lfsr_x_min = data[15:0];
+    localparam [15:0] TOP_LFSR_X_MIN = {16{1'b1}} >> (16 - X_W);
+    wire        more_lfsr_x_min = {1'b0, new_lfsr_x_min} > {1'b0, TOP_LFSR_X_MIN};
+    reg over_lfsr_x_min;
+    wire [15:0] new_lfsr_x_span = data[31:16];
+    localparam [15:0] TOP_LFSR_X_SPAN = {16{1'b1}} >> (16 - X_W);
+    wire        more_lfsr_x_span = {1'b0, new_lfsr_x_span} > {1'b0, TOP_LFSR_X_SPAN};
+    reg over_lfsr_x_span;
+    wire [15:0] new_lfsr_y_min = data[15:0];
+    localparam [15:0] TOP_LFSR_Y_MIN = {16{1'b1}} >> (16 - Y_W);
+    wire        more_lfsr_y_min = {1'b0, new_lfsr_y_min} > {1'b0, TOP_LFSR_Y_MIN};
+    reg over_lfsr_y_min;
+    wire [15:0] new_lfsr_y_span = data[31:16];
+    localparam [15:0] TOP_LFSR_Y_SPAN = {16{1'b1}} >> (16 - Y_W);
+    wire        more_lfsr_y_span = {1'b0, new_lfsr_y_span} > {1'b0, TOP_LFSR_Y_SPAN};
+    reg over_lfsr_y_span;
+
+    always @(posedge clk) begin
+        bad_source_select <= at_source && !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
+        over_tick_us <= at_tick_us && (wide_tick_us || more_tick_us);
+        under_tick_us <= at_tick_us && !wide_tick_us && new_tick_us < 20'd1;
+        under_prescale_tick <= at_prescale && new_prescale_tick < 16'd1;
+        under_prescale_us <= at_prescale && new_prescale_us < 16'd1;
+        over_lfsr_seed <= at_lfsr_seed && more_lfsr_seed;
+        over_lfsr_gap <= at_lfsr_gap && wide_lfsr_gap;
+        over_lfsr_x_min <= at_lfsr_x && more_lfsr_x_min;
+        over_lfsr_x_span <= at_lfsr_x && more_lfsr_x_span;
+        over_lfsr_y_min <= at_lfsr_y && more_lfsr_y_min;
+        over_lfsr_y_span <= at_lfsr_y && more_lfsr_y_span;
+    end
+
+    assign refused = bad_source_select;
+    assign clamped = over_tick_us ||
+                     under_tick_us ||
+                     under_prescale_tick ||
+                     under_prescale_us ||
+                     over_lfsr_seed ||
+                     over_lfsr_gap ||
+                     over_lfsr_x_min ||
+                     over_lfsr_x_span ||
+                     over_lfsr_y_min ||
+                     over_lfsr_y_span;
+
+    // ---- what it holds -----------------------------------------------------------------------------------------------
+
+    reg [31:0] held, stays;
+
+    always @* begin
+        held  = 32'd0;
+        stays = 32'd0;
+        held[31:0] = held[31:0] | ({32{at_id}} & id);
+        held[15:0] = held[15:0] | ({16{at_version}} & version_minor);
+        held[31:16] = held[31:16] | ({16{at_version}} & version_major);
+        held[6:0] = held[6:0] | ({7{at_shape0}} & shape0_n_slots);
+        held[11:8] = held[11:8] | ({4{at_shape0}} & shape0_frac);
+        held[20:16] = held[20:16] | ({5{at_shape0}} & shape0_x_w);
+        held[28:24] = held[28:24] | ({5{at_shape0}} & shape0_y_w);
+        held[5:0] = held[5:0] | ({6{at_shape1}} & shape1_tick_w);
+        held[11:8] = held[11:8] | ({4{at_shape1}} & shape1_radix_w);
+        held[20:16] = held[20:16] | ({5{at_shape1}} & shape1_nev_w);
+        held[29:24] = held[29:24] | ({6{at_shape1}} & shape1_tc_w);
+        held[5:0] = held[5:0] | ({6{at_shape2}} & shape2_sup_w);
+        held[13:8] = held[13:8] | ({6{at_shape2}} & shape2_id_w);
+        held[21:16] = held[21:16] | ({6{at_shape2}} & shape2_seq_w);
+        held[29:24] = held[29:24] | ({6{at_shape2}} & shape2_time_w);
+        held[6:0] = held[6:0] | ({7{at_build}} & build_filters);
+        held[13:8] = held[13:8] | ({6{at_build}} & build_sources);
+        held[17:16] = held[17:16] | ({2{at_build}} & build_tracker);
+        held[15:0] = held[15:0] | ({16{at_sensor}} & sensor_last_x);
+        held[31:16] = held[31:16] | ({16{at_sensor}} & sensor_last_y);
+        held[5:0] = held[5:0] | ({6{at_memory}} & memory_stamp_w);
+        held[15:8] = held[15:8] | ({8{at_memory}} & memory_recent_last);
+        held[31:16] = held[31:16] | ({16{at_memory}} & memory_fifo_depth);
+        held[0:0] = held[0:0] | ({1{at_control}} & control_enable);
+        stays[0:0] = stays[0:0] | ({1{at_control}} & control_enable);
+        held[1:1] = held[1:1] | ({1{at_control}} & control_drop);
+        stays[1:1] = stays[1:1] | ({1{at_control}} & control_drop);
+        held[2:0] = held[2:0] | ({3{at_source}} & source_select);
+        stays[2:0] = stays[2:0] | ({3{at_source}} & source_select);
+        held[8:8] = held[8:8] | ({1{at_source}} & source_clock_time);
+        stays[8:8] = stays[8:8] | ({1{at_source}} & source_clock_time);
+        held[16:16] = held[16:16] | ({1{at_source}} & source_swap_bytes);
+        stays[16:16] = stays[16:16] | ({1{at_source}} & source_swap_bytes);
+        held[17:17] = held[17:17] | ({1{at_source}} & source_swap_halves);
+        stays[17:17] = stays[17:17] | ({1{at_source}} & source_swap_halves);
+        held[24:24] = held[24:24] | ({1{at_source}} & source_active_low);
+        stays[24:24] = stays[24:24] | ({1{at_source}} & source_active_low);
+        held[25:25] = held[25:25] | ({1{at_source}} & source_word_serial);
+        stays[25:25] = stays[25:25] | ({1{at_source}} & source_word_serial);
+        held[19:0] = held[19:0] | ({20{at_tick_us}} & tick_us);
+        stays[19:0] = stays[19:0] | ({20{at_tick_us}} & tick_us);
+        held[15:0] = held[15:0] | ({16{at_prescale}} & prescale_tick);
+        stays[15:0] = stays[15:0] | ({16{at_prescale}} & prescale_tick);
+        held[31:16] = held[31:16] | ({16{at_prescale}} & prescale_us);
+        stays[31:16] = stays[31:16] | ({16{at_prescale}} & prescale_us);
+        held[31:0] = held[31:0] | ({32{at_lfsr_seed}} & lfsr_seed);
+        stays[31:0] = stays[31:0] | ({32{at_lfsr_seed}} & lfsr_seed);
+        held[15:0] = held[15:0] | ({16{at_lfsr_gap}} & lfsr_gap);
+        stays[15:0] = stays[15:0] | ({16{at_lfsr_gap}} & lfsr_gap);
+        held[15:0] = held[15:0] | ({16{at_lfsr_x}} & lfsr_x_min);
+        stays[15:0] = stays[15:0] | ({16{at_lfsr_x}} & lfsr_x_min);
+        held[31:16] = held[31:16] | ({16{at_lfsr_x}} & lfsr_x_span);
+        stays[31:16] = stays[31:16] | ({16{at_lfsr_x}} & lfsr_x_span);
+        held[15:0] = held[15:0] | ({16{at_lfsr_y}} & lfsr_y_min);
+        stays[15:0] = stays[15:0] | ({16{at_lfsr_y}} & lfsr_y_min);
+        held[31:16] = held[31:16] | ({16{at_lfsr_y}} & lfsr_y_span);
+        stays[31:16] = stays[31:16] | ({16{at_lfsr_y}} & lfsr_y_span);
+        held[0:0] = held[0:0] | ({1{at_status}} & status_idle);
+        held[1:1] = held[1:1] | ({1{at_status}} & status_pending);
+        held[2:2] = held[2:2] | ({1{at_status}} & status_open);
+        held[31:16] = held[31:16] | ({16{at_status}} & status_held);
+        held[0:0] = held[0:0] | ({1{at_fault}} & fault_clamped);
+        held[1:1] = held[1:1] | ({1{at_fault}} & fault_refused);
+        held[2:2] = held[2:2] | ({1{at_fault}} & fault_pending);
+        held[3:3] = held[3:3] | ({1{at_fault}} & fault_unmapped);
+        held[28:16] = held[28:16] | ({13{at_fault}} & fault_address);
+        held[0:0] = held[0:0] | ({1{at_irq_status}} & irq_status_birth);
+        held[1:1] = held[1:1] | ({1{at_irq_status}} & irq_status_loss);
+        held[2:2] = held[2:2] | ({1{at_irq_status}} & irq_status_merge);
+        held[3:3] = held[3:3] | ({1{at_irq_status}} & irq_status_overflow);
+        held[4:4] = held[4:4] | ({1{at_irq_status}} & irq_status_commit);
+        held[4:0] = held[4:0] | ({5{at_irq_enable}} & irq_enable);
+        stays[4:0] = stays[4:0] | ({5{at_irq_enable}} & irq_enable);
+        held[31:0] = held[31:0] | ({32{at_commit_seq_low}} & commit_seq_low);
+        held[15:0] = held[15:0] | ({16{at_commit_seq_high}} & commit_seq_high);
+        held[31:0] = held[31:0] | ({32{at_commits}} & commits);
+        held[31:0] = held[31:0] | ({32{at_events_in}} & events_in);
+        held[31:0] = held[31:0] | ({32{at_events_dropped}} & events_dropped);
+        held[31:0] = held[31:0] | ({32{at_malformed}} & malformed);
+        held[31:0] = held[31:0] | ({32{at_events}} & events);
+        held[31:0] = held[31:0] | ({32{at_filtered}} & filtered);
+        held[31:0] = held[31:0] | ({32{at_owned}} & owned);
+        held[31:0] = held[31:0] | ({32{at_passed}} & passed);
+        held[31:0] = held[31:0] | ({32{at_records}} & records);
+        held[31:0] = held[31:0] | ({32{at_stalls}} & stalls);
+        held[31:0] = held[31:0] | ({32{at_backward}} & backward);
+    end
+
+    always @(posedge clk) begin
+        value    <= held;
+        kept     <= stays;
+        known    <= at_id ||
+                    at_version ||
+                    at_shape0 ||
+                    at_shape1 ||
+                    at_shape2 ||
+                    at_build ||
+                    at_sensor ||
+                    at_memory ||
+                    at_control ||
+                    at_source ||
+                    at_tick_us ||
+                    at_prescale ||
+                    at_lfsr_seed ||
+                    at_lfsr_gap ||
+                    at_lfsr_x ||
+                    at_lfsr_y ||
+                    at_status ||
+                    at_fault ||
+                    at_irq_status ||
+                    at_irq_enable ||
+                    at_irq_clear ||
+                    at_commit_seq_low ||
+                    at_commit_seq_high ||
+                    at_commits ||
+                    at_events_in ||
+                    at_events_dropped ||
+                    at_malformed ||
+                    at_events ||
+                    at_filtered ||
+                    at_owned ||
+                    at_passed ||
+                    at_records ||
+                    at_stalls ||
+                    at_backward;
+        writable <= at_control ||
+                    at_source ||
+                    at_tick_us ||
+                    at_prescale ||
+                    at_lfsr_seed ||
+                    at_lfsr_gap ||
+                    at_lfsr_x ||
+                    at_lfsr_y ||
+                    at_fault ||
+                    at_irq_enable ||
+                    at_irq_clear;
+    end
+
+    // ---- what a write does -------------------------------------------------------------------------------------------
+
+    always @(posedge clk) begin
+        control_latch <= 1'd0;
+        control_soft_reset <= 1'd0;
+        fault_clamped_clear <= 1'd0;
+        fault_refused_clear <= 1'd0;
+        fault_pending_clear <= 1'd0;
+        fault_unmapped_clear <= 1'd0;
+        irq_clear <= 5'd0;
+        if (write && !refused) begin
+            if (at_control) begin
+                control_enable <= data[0:0];
+                control_drop <= data[1:1];
+                control_latch <= data[8:8];
+                control_soft_reset <= data[9:9];
+            end
+            if (at_source) begin
+                source_select <= data[2:0];
+                source_clock_time <= data[8:8];
+                source_swap_bytes <= data[16:16];
+                source_swap_halves <= data[17:17];
+                source_active_low <= data[24:24];
+                source_word_serial <= data[25:25];
+            end
+            if (at_tick_us) begin
+                tick_us <= under_tick_us ? 20'd1 : over_tick_us ? TOP_TICK_US : new_tick_us;
+            end
+            if (at_prescale) begin
+                prescale_tick <= under_prescale_tick ? 16'd1 : new_prescale_tick;
+                prescale_us <= under_prescale_us ? 16'd1 : new_prescale_us;
+            end
+            if (at_lfsr_seed) begin
+                lfsr_seed <= over_lfsr_seed ? TOP_LFSR_SEED : new_lfsr_seed;
+            end
+            if (at_lfsr_gap) begin
+                lfsr_gap <= over_lfsr_gap ? TOP_LFSR_GAP : new_lfsr_gap;
+            end
+            if (at_lfsr_x) begin
+                lfsr_x_min <= over_lfsr_x_min ? TOP_LFSR_X_MIN : new_lfsr_x_min;
+                lfsr_x_span <= over_lfsr_x_span ? TOP_LFSR_X_SPAN : new_lfsr_x_span;
+            end
+            if (at_lfsr_y) begin
+                lfsr_y_min <= over_lfsr_y_min ? TOP_LFSR_Y_MIN : new_lfsr_y_min;
+                lfsr_y_span <= over_lfsr_y_span ? TOP_LFSR_Y_SPAN : new_lfsr_y_span;
+            end
+            if (at_fault) begin
+                fault_clamped_clear <= data[0:0];
+                fault_refused_clear <= data[1:1];
+                fault_pending_clear <= data[2:2];
+                fault_unmapped_clear <= data[3:3];
+            end
+            if (at_irq_enable) begin
+                irq_enable <= data[4:0];
+            end
+            if (at_irq_clear) begin
+                irq_clear <= data[4:0];
+            end
+        end
+        if (rst) begin
+            control_enable <= 1'd0;
+            control_drop <= 1'd0;
+            control_latch <= 1'd0;
+            control_soft_reset <= 1'd0;
+            source_select <= SOURCE[2:0];
+            source_clock_time <= 1'd0;
+            source_swap_bytes <= 1'd0;
+            source_swap_halves <= 1'd0;
+            source_active_low <= 1'd1;
+            source_word_serial <= 1'd0;
+            tick_us <= 20'd1;
+            prescale_tick <= 16'd100;
+            prescale_us <= 16'd100;
+            lfsr_seed <= 32'd0;
+            lfsr_gap <= 16'd0;
+            lfsr_x_min <= 16'd0;
+            lfsr_x_span <= 16'd0;
+            lfsr_y_min <= 16'd0;
+            lfsr_y_span <= 16'd0;
+            fault_clamped_clear <= 1'd0;
+            fault_refused_clear <= 1'd0;
+            fault_pending_clear <= 1'd0;
+            fault_unmapped_clear <= 1'd0;
+            irq_enable <= 5'd0;
+            irq_clear <= 5'd0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// What RTL and software share: states, record kinds, modes, register addresses, parameter ranges.
+// Generated from sw/evcot/hardware/contract.py by `python -m evcot.hardware.generate`: edit there.
+`ifndef EVCOT_DEFS_VH
+`define EVCOT_DEFS_VH
+
+// Hardware shape: inclusive parameter ranges.
+`define EVCOT_N_SLOTS_MIN 1
+`define EVCOT_N_SLOTS_MAX 64 // tracker slots
+`define EVCOT_X_W_MIN 1
+`define EVCOT_X_W_MAX 16 // bits of an x address
+`define EVCOT_Y_W_MIN 1
+`define EVCOT_Y_W_MAX 16 // bits of a y address
+`define EVCOT_FRAC_MIN 0
+`define EVCOT_FRAC_MAX 8 // fractional bits of a centre and of an average; 0 truncates like the published shifts
+`define EVCOT_TICK_W_MIN 1
+`define EVCOT_TICK_W_MAX 32 // bits of the tick input
+`define EVCOT_RADIX_W_MIN 1
+`define EVCOT_RADIX_W_MAX 12 // bits of a radius register
+`define EVCOT_NEV_W_MIN 1
+`define EVCOT_NEV_W_MAX 16 // bits of N_ev
+`define EVCOT_TC_W_MIN 1
+`define EVCOT_TC_W_MAX 32 // bits of a timer
+`define EVCOT_SUP_W_MIN 1
+`define EVCOT_SUP_W_MAX 32 // bits of a support count, saturating
+`define EVCOT_ID_W_MIN 1
+`define EVCOT_ID_W_MAX 32 // bits of a track id
+`define EVCOT_SEQ_W_MIN 8
+`define EVCOT_SEQ_W_MAX 48 // bits of an event's sequence number
+`define EVCOT_TIME_W_MIN 8
+`define EVCOT_TIME_W_MAX 48 // bits of the tick count
+
+// Shape of a filter chain: inclusive parameter ranges.
+`define EVCOT_WIDTH_MIN 1
+`define EVCOT_WIDTH_MAX 65536 // pixels of the sensor across
+`define EVCOT_HEIGHT_MIN 1
+`define EVCOT_HEIGHT_MAX 65536 // pixels of the sensor down
+`define EVCOT_STAMP_W_MIN 4
+`define EVCOT_STAMP_W_MAX 32 // bits of a time stamp in a filter's memory
+`define EVCOT_RECENT_DEPTH_MIN 1
+`define EVCOT_RECENT_DEPTH_MAX 256 // events in the FIFO of recent events
+
+// States of the tracker FSM.
+`define EVCOT_ST_W 3
+`define EVCOT_ST_INIT_CELL 3'd0
+`define EVCOT_ST_IDLE 3'd1
+`define EVCOT_ST_EV_DISCRI 3'd2
+`define EVCOT_ST_EV_PASS_TH 3'd3
+`define EVCOT_ST_EV_NO_PROC 3'd4
+`define EVCOT_ST_EV_PROC 3'd5
+
+// Kinds of a record.
+`define EVCOT_KIND_W 2
+`define EVCOT_KIND_BORN 2'd0
+`define EVCOT_KIND_MOVED 2'd1
+`define EVCOT_KIND_MERGED 2'd2
+`define EVCOT_KIND_LOST 2'd3
+
+// How a slot starts a life: register `mode`.
+`define EVCOT_MODE_W 2
+`define EVCOT_MODE_OFF 2'd0
+`define EVCOT_MODE_FIXED 2'd1
+`define EVCOT_MODE_SEEDED 2'd2
+
+// Word addresses of the registers of a slot.
+`define EVCOT_REG_W 4
+`define EVCOT_REG_MODE 4'd0
+`define EVCOT_REG_INIT_CM_X 4'd1
+`define EVCOT_REG_INIT_CM_Y 4'd2
+`define EVCOT_REG_INIT_RADIX 4'd3
+`define EVCOT_REG_RADIX_TH 4'd4
+`define EVCOT_REG_RADIX_STEP 4'd5
+`define EVCOT_REG_RADIX_MIN 4'd6
+`define EVCOT_REG_RADIX_MAX 4'd7
+`define EVCOT_REG_HIST_AVG 4'd8
+`define EVCOT_REG_MAX_TICKS 4'd9
+`define EVCOT_REG_CLUST_NEV 4'd10
+`define EVCOT_REG_NEV_MIN 4'd11
+`define EVCOT_REG_NEV_MAX 4'd12
+`define EVCOT_REG_NEV_TH 4'd13
+`define EVCOT_REG_DETECT_TICKS 4'd14
+
+// The filters of a chain, in their order: bits of `enable`.
+`define EVCOT_FILTER_W 3
+`define EVCOT_FILTER_REGION 3'd0
+`define EVCOT_FILTER_POLARITY 3'd1
+`define EVCOT_FILTER_MASK 3'd2
+`define EVCOT_FILTER_REFRACTORY 3'd3
+`define EVCOT_FILTER_ACTIVITY 3'd4
+`define EVCOT_FILTER_RECENT 3'd5
+`define EVCOT_FILTER_DECAY 3'd6
+
+// Word addresses of the registers of a filter chain.
+`define EVCOT_FREG_W 4
+`define EVCOT_FREG_ENABLE 4'd0
+`define EVCOT_FREG_REGION_X0 4'd1
+`define EVCOT_FREG_REGION_X1 4'd2
+`define EVCOT_FREG_REGION_Y0 4'd3
+`define EVCOT_FREG_REGION_Y1 4'd4
+`define EVCOT_FREG_POLARITY 4'd5
+`define EVCOT_FREG_REFRACTORY_TICKS 4'd6
+`define EVCOT_FREG_ACTIVITY_TICKS 4'd7
+`define EVCOT_FREG_ACTIVITY_SUPPORT 4'd8
+`define EVCOT_FREG_RECENT_TICKS 4'd9
+`define EVCOT_FREG_RECENT_RADIUS 4'd10
+`define EVCOT_FREG_RECENT_SUPPORT 4'd11
+`define EVCOT_FREG_DECAY_RATE 4'd12
+`define EVCOT_FREG_DECAY_EPSILON 4'd13
+`define EVCOT_FREG_DECAY_SUPPORT 4'd14
+`define EVCOT_FREG_MASK 4'd15
+
+`endif

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What filters in RTL, their models and the host must agree on, written once: order, shape and registers of a filter chain.
+
+The hardware's side is generated from it: see `hardware.generate`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+from ..errors import ConfigError
+
+__all__ = [
+    "FILTER_REGISTERS",
+    "FILTER_SHAPE_RANGES",
+    "Filter",
+    "FilterRegister",
+    "FilterShape",
+    "mask_word",
+]
+
+
+class Filter(IntEnum):
+    """The filters in the order in which a chain has them; bit numbers of the register `enable`."""
+
+    REGION = 0
+    POLARITY = 1
+    MASK = 2
+    REFRACTORY = 3
+    ACTIVITY = 4
+    RECENT = 5
+    DECAY = 6
+
+
+# Shape of a filter chain: field -> (lowest, highest, meaning). The RTL checks the same ranges at elaboration.
+FILTER_SHAPE_RANGES: dict[str, tuple[int, int, str]] = {
+    "width": (1, 65536, "pixels of the sensor across"),
+    "height": (1, 65536, "pixels of the sensor down"),
+    "stamp_w": (4, 32, "bits of a time stamp in a filter's memory"),
+    "recent_depth": (1, 256, "events in the FIFO of recent events"),
+}
+
+
+@dataclass(frozen=True)
+class FilterShape:
+    """Elaboration parameters of a filter chain in hardware.
+
+    Raises:
+        ConfigError: a field lies outside `FILTER_SHAPE_RANGES`.
+    """
+
+    width: int = 346
+    height: int = 260
+    stamp_w: int = 20
+    recent_depth: int = 32
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            low, high, meaning = FILTER_SHAPE_RANGES[field.name]
+            value = getattr(self, field.name)
+            if not isinstance(value, int) or not low <= value <= high:
+                raise ConfigError(f"filter shape.{field.name} = {value!r}: must be an integer from {low} to {high} ({meaning})")
+
+
+@dataclass(frozen=True)
+class FilterRegister:
+    """One software-written register of a filter chain: word address, legal values, and one line for people.
+
+    A `high` of None is 2^(stamp_w - 1) - 1: an age that stamps can tell.
+    """
+
+    address: int
+    low: int
+    high: int | None
+    meaning: str
+
+    def limits(self, shape: FilterShape) -> tuple[int, int]:
+        """Smallest and largest legal value for one shape."""
+        return self.low, (1 << (shape.stamp_w - 1)) - 1 if self.high is None else self.high
+
+
+FILTER_REGISTERS: dict[str, FilterRegister] = {
+    "enable": FilterRegister(0, 0, (1 << len(Filter)) - 1, "one bit per filter, in their order"),
+    "region_x0": FilterRegister(1, 0, 65535, "first column that stays"),
+    "region_x1": FilterRegister(2, 0, 65535, "last column that stays"),
+    "region_y0": FilterRegister(3, 0, 65535, "first row that stays"),
+    "region_y1": FilterRegister(4, 0, 65535, "last row that stays"),
+    "polarity": FilterRegister(5, 0, 1, "polarity that stays"),
+    "refractory_ticks": FilterRegister(6, 1, None, "ticks for which a pixel is silent after an event that stayed"),
+    "activity_ticks": FilterRegister(7, 0, None, "oldest neighbour that supports an event"),
+    "activity_support": FilterRegister(8, 1, 8, "neighbours that an event needs"),
+    "recent_ticks": FilterRegister(9, 0, None, "age past which an event leaves the FIFO"),
+    "recent_radius": FilterRegister(10, 1, 15, "how near an event in the FIFO must be to support another"),
+    "recent_support": FilterRegister(11, 1, 256, "events in the FIFO that an event needs"),
+    "decay_rate": FilterRegister(12, 1, (1 << 24), "units of 1/32 half-life per tick, in 2^-24"),
+    "decay_epsilon": FilterRegister(13, 0, 255, "weight in 1/256 up to which an event is discarded"),
+    "decay_support": FilterRegister(14, 1, 2048, "sum of weights in 1/256 that an event needs"),
+    "mask": FilterRegister(15, 0, (1 << 32) - 1, "marks one pixel as hot, or not: see `mask_word`"),
+}
+
+
+def mask_word(x: int, y: int, hot: bool = True) -> int:
+    """What to write to the register `mask` for a pixel: hot or not in bit 31, y in bits 30 to 16, x in 15 to 0."""
+    return int(hot) << 31 | y << 16 | x

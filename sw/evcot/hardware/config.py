@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The configuration of the hardware tracker: frozen and validated on construction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..errors import ConfigError
+from ..filters.contract import FilterShape
+from ..filters.registers import FilterRegisters
+from .contract import REGISTERS, Mode, Shape
+
+__all__ = ["CotConfig", "SlotConfig"]
+
+
+@dataclass(frozen=True)
+class SlotConfig:
+    """The registers of one tracker slot; meanings and limits are those of `contract.REGISTERS`."""
+
+    mode: int = Mode.SEEDED
+    init_cm_x: int = 0
+    init_cm_y: int = 0
+    init_radix: int = 8
+    radix_th: int = 4
+    radix_step: int = 1
+    radix_min: int = 4
+    radix_max: int = 16
+    hist_avg: int = 3
+    max_ticks: int = 50_000
+    clust_nev: int = 16
+    nev_min: int = 8
+    nev_max: int = 32
+    nev_th: int = 5_000
+    detect_ticks: int = 20_000
+
+    def check(self, shape: Shape, where: str) -> None:
+        """Raise ConfigError for the first register outside its limits; `where` prefixes the field's name."""
+        for name, register in REGISTERS.items():
+            low, high = register.limits(shape)
+            value = getattr(self, name)
+            if not isinstance(value, int) or not low <= value <= high:
+                raise ConfigError(f"{where}.{name} = {value!r}: must be an integer from {low} to {high} ({register.meaning})")
+        for low_name, name, high_name in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
+            low, value, high = getattr(self, low_name), getattr(self, name), getattr(self, high_name)
+            if not low <= value <= high:
+                raise ConfigError(f"{where}.{name} = {value}: must lie from {low_name} = {low} to {high_name} = {high}")
+
+
+@dataclass(frozen=True)
+class CotConfig:
+    """The hardware tracker: shape, one register set per slot, the length of a tick, and the filters in front.
+
+    Attributes:
+        filters, filter_shape: of the filter chain; with nothing enabled there is none.
+
+    Raises:
+        ConfigError: a value outside its limits, or another number of slots than the shape has.
+    """
+
+    shape: Shape = field(default_factory=Shape)
+    slots: tuple[SlotConfig, ...] = ()
+    tick_us: int = 1
+    filters: FilterRegisters = field(default_factory=FilterRegisters)
+    filter_shape: FilterShape = field(default_factory=FilterShape)
+
+    def __post_init__(self) -> None:
+        if not self.slots:
+            object.__setattr__(self, "slots", (SlotConfig(),) * self.shape.n_slots)
+        if len(self.slots) != self.shape.n_slots:
+            raise ConfigError(f"cot.slots has {len(self.slots)} entries: must be shape.n_slots = {self.shape.n_slots}")
+        if not isinstance(self.tick_us, int) or not 1 <= self.tick_us <= 1_000_000:
+            raise ConfigError(f"cot.tick_us = {self.tick_us!r}: must be an integer from 1 to 1000000")
+        for i, slot in enumerate(self.slots):
+            slot.check(self.shape, f"cot.slot[{i}]")
+        if self.filtered:
+            self.filters.check(self.filter_shape)
+
+    @property
+    def filtered(self) -> bool:
+        """Whether there is a filter chain in front."""
+        return bool(self.filters.enable)
+
+    @classmethod
+    def uniform(cls, shape: Shape, slot: SlotConfig, tick_us: int = 1) -> CotConfig:
+        """The same registers in every slot."""
+        return cls(shape, (slot,) * shape.n_slots, tick_us)

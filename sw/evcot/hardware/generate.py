@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes what RTL, C, Python and people share from where it is written once: contract.py, lfsr.py, the register maps.
+
+`python -m evcot.hardware.generate` writes the files into a source tree; `--check` writes nothing and fails when one is stale.
+"""
+
+from __future__ import annotations
+
+import argparse
+import html
+import re
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+from ..errors import ConfigError, EvcotError
+from ..filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, Filter, FilterRegister
+from ..filters.decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE, weights
+from ..outputs import written_aside
+from ..templating import templates
+from ..tracks.log import Kind
+from .contract import RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
+from .lfsr import TAPS, tap_mask
+from .published.registers import REGISTERS as PUBLISHED_REGISTERS
+from .published.registers import SELECT, SELECT_NONE
+from .registers import Access, Field, Word, register_map
+
+__all__ = ["render", "stale", "write"]
+
+_ROOT = Path(__file__).resolve().parents[3]
+
+
+@dataclass(frozen=True)
+class _Codes:
+    """One group of sized constants: `EVCOT_<prefix>_<name>`, all of one width."""
+
+    prefix: str
+    comment: str
+    members: list[tuple[str, int]]
+
+    @property
+    def width(self) -> int:
+        return max(1, max(value for _, value in self.members).bit_length())
+
+
+def _codes(prefix: str, comment: str, enum: type[IntEnum]) -> _Codes:
+    return _Codes(prefix, comment, [(member.name, int(member)) for member in enum])
+
+
+def _verilog_high(register: Register | FilterRegister) -> str:
+    """The largest legal value as a Verilog expression in the widths that are parameters."""
+    if register.high is not None:
+        return f"32'd{register.high}"
+    if isinstance(register, FilterRegister):
+        return "32'hffffffff >> (33 - STAMP_W)"
+    return f"32'hffffffff >> (32 - {str(register.width).upper()})"
+
+
+def _checked(word: Word, field: Field) -> bool:
+    return field.access is Access.RW and bool(field.low or field.high is not None or field.allowed)
+
+
+def _flaws(field: Field) -> list[str]:
+    """In which ways a value that is written to a field may be illegal."""
+    if field.allowed:
+        return ["bad"]
+    return ["over"] * (field.high is not None) + ["under"] * bool(field.low)
+
+
+def _legal(field: Field) -> str:
+    """The legal values of a field, for people."""
+    if field.access is not Access.RW:
+        return ""
+    if field.allowed:
+        return "what was built, else refused"
+    high = (1 << field.bits) - 1 if field.high is None else field.high
+    return f"{field.low} to {f'2^{high} - 1' if isinstance(high, str) else high}"
+
+
+def _bank_legal(bank: str, name: str, register: Register | FilterRegister) -> str:
+    """The legal values of a bank's register, for people."""
+    width = register.width if isinstance(register, Register) else "STAMP_W - 1"
+    high = f"2^{str(width).upper()} - 1" if register.high is None else register.high
+    return f"{register.low} to {high}" + (", else refused" if name in register_map().banks[bank].refuse else "")
+
+
+def _vocabulary() -> dict[str, Any]:
+    """What the templates of the register map speak of."""
+    register_of = register_map()
+    assert RECORD.names is not None
+    assert RECORD.fields is not None
+    sizes = {1: "uint8_t", 2: "uint16_t", 4: "uint32_t", 8: "uint64_t"}
+    checked = [(word, field) for word in register_of.words for field in word.fields if _checked(word, field)]
+    slot, filters = register_of.banks["slot"].base, register_of.banks["filter"].base
+    return {
+        "map": register_of,
+        "counters": register_of.counters,
+        "attributes": sorted(["slot", "filters", *(word.name for word in register_of.words if word.fields[0].name)]),
+        "irqs": next(word for word in register_of.words if word.name == "irq_status").fields,
+        "slot_registers": REGISTERS,
+        "filter_registers": FILTER_REGISTERS,
+        "limits": {
+            "slot": [(name, "REG", entry.low, _verilog_high(entry)) for name, entry in REGISTERS.items()],
+            "filter": [(name, "FREG", entry.low, _verilog_high(entry)) for name, entry in FILTER_REGISTERS.items()],
+        },
+        "checked": checked,
+        "flaws": _flaws,
+        "refusing": [f"bad_{word.port(field)}" for word, field in checked if field.allowed],
+        "clamping": [f"{flaw}_{word.port(field)}" for word, field in checked for flaw in _flaws(field) if not field.allowed],
+        "wide": lambda field: not field.name and field.bits < 32,
+        "compared": lambda field: field.high is not None and field.high != (1 << field.bits) - 1,
+        "record": [
+            (name, 8 * int(RECORD.fields[name][1]), 8 * RECORD[name].itemsize) for name in RECORD.names if name[0] != "_"
+        ],
+        "record_bits": 8 * RECORD.itemsize,
+        "record_bytes": RECORD.itemsize,
+        "record_fields": [(sizes[RECORD[name].itemsize], name.strip("_")) for name in RECORD.names],
+        "kinds": Kind,
+        "banks": [
+            (f"Slot i: {slot:#06x} + {4 * register_of.banks['slot'].words:#x} i", "slot", "slot", REGISTERS),
+            ("Filters", "filter", f"{filters:#06x}", FILTER_REGISTERS),
+        ],
+        "code": lambda word: f"{register_of.address_w - 2}'h{word.address // 4:03x}",
+        "range": lambda field: f"[{field.bits - 1}:0]".ljust(6) if field.bits > 1 else " " * 6,
+        "place": lambda field: f"{field.lsb + field.bits - 1}:{field.lsb}" if field.bits > 1 else f"{field.lsb}",
+        "legal": _legal,
+        "bank_legal": _bank_legal,
+        "html": lambda text: re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(text, quote=False)),
+        "camel": lambda name: name.title().replace("_", ""),
+        "sentence": lambda text: text[0].upper() + text[1:],
+    }
+
+
+def render() -> dict[str, str]:
+    """Returns path in a source tree -> text of every generated file."""
+    registers = [(name, register.address) for name, register in REGISTERS.items()]
+    filter_registers = [(name, register.address) for name, register in FILTER_REGISTERS.items()]
+    enums = [
+        _codes("ST", "States of the tracker FSM.", State),
+        _codes("KIND", "Kinds of a record.", Kind),
+        _codes("MODE", "How a slot starts a life: register `mode`.", Mode),
+        _Codes("REG", "Word addresses of the registers of a slot.", registers),
+        _codes("FILTER", "The filters of a chain, in their order: bits of `enable`.", Filter),
+        _Codes("FREG", "Word addresses of the registers of a filter chain.", filter_registers),
+    ]
+    rows = [(width, tap_mask(width), taps) for width, taps in TAPS.items()]
+    vocabulary = _vocabulary()
+    contents: dict[str, dict[str, Any]] = {
+        "hw/verilog/common/evcot_defs.vh": {
+            "shape_ranges": SHAPE_RANGES, "filter_shape_ranges": FILTER_SHAPE_RANGES, "enums": enums,
+        },
+        "hw/verilog/filter/decay_table.vh": {
+            "units": UNITS_PER_HALF_LIFE, "clock_frac": CLOCK_FRAC, "weights": weights(0)[:UNITS_PER_HALF_LIFE],
+        },
+        "hw/verilog/math/lfsr_taps.vh": {"rows": rows},
+        "hw/verilog/published/published_regs.vh": {
+            "select": SELECT, "select_none": SELECT_NONE, "registers": PUBLISHED_REGISTERS,
+        },
+        "hw/verilog/bus/evcot_regs.vh": vocabulary,
+        "hw/verilog/bus/evcot_limits.vh": vocabulary,
+        "hw/verilog/bus/axi_lite_words.v": vocabulary,
+        "hw/include/evcot_regs.h": vocabulary,
+        "sw/evcot/hardware/register_access.py": vocabulary,
+        "docs/registers.md": vocabulary,
+        "docs/registers.html": vocabulary,
+    }  # fmt: skip
+    environment = templates("evcot.hardware", trim_blocks=True)
+    return {path: environment.get_template(f"{Path(path).name}.j2").render(**values) for path, values in contents.items()}
+
+
+def stale(root: Path = _ROOT) -> list[Path]:
+    """Returns the files of a source tree that are missing or differ from what this package generates."""
+    paths = [(root / name, text) for name, text in render().items()]
+    return [path for path, text in paths if not path.is_file() or path.read_text(encoding="utf-8") != text]
+
+
+def write(root: Path = _ROOT) -> list[Path]:
+    """Writes the stale files of a source tree, each whole or not at all, and returns their paths.
+
+    Raises:
+        ConfigError: `root` is no source tree.
+        OutputError: a file cannot be written.
+    """
+    if not (root / "hw" / "verilog").is_dir():
+        raise ConfigError(f"{root / 'hw' / 'verilog'}: no such directory; files are generated into a source tree")
+    texts = render()
+    found = stale(root)
+    for path in found:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with written_aside(path) as file:
+            file.write(texts[path.relative_to(root).as_posix()].encode())
+    return found
+
+
+def _main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m evcot.hardware.generate", description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 when a file is stale")
+    parser.add_argument("--directory", type=Path, default=_ROOT, help="the source tree (default: that of this package)")
+    options = parser.parse_args(arguments)
+    try:
+        paths = stale(options.directory) if options.check else write(options.directory)
+    except EvcotError as error:
+        print(f"evcot: {error}", file=sys.stderr)
+        return 2
+    for path in paths:
+        print(f"{path}: {'stale: run python -m evcot.hardware.generate' if options.check else 'written'}")
+    return 1 if options.check and paths else 0
+
+
+if __name__ == "__main__":
+    sys.exit(_main())

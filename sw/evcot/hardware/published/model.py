@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The published tracker, clock by clock: the golden model of `cot_published.v` and `cot_published_chain.v`.
+
+docs/published.md is the contract of all three. For trackers without the published hardware's oddities see `evcot.hardware.cot`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..._published_bench import BENCH_FIELDS, CLOCK, PASSED, WORDS, play
+from ...errors import ConfigError, RecordingError
+from ...ranges import Range, check_ranges
+from ._kernel import CASCADE_FIELDS, ENABLE, REGISTER_NAMES, SELECTED, TRACKER_FIELDS, TRACKERS, run, run_one
+from .registers import REGISTERS as MAP
+from .registers import SELECT, SELECT_NONE
+
+__all__ = [
+    "CASCADE_INPUT",
+    "CASCADE_OUTPUT",
+    "REGISTERS",
+    "SELECT",
+    "SELECT_NONE",
+    "TRACKER_INPUT",
+    "TRACKER_OUTPUT",
+    "WORD",
+    "Handshakes",
+    "Played",
+    "PublishedCascade",
+    "PublishedConfig",
+    "PublishedTracker",
+    "decode",
+]
+
+# Register -> first address, bytes (low byte first).
+REGISTERS = {name: (register.address, register.n_bytes) for name, register in MAP.items()}
+
+_CLOCKS = 1 << 48  # more than a run can last: two months at 50 MHz
+
+_RANGES: dict[str, Range] = {
+    name: (register.low, register.high, register.meaning) for name, register in MAP.items() if name != "enable"
+}
+
+
+@dataclass(frozen=True)
+class PublishedConfig:
+    """The registers of one published tracker; the defaults are those after its reset, except that it is enabled.
+
+    Raises:
+        ConfigError: a field is outside its range.
+    """
+
+    init_cm_low: int = MAP["init_cm_low"].reset
+    init_cm_high: int = MAP["init_cm_high"].reset
+    radix_th: int = MAP["radix_th"].reset
+    init_radix: int = MAP["init_radix"].reset
+    max_time: int = MAP["max_time"].reset
+    nev_th: int = MAP["nev_th"].reset
+    hist_avg: int = MAP["hist_avg"].reset
+    enable: bool = True
+    radix_step: int = MAP["radix_step"].reset
+    radix_max: int = MAP["radix_max"].reset
+    radix_min: int = MAP["radix_min"].reset
+
+    def __post_init__(self) -> None:
+        check_ranges("published", self, _RANGES)
+        if not isinstance(self.enable, bool):
+            raise ConfigError(f"published.enable = {self.enable!r}: must be true or false")
+
+    def writes(self, tracker: int) -> list[tuple[int, int]]:
+        """(address, data) of every write that sets tracker 0 to 3 up, from its selection on; `SELECT_NONE` lets it go."""
+        found = [(SELECT, tracker)]
+        for name, (address, n_bytes) in REGISTERS.items():
+            value = 255 * self.enable if name == "enable" else int(getattr(self, name))
+            found += [(address + i, value >> 8 * i & 255) for i in range(n_bytes)]
+        return found
+
+
+# The ports of cot_published.v and of cot_published_chain.v at one clock; a payload that is not on offer reads 0.
+TRACKER_INPUT = np.dtype([(name, "u1") for name in ("rst", "s_req_n", "s_high", "s_low", "m_pass_ack_n", "m_ack_n")])
+TRACKER_OUTPUT = np.dtype(
+    [(name, "u1") for name in ("s_ack_n", "m_pass_req_n", "m_pass_high", "m_pass_low", "m_req_n", "m_event", "m_high", "m_low")]
+)
+CASCADE_INPUT = np.dtype(
+    [
+        (name, "u1")
+        for name in ("rst", "cfg_valid", "cfg_addr", "cfg_data", "s_req_n", "s_high", "s_low", "m_ack_n", "m_pass_ack_n")
+    ]
+)
+CASCADE_OUTPUT = np.dtype(
+    [
+        ("s_ack_n", "u1"),
+        ("m_req_n", "u1"),
+        ("m_word", "<u4"),
+        ("m_pass_req_n", "u1"),
+        ("m_pass_high", "u1"),
+        ("m_pass_low", "u1"),
+    ]
+)
+
+# What an output word says: of which tracker, whether an event of its cluster (else its centre), and where.
+WORD = np.dtype([("tracker", "u1"), ("event", "?"), ("high", "u1"), ("low", "u1")])
+
+
+def decode(words: NDArray[Any]) -> NDArray[np.void]:
+    """25-bit output words, (n,) integers, as (n,) WORD."""
+    words = np.asarray(words, np.int64)
+    decoded = np.zeros(words.shape, WORD)
+    decoded["tracker"] = words >> 17 & 3
+    decoded["event"] = words & 1
+    decoded["high"] = words >> 9 & 255
+    decoded["low"] = words >> 1 & 255
+    return decoded
+
+
+def _idle(dtype: np.dtype[np.void], n: int) -> NDArray[np.void]:
+    """n clocks in which nobody requests or acknowledges anything."""
+    rows = np.zeros(n, dtype)
+    for name in dtype.names or ():
+        if name.endswith("_n"):
+            rows[name] = 1
+    return rows
+
+
+@dataclass(frozen=True)
+class Handshakes:
+    """How long the other side of each port takes, in clocks: (m,) int64 each, read from the start again at the end.
+
+    Attributes:
+        release: how long the sender keeps a request after it saw the acknowledge; 0 lets go at the next edge.
+        ack: how long the receiver of words takes to acknowledge; 0 is within the same clock.
+        pass_ack: how long the receiver of passed events takes.
+    """
+
+    release: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+    ack: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+    pass_ack: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+
+    def __post_init__(self) -> None:
+        for name in ("release", "ack", "pass_ack"):
+            pattern = np.ascontiguousarray(getattr(self, name), np.int64)
+            if pattern.ndim != 1 or not len(pattern) or pattern.min() < 0:
+                raise ConfigError(f"handshakes.{name}: must be a row of at least one number of clocks, none below 0")
+            object.__setattr__(self, name, pattern)
+
+
+class Played(NamedTuple):
+    """What came of a run of n events; clocks are counted from reset.
+
+    Attributes:
+        acknowledged: (n,) int64, clock at which the sender saw each acknowledged.
+        word_clock, word: (m,) int64, clock at which each output word was taken, and the word: see `decode`.
+        pass_clock, pass_high, pass_low: (k,) int64, the events that no tracker took.
+        inputs, outputs: CASCADE_INPUT and CASCADE_OUTPUT of every clock, if asked for; else empty.
+    """
+
+    acknowledged: NDArray[np.int64]
+    word_clock: NDArray[np.int64]
+    word: NDArray[np.int64]
+    pass_clock: NDArray[np.int64]
+    pass_high: NDArray[np.int64]
+    pass_low: NDArray[np.int64]
+    inputs: NDArray[np.void]
+    outputs: NDArray[np.void]
+
+
+class PublishedTracker:
+    """One tracker, `cot_published.v`, clock by clock from reset.
+
+    Args:
+        config: its registers; `enable` does nothing here.
+    """
+
+    def __init__(self, config: PublishedConfig) -> None:
+        self.config = config
+        self._registers = np.array([int(getattr(config, name)) for name in REGISTER_NAMES], np.int64)
+        self._state = np.zeros(TRACKER_FIELDS, np.int64)
+
+    def clocks(self, inputs: NDArray[np.void]) -> NDArray[np.void]:
+        """What the ports show just before each of n edges: (n,) TRACKER_OUTPUT for (n,) TRACKER_INPUT."""
+        outputs = np.zeros(len(inputs), TRACKER_OUTPUT)
+        run_one(self._state, self._registers, inputs, outputs)
+        return outputs
+
+
+class PublishedCascade:
+    """Four trackers with registers and output line, `cot_published_chain.v`, clock by clock from reset.
+
+    Args:
+        configs: registers of up to four trackers, first come first served; the rest stays disabled.
+
+    Raises:
+        ConfigError: more than four.
+    """
+
+    def __init__(self, configs: Sequence[PublishedConfig] = ()) -> None:
+        if len(configs) > TRACKERS:
+            raise ConfigError(f"{len(configs)} published trackers: must be at most {TRACKERS}, the cascade's length")
+        self._cascade = np.zeros(CASCADE_FIELDS, np.int64)
+        self._trackers = np.zeros((TRACKERS, TRACKER_FIELDS), np.int64)
+        self._registers = np.zeros((TRACKERS, len(REGISTER_NAMES)), np.int64)
+        self._clock = 0
+        reset = _idle(CASCADE_INPUT, 1)
+        reset["rst"] = 1
+        self.clocks(reset)
+        if configs:
+            self.write([write for i, config in enumerate(configs) for write in config.writes(i)] + [(SELECT, SELECT_NONE)])
+            self.clocks(_idle(CASCADE_INPUT, 1))  # INIT_CELL
+
+    def write(self, writes: Sequence[tuple[int, int]]) -> None:
+        """Register writes, (address, data), one per clock."""
+        inputs = _idle(CASCADE_INPUT, len(writes))
+        inputs["cfg_valid"] = 1
+        inputs["cfg_addr"], inputs["cfg_data"] = np.array(writes, np.uint8).T
+        self.clocks(inputs)
+
+    def clocks(self, inputs: NDArray[np.void]) -> NDArray[np.void]:
+        """What the ports show just before each of n edges: (n,) CASCADE_OUTPUT for (n,) CASCADE_INPUT."""
+        outputs = np.zeros(len(inputs), CASCADE_OUTPUT)
+        run(self._cascade, self._trackers, self._registers, inputs, outputs)
+        self._clock += len(inputs)
+        return outputs
+
+    @property
+    def clock(self) -> int:
+        """Clocks since reset."""
+        return self._clock
+
+    def play(
+        self,
+        clock: NDArray[np.integer[Any]],
+        high: NDArray[np.integer[Any]],
+        low: NDArray[np.integer[Any]],
+        handshakes: Handshakes | None = None,
+        *,
+        trace: bool = False,
+    ) -> Played:
+        """Send events through 4-phase handshakes and collect what comes out, until all is quiet.
+
+        Silence costs no time, so real recordings at a real clock rate are fine. An event that meets an initialisation is
+        acknowledged and appears nowhere.
+
+        Args:
+            clock: (n,) clock from which each event may be requested, never decreasing; later where the cascade is busy.
+            high, low: (n,) coordinates, 0 to 255.
+            handshakes: delays of sender and receivers (default: none).
+            trace: keep the ports of every clock; silence then costs time.
+
+        Raises:
+            ConfigError: a tracker is still selected.
+            RecordingError: a coordinate is outside 0 to 255, or a clock lies before the one before it.
+        """
+        if (selected := int(self._cascade[SELECTED])) < TRACKERS and self._registers[selected, ENABLE]:
+            raise ConfigError(
+                f"tracker {selected} is selected: it would acknowledge for ever; write {SELECT_NONE} to {SELECT} first"
+            )
+        clock, high, low = (np.ascontiguousarray(column, np.int64) for column in (clock, high, low))
+        n = len(clock)
+        if not n == len(high) == len(low):
+            raise RecordingError(f"{n} clocks, {len(high)} high and {len(low)} low coordinates: must be as many of each")
+        if n and not 0 <= clock[0] <= clock[-1] < _CLOCKS:
+            raise RecordingError(f"events from clock {clock[0]} to {clock[-1]}: must be from 0 to {_CLOCKS - 1}")
+        for name, column in (("high", high), ("low", low)):
+            if len(beyond := np.flatnonzero((column < 0) | (column > 255))):
+                raise RecordingError(f"event {beyond[0]}: {name} = {column[beyond[0]]}: must be from 0 to 255")
+        if len(back := np.flatnonzero(np.diff(clock) < 0)):
+            raise RecordingError(f"event {back[0] + 1}: clock {clock[back[0] + 1]} lies before that of the event before it")
+        delays = handshakes or Handshakes()
+        told = tuple(np.zeros(n + 2 * TRACKERS, np.int64) for _ in range(6))
+        bench = np.zeros(BENCH_FIELDS, np.int64)
+        bench[CLOCK] = self._clock
+        inputs, outputs = [], []
+        finished = n == 0
+        while not finished:
+            rows = 4096 if trace else 1
+            at, out = _idle(CASCADE_INPUT, rows), np.zeros(rows, CASCADE_OUTPUT)
+            finished, traced = play(
+                bench, self._cascade, self._trackers, self._registers, (clock, high, low),
+                (delays.release, delays.ack, delays.pass_ack), told, at, out, trace,
+            )  # fmt: skip
+            inputs.append(at[:traced])
+            outputs.append(out[:traced])
+        self._clock = int(bench[CLOCK])
+        acknowledged, word_clock, word, *passed = told
+        n_words, n_passed = int(bench[WORDS]), int(bench[PASSED])
+        pass_clock, pass_high, pass_low = (column[:n_passed] for column in passed)
+        return Played(
+            acknowledged[:n],
+            word_clock[:n_words],
+            word[:n_words],
+            pass_clock,
+            pass_high,
+            pass_low,
+            np.concatenate([_idle(CASCADE_INPUT, 0), *inputs]),
+            np.concatenate([np.zeros(0, CASCADE_OUTPUT), *outputs]),
+        )

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The published tracker's register map, as published_registers.toml has it: for the model, and for `published_regs.vh`."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from importlib.resources import files
+
+__all__ = ["REGISTERS", "SELECT", "SELECT_NONE", "PublishedRegister"]
+
+
+@dataclass(frozen=True)
+class PublishedRegister:
+    """One register: address of its low byte, width, value after reset, legal values."""
+
+    address: int
+    bits: int
+    reset: int
+    meaning: str
+    low: int = 0
+    high: int = -1
+
+    def __post_init__(self) -> None:
+        if self.high < 0:
+            object.__setattr__(self, "high", (1 << self.bits) - 1)
+
+    @property
+    def n_bytes(self) -> int:
+        """Addresses that it takes, low byte first."""
+        return -(-self.bits // 8)
+
+
+_DATA = tomllib.loads(files("evcot.hardware.published").joinpath("registers.toml").read_text(encoding="utf-8"))
+
+REGISTERS = {name: PublishedRegister(**entry) for name, entry in _DATA["register"].items()}
+SELECT: int = _DATA["select"]  # the tracker number written here is held in reset and takes the writes to the registers
+SELECT_NONE: int = _DATA["select_none"]

@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The registers of `evcot_top.v` by name, over any transport.
+
+    regs = Registers(transport)
+    regs.slot[3].radix_max = 12      # checked, then written into the shadow
+    regs.slot[3].commit()            # in effect at one point between two events: regs.slot[3].commit_seq
+
+Generated from sw/evcot/hardware/registers.toml and contract.py by `python -m evcot.hardware.generate`: edit there.
+"""
+
+from __future__ import annotations
+
+from ..errors import ConfigError
+from ..filters.contract import FilterShape
+from .contract import Shape
+from .registers import BankRegister, Bits, Group, Transport
+
+__all__ = ["Registers"]
+
+# fmt: off
+
+
+class _Version(Group):
+    """Version of this map."""
+
+    __slots__ = ()
+    minor = Bits("version", "minor")
+    major = Bits("version", "major")
+
+
+class _Shape0(Group):
+    """Shape of the trackers."""
+
+    __slots__ = ()
+    n_slots = Bits("shape0", "n_slots")
+    frac = Bits("shape0", "frac")
+    x_w = Bits("shape0", "x_w")
+    y_w = Bits("shape0", "y_w")
+
+
+class _Shape1(Group):
+    """Shape of the trackers."""
+
+    __slots__ = ()
+    tick_w = Bits("shape1", "tick_w")
+    radix_w = Bits("shape1", "radix_w")
+    nev_w = Bits("shape1", "nev_w")
+    tc_w = Bits("shape1", "tc_w")
+
+
+class _Shape2(Group):
+    """Shape of the trackers."""
+
+    __slots__ = ()
+    sup_w = Bits("shape2", "sup_w")
+    id_w = Bits("shape2", "id_w")
+    seq_w = Bits("shape2", "seq_w")
+    time_w = Bits("shape2", "time_w")
+
+
+class _Build(Group):
+    """What was built."""
+
+    __slots__ = ()
+    filters = Bits("build", "filters")
+    sources = Bits("build", "sources")
+    tracker = Bits("build", "tracker")
+
+
+class _Sensor(Group):
+    """Size of the sensor."""
+
+    __slots__ = ()
+    last_x = Bits("sensor", "last_x")
+    last_y = Bits("sensor", "last_y")
+
+
+class _Memory(Group):
+    """Memories."""
+
+    __slots__ = ()
+    stamp_w = Bits("memory", "stamp_w")
+    recent_last = Bits("memory", "recent_last")
+    fifo_depth = Bits("memory", "fifo_depth")
+
+
+class _Control(Group):
+    """Control."""
+
+    __slots__ = ()
+    enable = Bits("control", "enable")
+    drop = Bits("control", "drop")
+    latch = Bits("control", "latch")
+    soft_reset = Bits("control", "soft_reset")
+
+
+class _Source(Group):
+    """Where events come from; takes effect with `soft_reset`."""
+
+    __slots__ = ()
+    select = Bits("source", "select")
+    clock_time = Bits("source", "clock_time")
+    swap_bytes = Bits("source", "swap_bytes")
+    swap_halves = Bits("source", "swap_halves")
+    active_low = Bits("source", "active_low")
+    word_serial = Bits("source", "word_serial")
+
+
+class _Prescale(Group):
+    """Length of a tick, and of a microsecond, of the clock; takes effect with `soft_reset`."""
+
+    __slots__ = ()
+    tick = Bits("prescale", "tick")
+    us = Bits("prescale", "us")
+
+
+class _LfsrX(Group):
+    """Self-test source: columns."""
+
+    __slots__ = ()
+    min = Bits("lfsr_x", "min")
+    span = Bits("lfsr_x", "span")
+
+
+class _LfsrY(Group):
+    """Self-test source: rows."""
+
+    __slots__ = ()
+    min = Bits("lfsr_y", "min")
+    span = Bits("lfsr_y", "span")
+
+
+class _Status(Group):
+    """How it stands."""
+
+    __slots__ = ()
+    idle = Bits("status", "idle")
+    pending = Bits("status", "pending")
+    open = Bits("status", "open")
+    held = Bits("status", "held")
+
+
+class _Fault(Group):
+    """Writes that did not do what they said."""
+
+    __slots__ = ()
+    clamped = Bits("fault", "clamped")
+    refused = Bits("fault", "refused")
+    pending = Bits("fault", "pending")
+    unmapped = Bits("fault", "unmapped")
+    address = Bits("fault", "address")
+
+
+class _IrqStatus(Group):
+    """What has happened since it was cleared."""
+
+    __slots__ = ()
+    birth = Bits("irq_status", "birth")
+    loss = Bits("irq_status", "loss")
+    merge = Bits("irq_status", "merge")
+    overflow = Bits("irq_status", "overflow")
+    commit = Bits("irq_status", "commit")
+
+
+class _Slot(Group):
+    """The registers of one tracker slot."""
+
+    __slots__ = ()
+    mode = BankRegister("slot", "mode")
+    init_cm_x = BankRegister("slot", "init_cm_x")
+    init_cm_y = BankRegister("slot", "init_cm_y")
+    init_radix = BankRegister("slot", "init_radix")
+    radix_th = BankRegister("slot", "radix_th")
+    radix_step = BankRegister("slot", "radix_step")
+    radix_min = BankRegister("slot", "radix_min")
+    radix_max = BankRegister("slot", "radix_max")
+    hist_avg = BankRegister("slot", "hist_avg")
+    max_ticks = BankRegister("slot", "max_ticks")
+    clust_nev = BankRegister("slot", "clust_nev")
+    nev_min = BankRegister("slot", "nev_min")
+    nev_max = BankRegister("slot", "nev_max")
+    nev_th = BankRegister("slot", "nev_th")
+    detect_ticks = BankRegister("slot", "detect_ticks")
+
+    def commit(self) -> None:
+        """Let all that was written to this slot take effect, at one point between two events.
+
+        Its life goes on unless `mode` was written.
+        """
+        self._write(60, 1)
+
+    @property
+    def commit_seq(self) -> int:
+        """Low 32 bits of the number of the first event that met what was committed last."""
+        return self._read(60)
+
+
+class _Filters(Group):
+    """The registers of the filters. `mask` marks a pixel at once: write `contract.mask_word`."""
+
+    __slots__ = ()
+    enable = BankRegister("filter", "enable")
+    region_x0 = BankRegister("filter", "region_x0")
+    region_x1 = BankRegister("filter", "region_x1")
+    region_y0 = BankRegister("filter", "region_y0")
+    region_y1 = BankRegister("filter", "region_y1")
+    polarity = BankRegister("filter", "polarity")
+    refractory_ticks = BankRegister("filter", "refractory_ticks")
+    activity_ticks = BankRegister("filter", "activity_ticks")
+    activity_support = BankRegister("filter", "activity_support")
+    recent_ticks = BankRegister("filter", "recent_ticks")
+    recent_radius = BankRegister("filter", "recent_radius")
+    recent_support = BankRegister("filter", "recent_support")
+    decay_rate = BankRegister("filter", "decay_rate")
+    decay_epsilon = BankRegister("filter", "decay_epsilon")
+    decay_support = BankRegister("filter", "decay_support")
+    mask = BankRegister("filter", "mask")
+
+    def commit(self) -> None:
+        """Let all that was written take effect, at one point between two events."""
+        self._write(64, 1)
+
+    @property
+    def commit_seq(self) -> int:
+        """Low 32 bits of the number of the first event that met what was committed last."""
+        return self._read(64)
+
+
+class Registers(Group):
+    """All registers. `shape`, `filter_shape` and the number of slots are what the hardware says of itself.
+
+    Raises:
+        ConfigError: what answers is no evcot_top, or has a map of another major version.
+    """
+
+    __slots__ = (
+        "build",
+        "control",
+        "fault",
+        "filters",
+        "irq_status",
+        "lfsr_x",
+        "lfsr_y",
+        "memory",
+        "prescale",
+        "sensor",
+        "shape0",
+        "shape1",
+        "shape2",
+        "slot",
+        "source",
+        "status",
+        "version",
+    )
+    id = Bits("id")
+    tick_us = Bits("tick_us")
+    lfsr_seed = Bits("lfsr_seed")
+    lfsr_gap = Bits("lfsr_gap")
+    irq_enable = Bits("irq_enable")
+    irq_clear = Bits("irq_clear")
+    commit_seq_low = Bits("commit_seq_low")
+    commit_seq_high = Bits("commit_seq_high")
+    commits = Bits("commits")
+    events_in = Bits("events_in")
+    events_dropped = Bits("events_dropped")
+    malformed = Bits("malformed")
+    events = Bits("events")
+    filtered = Bits("filtered")
+    owned = Bits("owned")
+    passed = Bits("passed")
+    records = Bits("records")
+    stalls = Bits("stalls")
+    backward = Bits("backward")
+
+    def __init__(self, transport: Transport) -> None:
+        super().__init__(transport, 0, Shape(), FilterShape())
+        if self.id != 0x45564354:
+            raise ConfigError(f"the hardware says that it is {self.id:#010x}: must be 0x45564354, an evcot_top")
+        version = _Version(transport, 0, self.shape, self.filter_shape)
+        if version.major != 1:
+            raise ConfigError(
+                f"the hardware has version {version.major}.{version.minor} of the registers: must be 1.x"
+            )
+        sensor = _Sensor(transport, 0, self.shape, self.filter_shape)
+        memory = _Memory(transport, 0, self.shape, self.filter_shape)
+        self.shape = self._shape()
+        self.filter_shape = FilterShape(sensor.last_x + 1, sensor.last_y + 1, memory.stamp_w, memory.recent_last + 1)
+        shapes = self.shape, self.filter_shape
+        self.version = _Version(transport, 0, *shapes)
+        self.shape0 = _Shape0(transport, 0, *shapes)
+        self.shape1 = _Shape1(transport, 0, *shapes)
+        self.shape2 = _Shape2(transport, 0, *shapes)
+        self.build = _Build(transport, 0, *shapes)
+        self.sensor = _Sensor(transport, 0, *shapes)
+        self.memory = _Memory(transport, 0, *shapes)
+        self.control = _Control(transport, 0, *shapes)
+        self.source = _Source(transport, 0, *shapes)
+        self.prescale = _Prescale(transport, 0, *shapes)
+        self.lfsr_x = _LfsrX(transport, 0, *shapes)
+        self.lfsr_y = _LfsrY(transport, 0, *shapes)
+        self.status = _Status(transport, 0, *shapes)
+        self.fault = _Fault(transport, 0, *shapes)
+        self.irq_status = _IrqStatus(transport, 0, *shapes)
+        self.slot = tuple(
+            _Slot(transport, 0x1000 + 64 * i, *shapes) for i in range(self.shape.n_slots)
+        )
+        self.filters = _Filters(transport, 0x0200, *shapes)
+
+    def _shape(self) -> Shape:
+        words = self._transport, 0, self.shape, self.filter_shape
+        values: dict[str, int] = {}
+        shape0 = _Shape0(*words)
+        values["n_slots"] = shape0.n_slots
+        values["frac"] = shape0.frac
+        values["x_w"] = shape0.x_w
+        values["y_w"] = shape0.y_w
+        shape1 = _Shape1(*words)
+        values["tick_w"] = shape1.tick_w
+        values["radix_w"] = shape1.radix_w
+        values["nev_w"] = shape1.nev_w
+        values["tc_w"] = shape1.tc_w
+        shape2 = _Shape2(*words)
+        values["sup_w"] = shape2.sup_w
+        values["id_w"] = shape2.id_w
+        values["seq_w"] = shape2.seq_w
+        values["time_w"] = shape2.time_w
+        return Shape(**values)
+
+    @property
+    def commit_seq(self) -> int:
+        """Number of the first event that met the last commit."""
+        return self.commit_seq_high << 32 | self.commit_seq_low
+
+    def counters(self) -> dict[str, int]:
+        """All counters as they stood at one clock, by name; each wraps at 2^32."""
+        self.control.latch = 1
+        return {name: self._read(address) for name, address in _COUNTERS.items()}
+
+
+_COUNTERS = {
+    "events_in": 0x080,
+    "events_dropped": 0x084,
+    "malformed": 0x088,
+    "events": 0x08C,
+    "filtered": 0x090,
+    "owned": 0x094,
+    "passed": 0x098,
+    "records": 0x09C,
+    "stalls": 0x0A0,
+    "backward": 0x0A4,
+}

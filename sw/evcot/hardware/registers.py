@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The register map of `evcot_top.v`, and how Python reads and writes it.
+
+The map is written once, in registers.toml; the registers of a slot and of the filters come from `contract`. The classes of
+`register_access` are made of the two descriptors here, `Bits` and `BankRegister`, by `python -m evcot.hardware.generate`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+from importlib.resources import files
+from typing import Any, Protocol, overload
+
+from ..errors import ConfigError
+from ..filters.contract import FILTER_REGISTERS, FilterShape
+from .contract import REGISTERS, Shape
+
+__all__ = [
+    "Access",
+    "Bank",
+    "BankRegister",
+    "Bits",
+    "BusError",
+    "Field",
+    "Group",
+    "RegisterMap",
+    "Transport",
+    "Word",
+    "register_map",
+]
+
+
+class Access(StrEnum):
+    """What software may do with a field."""
+
+    RO = "ro"
+    RW = "rw"
+    PULSE = "pulse"
+    W1C = "w1c"
+
+
+class BusError(ConfigError):
+    """The hardware answered an access with an error: an address that does not exist, or a value that it refused or clamped."""
+
+
+class Transport(Protocol):
+    """Anything that reaches the registers: a simulation, a serial line, a mapped memory. Addresses are in bytes.
+
+    `read` and `write` raise BusError where the hardware answers with an error.
+    """
+
+    def read(self, address: int) -> int:
+        """The 32-bit word at an address."""
+
+    def write(self, address: int, value: int) -> None:
+        """Write the 32-bit word at an address."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """Bits of a word; `name` is empty where it is the whole of it.
+
+    Attributes:
+        reset: value after reset, or the Verilog parameter that has it.
+        low, high: smallest and largest legal value; a high of "X_W" is what X_W bits hold, None is all ones.
+        allowed: Verilog parameter with a bit for every legal value, or empty.
+        refuses: a write of an illegal value does nothing; else the value is clamped.
+    """
+
+    name: str
+    lsb: int
+    bits: int
+    access: Access
+    meaning: str
+    reset: int | str = 0
+    low: int = 0
+    high: int | str | None = None
+    allowed: str = ""
+    refuses: bool = False
+
+    @property
+    def mask(self) -> int:
+        """Its bits in the word."""
+        return ((1 << self.bits) - 1) << self.lsb
+
+
+@dataclass(frozen=True)
+class Word:
+    """One 32-bit word of the map, outside the banks."""
+
+    name: str
+    address: int
+    meaning: str
+    fields: tuple[Field, ...]
+
+    @property
+    def writable(self) -> bool:
+        """Whether a write does anything."""
+        return any(field.access is not Access.RO for field in self.fields)
+
+    @property
+    def kept(self) -> int:
+        """The bits that a write of another field must write back as they are."""
+        return sum(field.mask for field in self.fields if field.access is Access.RW)
+
+    def port(self, field: Field) -> str:
+        """The field's name in Verilog and C."""
+        return f"{self.name}_{field.name}" if field.name else self.name
+
+
+@dataclass(frozen=True)
+class Bank:
+    """Registers that take effect together when the bank's word `commit` is written.
+
+    Attributes:
+        base: address of the first word of the first bank of this kind, in bytes.
+        words: words from one bank to the next.
+        commit: which word commits.
+        refuse: the registers that refuse an illegal value; the others clamp it.
+    """
+
+    name: str
+    base: int
+    words: int
+    commit: int
+    refuse: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RegisterMap:
+    """registers.toml, checked."""
+
+    id: int
+    version: tuple[int, int]
+    address_w: int
+    sources: tuple[str, ...]
+    trackers: tuple[str, ...]
+    banks: dict[str, Bank]
+    words: tuple[Word, ...]
+    counters: tuple[Word, ...]
+    streams: tuple[Word, ...]
+
+    def word(self, name: str) -> Word:
+        """The word of this name."""
+        return next(word for word in self.words if word.name == name)
+
+
+def _fields(entries: list[dict[str, Any]]) -> tuple[Field, ...]:
+    found = []
+    for entry in entries:
+        values: dict[str, Any] = {"name": "", "lsb": 0, "access": "ro"} | entry
+        refuses = values.pop("illegal", "clamp") == "refuse"
+        found.append(Field(**values | {"access": Access(values["access"])}, refuses=refuses))
+    return tuple(found)
+
+
+@cache
+def register_map() -> RegisterMap:
+    """The map.
+
+    Raises:
+        ConfigError: two words or fields overlap, or a field leaves its word.
+    """
+    data = tomllib.loads(files("evcot.hardware").joinpath("registers.toml").read_text(encoding="utf-8"))
+    counters = tuple(
+        Word(name, data["counters"]["base"] + 4 * i, meaning, (Field("", 0, 32, Access.RO, ""),))
+        for i, (name, meaning) in enumerate(data["counters"]["words"].items())
+    )
+    words = (*(Word(**entry | {"fields": _fields(entry["fields"])}) for entry in data["word"]), *counters)
+    streams = tuple(Word(**entry | {"address": 0, "fields": _fields(entry["fields"])}) for entry in data["stream"])
+    banks = {name: Bank(name, **entry | {"refuse": tuple(entry["refuse"])}) for name, entry in data["bank"].items()}
+    for kind, width in ((words, 32), (streams, 64)):
+        for word in kind:
+            _check_fields(word, width)
+    first_bank = min(bank.base for bank in banks.values())
+    addresses = [word.address for word in words]
+    if len(set(addresses)) < len(addresses) or any(address % 4 or address >= first_bank for address in addresses):
+        raise ConfigError(f"registers.toml: addresses of words must differ, be multiples of 4, and lie below {first_bank:#x}")
+    return RegisterMap(
+        data["id"], tuple(data["version"]), data["address_w"], tuple(data["sources"]), tuple(data["trackers"]),
+        banks, words, counters, streams,
+    )  # fmt: skip
+
+
+def _check_fields(word: Word, width: int) -> None:
+    taken = 0
+    for field in word.fields:
+        if field.mask & taken or field.mask >> width:
+            raise ConfigError(f"registers.toml: {word.name}.{field.name}: must lie in {width} bits, beside the other fields")
+        taken |= field.mask
+
+
+class Group:
+    """Words with names, somewhere on a transport."""
+
+    __slots__ = ("_base", "_transport", "filter_shape", "shape")
+
+    def __init__(self, transport: Transport, base: int, shape: Shape, filter_shape: FilterShape) -> None:
+        self._transport = transport
+        self._base = base
+        self.shape = shape
+        self.filter_shape = filter_shape
+
+    def _read(self, address: int) -> int:
+        return self._transport.read(self._base + address)
+
+    def _write(self, address: int, value: int) -> None:
+        self._transport.write(self._base + address, value)
+
+
+class _Value(ABC):
+    """A named number on the bus: reading the attribute reads the hardware, setting it writes the hardware."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, group: None, owner: type) -> _Value: ...
+    @overload
+    def __get__(self, group: Group, owner: type) -> int: ...
+    def __get__(self, group: Group | None, owner: type) -> _Value | int:
+        return self if group is None else self._get(group)
+
+    def __set__(self, group: Group, value: int) -> None:
+        self._set(group, value)
+
+    @abstractmethod
+    def _get(self, group: Group) -> int:
+        """Its value in the hardware."""
+
+    @abstractmethod
+    def _set(self, group: Group, value: int) -> None:
+        """Write it, if it is legal."""
+
+    def _check(self, value: int, low: int, high: int, meaning: str) -> int:
+        """The value as an int, if it is legal; nothing reaches the bus otherwise."""
+        if not isinstance(value, int) or not low <= value <= high:
+            raise ConfigError(f"{self.name} = {value!r}: must be an integer from {low} to {high} ({meaning})")
+        return int(value)
+
+
+class Bits(_Value):
+    """A field of a word outside the banks, by their names in the map."""
+
+    def __init__(self, word: str, field: str = "") -> None:
+        self.word = register_map().word(word)
+        self.field = next(entry for entry in self.word.fields if entry.name == field)
+        self.__doc__ = self.field.meaning or self.word.meaning
+
+    def _get(self, group: Group) -> int:
+        return (group._read(self.word.address) & self.field.mask) >> self.field.lsb
+
+    def _set(self, group: Group, value: int) -> None:
+        field = self.field
+        if field.access is Access.RO:
+            raise AttributeError(f"{self.name} is read-only ({self.__doc__})")
+        high = field.high
+        if isinstance(high, str):
+            high = (1 << getattr(group.shape, high.lower())) - 1
+        new = self._check(value, field.low, field.mask >> field.lsb if high is None else high, str(self.__doc__)) << field.lsb
+        kept = self.word.kept & ~field.mask
+        group._write(self.word.address, new | (group._read(self.word.address) & kept if kept else 0))
+
+
+class BankRegister(_Value):
+    """A register of a slot or of the filters: written into the bank's shadow, in effect after `commit`."""
+
+    def __init__(self, bank: str, name: str) -> None:
+        entry = REGISTERS[name] if bank == "slot" else FILTER_REGISTERS[name]
+        self.address = 4 * entry.address
+        self.meaning = entry.meaning
+        self.limits: Callable[[Any], tuple[int, int]] = entry.limits
+        self.of_slot = bank == "slot"
+        self.__doc__ = entry.meaning
+
+    def _get(self, group: Group) -> int:
+        return group._read(self.address)
+
+    def _set(self, group: Group, value: int) -> None:
+        low, high = self.limits(group.shape if self.of_slot else group.filter_shape)
+        group._write(self.address, self._check(value, low, high, self.meaning))

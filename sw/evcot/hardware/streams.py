@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The words of `evcot_top.v` on AXI4-Stream, packed and unpacked with NumPy; their layout stands in registers.toml.
+
+A record needs no unpacking: it is `contract.RECORD`, byte for byte, so `np.frombuffer(data, RECORD)` reads a stream of them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RecordingError
+from .registers import Word, register_map
+
+__all__ = ["pack_events", "unpack", "whole_numbers"]
+
+
+def _word(name: str) -> Word:
+    return next(word for word in register_map().streams if word.name == name)
+
+
+def pack_events(
+    t_us: NDArray[np.integer[Any]], x: NDArray[np.integer[Any]], y: NDArray[np.integer[Any]], p: NDArray[np.integer[Any]]
+) -> NDArray[np.uint64]:
+    """Events as words of the input stream, (n,) uint64; of the time, microseconds, the low bits go in.
+
+    Raises:
+        RecordingError: an address or a polarity that its field cannot hold.
+    """
+    words = np.zeros(len(t_us), np.uint64)
+    for field, column in zip(_word("event").fields, (t_us, x, y, p), strict=True):
+        values = np.asarray(column).astype(np.int64)
+        top = (1 << field.bits) - 1
+        if field.name != "t" and len(beyond := np.flatnonzero((values < 0) | (values > top))):
+            raise RecordingError(f"event {beyond[0]}: {field.name} = {values[beyond[0]]}: must be from 0 to {top}")
+        words |= (values & top).astype(np.uint64) << np.uint64(field.lsb)
+    return words
+
+
+def unpack(stream: str, words: NDArray[np.uint64]) -> NDArray[np.void]:
+    """Words of the stream "event", "owned" or "passed" as a structured array, (n,), a field of uint32 for each of theirs."""
+    fields = _word(stream).fields
+    found = np.empty(len(words), [(field.name, np.uint32) for field in fields])
+    for field in fields:
+        found[field.name] = words >> np.uint64(field.lsb) & np.uint64((1 << field.bits) - 1)
+    return found
+
+
+def whole_numbers(low: NDArray[np.integer[Any]], bits: int, first: int = 0) -> NDArray[np.int64]:
+    """Event numbers from their low bits, (n,): each the nearest to the one before it; `first` is near the first one."""
+    values = np.concatenate([[first], np.asarray(low, np.int64)])
+    half, span = 1 << (bits - 1), 1 << bits
+    steps = (np.diff(values) + half) % span - half
+    return first + np.cumsum(steps)

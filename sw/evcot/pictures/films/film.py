@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A film of a recording: events fade, tracks move over them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import ConfigError
+from ...events import Events
+from ...outputs import written_aside
+from ...recordings.formats.source import Sensor
+from .draw import compose, size_of
+from .encode import ENCODERS, check_encoder
+from .rerun_file import check_rerun, write_rerun
+from .states import Follower, Side
+from .surface import Surface
+
+__all__ = ["SUFFIXES", "Look", "check_suffix", "picture_times", "render"]
+
+SUFFIXES = (*ENCODERS, ".rrd")
+
+_PICTURES_MAX = 1_000_000
+_RANGES = {"speed": (1e-4, 1e3), "fps": (1.0, 100.0), "decay_ms": (1e-3, 1e5), "width_px": (64, 4096)}
+
+Progress = Callable[[int, int], None]
+"""Told the pictures done and the time of the recording, in us after its window's start."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a film looks.
+
+    Attributes:
+        speed: seconds of the recording per second of the film.
+        fps: pictures per second.
+        decay_ms: of the film: after it an event shows at 1/e of its strength.
+        width_px: the picture is at least so wide; a wider sensor is shown as it is.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    speed: float = 1.0
+    fps: float = 30.0
+    decay_ms: float = 30.0
+    width_px: int = 640
+
+    def __post_init__(self) -> None:
+        for name, (low, high) in _RANGES.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ConfigError(f"--{name.split('_')[0]} {value:g}: must be from {low:g} to {high:g}")
+
+
+def render(
+    blocks: Iterable[Events], sensor: Sensor, sides: Sequence[Side], path: Path | str, window: tuple[int, int],
+    look: Look | None = None, progress: Progress | None = None,
+) -> int:  # fmt: skip
+    """Write a film in the format of the path's suffix, one of `SUFFIXES`, and return how many pictures it has.
+
+    Args:
+        blocks: the events of the window, in order.
+        window: times of the first and the last event.
+
+    Raises:
+        ConfigError: another suffix, a package that is missing, or too many pictures.
+        OutputError: the file cannot be written.
+    """
+    path, look = Path(path), look or Look()
+    suffix = path.suffix.lower()
+    check_suffix(path)
+    times_us = picture_times(window, look)
+    followers = [Follower(side, times_us) for side in sides]
+    parts = _parts(blocks, times_us)
+    with written_aside(path) as file:
+        if suffix == ".rrd":
+            write_rerun(file, sensor, zip(times_us.tolist(), parts, strict=True), followers, window[0], progress)
+            return len(times_us)
+        enlarged, width, height = size_of(sensor, look.width_px)
+        encoder = ENCODERS[suffix](file, (width, height), look.fps)
+        surface = Surface(sensor, look.decay_ms * 1e3 * look.speed)
+        for picture, (now_us, part) in enumerate(zip(times_us.tolist(), parts, strict=True)):
+            for events in part:
+                surface.add(events)
+            caption = f"{(now_us - window[0]) / 1e6:.3f} s"
+            encoder.add(compose(surface.picture(now_us), enlarged, (width, height), followers, picture, caption))
+            if progress is not None:
+                progress(picture + 1, now_us - window[0])
+        encoder.close()
+    return len(times_us)
+
+
+def check_suffix(path: Path) -> None:
+    """Raise ConfigError where films of the path's suffix cannot be written here."""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise ConfigError(f"{path}: must end in {', '.join(SUFFIXES)}")
+    if suffix == ".rrd":
+        check_rerun()
+    else:
+        check_encoder(suffix)
+
+
+def picture_times(window: tuple[int, int], look: Look) -> NDArray[np.int64]:
+    """(n,) the time that each picture shows; the last one shows the end of the window."""
+    step_us = 1e6 * look.speed / look.fps
+    count = int(np.ceil((window[1] - window[0]) / step_us)) + 1
+    if count > _PICTURES_MAX:
+        raise ConfigError(f"{count} pictures: must be at most {_PICTURES_MAX}: a shorter part, or more --speed, has fewer")
+    times_us: NDArray[np.int64] = np.round(window[0] + step_us * np.arange(count)).astype(np.int64)
+    return times_us
+
+
+def _parts(blocks: Iterable[Events], times_us: NDArray[np.int64]) -> Iterator[list[Events]]:
+    """For each time, the events after the one before and up to it."""
+    source = iter(blocks)
+    rest = Events.empty()
+    for now_us in times_us.tolist():
+        part = []
+        while True:
+            end = int(np.searchsorted(rest.t_us, now_us, "right"))
+            part.append(rest[:end])
+            rest = rest[end:]
+            if len(rest) or (block := next(source, None)) is None:
+                break
+            rest = block
+        yield part

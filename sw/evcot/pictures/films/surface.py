@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Events as a picture that fades: a pixel shows its latest event, the fainter the older it is."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ...events import Events
+from ...recordings.formats.source import Sensor
+from .colours import EVENTS, shades
+
+__all__ = ["Surface"]
+
+_LEVELS = 256
+_CUT = 5.0  # decay times after which an event shows no more
+_NEVER = np.iinfo(np.int64).min // 2
+
+
+class Surface:
+    """The events of a sensor; see the module.
+
+    Args:
+        decay_us: after this time an event shows at 1/e of its strength.
+    """
+
+    def __init__(self, sensor: Sensor, decay_us: float) -> None:
+        width, height = sensor
+        self._decay_us = decay_us
+        self._t_us = np.full((height, width), _NEVER, np.int64)
+        self._p = np.zeros((height, width), np.uint8)
+        cover = np.exp(-_CUT * np.arange(_LEVELS + 1) / _LEVELS)
+        cover[-1] = 0
+        self._table = np.array([shades(rgb, cover) for rgb in EVENTS])
+
+    def add(self, events: Events) -> None:
+        """Take over events, in order of time."""
+        _add(events.t_us, events.x, events.y, events.p, self._t_us, self._p)
+
+    def picture(self, now_us: int) -> NDArray[np.uint8]:
+        """(height, width, 3): how it looks at a time."""
+        image = np.empty((*self._t_us.shape, 3), np.uint8)
+        _paint(self._t_us, self._p, now_us, _LEVELS / (_CUT * self._decay_us), self._table, image)
+        return image
+
+
+@njit(cache=True, nogil=True)
+def _add(t_us, x, y, p, latest_us, latest_p):  # type: ignore[no-untyped-def]
+    """Each event replaces what its pixel had."""
+    for i in range(len(t_us)):
+        latest_us[y[i], x[i]] = t_us[i]
+        latest_p[y[i], x[i]] = p[i]
+
+
+@njit(cache=True, nogil=True)
+def _paint(latest_us, latest_p, now_us, scale, table, image):  # type: ignore[no-untyped-def]
+    """Colours by polarity and age."""
+    faded = np.float64(table.shape[1] - 1)
+    for row in range(image.shape[0]):
+        for column in range(image.shape[1]):
+            level = min((now_us - latest_us[row, column]) * scale, faded)
+            for channel in range(3):
+                image[row, column, channel] = table[latest_p[row, column], np.int64(level), channel]

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The three panels of `picture.draw`: the scene, clusters over time, and lives with their merges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.colors import to_rgb
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import blended_transform_factory
+from numpy.typing import NDArray
+
+from ..events import Events, Recording
+from ..tracks.log import Kind, TrackLog
+from ..tracks.timeline import OPEN, alive, sample
+
+__all__ = ["EVENT_COLOURS", "INK", "NOTHING", "Clock", "Side", "count_panel", "lives_panel", "scene_panel"]
+
+# Okabe and Ito's palette, which the colour-blind can tell apart; the engines differ in width and dashes too.
+EVENT_COLOURS = ("#CC79A7", "#009E73")  # OFF, ON
+INK = "#222222"
+NOTHING = "no cluster became visible"
+
+_BINS_MAX = 1024  # of the scene per side: larger sensors are drawn coarser
+_MOMENT_FRACTION = 0.004  # of the recording: events so long before a moment are drawn strong
+_LABELLED_MAX = 30  # rows of lives that have their track's id beside them
+_NUMBER: dict[str, Any] = {"fontsize": 7.5, "weight": "bold", "color": INK}
+_GAP_ROWS = 0.8  # between the engines' lives
+_HEIGHT_PT = 300  # of the panel of lives, roughly: how thick a row may be
+
+
+@dataclass(frozen=True)
+class Side:
+    """One engine's share of the picture."""
+
+    name: str
+    colour: str
+    width: float  # of its lines; the first engine's are wider, so that the second's do not hide them
+    dashes: Literal["solid", "dashed"]  # of its windows
+    log: TrackLog
+    lives: NDArray[np.void]  # of dtype `timeline.LIFE`: those that are drawn, in order of birth
+    tracks: int  # all of them
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The time that all panels share."""
+
+    times_us: NDArray[np.int64]  # evenly over the recording
+    moments_us: NDArray[np.int64]  # at which windows are drawn
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Name of the axis' unit and its length in microseconds."""
+        return ("s", 1e6) if self.times_us[-1] - self.times_us[0] >= 2_000_000 else ("ms", 1e3)
+
+    def axis(self, t_us: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Times as positions on the axis."""
+        return np.asarray((t_us - self.times_us[0]) / self.unit[1], np.float64)
+
+
+def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Clock) -> None:
+    """Events by polarity, and both trackers' paths and windows, in sensor coordinates with the origin top left."""
+    image, bin_px = _event_image(recording, clock)
+    right, bottom = image.shape[1] * bin_px - 0.5, image.shape[0] * bin_px - 0.5
+    ax.imshow(image, extent=(-0.5, right, bottom, -0.5), interpolation="nearest", aspect="equal")
+    for side in sides:
+        _draw_paths(ax, side, clock)
+        _draw_windows(ax, side, clock)
+    seeing = [side for side in sides if len(side.lives)]
+    if seeing:
+        _number_windows(ax, seeing[0], clock)
+    ax.set_xlim(-0.5, recording.width - 0.5)
+    ax.set_ylim(recording.height - 0.5, -0.5)
+    for spine in ax.spines.values():
+        spine.set_visible(True)
+    ax.xaxis.set_major_locator(MaxNLocator(7, integer=True))
+    ax.yaxis.set_major_locator(MaxNLocator(7, integer=True))
+    ax.set_xlabel("x (px)")
+    ax.set_ylabel("y (px)")
+
+
+def _event_image(recording: Recording, clock: Clock) -> tuple[NDArray[np.float64], int]:
+    """(rows, columns, 3) and the side of a cell in pixels: all events pale, those just before a moment strong; the hue mixes
+    the polarities."""
+    bin_px = -(-max(recording.width, recording.height) // _BINS_MAX)
+    shape = (-(-recording.height // bin_px), -(-recording.width // bin_px))
+    events = recording.events
+    before_us = max(int(_MOMENT_FRACTION * (clock.times_us[-1] - clock.times_us[0])), 1)
+    recent = np.zeros(len(events), np.bool_)
+    for moment in clock.moments_us:
+        recent[np.searchsorted(events.t_us, moment - before_us) : np.searchsorted(events.t_us, moment, "right")] = True
+    image = np.ones((*shape, 3))
+    for some, strength in ((np.ones(len(events), np.bool_), 0.35), (recent, 1.0)):
+        off, on = (_counts(events, some & (events.p == polarity), bin_px, shape) for polarity in (0, 1))
+        total = on + off
+        if not total.any():
+            continue
+        share = (on / np.maximum(total, 1))[..., None]
+        hue = (1 - share) * to_rgb(EVENT_COLOURS[0]) + share * to_rgb(EVENT_COLOURS[1])
+        full = max(float(np.quantile(total[total > 0], 0.95)), 1.0)
+        cover = strength * np.minimum(np.log1p(total) / np.log1p(full), 1.0)[..., None]
+        image = image * (1 - cover) + hue * cover
+    return image, bin_px
+
+
+def _counts(events: Events, chosen: NDArray[np.bool_], bin_px: int, shape: tuple[int, int]) -> NDArray[np.int64]:
+    cell = (events.y[chosen].astype(np.int64) // bin_px) * shape[1] + events.x[chosen] // bin_px
+    return np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape)
+
+
+def _draw_paths(ax: Axes, side: Side, clock: Clock) -> None:
+    states = _states(side, clock.times_us)
+    paths = []
+    for life in side.lives:
+        path = states[states["track_id"] == life["track_id"]]
+        if len(path):
+            paths.append(np.column_stack((path["x"], path["y"])))
+    ax.add_collection(LineCollection(paths, colors="white", linewidths=side.width + 1.2, alpha=0.6))
+    ax.add_collection(LineCollection(paths, colors=side.colour, linewidths=side.width))
+
+
+def _states(side: Side, times_us: NDArray[np.int64]) -> NDArray[np.void]:
+    """Those of the tracks that are drawn, of dtype `timeline.SAMPLE`."""
+    states = sample(side.log, times_us)
+    drawn: NDArray[np.void] = states[np.isin(states["track_id"], side.lives["track_id"])]
+    return drawn
+
+
+def _draw_windows(ax: Axes, side: Side, clock: Clock) -> None:
+    boxes = [
+        Rectangle((s["x"] - s["radius"], s["y"] - s["radius"]), 2 * s["radius"], 2 * s["radius"])
+        for s in _states(side, clock.moments_us)
+    ]
+    ax.add_collection(
+        PatchCollection(boxes, facecolor="none", edgecolor=side.colour, linewidth=1.4, linestyle=side.dashes, zorder=3)
+    )
+
+
+def _number_windows(ax: Axes, side: Side, clock: Clock) -> None:
+    for s in _states(side, clock.moments_us):
+        corner = (s["x"] - s["radius"], s["y"] - s["radius"])
+        ax.annotate(
+            str(s["sample"] + 1), corner, (1, -1), textcoords="offset points", va="top", zorder=4, clip_on=True, **_NUMBER
+        )
+
+
+def count_panel(ax: Axes, sides: Sequence[Side], clock: Clock) -> None:
+    """How many clusters are visible over time."""
+    most = 1
+    for side in sides:
+        counts = alive(side.log, clock.times_us)
+        most = max(most, int(counts.max()))
+        ax.step(clock.axis(clock.times_us), counts, where="post", color=side.colour, linewidth=side.width)
+    ax.set_ylim(0, most * 1.12)
+    ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    ax.set_ylabel("clusters alive")
+    ax.tick_params(labelbottom=False)
+    _mark_moments(ax, clock)
+    top = blended_transform_factory(ax.transData, ax.transAxes)
+    for i, position in enumerate(clock.axis(clock.moments_us)):
+        ax.text(position, 1.02, str(i + 1), transform=top, ha="center", va="bottom", **_NUMBER)
+
+
+def _mark_moments(ax: Axes, clock: Clock) -> None:
+    for position in clock.axis(clock.moments_us):
+        ax.axvline(position, color=INK, linewidth=0.6, linestyle=":", zorder=0)
+
+
+def lives_panel(ax: Axes, sides: Sequence[Side], clock: Clock) -> None:
+    """Every track from birth to end, one engine above the other; a merge points to its survivor."""
+    beside = blended_transform_factory(ax.transAxes, ax.transData)
+    begin, end = clock.axis(clock.times_us[[0, -1]])
+    # An engine with few tracks gets more room than they need, or its name would not fit.
+    least = max(1.0, 0.25 * max(len(side.lives) for side in sides))
+    n_rows = sum(max(len(side.lives), least) for side in sides)
+    label_every = int(np.ceil(n_rows / _LABELLED_MAX))
+    ticks: list[tuple[float, str, str]] = []
+    top = 0.0
+    for side in sides:
+        bottom = top + max(len(side.lives), least)
+        rows = top + 0.5 + np.arange(len(side.lives), dtype=np.float64)
+        if len(side.lives):
+            _draw_lives(ax, side, clock, rows, n_rows)
+            ticks += [(rows[i], str(side.lives["track_id"][i]), side.colour) for i in range(0, len(rows), label_every)]
+        else:
+            ax.text((begin + end) / 2, (top + bottom) / 2, NOTHING, ha="center", va="center", color=side.colour, style="italic")
+        ax.text(
+            -0.078, (top + bottom) / 2, f"{side.name} track id",
+            transform=beside, rotation=90, ha="right", va="center", color=side.colour,
+        )  # fmt: skip
+        if side is not sides[-1]:
+            ax.axhline(bottom + _GAP_ROWS / 2, color=INK, linewidth=0.8)
+        top = bottom + _GAP_ROWS
+    ax.set_ylim(top - _GAP_ROWS, 0)
+    ax.set_yticks([tick[0] for tick in ticks], [tick[1] for tick in ticks], fontsize=7.5)
+    for label, tick in zip(ax.get_yticklabels(), ticks, strict=True):
+        label.set_color(tick[2])
+    ax.tick_params(axis="y", length=0)
+    margin = 0.015 * (end - begin)
+    ax.set_xlim(begin - margin, end + margin)
+    ax.set_xlabel(f"time since the first event ({clock.unit[0]})")
+    _mark_moments(ax, clock)
+
+
+def _draw_lives(ax: Axes, side: Side, clock: Clock, rows: NDArray[np.float64], n_rows: float) -> None:
+    lives = side.lives
+    begin, end = clock.axis(lives["birth_us"]), clock.axis(lives["end_us"])
+    thickness = float(np.clip(0.6 * _HEIGHT_PT / n_rows, 1.2, 7))
+    ax.hlines(rows, begin, end, color=side.colour, linewidth=thickness, alpha=0.55, capstyle="butt")
+    marker = float(np.clip(thickness, 3, 6))
+    row_of = dict(zip(lives["track_id"].tolist(), rows.tolist(), strict=True))
+    for ended, symbol in ((Kind.LOST, "|"), (Kind.MERGED, "D"), (OPEN, ">")):
+        here = lives["ended"] == ended
+        ax.plot(
+            end[here], rows[here], symbol, color=side.colour, markersize=marker * (1.6 if symbol == "|" else 1), clip_on=False
+        )
+    joins = [
+        ((position, row), (position, row_of[int(life["other_id"])]))
+        for life, position, row in zip(lives, end, rows, strict=True)
+        if life["ended"] == Kind.MERGED and int(life["other_id"]) in row_of
+    ]
+    ax.add_collection(LineCollection(joins, colors=INK, linewidths=0.8))

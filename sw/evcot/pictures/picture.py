@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One picture of a run: the scene with both trackers' paths and windows, clusters over time, lives and merges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal
+
+import matplotlib
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.transforms import blended_transform_factory
+
+from ..events import Recording
+from ..outputs import written_aside
+from ..tracks.log import TrackLog
+from ..tracks.timeline import alive, lifetimes
+from .panels import EVENT_COLOURS, INK, NOTHING, Clock, Side, count_panel, lives_panel, scene_panel
+
+__all__ = ["SIZE_PX", "draw"]
+
+SIZE_PX = (1950, 1095)  # width, height of every picture
+
+_DPI = 150
+_LEFT = 0.048  # margin, as a fraction of the width
+_CLOCK_SAMPLES = 2_000
+_MOMENTS = 4
+_TRACKS_MAX = 40  # per engine; of more, the longest are drawn
+_ENGINES: tuple[tuple[str, str, float, Literal["solid", "dashed"]], ...] = (
+    ("hardware", "#0072B2", 2.4, "solid"),
+    ("software", "#D55E00", 1.0, "dashed"),
+)
+
+_STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": INK,
+    "axes.linewidth": 0.8,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+}
+
+
+def draw(recording: Recording, hardware: TrackLog, software: TrackLog, path: Path | str, title: str) -> None:
+    """Draw a run as a PNG of `SIZE_PX`.
+
+    Left: where events fell, by polarity, strongest just before a few numbered moments; the paths of both trackers, and their
+    windows at those moments. Right: how many clusters were alive, and every track from birth to end, merges joined to the
+    survivor. Of very many tracks the longest are drawn, and the picture says so.
+
+    Args:
+        recording: what both tracked.
+        hardware, software: the logs; either may be empty.
+        path: the file; it appears under its name only when it is whole.
+        title: stands on top.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    clock = _clock(recording, hardware, software)
+    sides = [
+        _side(name, colour, width, dashes, log, int(clock.times_us[-1]))
+        for (name, colour, width, dashes), log in zip(_ENGINES, (hardware, software), strict=True)
+    ]
+    with matplotlib.rc_context(_STYLE):
+        figure = Figure(figsize=(SIZE_PX[0] / _DPI, SIZE_PX[1] / _DPI), dpi=_DPI, facecolor="white")
+        FigureCanvasAgg(figure)
+        columns = figure.add_gridspec(1, 2, width_ratios=(1.1, 1), left=_LEFT, right=0.985, top=0.865, bottom=0.07, wspace=0.18)
+        scene = figure.add_subplot(columns[0].subgridspec(2, 1, height_ratios=(1, 0.12), hspace=0)[0], anchor="N")
+        over_time = columns[1].subgridspec(2, 1, height_ratios=(1, 2.8), hspace=0.16)
+        count = figure.add_subplot(over_time[0])
+        lives = figure.add_subplot(over_time[1], sharex=count)
+        scene.set_title("(a) events, paths, and windows at the numbered moments")
+        count.set_title("(b) clusters alive", pad=14)
+        lives.set_title("(c) lifetimes and merges")
+        scene_panel(scene, recording, sides, clock)
+        count_panel(count, sides, clock)
+        lives_panel(lives, sides, clock)
+        scene.legend(
+            handles=_legend(sides),
+            ncols=5,
+            columnspacing=1.2,
+            handlelength=2,
+            loc="upper left",
+            bbox_to_anchor=(_LEFT - 0.01, -0.1),
+            bbox_transform=blended_transform_factory(figure.transFigure, scene.transAxes),
+        )
+        figure.text(_LEFT, 0.965, title, fontsize=13, weight="bold", va="center", color=INK)
+        figure.text(_LEFT, 0.928, _subtitle(recording, sides), va="center", color=INK)
+        with written_aside(Path(path)) as file:
+            figure.savefig(file, format="png")
+
+
+def _clock(recording: Recording, *logs: TrackLog) -> Clock:
+    """The recording's time, and moments spread over the part of it in which the most engines see something."""
+    t_us = recording.events.t_us
+    begin_us, end_us = (int(t_us[0]), int(t_us[-1])) if len(t_us) else (0, 0)
+    times_us = np.unique(np.linspace(begin_us, max(end_us, begin_us + 1), _CLOCK_SAMPLES).astype(np.int64))
+    seeing = np.sum([alive(log, times_us) > 0 for log in logs], axis=0)
+    busy_us = times_us[seeing == seeing.max()]
+    at = (np.arange(_MOMENTS) + 0.5) / _MOMENTS * len(busy_us)
+    return Clock(times_us, np.unique(busy_us[at.astype(np.int64)]) if seeing.max() else np.empty(0, np.int64))
+
+
+def _side(name: str, colour: str, width: float, dashes: Literal["solid", "dashed"], log: TrackLog, end_us: int) -> Side:
+    lives = lifetimes(log, end_us)
+    longest = np.argsort(lives["birth_us"] - lives["end_us"], kind="stable")[:_TRACKS_MAX]
+    return Side(name, colour, width, dashes, log, lives[np.sort(longest)], len(lives))
+
+
+def _legend(sides: list[Side]) -> list[Line2D | Patch]:
+    handles: list[Line2D | Patch] = []
+    for side in sides:
+        handles.append(Line2D([], [], color=side.colour, linewidth=side.width, label=f"{side.name} ({side.log.engine})"))
+        handles.append(Patch(facecolor="none", edgecolor=side.colour, linestyle=side.dashes, label=f"{side.name} window"))
+    handles += [Patch(color=colour, label=f"{name} events") for name, colour in zip(("OFF", "ON"), EVENT_COLOURS, strict=True)]
+    handles += [
+        Line2D([], [], color=INK, linestyle="", marker=marker, label=label)
+        for marker, label in (("|", "lost"), ("D", "merged into"), (">", "still alive"))
+    ]
+    return handles
+
+
+def _subtitle(recording: Recording, sides: list[Side]) -> str:
+    parts = [f"{recording.name}: {len(recording.events):,} events in {recording.duration_us * 1e-6:.3g} s"]
+    parts.append(f"{recording.width} × {recording.height} px")
+    if not any(side.tracks for side in sides):
+        parts.append(NOTHING)
+    parts += [f"the {len(s.lives)} longest of {s.tracks} {s.name} tracks drawn" for s in sides if len(s.lives) < s.tracks]
+    return "   ·   ".join(parts)

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a figure is made from: where events fell, and what trackers said about a window of time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...events import Events
+from ...recordings.formats.source import Sensor
+from ...tracks.log import TrackLog
+from ...tracks.timeline import alive, lifetimes, sample
+
+__all__ = ["Log", "Material", "density"]
+
+_SAMPLES = 2_000  # of a window's time
+
+
+@dataclass(frozen=True)
+class Log:
+    """A track log and its name for people."""
+
+    name: str
+    log: TrackLog
+
+
+@dataclass(frozen=True)
+class Material:
+    """A window of time.
+
+    Attributes:
+        counts: (height, width) events per pixel.
+        logs: one or more.
+        from_us, to_us: times of the recording's clock.
+        zero_us: what the axis of time counts from.
+    """
+
+    counts: NDArray[np.int64]
+    logs: tuple[Log, ...]
+    from_us: int
+    to_us: int
+    zero_us: int
+
+    @cached_property
+    def times_us(self) -> NDArray[np.int64]:
+        """Evenly over the window."""
+        return np.unique(np.linspace(self.from_us, max(self.to_us, self.from_us + 1), _SAMPLES).astype(np.int64))
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Name of the axis' unit and its length in microseconds."""
+        return ("s", 1e6) if self.to_us - self.from_us >= 2_000_000 else ("ms", 1e3)
+
+    def axis(self, t_us: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Times as positions on the axis."""
+        return np.asarray((t_us - self.zero_us) / self.unit[1], np.float64)
+
+    def paths(self, log: Log) -> dict[int, NDArray[np.void]]:
+        """Track id -> its states in the window, of dtype `timeline.SAMPLE`, in order of time; in order of birth."""
+        states = sample(log.log, self.times_us)
+        states = states[np.argsort(states["track_id"], kind="stable")]
+        ids, begin = np.unique(states["track_id"], return_index=True)
+        return dict(zip(ids.tolist(), np.split(states, begin[1:]), strict=False)) if len(ids) else {}
+
+    def lives(self, log: Log) -> NDArray[np.void]:
+        """Those that touch the window, of dtype `timeline.LIFE`, in order of birth."""
+        lives = lifetimes(log.log, self.to_us)
+        touching: NDArray[np.void] = lives[(lives["birth_us"] <= self.to_us) & (lives["end_us"] >= self.from_us)]
+        return touching
+
+    def alive(self, log: Log) -> NDArray[np.int64]:
+        """How many tracks are visible at each of `times_us`."""
+        return alive(log.log, self.times_us)
+
+
+def density(blocks: Iterable[Events], sensor: Sensor) -> tuple[NDArray[np.int64], int, int]:
+    """(height, width) events per pixel, and the times of the first and the last event; (0, 0) without any."""
+    width, height = sensor
+    counts = np.zeros(width * height, np.int64)
+    first_us: int | None = None
+    last_us = 0
+    for block in blocks:
+        if len(block):
+            counts += np.bincount(block.y.astype(np.int64) * width + block.x, minlength=width * height)
+            first_us = int(block.t_us[0]) if first_us is None else first_us
+            last_us = int(block.t_us[-1])
+    return counts.reshape(height, width), first_us or 0, last_us

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The panels of a figure, one function each. With one log a colour is a track, with several it is a log."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from ...tracks.log import Kind
+from ...tracks.timeline import OPEN
+from .material import Log, Material
+from .style import DASHES, INK, PALETTE
+
+__all__ = ["alive_panel", "lives_panel", "place_panel", "tracks_panel"]
+
+_DARKEST = 0.45  # of a pixel with the most events; paths are to stand out
+_WIDER = 0.9  # points
+_LABELS_MAX = 24  # of more tracks none is named
+_ROW_LABELS_MAX = 40
+
+
+def _styled(material: Material) -> Iterator[tuple[Log, int, dict[str, Any]]]:
+    """Every track as (its log, id, look of its line). Earlier logs have wider lines, so that later ones do not hide them."""
+    several = len(material.logs) > 1
+    for place, log in enumerate(material.logs):
+        width = 1.0 + _WIDER * (len(material.logs) - 1 - place)
+        for order, track_id in enumerate(material.lives(log)["track_id"].tolist()):
+            colour = PALETTE[(place if several else order) % len(PALETTE)]
+            yield log, track_id, {"color": colour, "linestyle": DASHES[place % len(DASHES)], "linewidth": width}
+
+
+def _lines(ax: Axes, material: Material, curve: tuple[str, str], name_at_end: bool) -> None:
+    """A line per track through two fields of its states; "t" is the time."""
+    paths = {log.name: material.paths(log) for log in material.logs}
+    few = sum(map(len, paths.values())) <= _LABELS_MAX
+    for log, track_id, look in _styled(material):
+        states = paths[log.name].get(track_id)
+        if states is None:
+            continue
+        across, up = (material.axis(material.times_us[states["sample"]]) if field == "t" else states[field] for field in curve)
+        ax.plot(across, up, color="white", linewidth=look["linewidth"] + 1, alpha=0.7, zorder=1.5)
+        ax.plot(across, up, **look)
+        if few and name_at_end:
+            ax.annotate(
+                str(track_id), (across[-1], up[-1]), (2, 2), textcoords="offset points", color=look["color"], fontsize=6,
+                weight="bold", annotation_clip=True, path_effects=[withStroke(linewidth=1.5, foreground="white")],
+            )  # fmt: skip
+
+
+def tracks_panel(ax: Axes, material: Material) -> None:
+    """Where events fell, in grey, and the paths of the tracks, each named at its end."""
+    height, width = material.counts.shape
+    full = max(float(np.quantile(some, 0.98)) if len(some := material.counts[material.counts > 0]) else 1.0, 1.0)
+    grey = 1 - _DARKEST * np.minimum(np.log1p(material.counts) / np.log1p(full), 1)
+    ax.imshow(
+        grey,
+        cmap="gray",
+        vmin=0,
+        vmax=1,
+        extent=(-0.5, width - 0.5, height - 0.5, -0.5),
+        interpolation="nearest",
+        aspect="equal",
+    )
+    _lines(ax, material, ("x", "y"), name_at_end=True)
+    ax.set_xlim(-0.5, width - 0.5)
+    ax.set_ylim(height - 0.5, -0.5)
+    for spine in ax.spines.values():
+        spine.set_visible(True)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(6, integer=True))
+    ax.set_xlabel("x (px)")
+    ax.set_ylabel("y (px)")
+
+
+def place_panel(ax: Axes, material: Material, field: str) -> None:
+    """x or y of every track over time; y counts down, as on the sensor."""
+    _lines(ax, material, ("t", field), name_at_end=field == "x")
+    height, width = material.counts.shape
+    ax.set_ylim((-0.5, width - 0.5) if field == "x" else (height - 0.5, -0.5))
+    ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    ax.set_ylabel(f"{field} (px)")
+    _time(ax, material)
+
+
+def alive_panel(ax: Axes, material: Material) -> None:
+    """How many tracks are visible over time."""
+    most = 1
+    for place, log in enumerate(material.logs):
+        counts = material.alive(log)
+        most = max(most, int(counts.max()))
+        ax.step(
+            material.axis(material.times_us), counts, where="post", color=PALETTE[place % len(PALETTE)],
+            linestyle=DASHES[place % len(DASHES)],
+        )  # fmt: skip
+    ax.set_ylim(0, 1.12 * most)
+    ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    ax.set_ylabel("tracks alive")
+    _time(ax, material)
+
+
+def lives_panel(ax: Axes, material: Material) -> None:
+    """Every track from birth to end, one log above the other; a merge points to its survivor."""
+    lives = {log.name: material.lives(log) for log in material.logs}
+    rows = {
+        (name, track_id): row
+        for row, (name, track_id) in enumerate((name, i) for name, some in lives.items() for i in some["track_id"].tolist())
+    }
+    for log, track_id, look in _styled(material):
+        life = lives[log.name][lives[log.name]["track_id"] == track_id]
+        _life(ax, material, life[0], rows[log.name, track_id], look["color"])
+    joins = [
+        (
+            (at := float(material.axis(life["end_us"])), rows[name, int(life["track_id"])]),
+            (at, rows[name, int(life["other_id"])]),
+        )
+        for name, some in lives.items()
+        for life in some[some["ended"] == Kind.MERGED]
+        if (name, int(life["other_id"])) in rows
+    ]
+    ax.add_collection(LineCollection(joins, colors=INK, linewidths=0.5))
+    ax.set_ylim(max(len(rows), 1) - 0.3, -0.7)
+    every = -(-len(rows) // _ROW_LABELS_MAX) or 1
+    named = [(row, str(track_id)) for (_, track_id), row in rows.items() if row % every == 0]
+    ax.set_yticks([row for row, _ in named], [text for _, text in named])
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylabel("track id")
+    _time(ax, material)
+
+
+def _life(ax: Axes, material: Material, life: NDArray[np.void], row: int, colour: str) -> None:
+    begin, end = (float(material.axis(life[name])) for name in ("birth_us", "end_us"))
+    ax.hlines(row, begin, end, color=colour, linewidth=2.0)
+    marker = {int(Kind.LOST): "|", int(Kind.MERGED): "D", OPEN: ">"}[int(life["ended"])]
+    ax.plot(end, row, marker, color=colour, markersize=5 if marker == "|" else 3, clip_on=True)
+
+
+def _time(ax: Axes, material: Material) -> None:
+    begin, end = material.axis(np.array([material.from_us, material.to_us]))
+    margin = 0.015 * max(end - begin, 1e-9)
+    ax.set_xlim(begin - margin, end + margin)
+    ax.set_xlabel(f"time ({material.unit[0]})")

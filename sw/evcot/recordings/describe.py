@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is in a recording, found in one pass: how much, how fast, of which polarity, and how its pixels share it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..events import Events
+from .files import RecordingFile
+
+__all__ = ["PEAK_WINDOW_US", "BusyPixel", "Description", "PixelFigures", "describe"]
+
+PEAK_WINDOW_US = 10_000
+_BUSIEST = 5
+_MOST_PIXELS = 1 << 24  # of a larger sensor, pixels are not told apart: memory must not follow a damaged header
+
+# Intervals are counted in bins of an eighth of a power of two: a median out of them is right to 7 %, exact up to 15 us.
+_INTERVAL_BINS = 64 * 8
+_BELOW_BINS_BITS = 52 - 3
+_BEFORE_ONE = 1023 * 8 - 1
+_NEVER = np.iinfo(np.int64).min
+
+# Entries of the running state.
+_WINDOW, _WINDOW_EVENTS, _PEAK_EVENTS, _ON = range(4)
+
+
+@dataclass(frozen=True)
+class BusyPixel:
+    """A pixel, and its part of all events."""
+
+    x: int
+    y: int
+    share: float
+
+
+@dataclass(frozen=True)
+class PixelFigures:
+    """How the pixels share the events.
+
+    Attributes:
+        silent: share of the sensor's pixels that send nothing.
+        median_interval_us: half of the times between two successive events of one pixel are shorter, to within 7 %; None where
+            no pixel sends twice.
+        busiest: at most five, the busiest first: where one sends far more than the next, it is likely a hot pixel.
+    """
+
+    silent: float
+    median_interval_us: int | None
+    busiest: tuple[BusyPixel, ...]
+
+
+@dataclass(frozen=True)
+class Description:
+    """What `describe` found; rates in events/s, shares from 0 to 1.
+
+    Attributes:
+        assumes_sensor: whether its size is only the smallest that fits.
+        first_us: time of the first event described, as the file has it.
+        duration_us: from the first event to the last.
+        mean_rate: None for events of one instant.
+        peak_rate: over the busiest of the successive windows of `PEAK_WINDOW_US` from the first event on; None for less than
+            one of them.
+        pixels: None for a sensor of more than 2^24 pixels.
+        left_out: why events were left out -> how many.
+        details: what else the file says about itself.
+    """
+
+    format: str
+    width: int
+    height: int
+    assumes_sensor: bool
+    events: int
+    first_us: int
+    duration_us: int
+    mean_rate: float | None
+    peak_rate: float | None
+    on_share: float
+    pixels: PixelFigures | None
+    left_out: Mapping[str, int]
+    details: Mapping[str, str]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as for JSON."""
+        return asdict(self) | {"left_out": dict(self.left_out), "details": dict(self.details)}
+
+
+@njit(cache=True, nogil=True)
+def _count_in_time(t_us, p, first_us, state):  # type: ignore[no-untyped-def]
+    """Count the events of one polarity, and those of each window, of which the fullest is kept."""
+    window, events, peak, on = state
+    for i in range(len(t_us)):
+        at = (t_us[i] - first_us) // PEAK_WINDOW_US
+        if at != window:
+            peak = max(peak, events)
+            window, events = at, 0
+        events += 1
+        on += p[i]
+    state[_WINDOW], state[_WINDOW_EVENTS], state[_PEAK_EVENTS], state[_ON] = window, events, max(peak, events), on
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _bin_of(interval):  # type: ignore[no-untyped-def]
+    """The bin of an interval from 0: exponent and upper three bits of its floating-point form, which count up without a gap."""
+    return max((np.float64(interval).view(np.int64) >> _BELOW_BINS_BITS) - _BEFORE_ONE, 0)
+
+
+def _middle_of(index: int) -> int:
+    """The middle of the intervals that a bin holds."""
+    octave, eighth = divmod(index - 1, 8)
+    return ((8 + eighth) << octave >> 3) + (1 << octave >> 4) if index else 0
+
+
+@njit(cache=True, nogil=True)
+def _count_by_pixel(t_us, x, y, width, counts, last_us, intervals):  # type: ignore[no-untyped-def]
+    for i in range(len(t_us)):
+        pixel = np.int64(y[i]) * width + np.int64(x[i])
+        counts[pixel] += 1
+        if last_us[pixel] != _NEVER:
+            intervals[_bin_of(max(t_us[i] - last_us[pixel], np.int64(0)))] += 1
+        last_us[pixel] = t_us[i]
+
+
+class _PixelCounts:
+    """Events and intervals of every pixel, so far."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self._width = width
+        self._counts = np.zeros(width * height, np.int64)
+        self._last_us = np.full(width * height, _NEVER)
+        self._intervals = np.zeros(_INTERVAL_BINS, np.int64)
+
+    def add(self, events: Events) -> None:
+        _count_by_pixel(events.t_us, events.x, events.y, self._width, self._counts, self._last_us, self._intervals)
+
+    def figures(self, events: int) -> PixelFigures:
+        busiest = np.argpartition(self._counts, -min(_BUSIEST, self._counts.size))[-_BUSIEST:]
+        busiest = busiest[np.lexsort((busiest, -self._counts[busiest]))]
+        return PixelFigures(
+            silent=float((self._counts == 0).mean()),
+            median_interval_us=_median(self._intervals),
+            busiest=tuple(
+                BusyPixel(int(i % self._width), int(i // self._width), float(self._counts[i] / events))
+                for i in busiest
+                if self._counts[i]
+            ),
+        )
+
+
+def _median(intervals: NDArray[np.int64]) -> int | None:
+    below = np.cumsum(intervals)
+    return _middle_of(int(np.searchsorted(below, (below[-1] + 1) // 2))) if below[-1] else None
+
+
+def describe(
+    file: RecordingFile,
+    from_us: int = 0,
+    to_us: int | None = None,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> Description:
+    """Describe the events with from_us <= t - t0_us < to_us; memory grows with the sensor, not with the recording.
+
+    Args:
+        progress: told how many events are done, and the time after the file's first event that they reach, in us.
+
+    Raises:
+        RecordingError: as `RecordingFile.blocks`, or there is no event in the window.
+    """
+    width, height = file.sensor
+    pixels = _PixelCounts(width, height) if width * height <= _MOST_PIXELS else None
+    state = np.zeros(4, np.int64)
+    first_us = last_us = events = 0
+    for block in file.blocks(from_us, to_us, required=True):
+        first_us = first_us if events else int(block.t_us[0])
+        last_us = int(block.t_us[-1])
+        events += len(block)
+        _count_in_time(block.t_us, block.p, first_us, state)
+        if pixels is not None:
+            pixels.add(block)
+        if progress is not None:
+            progress(events, last_us - file.t0_us)
+    duration_us = last_us - first_us
+    return Description(
+        format=file.format,
+        width=width,
+        height=height,
+        assumes_sensor=file.assumes_sensor,
+        events=events,
+        first_us=first_us,
+        duration_us=duration_us,
+        mean_rate=events / duration_us * 1e6 if duration_us else None,
+        peak_rate=float(state[_PEAK_EVENTS]) / PEAK_WINDOW_US * 1e6 if duration_us >= PEAK_WINDOW_US else None,
+        on_share=float(state[_ON]) / events,
+        pixels=pixels.figures(events) if pixels is not None else None,
+        left_out=dict(file.left_out),
+        details=dict(file.details),
+    )

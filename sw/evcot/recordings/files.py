@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings from and to files; what a file is, its content tells, whatever its name."""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Literal
+
+import numpy as np
+
+from ..errors import ConfigError, RecordingError, RecordingWarning
+from ..events import Events, Recording, check_sensor, find_fault
+from ..outputs import written_aside
+from .formats import FORMATS, WRITABLE
+from .formats.source import BLOCK_EVENTS, Sensor, Source, WritableFormat
+
+__all__ = [
+    "Damage",
+    "RecordingFile",
+    "format_for",
+    "open_recording",
+    "read_recording",
+    "sound",
+    "write_events",
+    "write_recording",
+]
+
+Damage = Literal["refuse", "skip"]
+
+_SNIFF_BYTES = 1024
+
+
+class RecordingFile:
+    """A recording on disk, read in blocks: memory does not grow with its length. A context manager.
+
+    Attributes:
+        path, name: the file, and its name without suffix.
+        format: the format's title, for people.
+        assumes_sensor: whether neither the caller nor the file says what the sensor is.
+        details: what else the file says about itself.
+        left_out: why events were left out -> how many, of the pass that `blocks` last began; complete when it has ended.
+    """
+
+    def __init__(self, path: Path, format_title: str, source: Source, sensor: Sensor | None, damage: Damage) -> None:
+        self.path = path
+        self.name = path.stem
+        self.format = format_title
+        self._source = source
+        self._sensor = sensor or source.sensor
+        self.assumes_sensor = self._sensor is None
+        self._damage = damage
+        self._t0_us: int | None = None
+        self.left_out: Counter[str] = Counter()
+        if self._sensor is not None:
+            check_sensor(str(path), *self._sensor)
+
+    def __enter__(self) -> RecordingFile:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._source.close()
+
+    @property
+    def details(self) -> Mapping[str, str]:
+        """What the file says about itself besides its sensor: short name -> short value."""
+        return self._source.details
+
+    @property
+    def sensor(self) -> Sensor:
+        """(width, height) in pixels: the caller's, else the file's, else the smallest that fits, found in one pass."""
+        if self._sensor is None:
+            width = height = 1
+            for block in self._source_blocks(None, telling=False):
+                if len(block):
+                    width, height = max(width, int(block.x.max()) + 1), max(height, int(block.y.max()) + 1)
+            self._sensor = self._source.smallest_sensor(width, height)
+        return self._sensor
+
+    @property
+    def t0_us(self) -> int:
+        """Time of the first event.
+
+        Raises:
+            RecordingError: the file holds no events, or is damaged before the first one.
+        """
+        if self._t0_us is None:
+            self._t0_us = next((int(block.t_us[0]) for block in self._source_blocks(None, telling=False) if len(block)), None)
+            if self._t0_us is None:
+                raise RecordingError(f"{self.path}: holds no events")
+        return self._t0_us
+
+    def blocks(self, from_us: int = 0, to_us: int | None = None, *, required: bool = False) -> Iterator[Events]:
+        """The events with from_us <= t - t0_us < to_us, checked, in the file's order.
+
+        Args:
+            from_us, to_us: times since the first event; None: to the end.
+            required: whether to refuse a window without events.
+
+        Raises:
+            RecordingError: the file is damaged, time runs back, or an event lies outside the sensor; names file, place, value
+                and rule. With damage "skip" such events are left out instead, and so is all behind a place that cannot be
+                read. Or there is no event where one is `required`.
+        Warns:
+            RecordingWarning: events were left out; how many and why.
+        """
+        width, height = self.sensor
+        t0_us = self.t0_us
+        begin = t0_us + from_us
+        end = None if to_us is None else t0_us + to_us
+        last_us = np.iinfo(np.int64).min
+        seen = given = 0
+        broken: Counter[str] = Counter()
+        for block in self._source_blocks(begin if from_us > 0 else None):
+            fault = find_fault(block, width, height, last_us)
+            first_index, seen = seen, seen + len(block)
+            if fault is not None:
+                if self._damage == "refuse":
+                    raise RecordingError(f"{self.path}: {fault.describe(first_index)}{_counted_from(from_us)}")
+                block = sound(block, width, height, last_us, broken)
+            if not len(block):
+                continue
+            last_us = int(block.t_us[-1])
+            first = int(np.searchsorted(block.t_us, begin)) if block.t_us[0] < begin else 0
+            past = len(block) if end is None or last_us < end else int(np.searchsorted(block.t_us, end))
+            if first < past:
+                given += past - first
+                yield block[first:past]
+            if past < len(block):
+                break
+        self.left_out = Counter(self._source.left_out) + broken
+        for why, count in self.left_out.items():
+            warnings.warn(RecordingWarning(f"{self.path}: {count} events left out: {why}"), stacklevel=2)
+        if required and not given:
+            window = f"from {from_us / 1e6:g} s" + ("" if to_us is None else f" to {to_us / 1e6:g} s")
+            raise RecordingError(f"{self.path}: holds no events {window}")
+
+    def read(self, from_us: int = 0, to_us: int | None = None) -> Recording:
+        """The events of `blocks` as one recording in memory.
+
+        Raises:
+            RecordingError: as `blocks`, or there is no event in the window.
+        """
+        return Recording(Events.joined(self.blocks(from_us, to_us, required=True)), *self.sensor, self.name)
+
+    def _source_blocks(self, from_us: int | None, *, telling: bool = True) -> Iterator[Events]:
+        """The source's blocks, with the file's name in front of whatever goes wrong.
+
+        Args:
+            telling: whether to warn of what is left out behind a place that cannot be read.
+        """
+        given = 0
+        try:
+            for block in self._source.blocks(from_us):
+                given += len(block)
+                yield block
+        except OSError as error:
+            raise RecordingError(f"{self.path}: cannot be read: {error.strerror or error}") from error
+        except RecordingError as error:
+            if self._damage == "refuse" or not given:
+                raise RecordingError(f"{self.path}: {error}") from error
+            if telling:
+                after = f"{given} events{_counted_from(0 if from_us is None else from_us - self.t0_us)}"
+                warnings.warn(RecordingWarning(f"{self.path}: all after {after} left out: {error}"), stacklevel=2)
+
+
+def _counted_from(from_us: int) -> str:
+    """Where indices and counts of a window begin, as far as it is not the file's start."""
+    return f" (counted from {from_us / 1e6:g} s)" if from_us else ""
+
+
+def sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:
+    """The events inside the sensor whose time does not run back; the others are counted in `broken`."""
+    inside = (events.x < width) & (events.y < height) & (events.p <= 1)
+    kept = events.where(inside)
+    broken["outside the sensor, or without a polarity"] += len(events) - len(kept)
+    latest = np.maximum.accumulate(np.maximum(kept.t_us, after_us))
+    forward = kept.where(kept.t_us == latest)
+    broken["time runs back"] += len(kept) - len(forward)
+    return forward
+
+
+def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Damage = "refuse") -> RecordingFile:
+    """Open an event file of any format in `evcot.recordings.formats`.
+
+    Args:
+        path: the file; its content tells the format.
+        sensor: (width, height) in pixels, in place of what the file says. Without it, a file that does not say has the
+            smallest sensor (of a Prophesee file: the smallest common one) that holds every event.
+        damage: what to do about events that break the rules, or about a place that cannot be read: refuse the file, or leave
+            out what is wrong and say how much.
+
+    Raises:
+        RecordingError: the file is missing, unreadable, empty, of no known format, or its header is damaged. One line: file,
+            place, value, rule.
+    """
+    path = Path(path)
+    try:
+        title, source = _open(path)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from error
+    try:
+        return RecordingFile(path, title, source, sensor, damage)
+    except BaseException:
+        source.close()
+        raise
+
+
+def _open(path: Path) -> tuple[str, Source]:
+    start = b""
+    if path.is_file():
+        with path.open("rb") as file:
+            start = file.read(_SNIFF_BYTES)
+        if not start:
+            raise RecordingError("is empty")
+    elif not path.exists():
+        raise FileNotFoundError(2, "No such file or directory")
+    elif not path.is_dir():
+        raise RecordingError("is a device or a pipe: must be a file")
+    for kind in FORMATS:
+        if kind.matches(start, path):
+            return kind.title, kind.open(path)
+    if path.is_dir():
+        raise RecordingError("is a directory, and no ROS 2 bag: has no metadata.yaml")
+    raise RecordingError(f"is of no known format: must be one of {', '.join(kind.title for kind in FORMATS)}")
+
+
+def read_recording(
+    path: Path | str,
+    sensor: Sensor | None = None,
+    *,
+    from_us: int = 0,
+    to_us: int | None = None,
+    damage: Damage = "refuse",
+) -> Recording:
+    """Read a recording, or a window of it, into memory: `open_recording` and `RecordingFile.read` in one.
+
+    Every event of the file is there, in the file's order and with the file's time: nothing is sorted or moved, and what is
+    left out is counted in a warning.
+    """
+    with open_recording(path, sensor, damage=damage) as file:
+        return file.read(from_us, to_us)
+
+
+def write_events(path: Path | str, sensor: Sensor, blocks: Iterable[Events], format_name: str | None = None) -> int:
+    """Write blocks of events, in time order, and return how many; the file appears under its name only when it is whole.
+
+    Args:
+        format_name: one of `formats.WRITABLE`; without it, the path's suffix tells.
+
+    Raises:
+        ConfigError: no such format, or a suffix of none.
+        RecordingError: a value that the format cannot hold, or that breaks the rules of recordings.
+        OutputError: the file cannot be written.
+    """
+    path = Path(path)
+    kind = format_for(path, format_name)
+    check_sensor(str(path), *sensor)
+    count, last_us = 0, np.iinfo(np.int64).min
+    with written_aside(path) as file:
+        sink = kind.begin(file, sensor)
+        for block in blocks:
+            for begin in range(0, len(block), BLOCK_EVENTS):
+                part = block[begin : begin + BLOCK_EVENTS]
+                fault = find_fault(part, *sensor, last_us)
+                if fault is not None:
+                    raise RecordingError(f"{path}: {fault.describe(count)}")
+                try:
+                    sink.write(part)
+                except RecordingError as error:
+                    raise RecordingError(f"{path}: {error}") from error
+                count, last_us = count + len(part), int(part.t_us[-1])
+        sink.close()
+    return count
+
+
+def write_recording(recording: Recording, path: Path | str, format_name: str | None = None) -> None:
+    """Write a recording from memory; as `write_events`."""
+    write_events(path, (recording.width, recording.height), [recording.events], format_name)
+
+
+def format_for(path: Path | str, name: str | None = None) -> WritableFormat:
+    """The format that a file is written in: the one of that name, else the one of the path's suffix.
+
+    Raises:
+        ConfigError: there is none.
+    """
+    if name is not None:
+        if name not in WRITABLE:
+            raise ConfigError(f"format {name!r}: must be one of {', '.join(WRITABLE)}")
+        return WRITABLE[name]
+    suffix = Path(path).suffix
+    kind = next((kind for kind in WRITABLE.values() if kind.suffix == suffix.lower()), None)
+    if kind is None:
+        suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in WRITABLE.values()))
+        raise ConfigError(f"{path}: suffix {suffix!r}: must be one of {suffixes}, or a format be named")
+    return kind

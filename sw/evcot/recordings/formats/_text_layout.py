@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the lines of a text file are built, which its first lines tell; and what is wrong with a line that is not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RecordingError
+from ._text_kernel import UNUSED, P, T, X, Y
+from .fields import UNITS, Naming, find_fields
+from .source import Sensor
+
+__all__ = ["LONGEST_LINE_BYTES", "SEPARATORS", "Layout", "is_text", "read_layout"]
+
+LONGEST_LINE_BYTES = 1 << 16
+SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blanks"}
+
+_NAMES = {T: "t", X: "x", Y: "y", P: "p", UNUSED: "text"}
+_ADDRESS = "must be a whole number from 0 to 65535"
+_RULES = {X: _ADDRESS, Y: _ADDRESS, P: "must be 0, 1 or -1", UNUSED: "must be text"}
+_NUMBER_STARTS = tuple("+-.0123456789")
+_SHOWN = 60  # characters of a line in a message
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the lines are built.
+
+    Attributes:
+        offset, lines: where the first event stands: bytes and lines before it.
+        separator: between cells; a blank stands for any number of blanks and tabs.
+        columns: (k,) int8, what each cell holds: T, X, Y, P or UNUSED.
+        power, exact: times are in units of 10**power us, and must come out whole where `exact`.
+        sensor: (width, height) in pixels, where it is stated.
+    """
+
+    offset: int
+    lines: int
+    separator: str
+    columns: NDArray[np.int8]
+    power: int
+    exact: bool
+    sensor: Sensor | None
+
+    @property
+    def needs_newline(self) -> bool:
+        """Whether a line cut off in its last cell could pass for a whole one, as a polarity of one digit could not."""
+        return int(self.columns[-1]) not in (P, UNUSED)
+
+    def fault(self, raw: bytes, cell: int) -> str:
+        """What is wrong with a line of which a cell was found at fault."""
+        what = _no_text(raw)
+        if what:
+            return what
+        line = raw.decode("utf-8", "replace").strip(" \r\n")
+        cells = _cells(line, self.separator)
+        if len(cells) != len(self.columns):
+            return f"{line[:_SHOWN]!r}: must have {len(self.columns)} cells, as the first event; it has {len(cells)}"
+        column = int(self.columns[cell])
+        return f"{_NAMES[column]} = {cells[cell][:_SHOWN]!r}: {_RULES.get(column) or self._time_rule}"
+
+    @property
+    def _time_rule(self) -> str:
+        return f"must be a {'whole ' if self.exact else ''}number of {UNITS[self.power]}, below 2^63 us"
+
+
+def is_text(content: bytes) -> bool:
+    """Whether the start of a file is text: UTF-8 without control characters, but for tabs and line ends."""
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        if error.reason != "unexpected end of data":
+            return False
+    return bool(content) and not _no_text(content.replace(b"\r", b"\n"))
+
+
+def _no_text(raw: bytes) -> str:
+    """Why bytes are no line of text; nothing when they are."""
+    plain = raw.replace(b"\r\n", b"\n")
+    odd = next((byte for byte in plain if byte < 32 and byte not in b"\t\n"), None)
+    return "" if odd is None else f"holds a byte of {odd:#04x}: must be text"
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    return line.split() if separator == " " else [cell.strip() for cell in line.split(separator)]
+
+
+def _separator(line: str) -> str:
+    return next((mark for mark in ",;" if mark in line), "\t" if line.count("\t") >= 3 else " ")
+
+
+def read_layout(file: BinaryIO) -> Layout:
+    """Read a text file from its start to its first event.
+
+    Raises:
+        RecordingError: a line before it that is no header, no size and no comment.
+    """
+    offset = lines = 0
+    naming: Naming | None = None
+    sensor: Sensor | None = None
+    while raw := file.readline(LONGEST_LINE_BYTES):
+        what = _no_text(raw)
+        if what:
+            raise RecordingError(f"line {lines + 1}: {what}")
+        line = raw.decode("utf-8-sig" if offset == 0 else "utf-8", "replace").strip(" \r\n")
+        passed = line[:1] in ("", "#", "%")
+        if naming is None and line[:1] not in _NUMBER_STARTS:
+            try:
+                naming, stated = _header(line.lstrip("#% "))
+                sensor = stated or sensor
+            except RecordingError as error:
+                if not passed:
+                    raise RecordingError(f"line {lines + 1}: {line[:_SHOWN]!r}: is no event, so it {error}") from error
+        elif not passed:
+            cells = _cells(line, _separator(line))
+            if naming is not None or sensor is not None or len(cells) != 2 or not all(map(str.isdecimal, cells)):
+                return _layout(offset, lines, _separator(line), cells, naming, sensor)
+            sensor = int(cells[0]), int(cells[1])
+        offset, lines = offset + len(raw), lines + 1
+    return _layout(offset, lines, " ", [], naming, sensor)
+
+
+def _header(line: str) -> tuple[Naming, Sensor | None]:
+    """The fields that a line names, and the sensor if it says `x@346` and `y@260`."""
+    cells = [cell.partition("@") for cell in _cells(line, _separator(line))]
+    naming = find_fields([name for name, _, _ in cells])
+    width, height = (cells[i][2] for i in naming.columns[1:3])
+    return naming, (int(width), int(height)) if width.isdecimal() and height.isdecimal() else None
+
+
+def _layout(
+    offset: int, lines: int, separator: str, event: Sequence[str], naming: Naming | None, sensor: Sensor | None
+) -> Layout:
+    places = (0, 1, 2, 3) if naming is None else naming.columns
+    columns = np.full(max(*places, len(event) - 1) + 1, UNUSED, np.int8)
+    columns[list(places)] = T, X, Y, P
+    if naming is not None and naming.power is not None:
+        return Layout(offset, lines, separator, columns, naming.power, False, sensor)
+    in_seconds = places[0] < len(event) and any(mark in event[places[0]] for mark in ".eE")
+    return Layout(offset, lines, separator, columns, 6 if in_seconds else 0, not in_seconds, sensor)

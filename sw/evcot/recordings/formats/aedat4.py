@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: Apache-2.0
+"""AEDAT 4.0, read packet by packet.
+
+Layout: the AEDAT 4.0 page of iniVation's documentation, and the FlatBuffers schemas published with DV (IOHeader, EventPacket,
+FileDataTable). After the version line come a length and the header, which names the compression, the table's place (-1 until
+the writer closes the file) and, in XML, the streams. Then packets: stream, length, and a compressed FlatBuffers buffer with
+its length in front. Last, at the table's place and compressed alike, the table: each packet's offset (behind its stream and
+length), stream, length, number of elements, and times.
+
+Decoded here because faery 0.7 replaces a time that runs back by the latest one seen, ends the process for some damaged headers,
+and cannot find a time's place in the file.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ...errors import RecordingError
+from ...events import Events
+from .aedat4_header import HEADER_BYTES_MAX, Header, parse_header, type_of
+from .ahead import in_order
+from .flatbuffers import root_table, size_prefixed, table_columns, usual_vector, vector_head
+from .gather import batches
+from .packing import UNPACKED_BYTES_MAX
+from .source import BLOCK_EVENTS, Format, Sensor
+
+__all__ = ["EVENT", "FORMATS", "MAGIC", "PACKET_HEAD", "Aedat4File", "events_of"]
+
+MAGIC = b"#!AER-DAT4.0\r\n"
+PACKET_HEAD = struct.Struct("<ii")  # stream, length of what follows
+EVENT = np.dtype(
+    {"names": ["t", "x", "y", "on"], "formats": ["<i8", "<u2", "<u2", "u1"], "offsets": [0, 8, 10, 12], "itemsize": 16}
+)
+
+_USUAL_HEAD = vector_head(b"EVTS")
+_BATCH_BYTES = 4 * BLOCK_EVENTS  # packed, to be decoded at once
+# Field of a FileDataDefinition -> (index, bytes into it, type).
+_TABLE_FIELDS = {
+    "at": (0, 0, "<i8"),
+    "stream": (1, 0, "<i4"),
+    "length": (1, 4, "<i4"),
+    "count": (2, 0, "<i8"),
+    "first_us": (3, 0, "<i8"),
+    "last_us": (4, 0, "<i8"),
+}
+
+
+class _Packet(NamedTuple):
+    """A packet's row in the table (-1 without one), the offset behind its stream and length, and that length."""
+
+    row: int
+    at: int
+    length: int
+
+
+class _Decoded(NamedTuple):
+    """Events, and what ends them."""
+
+    events: Events
+    fault: RecordingError | None
+
+
+class Aedat4File:
+    """The first stream of events of an AEDAT4 file. See `source.Source`."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._size = path.stat().st_size
+        self.left_out: Counter[str] = Counter()
+        with path.open("rb") as file:
+            header = _read_header(file, self._size)
+            self._begin, self._streams = header.end, header.streams
+            closed = header.table_at != -1
+            self._end = header.table_at if closed else self._size
+            if not self._begin <= self._end <= self._size:
+                raise RecordingError(
+                    f"packets from byte {self._begin} to {self._end}: must lie within {self._size} bytes; is the file cut off?"
+                )
+            self._new_unpacker = header.new_unpacker
+            self._table = self._read_table(file) if closed else None
+        self._stream = header.first_of_events
+        self.sensor = header.sensor(self._stream)
+        others = [f"stream {stream} ({type_of(said)})" for stream, said in self._streams.items() if stream != self._stream]
+        self.details: Mapping[str, str] = {
+            "source": self._streams[self._stream].get("source", "not named"),
+            "compression": header.compression_name,
+            "packet table": "whole" if closed else "none: the writer never closed the file",
+            "passed over": ", ".join(others) or "nothing",
+        }
+
+    def _read_table(self, file: BinaryIO) -> dict[str, NDArray[np.int64]]:
+        """The table's columns, in the order of the packets' offsets; they cover the packets' bytes without a gap."""
+        if self._size - self._end > UNPACKED_BYTES_MAX:
+            raise RecordingError(f"packet table of {self._size - self._end} bytes: must be at most {UNPACKED_BYTES_MAX}")
+        file.seek(self._end)
+        try:
+            data = size_prefixed(self._new_unpacker()(file.read()))
+            table = table_columns(data, root_table(data, b"FTAB").vector(0, 4), _TABLE_FIELDS)
+        except RecordingError as error:
+            raise RecordingError(f"packet table at byte {self._end}: {error}; is the file cut off?") from error
+        order = np.argsort(table["at"], kind="stable")
+        table = {name: column[order] for name, column in table.items()}
+        begins = table["at"] - PACKET_HEAD.size
+        ends = np.append(self._begin, table["at"] + table["length"])
+        wrong = np.flatnonzero((ends != np.append(begins, self._end)) | (np.append(0, table["length"]) < 0))
+        if len(wrong):
+            raise RecordingError(f"packet table at byte {self._end}: entry {wrong[0]} does not begin where the one before ends")
+        return table
+
+    def blocks(self, from_us: int | None = None) -> Iterator[Events]:
+        """See `source.Source`."""
+        with self._path.open("rb") as file:
+            read = ((packet, self._read(file, packet)) for packet in self._packets(file, from_us))
+            for decoded in in_order(self._decode, batches(read, _BATCH_BYTES, lambda each: len(each[1]))):
+                for begin in range(0, len(decoded.events), BLOCK_EVENTS):
+                    yield decoded.events[begin : begin + BLOCK_EVENTS]
+                if decoded.fault is not None:
+                    raise decoded.fault
+
+    def _packets(self, file: BinaryIO, from_us: int | None) -> Iterator[_Packet]:
+        """Every packet of events; with a table, from the first on that ends at `from_us` or later."""
+        if self._table is None:
+            yield from self._packets_in_turn(file)
+            return
+        rows = np.flatnonzero(self._table["stream"] == self._stream)
+        if from_us is not None:
+            reached = np.flatnonzero(self._table["last_us"][rows] >= from_us)
+            rows = rows[reached[0] :] if len(reached) else rows[:0]
+        columns = (rows, self._table["at"][rows], self._table["length"][rows])
+        yield from map(_Packet, *(column.tolist() for column in columns))
+
+    def _packets_in_turn(self, file: BinaryIO) -> Iterator[_Packet]:
+        """Every packet of events, found by following the lengths."""
+        unpack = self._new_unpacker()
+        at = self._begin
+        while at < self._end:
+            file.seek(at)
+            head = file.read(PACKET_HEAD.size)
+            stream, length = PACKET_HEAD.unpack(head) if len(head) == PACKET_HEAD.size else (self._stream, self._size)
+            at += PACKET_HEAD.size
+            if length < 0 or at + length > self._end:
+                raise RecordingError(
+                    f"packet at byte {at - PACKET_HEAD.size} goes beyond byte {self._end}, their end; is it cut off or damaged?"
+                )
+            if stream not in self._streams:
+                raise RecordingError(
+                    f"packet at byte {at - PACKET_HEAD.size}: stream {stream}: must be one of {sorted(self._streams)}"
+                )
+            if stream == self._stream:
+                yield _Packet(-1, at, length)
+            elif type_of(self._streams[stream]) != "EVTS" and unpack(file.read(length))[8:12] == b"EVTS":
+                raise RecordingError(f"packet at byte {at - PACKET_HEAD.size}: holds events: stream {stream} must not")
+            at += length
+
+    def _read(self, file: BinaryIO, packet: _Packet) -> memoryview:
+        """A packet's bytes, packed as they are."""
+        place = f"packet at byte {packet.at - PACKET_HEAD.size}"
+        if packet.length > UNPACKED_BYTES_MAX:
+            raise RecordingError(f"{place}: {packet.length} bytes: must be at most {UNPACKED_BYTES_MAX}")
+        file.seek(packet.at - PACKET_HEAD.size)
+        data = file.read(PACKET_HEAD.size + packet.length)
+        if not data.startswith(PACKET_HEAD.pack(self._stream, packet.length)):
+            head = PACKET_HEAD.unpack_from(data) if len(data) >= PACKET_HEAD.size else None
+            raise RecordingError(
+                f"{place}: stream and length {head}, {(self._stream, packet.length)} by the table: must be the same"
+            )
+        return memoryview(data)[PACKET_HEAD.size :]
+
+    def _decode(self, read: list[tuple[_Packet, memoryview]]) -> _Decoded:
+        """The events of some packets, up to the first that is damaged or not what the table says."""
+        unpack = self._new_unpacker()
+        parts: list[NDArray[np.int64]] = []
+        fault: RecordingError | None = None
+        for packet, data in read:
+            try:
+                parts.append(_elements(unpack(data)))
+            except RecordingError as error:
+                fault = RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}")
+                break
+        packets = [packet for packet, _ in read[: len(parts)]]
+        ends = np.cumsum([len(part) // 2 for part in parts], dtype=np.int64)
+        events = Events.allocated(int(ends[-1]) if parts else 0)
+        for part, end in zip(parts, ends, strict=True):
+            _fill(part, end - len(part) // 2, events.t_us, events.x, events.y, events.p)
+        wrong = self._first_unlike_table(packets, events.t_us, ends)
+        if wrong is None:
+            return _Decoded(events, fault)
+        good = int(ends[wrong - 1]) if wrong else 0
+        return _Decoded(events[:good], RecordingError(self._mismatch(packets[wrong], events.t_us[good : ends[wrong]])))
+
+    def _first_unlike_table(self, packets: list[_Packet], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
+        if self._table is None:
+            return None
+        rows = [packet.row for packet in packets]
+        counts = np.diff(ends, prepend=0)
+        filled = counts > 0
+        wrong = counts != self._table["count"][rows]
+        for index, column in ((ends - counts, "first_us"), (ends - 1, "last_us")):
+            wrong[filled] |= t_us[index[filled]] != self._table[column][rows][filled]
+        return int(np.argmax(wrong)) if wrong.any() else None
+
+    def _mismatch(self, packet: _Packet, t_us: NDArray[np.int64]) -> str:
+        assert self._table is not None
+        found = f"{len(t_us)} events" + (f" from t = {t_us[0]} to {t_us[-1]} us" if len(t_us) else "")
+        count, first, last = (int(self._table[name][packet.row]) for name in ("count", "first_us", "last_us"))
+        return (
+            f"packet at byte {packet.at - PACKET_HEAD.size}: {found}, {count} from t = {first} to {last} us by the table: "
+            "must be the same; does time run back, or is it damaged?"
+        )
+
+    def smallest_sensor(self, width: int, height: int) -> Sensor:
+        """See `source.Source`."""
+        return width, height
+
+    def close(self) -> None:
+        """Nothing stays open between passes."""
+
+
+def _elements(data: bytes) -> NDArray[np.int64]:
+    """The vector of events in an unpacked packet, two words each."""
+    vector = usual_vector(data, _USUAL_HEAD, EVENT.itemsize)
+    if vector is None:
+        buffer = size_prefixed(data)
+        at, count = root_table(buffer, b"EVTS").vector(0, EVENT.itemsize)
+        vector = buffer[at : at + count * EVENT.itemsize]
+    return np.frombuffer(vector, "<i8")
+
+
+def events_of(data: bytes) -> Events:
+    """The events of one unpacked packet.
+
+    Raises:
+        RecordingError: it is damaged.
+    """
+    words = _elements(data)
+    events = Events.allocated(len(words) // 2)
+    _fill(words, 0, events.t_us, events.x, events.y, events.p)
+    return events
+
+
+@njit(cache=True, nogil=True)
+def _fill(words, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
+    """Events from their two words each: the time; and x, y, polarity from the low bits up, as `EVENT` has them."""
+    for i in range(len(words) // 2):
+        t_us[at + i] = words[2 * i]
+        word = words[2 * i + 1]
+        x[at + i] = word
+        y[at + i] = word >> 16
+        p[at + i] = word >> 32
+
+
+def _read_header(file: BinaryIO, size: int) -> Header:
+    file.seek(len(MAGIC))
+    length = int.from_bytes(file.read(4), "little")
+    end = len(MAGIC) + 4 + length
+    if size < len(MAGIC) + 4 or end > size:
+        raise RecordingError(f"ends within its header, at byte {size}")
+    if length > HEADER_BYTES_MAX:
+        raise RecordingError(f"header of {length} bytes: must be at most {HEADER_BYTES_MAX}")
+    return parse_header(file.read(length), end)
+
+
+FORMATS = (Format("aedat4", "AEDAT 4.0", lambda start, _: start.startswith(MAGIC), Aedat4File),)

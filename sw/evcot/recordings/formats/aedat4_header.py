@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The header of AEDAT 4.0, the same in files and over a network. The layout is told in `aedat4`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+from ...errors import RecordingError
+from .flatbuffers import root_table
+from .packing import unpack_lz4, unpack_zstd
+from .source import Sensor
+
+__all__ = ["HEADER_BYTES_MAX", "Header", "parse_header", "type_of"]
+
+HEADER_BYTES_MAX = 1 << 24
+
+_COMPRESSIONS = ("none", "LZ4", "LZ4", "Zstandard", "Zstandard")
+
+Unpack = Callable[[bytes | memoryview], bytes]
+
+
+@dataclass(frozen=True)
+class Header:
+    """What stands ahead of the packets; `streams`: id -> what is said about it, its type under "typeIdentifier"."""
+
+    end: int
+    compression: int
+    table_at: int
+    streams: dict[int, dict[str, str]]
+
+    @property
+    def compression_name(self) -> str:
+        """For people; RecordingError where there is none of that number."""
+        if not 0 <= self.compression < len(_COMPRESSIONS):
+            raise RecordingError(f"header: compression {self.compression}: must be from 0 to {len(_COMPRESSIONS) - 1}")
+        return _COMPRESSIONS[self.compression]
+
+    @property
+    def new_unpacker(self) -> Callable[[], Unpack]:
+        """A function that makes unpackers of the header's kind of compression."""
+        return {"none": lambda: bytes, "LZ4": unpack_lz4, "Zstandard": unpack_zstd}[self.compression_name]
+
+    @property
+    def first_of_events(self) -> int:
+        """The first stream of events; RecordingError where there is none."""
+        found = [stream for stream, said in self.streams.items() if type_of(said) == "EVTS"]
+        if not found:
+            raise RecordingError(
+                f"has no stream of events: its streams are {[type_of(said) for said in self.streams.values()]}"
+            )
+        return min(found)
+
+    def sensor(self, stream: int) -> Sensor | None:
+        """(width, height) of a stream; None where it is not stated."""
+        sides = self.streams[stream].get("sizeX"), self.streams[stream].get("sizeY")
+        if sides == (None, None):
+            return None
+        try:
+            width, height = (int(side or "") for side in sides)
+        except ValueError as error:
+            raise RecordingError(f"header: sizeX, sizeY = {sides}: must be whole numbers") from error
+        return width, height
+
+
+def type_of(stream: dict[str, str]) -> str:
+    """Four letters that name what a stream holds."""
+    return stream.get("typeIdentifier", "")
+
+
+def parse_header(data: bytes, end: int) -> Header:
+    """The header in a buffer behind which, at byte `end`, packets follow.
+
+    Raises:
+        RecordingError: it is damaged.
+    """
+    try:
+        table = root_table(memoryview(data), b"IOHE")
+        return Header(end, table.number(0, "<i", 0), table.number(1, "<q", -1), _parse_streams(table.text(2)))
+    except RecordingError as error:
+        raise RecordingError(f"header: {error}") from error
+
+
+def _parse_streams(text: str) -> dict[int, dict[str, str]]:
+    """Stream id -> attributes, its own and those of its "info" node, from DV's tree of nodes and attributes."""
+    if "<!" in text:
+        raise RecordingError("description of streams: must be XML without declarations")
+    try:
+        root = ElementTree.fromstring(text)
+        return {
+            int(node.get("name", "")): {attr.get("key", ""): attr.text or "" for attr in node.iter("attr")}
+            for node in root.findall("node[@name='outInfo']/node")
+        }
+    except (ElementTree.ParseError, ValueError) as error:
+        raise RecordingError(f"description of streams: {error}: must be XML with numbered nodes under outInfo") from error

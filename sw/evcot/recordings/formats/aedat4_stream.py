@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""AEDAT 4.0 over TCP, as DV and dv-processing's NetworkWriter send it.
+
+Layout: what dv-processing 2.0 sends, byte by byte: the file's header with its length in front, without the version line (which
+is passed over where it comes), then packets as in a file, for as long as the connection lasts; no table ends them.
+"""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable, Iterator
+
+from ...errors import RecordingError
+from ...events import Events
+from .aedat4 import MAGIC, PACKET_HEAD, events_of
+from .aedat4_header import HEADER_BYTES_MAX, Header, parse_header
+from .source import Sensor
+
+__all__ = ["Aedat4Stream"]
+
+_ANSWER_S = 5.0  # how long a server may take to answer and to say what it sends
+_LOOK_S = 0.1  # how often a silent connection looks whether it is still wanted
+_PACKET_BYTES_MAX = 1 << 27  # 8 million events of 16 bytes: seconds of the fastest camera
+_PIECE_BYTES = 1 << 18
+
+
+class Aedat4Stream:
+    """The first stream of events that a server sends. A context manager.
+
+    Args:
+        host, port: where the server listens.
+
+    Attributes:
+        sensor: (width, height) in pixels as the server states it; None where it does not.
+        name: what the server calls the camera.
+
+    Raises:
+        RecordingError: nobody listens there, or what comes is no AEDAT 4.0; place, value and rule without the server's address.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        self._at = 0  # bytes of the stream that have been taken
+        self._got = bytearray()
+        try:
+            self._socket = socket.create_connection((host, port), timeout=_ANSWER_S)
+        except OSError as error:
+            raise RecordingError(f"cannot be reached: {error.strerror or error}") from error
+        try:
+            header = self._read_header()
+            self._stream = header.first_of_events
+            self.sensor: Sensor | None = header.sensor(self._stream)
+            self._unpack = header.new_unpacker()
+        except BaseException:
+            self.close()
+            raise
+        self._known = frozenset(header.streams)
+        self.name = header.streams[self._stream].get("source", "camera")
+        self._socket.settimeout(_LOOK_S)
+
+    def __enter__(self) -> Aedat4Stream:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the connection."""
+        self._socket.close()
+
+    def packets(self, wanted: Callable[[], bool] = lambda: True) -> Iterator[Events]:
+        """Events as they come, one packet each, until the server ends the connection.
+
+        Args:
+            wanted: asked about ten times a second; when it says no, no more packets are given.
+
+        Raises:
+            RecordingError: a packet is damaged, or the connection breaks within one.
+        """
+        while True:
+            at = self._at
+            head = self._take(PACKET_HEAD.size, wanted)
+            if head is None:
+                break
+            stream, length = PACKET_HEAD.unpack(head)
+            if stream not in self._known or not 0 <= length <= _PACKET_BYTES_MAX:
+                rule = f"must be one of {sorted(self._known)} and at most {_PACKET_BYTES_MAX}"
+                raise RecordingError(f"byte {at}: packet of stream {stream}, {length} bytes: {rule}")
+            data = self._take(length, wanted)
+            if data is None:
+                break
+            if stream == self._stream:
+                try:
+                    yield events_of(self._unpack(data))
+                except RecordingError as error:
+                    raise RecordingError(f"packet at byte {at}: {error}") from error
+        if self._end > at and wanted():
+            raise RecordingError(f"ends within a packet, at byte {self._end}")
+
+    def _read_header(self) -> Header:
+        try:
+            first = self._take_all(4)
+            if first == MAGIC[:4]:
+                self._take_all(len(MAGIC) - 4)
+                first = self._take_all(4)
+            length = int.from_bytes(first, "little")
+            if length > HEADER_BYTES_MAX:
+                raise RecordingError(f"header of {length} bytes: must be at most {HEADER_BYTES_MAX}; is it AEDAT4?")
+            return parse_header(self._take_all(length), self._at)
+        except TimeoutError as error:
+            raise RecordingError(f"sends no header within {_ANSWER_S:g} s") from error
+
+    def _take_all(self, count: int) -> bytes:
+        """So many bytes of the header; here alone, silence is an error."""
+        data = self._take(count, None)
+        if data is None:
+            raise RecordingError(f"ends within its header, at byte {self._end}")
+        return data
+
+    def _take(self, count: int, wanted: Callable[[], bool] | None) -> bytes | None:
+        """So many bytes of the stream; None when it ends or is not wanted any more."""
+        while len(self._got) < count:
+            try:
+                piece = self._socket.recv(_PIECE_BYTES)
+            except TimeoutError:
+                if wanted is None:
+                    raise
+                piece = None
+            except OSError as error:
+                raise RecordingError(f"byte {self._end}: connection broke: {error.strerror or error}") from error
+            if piece == b"" or (wanted is not None and not wanted()):
+                return None
+            self._got += piece or b""
+        data = bytes(memoryview(self._got)[:count])
+        del self._got[:count]
+        self._at += count
+        return data
+
+    @property
+    def _end(self) -> int:
+        """How many bytes have come."""
+        return self._at + len(self._got)

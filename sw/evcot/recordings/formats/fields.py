@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What people call the fields of an event, and the unit that a name may state for its time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...errors import RecordingError
+
+__all__ = ["UNITS", "Naming", "find_fields"]
+
+_MEANINGS = {
+    **dict.fromkeys(("t", "ts", "time", "timestamp", "timestamps"), "t"),
+    "x": "x",
+    "y": "y",
+    **dict.fromkeys(("p", "on", "pol", "polarity", "polarities"), "p"),
+}
+_POWERS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
+UNITS = {6: "seconds", 3: "milliseconds", 0: "microseconds", -3: "nanoseconds"}  # of 10**power us
+_NAME = re.compile(rf"(.*?)(?:(?:_|\s*[(\[])({'|'.join(_POWERS)})[)\]]?)?")
+
+
+@dataclass(frozen=True)
+class Naming:
+    """Which of some names are t, x, y and p.
+
+    Attributes:
+        columns: index of t, x, y, p among the names.
+        power: the time's unit is 10**power us, as its name says (`t_us`, `t_s`, `t[s]`); None where it does not.
+    """
+
+    columns: tuple[int, int, int, int]
+    power: int | None
+
+
+def find_fields(names: Sequence[str]) -> Naming:
+    """Find t, x, y and p among names of columns, in any case, whatever else is there.
+
+    Raises:
+        RecordingError: a field that no name means, or more than one; the message is the rule, and says which field.
+    """
+    found: dict[str, list[int]] = {"t": [], "x": [], "y": [], "p": []}
+    power = None
+    for i, name in enumerate(names):
+        match = _NAME.fullmatch(name.strip().strip("\"'").lower())
+        stem, unit = match.groups() if match else ("", None)
+        field = _MEANINGS.get(stem)
+        if field is not None and (unit is None or field == "t"):
+            found[field].append(i)
+            power = power if unit is None else _POWERS[unit]
+    wrong = next((field for field, places in found.items() if len(places) != 1), None)
+    if wrong is not None:
+        raise RecordingError(f"must name each of t, x, y, p once; {wrong} is not")
+    t, x, y, p = (places[0] for places in found.values())
+    return Naming((t, x, y, p), power)

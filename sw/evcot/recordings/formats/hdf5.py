@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: Apache-2.0
+"""HDF5 files of events: DSEC, Prophesee, M3ED, MVSEC, and the flat columns of E2VID's packagers.
+
+Times that are integers are microseconds; floating ones are seconds, rounded to the nearest microsecond.
+https://dsec.ifi.uzh.ch/data-format, https://docs.prophesee.ai/stable/data/file_formats/hdf5.html, https://m3ed.io/data_overview
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RecordingError
+from ...events import Events
+from .ahead import in_order
+from .hdf5_survey import Part, Survey, survey
+from .numeric import events_from_numbers, events_from_records, microseconds
+from .printable import printable, reason
+from .source import BLOCK_EVENTS, Format, Sensor
+
+__all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file"]
+
+MAGIC = b"\x89HDF\r\n\x1a\n"
+_ECF = 0x8ECF
+_READ_ROWS = 1 << 17  # at least so many rows are read at once: a call of the library takes long, whatever it reads
+
+
+class Rows:
+    """A dataset's rows, in slices that follow one another: every chunk is read, and its compression undone, once."""
+
+    def __init__(self, dataset: Any, chunk_rows: int) -> None:
+        self._dataset = dataset
+        self._step = chunk_rows * -(-_READ_ROWS // chunk_rows)
+        self._begin = self._end = 0
+        self._held: NDArray[Any] = np.empty(0)
+
+    def __getitem__(self, window: slice) -> NDArray[Any]:
+        """The rows from window.start to below window.stop.
+
+        Raises:
+            RecordingError: they cannot be read.
+        """
+        begin, end = window.start, window.stop
+        if end > self._end or begin < self._begin:
+            kept = self._held[begin - self._begin :] if self._begin <= begin < self._end else None
+            at = begin if kept is None else self._end
+            stop = min(-(-end // self._step) * self._step, len(self._dataset))
+            rows = self._read(at, stop)
+            self._held = rows if kept is None else np.concatenate((kept, rows))
+            self._begin, self._end = begin, stop
+        return self._held[begin - self._begin : end - self._begin]
+
+    def at(self, row: int) -> NDArray[Any]:
+        """One row, as a slice of length 1; what slices hold stays."""
+        return self._read(row, row + 1)
+
+    def _read(self, begin: int, end: int) -> NDArray[Any]:
+        try:
+            rows: NDArray[Any] = self._dataset[begin:end]
+        except (OSError, RuntimeError, ValueError, MemoryError) as error:
+            raise RecordingError(
+                f"{self._dataset.name}: values {begin} to {end - 1} cannot be read: {reason(error)}"
+            ) from error
+        if len(rows) != end - begin:
+            raise RecordingError(f"{self._dataset.name}: {len(rows)} values from {begin} on: must be {end - begin}")
+        return rows
+
+
+class Hdf5File:
+    """An HDF5 file of events as a `source.Source`."""
+
+    def __init__(self, path: Path) -> None:
+        found = survey(path)
+        self._file = open_file(path)
+        try:
+            held = {part["dataset"]: Rows(open_dataset(self._file, part), part["chunk"]) for part in found["columns"].values()}
+        except BaseException:
+            self._file.close()
+            raise
+        self._columns = {field: (held[part["dataset"]], part["pick"]) for field, part in found["columns"].items()}
+        rows, _ = self._columns["t"]
+        self._records = rows if all(self._columns[field] == (rows, field) for field in "txyp") else None
+        self._count: int = found["count"]
+        self._t_offset: int = found["t_offset"]
+        self._index = found["index"] and self._file[found["index"]]
+        self.sensor: Sensor | None = _sensor(found)
+        self.details: Mapping[str, str] = found["details"]
+        self.left_out: Counter[str] = Counter()
+
+    def blocks(self, from_us: int | None = None) -> Iterator[Events]:
+        """See `source.Source`."""
+        first = 0 if from_us is None else self._place_of(from_us - self._t_offset)
+        pieces = range(first, self._count, _READ_ROWS)
+        # Columns need little work here while the library reads the next; records want the core that has just read them.
+        read = map(self._read, pieces) if self._records else in_order(self._read, pieces, workers=1)
+        for piece, columns in zip(pieces, read, strict=True):
+            for begin in range(0, len(columns[0]), BLOCK_EVENTS):
+                yield self._events([column[begin : begin + BLOCK_EVENTS] for column in columns], piece + begin)
+
+    def _read(self, begin: int) -> list[NDArray[Any]]:
+        """The next columns t, x, y, p; or one of whole records."""
+        window = slice(begin, min(begin + _READ_ROWS, self._count))
+        if self._records:
+            return [self._records[window]]
+        return [_pick(rows[window], pick) for rows, pick in (self._columns[field] for field in "txyp")]
+
+    def _events(self, columns: list[NDArray[Any]], first_index: int) -> Events:
+        if len(columns) == 1:
+            (records,) = columns
+            columns = [records[field] for field in "txyp"]
+            events = events_from_records(records, self._t_offset)
+            if events is not None:
+                return events
+        t, x, y, p = columns
+        return events_from_numbers(t, x, y, p, first_index, self._t_offset)
+
+    def smallest_sensor(self, width: int, height: int) -> Sensor:
+        """See `source.Source`."""
+        return width, height
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _time_at(self, i: int) -> int:
+        rows, pick = self._columns["t"]
+        return int(microseconds(_pick(rows.at(i), pick), i)[0])
+
+    def _place_of(self, t_us: int) -> int:
+        """Before which event all are earlier than `t_us`, a time without the file's offset."""
+        indexed = self._indexed(t_us)
+        if indexed is not None:
+            return indexed
+        low, high = 0, self._count
+        while low < high:
+            middle = (low + high) // 2
+            if self._time_at(middle) < t_us:
+                low = middle + 1
+            else:
+                high = middle
+        return low
+
+    def _indexed(self, t_us: int) -> int | None:
+        """The same by the file's index, the first event of each millisecond; None where it does not tell, or not the truth."""
+        ms = t_us // 1000
+        if self._index is None or not 0 <= ms < len(self._index):
+            return None
+        try:
+            place = int(self._index[ms])
+        except (OSError, RuntimeError, ValueError, TypeError):
+            return None
+        if not 0 <= place <= self._count:
+            return None
+        is_early = place == 0 or self._time_at(place - 1) < ms * 1000
+        is_late = place == self._count or self._time_at(place) >= ms * 1000
+        return place if is_early and is_late else None
+
+
+def _pick(rows: NDArray[Any], pick: str | int | None) -> NDArray[Any]:
+    if pick is None:
+        return rows
+    picked: NDArray[Any] = rows[pick] if isinstance(pick, str) else rows[:, pick]
+    return picked
+
+
+def _sensor(found: Survey) -> Sensor | None:
+    return tuple(found["sensor"]) if found["sensor"] else None
+
+
+def open_file(path: Path) -> Any:
+    """An HDF5 file for reading.
+
+    Raises:
+        RecordingError: the library cannot open it.
+    """
+    import h5py
+
+    try:
+        return h5py.File(path, "r")
+    except (OSError, RuntimeError) as error:
+        raise RecordingError(f"cannot be opened as HDF5: {reason(error)}") from error
+
+
+def open_dataset(file: Any, part: Part) -> Any:
+    """The dataset of a part of a survey.
+
+    Raises:
+        RecordingError: it cannot be opened, or its compression needs what is not installed.
+    """
+    for code, name in part["filters"]:
+        _check_filter(part["dataset"], code, name)
+    try:
+        return file[part["dataset"]]
+    except (KeyError, OSError, RuntimeError, ValueError) as error:
+        raise RecordingError(f"{part['dataset']}: cannot be opened: {reason(error)}") from error
+
+
+def _check_filter(dataset: str, code: int, name: str) -> None:
+    from h5py import h5z
+
+    if h5z.filter_avail(code):
+        return
+    if code == _ECF:
+        need = "Prophesee's plugin hdf5_ecf in $HDF5_PLUGIN_PATH, or the recording as RAW"
+    else:
+        try:
+            import hdf5plugin  # noqa: F401  (makes its filters known to the library)
+        except ImportError:
+            need = "pip install 'evcot[hdf5]'"
+        else:
+            if h5z.filter_avail(code):
+                return
+            need = "its plugin in $HDF5_PLUGIN_PATH"
+    called = {_ECF: "ECF", 32001: "Blosc"}.get(code, printable(name.split(";")[0]) or "unnamed")
+    raise RecordingError(f"{dataset}: is compressed by {called} (HDF5 filter {code}): needs {need}")
+
+
+def _is_hdf5(start: bytes, _: Path) -> bool:
+    return start.startswith(MAGIC) or start[512:].startswith(MAGIC)
+
+
+FORMATS = (Format("hdf5", "HDF5", _is_hdf5, Hdf5File),)

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an HDF5 file holds, found in a process of its own.
+
+On damaged tables the HDF5 library may run for ever: it did on two of 4,000 corruptions of a small file. So whatever has to be
+found out before numbers can be read, `survey` lets a child find out, which may be stopped. The child runs this file as a
+script: nothing of the package is imported at its top.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+__all__ = ["Part", "Survey", "survey"]
+
+Survey = dict[str, Any]
+Part = dict[str, Any]
+
+SECONDS = 20.0
+# Where events are found, and the time index that may lie beside them: DSEC and the packagers for E2VID; Prophesee; M3ED; MVSEC.
+_PLACES: tuple[tuple[str, str], ...] = (
+    ("events", "ms_to_idx"),
+    ("CD/events", ""),
+    ("prophesee/left", "prophesee/left/ms_map_idx"),
+    ("prophesee/right", "prophesee/right/ms_map_idx"),
+    ("davis/left/events", ""),
+    ("davis/right/events", ""),
+    ("/", "ms_to_idx"),
+)
+_NAMES = {
+    "t": ("t", "ts", "timestamps", "timestamp"),
+    "x": ("x", "xs", "x_coordinates"),
+    "y": ("y", "ys", "y_coordinates"),
+    "p": ("p", "ps", "polarity", "polarities", "pol"),
+}
+# MVSEC: a row per event.
+_MATRIX = {"x": 0, "y": 1, "t": 2, "p": 3}
+# Of a dataset in one chunk, all of it has to be in memory at a time.
+_MOST_CHUNK_BYTES = 1 << 30
+
+
+def survey(path: Path, *, matlab: bool = False) -> Survey:
+    """What the file holds: "columns" (of t, x, y, p each the dataset, what to pick of its rows, its rows in a chunk, its
+    filters), "count", "t_offset", "index", "sensor", "details".
+
+    Args:
+        matlab: of any struct with the fields x, y, p, ts, whose columns may be matrices of one row.
+
+    Raises:
+        RecordingError: the file holds no events in a known layout, or its tables are damaged.
+    """
+    from ...errors import RecordingError
+    from .printable import printable
+
+    command = [sys.executable, "-P", __file__, str(path.absolute()), "matlab" if matlab else ""]
+    try:
+        child = subprocess.run(command, capture_output=True, timeout=SECONDS, stdin=subprocess.DEVNULL)
+    except subprocess.TimeoutExpired:
+        raise RecordingError(
+            f"the HDF5 library did not find its way through the file in {SECONDS:g} s: is it damaged?"
+        ) from None
+    try:
+        found: Survey = json.loads(child.stdout)
+    except ValueError:
+        told = child.stderr.decode(errors="replace").strip().splitlines()[-1:] or [f"status {child.returncode}"]
+        raise RecordingError(f"the HDF5 library ended its process ({printable(told[0])}): is the file damaged?") from None
+    if "error" in found:
+        raise RecordingError(printable(found["error"]))
+    return found
+
+
+class _Refusal(Exception):
+    """A file that breaks a rule; the message is for people."""
+
+
+def _survey(path: str, matlab: bool) -> Survey:
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        size = Path(path).stat().st_size
+        places = [(name, "") for name in file if name != "#refs#"] if matlab else _PLACES
+        present = [place for place in places if _is_here(file, place[0])]
+        for at, (place, index) in enumerate(present):
+            columns = _columns(file[place])
+            if columns:
+                counts = {field: _check(file[part["dataset"]], part, size, matlab) for field, part in columns.items()}
+                if len(set(counts.values())) > 1:
+                    held = ", ".join(f"{part['dataset']} {counts[field]}" for field, part in columns.items())
+                    raise _Refusal(f"{held} values: all must be the same")
+                others = [other for other, _ in present[at + 1 :] if other != "/" and _columns(file[other])]
+                return {
+                    "columns": columns,
+                    "count": counts["t"],
+                    "t_offset": _offset(file) if place in ("events", "/") else 0,
+                    "index": index if index and _is_here(file, index) and file[index].ndim == 1 else None,
+                    "sensor": _sensor(file, place),
+                    "details": {"events": place} | ({"also holds": ", ".join(others)} if others else {}),
+                }
+        found = ", ".join(sorted(file)[:8]) or "nothing"
+        raise _Refusal(f"holds no events in a known layout: has {found} at its top")
+
+
+def _is_here(file: Any, name: str) -> bool:
+    """Whether the path leads to something; each step is looked up in the list of its group's members."""
+    at = file
+    for step in name.strip("/").split("/"):
+        if step and (not hasattr(at, "keys") or step not in at):
+            return False
+        at = at[step] if step else at
+    return True
+
+
+def _columns(found: Any) -> dict[str, Part]:
+    """Of t, x, y, p each where it is; empty where this is no list of events."""
+    import h5py
+
+    if isinstance(found, h5py.Dataset):
+        picks: dict[str, Any]
+        if found.dtype.names:
+            picks = {field: _alias(names, found.dtype.names) for field, names in _NAMES.items()}
+        else:
+            picks = dict(_MATRIX) if found.ndim == 2 and found.shape[1] == len(_MATRIX) else {}
+        return {field: _part(found, pick) for field, pick in picks.items()} if picks and None not in picks.values() else {}
+    if not isinstance(found, h5py.Group):
+        return {}
+    members = list(found)
+    aliases = {field: _alias(names, members) for field, names in _NAMES.items()}
+    if None in aliases.values():
+        return {}
+    datasets = {field: found[name] for field, name in aliases.items()}
+    if not all(isinstance(dataset, h5py.Dataset) for dataset in datasets.values()):
+        return {}
+    return {field: _part(dataset, None) for field, dataset in datasets.items()}
+
+
+def _alias(names: tuple[str, ...], present: Any) -> str | None:
+    return next((name for name in names if name in present), None)
+
+
+def _part(dataset: Any, pick: str | int | None) -> Part:
+    creation = dataset.id.get_create_plist()
+    filters = [creation.get_filter(i) for i in range(creation.get_nfilters())]
+    return {
+        "dataset": dataset.name,
+        "pick": pick,
+        "chunk": dataset.chunks[0] if dataset.chunks else 1,
+        "filters": [[int(each[0]), each[3].decode(errors="replace")] for each in filters],
+    }
+
+
+def _check(dataset: Any, part: Part, file_bytes: int, matlab: bool) -> int:
+    """How many values the dataset holds, all of which must be in the file."""
+    name, pick = dataset.name, part["pick"]
+    dtype = dataset.dtype[pick] if isinstance(pick, str) else dataset.dtype
+    flat = dataset.shape is not None and (
+        dataset.ndim == 1 or (dataset.ndim == 2 and (1 in dataset.shape if matlab else pick is not None))
+    )
+    if not flat or dtype.kind not in "iufb" or dtype.itemsize > 8:
+        raise _Refusal(f"{name}: is {dataset.shape} of {dtype}: must be a list of numbers")
+    if dataset.is_virtual or dataset.external:
+        raise _Refusal(f"{name}: lies in another file: must be in this one")
+    if not dataset.size:
+        return 0
+    if dataset.chunks:
+        chunk_bytes = dataset.dtype.itemsize
+        chunks = 1
+        for length, chunk in zip(dataset.shape, dataset.chunks, strict=True):
+            chunk_bytes *= chunk
+            chunks *= -(-length // chunk)
+        if chunk_bytes > _MOST_CHUNK_BYTES:
+            raise _Refusal(f"{name}: chunks of {chunk_bytes} bytes: must be at most {_MOST_CHUNK_BYTES}")
+        held = dataset.id.get_num_chunks()
+        if held != chunks:
+            raise _Refusal(f"{name}: holds {held} of {chunks} chunks: must hold all")
+    elif dataset.id.get_storage_size() != dataset.nbytes or (dataset.id.get_offset() or 0) + dataset.nbytes > file_bytes:
+        raise _Refusal(f"{name}: of its {dataset.nbytes} bytes not all are in the file; is it cut off?")
+    return int(dataset.size if pick is None else dataset.shape[0])
+
+
+def _offset(file: Any) -> int:
+    """DSEC: what to add to every time, microseconds."""
+    if "t_offset" not in file:
+        return 0
+    offset = file["t_offset"]
+    if offset.size != 1 or offset.dtype.kind not in "iu":
+        raise _Refusal(f"t_offset: is {offset.shape} of {offset.dtype}: must be one whole number of microseconds")
+    value = int(offset[()].item())
+    if abs(value) >= 1 << 62:
+        raise _Refusal(f"t_offset = {value}: must be below 2^62")
+    return value
+
+
+def _sensor(file: Any, place: str) -> list[int] | None:
+    """(width, height), of the attributes of the place or those above it; or beside it, as M3ED has it."""
+    above = [place.rsplit("/", depth)[0] for depth in range(place.count("/") + 1)] if place != "/" else []
+    for name in [*above, "/"]:
+        attributes = dict(file[name].attrs)
+        geometry = attributes.get("geometry", "")
+        geometry = geometry.decode(errors="replace") if isinstance(geometry, bytes) else str(geometry)
+        readings: tuple[list[Any], ...] = (
+            [attributes.get("width"), attributes.get("height")],
+            geometry.split("x"),
+            _listed(attributes.get("sensor_resolution"))[1::-1],  # the one that names the height first
+            _listed(attributes.get("resolution")),
+        )
+        for sides in readings:
+            if len(sides) == 2 and all(str(side).strip().isdecimal() for side in sides):
+                return [int(side) for side in sides]
+    beside = f"{place}/calib/resolution"
+    if place.startswith("prophesee") and _is_here(file, beside) and file[beside].shape == (2,):
+        return [int(side) for side in file[beside][()]]
+    return None
+
+
+def _listed(value: Any) -> list[Any]:
+    """Up to three numbers of an array; none of anything else."""
+    return list(value.flat[:3]) if hasattr(value, "flat") else []
+
+
+def _main() -> None:
+    path, kind = sys.argv[1:]
+    try:
+        found = _survey(path, kind == "matlab")
+    except _Refusal as error:
+        found = {"error": str(error)}
+    except Exception as error:
+        # Whatever h5py raises, it raises because of the file.
+        found = {"error": f"its HDF5 tables are damaged: {error or type(error).__name__}"}
+    print(json.dumps(found))
+
+
+if __name__ == "__main__":
+    _main()

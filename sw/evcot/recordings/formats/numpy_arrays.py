@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays in .npy and .npz files, read a piece at a time: nothing is mapped into memory, nothing unpickled."""
+
+from __future__ import annotations
+
+import lzma
+import struct
+import tokenize
+import warnings
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RecordingError
+from .printable import reason
+
+__all__ = ["StoredArray", "damage_named", "npy_array", "npz_arrays"]
+
+_HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+_LONGEST_ROW_BYTES = 256
+_FAR_BYTES = 1 << 20
+_LOCAL_HEADER = struct.Struct("<26xHH")  # of a zip's member: ends in the lengths of its name and of what else precedes the data
+_DAMAGE = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, tokenize.TokenError, EOFError, LookupError, MemoryError),
+    *(ArithmeticError, RuntimeError, SyntaxError, TypeError, ValueError),
+)  # fmt: skip
+
+
+@contextmanager
+def damage_named(what: str) -> Iterator[None]:
+    """Whatever zipfile and NumPy raise about a damaged file, as a RecordingError."""
+    try:
+        yield
+    except RecordingError:
+        raise
+    except _DAMAGE as error:
+        raise RecordingError(f"{what}: {reason(error)}") from error
+
+
+@dataclass(frozen=True)
+class StoredArray:
+    """An array in a file.
+
+    Attributes:
+        name: for messages.
+        dtype, shape, fortran_order: as its header has them.
+        header_bytes: where its values begin in the stream that `open` gives.
+        open: gives a stream of header and values, which stands at a byte of it.
+        seekable: whether `open` finds its place without reading what is before it.
+        following_bytes: how many stand behind the values in the stream, as part of the same array.
+    """
+
+    name: str
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]
+    fortran_order: bool
+    header_bytes: int
+    open: Callable[[int], IO[bytes]]
+    seekable: bool
+    following_bytes: int = 0
+
+    def columns(self) -> list[StoredArray]:
+        """The columns of a 2-D array in Fortran order, which stand one after another; the file must not end before the last."""
+        n, count = self.shape
+        column_bytes = n * self.dtype.itemsize
+        return [
+            replace(self, shape=(n,), fortran_order=False, header_bytes=self.header_bytes + i * column_bytes,
+                    following_bytes=(count - 1 - i) * column_bytes)
+            for i in range(count)
+        ]  # fmt: skip
+
+    def rows_as_records(self) -> StoredArray:
+        """A 2-D array in C order as records of one field per column."""
+        n, count = self.shape
+        return replace(self, shape=(n,), dtype=np.dtype([(f"column {i}", self.dtype) for i in range(count)]))
+
+    def rows(self, first: int) -> IO[bytes]:
+        """A stream of the values from a row on."""
+        return self.open(self.header_bytes + first * self.dtype.itemsize)
+
+    def read(self, stream: IO[bytes], count: int) -> NDArray[Any]:
+        """The next `count` rows of a stream, or as many as there are."""
+        with damage_named(f"{self.name} is damaged"):
+            content = stream.read(count * self.dtype.itemsize)
+            return np.frombuffer(content, self.dtype, len(content) // self.dtype.itemsize)
+
+    def check_end(self, stream: IO[bytes]) -> None:
+        """When all rows have been read: refuse a file that goes on, and one whose checksum tells of damage."""
+        with damage_named(f"{self.name} is damaged"):
+            if not self.following_bytes and stream.read(1):
+                raise RecordingError(f"{self.name}: goes on after {self.shape[0]} rows: its header must tell of all")
+
+
+def _array(name: str, open_at: Callable[[int], IO[bytes]], seekable: bool) -> StoredArray:
+    with damage_named(f"{name} has a damaged header"), warnings.catch_warnings(), open_at(0) as stream:
+        warnings.simplefilter("ignore")
+        version = np.lib.format.read_magic(stream)
+        if version not in _HEADERS:
+            raise RecordingError(f"{name}: npy version {version[0]}.{version[1]}: must be 1.0 or 2.0")
+        shape, fortran_order, dtype = _HEADERS[version](stream)
+        array = StoredArray(name, dtype, shape, fortran_order, stream.tell(), open_at, seekable)
+    if not 0 < dtype.itemsize <= _LONGEST_ROW_BYTES or dtype.hasobject or any(side < 0 for side in shape):
+        raise RecordingError(
+            f"{name}: is {shape} of {dtype.itemsize} bytes each: must be up to {_LONGEST_ROW_BYTES}, no objects"
+        )
+    return array
+
+
+def npy_array(path: Path) -> StoredArray:
+    """The array of an .npy file."""
+
+    def open_at(byte: int) -> IO[bytes]:
+        file = path.open("rb")
+        file.seek(byte)
+        return file
+
+    return _array("array", open_at, True)
+
+
+def npz_arrays(path: Path) -> dict[str, StoredArray]:
+    """The arrays of an .npz file by their names; of a compressed one, only a stream from its start is checked for damage."""
+    with damage_named("is a damaged npz"), zipfile.ZipFile(path) as archive:
+        members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
+    arrays: dict[str, StoredArray] = {}
+    for info in members:
+        name = info.filename.removesuffix(".npy")
+        if name in arrays:
+            raise RecordingError(f"is a damaged npz: has two arrays {name!r}")
+        stored = info.compress_type == zipfile.ZIP_STORED
+        arrays[name] = _array(repr(name), _member_opener(path, info), stored)
+    return arrays
+
+
+def _member_opener(path: Path, info: zipfile.ZipInfo) -> Callable[[int], IO[bytes]]:
+    """Opens a member through zipfile, which finds damage when all is read; far into what is stored plainly, without it."""
+
+    def open_at(byte: int) -> IO[bytes]:
+        if info.compress_type == zipfile.ZIP_STORED and byte >= _FAR_BYTES:
+            file = path.open("rb")
+            file.seek(info.header_offset)
+            name_bytes, extra_bytes = _LOCAL_HEADER.unpack(file.read(_LOCAL_HEADER.size))
+            file.seek(name_bytes + extra_bytes + byte, 1)
+            return file
+        with damage_named("is a damaged npz"), zipfile.ZipFile(path) as archive:
+            member = archive.open(info)
+            member.seek(byte)
+            return member
+
+    return open_at

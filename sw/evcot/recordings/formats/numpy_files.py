@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""NumPy's own files: .npz with an array per field, and .npy of records or of rows t, x, y, p.
+
+Fields may have any of the names in `fields`. Times are in the unit that their name states (`t_us`, `t_s`), else integers are
+microseconds; floating ones are seconds, unless those of the first block are all whole: then they are microseconds too. They
+are rounded to the nearest microsecond. Polarity is 1 or true where the pixel became brighter, 0, -1 or false where darker.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RecordingError
+from ...events import Events
+from .fields import UNITS, find_fields
+from .numeric import microseconds, whole_numbers
+from .numpy_arrays import StoredArray, npy_array, npz_arrays
+from .source import BLOCK_EVENTS, Format, Sensor
+
+__all__ = ["FORMATS"]
+
+_LATEST_US = 1 << 62
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A field of an event: all of an array, or a field of its records."""
+
+    array: StoredArray
+    field: str | None = None
+
+    @property
+    def type(self) -> np.dtype[Any]:
+        return self.array.dtype if self.field is None else self.array.dtype[self.field]
+
+    def of(self, rows: NDArray[Any]) -> NDArray[Any]:
+        return rows if self.field is None else rows[self.field]
+
+
+class _NumpySource:
+    """See `source.Source`.
+
+    Args:
+        columns: t, x, y, p.
+        power: times are in units of 10**power us; None where no name says it.
+    """
+
+    def __init__(self, columns: Sequence[_Column], power: int | None, sensor: Sensor | None = None) -> None:
+        self._columns = columns
+        self._arrays = list({id(column.array): column.array for column in columns}.values())
+        self._count = _common_count(columns)
+        self._power = self._power_of_floats() if power is None and self._type_of_t.kind == "f" else power
+        self.sensor = sensor
+        self.details = {"times in": UNITS[self._power or 0]}
+        self.left_out: Counter[str] = Counter()
+
+    @property
+    def _type_of_t(self) -> np.dtype[Any]:
+        return self._columns[0].type
+
+    def _power_of_floats(self) -> int | None:
+        """The unit of floating times: seconds, or, as None, microseconds that are all whole numbers."""
+        t = self._columns[0]
+        with t.array.rows(0) as stream:
+            first = t.of(t.array.read(stream, min(BLOCK_EVENTS, self._count)))
+        return None if np.array_equal(first, np.rint(first)) else 6
+
+    def blocks(self, from_us: int | None = None) -> Iterator[Events]:
+        """See `source.Source`."""
+        seekable = all(array.seekable for array in self._arrays)
+        at = first = self._first_from(from_us) if from_us is not None and seekable else 0
+        with ExitStack() as opened:
+            streams = [opened.enter_context(array.rows(at)) for array in self._arrays]
+            while at < self._count:
+                wanted = min(BLOCK_EVENTS, self._count - at)
+                parts = {id(array): array.read(stream, wanted) for array, stream in zip(self._arrays, streams, strict=True)}
+                got = min(map(len, parts.values()))
+                yield self._events([column.of(parts[id(column.array)][:got]) for column in self._columns], at)
+                at += got
+                if got < wanted:
+                    raise RecordingError(f"ends after event {at - 1} of {self._count}; is it cut off?")
+            if first == 0:
+                for array, stream in zip(self._arrays, streams, strict=True):
+                    array.check_end(stream)
+
+    def _events(self, values: Sequence[NDArray[Any]], first_index: int) -> Events:
+        t, x, y, p = values
+        return Events(
+            t_us=_microseconds(t, self._power, first_index),
+            x=whole_numbers("x", x, np.uint16, first_index),
+            y=whole_numbers("y", y, np.uint16, first_index),
+            p=whole_numbers("p", p, np.uint8, first_index, signed=p.dtype.kind in "if"),
+        )
+
+    def _first_from(self, from_us: int) -> int:
+        """Index of the first event from a time on, by bisection."""
+        t = self._columns[0]
+
+        def time_of(i: int) -> int:
+            with t.array.rows(i) as stream:
+                found = t.of(t.array.read(stream, 1))
+            # Of a file cut short, the end is for the reading to find.
+            return int(_microseconds(found, self._power, i)[0]) if len(found) else _LATEST_US
+
+        return bisect_left(range(self._count), from_us, key=time_of)
+
+    def smallest_sensor(self, width: int, height: int) -> Sensor:
+        """See `source.Source`."""
+        return width, height
+
+    def close(self) -> None:
+        """Nothing stays open."""
+
+
+def _microseconds(values: NDArray[Any], power: int | None, first_index: int) -> NDArray[np.int64]:
+    """Times in units of 10**power us; as they are, and whole, for None."""
+    if values.dtype.kind == "f":
+        if power == 6:
+            return microseconds(values, first_index)
+        scaled = values if power is None else np.rint(values * 10.0**power)
+        return whole_numbers("t", scaled, np.int64, first_index)
+    times = microseconds(values, first_index)
+    if power is None or power == 0:
+        return times
+    if power < 0:
+        unit = 10**-power
+        return np.asarray((times + unit // 2) // unit)
+    too_late = np.flatnonzero(np.abs(times) > _LATEST_US // 10**power)
+    if len(too_late):
+        i = int(too_late[0])
+        raise RecordingError(f"event {first_index + i}: t = {times[i]}: must be below 2^62 us, in {UNITS[power]}")
+    return np.asarray(times * 10**power)
+
+
+def _common_count(columns: Sequence[_Column]) -> int:
+    """How many events there are, once every column is sure to hold one number for each."""
+    for name, column in zip("txyp", columns, strict=True):
+        if len(column.array.shape) != 1 or column.type.kind not in "iubf":
+            raise RecordingError(f"{name}: is {len(column.array.shape)}-D of {column.type}: must be a list of numbers")
+    counts = [column.array.shape[0] for column in columns]
+    if len(set(counts)) != 1:
+        raise RecordingError(f"t, x, y, p hold {', '.join(map(str, counts))} values: all must be the same")
+    return counts[0]
+
+
+def _open_npy(path: Path) -> _NumpySource:
+    return _of_one_array(npy_array(path))
+
+
+def _of_one_array(array: StoredArray) -> _NumpySource:
+    if array.dtype.names:
+        naming = find_fields(array.dtype.names)
+        return _NumpySource([_Column(array, array.dtype.names[i]) for i in naming.columns], naming.power)
+    if len(array.shape) != 2 or array.shape[1] != 4:
+        raise RecordingError(f"is an array {array.shape} of {array.dtype}: must be (n, 4), or have fields t, x, y, p")
+    if array.fortran_order:
+        return _NumpySource([_Column(each) for each in array.columns()], None)
+    rows = array.rows_as_records()
+    return _NumpySource([_Column(rows, name) for name in rows.dtype.names or ()], None)
+
+
+def _open_npz(path: Path) -> _NumpySource:
+    arrays = npz_arrays(path)
+    if not arrays:
+        raise RecordingError("is a zip file without NumPy arrays")
+    only = next(iter(arrays.values())) if len(arrays) == 1 else None
+    if only is not None and (only.dtype.names or len(only.shape) == 2):
+        return _of_one_array(only)
+    names = list(arrays)
+    try:
+        naming = find_fields(names)
+    except RecordingError as error:
+        raise RecordingError(f"has arrays {', '.join(map(repr, names))}: {error}") from error
+    sensor = (_number(arrays["width"]), _number(arrays["height"])) if {"width", "height"} <= arrays.keys() else None
+    return _NumpySource([_Column(arrays[names[i]]) for i in naming.columns], naming.power, sensor)
+
+
+def _number(array: StoredArray) -> int:
+    if array.shape not in ((), (1,)) or array.dtype.kind not in "iu":
+        raise RecordingError(f"{array.name}: is {array.shape} of {array.dtype}: must be one whole number")
+    with array.rows(0) as stream:
+        value = array.read(stream, 1)
+        array.check_end(stream)
+    if not len(value):
+        raise RecordingError(f"{array.name}: ends before its value; is it cut off?")
+    return int(value[0])
+
+
+FORMATS = (
+    Format("npz", "NumPy npz", lambda start, _: start.startswith(b"PK\x03\x04"), _open_npz),
+    Format("npy", "NumPy npy", lambda start, _: start.startswith(b"\x93NUMPY"), _open_npy),
+)

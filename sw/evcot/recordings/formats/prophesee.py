@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Prophesee's files: a header, then the words of EVT 2.0, EVT 2.1, EVT 3.0 or DAT; the header tells which.
+
+Every event keeps the time that its own words give. The words are decoded here because faery 0.7 replaces a time that
+runs backwards by the latest one seen: that hides a damaged file, and moves events of a good EVT 3 file, where a camera's
+periodic time mark may run a few microseconds ahead of the events after it.
+
+A camera's stream may start between two time marks. Events before the first one have no time: they are left out and counted.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+
+from ...errors import RecordingError
+from .dat import dat_layout
+from .evt2 import evt2_layout, evt21_layout, is_upper_first
+from .evt3 import evt3_layout
+from .evt_writers import Evt2Sink, Evt3Sink
+from .prophesee_header import HEADER_BYTES, Header, parse_header
+from .source import Format, Sensor, WritableFormat
+from .words import Layout, WordFile, Words
+
+__all__ = ["FORMATS", "PROPHESEE_SENSORS", "WRITABLE"]
+
+# Where a header leaves the size out: the smallest of these that holds every event is taken.
+PROPHESEE_SENSORS: tuple[Sensor, ...] = ((304, 240), (320, 320), (480, 360), (640, 480), (1280, 720))
+
+# The second byte of a DAT payload's preamble; the first is the kind of event: 0 and 12 are brightness changes.
+_DAT_EVENT_BYTES = 8
+_DAT_CHANGES = (0, 12)
+
+_EVT_NAMES = {"2": "evt2", "2.1": "evt21", "3": "evt3"}
+
+
+def _smallest_sensor(width: int, height: int) -> Sensor:
+    fitting = (sensor for sensor in PROPHESEE_SENSORS if width <= sensor[0] and height <= sensor[1])
+    return next(fitting, PROPHESEE_SENSORS[-1])
+
+
+def _read_header(path: Path) -> Header:
+    with path.open("rb") as file:
+        return parse_header(file.read(HEADER_BYTES))
+
+
+def _is(name: str, start: bytes, path: Path) -> bool:
+    """Whether the file is of that format; one whose header is damaged is taken for DAT, whose opening says what is wrong."""
+    if not start.startswith(b"% "):
+        return False
+    try:
+        version = _first_header(start, path).evt_version
+    except RecordingError:
+        version = None
+    return name == _EVT_NAMES.get(version or "", "dat")
+
+
+def _first_header(start: bytes, path: Path) -> Header:
+    with suppress(RecordingError):
+        header = parse_header(start)
+        if header.length < len(start):
+            return header
+    return _read_header(path)
+
+
+def _open(path: Path, layout: Layout, header: Header, offset: int) -> WordFile:
+    sensor, details = header.sensor, header.details
+    words = Words(path, offset, layout.dtype)
+    details["words"] = f"{len(words)} of {8 * layout.dtype.itemsize} bits"
+    return WordFile(words, layout, sensor, details, _smallest_sensor)
+
+
+def _open_evt2(path: Path) -> WordFile:
+    header = _read_header(path)
+    return _open(path, evt2_layout(header.t0_us), header, header.length)
+
+
+def _open_evt21(path: Path) -> WordFile:
+    header = _read_header(path)
+    layout = evt21_layout(header.t0_us, upper_first=False)
+    upper_first = header.endianness == "legacy"
+    if header.endianness is None:
+        words = Words(path, header.length, layout.dtype)
+        upper_first = is_upper_first(words[: 1 << 16])
+        words.close()
+    if upper_first:
+        layout = evt21_layout(header.t0_us, upper_first)
+    source = _open(path, layout, header, header.length)
+    source.details = {**source.details, "order": "legacy" if upper_first else "little"}
+    return source
+
+
+def _open_evt3(path: Path) -> WordFile:
+    header = _read_header(path)
+    return _open(path, evt3_layout(header.t0_us), header, header.length)
+
+
+def _open_dat(path: Path) -> WordFile:
+    header = _read_header(path)
+    if header.evt_version is not None:
+        raise RecordingError(f"EVT version {header.evt_version}: must be 2.0, 2.1 or 3.0")
+    version = header.fields.get("version", "2")
+    if version not in ("1", "2"):
+        raise RecordingError(f"DAT version {version}: must be 1 or 2")
+    with path.open("rb") as file:
+        file.seek(header.length)
+        preamble = file.read(2)
+    if len(preamble) < 2:
+        raise RecordingError("the header names no EVT version, and no DAT event type and size follow it; is it cut off?")
+    if preamble[0] not in _DAT_CHANGES or preamble[1] != _DAT_EVENT_BYTES:
+        raise RecordingError(
+            f"the header names no EVT version, and DAT event type {preamble[0]} of {preamble[1]} bytes follows it: "
+            f"must be one of {_DAT_CHANGES} of {_DAT_EVENT_BYTES}"
+        )
+    return _open(path, dat_layout(header.t0_us, int(version)), header, header.length + len(preamble))
+
+
+FORMATS = (
+    Format("evt2", "Prophesee RAW, EVT 2.0", partial(_is, "evt2"), _open_evt2),
+    Format("evt21", "Prophesee RAW, EVT 2.1", partial(_is, "evt21"), _open_evt21),
+    Format("evt3", "Prophesee RAW, EVT 3.0", partial(_is, "evt3"), _open_evt3),
+    Format("dat", "Prophesee DAT", partial(_is, "dat"), _open_dat),
+)
+# The first is what the suffix .raw means.
+WRITABLE = (
+    WritableFormat("evt3", "Prophesee RAW, EVT 3.0", ".raw", Evt3Sink),
+    WritableFormat("evt2", "Prophesee RAW, EVT 2.0", ".raw", Evt2Sink),
+)

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The header of Prophesee's files: ASCII lines `% key value`, up to `% end` or to the first line that starts otherwise.
+
+https://docs.prophesee.ai/stable/data/file_formats/raw.html and dat.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from ...errors import RecordingError
+from .printable import printable
+from .source import Sensor
+
+__all__ = ["HEADER_BYTES", "T0_LIMIT_US", "Header", "parse_header"]
+
+# A header must end within so many bytes.
+HEADER_BYTES = 1 << 16
+# The `t0` that a header may state is below this: times after it still fit into 63 bits.
+T0_LIMIT_US = 1 << 62
+
+_DETAILS = {"camera": ("plugin_name", "integrator_name"), "serial": ("serial_number",), "date": ("date",)}
+
+
+@dataclass(frozen=True)
+class Header:
+    """The lines, keys in lower case, and the offset in bytes of what follows them."""
+
+    fields: Mapping[str, str]
+    length: int
+
+    @cached_property
+    def _format(self) -> tuple[str, dict[str, str]]:
+        """`EVT3;height=720;width=1280` as ("evt3", {"height": "720", "width": "1280"})."""
+        name, *options = self.fields.get("format", "").lower().replace(" ", "").split(";")
+        return name, dict(option.split("=", 1) for option in options if "=" in option)
+
+    @property
+    def evt_version(self) -> str | None:
+        """`2`, `2.1` or `3`, as `evt` and `format` say; None in the header of a DAT file.
+
+        Raises:
+            RecordingError: they say different things.
+        """
+        named = {self.fields.get("evt", ""), self._format[0].removeprefix("evt")} - {""}
+        versions = {{"21": "2.1"}.get(version, version.removesuffix(".0")) for version in named}
+        if len(versions) > 1:
+            raise RecordingError(f"header: EVT version {' and '.join(sorted(versions))}: evt and format must say the same")
+        return next(iter(versions), None)
+
+    @property
+    def endianness(self) -> str | None:
+        """In which order EVT 2.1 has the bytes of a word: `little`, `legacy`, or None where nothing says it."""
+        stated = self._format[1].get("endianness", "") or self.fields.get("endianness", "").lower()
+        if stated not in ("", "little", "legacy"):
+            raise RecordingError(f"header: endianness = {stated}: must be little or legacy")
+        return stated or None
+
+    @property
+    def sensor(self) -> Sensor | None:
+        """(width, height) from `geometry`, `format`, or `Width` and `Height`; None where nothing says it.
+
+        Raises:
+            RecordingError: they say different things.
+        """
+        options = self._format[1]
+        stated = [
+            (int(width), int(height))
+            for width, height in (
+                self.fields.get("geometry", "").partition("x")[::2],
+                (options.get("width", ""), options.get("height", "")),
+                (self.fields.get("width", ""), self.fields.get("height", "")),
+            )
+            if _is_number(width) and _is_number(height)
+        ]
+        if len(set(stated)) > 1:
+            sizes = " and ".join(f"{width}x{height}" for width, height in stated)
+            raise RecordingError(f"header: sensor {sizes}: must be the same size")
+        return stated[0] if stated else None
+
+    @property
+    def t0_us(self) -> int:
+        """What to add to every time, microseconds."""
+        t0 = self.fields.get("t0", "0")
+        if not _is_number(t0) or int(t0) >= T0_LIMIT_US:
+            raise RecordingError(f"header: t0 = {t0[:40]}: must be a whole number of microseconds below 2^62")
+        return int(t0)
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What else it says, for people."""
+        found = {name: next((self.fields[key] for key in keys if self.fields.get(key)), "") for name, keys in _DETAILS.items()}
+        return {name: value for name, value in found.items() if value}
+
+
+def _is_number(text: str) -> bool:
+    return text.isdecimal() and len(text) < 20
+
+
+def parse_header(content: bytes) -> Header:
+    """Read the header at the start of `content`: the first `HEADER_BYTES` of a file.
+
+    Raises:
+        RecordingError: no end of the header is in sight.
+    """
+    fields: dict[str, str] = {}
+    at = 0
+    while content.startswith(b"%", at) and content[at + 1 : at + 2] in (b" ", b""):
+        end = content.find(b"\n", at)
+        if end < 0:
+            raise RecordingError(f"ends within its header, at byte {len(content)}: a header line must end in a newline")
+        key, _, value = printable(content[at + 1 : end].decode("latin-1")).partition(" ")
+        at = end + 1
+        if key.lower() == "end":
+            break
+        fields[key.lower()] = value.strip()
+    return Header(fields, at)

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The configuration of a whole run, hardware, software tracker and filters: frozen, validated, loadable from TOML."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+from ..errors import ConfigError
+from ..filters.config import FilterConfig
+from ..filters.hot_pixels import load_hot_pixels
+from ..hardware.config import CotConfig, SlotConfig
+from ..hardware.contract import Shape
+from .rct.config import RctConfig
+
+__all__ = ["RunConfig", "load_toml", "load_tracker"]
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """What one run needs: the filters' and both trackers' configurations under a name."""
+
+    name: str = "default"
+    cot: CotConfig = field(default_factory=CotConfig)
+    rct: RctConfig = field(default_factory=RctConfig)
+    filters: FilterConfig = field(default_factory=FilterConfig)
+
+    def hardware(self, width: int, height: int) -> CotConfig:
+        """What the hardware in front of a sensor is configured with: `cot`, behind `filters`.
+
+        Raises:
+            ConfigError: a filter's time that ticks cannot count, or a hot pixel outside the sensor.
+        """
+        if not self.filters.enabled:
+            return self.cot
+        filters, shape = self.filters.registers(self.cot.tick_us), self.filters.shape(width, height)
+        return replace(self.cot, filters=filters, filter_shape=shape)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as summary.json stores them; the filters once, in users' units."""
+        values = asdict(self)
+        for name in ("filters", "filter_shape"):
+            del values["cot"][name]
+        return values
+
+
+def _section(data: Mapping[str, Any], allowed: set[str], where: str) -> Mapping[str, Any]:
+    for key in data:
+        if key not in allowed:
+            raise ConfigError(f"{where}: unknown field {key!r}: must be one of {', '.join(sorted(allowed))}")
+    return data
+
+
+def _table(data: Mapping[str, Any], key: str, where: str) -> Mapping[str, Any]:
+    value = data.get(key, {})
+    if not isinstance(value, Mapping):
+        raise ConfigError(f"{where}: [{key}] must be a table, not {value!r}")
+    return value
+
+
+def _names(cls: type) -> set[str]:
+    return {f.name for f in fields(cls)}
+
+
+def load_toml(path: Path, base: RunConfig) -> RunConfig:
+    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[rct]` and `[filters]` override `base`.
+
+    `[cot]` takes `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
+    also takes `hot_pixels_file`, a file of `filters.hot_pixels` beside the TOML file, in place of `hot_pixels`. `[run]`, which
+    says what a run was made of, is somebody else's to read.
+
+    Raises:
+        ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
+            starts with the file's name.
+    """
+    with _named(path):
+        return _override(base, _tables(path), path.parent)
+
+
+def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) -> tuple[Any, FilterConfig]:
+    """Read a TOML file whose table of a tracker's name, and `[filters]`, override its settings and the filters in front.
+
+    Raises:
+        ConfigError: as `load_toml`.
+    """
+    with _named(path):
+        data = _section(_tables(path), {name, "filters"}, "top level")
+        own = _section(_table(data, name, "top level"), _names(type(settings)), f"[{name}]")
+        return replace(settings, **own), _filters(filters, _table(data, "filters", "top level"), path.parent)
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Puts the file's name in front of what is wrong with it."""
+    try:
+        yield
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from error
+
+
+def _tables(path: Path) -> Mapping[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"is not TOML: {error}") from error
+
+
+def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:
+    _section(data, {"name", "run", "shape", "cot", "slot", "rct", "filters"}, "top level")
+    shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
+    cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
+    tick_us = cot.pop("tick_us", base.cot.tick_us)
+    template = base.cot.slots
+    slots = [replace(template[min(i, len(template) - 1)], **cot) for i in range(shape.n_slots)]
+    own = data.get("slot", [])
+    if not isinstance(own, list) or not all(isinstance(entry, Mapping) for entry in own):
+        raise ConfigError("[[slot]] must be a list of tables")
+    if len(own) > shape.n_slots:
+        raise ConfigError(f"[[slot]] stands {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
+    for i, entry in enumerate(own):
+        slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
+    rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
+    filters = _filters(base.filters, _table(data, "filters", "top level"), folder)
+    return RunConfig(str(data.get("name", base.name)), CotConfig(shape, tuple(slots), tick_us), rct, filters)
+
+
+def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path) -> FilterConfig:
+    own = dict(_section(table, _names(FilterConfig) | {"hot_pixels_file"}, "[filters]"))
+    name = own.pop("hot_pixels_file", None)
+    if name is not None:
+        if not isinstance(name, str) or "hot_pixels" in own:
+            raise ConfigError(f"[filters]: hot_pixels_file = {name!r}: must be a file's name, and stand without hot_pixels")
+        own["hot_pixels"] = load_hot_pixels(folder / name)
+    return replace(base, **own)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Kalman tracker, for events that come in runs and for recordings. See docs/kalman.md for the algorithm."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RecordingError
+from ...events import Events, Recording
+from ...tracks.log import TRACK, TrackLog
+from ...tracks.tracking import check_order, track_recording
+from .config import KalmanConfig
+from .kernel import feed
+from .layout import UNSET_US, make_rules, make_world
+from .life import RECORDS_PER_PACKET, close_packet
+
+__all__ = ["KalmanTracker", "track"]
+
+
+class KalmanTracker:
+    """Tracks events in runs of any length, the result does not depend on where they are cut.
+
+    Memory is constant beyond the arrays that are returned.
+    """
+
+    def __init__(self, config: KalmanConfig, width: int, height: int) -> None:
+        self.config = config
+        self._rules = make_rules(config, width, height)
+        self._world = make_world(config.max_objects, width, height)
+        self._buffer = np.zeros(2 * RECORDS_PER_PACKET * config.max_objects + 4096, TRACK)
+
+    def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        """Track a run of events.
+
+        Args:
+            events: (n,) events in time order, none before an event that was fed earlier, all on the sensor.
+
+        Returns:
+            (m,) records of dtype `TRACK`, of the packets that these events closed, and (n,) int16 owners: the slot that has
+            the greatest share in each event, -1 where none has one.
+
+        Raises:
+            RecordingError: the run starts before the last event of the previous one, or an event is not on the sensor.
+        """
+        run = self._world.run
+        check_order(events, int(run["last_us"][0]), int(run["index"][0]))
+        outside = (events.x >= self._rules.width) | (events.y >= self._rules.height)
+        if outside.any():
+            at = int(np.argmax(outside))
+            place, size = f"({events.x[at]}, {events.y[at]})", f"{self._rules.width}x{self._rules.height}"
+            raise RecordingError(f"event {int(run['index'][0]) + at}: {place}: must lie on the sensor, {size}")
+        owner = np.empty(len(events), np.int16)
+        parts: list[NDArray[np.void]] = []
+        done = 0
+        while done < len(events):
+            done = feed(self._rules, self._world, events.t_us, events.x, events.y, done, owner, self._buffer)
+            parts.append(self._take())
+        return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
+
+    def finish(self) -> NDArray[np.void]:
+        """Close the last packet when no more events come; (m,) records of dtype `TRACK`."""
+        run = self._world.run
+        if run["packet_end_us"][0] != UNSET_US:
+            close_packet(self._rules, self._world, int(run["packet_end_us"][0]), self._buffer)
+        return self._take()
+
+    def _take(self) -> NDArray[np.void]:
+        records = int(self._world.run["records"][0])
+        self._world.run["records"] = 0
+        return self._buffer[:records].copy()
+
+
+def track(recording: Recording, config: KalmanConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
+    """Run the Kalman tracker over a recording, or over the events in it that filters let stay.
+
+    Args:
+        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+
+    In the log `radius` is the mean of the box's half sides on the sensor, `support` the events that the object accumulated,
+    and `n_ev` those in the packet.
+    """
+    return track_recording("kalman", KalmanTracker(config, recording.width, recording.height), recording, keep)

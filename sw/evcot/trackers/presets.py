@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Named configurations: the paper's two situations, one for each common sensor size, and what was tuned for a kind of scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..errors import ConfigError
+from ..filters.config import FilterConfig
+from ..hardware.config import CotConfig, SlotConfig
+from ..hardware.contract import Shape
+from .config import RunConfig
+from .rct.config import RctConfig
+from .rct.presets import PRESETS as RCT_PRESETS
+
+__all__ = ["PRESETS", "fit", "for_sensor", "preset"]
+
+
+def _paper(name: str, n_ev: int, max_ticks: int) -> RunConfig:
+    """Table 2: the initial N_ev and the timer TC that ends a cluster, counted in ticks of one millisecond."""
+    slot = SlotConfig(
+        init_radix=8,
+        radix_th=4,
+        radix_min=6,
+        radix_max=14,
+        hist_avg=1,
+        max_ticks=max_ticks,
+        clust_nev=n_ev,
+        nev_min=max(1, n_ev // 2),
+        nev_max=2 * n_ev,
+        nev_th=2,
+        detect_ticks=5,
+    )
+    rct = RctConfig(radius_px=14.0, visible_events=48, lifetime_us=1_000 * max_ticks)
+    return RunConfig(name, CotConfig.uniform(Shape(), slot, tick_us=1_000), rct)
+
+
+def _sensor(name: str, radius_px: int, n_ev: int, lifetime_us: int) -> RunConfig:
+    """Windows of about `radius_px`, ticks of a microsecond.
+
+    A window should reach from one edge of an object to the other, so that a cluster that has caught one edge sees both.
+    """
+    ring = max(2, radius_px // 4)
+    inner = radius_px - ring
+    slot = SlotConfig(
+        init_radix=inner,
+        radix_th=ring,
+        radix_step=1,
+        radix_min=inner - max(1, inner // 6),
+        radix_max=inner + max(1, inner // 6),
+        hist_avg=3,
+        max_ticks=lifetime_us,
+        clust_nev=n_ev,
+        nev_min=n_ev // 2,
+        nev_max=n_ev * 2,
+        nev_th=lifetime_us // 8,
+        detect_ticks=lifetime_us // 3,
+    )
+    # The software tracker has no time limit for detection: it asks for more events instead.
+    rct = RctConfig(radius_px=float(radius_px), visible_events=2 * n_ev, lifetime_us=lifetime_us)
+    return RunConfig(name, CotConfig.uniform(Shape(), slot), rct)
+
+
+def _traffic() -> RunConfig:
+    """Cars seen from a bridge, on a sensor of about 346x260; docs/evaluation.md has how it was found and what it reaches.
+
+    Events of one polarity show a car as one edge instead of two, which a window holds whole.
+    """
+    slot = SlotConfig(
+        init_radix=19,
+        radix_th=3,
+        radix_min=2,
+        radix_max=50,
+        max_ticks=40_000,
+        clust_nev=24,
+        nev_min=24,
+        nev_max=48,
+        nev_th=100,
+        detect_ticks=7_000,
+    )
+    filters = FilterConfig(refractory_us=2_000, polarity="off")
+    return RunConfig("traffic", CotConfig.uniform(Shape(n_slots=12), slot), RCT_PRESETS["traffic"], filters)
+
+
+def _discs() -> RunConfig:
+    """Things of about 9 px radius that keep their size; N_ev stays, as docs/table2.md advises."""
+    slot = SlotConfig(
+        init_radix=10,
+        radix_th=4,
+        radix_min=6,
+        radix_max=12,
+        max_ticks=10_000,
+        clust_nev=6,
+        nev_min=6,
+        nev_max=6,
+        detect_ticks=10_000,
+    )
+    return RunConfig("discs", CotConfig.uniform(Shape(), slot), RCT_PRESETS["discs"], FilterConfig(refractory_us=500))
+
+
+PRESETS: dict[str, RunConfig] = {
+    config.name: config
+    for config in (
+        _paper("slow", 8, 20),
+        _paper("fast", 3, 7),
+        _paper("fast5", 5, 7),
+        _sensor("dvs128", 10, 16, 30_000),
+        _sensor("davis346", 16, 24, 15_000),
+        _sensor("vga", 24, 32, 12_000),
+        _sensor("hd", 32, 48, 10_000),
+        _traffic(),
+        _discs(),
+    )
+}
+
+# Widest sensor that a preset is meant for.
+_WIDTHS = {"dvs128": 128, "davis346": 346, "vga": 640, "hd": 1280}
+
+
+def preset(name: str) -> RunConfig:
+    """The preset of that name.
+
+    Raises:
+        ConfigError: there is none; the message lists them.
+    """
+    if name not in PRESETS:
+        raise ConfigError(f"preset {name!r}: must be one of {', '.join(PRESETS)}")
+    return PRESETS[name]
+
+
+def for_sensor(width: int) -> RunConfig:
+    """The preset for a sensor of this width: the first that is wide enough, else the widest."""
+    return PRESETS[next((name for name, widest in _WIDTHS.items() if width <= widest), "hd")]
+
+
+def fit(config: RunConfig, width: int, height: int, n_slots: int | None = None) -> RunConfig:
+    """The same configuration with addresses just wide enough for a sensor, and another number of slots if given.
+
+    Added slots repeat the last one's registers.
+    """
+    cot = config.cot
+    n = cot.shape.n_slots if n_slots is None else n_slots
+    shape = replace(cot.shape, x_w=_bits(width), y_w=_bits(height), n_slots=n)
+    slots = (cot.slots + cot.slots[-1:] * n)[:n]
+    return replace(config, cot=CotConfig(shape, slots, cot.tick_us))
+
+
+def _bits(size: int) -> int:
+    return max(1, (size - 1).bit_length())

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Settings of the Rectangular Cluster Tracker by name: the paper's, and one per kind of scene; and the filters they want."""
+
+from __future__ import annotations
+
+from ...filters.config import FilterConfig
+from .config import RctConfig
+
+__all__ = ["FILTERS", "PRESETS"]
+
+PRESETS: dict[str, RctConfig] = {
+    "plain": RctConfig(),
+    # A road that leads away from the camera, 346x260: cars shrink towards a row above the picture. docs/evaluation.md has what
+    # it reaches, and on what it was tuned.
+    "traffic": RctConfig(
+        radius_px=44.0,
+        aspect=1.3,
+        perspective="row",
+        vanishing_y_px=-60.0,
+        reference_y_px=200.0,
+        surround=2.5,
+        packet_us=2_000,
+        centre="box",
+        box_quantile=0.045,
+        box_alpha=0.02,
+        velocity="regression",
+        path_points=20,
+        predict=0.7,
+        predict_points=13,
+        visibility="rate",
+        visible_rate_hz=450.0,
+        hidden_share=0.3,
+        birth_spread_px=3.0,
+        lifetime_us=20_000,
+        coast_us=50_000,
+        merge_into="heavier",
+        merge_overlap=0.45,
+    ),
+    # Round objects of one size, about 20 px wide, whose whole contour sends events. Where two cross, the older takes all events
+    # that it can reach, and the younger goes on unseen with the velocity that it had.
+    "discs": RctConfig(
+        radius_px=11.5,
+        assign="first",
+        surround=3.0,
+        centre="box",
+        box_alpha=0.013,
+        velocity="regression",
+        path_points=90,
+        predict=1.0,
+        predict_points=30,
+        friction_tau_us=100_000.0,
+        mass_tau_us=5_000.0,
+        visibility="rate",
+        visible_rate_hz=4_000.0,
+        hidden_share=0.2,
+        birth_spread_px=4.0,
+        lifetime_us=5_000,
+        coast_us=50_000,
+        merge_overlap=0.85,
+    ),
+}
+
+# Preset -> what stands in front of the tracker.
+FILTERS: dict[str, FilterConfig] = {
+    "traffic": FilterConfig(activity_us=5_000),
+}

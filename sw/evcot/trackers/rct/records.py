@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Records go into a buffer whose tail belongs to the packet that is still open."""
+
+from __future__ import annotations
+
+from ...tracks.log import Kind
+from .compiled import step
+from .state import State, choice
+
+__all__ = ["BORN", "LOST", "MERGED", "MOVED", "record"]
+
+BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
+_BOX = choice("centre", "box")
+
+
+@step
+def record(state: State, kind: int, index: int, t_us: int, seat: int, other_id: int) -> None:
+    """Write one record where its event index puts it; a loss stands before what the event itself causes."""
+    cur = state.cursor[0]
+    out = state.out
+    at = cur.records
+    while at > cur.closed:
+        before = out[at - 1]
+        if kind == LOST and before.event_index == index:
+            stays = before.kind == LOST and before.t_us <= t_us
+        else:
+            stays = before.event_index <= index
+        if stays:
+            break
+        out[at] = before
+        at -= 1
+    cluster = state.clusters[seat]
+    row = out[at]
+    row.t_us = t_us
+    row.event_index = index
+    row.kind = kind
+    row.track_id = cluster.track_id
+    row.slot = cluster.slot
+    row.x = cluster.x
+    row.y = cluster.y
+    if state.rules[0].centre == _BOX:
+        row.radius = 0.5 * max(cluster.right - cluster.left, cluster.bottom - cluster.top, 1.0)
+    else:
+        row.radius = max(cluster.half_width, cluster.half_height)
+    row.n_ev = cluster.packet_events
+    row.support = cluster.before + cluster.packet_events
+    row.other_id = other_id
+    cur.records += 1

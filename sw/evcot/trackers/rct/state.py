@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the compiled tracker knows: its settings, and what it remembers between two events, as plain arrays of records."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...tracks.log import TRACK
+from .config import RCT_CHOICES, RctConfig
+
+__all__ = [
+    "ALPHAS",
+    "CELLS",
+    "NEVER_US",
+    "PLACE",
+    "RECORDS_PER_PACKET",
+    "SUMMARY",
+    "EventRules",
+    "State",
+    "Table",
+    "choice",
+    "event_rules",
+    "new_state",
+    "summary",
+]
+
+Table = NDArray[Any]
+
+NEVER_US = 1 << 62
+# A cluster is born, and ends or moves, in one packet, and may be lost in the silence after it; then the next packet's births.
+RECORDS_PER_PACKET = 4
+CELLS = 64  # to a side of the lookup
+_LINE = 64  # bytes
+_WORD = 64  # bits
+ALPHAS = 4096  # intervals in us whose mixing factor stands in a table
+
+# The settings by their names; choices as numbers; and what follows from them.
+RULES = np.dtype(
+    [(f.name, "<f8" if isinstance(f.default, float) else "<i8") for f in fields(RctConfig)]
+    + [
+        ("whole", "<i8"),  # any option beyond the paper's tracker
+        ("shaped", "<i8"),  # deviations are needed
+        ("boxed", "<i8"),  # the box is needed
+        ("merge_cos", "<f8"),
+        ("width", "<f8"),  # of the sensor, 0 where unknown
+        ("height", "<f8"),
+    ]
+)
+
+
+class EventRules(NamedTuple):
+    """The rules that every event asks for, as values: no store can change them, so that the loop need not load them again."""
+
+    whole: int
+    radius_px: float
+    alpha: float
+    seeding: int
+    polarity: int
+    assign: int
+    distance: int
+    surround: float
+    shaped: int
+    boxed: int
+    box_quantile: float
+    centre: int
+    alpha_tau_us: float
+
+
+# What is known of a cluster. What every event touches stands first, eight to a line of the cache.
+_CLUSTER_FIELDS = (
+    ("x", "<f8"),  # centre, pixels
+    ("y", "<f8"),
+    ("last_us", "<i8"),  # its last event
+    ("packet_events", "<i8"),  # events in the open packet
+    ("check_at", "<i8"),  # at so many of these it is looked at: visible by now? far from where it was registered?
+    ("slot", "<i8"),  # its number for the outside
+    ("cells_x", "<f8"),  # where it is registered in the lookup
+    ("cells_y", "<f8"),
+    # Options: the window, half its sides and its direction.
+    ("half_width", "<f8"),
+    ("half_height", "<f8"),
+    ("cos", "<f8"),
+    ("sin", "<f8"),
+    ("room", "<f8"),  # how far it may move before it is registered anew
+    ("polarity", "<i8"),  # of the event that seeded it
+    ("mix", "<f8"),  # mixing factor of the means, larger in youth
+    ("track_id", "<i8"),  # -1 until it is visible
+    # Options: what its events look like, as means, seen from the centre. `means` mixes four in a row at once.
+    ("deviation_x", "<f8"),  # absolute, along the window's axes
+    ("deviation_y", "<f8"),
+    ("moment_xx", "<f8"),  # second moments, along the sensor's
+    ("moment_yy", "<f8"),
+    ("middle_x", "<f8"),  # share of events nearer to the centre than half the deviation
+    ("middle_y", "<f8"),
+    ("moment_xy", "<f8"),
+    ("nothing", "<f8"),  # makes it four
+    ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
+    ("left", "<f8"),  # the box
+    ("right", "<f8"),
+    ("top", "<f8"),
+    ("bottom", "<f8"),
+    ("step_x", "<f8"),  # of its sides
+    ("step_y", "<f8"),
+    # Once per packet.
+    ("velocity_x", "<f8"),  # pixels per second
+    ("velocity_y", "<f8"),
+    ("from_x", "<f8"),  # where and when velocity was last measured
+    ("from_y", "<f8"),
+    ("from_us", "<i8"),  # NEVER_US before the end of its first packet
+    ("places", "<i8"),  # in the path so far
+    ("measured", "<i8"),  # of which since it last jumped
+    ("mass", "<f8"),  # at the end of the last packet
+    ("two", "<i8"),  # packets for which it has looked like two
+    ("apart_us", "<i8"),  # until then it does not merge with others of which the same is true
+    ("reach_x", "<f8"),  # half the extent of the window along the sensor's axes
+    ("reach_y", "<f8"),
+    ("due_index", "<i8"),  # first event at or after the end of its life, as of
+    ("due_us", "<i8"),  # the `last_us` for which that was found
+    ("cells_reach_x", "<f8"),  # how far around it is registered in the lookup
+    ("cells_reach_y", "<f8"),
+)
+
+# Each on its own lines of the cache.
+CLUSTER = np.dtype(
+    {
+        "names": [name for name, _ in _CLUSTER_FIELDS],
+        "formats": [form for _, form in _CLUSTER_FIELDS],
+        "itemsize": -(-8 * len(_CLUSTER_FIELDS) // _LINE) * _LINE,
+    }
+)
+
+# A place on a path.
+PLACE = np.dtype([("t_us", "<i8"), ("x", "<f8"), ("y", "<f8")])
+
+CURSOR = np.dtype(
+    [
+        ("live", "<i8"),  # clusters
+        ("seated", "<i8"),  # seats of the lookup that were given away
+        ("births", "<i8"),  # clusters that became visible so far: the next track id
+        ("index", "<i8"),  # events so far
+        ("last_us", "<i8"),  # the last event
+        ("packet_end_us", "<i8"),  # exclusive; -NEVER_US before the first event
+        ("next_due_us", "<i8"),  # no life whose end is not yet noted ends before it
+        ("records", "<i8"),  # in the buffer
+        ("closed", "<i8"),  # of which in packets that are closed
+    ]
+)
+
+# What the outside sees of a cluster.
+SUMMARY = np.dtype(
+    [
+        ("x", "<f8"),
+        ("y", "<f8"),
+        ("velocity_x", "<f8"),
+        ("velocity_y", "<f8"),
+        ("half_width", "<f8"),
+        ("half_height", "<f8"),
+        ("angle", "<f8"),
+        ("mass", "<f8"),
+        ("events", "<i8"),
+        ("last_us", "<i8"),
+        ("track_id", "<i8"),
+        ("slot", "<i8"),
+    ]
+)
+
+
+class State(NamedTuple):
+    """All that a tracker carries along.
+
+    Attributes:
+        rules: (1,) of `RULES`.
+        cursor: (1,) of `CURSOR`.
+        clusters: (max_clusters,) of `CLUSTER`, by slot.
+        live: (max_clusters,) int64: the slots in use, seeded first first.
+        taken: (max_clusters,) int64: 1 where a slot is in use.
+        cells: (words, CELLS * CELLS) uint64: the sets of `lookup`, by windows.
+        around: the same by surrounds; without surrounds no words.
+        paths: (max_clusters, path_points) of `PLACE`, rings by slot.
+        alphas: (ALPHAS,) the mixing factor by the time in us since a cluster's last event, where it depends on that.
+        out: the records that were not yet taken, of dtype `TRACK`.
+    """
+
+    rules: Table
+    cursor: Table
+    clusters: Table
+    live: Table
+    taken: Table
+    cells: Table
+    around: Table
+    paths: Table
+    alphas: Table
+    out: Table
+
+
+def choice(field: str, name: str) -> int:
+    """The number that stands for a choice in the rules."""
+    return RCT_CHOICES[field].index(name)
+
+
+def event_rules(state: State) -> EventRules:
+    """The rules for the loop over events."""
+    return EventRules(*(state.rules[name][0].item() for name in EventRules._fields))
+
+
+def new_state(config: RctConfig, width: int, height: int) -> State:
+    """Before the first event."""
+    n = config.max_clusters
+    words = -(-(n + n // 4) // _WORD)
+    cursor = np.zeros(1, CURSOR)
+    cursor["packet_end_us"] = cursor["last_us"] = cursor["next_due_us"] = -NEVER_US
+    clusters = _on_lines(_WORD * words, CLUSTER)
+    return State(
+        _rules(config, width, height),
+        cursor,
+        clusters,
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros((words, CELLS * CELLS), np.uint64),
+        np.zeros((words if config.surround > 1.0 else 0, CELLS * CELLS), np.uint64),
+        np.zeros((n, max(1, config.path_points)), PLACE),
+        -np.expm1(-np.arange(ALPHAS) / config.alpha_tau_us) if config.alpha_tau_us else np.zeros(ALPHAS),
+        np.zeros(2 * RECORDS_PER_PACKET * n + 4096, TRACK),
+    )
+
+
+def _on_lines(n: int, dtype: np.dtype[Any]) -> Table:
+    """n zeros that begin with a line of the cache."""
+    raw = np.zeros(n * dtype.itemsize + _LINE, np.uint8)
+    begin = -raw.ctypes.data % _LINE
+    return raw[begin : begin + n * dtype.itemsize].view(dtype)
+
+
+def _rules(config: RctConfig, width: int, height: int) -> Table:
+    rules = np.zeros(1, RULES)
+    for f in fields(config):
+        value = getattr(config, f.name)
+        rules[f.name] = choice(f.name, value) if f.name in RCT_CHOICES else value
+    rules["whole"] = config.whole
+    rules["shaped"] = config.size == "deviation" or config.angle or config.birth_spread_px > 0 or config.split_share > 0
+    rules["boxed"] = config.size == "quantile" or config.centre == "box"
+    rules["merge_cos"] = np.cos(np.radians(config.merge_angle_deg))
+    rules["width"], rules["height"] = width, height
+    return rules
+
+
+def summary(clusters: NDArray[np.void]) -> NDArray[np.void]:
+    """What `RctTracker.clusters` shows of them, (k,) of dtype `SUMMARY`."""
+    shown = np.zeros(len(clusters), SUMMARY)
+    for name in set(SUMMARY.names or ()) & set(CLUSTER.names or ()):
+        shown[name] = clusters[name]
+    shown["angle"] = np.arctan2(clusters["sin"], clusters["cos"])
+    shown["events"] = clusters["before"] + clusters["packet_events"]
+    return shown

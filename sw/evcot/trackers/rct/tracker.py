@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The software tracker: the Rectangular Cluster Tracker of the paper's SOFTWARE section, in float arithmetic.
+
+Events are taken one by one, in packets of `packet_us` that count from the first event.
+
+- An event belongs to the nearest cluster whose window holds it. Distance is Chebyshev, max(|dx|, |dy|), from the event to the
+  centre: a square window of radius R holds just the points at most R away, so one number decides both questions. Of two
+  equally near, the cluster seeded first takes it. The centre moves by equation (7), x <- (1 - alpha) x + alpha e.
+- An event in no window seeds a cluster, if fewer than `max_clusters` live. The cluster becomes visible (BORN) and gets its
+  track id with its `visible_events`-th event.
+- After each packet: clusters without an event for `lifetime_us` are removed (LOST, at last event + lifetime). Clusters whose
+  windows share a point merge at the mean of their centres weighted by events: the one that became visible first stays, of
+  two invisible ones the one seeded first (MERGED). Each visible cluster that took events reports its centre once (MOVED).
+- Velocity is the displacement from packet end to packet end, mixed by `velocity_alpha`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import ConfigError, RecordingError
+from ...events import Events, Recording
+from ...tracks.log import TRACK, TrackLog
+from ...tracks.tracking import check_order, track_recording
+from .config import RctConfig
+from .kernel import close_last_packet, feed, place
+from .state import event_rules, new_state, summary
+
+__all__ = ["RctTracker", "track"]
+
+
+class RctTracker:
+    """The tracker as a stream: feed events in runs of any length, the result does not depend on where they are cut.
+
+    Memory is constant beyond the arrays that are returned.
+    """
+
+    def __init__(self, config: RctConfig, width: int = 0, height: int = 0) -> None:
+        """A tracker before its first event.
+
+        Args:
+            width, height: of the sensor, px; 0: not known. Only `border_share` needs it, and prediction stays within it.
+
+        Raises:
+            ConfigError: `border_share` without a size.
+        """
+        if config.border_share < 1.0 and not (width > 0 and height > 0):
+            raise ConfigError(f"rct.border_share = {config.border_share:g}: needs the sensor's width and height")
+        self.config = config
+        self._state = new_state(config, width, height)
+        self._rules = event_rules(self._state)
+        self._cursor = self._state.cursor
+
+    def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        """Track a run of events.
+
+        Args:
+            events: (n,) events in time order, none before an event that was fed earlier.
+
+        Returns:
+            (m,) records of dtype `TRACK`, of the packets that these events closed, and (n,) int16 owners: the slot that took
+            each event, -1 where every slot was in use elsewhere.
+
+        Raises:
+            RecordingError: the run starts before the last event of the previous one.
+        """
+        check_order(events, int(self._cursor["last_us"][0]), int(self._cursor["index"][0]))
+        owner = np.empty(len(events), np.int16)
+        parts: list[NDArray[np.void]] = []
+        done = 0
+        while done < len(events):
+            rest = events[done:]
+            polarities = rest.p if self.config.whole else None
+            done += feed(self._state, self._rules, rest.t_us, rest.x, rest.y, polarities, owner[done:])
+            parts.append(self._take_closed())
+        return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
+
+    def finish(self) -> NDArray[np.void]:
+        """Close the last packet when no more events come; (m,) records of dtype `TRACK`.
+
+        A cluster whose life would end after the last event is still alive.
+        """
+        close_last_packet(self._state)
+        return self._take_closed()
+
+    def place(self, x: float, y: float, t_us: int, polarity: int = 1) -> int:
+        """Set up a cluster at (x, y) px and at t_us, the time of the events so far or later, as seeding does at an event.
+
+        Returns its slot.
+
+        Raises:
+            RecordingError: every slot is in use, or a time before the last event.
+        """
+        last_us = int(self._cursor["last_us"][0])
+        if t_us < last_us:
+            raise RecordingError(f"place: t = {t_us} us follows t = {last_us} us: time must not run back")
+        slot = int(place(self._state, float(x), float(y), t_us, polarity))
+        if slot < 0:
+            raise RecordingError(f"place: all {self.config.max_clusters} slots are in use: max_clusters must be larger")
+        return slot
+
+    def clusters(self) -> NDArray[np.void]:
+        """The live clusters, seeded first first: (k,) with x, y, half_width, half_height (px), velocity_x, velocity_y (px/s),
+        angle (rad, of the width's side), mass, events, last_us, track_id (-1 while invisible) and slot."""
+        return summary(self._live())
+
+    def paths(self) -> list[NDArray[np.void]]:
+        """Where the live clusters have been, in the order of `clusters`: per cluster (m,) with t_us, x, y (px), oldest first,
+        a place per packet that brought it events, the last `path_points` of them."""
+        paths = []
+        for cluster in self._live():
+            places, size = int(cluster["places"]), self.config.path_points
+            paths.append(self._state.paths[cluster["slot"], np.arange(max(0, places - size), places) % max(1, size)])
+        return paths
+
+    def _live(self) -> NDArray[np.void]:
+        live: NDArray[np.void] = self._state.clusters[self._state.live[: int(self._cursor["live"][0])]]
+        return live
+
+    def _take_closed(self) -> NDArray[np.void]:
+        """Records of closed packets leave the buffer, those of the open packet move to its front."""
+        closed, records = int(self._cursor["closed"][0]), int(self._cursor["records"][0])
+        out = self._state.out
+        taken: NDArray[np.void] = out[:closed].copy()
+        out[: records - closed] = out[closed:records].copy()
+        self._cursor["records"] = records - closed
+        self._cursor["closed"] = 0
+        return taken
+
+
+def track(recording: Recording, config: RctConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
+    """Run the Rectangular Cluster Tracker over a recording, or over the events in it that filters let stay.
+
+    Args:
+        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+
+    In the log `radius` is the constant `radius_px`, `support` the events that the cluster accumulated, and `n_ev` those that it
+    took in the packet.
+    """
+    return track_recording("rct", RctTracker(config, recording.width, recording.height), recording, keep)

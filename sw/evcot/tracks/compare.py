@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two trackers compared by outcome: who lived when, how far apart, which merges and which lifetimes correspond."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConfigError
+from .log import TrackLog
+from .pairing import best_pairs, closest_pairs
+from .timeline import alive, lifetimes, merges, sample
+
+__all__ = ["Agreement", "MergePair", "TrackPair", "compare"]
+
+_STEP_US = 1_000
+_STEPS_MAX = 20_000
+_LARGEST = 10**12
+
+
+@dataclass(frozen=True)
+class TrackPair:
+    """A hardware and a software track that followed the same thing; differences are software minus hardware."""
+
+    hardware_id: int
+    software_id: int
+    together_us: int
+    birth_difference_us: int
+    end_difference_us: int
+    corresponds: bool  # both differences within the tolerance
+
+
+@dataclass(frozen=True)
+class MergePair:
+    """A merge that both saw, by the absorbed tracks; the difference is software minus hardware."""
+
+    hardware_id: int
+    software_id: int
+    time_difference_us: int
+    distance_px: float
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How far hardware and software agree. A figure about nothing (no samples, no pairs) is None.
+
+    Attributes:
+        begin_us, end_us, step_us: the clock on which both logs were sampled.
+        radius_px: how far apart the centres of a pair may be.
+        tolerance_us: how far apart in time births, ends and merges may be.
+        samples: moments compared.
+        alive_equal_fraction: share of them at which both had the same number of clusters.
+        alive_mean_difference: mean over them of |hardware - software|, clusters.
+        alive_mean_hardware, alive_mean_software: mean number of clusters.
+        distance_median_px, distance_p90_px: between the centres of pairs, over all samples.
+        paired_fraction_hardware, paired_fraction_software: share of all cluster-samples that had a partner.
+        tracks_hardware, tracks_software: tracks that lived within the clock's span.
+        tracks_corresponding: pairs of tracks whose births and ends both agree.
+        tracks: all pairs of tracks, chosen for the longest total time together.
+        tracks_unpaired_hardware, tracks_unpaired_software: ids of tracks that never had a partner, or lost it to another.
+        merges_hardware, merges_software: merges seen by each.
+        merges: those that agree in time and place.
+        merges_unpaired_hardware, merges_unpaired_software: ids of absorbed tracks of all others.
+    """
+
+    begin_us: int
+    end_us: int
+    step_us: int
+    radius_px: float
+    tolerance_us: int
+    samples: int
+    alive_equal_fraction: float | None
+    alive_mean_difference: float | None
+    alive_mean_hardware: float | None
+    alive_mean_software: float | None
+    distance_median_px: float | None
+    distance_p90_px: float | None
+    paired_fraction_hardware: float | None
+    paired_fraction_software: float | None
+    tracks_hardware: int
+    tracks_software: int
+    tracks_corresponding: int
+    tracks: tuple[TrackPair, ...]
+    tracks_unpaired_hardware: tuple[int, ...]
+    tracks_unpaired_software: tuple[int, ...]
+    merges_hardware: int
+    merges_software: int
+    merges: tuple[MergePair, ...]
+    merges_unpaired_hardware: tuple[int, ...]
+    merges_unpaired_software: tuple[int, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as summary.json stores them."""
+        return asdict(self)
+
+
+def compare(
+    hardware: TrackLog,
+    software: TrackLog,
+    *,
+    radius_px: float = 12.0,
+    tolerance_us: int = 20_000,
+    step_us: int | None = None,
+    span_us: tuple[int, int] | None = None,
+) -> Agreement:
+    """Sample both logs on one clock, pair their clusters, tracks and merges, and count what agrees.
+
+    At each sample as many clusters as possible are paired, at the smallest total distance. Tracks are then paired so that
+    they spend the most time together; one that is too short to be sampled has no partner.
+
+    Args:
+        hardware, software: the logs; either may be empty.
+        radius_px: how far apart the centres of a pair, and the places of a merge, may be.
+        tolerance_us: how far apart in time births, ends and merges may be.
+        step_us: from sample to sample; 1 ms if not given, or longer where that would take more than 20 000 steps.
+        span_us: first and last moment, as a rule those of the recording; the first and last record if not given. Tracks that
+            are still alive end with it.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+    begin_us, end_us = _span(hardware, software) if span_us is None else span_us
+    if step_us is None:
+        step_us = max(_STEP_US, -(-(end_us - begin_us) // _STEPS_MAX))
+    for name, value, low in (("step_us", step_us, 1), ("tolerance_us", tolerance_us, 0), ("radius_px", radius_px, 0)):
+        if not low <= value <= _LARGEST:
+            raise ConfigError(f"compare.{name} = {value!r}: must be from {low} to {_LARGEST}")
+    if end_us < begin_us:
+        raise ConfigError(f"compare.span_us = ({begin_us}, {end_us}): must not end before it begins")
+
+    nothing = span_us is None and not len(hardware.records) and not len(software.records)
+    times_us = np.arange(begin_us, begin_us if nothing else end_us + 1, step_us)
+    hw_alive, sw_alive = alive(hardware, times_us), alive(software, times_us)
+    hw_ids, sw_ids, distance_px = _pair_clusters(sample(hardware, times_us), sample(software, times_us), radius_px)
+    tracks, hw_alone, sw_alone = _pair_tracks(
+        lifetimes(hardware, end_us), lifetimes(software, end_us), hw_ids, sw_ids, step_us, tolerance_us
+    )
+    joint, hw_merged, sw_merged = _pair_merges(merges(hardware), merges(software), radius_px, tolerance_us)
+    return Agreement(
+        begin_us=begin_us,
+        end_us=end_us,
+        step_us=step_us,
+        radius_px=radius_px,
+        tolerance_us=tolerance_us,
+        samples=len(times_us),
+        alive_equal_fraction=_mean(hw_alive == sw_alive),
+        alive_mean_difference=_mean(np.abs(hw_alive - sw_alive)),
+        alive_mean_hardware=_mean(hw_alive),
+        alive_mean_software=_mean(sw_alive),
+        distance_median_px=_quantile(distance_px, 0.5),
+        distance_p90_px=_quantile(distance_px, 0.9),
+        paired_fraction_hardware=_share(len(distance_px), int(hw_alive.sum())),
+        paired_fraction_software=_share(len(distance_px), int(sw_alive.sum())),
+        tracks_hardware=len(tracks) + len(hw_alone),
+        tracks_software=len(tracks) + len(sw_alone),
+        tracks_corresponding=sum(pair.corresponds for pair in tracks),
+        tracks=tracks,
+        tracks_unpaired_hardware=hw_alone,
+        tracks_unpaired_software=sw_alone,
+        merges_hardware=len(joint) + len(hw_merged),
+        merges_software=len(joint) + len(sw_merged),
+        merges=joint,
+        merges_unpaired_hardware=hw_merged,
+        merges_unpaired_software=sw_merged,
+    )
+
+
+def _span(*logs: TrackLog) -> tuple[int, int]:
+    ends = [int(log.records["t_us"][i]) for log in logs if len(log.records) for i in (0, -1)]
+    return min(ends, default=0), max(ends, default=0)
+
+
+def _mean(values: NDArray[Any]) -> float | None:
+    return float(values.mean()) if len(values) else None
+
+
+def _quantile(values: NDArray[np.float64], q: float) -> float | None:
+    return float(np.quantile(values, q)) if len(values) else None
+
+
+def _share(part: int, whole: int) -> float | None:
+    return part / whole if whole else None
+
+
+def _within(left: NDArray[np.number], right: NDArray[np.number], reach: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All (i, j) with |left[i] - right[j]| <= reach; `right` ascending."""
+    first = np.searchsorted(right, left - reach, "left")
+    count = np.searchsorted(right, left + reach, "right") - first
+    i = np.repeat(np.arange(len(left)), count)
+    j = np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + first[i]
+    return i, j
+
+
+def _distances(a: NDArray[np.void], b: NDArray[np.void]) -> NDArray[np.float64]:
+    return np.asarray(np.hypot(a["x"] - b["x"], a["y"] - b["y"]), np.float64)
+
+
+def _pair_clusters(
+    hw: NDArray[np.void], sw: NDArray[np.void], radius_px: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Track ids on both sides and distance, for every pair of every sample."""
+    # Samples side by side along x, too far apart to meet: then one search finds who is near in x at the same time.
+    xs = np.concatenate((hw["x"], sw["x"]))
+    stride = float(np.ptp(xs)) + 2 * radius_px + 1 if len(xs) else 1.0
+    hw_x, sw_x = (rows["sample"] * stride + rows["x"] for rows in (hw, sw))
+    by_x = np.argsort(sw_x)
+    i, j = _within(hw_x, sw_x[by_x], radius_px + 1e-3)
+    j = by_x[j]
+    distance_px = _distances(hw[i], sw[j])
+    near = distance_px <= radius_px
+    i, j, distance_px = i[near], j[near], distance_px[near]
+    chosen = closest_pairs(i, j, distance_px)
+    return hw["track_id"][i[chosen]], sw["track_id"][j[chosen]], distance_px[chosen]
+
+
+def _pair_tracks(
+    hw: NDArray[np.void],
+    sw: NDArray[np.void],
+    hw_ids: NDArray[np.int64],
+    sw_ids: NDArray[np.int64],
+    step_us: int,
+    tolerance_us: int,
+) -> tuple[tuple[TrackPair, ...], tuple[int, ...], tuple[int, ...]]:
+    """Pairs of tracks, and the ids left over on both sides, all in order of birth."""
+    hw_row = {int(track_id): row for row, track_id in enumerate(hw["track_id"])}
+    sw_row = {int(track_id): row for row, track_id in enumerate(sw["track_id"])}
+    met, together = np.unique(np.column_stack((hw_ids, sw_ids)), axis=0, return_counts=True)
+    i = np.array([hw_row[track_id] for track_id in met[:, 0].tolist()], np.int64)
+    j = np.array([sw_row[track_id] for track_id in met[:, 1].tolist()], np.int64)
+    chosen = best_pairs(i, j, together.astype(np.float64))
+    chosen = chosen[np.argsort(i[chosen])]
+    pairs = []
+    for a, b, samples in zip(hw[i[chosen]], sw[j[chosen]], together[chosen], strict=True):
+        birth_us, end_us = int(b["birth_us"] - a["birth_us"]), int(b["end_us"] - a["end_us"])
+        pairs.append(
+            TrackPair(
+                hardware_id=int(a["track_id"]),
+                software_id=int(b["track_id"]),
+                together_us=int(samples) * step_us,
+                birth_difference_us=birth_us,
+                end_difference_us=end_us,
+                corresponds=abs(birth_us) <= tolerance_us and abs(end_us) <= tolerance_us,
+            )
+        )
+    return tuple(pairs), _others(hw["track_id"], i[chosen]), _others(sw["track_id"], j[chosen])
+
+
+def _pair_merges(
+    hw: NDArray[np.void], sw: NDArray[np.void], radius_px: float, tolerance_us: int
+) -> tuple[tuple[MergePair, ...], tuple[int, ...], tuple[int, ...]]:
+    """Merges that correspond, and the absorbed ids of the others on both sides, all in order of time."""
+    i, j = _within(hw["t_us"], sw["t_us"], tolerance_us)
+    near = _distances(hw[i], sw[j]) <= radius_px
+    i, j = i[near], j[near]
+    late_us, distance_px = sw["t_us"][j] - hw["t_us"][i], _distances(hw[i], sw[j])
+    chosen = closest_pairs(i, j, np.abs(late_us) / max(tolerance_us, 1) + distance_px / max(radius_px, 1.0))
+    pairs = tuple(
+        MergePair(int(hw["track_id"][i[k]]), int(sw["track_id"][j[k]]), int(late_us[k]), float(distance_px[k])) for k in chosen
+    )
+    return pairs, _others(hw["track_id"], i[chosen]), _others(sw["track_id"], j[chosen])
+
+
+def _others(ids: NDArray[np.int64], taken: NDArray[np.int64]) -> tuple[int, ...]:
+    return tuple(np.delete(ids, taken).tolist())

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a TrackLog says about time: which tracks lived when, where they were at given moments, and which merged.
+
+Everything here needs records in time order, as every engine writes them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .log import Kind, TrackLog
+
+__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "lifetimes", "merges", "sample"]
+
+OPEN = -1  # `LIFE.ended` of a track that was still alive when the log ends
+
+LIFE = np.dtype(
+    [
+        ("track_id", "<i8"),
+        ("slot", "<i2"),
+        ("birth_us", "<i8"),  # BORN
+        ("end_us", "<i8"),  # MERGED or LOST, else the end that the caller gave
+        ("ended", "i1"),  # Kind.MERGED, Kind.LOST or OPEN
+        ("other_id", "<i8"),  # the survivor of a MERGED track, else -1
+    ]
+)
+
+SAMPLE = np.dtype(
+    [
+        ("sample", "<i8"),  # index into the times asked for
+        ("track_id", "<i8"),
+        ("slot", "<i2"),
+        ("x", "<f8"),
+        ("y", "<f8"),
+        ("radius", "<f8"),
+    ]
+)
+
+MERGE = np.dtype(
+    [
+        ("t_us", "<i8"),
+        ("track_id", "<i8"),  # absorbed
+        ("other_id", "<i8"),  # survivor
+        ("x", "<f8"),  # where the survivor stood after it
+        ("y", "<f8"),
+    ]
+)
+
+
+def _ends(log: TrackLog) -> NDArray[np.void]:
+    records = log.records
+    ends: NDArray[np.void] = records[(records["kind"] == Kind.MERGED) | (records["kind"] == Kind.LOST)]
+    return ends
+
+
+def alive(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.int64]:
+    """How many tracks are visible at each time, after all records up to and with that time; (k,) int64."""
+    births_us = log.of_kind(Kind.BORN)["t_us"]
+    ends_us = _ends(log)["t_us"]
+    return np.asarray(np.searchsorted(births_us, times_us, "right") - np.searchsorted(ends_us, times_us, "right"), np.int64)
+
+
+def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
+    """One row of dtype `LIFE` per track, in order of birth; a track without an end lives until `until_us`."""
+    born = log.of_kind(Kind.BORN)
+    lives = np.empty(len(born), LIFE)
+    for name, source in (("track_id", "track_id"), ("slot", "slot"), ("birth_us", "t_us")):
+        lives[name] = born[source]
+    lives["end_us"], lives["ended"], lives["other_id"] = until_us, OPEN, -1
+    ends = _ends(log)
+    by_id = np.argsort(born["track_id"])
+    row = by_id[np.searchsorted(born["track_id"], ends["track_id"], sorter=by_id)]
+    lives["end_us"][row], lives["ended"][row], lives["other_id"][row] = ends["t_us"], ends["kind"], ends["other_id"]
+    return lives
+
+
+def sample(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.void]:
+    """The visible tracks at each of the (k,) ascending times, after all records up to and with that time.
+
+    Returns:
+        Rows of dtype `SAMPLE` in order of sample.
+    """
+    records = log.records
+    # A record is its track's state until that track's next record.
+    order = np.argsort(records["track_id"], kind="stable")
+    track_id, t_us = records["track_id"][order], records["t_us"][order]
+    begin = np.searchsorted(times_us, t_us, "left")
+    end = np.full(len(records), len(times_us))
+    followed = np.flatnonzero(track_id[1:] == track_id[:-1])
+    end[followed] = begin[followed + 1]
+    ended = (records["kind"][order] == Kind.MERGED) | (records["kind"][order] == Kind.LOST)
+    count = np.where(ended, 0, end - begin)
+    state = np.repeat(np.arange(len(records)), count)
+    at = np.arange(len(state)) - np.repeat(np.cumsum(count) - count, count) + begin[state]
+    in_time = np.argsort(at, kind="stable")
+    rows = records[order[state[in_time]]]
+    samples = np.empty(len(rows), SAMPLE)
+    samples["sample"] = at[in_time]
+    for name in ("track_id", "slot", "x", "y", "radius"):
+        samples[name] = rows[name]
+    return samples
+
+
+def merges(log: TrackLog) -> NDArray[np.void]:
+    """One row of dtype `MERGE` per MERGED record, in order."""
+    merged, moved = log.of_kind(Kind.MERGED), log.of_kind(Kind.MOVED)
+    moved = moved[np.isin(moved["event_index"], merged["event_index"])]
+    after = {(int(row["event_index"]), int(row["track_id"])): row for row in moved}
+    rows = np.empty(len(merged), MERGE)
+    for name in ("t_us", "track_id", "other_id"):
+        rows[name] = merged[name]
+    for row, record in zip(rows, merged, strict=True):
+        survivor = after.get((int(record["event_index"]), int(record["other_id"])), record)
+        row["x"], row["y"] = survivor["x"], survivor["y"]
+    return rows

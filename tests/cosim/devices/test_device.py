@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated hardware as an object: streaming and interactive drive, faults, waveforms, memory."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+from evcot.errors import ConfigError, OutputError
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import RECORD, Mode, Shape
+from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.tracks.log import Kind
+from evcot_cosim.devices.device import Device, HardwareError, Stalls, Top, _order_of
+from evcot_cosim.testing import PATTERNS, Sink, Source, broken_copy, run_streams
+from evcot_cosim.trials import Traffic, random_traffic
+from evcot_cosim.waves.vcd import parse
+
+SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
+SLOT = SlotConfig(
+    init_radix=5, radix_th=2, radix_min=4, radix_max=9, hist_avg=1, max_ticks=60,
+    clust_nev=2, nev_min=1, nev_max=4, nev_th=2, detect_ticks=30,
+)  # fmt: skip
+TOPS: tuple[Top, ...] = get_args(Top)
+
+
+def config_of(top: Top, slot: SlotConfig = SLOT) -> CotConfig:
+    return CotConfig.uniform(replace(SHAPE, n_slots=1) if top == "cot" else SHAPE, slot)
+
+
+def traffic(n: int, seed: int = 1) -> Traffic:
+    return random_traffic(np.random.default_rng(seed), SHAPE, n, 1)
+
+
+def same(a: Decisions, b: Decisions) -> bool:
+    return all(np.array_equal(mine, theirs) for mine, theirs in zip(a, b, strict=True))
+
+
+def joined(parts: list[Decisions]) -> Decisions:
+    return Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def cut(events: Traffic, *places: int) -> list[Traffic]:
+    bounds = [0, *places, len(events.ticks)]
+    return [Traffic(events.ticks[a:b], events.x[a:b], events.y[a:b], events.p[a:b]) for a, b in pairwise(bounds)]
+
+
+class TestStalls:
+    @pytest.mark.parametrize("stream", ["source", "cm", "own", "passed"])
+    def test_a_pattern_must_go_at_some_time(self, stream: str) -> None:
+        with pytest.raises(ConfigError, match=rf"stalls\.{stream}: never goes"):
+            Stalls(**{stream: np.zeros(5, np.uint8)})
+
+    def test_random_patterns_come_from_the_seed_and_differ_in_length(self) -> None:
+        one, again = Stalls.random(np.random.default_rng(3)), Stalls.random(np.random.default_rng(3))
+        patterns = [one.source, one.cm, one.own, one.passed]
+        assert all(
+            np.array_equal(a, b) for a, b in zip(patterns, [again.source, again.cm, again.own, again.passed], strict=True)
+        )
+        assert len({len(pattern) for pattern in patterns}) == 4
+
+    def test_how_often_each_stream_goes_can_be_chosen(self) -> None:
+        stalls = Stalls.random(np.random.default_rng(3), (0.1, 0.9, 0.5, 1.0))
+        shares = [pattern.mean() for pattern in (stalls.source, stalls.cm, stalls.own, stalls.passed)]
+        assert shares == pytest.approx([0.1, 0.9, 0.5, 1.0], abs=0.03)
+
+    def test_a_stalled_stream_takes_longer_and_decides_the_same(self) -> None:
+        free, slow = (
+            Device(config_of("cot_array")),
+            Device(config_of("cot_array"), stalls=Stalls(own=np.array([1] + [0] * 9))),
+        )
+        events = traffic(2000)
+        assert same(free.stream(*events), slow.stream(*events))
+        assert slow.cycle > 2 * free.cycle
+
+
+class TestStream:
+    @pytest.mark.parametrize("top", TOPS)
+    def test_it_does_not_matter_where_the_events_are_cut(self, top: Top) -> None:
+        events = traffic(3000)
+        whole = Device(config_of(top)).stream(*events)
+        pieces = Device(config_of(top))
+        parts = [pieces.stream(*part) for part in cut(events, 0, 1, 2, 1700, 1700, 2999)]
+        assert len(whole.records) > 300
+        assert same(joined(parts), whole)
+
+    def test_no_events_are_no_decisions(self) -> None:
+        device = Device(config_of("cot_array"))
+        assert [len(column) for column in device.stream(*cut(traffic(5), 0)[0])] == [0, 0, 0, 0]
+        assert (device.seq, device.now) == (0, 0)
+
+    def test_more_records_than_events_by_far_are_all_kept(self) -> None:
+        slot = replace(SLOT, clust_nev=1, nev_max=1, max_ticks=1)  # a birth and a loss for every event
+        n = 20_000
+        x = np.full(n, 64, np.uint16)
+        events = Traffic(np.arange(n), x, x, np.zeros(n, np.uint8))
+        told = Device(config_of("cot_array", slot)).stream(*events)
+        assert len(told.records) == 2 * n - 1
+        assert same(told, CotModel(config_of("cot_array", slot)).feed(*events[:3]))
+
+    @pytest.mark.parametrize("top", TOPS)
+    def test_numbers_and_times_are_whole_however_narrow_the_hardware_counts(self, top: Top) -> None:
+        config = config_of(top)
+        narrow = replace(config, shape=replace(config.shape, seq_w=8, time_w=18))
+        events = traffic(20_000)._replace(ticks=np.arange(20_000) * 14)
+        told = Device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(*events)
+        assert told.records["seq"].max() > 2**8
+        assert told.records["time"].max() > 2**18
+        assert same(told, CotModel(narrow, Device(config, top).arrangement).feed(*events[:3]))
+
+    def test_reset_begins_again(self) -> None:
+        device = Device(config_of("cot_array"))
+        first = device.stream(*traffic(1000))
+        device.reset()
+        assert (device.seq, device.now, device.cycle) == (0, 0, 0)
+        assert same(device.stream(*traffic(1000)), first)
+
+    def test_two_devices_share_nothing(self) -> None:
+        one, other = Device(config_of("cot_array")), Device(config_of("cot_array", replace(SLOT, mode=Mode.OFF)))
+        parts = cut(traffic(2000), 1000)
+        first = one.stream(*parts[0])
+        assert not len(other.stream(*parts[0]).records)
+        assert same(joined([first, one.stream(*parts[1])]), Device(config_of("cot_array")).stream(*traffic(2000)))
+
+    @pytest.mark.parametrize("top", TOPS)
+    def test_timing_changes_nothing(self, top: Top) -> None:
+        events = traffic(2000)
+        told, times = Device(config_of(top)).stream_timed(*events)
+        assert same(told, Device(config_of(top)).stream(*events))
+        assert (np.diff(times.accepted) > 0).all()
+        assert len(times.recorded) == len(told.records)
+        caused = told.records["kind"] != Kind.LOST
+        seq = told.records["seq"].astype(np.int64)
+        assert (times.recorded[caused] > times.accepted[seq[caused]]).all()
+
+    def test_a_chain_tells_in_order_what_its_trackers_tell_as_it_comes(self) -> None:
+        records = np.zeros(5, RECORD)
+        records["seq"], records["time"] = [4, 4, 4, 3, 4], [9, 8, 8, 7, 12]
+        records["kind"] = [Kind.LOST, Kind.LOST, Kind.LOST, Kind.MOVED, Kind.BORN]
+        records["slot"] = [0, 2, 1, 1, 0]
+        assert _order_of(records).tolist() == [3, 2, 1, 0, 4]
+
+
+def test_a_single_tracker_has_one_slot() -> None:
+    with pytest.raises(ConfigError, match=r"shape\.n_slots = 2: must be 1 for a single tracker"):
+        Device(config_of("cot_array"), "cot")
+
+
+def test_what_the_model_must_be() -> None:
+    assert [Device(config_of(top), top).arrangement for top in TOPS] == [
+        Arrangement.CHAIN,
+        Arrangement.CHAIN,
+        Arrangement.ARRAY,
+        Arrangement.ARRAY,
+    ]
+
+
+def interactive(device: Device, events: Traffic, pattern: str) -> Decisions:
+    """The same events poked in and their decisions peeked out, port by port, clock by clock."""
+    rng = np.random.default_rng(9)
+    single = device.top == "cot"
+    slot = [] if single else ["slot"]
+    tick_max = (1 << device.shape.tick_w) - 1
+    tokens: list[tuple[int, ...]] = []
+    for seq, (wait, x, y, p) in enumerate(zip(np.diff(events.ticks, prepend=0).tolist(), *events[1:], strict=True)):
+        seq_word = [seq] if single else []
+        tokens += [(tick_max, 0, 0, 0, 0, *seq_word)] * (max(wait - 1, 0) // tick_max)
+        tokens += [(wait - max(wait - 1, 0) // tick_max * tick_max, 1, int(x), int(y), int(p), *seq_word)]
+    go: Callable[[], Any] = lambda: PATTERNS[pattern](rng)  # noqa: E731
+    sim = device.sim
+    fields = ["seq", "time", "id", "x", "y", "support", "radius", "n_ev", "kind", *(["other"] if slot else []), *slot]
+    source = Source(sim, "s", ["tick", "event", "x", "y", "p", *(["seq"] if single else [])], tokens, go(), rng)
+    cm = Sink(sim, "m_cm", fields, go())
+    own = Sink(sim, "m_own", ["seq", "x", "y", "p", *slot], go())
+    passed = Sink(sim, "m_pass", ["seq", "x", "y", "p", *(["event"] if single else [])], go())
+    run_streams(sim, [source], [cm, own, passed], quiet_clocks=60)
+
+    records = np.zeros(len(cm.words), RECORD)
+    names = {"id": "track_id", "x": "cm_x", "y": "cm_y", "other": "other_id"}
+    for field, values in zip(fields, zip(*cm.words, strict=True), strict=True):
+        records[names.get(field, field)] = values
+    n = len(events.ticks)
+    owner, rel_x, rel_y = np.full(n, -1, np.int16), np.zeros(n, np.uint16), np.zeros(n, np.uint16)
+    for seq, x, y, p, *which in own.words:
+        assert p == events.p[seq]
+        owner[seq], rel_x[seq], rel_y[seq] = (which or [0])[0], x, y
+    through = [word for word in passed.words if not single or word[4]]
+    left = np.flatnonzero(owner == -1)
+    assert [word[:4] for word in through] == [(int(i), int(events.x[i]), int(events.y[i]), int(events.p[i])) for i in left]
+    return Decisions(records[_order_of(records)] if device.top == "cot_chain" else records, owner, rel_x, rel_y)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+@pytest.mark.parametrize("top", TOPS)
+def test_interactive_and_streaming_drive_give_the_same(top: Top, pattern: str) -> None:
+    events = traffic(300, seed=5)
+    streamed = Device(config_of(top)).stream(*events)
+    assert set(streamed.records["kind"]) >= {Kind.BORN, Kind.MOVED, Kind.LOST}
+    assert same(interactive(Device(config_of(top)), events, pattern), streamed)
+
+
+class TestFaults:
+    @pytest.mark.parametrize(
+        ("right", "wrong", "message", "seq"),
+        [
+            ("m_pass_valid <= 1'b1;", "m_pass_valid <= seq != 7;", "lost event 7", 7),
+            ("m_own_seq <= seq;", "m_own_seq <= seq - (seq == 5);", "gave twice, or out of order, owned event 4", 4),
+            ("m_own_p <= p;", "m_own_p <= p ^ (seq == 3);", "changed the polarity of owned event 3", 3),
+            ("m_pass_x <= x;", "m_pass_x <= x + 1'b1;", "changed the address or polarity of passed event 7", 7),
+            ("m_pass_seq <= seq;", "m_pass_seq <= seq + 9;", "gave twice, or out of order, passed event", None),
+            ("wire space =", "wire space = seq != 6 &&", "stands still", 8),
+            ("if (m_cm_ready) m_cm_valid <= 1'b0;", "", "gives more records than 14 events can cause", None),
+        ],
+        ids=["lost", "repeated", "polarity", "address", "unknown", "stuck", "endless"],
+    )
+    def test_each_is_named_with_the_event(self, tmp_path: Path, right: str, wrong: str, message: str, seq: int | None) -> None:
+        verilog = broken_copy(tmp_path, "cot_array.v", right, wrong)
+        config = CotConfig.uniform(SHAPE, replace(SLOT, mode=Mode.FIXED, init_cm_x=64, init_cm_y=64))
+        x = np.array([64] * 7 + [0] * 7, np.uint16)
+        with pytest.raises(HardwareError, match=f"cot_array {message}") as caught:
+            Device(config, verilog=verilog).stream(np.arange(14), x, x, np.zeros(14, np.uint8))
+        if seq is not None:
+            assert caught.value.seq == seq
+
+
+class TestDumping:
+    def test_the_file_holds_the_clocks_of_the_window_alone(self, tmp_path: Path) -> None:
+        events = traffic(400)
+        device = Device(config_of("cot_array"), stalls=Stalls.random(np.random.default_rng(1)))
+        with device.dumping(tmp_path / "w.vcd", 10, 20):
+            told, times = device.stream_timed(*events)
+            assert not (tmp_path / "w.vcd").exists()  # it appears when it is whole
+        assert [path.name for path in tmp_path.iterdir()] == ["w.vcd"]
+        wave = parse(tmp_path / "w.vcd")
+        clock = next(name for name in wave.signals if name.endswith("cot_array.clk"))
+        changes = [time for time, _ in wave[clock].tv]
+        first, last = 10 * (times.accepted[9] + 1), 10 * times.accepted[20] + 5
+        assert changes == list(range(first, last + 1, 5))  # rising edges at 5, 15, 25 …
+        assert same(told, Device(config_of("cot_array")).stream(*events))
+
+    def test_nothing_is_dumped_after_the_block(self, tmp_path: Path) -> None:
+        device = Device(config_of("cot_array"))
+        parts = cut(traffic(200), 100)
+        with device.dumping(tmp_path / "w.vcd"):
+            device.stream(*parts[0])
+        size = (tmp_path / "w.vcd").stat().st_size
+        device.stream(*parts[1])
+        assert (tmp_path / "w.vcd").stat().st_size == size
+
+    def test_a_folder_that_is_not_there(self, tmp_path: Path) -> None:
+        device = Device(config_of("cot_array"))
+        path = tmp_path / "absent" / "w.vcd"
+        with pytest.raises(OutputError, match=r"absent/w\.vcd: cannot be written: No such file"), device.dumping(path):
+            pytest.fail("the block must not run")
+        assert len(device.stream(*traffic(50)).owner) == 50
+
+    def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
+        script = f"""
+import resource, signal, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import test_device as t
+from pathlib import Path
+from evcot.errors import OutputError
+device = t.Device(t.config_of("cot_array"))
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+try:
+    with device.dumping(Path({str(tmp_path)!r}) / "w.vcd"):
+        told = device.stream(*t.traffic(5000))
+except OutputError as error:
+    print(len(told.owner), error)
+"""
+        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+        assert done.stdout == f"5000 {tmp_path}/w.vcd: cannot be written: File too large\n", done.stderr
+        assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory this way")
+def test_memory_does_not_grow_with_the_stream() -> None:
+    script = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import test_device as t
+from pathlib import Path
+def resident():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+device = t.Device(t.config_of("cot_array"))
+events = t.traffic(50_000)
+sizes = []
+for _ in range(40):
+    device.stream(events.ticks + device.now, *events[1:])
+    sizes.append(resident())
+print(device.seq, sizes[-1] - sizes[9])
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    events, growth = map(int, done.stdout.split())
+    assert events == 2_000_000
+    assert growth < 2_000_000  # one byte per event would show

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The streaming drive of filters, on a filter of a few lines that keeps what lies above a threshold, and on broken ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot_cosim.devices.device import HardwareError, Stalls
+from evcot_cosim.devices.filter_device import FilterDevice
+from evcot_cosim.filter_trials import FilterTraffic, exact, filter_traffic
+
+# One register deep; keeps events with x >= threshold, which a port or a register write sets. Busy for 100 clocks after reset.
+# `fault` breaks one rule of the streams.
+ECHO = """
+module echo #(parameter TICK_W = 4) (
+    input  wire clk, input wire rst,
+    input  wire [7:0] above, input wire [3:0] fault,
+    input  wire cfg_valid, input wire [3:0] cfg_addr, input wire [31:0] cfg_data,
+    input  wire s_valid, output wire s_ready, input wire [TICK_W-1:0] s_tick, input wire s_event, input wire s_skip,
+    input  wire [6:0] s_x, input wire [6:0] s_y, input wire s_p,
+    output reg  m_valid, input wire m_ready, output reg [TICK_W-1:0] m_tick, output reg m_event, output reg m_skip,
+    output reg  [6:0] m_x, output reg [6:0] m_y, output reg m_p,
+    output wire idle
+);
+    reg [7:0] written;
+    reg [6:0] busy;
+    wire stays = {1'b0, s_x} >= above && {1'b0, s_x} >= written;
+    wire seventh = s_y == 7'd7;
+    assign s_ready = (m_ready || !m_valid) && busy == 0 && !(fault == 11 && m_y == 7'd7);
+    assign idle = !m_valid && busy == 0;
+    always @(posedge clk) begin
+        if (busy != 0) busy <= busy - 1;
+        if (cfg_valid && cfg_addr == 4'd3) written <= cfg_data[7:0];
+        if (m_ready || fault == 9) m_valid <= fault == 8 && m_valid && m_y == 7'd7;
+        else if (fault == 10) m_p <= !m_p;
+        if (s_valid && s_ready) begin
+            m_valid <= !(fault == 7 && seventh);
+            m_tick <= s_tick ^ (fault == 1 && seventh);
+            m_event <= (s_event || (fault == 5 && s_skip) || fault == 6) && stays;
+            m_skip <= (s_skip && fault != 4) || (s_event && !stays);
+            m_x <= s_x ^ (fault == 2 && seventh);
+            m_y <= s_y;
+            m_p <= s_p ^ (fault == 3 && seventh);
+        end
+        if (rst) begin
+            m_valid <= 0;
+            written <= 0;
+            busy <= 100;
+        end
+    end
+endmodule
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "echo.v").write_text(ECHO)
+    return tmp_path
+
+
+def traffic(n: int = 3000, seed: int = 1) -> FilterTraffic:
+    return filter_traffic(np.random.default_rng(seed), n, 128, 100, longest_gap=200, gaps=0.05)
+
+
+def above(threshold: int, events: FilterTraffic) -> NDArray[np.bool_]:
+    return np.asarray(events.x >= threshold)
+
+
+@pytest.mark.parametrize("tick_w", [1, 4, 20])
+def test_tells_which_events_stay(folder: Path, tick_w: int) -> None:
+    events = traffic()
+    device = FilterDevice("echo", {"TICK_W": tick_w}, {"above": 60}, verilog=folder)
+    kept = exact(device, events, lambda told: above(60, told))
+    assert 0.3 < kept < 0.7
+    assert not device.stream(*events._replace(ticks=events.ticks + device.now))[events.skip].any()
+    assert device.now == 2 * events.ticks[-1]
+
+
+def test_stalls_change_nothing(folder: Path) -> None:
+    events = traffic()
+    for seed in range(4):
+        stalls = Stalls.random(np.random.default_rng(seed))
+        device = FilterDevice("echo", {"TICK_W": 4}, {"above": 60}, stalls=stalls, verilog=folder)
+        exact(device, events, lambda told: above(60, told))
+
+
+def test_ports_stay_through_reset_and_registers_are_written(folder: Path) -> None:
+    events = traffic()
+    device = FilterDevice("echo", {"TICK_W": 4}, ports={"above": 20}, verilog=folder)
+    device.write(2, 127)  # another register
+    assert np.array_equal(device.stream(*events), above(20, events) & ~events.skip)
+    device.write(3, 60)
+    device.now = 0
+    assert np.array_equal(device.stream(*events), above(60, events) & ~events.skip)
+    device.reset()
+    assert (device.now, device.settled_after) == (0, 100)
+    assert np.array_equal(device.stream(*events), above(20, events) & ~events.skip)
+    device.set(above=90)
+    device.now = 0
+    assert np.array_equal(device.stream(*events), above(90, events) & ~events.skip)
+
+
+def test_times_are_those_of_the_clocks(folder: Path) -> None:
+    events = filter_traffic(np.random.default_rng(2), 100, 128, 100, ticks_per_event=0)
+    _, times = FilterDevice("echo", {"TICK_W": 4}, verilog=folder).stream_timed(*events)
+    assert times.accepted.tolist() == list(range(100))
+    assert times.given.tolist() == list(range(1, 101))
+
+
+def test_no_events_at_all(folder: Path) -> None:
+    assert len(FilterDevice("echo", {"TICK_W": 4}, verilog=folder).stream(*traffic(0))) == 0
+
+
+def test_exact_names_the_first_difference(folder: Path) -> None:
+    events = traffic()
+    device = FilterDevice("echo", {"TICK_W": 4}, ports={"above": 60}, verilog=folder)
+    i = int(np.flatnonzero((events.x == 60) & ~events.skip)[0])
+    with pytest.raises(AssertionError, match=rf"the first is event {i} .*x 60, .*hardware keeps it"):
+        exact(device, events, lambda told: above(61, told))
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        (1, "changed the ticks at event"),
+        (2, "changed more than whether it stays, at event"),  # the address
+        (3, "changed more than whether it stays, at event"),  # the polarity
+        (4, "changed more than whether it stays, at event"),  # a skipped event becomes ticks alone
+        (5, "changed more than whether it stays, at event"),  # a skipped event comes back
+        (6, "changed more than whether it stays, at event"),  # ticks alone become an event
+        (7, "changed the ticks|changed more"),  # a token is lost
+        (8, "gave a token that never went in|changed"),  # a token comes twice
+        (9, "withdrew or changed a token"),
+        (10, "withdrew or changed a token"),
+        (11, "stands still"),
+    ],
+)
+def test_faults_are_named(folder: Path, fault: int, message: str) -> None:
+    stalls = Stalls.random(np.random.default_rng(1), (0.7, 1, 1, 0.7))
+    device = FilterDevice("echo", {"TICK_W": 4}, {"above": 60, "fault": fault}, stalls=stalls, verilog=folder)
+    with pytest.raises(HardwareError, match=f"echo {message}"):
+        device.stream(*traffic())
+
+
+def test_traffic_is_what_it_says() -> None:
+    events = filter_traffic(np.random.default_rng(5), 20_000, 30, 20, longest_gap=1000, gaps=0.02, skips=0.1, beyond=2)
+    assert (np.diff(events.ticks) >= 0).all()
+    assert 0 < np.count_nonzero(events.x >= 30) < 1000
+    assert events.x.max() == 31
+    assert events.y.max() == 21
+    assert 500 < np.diff(events.ticks).max() < 1100
+    assert 0.05 < events.skip.mean() < 0.15
+    inside = (events.x < 30) & (events.y < 20)
+    steps = np.maximum(abs(np.diff(events.x.astype(int))), abs(np.diff(events.y.astype(int))))[inside[1:] & inside[:-1]]
+    assert (steps <= 1).mean() > 0.3
+    assert len(np.unique(events.x.astype(int) * 100 + events.y)) > 500

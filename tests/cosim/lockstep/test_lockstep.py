@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lock-step: it agrees on the real RTL, and names event, field and values on RTL that was broken on purpose."""
+
+from __future__ import annotations
+
+import json
+import resource
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.errors import EvcotError, OutputError
+from evcot.events import Events
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import Mode, Shape
+from evcot.ticks import tick_times
+from evcot.tracks.log import Kind
+from evcot_cosim.devices.device import Device, Stalls, Top
+from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, MismatchError, chunks, dump_window
+from evcot_cosim.testing import broken_copy
+from evcot_cosim.trials import random_traffic
+from evcot_cosim.waves.vcd import parse
+
+SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
+# Windows of 13 x 13 pixels, born with their first event, always at their last one.
+JUMPY = SlotConfig(
+    init_radix=4, radix_th=2, radix_step=0, radix_min=4, radix_max=31, hist_avg=0,
+    max_ticks=1000, clust_nev=1, nev_min=1, nev_max=8, nev_th=4000, detect_ticks=100,
+)  # fmt: skip
+CONFIG = CotConfig.uniform(SHAPE, JUMPY)
+LIVELY = CotConfig.uniform(SHAPE, replace(JUMPY, max_ticks=30))
+
+
+def at(*events: tuple[int, int]) -> Events:
+    """Events (tick, x) on the line y = 64, half a second after the clock's zero."""
+    t_us, x = np.array(events, np.int64).T
+    n = len(x)
+    return Events(t_us + 500_000, x.astype(np.uint16), np.full(n, 64, np.uint16), np.zeros(n, np.uint8))
+
+
+def busy(n: int, seed: int = 1, tick_us: int = 1) -> Events:
+    """Random traffic as a recording has it."""
+    ticks, x, y, p = random_traffic(np.random.default_rng(seed), SHAPE, n, 1)
+    return Events(500_000 + ticks * tick_us, x, y, p)
+
+
+def zeros(n: int) -> Events:
+    """As many events at once, all in one corner."""
+    return Events(np.zeros(n, np.int64), np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.zeros(n, np.uint8))
+
+
+@contextmanager
+def full_disk(bytes_left: int) -> Iterator[None]:
+    """No file can grow beyond some bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_left, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, handler)
+
+
+def run_all(lockstep: Lockstep, runs: Iterator[Events]) -> None:
+    for run in runs:
+        lockstep.feed(run)
+
+
+class TestAgreement:
+    @pytest.mark.parametrize("top", ["cot", "cot_chain", "cot_array"])
+    def test_the_rtl_is_the_model(self, top: Top) -> None:
+        config = CotConfig.uniform(replace(SHAPE, n_slots=1), LIVELY.slots[0]) if top == "cot" else LIVELY
+        events = busy(5000)
+        with Lockstep(config, top, stalls=Stalls.random(np.random.default_rng(1))) as lockstep:
+            steps = [lockstep.feed(run) for run in chunks(events, 700)]
+        assert lockstep.events == 5000
+        assert lockstep.records == sum(len(step.hardware.records) for step in steps) > 1000
+        assert lockstep.wall_s > 0
+        for step in steps:
+            assert step.model is not None
+            assert np.array_equal(step.hardware.records, step.model.records)
+            assert np.array_equal(step.hardware.owner, step.model.owner)
+
+    def test_without_checking_the_hardware_runs_alone(self) -> None:
+        with Lockstep(LIVELY, check=False) as lockstep:
+            step = lockstep.feed(busy(500))
+        assert step.model is None
+        assert len(step.hardware.owner) == 500
+
+    def test_tick_0_is_the_first_event_and_ticks_are_whole(self) -> None:
+        config = replace(LIVELY, tick_us=10)
+        with Lockstep(config) as lockstep:
+            step = lockstep.feed(at((3, 64), (12, 64), (13, 64), (22, 64), (23, 64)))
+        assert step.hardware.records["time"].tolist() == [0, 0, 1, 1, 2]
+
+    def test_close_ends_the_second_thread(self) -> None:
+        before = threading.active_count()
+        with Lockstep(LIVELY) as lockstep:
+            lockstep.feed(busy(10))
+            assert threading.active_count() == before + 1
+        assert threading.active_count() == before
+
+
+class TestChunks:
+    def test_they_cover_everything_in_order_without_copies(self) -> None:
+        events = busy(25)
+        parts = list(chunks(events, 10))
+        assert [len(part) for part in parts] == [10, 10, 5]
+        assert np.array_equal(np.concatenate([part.t_us for part in parts]), events.t_us)
+        assert all(np.shares_memory(part.x, events.x) for part in parts)
+
+    def test_by_default_they_bound_memory(self) -> None:
+        events = zeros(CHUNK + 1)
+        assert [len(part) for part in chunks(events)] == [CHUNK, 1]
+        assert list(chunks(Events.empty())) == []
+
+
+class TestMismatch:
+    @pytest.mark.parametrize(
+        ("right", "wrong", "events", "expected"),
+        [
+            # An event on the window's last column passes.
+            (
+                "x <= hi_x[i*X_W +: X_W]",
+                "x < hi_x[i*X_W +: X_W]",
+                at((0, 20), (5, 64), (7, 64), (9, 70)),
+                (3, 9, "owner", -1, 1),
+            ),
+            (
+                "m_own_x <= rel_x[RADIX_W+1:0];",
+                "m_own_x <= rel_x[RADIX_W+1:0] + (seq == 2);",
+                at((0, 64), (5, 65), (7, 66)),
+                (2, 7, "rel_x", 8, 7),
+            ),
+            (
+                "m_cm_support <= updates ? new_support : cur_support;",
+                "m_cm_support <= cur_support;",
+                at((0, 64), (5, 65)),
+                (0, 0, "record.support", 0, 1),
+            ),
+            (
+                "wire reports = updates || (ends && cur_active)",
+                "wire reports = updates",
+                at((0, 64), (5, 65), (2000, 20)),
+                (2, 2000, "record.time", 2000, 1005),
+            ),
+            # The second run has a record less than it should.
+            (
+                "wire reports = updates || (ends && cur_active)",
+                "wire reports = (updates && seq != 3) || (ends && cur_active)",
+                at((0, 64), (5, 65), (6, 66), (7, 67)),
+                (3, 7, "records", "1 records", "2 records"),
+            ),
+            (
+                "m_pass_valid <= 1'b1;",
+                "m_pass_valid <= seq != 3;",
+                at((0, 20), (0, 60), (1, 100), (8, 100)),
+                (3, 8, "stream", "cot_array lost event 3 (clock ", "in order"),
+            ),
+        ],
+        ids=["owner", "address", "record", "missing loss", "missing record", "stream"],
+    )
+    def test_the_first_difference_is_named(
+        self, tmp_path: Path, right: str, wrong: str, events: Events, expected: tuple[int, int, str, object, object]
+    ) -> None:
+        verilog = broken_copy(tmp_path / "rtl", "cot_array.v", right, wrong)
+        with Lockstep(CONFIG, verilog=verilog, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
+            run_all(lockstep, chunks(events, 2))  # the event's index counts from the first run
+        found = caught.value.mismatch
+        event_index, tick, field, hardware, model = expected
+        assert (found.event_index, found.tick, found.field, found.model) == (event_index, tick, field, model)
+        if field == "stream":
+            assert str(found.hardware).startswith(str(hardware))
+        else:
+            assert found.hardware == hardware
+            assert str(caught.value) == (
+                f"cot_array: event {event_index}, tick {tick}: {field}: hardware has {hardware}, model has {model}"
+            )
+        assert (found.seed, found.top, found.config) == (5, "cot_array", CONFIG)
+        assert isinstance(caught.value, EvcotError)
+
+    def test_its_record_repeats_the_run(self, tmp_path: Path) -> None:
+        verilog = broken_copy(tmp_path / "rtl", "cot_array.v", "m_cm_support <= updates ? new_support : cur_support;",
+                              "m_cm_support <= cur_support;")  # fmt: skip
+        with Lockstep(CONFIG, verilog=verilog, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
+            lockstep.feed(at((0, 64)))
+        stored = json.loads(json.dumps(asdict(caught.value.mismatch)))
+        config = stored.pop("config")
+        assert stored == {
+            "event_index": 0, "tick": 0, "field": "record.support", "hardware": 0, "model": 1, "seed": 5, "top": "cot_array",
+        }  # fmt: skip
+        slots = tuple(SlotConfig(**slot) for slot in config["slots"])
+        assert CotConfig(Shape(**config["shape"]), slots, config["tick_us"]) == CONFIG
+
+    def test_a_broken_chain_is_found_too(self, tmp_path: Path) -> None:
+        verilog = broken_copy(tmp_path / "rtl", "cot.v", "token_x >= lo_x", "token_x > lo_x")
+        with (
+            Lockstep(CONFIG, "cot_chain", verilog=verilog) as lockstep,
+            pytest.raises(MismatchError, match=r"event 1, tick 3: owner: hardware has 1, model has 0"),
+        ):
+            lockstep.feed(at((0, 64), (3, 58)))
+
+
+class TestDumpWindow:
+    def test_it_shows_what_the_run_did_clock_for_clock(self, tmp_path: Path) -> None:
+        events, stalls = busy(300), Stalls.random(np.random.default_rng(4))
+        dump_window(events, LIVELY, tmp_path / "w.vcd", 100, 120, stalls=stalls)
+        ticks = tick_times(events.t_us, int(events.t_us[0]), 1)
+        told, times = Device(LIVELY, stalls=stalls).stream_timed(ticks, events.x, events.y, events.p)
+        wave = parse(tmp_path / "w.vcd")
+        named = {name.split("cot_array.")[-1]: name for name in wave.signals}
+        clock = [time for time, _ in wave[named["clk"]].tv]
+        assert (clock[0], clock[-1]) == (10 * (times.accepted[99] + 1), 10 * times.accepted[120] + 5)
+        kinds = wave[named["m_cm_kind[1:0]"]]
+        shown = [i for i, at_clock in enumerate(times.recorded) if times.accepted[99] < at_clock <= times.accepted[120]]
+        assert len(shown) >= 3
+        for i in shown:
+            assert int(kinds[10 * int(times.recorded[i])], 2) == told.records["kind"][i]
+
+    def test_it_stops_with_the_window(self, tmp_path: Path) -> None:
+        seen: list[int] = []
+        dump_window(zeros(3 * CHUNK), LIVELY, tmp_path / "w.vcd", 5, 6, progress=seen.append)
+        assert seen == [CHUNK]
+
+    def test_a_fault_of_the_hardware_is_what_it_shows(self, tmp_path: Path) -> None:
+        verilog = broken_copy(tmp_path / "rtl", "cot_array.v", "m_pass_valid <= 1'b1;", "m_pass_valid <= 1'b0;")
+        config = CotConfig.uniform(SHAPE, replace(JUMPY, mode=Mode.OFF))
+        dump_window(busy(50), config, tmp_path / "w.vcd", 0, 40, verilog=verilog)
+        assert (tmp_path / "w.vcd").stat().st_size > 1000
+
+    def test_a_folder_that_is_not_there(self, tmp_path: Path) -> None:
+        with pytest.raises(OutputError, match=r"absent/w\.vcd: cannot be written: No such file"):
+            dump_window(busy(50), LIVELY, tmp_path / "absent" / "w.vcd", 0, 40)
+
+    def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
+        Device(LIVELY)  # built while there is room
+        with full_disk(20_000), pytest.raises(OutputError, match=r"w\.vcd: cannot be written: File too large"):
+            dump_window(busy(2000), LIVELY, tmp_path / "w.vcd", 0, 2000)
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_every_kind_of_record_is_compared() -> None:
+    with Lockstep(LIVELY) as lockstep:
+        step = lockstep.feed(busy(20_000))
+    assert set(step.hardware.records["kind"]) == set(Kind)

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""summary.json and the table: figures from logs whose answers are known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.events import Events, Recording
+from evcot.trackers.config import RunConfig
+from evcot.tracks.compare import compare
+from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot_cosim.build.model import BuiltModel
+from evcot_cosim.lockstep.cosim import CosimRun
+from evcot_cosim.lockstep.lockstep import Mismatch
+from evcot_cosim.lockstep.summary import summarise, summarise_mismatch, table, write_summary
+
+
+def log(engine: str, *rows: tuple[int, Kind, int, int], owned: int = 3) -> TrackLog:
+    """Records of (t_us, kind, track_id, other_id), and four events of which the first `owned` were taken."""
+    records = np.zeros(len(rows), TRACK)
+    for record, (t_us, kind, track_id, other_id) in zip(records, rows, strict=True):
+        record["t_us"], record["kind"], record["track_id"], record["other_id"] = t_us, kind, track_id, other_id
+    return TrackLog(engine, records, np.where(np.arange(4) < owned, 0, -1).astype(np.int16))
+
+
+LIVES = ((0, Kind.BORN, 0, -1), (100, Kind.BORN, 1, -1), (400, Kind.MERGED, 1, 0), (1_000, Kind.LOST, 0, -1))
+
+
+def run_of(hardware: TrackLog, model: TrackLog, software: TrackLog) -> CosimRun:
+    t_us = np.array([0, 500, 1_000, 2_000])
+    events = Events(t_us, np.zeros(4, np.uint16), np.zeros(4, np.uint16), np.zeros(4, np.uint8))
+    return CosimRun(
+        recording=Recording(events, 8, 8, "four"),
+        config=RunConfig(),
+        top="cot_array",
+        hardware=hardware,
+        model=model,
+        software=software,
+        agreement=compare(hardware, software, span_us=(0, 2_000)),
+        cycles=12,
+        latency=np.array([0, 0, 3, 0, 1]),
+        wall_s=0.5,
+        software_s=0.25,
+        build=BuiltModel("cot_array", {"N": 8}, Path("Vcot_array"), "key", True, 0.01),
+        seed=None,
+    )
+
+
+def test_figures_of_a_run() -> None:
+    logs = log("cot-rtl", *LIVES), log("cot-model", *LIVES), log("rct", LIVES[0], owned=1)
+    summary = summarise(run_of(*logs), "evcot cosim four.npz")
+    assert summary["exact"] is True
+    assert (summary["events"], summary["records"], summary["cycles"]) == (4, 4, 12)
+    assert summary["recording_s"] == pytest.approx(0.002)
+    assert summary["realtime_factor"] == pytest.approx(0.004)
+    assert summary["events_per_s"] == pytest.approx(8)
+    assert summary["software_events_per_s"] == pytest.approx(16)
+    assert summary["cycles_per_event"] == pytest.approx(3)
+    assert summary["latency_clocks"] == {"median": 2, "p99": 4, "max": 4, "histogram": [[2, 3], [4, 1]]}
+    assert summary["births"] == {"cot-rtl": 2, "cot-model": 2, "rct": 1}
+    assert summary["merges"] == {"cot-rtl": 1, "cot-model": 1, "rct": 0}
+    assert summary["owned_fraction"] == {"cot-rtl": 0.75, "cot-model": 0.75, "rct": 0.25}
+    assert summary["lifetimes"]["cot-rtl"] == {
+        "tracks": 2, "lost": 1, "median_s": pytest.approx(0.00065), "longest_s": pytest.approx(0.001),
+    }  # fmt: skip
+    assert summary["lifetimes"]["rct"]["longest_s"] == pytest.approx(0.002)
+    assert summary["config"]["cot"]["shape"]["n_slots"] == summary["slots"] == 8
+    assert summary["command"] == "evcot cosim four.npz"
+    assert set(summary["versions"]) == {"evcot", "python", "verilator", "compiler", "numpy", "numba", "pyverilator-mm"}
+
+
+@pytest.mark.parametrize("other", [log("cot-model", *LIVES[:3]), log("cot-model", *LIVES, owned=2)])
+def test_a_record_or_an_owner_that_differs_is_not_exact(other: TrackLog) -> None:
+    summary = summarise(run_of(log("cot-rtl", *LIVES), other, log("rct")), "")
+    assert summary["exact"] is False
+    assert ("hardware = model", "NO") in table(summary)
+
+
+def test_nothing_is_none_and_the_summary_is_json(tmp_path: Path) -> None:
+    empty = [TrackLog(engine, np.empty(0, TRACK), np.full(4, -1, np.int16)) for engine in ("cot-rtl", "cot-model", "rct")]
+    summary = summarise(run_of(*empty), "")
+    assert summary["lifetimes"]["rct"] == {"tracks": 0, "lost": 0, "median_s": None, "longest_s": None}
+    write_summary(summary, tmp_path / "summary.json")
+    assert json.loads((tmp_path / "summary.json").read_text())["agreement"]["distance_median_px"] is None
+    assert ("distance of pairs", "none px median, none px at 90 %") in table(summary)
+    with pytest.raises(ValueError, match="Out of range float"):
+        write_summary({"rate": float("nan")}, tmp_path / "summary.json")
+
+
+def test_summary_of_a_mismatch() -> None:
+    config = RunConfig()
+    found = Mismatch(7, 70, "owner", 1, -1, 5, "cot_array", config.cot)
+    recording = run_of(log("cot-rtl"), log("cot-model"), log("rct")).recording
+    summary = summarise_mismatch(found, recording, config, "evcot cosim four.npz")
+    assert summary["exact"] is False
+    kept = summary["mismatch"]
+    assert [kept[name] for name in ("event_index", "tick", "field", "hardware", "model", "seed", "top")] == [
+        7, 70, "owner", 1, -1, 5, "cot_array",
+    ]  # fmt: skip
+    assert kept["config"]["shape"]["n_slots"] == 8

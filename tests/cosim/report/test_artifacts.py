@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run's folder is whole or not there; what stands in it is tested through the command line (test_cli.py)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from evcot.errors import OutputError
+from evcot_cosim.report.artifacts import folder_written_aside
+
+
+def test_a_folder_appears_whole_or_not_at_all(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    with folder_written_aside(folder) as aside:
+        (aside / "a").write_text("old")
+        assert not folder.exists()
+    with pytest.raises(ZeroDivisionError), folder_written_aside(folder) as aside:
+        (aside / "a").write_text(str(1 // 0))
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+    assert (folder / "a").read_text() == "old"
+    with folder_written_aside(folder) as aside:
+        (aside / "b").write_text("new")
+    assert [path.name for path in folder.iterdir()] == ["b"]
+    with pytest.raises(OutputError, match="cannot be written"), folder_written_aside(folder / "b" / "c"):
+        pass

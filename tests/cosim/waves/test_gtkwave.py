@@ -1,0 +1,361 @@
+# SPDX-License-Identifier: Apache-2.0
+"""GTKWave views: they name what is in the waveform and nothing else, and every value by the name that the contract gives it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.errors import OutputError
+from evcot.filters.contract import Filter
+from evcot.filters.registers import FilterRegisters
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import Mode, State
+from evcot.tracks.log import Kind
+from evcot_cosim.devices.device import Device, Top
+from evcot_cosim.waves import VcdError, Wave
+from evcot_cosim.waves.gtkwave import write_view
+from evcot_cosim.waves.views import VIEWS
+
+PHASES = ["RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT"]
+ENGINE_PHASES = ["RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN"]
+CODES = {
+    "phase.txt": dict(enumerate(PHASES)),
+    "engine_phase.txt": dict(enumerate(ENGINE_PHASES)),
+    **{f"{enum.__name__.lower()}.txt": {int(member): member.name for member in enum} for enum in (Kind, Mode, State)},
+}
+
+# Flags of a trace, bit by bit.
+DECIMAL, TRANSLATED, CURVE, STRETCH = 1 << 2, 1 << 13, 1 << 15, 1 << 17
+CLOSED, GROUP_BEGIN, GROUP_END, FIXED_POINT = 1 << 22, 1 << 23, 1 << 24, 1 << 30
+
+
+class View:
+    """What a save file says, read the way GTKWave reads it.
+
+    Attributes:
+        shown: group -> the (label, trace, flags, file of names) of its rows.
+        settings: what stands in brackets before the first group.
+        closed: the groups that begin closed.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.shown: dict[str, list[tuple[str, str, int, str]]] = {}
+        self.settings: dict[str, str] = {}
+        self.closed: set[str] = set()
+        group, flags, names = "", 0, ""
+        for line in path.read_text().splitlines():
+            if line.startswith("@"):
+                flags, names = int(line[1:], 16), ""
+            elif line.startswith("^"):
+                names = line.partition(" ")[2]
+            elif line.startswith("-") and flags & GROUP_BEGIN:
+                group = line[1:]
+                assert group not in self.shown
+                self.shown[group] = []
+                if flags & CLOSED:
+                    self.closed.add(group)
+            elif line.startswith("-") and flags & GROUP_END:
+                assert line[1:] == group
+                group = ""
+            elif match := re.fullmatch(r"[+#]\{(.*?)\} (.*)", line):
+                assert group
+                self.shown[group].append((match[1], match[2], flags, names))
+            elif (match := re.fullmatch(r"\[(\w+)\] (.*)", line)) and match[1] not in ("color", "fpshift_count"):
+                self.settings[match[1]] = match[2].strip('"')
+
+    def rows(self) -> Iterator[tuple[str, str, str, int, str]]:
+        for group, rows in self.shown.items():
+            for row in rows:
+                yield group, *row
+
+    def row(self, group: str, label: str) -> tuple[str, int, str]:
+        return next((trace, flags, names) for name, trace, flags, names in self.shown[group] if name == label)
+
+
+@pytest.fixture
+def folder(vcds: dict[Top, Path], tmp_path: Path) -> Path:
+    """A run's folder with the waveform and the view of each arrangement."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for top, vcd in vcds.items():
+        shutil.copy(vcd, folder)
+        write_view(folder / vcd.name, folder / f"{top}.gtkw")
+    return folder
+
+
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+def test_a_view_names_only_signals_that_the_waveform_has(folder: Path, top: str) -> None:
+    references = {entry.reference for entry in Wave.open(folder / f"{top}.vcd", ["*clk"]).signals}
+    traces = [bit for _, _, trace, _, _ in View(folder / f"{top}.gtkw").rows() for bit in trace.split()]
+    assert len(traces) > 100
+    assert {re.sub(r"^\(\d+\)", "", trace) for trace in traces} <= references
+
+
+def test_everything_in_the_table_exists_in_the_hardware(folder: Path) -> None:
+    """A signal that has been renamed in the RTL would silently leave the view; the tables are for whole modules."""
+    for top in ("cot_array", "cot_chain", "cot_engine"):
+        view = View(folder / f"{top}.gtkw")
+        for group in VIEWS[top]:
+            shown = {label for label, *_ in view.shown[group.title.replace("{slot}", "2")]}
+            wanted = {row.label or row.signal.rpartition(".")[2] for row in group.rows}
+            assert wanted - shown <= {"m_pass_tick", "m_pass_event"}, group.title  # only a tracker passes those on
+
+
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+def test_trackers_behind_filters_are_shown_as_on_their_own(top: Top, config: CotConfig, folder: Path) -> None:
+    alone = View(folder / f"{top}.gtkw")
+    device = Device(replace(config, filters=FilterRegisters(enable=1 << Filter.POLARITY)), top)
+    with device.dumping(folder / "filtered.vcd"):
+        device.stream(np.array([1]), *np.full((2, 1), 60, np.uint16), np.zeros(1, np.uint8))
+    write_view(folder / "filtered.vcd", folder / "filtered.gtkw")
+    behind = View(folder / "filtered.gtkw")
+    assert "is_event" in {label for label, *_ in behind.shown.pop("behind the filters")}
+    rows = {group: [row[0] for row in rows] for group, rows in behind.shown.items()}
+    assert rows == {group: [row[0] for row in rows] for group, rows in alone.shown.items() if group != "registers"}
+
+
+def test_every_slot_has_a_group(folder: Path) -> None:
+    assert [g for g in View(folder / "cot_array.gtkw").shown if g.startswith("slot")] == ["slot 0", "slot 1", "slot 2"]
+    assert [g for g in View(folder / "cot_chain.gtkw").shown if g.startswith("tracker")] == [
+        "tracker 0",
+        "tracker 1",
+        "tracker 2",
+    ]
+
+
+def test_a_slot_of_a_packed_vector_is_its_own_bits(folder: Path) -> None:
+    view = View(folder / "cot_array.gtkw")
+    assert view.row("slot 2", "active")[0] == "(0)TOP.cot_array.active[2:0]"  # counted from the left
+    assert view.row("slot 0", "active")[0] == "(2)TOP.cot_array.active[2:0]"
+    slot_1 = " ".join(f"({i})TOP.cot_array.lo_x[20:0]" for i in range(7, 14))
+    assert view.row("slot 1", "lo_x")[0] == slot_1
+
+
+def test_a_part_of_a_word_of_memory_is_its_own_bits(folder: Path) -> None:
+    """Eleven bits of x, eleven of y, five of g in one word."""
+    view = View(folder / "cot_engine.gtkw")
+    for label, bits in (("cm_x", range(11)), ("cm_y", range(11, 22)), ("g", range(22, 27))):
+        word = "TOP.cot_engine.u_update.cm[2][26:0]"
+        assert view.row("slot 2", label)[0].split() == [f"({i}){word}" for i in bits]
+
+
+def test_a_single_slot_is_shown_too(tmp_path: Path) -> None:
+    vcd = tmp_path / "one.vcd"
+    vcd.write_text(header("cot_array", "N [31:0]", "active", "cm_x[0] [6:0]", widths=(32, 1, 7)) + "#0\nb1 a\n0b\nb0 c\n#9\n")
+    write_view(vcd, tmp_path / "one.gtkw")
+    assert [label for label, *_ in View(tmp_path / "one.gtkw").shown["slot 0"]] == ["active", "cm_x"]
+
+
+@pytest.mark.parametrize(
+    ("top", "group", "signal", "file"),
+    [
+        ("cot_array", "decision", "phase", "phase.txt"),
+        ("cot_array", "records out", "m_cm_kind", "kind.txt"),
+        ("cot_array", "slot 1", "mode", "mode.txt"),
+        ("cot_chain", "tracker 1", "state", "state.txt"),
+        ("cot_engine", "pipeline", "phase", "engine_phase.txt"),
+        ("cot_engine", "slot 1", "mode", "mode.txt"),
+    ],
+)
+def test_codes_are_shown_by_name(folder: Path, top: str, group: str, signal: str, file: str) -> None:
+    _, flags, names = View(folder / f"{top}.gtkw").row(group, signal)
+    assert flags & TRANSLATED
+    assert flags & DECIMAL, "the codes in the file are decimal"
+    assert names == f"/beside/{top}-{file}"
+    lines = (folder / f"{top}-{file}").read_text().splitlines()
+    assert {int(code): name for code, name in map(str.split, lines)} == CODES[file]
+
+
+def test_centres_and_radius_are_curves(folder: Path) -> None:
+    for top, group, radius in (
+        ("cot_array", "slot 0", "g"),
+        ("cot_chain", "tracker 0", "radius"),
+        ("cot_engine", "slot 0", "g"),
+    ):
+        view = View(folder / f"{top}.gtkw")
+        curves = [label for label, _, flags, _ in view.shown[group] if flags & CURVE]
+        assert curves == ["cm_x", "cm_y", radius]
+
+
+def test_the_whole_waveform_is_in_sight(folder: Path) -> None:
+    view = View(folder / "cot_array.gtkw")
+    wave = Wave.open(folder / "cot_array.vcd", ["*clk"])
+    begin = int(wave["TOP.clk"].times[0])
+    assert int(view.settings["timestart"]) == begin
+    zoom = float(re.search(r"^\*(-?[\d.]+)", (folder / "cot_array.gtkw").read_text(), re.MULTILINE)[1])
+    width_px = int(view.settings["size"].split()[0]) - int(view.settings["signals_width"])
+    shown = 2**-zoom * width_px / 200
+    assert wave.end_time - begin <= shown < 1.1 * (wave.end_time - begin)
+
+
+def test_a_module_without_a_table_shows_its_ports(tmp_path: Path) -> None:
+    vcd = tmp_path / "other.vcd"
+    vcd.write_text(header("fifo", "clk", "s_data [6:0]", "count [3:0]", widths=(1, 7, 4), ports=2) + "#0\n0a\nb0 b\nb0 c\n#9\n")
+    write_view(vcd, tmp_path / "other.gtkw")
+    view = View(tmp_path / "other.gtkw")
+    assert [(g, label, trace) for g, label, trace, _, _ in view.rows()] == [
+        ("ports", "clk", "TOP.clk"),
+        ("ports", "s_data", "TOP.s_data[6:0]"),
+    ]
+
+
+def header(module: str, *names: str, widths: tuple[int, ...], ports: int = 0) -> str:
+    """A VCD's header; the first `ports` signals also stand in the scope around the module."""
+    declared = [
+        f"$var wire {width} {chr(97 + i)} {name} $end\n" for i, (name, width) in enumerate(zip(names, widths, strict=True))
+    ]
+    scopes = ["$scope module TOP $end\n", *declared[:ports], f"$scope module {module} $end\n", *declared]
+    return "".join(scopes) + "$upscope $end\n" * 2 + "$enddefinitions $end\n"
+
+
+# ---- files ---------------------------------------------------------------------------------------------------------------
+
+
+def test_what_a_view_needs_lies_beside_it_under_any_name(folder: Path) -> None:
+    """All paths are in one made-up folder, the save file's own among them; GTKWave turns that into: beside the save file."""
+    for top in ("cot_array", "cot_chain", "cot_engine"):
+        view = View(folder / f"{top}.gtkw")
+        needed = [view.settings["dumpfile"], view.settings["savefile"], *(names for *_, names in view.rows() if names)]
+        assert {os.path.dirname(path) for path in needed} == {"/beside"}
+        assert all((folder / os.path.basename(path)).is_file() for path in needed)
+        assert str(folder) not in (folder / f"{top}.gtkw").read_text()
+
+
+def test_views_in_one_folder_do_not_share_files(folder: Path) -> None:
+    assert {path.name for path in folder.glob("*.txt")} == {
+        *(f"cot_array-{name}.txt" for name in ("kind", "mode", "phase")),
+        *(f"cot_chain-{name}.txt" for name in ("kind", "mode", "state")),
+        *(f"cot_engine-{name}.txt" for name in ("kind", "mode", "engine_phase")),
+    }  # fmt: skip
+
+
+def test_a_view_is_whole_or_not_there(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    view = folder / "cot_array.gtkw"
+    before = view.read_bytes()
+
+    def full(source: object, target: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OutputError, match=r"cannot be written: No space left on device"):
+        write_view(folder / "cot_array.vcd", view)
+    assert view.read_bytes() == before
+    assert not list(folder.glob(".*"))
+
+
+def test_a_waveform_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(VcdError, match=r"none\.vcd: cannot be read: No such file or directory"):
+        write_view(tmp_path / "none.vcd", tmp_path / "none.gtkw")
+    assert not list(tmp_path.iterdir())
+
+
+# ---- GTKWave itself ------------------------------------------------------------------------------------------------------
+
+needs_gtkwave = pytest.mark.skipif(
+    not (shutil.which("gtkwave") and shutil.which("Xvfb")), reason="needs gtkwave and Xvfb, a screen without a screen"
+)
+
+
+@contextmanager
+def screen() -> Iterator[str]:
+    """A display nobody looks at."""
+    read, write = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1600x1000x24"], pass_fds=[write], stderr=subprocess.DEVNULL
+    )
+    os.close(write)
+    try:
+        with os.fdopen(read) as pipe:
+            yield f":{pipe.readline().strip()}"
+    finally:
+        server.terminate()
+        server.wait()
+
+
+TELL = """
+gtkwave::setMarker %d
+for {set i 0} {$i < [gtkwave::getTotalNumTraces]} {incr i} {
+    set value [gtkwave::getTraceValueAtMarkerFromIndex $i]
+    puts "trace\t[gtkwave::getTraceFlagsFromIndex $i]\t[gtkwave::getTraceNameFromIndex $i]\t$value"
+}
+flush stdout
+exit
+"""
+
+
+def told_by_gtkwave(arguments: Sequence[Path], time: int, script: Path) -> dict[tuple[str, str], str]:
+    """(group, label) -> the value that GTKWave, started in another folder, shows at a time; nothing in a closed group."""
+    script.write_text(TELL % time)
+    with screen() as display:
+        done = subprocess.run(
+            ["gtkwave", "-S", str(script), *map(str, arguments)],
+            cwd="/", env={**os.environ, "DISPLAY": display, "HOME": str(script.parent)},
+            capture_output=True, text=True, check=True, timeout=120,
+        )  # fmt: skip
+    told = {}
+    group = ""
+    for line in done.stdout.splitlines():
+        if line.startswith("trace\t"):
+            flags, label, value = line.split("\t")[1:]
+            if int(flags) & GROUP_BEGIN:
+                group = label
+            elif not int(flags) & (GROUP_END | STRETCH):
+                told[group, label] = value
+    return told
+
+
+def meant(view: View, wave: Wave, frac: int, time: int) -> dict[tuple[str, str], str]:
+    """The same from the waveform and the contract."""
+    paths = {entry.reference: entry.path for entry in wave.signals}
+    values = {}
+    for group, label, trace, flags, names in view.rows():
+        bits = [re.fullmatch(r"(?:\((\d+)\))?(.*)", part) for part in trace.split()]
+        signal = wave[paths[bits[0][2]]]
+        value = int(signal.values[np.searchsorted(signal.times, time, side="right") - 1])
+        if bits[0][1]:
+            value = value >> signal.declared.width - 1 - int(bits[-1][1]) & (1 << len(bits)) - 1
+        text = f"{value / (1 << frac):.15g}" if flags & FIXED_POINT else str(value)
+        text = CODES[names.rpartition("-")[2]][value] if names else text
+        values[group, label] = "" if group in view.closed else text
+    return values
+
+
+@needs_gtkwave
+@pytest.mark.parametrize("both_named", [False, True], ids=["view", "vcd and view"])
+@pytest.mark.parametrize(
+    ("top", "moment"),
+    [("cot_array", "cot_array.merges"), ("cot_chain", "tracker[1].u_cot.updated"), ("cot_engine", "cot_engine.found")],
+)
+def test_gtkwave_shows_every_value_after_the_folder_has_been_renamed(
+    folder: Path, config: CotConfig, top: str, moment: str, both_named: bool
+) -> None:
+    moved = folder.rename(folder.with_name("renamed"))
+    wave = Wave.open(moved / f"{top}.vcd")
+    event = wave[moment]
+    time = int(event.times[np.flatnonzero(event.values)[3]])
+    opened = [moved / f"{top}.vcd"] * both_named + [moved / f"{top}.gtkw"]
+    assert told_by_gtkwave(opened, time, moved / "tell.tcl") == meant(View(opened[-1]), wave, config.shape.frac, time)
+
+
+@needs_gtkwave
+@pytest.mark.parametrize("slots", [1, 2])
+def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_path: Path) -> None:
+    shape = replace(config.shape, n_slots=slots)
+    device = Device(CotConfig(shape, config.slots[:slots]), "cot_engine")
+    with device.dumping(tmp_path / "run.vcd"):
+        device.stream(np.array([1]), *np.full((2, 1), 60, np.uint16), np.zeros(1, np.uint8))
+    write_view(tmp_path / "run.vcd", tmp_path / "run.gtkw")
+    told = told_by_gtkwave([tmp_path / "run.vcd", tmp_path / "run.gtkw"], 100, tmp_path / "tell.tcl")
+    wanted = {"d_slot", "c_slot", "u_slot", "v_slot", "w_slot", "found_slot"}
+    assert wanted <= {label for group, label in told if group == "pipeline"}
+    assert ("slot 0", "active") in told

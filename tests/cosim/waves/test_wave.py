@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Signals of a VCD: how they are found, what is refused, and what a flip-flop would see."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from evcot_cosim.waves import Samples, VcdError, Wave, WaveformError, always
+
+Open = Callable[..., Samples]
+VcdText = Callable[..., str]
+
+
+def test_a_value_is_the_one_before_the_edge(tmp_path: Path) -> None:
+    """What changes together with the edge shows at the next one, as behind a flip-flop."""
+    path = tmp_path / "edge.vcd"
+    path.write_text(
+        "$timescale 1ps $end\n$scope module TOP $end\n"
+        "$var wire 1 ! clk $end\n$var wire 3 d d [2:0] $end\n$upscope $end\n$enddefinitions $end\n"
+        "#0\n0!\nb1 d\n#5\n1!\nb10 d\n#10\n0!\nb11 d\n#15\n1!\n#20\n0!\n#25\n1!\nb111 d\n"
+    )
+    s = Wave.open(path).sampled("clk")
+    assert s.times.tolist() == [5, 15, 25]
+    assert s["d"].values.tolist() == [1, 3, 3]
+    assert Wave.open(path)["d"].values.tolist() == [1, 2, 3, 7]
+
+
+def test_signals_are_found_by_path_by_a_unique_end_and_by_glob(sampled: Open) -> None:
+    s = sampled(valid="01", state=[1, 2], state_next=[2, 3])
+    for name in ("TOP.dut.state", "dut.state", "state"):
+        assert s[name].values.tolist() == [1, 2]
+    assert s.find("state*") == ["TOP.dut.state", "TOP.dut.state_next"]
+    assert s.find("TOP.*") == ["TOP.clk", "TOP.dut.valid", "TOP.dut.state", "TOP.dut.state_next"]
+
+
+def test_elements_of_an_array_have_brackets(sampled: Open) -> None:
+    s = sampled(**{"cm[0]": [1, 2], "cm[1]": [3, 4]})
+    assert s["cm[1]"].values.tolist() == [3, 4]
+    assert s.find("cm[*]") == ["TOP.dut.cm[0]", "TOP.dut.cm[1]"]
+
+
+def test_an_absent_signal_is_answered_with_those_near_it(sampled: Open) -> None:
+    s = sampled(token_valid="01", state=[1, 2])
+    with pytest.raises(VcdError, match=r"run\.vcd: no signal TOP\.dut\.stat; near it: TOP\.dut\.state$"):
+        s["TOP.dut.stat"]
+    with pytest.raises(VcdError, match=r"no signal qqqq; nothing is near it among 3 signals"):
+        s["qqqq"]
+
+
+def test_a_name_for_two_wires_is_refused_and_two_names_for_one_wire_are_not(tmp_path: Path) -> None:
+    path = tmp_path / "names.vcd"
+    path.write_text(
+        "$scope module TOP $end\n$var wire 1 ! clk $end\n$var wire 1 a q $end\n"
+        "$scope module one $end\n$var wire 1 a q $end\n$var wire 1 b r $end\n$upscope $end\n"
+        "$scope module two $end\n$var wire 1 c r $end\n$upscope $end\n"
+        "$upscope $end\n$enddefinitions $end\n#0\n0!\n1a\n0b\n1c\n#5\n1!\n"
+    )
+    wave = Wave.open(path)
+    assert wave.declared("q").path == "TOP.q"
+    assert wave.sampled()["one.r"].values.tolist() == [False]
+    with pytest.raises(VcdError, match=r"r is ambiguous: TOP\.one\.r, TOP\.two\.r$"):
+        wave["r"]
+
+
+def test_only_some_signals_may_be_read(tmp_path: Path, vcd_text: VcdText) -> None:
+    path = tmp_path / "run.vcd"
+    path.write_text(vcd_text({"valid": "01", "state": [1, 2]}))
+    wave = Wave.open(path, only=("clk", "valid"))
+    assert wave.sampled()["valid"].values.tolist() == [False, True]
+    with pytest.raises(VcdError, match=r"TOP\.dut\.state has not been read: add it to `only`"):
+        wave["state"]
+    with pytest.raises(VcdError, match=r"run\.vcd: no signal matches reddy, vallid"):
+        Wave.open(path, only=("reddy", "vallid"))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (None, "cannot be read: No such file"),
+        (b"", "not a VCD: must declare at least one signal"),
+        (b"\x89PNG\r\n\x1a\n\xff\xfe", "not a whole VCD"),
+        (
+            b"$scope module TOP $end\n$var reg 4 a n [3:0] $end\n$upscope $end\n$enddefinitions $end\n#0\nb101",
+            "not a whole VCD",
+        ),
+    ],
+)
+def test_what_is_not_a_whole_vcd_is_refused(tmp_path: Path, content: bytes | None, message: str) -> None:
+    path = tmp_path / "bad.vcd"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(VcdError, match=rf"bad\.vcd: {message}"):
+        Wave.open(path)
+
+
+def test_time_that_runs_backwards_is_refused(tmp_path: Path, vcd_text: VcdText) -> None:
+    path = tmp_path / "back.vcd"
+    path.write_text(vcd_text({"state": [1, 2]}).replace("#15", "#3"))
+    with pytest.raises(VcdError, match=r"back\.vcd: TOP\.clk: time runs backwards"):
+        Wave.open(path).sampled()
+
+
+def test_reading_leaves_the_process_handling_of_broken_pipes_alone(tmp_path: Path, vcd_text: VcdText) -> None:
+    path = tmp_path / "run.vcd"
+    path.write_text(vcd_text({"valid": "01"}))
+    code = (
+        "import signal; from evcot_cosim.waves import Wave; "
+        f"Wave.open({str(path)!r}); print(signal.getsignal(signal.SIGPIPE) == signal.SIG_IGN)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "True\n"
+
+
+def test_part_of_the_time_may_be_sampled(sampled: Open) -> None:
+    wave = sampled(state=[1, 2, 3, 4, 5]).wave
+    assert wave.sampled("clk", begin=15, end=35)["state"].values.tolist() == [2, 3]
+
+
+def test_the_clock_has_one_bit(sampled: Open) -> None:
+    wave = sampled(state=[1, 2]).wave
+    with pytest.raises(VcdError, match=r"clock TOP\.dut\.state has 4 bits: must have 1"):
+        wave.sampled("state")
+
+
+def test_a_bundle_is_found_by_its_prefix(sampled: Open) -> None:
+    s = sampled(s_x=[1, 2], s_valid="01", s_ready="11", state=[3, 4])
+    assert [expr.paths[0] for expr in s.stream("s")] == ["TOP.dut.s_valid", "TOP.dut.s_ready", "TOP.dut.s_x"]
+
+
+def test_a_bundle_ends_where_its_scope_does(tmp_path: Path) -> None:
+    path = tmp_path / "nested.vcd"
+    path.write_text(
+        "$scope module TOP $end\n$var wire 1 ! clk $end\n$var wire 1 a s_valid $end\n$var wire 1 b s_ready $end\n"
+        "$scope module s_fifo $end\n$var wire 1 c full $end\n$upscope $end\n$upscope $end\n$enddefinitions $end\n"
+        "#0\n0!\n1a\n1b\n1c\n#5\n1!\n"
+    )
+    assert [expr.paths[0] for expr in Wave.open(path).sampled().stream("TOP.s")] == ["TOP.s_valid", "TOP.s_ready"]
+
+
+def test_parts_of_a_vector_that_are_declared_apart_keep_their_ranges(tmp_path: Path) -> None:
+    path = tmp_path / "parts.vcd"
+    path.write_text(
+        "$scope module TOP $end\n$var wire 1 ! clk $end\n$var wire 2 a d [3:2] $end\n$var wire 2 b d [1:0] $end\n"
+        "$upscope $end\n$enddefinitions $end\n#0\n0!\nb1 a\nb10 b\n#5\n1!\n"
+    )
+    s = Wave.open(path).sampled()
+    assert (s["d[3:2]"].values.tolist(), s["d[1:0]"].values.tolist()) == ([1], [2])
+
+
+def test_a_signal_is_unknown_until_it_has_a_value(tmp_path: Path, vcd_text: VcdText) -> None:
+    path = tmp_path / "late.vcd"
+    path.write_text(vcd_text({"n": [5, 5, 6]}).replace("b101 a\n", ""))
+    n = Wave.open(path).sampled()["n"]
+    assert n.unknown.tolist() == [True, True, False]
+    with pytest.raises(WaveformError, match=r"unknown at 5 ns, cycle 0; 2 of 3 cases") as error:
+        always(n == 6)
+    assert str(error.value).splitlines()[-1].split() == ["TOP.dut.n", "x", "x", "6"]

@@ -1,0 +1,366 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Properties of the hardware, asserted on the waveforms of real runs; each also shown to fail where the waveform is edited.
+
+An edit puts one wrong value into the VCD, at a clock where the property is put to the test, and lets the signal go on as
+recorded from the next clock on.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.events import Events
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import State
+from evcot.hardware.lfsr import Lfsr
+from evcot_cosim.build.model import load
+from evcot_cosim.build.rtl import copy_rtl
+from evcot_cosim.devices.device import Device, Top
+from evcot_cosim.testing import reset
+from evcot_cosim.waves import (
+    Expr,
+    Samples,
+    Wave,
+    WaveformError,
+    after,
+    always,
+    handshake_stable,
+    never,
+    one_of,
+    recorded,
+    sometime,
+    transitions,
+)
+
+SLOTS = range(3)
+PAIRS = list(itertools.combinations(SLOTS, 2))
+
+STREAMS = {
+    "s": "tick event x y p",
+    "m_cm": "kind slot id other x y radius n_ev support seq time",
+    "m_own": "slot x y p seq",
+    "m_pass": "x y p seq",
+}  # fmt: skip
+TRACKER_STREAMS = {
+    "s": "tick event x y p seq",
+    "m_cm": "kind id x y radius n_ev support seq time",
+    "m_own": "x y p seq",
+    "m_pass": "tick event x y p seq",
+}  # fmt: skip
+
+# What the comments of the states in cot.v say.
+NEXT_STATE = {
+    State.INIT_CELL: {State.IDLE},
+    State.IDLE: {State.INIT_CELL, State.EV_DISCRI, State.EV_PASS_TH},
+    State.EV_DISCRI: {State.EV_PASS_TH, State.EV_NO_PROC, State.EV_PROC},
+    State.EV_PASS_TH: {State.IDLE},
+    State.EV_NO_PROC: {State.IDLE},
+    State.EV_PROC: {State.IDLE},
+}
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Signals below one scope, by their short names."""
+
+    samples: Samples
+    path: str
+
+    def __getitem__(self, name: str) -> Expr:
+        return self.samples[f"{self.path}.{name}"]
+
+    def full(self, name: str) -> str:
+        return f"{self.path}.{name}"
+
+
+def open_array(vcd: Path) -> Scope:
+    return Scope(Wave.open(vcd, ["TOP.cot_array.*"]).sampled("TOP.cot_array.clk"), "TOP.cot_array")
+
+
+def open_tracker(vcd: Path, slot: int) -> Scope:
+    path = f"TOP.cot_chain.tracker[{slot}].u_cot"
+    return Scope(Wave.open(vcd, [f"{path}.*"]).sampled(f"{path}.clk"), path)
+
+
+@pytest.fixture(scope="module")
+def array(vcds: dict[Top, Path]) -> Scope:
+    return open_array(vcds["cot_array"])
+
+
+@pytest.fixture(scope="module", params=SLOTS)
+def tracker(vcds: dict[Top, Path], request: pytest.FixtureRequest) -> Scope:
+    """Every tracker of the chain in turn."""
+    return open_tracker(vcds["cot_chain"], request.param)
+
+
+@pytest.fixture(scope="module")
+def first(vcds: dict[Top, Path]) -> Scope:
+    """The chain's first tracker."""
+    return open_tracker(vcds["cot_chain"], 0)
+
+
+def edited(scope: Scope, cycle: int, values: Mapping[str, int], to: Path) -> Path:
+    """The waveform again, with other values of some signals at one clock; all names of the same wire show them."""
+    wave = scope.samples.wave
+    edge = scope.samples.times[cycle : cycle + 1]
+    wrong, right = [], []
+    for name, value in values.items():
+        signal = wave[scope.full(name)]
+        code, width = signal.declared.code, signal.declared.width
+        was = int(signal.values[signal.before(edge)[0]])
+        assert was != value
+        for number, changes in ((value, wrong), (was, right)):
+            changes.append(f"{number}{code}\n" if width == 1 else f"b{number:0{width}b} {code}\n")
+    lines = wave.path.read_text().splitlines(keepends=True)
+    at = lines.index(f"#{edge[0]}\n")
+    lines[at : at + 1] = [*wrong, lines[at], *right]  # what the edge itself changes stands below and wins
+    to.write_text("".join(lines))
+    return to
+
+
+def broken(check: Callable[[Scope], object], scope: Scope, cycle: int, values: Mapping[str, int], to: Path) -> str:
+    """What a check that passes says once the waveform has been edited; it must name that clock and one of the signals."""
+    check(scope)
+    samples = Wave.open(edited(scope, cycle, values, to), [f"{scope.path}.*"]).sampled(scope.samples.clock)
+    with pytest.raises(WaveformError) as error:
+        check(Scope(samples, scope.path))
+    assert error.value.cycle in (cycle, cycle + 1)
+    assert any(scope.full(name) in str(error.value) for name in values)
+    return str(error.value)
+
+
+def clock_of(condition: Expr, which: int = 0) -> int:
+    """The cycle in which a condition is true for the (which + 1)-th time."""
+    return int(np.flatnonzero(condition.true)[which])
+
+
+# ---- states --------------------------------------------------------------------------------------------------------------
+
+
+def states_are_legal(tracker: Scope) -> int:
+    one_of(tracker["state"], list(State))
+    return transitions(tracker["state"], NEXT_STATE)
+
+
+def test_every_tracker_of_a_chain_only_ever_goes_where_its_states_lead(tracker: Scope) -> None:
+    assert states_are_legal(tracker) > 1_000
+    for start, ends in NEXT_STATE.items():
+        for end in ends:
+            if start != State.IDLE or end != State.EV_PASS_TH:  # only a token without an event goes straight on
+                sometime((tracker["state"] == end) & (tracker["state"] == start).previous())
+
+
+def test_a_tracker_that_skips_a_state_is_found_out(first: Scope, tmp_path: Path) -> None:
+    at = clock_of(first["state"] == State.EV_DISCRI, 50)
+    message = broken(states_are_legal, first, at, {"state": State.EV_PROC}, tmp_path / "x.vcd")
+    assert "IDLE to EV_PROC" in message
+    message = broken(states_are_legal, first, at, {"state": 7}, tmp_path / "x.vcd")
+    assert "another value" in message
+
+
+def test_an_event_is_discriminated_and_then_owned_or_passed(tracker: Scope) -> None:
+    discriminated = tracker["state"] == State.EV_DISCRI
+    takes = discriminated & (tracker["inside_window"] | tracker["free"])
+    after(takes).expect(tracker["m_own_valid"])
+    after(
+        discriminated & ~takes,
+    ).expect(tracker["m_pass_valid"] & tracker["m_pass_event"])
+    after(takes & tracker["last"]).within(2).expect(tracker["m_cm_valid"])
+
+
+# ---- streams -------------------------------------------------------------------------------------------------------------
+
+
+def stream_holds(scope: Scope, prefix: str, fields: dict[str, str] = STREAMS) -> int:
+    payload = [scope[f"{prefix}_{field}"] for field in fields[prefix].split()]
+    return handshake_stable(scope[f"{prefix}_valid"], scope[f"{prefix}_ready"], *payload)
+
+
+@pytest.mark.parametrize("prefix", STREAMS)
+def test_every_stream_of_the_array_holds_its_offer_until_it_is_taken(array: Scope, prefix: str) -> None:
+    assert stream_holds(array, prefix) > 0
+
+
+@pytest.mark.parametrize("prefix", STREAMS)
+def test_every_stream_of_the_chain_holds_its_offer_until_it_is_taken(vcds: dict[Top, Path], prefix: str) -> None:
+    samples = Wave.open(vcds["cot_chain"], ["TOP.cot_chain.*"]).sampled("TOP.cot_chain.clk")
+    assert stream_holds(Scope(samples, "TOP.cot_chain"), prefix) > 0
+
+
+@pytest.mark.parametrize("prefix", TRACKER_STREAMS)
+def test_every_stream_between_the_trackers_holds_its_offer_until_it_is_taken(tracker: Scope, prefix: str) -> None:
+    assert stream_holds(tracker, prefix, TRACKER_STREAMS) > 0
+
+
+@pytest.mark.parametrize("prefix", STREAMS)
+def test_an_offer_that_changes_or_goes_while_it_waits_is_found_out(array: Scope, prefix: str, tmp_path: Path) -> None:
+    waits = array[f"{prefix}_valid"] & ~array[f"{prefix}_ready"]
+    at = clock_of(waits & waits.previous(), 1)
+    for field in ("valid", STREAMS[prefix].split()[-1]):
+        name = f"{prefix}_{field}"
+        wrong = int(array[name].values[at]) ^ 1
+        message = broken(partial(stream_holds, prefix=prefix), array, at, {name: wrong}, tmp_path / "x.vcd")
+        assert f"{array.full(name)} changes" in message
+
+
+# ---- timers --------------------------------------------------------------------------------------------------------------
+
+
+def timers_count(tracker: Scope) -> None:
+    """TC and TC2 count the ticks of every token that a collecting tracker accepts, and nothing else moves them."""
+    accepts = tracker["s_valid"] & tracker["s_ready"]
+    owns = (tracker["state"] == State.EV_DISCRI) & (tracker["inside_window"] | tracker["free"])
+    moves = (tracker["state"] == State.EV_PROC) & ~tracker["updated"]
+    loads = tracker["state"] == State.INIT_CELL
+    counts = accepts & tracker["collecting"]
+    for timer, restarts in (("tc", owns), ("tc2", moves)):
+        always(tracker[timer] == (tracker[timer] + tracker["tick"]).previous(), where=counts.previous())
+        after(restarts).expect(tracker[timer] == 0)
+        never(tracker[timer].changed, where=(~counts & ~restarts & ~loads).previous())
+    always(tracker["last_tc2"] == tracker["tc2"].previous(), where=moves.previous())
+
+
+def lives_end_in_time(tracker: Scope) -> None:
+    """No active tracker waits for a token with a TC that has run out."""
+    active_idle = tracker["active"] & (tracker["state"] == State.IDLE)
+    never(tracker["tc"] >= tracker["max_ticks"], where=active_idle)
+
+
+def test_timers_count_ticks_and_restart_at_an_owned_event_and_at_a_new_centre(tracker: Scope) -> None:
+    timers_count(tracker)
+    sometime((tracker["tick"] > 1) & tracker["s_valid"] & tracker["s_ready"] & tracker["collecting"])
+
+
+def test_an_active_tracker_never_waits_with_a_timer_that_has_run_out(tracker: Scope) -> None:
+    lives_end_in_time(tracker)
+    expires = tracker["s_valid"] & tracker["lifetime_over"] & (tracker["state"] == State.IDLE)
+    after(expires).expect((tracker["state"] == State.INIT_CELL) & tracker["m_cm_valid"])
+
+
+def test_every_tick_counts_once(tracker: Scope) -> None:
+    """The clock of a tracker is the sum of the ticks that it was given, though an expired life makes a token wait."""
+    accepted = clock_of(tracker["s_valid"] & tracker["s_ready"], -1)
+    tokens = (tracker["s_valid"] & tracker["s_ready"]).true[: accepted + 1]
+    given = int(tracker["s_tick"].values[: accepted + 1][tokens].sum())
+    assert given > 0
+    assert int(tracker["now"].values[accepted + 1]) - int(tracker["now"].values[0]) == given
+
+
+def test_timers_that_miscount_are_found_out(first: Scope, tmp_path: Path) -> None:
+    counted = clock_of((first["s_valid"] & first["s_ready"] & first["collecting"] & (first["tick"] > 1)).previous(), 20)
+    for timer in ("tc", "tc2"):
+        wrong = int(first[timer].values[counted]) + 1
+        broken(timers_count, first, counted, {timer: wrong}, tmp_path / "x.vcd")
+    idle = clock_of(first["active"] & (first["state"] == State.IDLE), 100)
+    broken(lives_end_in_time, first, idle, {"tc": int(first["max_ticks"].values[idle])}, tmp_path / "x.vcd")
+
+
+def test_a_timer_that_does_not_restart_in_the_verilog_is_found_out(config: CotConfig, blobs: Events, tmp_path: Path) -> None:
+    """Through the whole way: broken source, build, run, waveform."""
+    verilog = copy_rtl(tmp_path / "verilog")
+    source = (verilog / "cot.v").read_text()
+    restart = "updated      <= 1'b0;\n                tc           <= {TC_W{1'b0}};"
+    assert source.count(restart) == 1
+    (verilog / "cot.v").write_text(source.replace(restart, restart.partition("\n")[0]))
+    one = CotConfig.uniform(replace(config.shape, n_slots=1), config.slots[0])
+    device = Device(one, "cot", verilog=verilog)
+    with device.dumping(tmp_path / "run.vcd"):
+        device.stream(blobs.t_us[:200], blobs.x[:200], blobs.y[:200], blobs.p[:200])
+    scope = Scope(Wave.open(tmp_path / "run.vcd", ["TOP.cot.*"]).sampled("TOP.cot.clk"), "TOP.cot")
+    states_are_legal(scope)
+    with pytest.raises(WaveformError, match=r"expect\(TOP\.cot\.tc == 0\)"):
+        timers_count(scope)
+
+
+# ---- windows -------------------------------------------------------------------------------------------------------------
+
+
+def windows_are_apart(array: Scope) -> int:
+    """No two active windows share a pixel, at every clock but those of a merge. Returns how often two were active."""
+    runs = array["phase"] == array["RUN"]
+
+    def axis(a: int, b: int, name: str) -> Expr:
+        def bound(which: str, slot: int) -> Expr:
+            return array[f"{which}_{name}"].bits(7 * slot + 6, 7 * slot)
+
+        return (bound("lo", a) <= bound("hi", b)) & (bound("lo", b) <= bound("hi", a))
+
+    return sum(
+        never(axis(a, b, "x") & axis(a, b, "y"), where=runs & array["active"].bit(a) & array["active"].bit(b)) for a, b in PAIRS
+    )
+
+
+def test_active_windows_never_overlap_but_while_they_merge(array: Scope) -> None:
+    assert windows_are_apart(array) > 1_000
+    sometime(array["phase"] != array["RUN"])
+
+
+def test_windows_that_overlap_are_found_out(array: Scope, tmp_path: Path) -> None:
+    at = clock_of((array["phase"] == array["RUN"]) & array["active"].bit(0) & array["active"].bit(1), 300)
+    ones = (1 << 3 * 7) - 1
+    everywhere = {"lo_x": 0, "lo_y": 0, "hi_x": ones, "hi_y": ones}
+    broken(windows_are_apart, array, at, everywhere, tmp_path / "x.vcd")
+
+
+PHASES = ("RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT")
+NEXT_PHASE = {"RUN": {"CHECK"}, "CHECK": {"RUN", "ABSORB"}, "ABSORB": {"DIVIDE"}, "DIVIDE": {"REPORT"}, "REPORT": {"CHECK"}}
+
+
+def phases_are_legal(array: Scope) -> int:
+    code = {name: int(array[name].values[0]) for name in PHASES}
+    return transitions(array["phase"], {code[start]: {code[end] for end in ends} for start, ends in NEXT_PHASE.items()})
+
+
+def test_a_merge_goes_through_its_phases_in_order(array: Scope, tmp_path: Path) -> None:
+    assert phases_are_legal(array) >= 5
+    at = clock_of(array["phase"] == array["ABSORB"])
+    assert "to 4 at" in broken(phases_are_legal, array, at, {"phase": 4}, tmp_path / "x.vcd")
+
+
+# ---- LFSR ----------------------------------------------------------------------------------------------------------------
+
+WIDTH = 8
+PERIOD = (1 << WIDTH) - 1
+
+
+def lfsr_run(path: Path) -> Path:
+    sim = load("lfsr", {"WIDTH": WIDTH})
+    with recorded(sim, path):
+        reset(sim)
+        sim.io.enable = 1
+        for _ in range(3 * PERIOD):
+            sim.clock.tick()
+    return path
+
+
+def period_is_maximal(lfsr: Scope) -> None:
+    """Every state comes back after 2^n - 1 steps and not before; all ones never comes."""
+    runs, state = ~lfsr["rst"] & lfsr["enable"], lfsr["state"]
+    never(state == PERIOD, where=runs)
+    always(state == state.previous(PERIOD), where=runs & runs.previous(PERIOD))
+    for steps in (n for n in range(1, PERIOD) if PERIOD % n == 0):  # what is shorter would divide the period
+        never(state == state.previous(steps), where=runs & runs.previous(steps))
+
+
+def test_lfsr_runs_through_every_state_but_all_ones(tmp_path: Path) -> None:
+    samples = Wave.open(lfsr_run(tmp_path / "lfsr.vcd")).sampled("TOP.lfsr.clk")
+    lfsr = Scope(samples, "TOP.lfsr")
+    period_is_maximal(lfsr)
+    runs = lfsr["enable"] & ~lfsr["rst"]
+    after(lfsr["done"] & runs).within(PERIOD).expect(lfsr["done"])
+    states = lfsr["state"].values[runs.true][:PERIOD]
+    assert set(states.tolist()) == set(range(PERIOD))
+    assert np.array_equal(states[1:].astype(np.uint64), Lfsr(WIDTH).states(PERIOD)[: PERIOD - 1])
+
+
+@pytest.mark.parametrize("wrong", [PERIOD, 0])
+def test_lfsr_that_locks_up_or_stumbles_is_found_out(tmp_path: Path, wrong: int) -> None:
+    samples = Wave.open(lfsr_run(tmp_path / "lfsr.vcd")).sampled("TOP.lfsr.clk")
+    broken(period_is_maximal, Scope(samples, "TOP.lfsr"), PERIOD + 20, {"state": wrong}, tmp_path / "x.vcd")

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: Apache-2.0
+"""axi_lite_regs.v in evcot_top: what each address of the banks does, what is refused or clamped, and how that shows.
+
+What the words outside the banks hold is told in test_axi_lite_words.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evcot.errors import ConfigError
+from evcot.filters.contract import FILTER_REGISTERS, mask_word
+from evcot.hardware.contract import REGISTERS
+from evcot.hardware.register_access import Registers
+from evcot.hardware.registers import BusError, register_map
+from evcot.hardware.streams import pack_events
+from evcot_cosim.build.model import load
+from evcot_cosim.devices.top_device import Pace, Told, TopDevice, address_of, filter_address, poll, read, slot_address, write
+from evcot_cosim.testing import reset
+from evcot_cosim.top_trials import BUILDS, device_of
+
+BUILD = BUILDS["array behind filters"]
+OKAY, SLVERR = 0, 2
+FAULT = address_of("fault")
+CLAMPED, REFUSED, LOCKED, UNMAPPED = 1, 2, 4, 8
+
+
+@pytest.fixture
+def device() -> TopDevice:
+    return device_of("array behind filters")
+
+
+def answers(told: Told) -> list[tuple[int, int]]:
+    return [(int(command["response"]), int(command["result"])) for command in told.commands]
+
+
+def fault(device: TopDevice) -> tuple[int, int]:
+    """Which faults have happened and where the last one was; clears them."""
+    word = device.read(FAULT)
+    device.write(FAULT, 15)
+    return word & 15, word >> 16
+
+
+def test_the_hardware_says_what_it_is(device: TopDevice) -> None:
+    registers = Registers(device)
+    assert registers.id.to_bytes(4, "big") == b"EVCT"
+    assert (registers.version.major, registers.version.minor) == register_map().version
+    assert (registers.shape, registers.filter_shape) == (BUILD.shape, BUILD.filter_shape)
+    assert (registers.build.filters, registers.build.sources, registers.build.tracker) == (127, 3, 0)
+    assert registers.memory.fifo_depth == 40
+    assert len(registers.slot) == 4
+
+
+def test_reset_gives_every_register_of_the_banks_its_reset_value(device: TopDevice) -> None:
+    for slot in range(4):
+        for name, register in REGISTERS.items():
+            assert device.read(slot_address(slot, name)) == register.low
+    for name, entry in FILTER_REGISTERS.items():
+        assert device.read(filter_address(name)) == (0 if name == "mask" else entry.low)
+
+
+def test_every_address_is_known_or_answers_with_an_error(device: TopDevice) -> None:
+    known = {word.address for word in register_map().words}
+    known |= {slot_address(slot, name) for slot in range(4) for name in (*REGISTERS, "commit")}
+    known |= {filter_address(name) for name in (*FILTER_REGISTERS, "commit")}
+    told = device.run(commands=[read(address) for address in range(0, 1 << 13, 4)])
+    found = {4 * i for i, (response, _) in enumerate(answers(told)) if response == OKAY}
+    assert found == known
+    assert all(result == 0 for response, result in answers(told) if response)
+    assert fault(device) == (UNMAPPED, 0x1FFC)
+
+
+def test_a_read_only_word_answers_a_write_with_an_error_and_stays(device: TopDevice) -> None:
+    for word in register_map().words:
+        if not word.writable:
+            assert answers(device.run(commands=[write(word.address, 0xFFFF_FFFF)])) == [(SLVERR, 0)], word.name
+            assert fault(device) == (UNMAPPED, word.address)
+    assert device.read(0) == register_map().id
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [(name, *register.limits(BUILD.shape)) for name, register in REGISTERS.items() if name != "mode"],
+)
+def test_a_slots_register_clamps_what_is_illegal(device: TopDevice, name: str, low: int, high: int) -> None:
+    address = slot_address(2, name)
+    for value, stored in ((low, low), (high, high), (high + 1, high), (0xFFFF_FFFF, high), (low - 1, low)):
+        if value < 0:
+            continue
+        response = answers(device.run(commands=[write(address, value)]))[0][0]
+        assert (response, device.read(address)) == (OKAY if value == stored else SLVERR, stored)
+        assert fault(device)[0] == (0 if value == stored else CLAMPED)
+    assert device.read(slot_address(1, name)) == low
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [
+        (name, *r.limits(BUILD.filter_shape))
+        for name, r in FILTER_REGISTERS.items()
+        if name not in ("mask", "enable", "polarity")
+    ],
+)
+def test_a_filters_register_clamps_what_is_illegal(device: TopDevice, name: str, low: int, high: int) -> None:
+    address = filter_address(name)
+    for value, stored in ((low, low), (high, high), (high + 1, high), (low - 1, low)):
+        if value < 0:
+            continue
+        response = answers(device.run(commands=[write(address, value)]))[0][0]
+        assert (response, device.read(address)) == (OKAY if value == stored else SLVERR, stored)
+        assert fault(device)[0] == (0 if value == stored else CLAMPED)
+
+
+@pytest.mark.parametrize(
+    ("address", "legal", "illegal"),
+    [
+        (slot_address(3, "mode"), 2, 3),
+        (filter_address("enable"), 127, 128),
+        (filter_address("polarity"), 1, 2),
+        (address_of("source"), 1, 2),  # AER is not built
+    ],
+    ids=["mode", "enable", "polarity", "source"],
+)
+def test_what_has_no_nearest_legal_value_is_refused(device: TopDevice, address: int, legal: int, illegal: int) -> None:
+    device.write(address, legal)
+    assert answers(device.run(commands=[write(address, illegal)])) == [(SLVERR, 0)]
+    assert device.read(address) == legal
+    assert fault(device) == (REFUSED, address)
+
+
+@pytest.mark.parametrize(("x", "y"), [(60, 0), (0, 50), (65_535, 32_767)])
+def test_a_mark_beyond_the_sensor_is_refused(device: TopDevice, x: int, y: int) -> None:
+    address = filter_address("mask")
+    assert answers(device.run(commands=[write(address, mask_word(x, y))])) == [(SLVERR, 0)]
+    assert fault(device) == (REFUSED, address)
+    assert answers(device.run(commands=[write(address, mask_word(59, 49)), read(address)])) == [(OKAY, 0), (OKAY, 0)]
+
+
+def test_words_outside_the_banks_clamp_too(device: TopDevice) -> None:
+    for name, value, stored in (
+        ("tick_us", 0, 1), ("tick_us", 0xF_FFFF, 1_000_000), ("tick_us", 2_000_000, 1_000_000), ("tick_us", 1 << 20, 1_000_000),
+        ("lfsr_gap", 1 << 16, 0xFFFF), ("lfsr_seed", 0xFFFF_FFFF, 0xFFFF_FFFE),
+        ("lfsr_x", 0x0040_003F, 0x003F_003F), ("prescale", 0x0005_0000, 0x0005_0001),
+    ):  # fmt: skip
+        assert answers(device.run(commands=[write(address_of(name), value)])) == [(SLVERR, 0)]
+        assert device.read(address_of(name)) == stored
+        assert fault(device) == (CLAMPED, address_of(name))
+
+
+def test_bytes_without_strobe_keep_their_value(device: TopDevice) -> None:
+    address = slot_address(0, "max_ticks")
+    device.write(address, 0xABC)
+    for strb, data, stored in (
+        (1, 0xFFFF_FF12, 0xA12),
+        (2, 0xFFFF_03FF, 0x312),
+        (0, 0xFFFF_FFFF, 0x312),
+        (12, 0x0000_FFFF, 0x312),
+    ):
+        assert answers(device.run(commands=[write(address, data, strb=strb)])) == [(OKAY, 0)]
+        assert device.read(address) == stored
+    device.write(address_of("lfsr_x"), 0x0010_0020)
+    device.run(commands=[write(address_of("lfsr_x"), 0x0005_0006, strb=4)])
+    assert device.read(address_of("lfsr_x")) == 0x0005_0020
+    device.run(commands=[write(address_of("irq_clear"), 31, strb=14), write(slot_address(0), 1, strb=0)])
+    assert fault(device)[0] == 0
+    assert device.read(address_of("commits")) == 0  # a commit without a strobe is none
+
+
+def test_nothing_takes_effect_before_its_commit_and_all_of_it_then(device: TopDevice) -> None:
+    registers = Registers(device)
+    registers.slot[1].radix_max = 12
+    registers.slot[1].commit()
+    told = device.run(commands=[poll(address_of("status"), 2, 0)])
+    assert answers(told)[0][0] == OKAY
+    assert (registers.commits, registers.slot[1].commit_seq, registers.commit_seq) == (1, 0, 0)
+
+
+def test_a_bank_is_locked_while_its_commit_waits(device: TopDevice) -> None:
+    """An output that is not read holds the trackers up, so the commit waits, and the bus goes on."""
+    device.configure()
+    registers = Registers(device)
+    words = pack_events(np.arange(8), np.full(8, 5), np.full(8, 5), np.zeros(8, np.int64))
+    device.run(words, quiet_clocks=50, listens=False)
+    registers.slot[0].commit()
+    assert registers.status.pending == 1
+    for address in (slot_address(0, "radix_max"), slot_address(0)):
+        with pytest.raises(BusError, match=f"write at {address:#06x}: the hardware answers with an error"):
+            device.write(address, 1)
+        assert fault(device) == (LOCKED, address)
+    registers.slot[1].radix_max = 5  # another bank is free
+    assert registers.slot[0].radix_max != 1
+    device.run(commands=[poll(address_of("status"), 2, 0)])  # now someone listens
+    registers.slot[0].radix_max = 5
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_accesses_at_any_pace_read_what_was_written(seed: int) -> None:
+    """Address before data and after it, reads between writes, responses that wait."""
+    rng = np.random.default_rng([21, seed])
+    device = device_of("array behind filters", pace=Pace({"bus": int(rng.integers(20, 257))}, 1 + seed))
+    held: dict[int, int] = {}
+    commands, wanted = [], []
+    for _ in range(600):
+        name = str(rng.choice([name for name in REGISTERS if name != "mode"]))
+        address = slot_address(int(rng.integers(4)), name)
+        low, high = REGISTERS[name].limits(BUILD.shape)
+        if rng.random() < 0.5:
+            held[address] = int(rng.integers(low, high, endpoint=True))
+            commands.append(write(address, held[address]))
+            wanted.append((OKAY, 0))
+        else:
+            commands.append(read(address))
+            wanted.append((OKAY, held.get(address, low)))
+    assert answers(device.run(commands=commands)) == wanted
+
+
+def test_what_happens_in_the_clock_that_clears_it_interrupts_again() -> None:
+    """Here it happens in every clock: so the interrupt never falls."""
+    sim = load("axi_lite_regs", {"N": 1})
+    io = sim.io
+    reset(sim)
+    io.happened, io.s_axil_bready, io.s_axil_wdata, io.s_axil_wstrb = 1, 1, 1, 1
+    seen = []
+    for name in ("irq_enable", "irq_clear"):
+        io.s_axil_awaddr, io.s_axil_awvalid, io.s_axil_wvalid = address_of(name), 1, 1
+        for _ in range(60):  # after reset the shadow is filled first
+            taken = io.s_axil_awready
+            sim.clock.tick()
+            io.s_axil_awvalid = io.s_axil_wvalid = io.s_axil_awvalid and not taken
+            seen.append(int(io.irq))
+    assert seen[59:] == [1] * 61
+
+
+def test_an_access_takes_the_clocks_of_the_header(device: TopDevice) -> None:
+    device.read(0)  # waits until the shadow is filled
+    told = device.run(commands=[read(0), write(slot_address(0, "radix_max"), 3)])
+    assert (told.commands["ended"] - told.commands["began"]).tolist() == [7, 9]
+
+
+class TestPython:
+    """The access class, against the hardware."""
+
+    def test_refuses_what_the_hardware_would(self, device: TopDevice) -> None:
+        registers = Registers(device)
+        with pytest.raises(ConfigError, match="radix_max = 32: must be an integer from 0 to 31 \\(largest g\\)"):
+            registers.slot[0].radix_max = 32
+        with pytest.raises(ConfigError, match="min = 64: must be an integer from 0 to 63"):
+            registers.lfsr_x.min = 64
+        with pytest.raises(AttributeError, match="held is read-only"):
+            registers.status.held = 1
+        with pytest.raises(AttributeError, match="radix_mux"):
+            registers.slot[0].radix_mux = 1  # type: ignore[attr-defined]
+
+    def test_a_field_leaves_its_neighbours_alone(self, device: TopDevice) -> None:
+        registers = Registers(device)
+        registers.lfsr_y.min, registers.lfsr_y.span = 3, 40
+        registers.control.drop = 1
+        registers.control.latch = 1
+        assert (registers.lfsr_y.min, registers.lfsr_y.span, registers.control.drop, registers.control.enable) == (3, 40, 1, 0)

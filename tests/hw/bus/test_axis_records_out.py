@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Records on AXI4-Stream are contract.RECORD byte for byte, in beats of any width."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot.hardware.contract import RECORD
+from evcot_cosim.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
+from evcot_cosim.testing import lint
+
+FIELDS = {
+    "kind": 2,
+    "slot": 3,
+    "id": 32,
+    "other": 32,
+    "x": 13,
+    "y": 13,
+    "radius": 9,
+    "n_ev": 10,
+    "support": 16,
+    "seq": 48,
+    "time": 48,
+}
+OF_RECORD = {"id": "track_id", "other": "other_id", "x": "cm_x", "y": "cm_y"}
+INPUT = Bundle("s_cm_", tuple(FIELDS))
+
+
+def device_of(width: int, depth: int = 4) -> StreamDevice:
+    """Beats of up to 64 bits: wider ones are seen by evcot_top's own drive."""
+    outputs = [Bundle("m_axis_t", ("data", "keep", "last"))]
+    return StreamDevice(
+        "axis_records_out", {"DATA_W": width, "DEPTH": depth}, inputs=[INPUT], outputs=outputs, has_idle=True
+    )  # fmt: skip
+
+
+def random_records(rng: np.random.Generator, n: int) -> tuple[NDArray[np.uint64], NDArray[np.void]]:
+    """Words of the input, and the records that they are."""
+    words = np.stack([rng.integers(0, 1 << bits, n, np.uint64, endpoint=False) for bits in FIELDS.values()], 1)
+    records = np.zeros(n, RECORD)
+    for column, name in enumerate(FIELDS):
+        records[OF_RECORD.get(name, name)] = words[:, column]
+    return words, records
+
+
+def joined(run: StreamRun, width: int) -> NDArray[np.void]:
+    """The bytes that tkeep lets stand, as records."""
+    beats = run.words["m_axis_t"]
+    data = beats[:, 0].astype(f"<u{width // 8}").view(np.uint8).reshape(len(beats), width // 8)
+    keep = np.unpackbits(beats[:, 1].astype(np.uint8)[:, None], axis=1, bitorder="little")[:, : width // 8].astype(bool)
+    per_record = -(-8 * RECORD.itemsize // width)
+    assert beats[:, 2].tolist() == [int(i % per_record == per_record - 1) for i in range(len(beats))]
+    return np.frombuffer(data[keep].tobytes(), RECORD)
+
+
+@pytest.mark.parametrize("width", [32, 64])
+def test_records_come_out_byte_for_byte_at_any_pace(width: int) -> None:
+    device = device_of(width)
+    for seed in range(4):
+        rng = np.random.default_rng([5, seed])
+        device.stalls = random_stalls(rng, [INPUT.prefix, "m_axis_t"]) if seed else {}
+        words, records = random_records(rng, 500)
+        assert np.array_equal(joined(device.run({INPUT.prefix: words}), width), records)
+
+
+def test_a_record_takes_2_clocks_to_its_first_beat_and_then_a_beat_per_clock() -> None:
+    device = device_of(64)
+    run = device.run({INPUT.prefix: random_records(np.random.default_rng(1), 3)[0]})
+    assert run.given["m_axis_t"][0] - run.accepted[INPUT.prefix][0] == 2
+    assert set(np.diff(run.given["m_axis_t"]).tolist()) == {1}
+
+
+def test_records_wait_for_a_receiver_that_does_not_listen() -> None:
+    device = device_of(64, 4)
+    device.stalls = {"m_axis_t": np.array([0] * 4095 + [1], np.uint8)}
+    run = device.run({INPUT.prefix: random_records(np.random.default_rng(1), 20)[0]}, clocks=100)
+    assert len(run.accepted[INPUT.prefix]) == 4
+
+
+def test_is_idle_when_the_last_beat_has_gone() -> None:
+    sim = device_of(64).sim
+    io = sim.io
+    io.s_cm_valid, io.m_axis_tready = 1, 1
+    sim.clock.tick()
+    io.s_cm_valid = 0
+    for _ in range(6):  # 2 clocks to the first of 6 beats
+        sim.clock.tick()
+    io.m_axis_tready = 0
+    for _ in range(3):
+        sim.clock.tick()
+        assert (io.m_axis_tvalid, io.m_axis_tlast, io.idle) == (1, 1, 0)
+    io.m_axis_tready = 1
+    sim.clock.tick()
+    assert (io.m_axis_tvalid, io.idle) == (0, 1)
+
+
+def test_refuses_other_widths() -> None:
+    assert "DATA_W_must_be_32_64_128_or_256" in lint("axis_records_out", DATA_W=48)[1]

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""parameter_check.v, and that every tracker refuses what the contract refuses, by name."""
+
+from __future__ import annotations
+
+import pytest
+
+from evcot.hardware.contract import SHAPE_RANGES
+from evcot_cosim.testing import lint
+
+# Where a range is checked: the module that uses the width.
+TRACKERS = ("cot", "cot_chain", "cot_array")
+WIDTHS = [name for name in SHAPE_RANGES if name != "n_slots"]
+
+
+def rule_of(name: str) -> str:
+    """How the instance that refuses is named."""
+    low, high, _ = SHAPE_RANGES[name]
+    own = {"n_slots": "N", "x_w": "W", "y_w": "W"}  # x and y are refused by the window's axis
+    return f"{own.get(name, name.upper())}_must_be_{low}_to_{high}"
+
+
+def test_builds_nothing_when_the_rule_holds() -> None:
+    assert lint("parameter_check", OK=1) == (0, "")
+
+
+def test_stops_elaboration_when_it_does_not() -> None:
+    assert lint("parameter_check", OK=0)[0] != 0
+
+
+@pytest.mark.parametrize("name", WIDTHS)
+@pytest.mark.parametrize("end", [0, 1])
+def test_cot_refuses_a_width_beyond_the_contracts_range(name: str, end: int) -> None:
+    value = SHAPE_RANGES[name][end] + (1 if end else -1)
+    fitting = {"TC_W": 1, "NEV_W": 1, "TICK_W": 1} if name == "time_w" else {"TIME_W": 48}
+    code, log = lint("cot", **fitting | {name.upper(): value})
+    assert code != 0
+    assert rule_of(name) in log
+
+
+@pytest.mark.parametrize("top", ["cot_chain", "cot_array"])
+@pytest.mark.parametrize("n", [0, 65])
+def test_refuses_slots_beyond_the_contracts_range(top: str, n: int) -> None:
+    code, log = lint(top, N=n)
+    assert code != 0
+    assert "N_must_be_" in log  # the arbiter in a chain refuses 0 first
+
+
+@pytest.mark.parametrize("top", TRACKERS)
+@pytest.mark.parametrize(
+    ("parameters", "rule"),
+    [
+        ({"TIME_W": 33, "TC_W": 24, "NEV_W": 10}, "TIME_W_must_be_at_least_TC_W_plus_NEV_W"),
+        ({"TIME_W": 16, "TC_W": 8, "NEV_W": 8, "TICK_W": 17}, "TIME_W_must_be_at_least_TICK_W"),
+    ],
+)
+def test_refuses_a_clock_that_would_wrap_within_a_window(top: str, parameters: dict[str, int], rule: str) -> None:
+    code, log = lint(top, **parameters)
+    assert code != 0
+    assert rule in log
+
+
+@pytest.mark.parametrize("top", ["cot_chain", "cot_array"])
+def test_slot_w_is_derived(top: str) -> None:
+    code, log = lint(top, N=4, SLOT_W=3)
+    assert code != 0
+    assert "SLOT_W_must_be_left_at_its_default" in log
+
+
+@pytest.mark.parametrize("top", TRACKERS)
+@pytest.mark.parametrize("end", [0, 1])
+def test_the_limits_themselves_lint_clean(top: str, end: int) -> None:
+    widths = {name.upper(): SHAPE_RANGES[name][end] for name in WIDTHS}
+    slots = {} if top == "cot" else {"N": (1, 3)[end]}
+    assert lint(top, **widths, **slots) == (0, "")

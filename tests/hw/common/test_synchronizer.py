@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""synchronizer.v: so many clocks late, and as it shall be after reset."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evcot_cosim.build.model import load
+from evcot_cosim.testing import lint, reset
+
+TOP = "synchronizer"
+
+
+@pytest.mark.parametrize("stages", [2, 3, 4])
+def test_lints_clean(stages: int) -> None:
+    assert lint(TOP, STAGES=stages, RESET=stages % 2) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("parameters", "rule"), [({"STAGES": 1}, "STAGES_must_be_2_to_4"), ({"RESET": 2}, "RESET_must_be_0_or_1")]
+)
+def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
+    code, log = lint(TOP, **parameters)
+    assert code != 0
+    assert rule in log
+
+
+@pytest.mark.parametrize(("stages", "after_reset"), [(2, 0), (4, 1)])
+def test_a_row_of_flip_flops(stages: int, after_reset: int) -> None:
+    sim = load(TOP, {"STAGES": stages, "RESET": after_reset})
+    sim.io.d = 1 - after_reset
+    reset(sim)
+    sent = np.random.default_rng(1).integers(0, 2, 200).tolist()
+    seen = []
+    for d in sent:
+        sim.io.d = d
+        seen.append(int(sim.io.q))
+        sim.clock.tick()
+    assert seen == ([after_reset] * stages + sent)[:200]

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""cot_published.v against the model at every clock, and each oddity of docs/published.md as a story.
+
+The stories are played to the first tracker of a cascade; cosim/evcot_cosim/published_trials.py tells how.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evcot.hardware.published.model import PublishedConfig, PublishedTracker
+from evcot_cosim.published_trials import (
+    CONFIG,
+    TRACKER,
+    Event,
+    at,
+    centres,
+    equal,
+    every,
+    n_evs,
+    noise,
+    play,
+    quiet,
+    reset_tracker,
+    rtl,
+    some_registers,
+    wandering,
+)
+from evcot_cosim.testing import lint
+
+
+def test_lints_clean() -> None:
+    assert lint(TRACKER) == (0, "")
+
+
+class TestClocks:
+    """Counted from the clock whose end first sees the request."""
+
+    def test_a_rejected_event_is_acknowledged_after_1_and_out_after_3(self) -> None:
+        told = play([(10, 200, 200), (11, 200, 200)], CONFIG)
+        assert told.acknowledged[0] == 10 + 1
+        assert told.pass_clock[0] == 10 + 3
+        assert told.pass_clock[1] == 10 + 4 + 3  # idle again after 4
+
+    def test_an_event_of_the_cluster_is_out_after_3(self) -> None:
+        told = play(at([10, 11]), CONFIG)
+        assert told.word_clock.tolist() == [10 + 3, 10 + 4 + 3]
+
+    def test_a_centre_is_out_after_7_and_idle_comes_after_8(self) -> None:
+        told = play(at([10, 11]), replace(CONFIG, nev_th=1))
+        assert told.word_clock.tolist() == [10 + 7, 10 + 8 + 3]
+
+
+class TestHandshakes:
+    def test_the_acknowledge_stays_until_the_request_goes_and_the_event_is_taken_once(self) -> None:
+        told = play(at([10, 30]), CONFIG, release=[12, 0])
+        assert told.outputs["s_ack_n"][10:30].tolist() == [1] + [0] * 13 + [1] * 6
+        assert told.word_clock.tolist() == [13, 33]
+
+    def test_an_output_waits_for_its_acknowledge_and_the_tracker_with_it(self) -> None:
+        told = play([(10, 200, 200), (10, 100, 100)], CONFIG, pass_ack=[9])
+        assert told.pass_clock.tolist() == [10 + 3 + 9]
+        assert told.acknowledged[1] == 10 + 3 + 9 + 1 + 1
+
+    def test_an_acknowledge_that_is_still_low_takes_the_next_offer(self) -> None:
+        inputs = quiet(TRACKER, 13)
+        inputs["s_req_n"][[3, 4, 7, 8]] = 0
+        inputs["m_pass_ack_n"][5:] = 0
+        reset_tracker(CONFIG)
+        outputs = rtl(TRACKER, inputs)
+        equal(outputs, PublishedTracker(CONFIG).clocks(inputs), inputs)
+        assert np.flatnonzero(outputs["m_pass_req_n"] == 0).tolist() == [6, 10]
+
+
+class TestLostEvents:
+    def test_an_event_that_meets_the_initialisation_is_acknowledged_and_lost(self) -> None:
+        inputs = quiet(TRACKER, 11)
+        inputs["s_req_n"][0:3] = 0  # InitCell is clock 0
+        inputs["s_req_n"][5:7] = 0
+        inputs["s_high"] = inputs["s_low"] = 100
+        inputs["m_ack_n"] = 0
+        reset_tracker(CONFIG)
+        outputs = rtl(TRACKER, inputs)
+        equal(outputs, PublishedTracker(CONFIG).clocks(inputs), inputs)
+        assert outputs["s_ack_n"].tolist() == [0, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1]
+        assert np.flatnonzero(outputs["m_req_n"] == 0).tolist() == [8]
+
+    def test_an_expired_cell_initialises_first_and_the_event_that_waits_is_lost(self) -> None:
+        # TC is 0 at clock -1, which is InitCell, and so 50 at clock 49.
+        kept = play(at([48]), replace(CONFIG, max_time=50))
+        lost = play(at([49]), replace(CONFIG, max_time=50))
+        late = play(at([51]), replace(CONFIG, max_time=50))
+        assert [len(told.word) for told in (kept, lost, late)] == [1, 0, 1]
+        assert lost.acknowledged.tolist() == [50]
+
+
+class TestTime:
+    def test_only_a_centre_update_clears_tc(self) -> None:
+        # An event of the cluster every 10 clocks, and still the cell expires, at clock 199: the count starts over at 200.
+        told = play(every(10, 24), replace(CONFIG, nev_th=22, max_time=200))
+        assert n_evs(told) == []
+        told = play(every(10, 24), replace(CONFIG, nev_th=19, max_time=200))
+        assert n_evs(told) == [19]
+
+    def test_a_centre_update_clears_it(self) -> None:
+        # Updates at the 4th, 6th and 8th event: TC never gets to 60.
+        assert len(centres(play(every(10, 8), replace(CONFIG, max_time=60)))) == 3
+
+    def test_a_tracker_that_is_busy_at_that_clock_does_not_expire(self) -> None:
+        config = replace(CONFIG, init_cm_low=100, nev_th=3, max_time=50)
+        for clock in (46, 47, 48):  # busy at clock 49
+            assert n_evs(play(at([10, clock, 80]), config)) == [3]
+        assert n_evs(play(at([10, 40, 80]), config)) == []
+
+    def test_it_expires_once_and_not_again_before_the_next_centre(self) -> None:
+        config = replace(CONFIG, nev_th=3, max_time=50)
+        assert n_evs(play(at([10, 20, 80, 500, 900]), config)) == [3 + 2]
+
+    def test_a_new_life_starts_at_the_initial_centre_with_the_initial_n(self) -> None:
+        config = replace(CONFIG, nev_th=2, max_time=2000)
+        first = [*every(10, 6, 104, 96)]
+        told = play([*first, *every(10, 2, 100, 100, first=4000)], config)
+        assert centres(told)[0] == (101, 99)
+        assert centres(told)[-1] == (100, 100)
+
+
+class TestWindow:
+    def test_its_ends_do_not_count(self) -> None:
+        config = replace(CONFIG, nev_th=200)
+        inside = [(92, 92), (108, 108), (92, 108), (108, 92), (100, 100)]
+        outside = [(91, 100), (109, 100), (100, 91), (100, 109), (92, 109), (91, 92)]
+        told = play([(20 * i, *place) for i, place in enumerate(inside + outside)], config)
+        assert len(told.word) == len(inside)
+        assert list(zip(told.pass_high.tolist(), told.pass_low.tolist(), strict=True)) == outside
+
+    @pytest.mark.parametrize("edge", [0, 255])
+    def test_the_first_and_the_last_address_are_never_inside(self, edge: int) -> None:
+        near = 1 if edge == 0 else 254
+        config = replace(CONFIG, init_cm_low=edge, init_cm_high=edge, init_radix=255, radix_th=7, nev_th=200)
+        told = play([(0, near, near), (20, edge, near), (40, near, edge)], config)
+        assert len(told.word) == 1
+        assert len(told.pass_clock) == 2
+
+
+class TestAverage:
+    def test_it_floors(self) -> None:
+        # k = 1: av 103, then 104 (104.5), then 105; the centre (105 + 100) / 2 = 102.5.
+        assert centres(play(every(10, 4, 106), CONFIG)) == [(102, 100)]
+
+    @pytest.mark.parametrize(("k", "stop"), [(1, 68), (2, 64), (3, 64)])
+    def test_the_centre_stops_short_on_the_high_side(self, k: int, stop: int) -> None:
+        config = replace(CONFIG, init_cm_low=64, init_cm_high=64, init_radix=30, radix_max=30, radix_min=30, hist_avg=k)
+        assert centres(play(every(10, 400, 70, 70), config))[-1] == (stop, stop)
+        assert centres(play(every(10, 400, 58, 58), config))[-1] == (58, 58)
+
+    def test_the_nth_event_never_enters(self) -> None:
+        assert centres(play([*every(10, 3), (30, 106, 94)], CONFIG)) == [(100, 100)]
+
+    def test_it_runs_on_while_an_event_waits_to_be_acknowledged(self) -> None:
+        # One event at 106, then the second makes a centre. Each clock of the wait: 103, 104, 105, 105, 105.
+        found = [centres(play([(0, 106, 100), (50, 100, 100)], replace(CONFIG, nev_th=2), ack=[wait, 0])) for wait in range(4)]
+        assert found == [[(101, 100)], [(102, 100)], [(102, 100)], [(102, 100)]]
+        # Downwards: 97, 95 (95.5), 94 (94.5), 94: the centre halfway.
+        found = [centres(play([(0, 94, 100), (50, 100, 100)], replace(CONFIG, nev_th=2), ack=[wait, 0])) for wait in range(4)]
+        assert found == [[(98, 100)], [(97, 100)], [(97, 100)], [(97, 100)]]
+
+
+def width(events: list[Event], config: PublishedConfig) -> int:
+    """g after a story that leaves the centre at (100, 100): the first low coordinate outside, less the ring."""
+    last = events[-1][0]
+    n = len(play(events, config).word)
+    for low in range(100, 256):
+        if len(play([*events, (last + 30, 100, low)], config).word) == n:
+            return low - 100 - config.radix_th
+    raise AssertionError("no end")
+
+
+class TestRadius:
+    """N_ev is 1, then 2 for updates at an even pace; k = 8 keeps the centre of events at and below 100 where it is."""
+
+    CONFIG = replace(CONFIG, nev_th=1, hist_avg=8, init_radix=10, radix_step=2, radix_max=15, radix_min=7)
+
+    def updates(self, n: int, *places: tuple[int, int]) -> list[Event]:
+        """n updates, each by an event at (100, 100) or, for the last of them, at `places`."""
+        told: list[Event] = []
+        decided = [(100, 100)] * (n - len(places)) + list(places)
+        for i, (high, low) in enumerate(decided):
+            if i:
+                told.append((70 + 60 * i, 100, 100))
+            told.append((100 + 60 * i, high, low))
+        return told
+
+    def test_the_first_update_leaves_the_initial_radius(self) -> None:
+        assert width(self.updates(1, (100, 111)), self.CONFIG) == 10
+
+    @pytest.mark.parametrize("place", [(100, 111), (100, 89), (89, 100)])
+    def test_an_event_beyond_g_makes_it_grow(self, place: tuple[int, int]) -> None:
+        assert width(self.updates(2, place), self.CONFIG) == 12
+
+    def test_the_top_edge_never_triggers_growth(self) -> None:
+        assert width(self.updates(2, (111, 100)), self.CONFIG) == 10
+
+    def test_an_event_at_g_does_not(self) -> None:
+        assert width(self.updates(4, (100, 110), (90, 100), (100, 90)), self.CONFIG) == 10
+
+    def test_it_grows_up_to_radix_max(self) -> None:
+        assert width(self.updates(4, (100, 111), (100, 113), (100, 115)), self.CONFIG) == 15
+        assert width(self.updates(2, (100, 111)), replace(self.CONFIG, radix_max=4)) == 4  # even where that is less
+
+    def test_the_eighth_quiet_update_makes_it_shrink(self) -> None:
+        assert width(self.updates(1 + 7), self.CONFIG) == 10
+        assert width(self.updates(1 + 8), self.CONFIG) == 8
+        assert width(self.updates(1 + 15), self.CONFIG) == 8
+        assert width(self.updates(1 + 16), self.CONFIG) == 7  # radix_min, where a step would undershoot
+
+    def test_growth_starts_the_count_of_quiet_updates_over(self) -> None:
+        assert width([*self.updates(8, (100, 111)), *shifted(self.updates(8), 480)[1:]], self.CONFIG) == 12
+
+
+def shifted(events: list[Event], clocks: int) -> list[Event]:
+    """The same events, later."""
+    return [(clock + clocks, high, low) for clock, high, low in events]
+
+
+class TestNev:
+    def test_the_first_update_halves_it(self) -> None:
+        assert n_evs(play(every(10, 6), CONFIG)) == [4, 2]
+
+    def test_one_becomes_two_at_the_least(self) -> None:
+        assert n_evs(play(every(10, 3), replace(CONFIG, nev_th=1))) == [1, 2]
+        assert n_evs(play(every(10, 3), replace(CONFIG, nev_th=0))) == [1, 2]
+
+    def test_slower_than_double_halves_and_faster_than_half_doubles(self) -> None:
+        # TC2 at updates a < b < c < ...: the differences are a, b, c - a, d - b, ...: between windows two apart.
+        story = [*at([0, 10, 20, 100]), *at([110, 180]), *at([190, 200]), *at([290, 300])]
+        # TC2 = 105, 185, 205, ...; differences 105 (halves 4 to 2), 185, 100, 115.
+        assert n_evs(play(story, CONFIG)) == [4, 2, 2, 2]
+        # 105, 405: more than double, 2 becomes 1; then 430 - 105 = 325, 1 becomes 2.
+        story = [*at([0, 10, 20, 100]), *at([110, 400]), *at([425]), *at([430, 440])]
+        assert n_evs(play(story, CONFIG)) == [4, 2, 1, 2]
+        # 1005, 1105, then 1125 - 1005 = 120: less than half, 2 becomes 4.
+        story = [*at([0, 10, 20, 1000]), *at([1010, 1100]), *at([1110, 1120]), *every(10, 4, first=1130)]
+        assert n_evs(play(story, CONFIG)) == [4, 2, 2, 4]
+
+    def test_128_and_above_becomes_255(self) -> None:
+        # 255 halves to 127 at the first update, doubles to 254 where windows get fast, then becomes 255.
+        slow = [*every(100, 255), *every(100, 127, first=25_500)]
+        fast = every(10, 127 + 254 + 255, first=38_200)
+        assert n_evs(play([*slow, *fast], replace(CONFIG, nev_th=255)))[:5] == [255, 127, 127, 254, 255]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_lone_tracker_under_lines_that_keep_no_protocol(seed: int) -> None:
+    rng, n = np.random.default_rng([5, seed]), 30_000
+    config = some_registers(rng)
+    inputs = quiet(TRACKER, n)
+    for name in ("s_req_n", "m_pass_ack_n", "m_ack_n"):
+        inputs[name] = noise(rng, n)
+    inputs["s_high"], inputs["s_low"] = wandering(rng, n, config.init_cm_high), wandering(rng, n, config.init_cm_low)
+    inputs["rst"] = rng.random(n) < rng.choice([0, 1e-3])
+    reset_tracker(config)
+    equal(rtl(TRACKER, inputs), PublishedTracker(config).clocks(inputs), inputs, seed)

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""evt_source.v: each of Prophesee's formats behind the same ports; what is left out is counted, whatever the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from evcot.events import Events
+from evcot.recordings.files import write_events
+from evcot.recordings.formats.evt2 import evt2_layout, evt21_layout
+from evcot.recordings.formats.evt3 import evt3_layout
+from evcot.recordings.formats.words import Layout, WordArray
+from evcot_cosim.evt_trials import STREAMS, axis_beats, corrupted, decode, evt2_words, evt_device, payload, random_events
+from evcot_cosim.stream_device import random_stalls
+from evcot_cosim.testing import lint
+
+TOP = "evt_source"
+WIDTH, HEIGHT = 20, 10
+
+
+def evt3_words(events: Events, folder: Path) -> WordArray:
+    write_events(folder / "a.raw", (WIDTH, HEIGHT), [events], "evt3")
+    return payload(folder / "a.raw", np.uint16)
+
+
+def legacy(words: WordArray) -> WordArray:
+    """The upper half of each word of EVT 2.1 first."""
+    return np.ascontiguousarray(words.view(np.uint32).reshape(-1, 2)[:, ::-1]).view(np.uint64).ravel()
+
+
+class Format(NamedTuple):
+    """A format by its number: how events become its words, and what the software makes of them."""
+
+    number: int
+    encode: Callable[[Events, Path], WordArray]
+    layout: Layout
+
+
+FORMATS = {
+    "2.0": Format(3, lambda events, _: evt2_words(events, vectors=False), evt2_layout(0)),
+    "2.1": Format(4, lambda events, _: evt2_words(events, vectors=True), evt21_layout(0, upper_first=False)),
+    "3.0": Format(5, evt3_words, evt3_layout(0)),
+}
+
+
+@pytest.mark.parametrize("number", [3, 4, 5])
+def test_lints_clean(number: int) -> None:
+    assert lint(TOP, FORMAT=number) == (0, "")
+
+
+@pytest.mark.parametrize("number", [2, 6])
+def test_refuses_other_formats(number: int) -> None:
+    code, log = lint(TOP, FORMAT=number)
+    assert code != 0
+    assert "FORMAT_must_be_EVT2_EVT21_or_EVT3" in log
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_events_come_out_and_all_else_is_counted(name: str, tmp_path: Path) -> None:
+    """In any order of bytes, whole and damaged words, and words of which a part is missing."""
+    number, encode, layout = FORMATS[name]
+    device = evt_device(TOP, WIDTH, HEIGHT, FORMAT=number, X_W=5, Y_W=4)
+    for order, damage in enumerate((0, 0.02, 0.02, 0)):
+        rng = np.random.default_rng([83, number, order])
+        words = corrupted(encode(random_events(rng, 20_000, WIDTH, HEIGHT, 1 << 20), tmp_path), rng, damage)
+        expected = decode(layout, words, WIDTH, HEIGHT)
+        swap_bytes, swap_halves = order & 1, order >> 1
+        sent = legacy(words) if swap_halves and name == "2.1" else words
+        if swap_bytes:
+            sent = sent.view(f"<u{min(4, sent.itemsize)}").byteswap().view(sent.dtype)
+        beats = axis_beats(sent, 64, rng)
+        cut = np.array([[0, 0x01, 1]], np.uint64)
+        device.stalls = random_stalls(rng, STREAMS)
+        device.set(swap_bytes=swap_bytes, swap_halves=swap_halves)
+        device.reset()
+        told = device.run({"s_axis_t": np.concatenate([beats, cut])}).words["m_"]
+        assert np.array_equal(told, expected.events)
+        left_out = sum(count for counter, count in expected.counters.items() if counter != "n_events")
+        assert device.sim.io.n_skipped == left_out + 1
+        assert (left_out > 100) == bool(damage)

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""stream_arbiter.v with five streams and with one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from pyverilator import PyVerilator
+
+from evcot_cosim.build.model import load
+from evcot_cosim.testing import PATTERNS, Sink, Source, Word, always, lint, reset, run_streams
+
+W = 12
+INDEX_SHIFT = 9
+
+
+class Lane(Source):
+    """Drives one stream of the flattened bundle; its words carry the stream's index and a count."""
+
+    def __init__(self, sim: PyVerilator, index: int, count: int, pattern: Iterator[bool]) -> None:
+        words = [(index << INDEX_SHIFT | k,) for k in range(count)]
+        super().__init__(sim, "s", ["data"], words, pattern, np.random.default_rng(index))
+        self.index = index
+
+    def ready(self) -> bool:
+        return bool(self.sim.io.s_ready >> self.index & 1)
+
+    def put(self, valid: bool, word: Word | None) -> None:
+        data = self.random_bits("s_data") & ((1 << W) - 1) if word is None else word[0]
+        shift = self.index * W
+        self.sim.io.s_valid = self.sim.io.s_valid & ~(1 << self.index) | int(valid) << self.index
+        self.sim.io.s_data = self.sim.io.s_data & ~(((1 << W) - 1) << shift) | data << shift
+
+
+def arbiter(n: int) -> PyVerilator:
+    sim = load("stream_arbiter", {"N": n, "W": W})
+    reset(sim)
+    return sim
+
+
+def indices(sink: Sink) -> list[int]:
+    return [word >> INDEX_SHIFT for (word,) in sink.words]
+
+
+@pytest.mark.parametrize(("n", "w"), [(1, 1), (2, 8), (5, 3), (64, 7)])
+def test_lints_clean(n: int, w: int) -> None:
+    assert lint("stream_arbiter", N=n, W=w) == (0, "")
+
+
+@pytest.mark.parametrize("parameter", ["N", "W"])
+def test_refuses_zero(parameter: str) -> None:
+    code, log = lint("stream_arbiter", **{parameter: 0})
+    assert code != 0
+    assert f"{parameter}_must_be_at_least_1" in log
+
+
+def test_waiting_streams_take_turns_a_word_every_clock() -> None:
+    sim = arbiter(5)
+    sink = Sink(sim, "m", ["data"], always())
+    run_streams(sim, [Lane(sim, i, 4, always()) for i in range(5)], [sink])
+    assert indices(sink) == [0, 1, 2, 3, 4] * 4
+    assert sink.clocks == list(range(1, 21))
+
+
+def test_an_idle_stream_costs_no_turn() -> None:
+    sim = arbiter(5)
+    sink = Sink(sim, "m", ["data"], always())
+    run_streams(sim, [Lane(sim, i, 3, always()) for i in (1, 3)], [sink])
+    assert indices(sink) == [1, 3, 1, 3, 1, 3]
+    assert sink.clocks == list(range(1, 7))
+
+
+def test_the_turn_outlives_a_pause() -> None:
+    sim = arbiter(5)
+    sink = Sink(sim, "m", ["data"], always())
+    run_streams(sim, [Lane(sim, 2, 1, always())], [sink])
+    run_streams(sim, [Lane(sim, i, 1, always()) for i in range(5)], [sink])
+    assert indices(sink) == [2, 3, 4, 0, 1, 2]
+
+
+def test_reset_empties_it_and_starts_again_with_stream_0() -> None:
+    sim = arbiter(5)
+    sim.io.s_valid = 0b00111
+    sim.clock.tick()
+    sim.io.m_ready = 1
+    assert (sim.io.m_valid, sim.io.s_ready) == (1, 0b00010)
+    sim.io.m_ready = 0
+    reset(sim)
+    assert (sim.io.m_valid, sim.io.s_ready) == (0, 0b00001)
+
+
+@pytest.mark.parametrize("stall", PATTERNS)
+@pytest.mark.parametrize("idle", PATTERNS)
+@pytest.mark.parametrize("n", [1, 5])
+def test_traffic_keeps_its_order_and_nobody_waits_too_long(n: int, idle: str, stall: str) -> None:
+    sim = arbiter(n)
+    rng = np.random.default_rng(5)
+    count = 60
+    lanes = [Lane(sim, i, count, PATTERNS[idle](rng)) for i in range(n)]
+    sink = Sink(sim, "m", ["data"], PATTERNS[stall](rng))
+    began = dict.fromkeys(range(n), (0, 0))  # stream -> the word it waits with, and the words taken from all when it began
+
+    def check_turns(_clock: int) -> None:
+        ready = int(sim.io.s_ready)
+        assert ready & (ready - 1) == 0
+        served = sum(lane.taken for lane in lanes)
+        for lane in lanes:
+            if not lane.offering or began[lane.index][0] != lane.taken:
+                began[lane.index] = lane.taken, served
+            assert served - began[lane.index][1] <= n - 1
+
+    run_streams(sim, lanes, [sink], on_clock=check_turns)
+    sent = {i: [i << INDEX_SHIFT | k for k in range(count)] for i in range(n)}
+    assert {i: [word for (word,) in sink.words if word >> INDEX_SHIFT == i] for i in range(n)} == sent

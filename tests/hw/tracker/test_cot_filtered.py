@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Filters in front of the trackers: hardware and golden model decide the same, in the camera's own numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evcot.errors import ConfigError
+from evcot.filters.contract import Filter, FilterShape
+from evcot.filters.registers import FilterRegisters
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import Shape
+from evcot.hardware.cot import CotModel, Decisions
+from evcot.tracks.log import DROPPED, Kind
+from evcot_cosim.devices.device import Device, Stalls, Top, build_device
+from evcot_cosim.testing import lint
+from evcot_cosim.trials import random_config, random_traffic
+
+SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
+SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)
+SLOT = SlotConfig(
+    init_radix=4, radix_th=2, radix_min=3, radix_max=7, hist_avg=1, max_ticks=400,
+    clust_nev=2, nev_min=1, nev_max=4, nev_th=300, detect_ticks=250,
+)  # fmt: skip
+
+
+def enable(*filters: Filter) -> int:
+    return sum(1 << which for which in filters)
+
+
+def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
+    """Filters that let much stay, so that there is something to track behind them."""
+    hot = {(int(x), int(y)) for x, y in zip(rng.integers(0, 60, 20), rng.integers(0, 50, 20), strict=True)}
+    return FilterRegisters(
+        enable=enabled,
+        region_x0=int(rng.integers(0, 8)),
+        region_x1=int(rng.integers(50, 64)),
+        region_y0=int(rng.integers(0, 8)),
+        region_y1=int(rng.integers(40, 64)),
+        polarity=int(rng.integers(2)),
+        refractory_ticks=int(rng.integers(1, 20)),
+        activity_ticks=int(rng.integers(20, 400)),
+        activity_support=1,
+        recent_ticks=int(rng.integers(20, 400)),
+        recent_radius=int(rng.integers(3, 15)),
+        recent_support=1,
+        decay_rate=int(rng.integers(1 << 12, 1 << 20)),
+        decay_epsilon=int(rng.integers(0, 20)),
+        decay_support=int(rng.integers(1, 60)),
+        hot_pixels=tuple(sorted(hot)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("top", "enabled"),
+    [
+        ("cot_array", 127),
+        ("cot_chain", 127),
+        ("cot_engine", 127),
+        ("cot_array", enable(Filter.MASK, Filter.ACTIVITY)),
+        ("cot_engine", enable(Filter.MASK, Filter.ACTIVITY)),
+    ],
+    ids=["array behind all", "chain behind all", "engine behind all", "array behind two", "engine behind two"],
+)
+def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled: int) -> None:
+    print("seed 7")
+    built, kept, kinds = None, [], dict.fromkeys(Kind, 0)
+    for run in range(6):
+        rng = np.random.default_rng([7, run, enabled])
+        config = replace(random_config(rng, SHAPE), filters=random_filters(rng, enabled), filter_shape=SENSOR)
+        built = built or build_device(config, top)
+        device = Device(config, top, model=built, stalls=Stalls.random(rng) if run % 3 else None)
+        model = CotModel(config, device.arrangement)
+        for part in range(2):
+            traffic = random_traffic(rng, SHAPE, 20_000, float(rng.choice([0.3, 2])), device.now)
+            hardware, golden = device.stream(*traffic), model.feed(*traffic)
+            for field in Decisions._fields:
+                same = np.array_equal(getattr(hardware, field), getattr(golden, field))
+                assert same, f"run {run}, part {part}: {field} differs"
+            kept.append(float((golden.owner != DROPPED).mean()))
+            for kind in Kind:
+                kinds[kind] += int(np.count_nonzero(golden.records["kind"] == kind))
+    print(kept, kinds)
+    assert min(kept) < 0.9
+    assert max(kept) > 0.1  # something was taken out, and something left to track
+    assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or top != "cot_chain") > 20
+
+
+@pytest.mark.parametrize("engine", ["model", "rtl"])
+def test_records_carry_the_numbers_of_the_camera(engine: str) -> None:
+    filters = FilterRegisters(enable=enable(Filter.POLARITY), polarity=1)
+    config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
+    ticks = np.array([0, 10, 20, 30, 40, 900], np.int64)
+    x = np.full(6, 20, np.uint16)
+    p = np.array([0, 1, 0, 1, 0, 0], np.uint8)
+    made = Device(config).stream(ticks, x, x, p) if engine == "rtl" else CotModel(config).feed(ticks, x, x, p)
+    assert made.owner.tolist() == [DROPPED, 0, DROPPED, 0, DROPPED, DROPPED]
+    assert made.records["kind"].tolist() == [Kind.BORN, Kind.LOST]
+    assert made.records["seq"].tolist() == [3, 5]  # the loss comes before the event that tells of it, though that is nobody's
+    assert made.records["time"].tolist() == [30, 430]
+
+
+def test_a_hot_pixel_starts_no_life() -> None:
+    filters = FilterRegisters(enable=enable(Filter.MASK), hot_pixels=((20, 20),))
+    config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
+    ticks, x = np.arange(200), np.tile(np.array([20, 21], np.uint16), 100)
+    made = Device(config).stream(ticks, x, np.full(200, 20, np.uint16), np.zeros(200, np.uint8))
+    assert set(made.owner[::2].tolist()) == {DROPPED}
+    assert set(made.owner[1::2].tolist()) == {0}
+
+
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+def test_reset_empties_the_memories(top: Top) -> None:
+    filters = FilterRegisters(enable=enable(Filter.ACTIVITY), activity_ticks=500)
+    config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
+    device = Device(config, top)
+    story = np.array([0, 1]), np.array([20, 21], np.uint16), np.array([20, 20], np.uint16), np.zeros(2, np.uint8)
+    first = device.stream(*story).owner.tolist()
+    device.reset()
+    assert device.stream(*story).owner.tolist() == first == [DROPPED, 0]
+
+
+def test_a_single_tracker_has_no_filters_in_front() -> None:
+    one = CotConfig.uniform(replace(SHAPE, n_slots=1), SLOT)
+    config = replace(one, filters=FilterRegisters(enable=enable(Filter.POLARITY)), filter_shape=SENSOR)
+    with pytest.raises(ConfigError, match="take cot_array with one slot"):
+        build_device(config, "cot")
+
+
+@pytest.mark.parametrize("tracker", [0, 1, 2])
+def test_lints_clean(tracker: int) -> None:
+    assert lint("cot_filtered", TRACKER=tracker) == (0, "")

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The contract between RTL, model and host: ranges, register map, record layout."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from evcot.errors import ConfigError
+from evcot.hardware.config import SlotConfig
+from evcot.hardware.contract import RECORD, REGISTERS, SHAPE_RANGES, Shape
+from evcot.tracks.log import Kind
+
+# The rest of a shape whose one field is at its lowest or highest.
+ROOMY = {"tc_w": 1, "nev_w": 1, "tick_w": 1}
+
+
+def test_every_field_of_a_shape_has_a_range() -> None:
+    assert [field.name for field in fields(Shape)] == list(SHAPE_RANGES)
+
+
+@pytest.mark.parametrize("name", SHAPE_RANGES)
+def test_a_shape_takes_the_limits_and_nothing_beyond(name: str) -> None:
+    low, high, meaning = SHAPE_RANGES[name]
+    rest = {key: value for key, value in ROOMY.items() if key != name}
+    for value in (low, high):
+        assert getattr(Shape(**rest | {name: value}), name) == value
+    for value in (low - 1, high + 1):
+        with pytest.raises(ConfigError) as caught:
+            Shape(**rest | {name: value})
+        assert str(caught.value) == f"shape.{name} = {value}: must be an integer from {low} to {high} ({meaning})"
+
+
+def test_a_shape_takes_integers_only() -> None:
+    with pytest.raises(ConfigError, match=r"shape\.frac = 4\.0: must be an integer"):
+        Shape(frac=4.0)  # type: ignore[arg-type]
+
+
+def test_time_must_outlast_a_window_and_a_tick() -> None:
+    assert Shape(time_w=34).time_w == 34
+    with pytest.raises(ConfigError, match=r"shape\.time_w = 33: must be at least tc_w \+ nev_w = 34"):
+        Shape(time_w=33)
+    with pytest.raises(ConfigError, match=r"shape\.time_w = 8: must be at least tick_w = 9"):
+        Shape(time_w=8, tc_w=4, nev_w=4, tick_w=9)
+
+
+@pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (2, 1), (3, 2), (4, 2), (5, 3), (8, 3), (9, 4), (64, 6)])
+def test_slot_numbers_are_as_wide_as_they_must_be(n: int, slot_w: int) -> None:
+    assert Shape(n_slots=n).slot_w == slot_w
+
+
+def test_widths_that_follow_from_others() -> None:
+    assert (Shape(radix_w=5).r_w, Shape(radix_w=5).rel_w) == (6, 7)  # R up to 62, an address up to 124
+
+
+def test_every_register_has_an_address_of_its_own_and_a_field_in_the_configuration() -> None:
+    addresses = [register.address for register in REGISTERS.values()]
+    assert len(set(addresses)) == len(addresses)
+    assert max(addresses) < 16
+    assert [field.name for field in fields(SlotConfig)] == list(REGISTERS)
+
+
+def test_register_limits_follow_the_shape() -> None:
+    shape = Shape(x_w=7, tc_w=12)
+    assert REGISTERS["init_cm_x"].limits(shape) == (0, 127)
+    assert REGISTERS["max_ticks"].limits(shape) == (1, 4095)
+    assert REGISTERS["hist_avg"].limits(shape) == (0, 8)
+    assert REGISTERS["mode"].bits(shape) == 2
+
+
+def test_a_record_has_no_hidden_gaps_and_room_for_every_width() -> None:
+    assert RECORD.itemsize == sum(RECORD[name].itemsize for name in RECORD.names or ()) == 48
+    widest = {"seq": "seq_w", "time": "time_w", "track_id": "id_w", "other_id": "id_w", "support": "sup_w", "n_ev": "nev_w"}
+    for field, width in widest.items():
+        assert SHAPE_RANGES[width][1] <= 8 * RECORD[field].itemsize
+    assert SHAPE_RANGES["x_w"][1] + SHAPE_RANGES["frac"][1] <= 8 * RECORD["cm_x"].itemsize
+    assert np.iinfo(RECORD["slot"]).max >= SHAPE_RANGES["n_slots"][1]
+    assert [kind.name for kind in Kind] == ["BORN", "MOVED", "MERGED", "LOST"]

@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The golden model by itself: a slow model in plain Python, streams cut anywhere, time and units of a TrackLog.
+
+The stories that it shares with the hardware are in tests/hw.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from evcot.events import Events, Recording
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import RECORD, Mode, Shape
+from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records, track
+from evcot.ticks import tick_times
+from evcot.tracks.log import TRACK, Kind
+
+SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=5, tc_w=10, sup_w=6, id_w=6)
+SLOT = SlotConfig(
+    init_radix=4, radix_th=2, radix_min=3, radix_max=7, hist_avg=1, max_ticks=40,
+    clust_nev=3, nev_min=2, nev_max=6, nev_th=3, detect_ticks=25,
+)  # fmt: skip
+
+
+@dataclass
+class Slow:
+    """One slot, as docs/algorithm.md has it: exact fractions, no bit of arithmetic shared with the model."""
+
+    number: int
+    config: SlotConfig
+    shape: Shape
+
+    def __post_init__(self) -> None:
+        self.restart()
+
+    took = began = 0  # of the window of events before, and when this one began
+
+    def restart(self) -> None:
+        config = self.config
+        self.cm = [Fraction(config.init_cm_x), Fraction(config.init_cm_y)]
+        self.av = list(self.cm)
+        self.g, self.n_ev, self.count, self.support = config.init_radix, config.clust_nev, 0, 0
+        self.ring = self.active = self.started = False
+        self.deadline = math.inf
+
+    @property
+    def radius(self) -> int:
+        return self.g + self.config.radix_th
+
+    @property
+    def waits(self) -> bool:
+        return self.config.mode == Mode.FIXED
+
+    @property
+    def free(self) -> bool:
+        return self.config.mode == Mode.SEEDED and not self.started
+
+    @property
+    def pixel(self) -> list[int]:
+        return [math.floor(value + Fraction(1, 2)) if self.shape.frac else int(value) for value in self.cm]
+
+    def holds(self, event: tuple[int, int]) -> bool:
+        near = all(abs(value - centre) <= self.radius for value, centre in zip(event, self.pixel, strict=True))
+        return (self.started or self.waits) and near
+
+    def overlaps(self, other: Slow) -> bool:
+        apart = [abs(a - b) for a, b in zip(self.pixel, other.pixel, strict=True)]
+        return max(apart) <= self.radius + other.radius
+
+    def towards(self, value: Fraction, target: Fraction) -> Fraction:
+        unit = 1 << self.shape.frac
+        half = Fraction(1, 2) if self.shape.frac else 0
+        return value + Fraction(math.floor((target - value) * unit / (1 << self.config.hist_avg) + half), unit)
+
+    def take(self, event: tuple[int, int], now: int) -> bool:
+        """Whether it was the N_ev-th event."""
+        config = self.config
+        self.ring |= any(abs(value - centre) > self.g for value, centre in zip(event, self.pixel, strict=True))
+        self.av = [self.towards(av, Fraction(value)) for av, value in zip(self.av, event, strict=True)]
+        self.support = min(self.support + 1, (1 << self.shape.sup_w) - 1)
+        if self.active:
+            self.deadline = now + config.max_ticks
+        elif not self.started or self.count == 0:
+            self.deadline, self.began = now + config.detect_ticks + 1, now
+        self.started = True
+        self.count += 1
+        return self.count == self.n_ev
+
+    def update(self, now: int) -> Kind:
+        config = self.config
+        self.g = (
+            min(self.g + config.radix_step, config.radix_max)
+            if self.ring
+            else max(self.g - config.radix_step, config.radix_min)
+        )
+        self.cm = [self.towards(cm, av) for cm, av in zip(self.cm, self.av, strict=True)]
+        took, kind = now - self.began, Kind.MOVED if self.active else Kind.BORN
+        if self.active and took > self.took + config.nev_th:
+            self.n_ev = min(2 * self.n_ev, config.nev_max)
+        elif self.active and took + config.nev_th < self.took:
+            self.n_ev = max(self.n_ev // 2, config.nev_min)
+        self.deadline = now + config.max_ticks
+        self.took, self.began, self.count, self.ring, self.active = took, now, 0, False, True
+        return kind
+
+
+def slow_run(
+    config: CotConfig, arrangement: Arrangement, ticks: list[int], events: list[tuple[int, int]]
+) -> tuple[list[int], list[tuple[int, ...]]]:
+    """Owners, and records as (seq, time, kind, slot, id, other, x, y, radius, n_ev, support), centres in 2^-frac pixels."""
+    slots = [Slow(i, slot, config.shape) for i, slot in enumerate(config.slots)]
+    unit = 1 << config.shape.frac
+    births = [0] * len(slots) if arrangement is Arrangement.CHAIN else [0]
+    owners: list[int] = []
+    records: list[tuple[int, ...]] = []
+
+    def record(seq: int, time: int, kind: Kind, slot: Slow, other: int = 0) -> None:
+        x, y = (int(value * unit) for value in slot.cm)
+        identity = ids[slot.number]
+        records.append((seq, time, kind, slot.number, identity, other, x, y, slot.radius, slot.n_ev, slot.support))
+
+    ids: dict[int, int] = {}
+    for seq, (now, event) in enumerate(zip(ticks, events, strict=True)):
+        for slot in sorted((slot for slot in slots if slot.deadline <= now), key=lambda slot: (slot.deadline, slot.number)):
+            if slot.active:
+                record(seq, int(slot.deadline), Kind.LOST, slot)
+            slot.restart()
+        if arrangement is Arrangement.CHAIN:
+            owner = next((slot for slot in slots if slot.holds(event) or slot.free), None)
+        else:
+            ranked = [slot for slot in slots if slot.active and slot.holds(event)]
+            ranked += [slot for slot in slots if slot.holds(event)] + [slot for slot in slots if slot.free]
+            owner = ranked[0] if ranked else None
+        owners.append(-1 if owner is None else owner.number)
+        if owner is None:
+            continue
+        if owner.free:
+            owner.cm, owner.av = ([Fraction(value) for value in event] for _ in "ca")
+        if not owner.take(event, now):
+            continue
+        kind = owner.update(now)
+        if kind == Kind.BORN:
+            counter = owner.number if arrangement is Arrangement.CHAIN else 0
+            step, first = (len(slots), owner.number) if arrangement is Arrangement.CHAIN else (1, 0)
+            ids[owner.number] = first + step * births[counter]
+            births[counter] += 1
+        record(seq, now, kind, owner)
+        while arrangement is Arrangement.ARRAY:
+            met = [slot for slot in slots if slot.active and slot is not owner and slot.overlaps(owner)]
+            if not met:
+                break
+            stays, goes = sorted((owner, met[0]), key=lambda slot: ids[slot.number])
+            record(seq, now, Kind.MERGED, goes, ids[stays.number])
+            total = stays.support + goes.support
+            half = Fraction(1, 2) if config.shape.frac else 0
+            pairs = zip(stays.cm, goes.cm, strict=True)
+            means = [(a * stays.support + b * goes.support) / total for a, b in pairs]
+            stays.cm = [Fraction(math.floor(mean * unit + half), unit) for mean in means]
+            stays.av = list(stays.cm)
+            stays.g = min(max(stays.g, goes.g), stays.config.radix_max)
+            stays.support = min(total, (1 << config.shape.sup_w) - 1)
+            stays.deadline = now + stays.config.max_ticks
+            goes.restart()
+            record(seq, now, Kind.MOVED, stays)
+            owner = stays
+    return owners, records
+
+
+def crowd(n: int, seed: int, size: int = 64) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Ticks, x and y of bursts around wandering targets, with noise and pauses."""
+    rng = np.random.default_rng(seed)
+    target = np.repeat(rng.integers(0, 5, n), rng.integers(1, 12, n))[:n]
+    x, y = (
+        np.clip(
+            rng.uniform(0, size, 5)[target] + rng.normal(0, 8, 5)[target] * np.arange(n) / n + rng.normal(0, 2, n), 0, size - 1
+        )
+        for _ in "xy"
+    )
+    noise = rng.random(n) < 0.1
+    x[noise], y[noise] = rng.uniform(0, size, (2, np.count_nonzero(noise)))
+    steps = rng.poisson(1.0, n) + np.where(rng.random(n) < 0.01, rng.integers(0, 120, n), 0)
+    return np.cumsum(steps), x.astype(np.uint16), y.astype(np.uint16)
+
+
+FIELDS = ("seq", "time", "kind", "slot", "track_id", "other_id", "cm_x", "cm_y", "radius", "n_ev", "support")
+
+
+@pytest.mark.parametrize("arrangement", Arrangement)
+@pytest.mark.parametrize("frac", [0, 1, 4, 8])
+def test_it_is_what_the_contract_says_in_exact_fractions(arrangement: Arrangement, frac: int) -> None:
+    waiting = replace(SLOT, mode=Mode.FIXED, init_cm_x=30, init_cm_y=40, radix_max=12, radix_step=3)
+    config = CotConfig(
+        replace(SHAPE, frac=frac, id_w=32), (SLOT, waiting, replace(SLOT, hist_avg=2), replace(SLOT, clust_nev=2))
+    )
+    ticks, x, y = crowd(6000, seed=frac)
+    told = CotModel(config, arrangement).feed(ticks, x, y)
+    owners, records = slow_run(config, arrangement, ticks.tolist(), list(zip(x.tolist(), y.tolist(), strict=True)))
+    assert told.owner.tolist() == owners
+    assert list(zip(*(told.records[name].tolist() for name in FIELDS), strict=True)) == records
+    kinds = [record[2] for record in records]
+    wanted = [Kind.BORN, Kind.MOVED, Kind.LOST, *([Kind.MERGED] if arrangement is Arrangement.ARRAY else [])]
+    assert all(kinds.count(kind) >= 20 for kind in wanted)
+
+
+@pytest.mark.parametrize("arrangement", Arrangement)
+def test_it_does_not_matter_where_the_events_are_cut(arrangement: Arrangement) -> None:
+    config = CotConfig.uniform(SHAPE, SLOT)
+    ticks, x, y = crowd(3000, seed=9)
+    whole, model = CotModel(config, arrangement).feed(ticks, x, y), CotModel(config, arrangement)
+    bounds = [0, 0, 1, 2, 50, 1999, 3000, 3000]
+    parts = [model.feed(ticks[a:b], x[a:b], y[a:b]) for a, b in pairwise(bounds)]
+    joined = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    assert len(whole.records) > 200
+    assert all(np.array_equal(mine, theirs) for mine, theirs in zip(joined, whole, strict=True))
+    assert model.time == ticks[-1]
+
+
+def test_records_that_outgrow_their_buffer_are_all_kept() -> None:
+    slot = replace(SLOT, clust_nev=1, nev_min=1, max_ticks=1)  # a birth and a loss for every event
+    n = 20_000
+    x = np.full(n, 32, np.uint16)
+    told = CotModel(CotConfig.uniform(SHAPE, slot)).feed(np.arange(n), x, x)
+    assert len(told.records) == 2 * n - 1
+    assert told.records["seq"].tolist() == [0, *np.repeat(np.arange(1, n), 2).tolist()]
+
+
+def test_addresses_in_the_window_and_0_outside() -> None:
+    config = CotConfig.uniform(replace(SHAPE, n_slots=1), SLOT)  # R = 6, a seed in the middle
+    x, y = np.array([20, 26, 14, 27], np.uint16), np.array([20, 14, 26, 20], np.uint16)
+    told = CotModel(config).feed(np.zeros(4, np.int64), x, y)
+    assert told.owner.tolist() == [0, 0, 0, -1]
+    assert (told.rel_x.tolist(), told.rel_y.tolist()) == ([6, 12, 0, 0], [6, 0, 12, 0])
+
+
+@pytest.mark.parametrize(("tick_us", "ticks"), [(1, [0, 9, 10, 25]), (10, [0, 0, 1, 2]), (1000, [0, 0, 0, 0])])
+def test_ticks_are_whole_and_begin_at_t0(tick_us: int, ticks: list[int]) -> None:
+    assert tick_times(np.array([100, 109, 110, 125]), 100, tick_us).tolist() == ticks
+
+
+class TestTrackLog:
+    def test_units_are_pixels_microseconds_and_event_indices(self) -> None:
+        raw = np.zeros(3, RECORD)
+        raw["kind"], raw["seq"], raw["time"] = [Kind.MERGED, Kind.MOVED, Kind.LOST], [10, 10, 12], [5, 5, 9]
+        raw["cm_x"], raw["cm_y"], raw["other_id"], raw["track_id"] = 24, 8, [3, 0, 0], [4, 3, 3]
+        config = CotConfig(replace(SHAPE, frac=4), tick_us=100, slots=(SLOT,) * 4)
+        out = to_track_records(raw, config, np.array([1_555, 1_599]), first_seq=10, t0_us=1_000)
+        assert out.dtype == TRACK
+        assert out["t_us"].tolist() == [1_555, 1_555, 1_900]  # an event's own time; a loss at its tick
+        assert out["event_index"].tolist() == [10, 10, 12]
+        assert (out["x"].tolist(), out["y"].tolist()) == ([1.5] * 3, [0.5] * 3)
+        assert out["other_id"].tolist() == [3, -1, -1]
+
+    def test_a_loss_needs_no_event_at_all(self) -> None:
+        raw = np.zeros(1, RECORD)
+        raw["kind"], raw["time"] = Kind.LOST, 7
+        out = to_track_records(raw, CotConfig(SHAPE, (SLOT,) * 4), np.empty(0, np.int64), 0, 100)
+        assert out["t_us"].tolist() == [107]
+
+    def recording(self) -> Recording:
+        ticks, x, y = crowd(2000, seed=5)
+        return Recording(Events(7_000 + ticks * 10 + 3, x, y, np.zeros(2000, np.uint8)), 64, 64)
+
+    def test_tick_0_is_the_first_event(self) -> None:
+        recording, config = self.recording(), CotConfig(SHAPE, (SLOT,) * 4, tick_us=10)
+        log = track(recording, config)
+        t_us = recording.events.t_us
+        told = CotModel(config).feed((t_us - t_us[0]) // 10, recording.events.x, recording.events.y)
+        assert log.engine == "cot-model"
+        assert np.array_equal(log.owner, told.owner)
+        caused = log.records["kind"] != Kind.LOST
+        assert np.array_equal(log.records["t_us"][caused], t_us[log.records["event_index"][caused]])
+        lost = log.records[~caused]
+        assert len(lost) > 5
+        assert (lost["t_us"] <= t_us[lost["event_index"]]).all()
+        assert (lost["t_us"] > t_us[lost["event_index"] - 1] - 10).all()
+
+    def test_the_arrangement_can_be_a_chain(self) -> None:
+        recording, config = self.recording(), CotConfig(SHAPE, (SLOT,) * 4, tick_us=10)
+        assert len(track(recording, config).of_kind(Kind.MERGED)) > 0
+        assert len(track(recording, config, Arrangement.CHAIN).of_kind(Kind.MERGED)) == 0
+
+    def test_no_events_no_log(self) -> None:
+        log = track(Recording(Events.empty(), 64, 64), CotConfig(SHAPE, (SLOT,) * 4))
+        assert (len(log.records), len(log.owner)) == (0, 0)

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of a run: a whole PNG of the right size that shows what the logs hold, and says so when that is nothing."""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from evcot.errors import OutputError
+from evcot.events import Events, Recording
+from evcot.pictures.picture import SIZE_PX, draw
+from evcot.tracks.log import TRACK, Kind, TrackLog
+
+Row = tuple[int, Kind, int, float, float] | tuple[int, Kind, int, float, float, int]
+EMPTY = TrackLog.empty("rct")
+
+
+def log_of(rows: Sequence[Row], engine: str = "cot-rtl") -> TrackLog:
+    """A log from (t_us, kind, track_id, x, y[, other_id]) rows."""
+    records = np.zeros(len(rows), TRACK)
+    for i, row in enumerate(rows):
+        records[i] = (row[0], row[0], row[1], row[2], row[2], row[3], row[4], 8.0, 0, 0, row[5] if len(row) > 5 else -1)
+    return TrackLog(engine, records, np.empty(0, np.int16))
+
+
+def recording_of(n: int, width: int = 120, height: int = 80, duration_us: int = 100_000) -> Recording:
+    """ON events in the left half of the sensor, OFF events in the right half."""
+    rng = np.random.default_rng(1)
+    t_us = np.sort(rng.integers(0, duration_us, n))
+    x = rng.integers(0, width, n).astype(np.uint16)
+    y = rng.integers(0, height, n).astype(np.uint16)
+    return Recording(Events(t_us, x, y, (x < width // 2).astype(np.uint8)), width, height, "halves")
+
+
+TWO_MEET = log_of(
+    [
+        (1_000, Kind.BORN, 0, 20.0, 20.0),
+        (2_000, Kind.BORN, 1, 90.0, 20.0),
+        (50_000, Kind.MOVED, 0, 40.0, 20.0),
+        (60_000, Kind.MERGED, 1, 60.0, 20.0, 0),
+        (60_000, Kind.MOVED, 0, 50.0, 20.0),
+        (90_000, Kind.LOST, 0, 50.0, 20.0),
+    ]
+)
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that were saved."""
+    figures: list[Figure] = []
+    save = Figure.savefig
+
+    def keep(self: Figure, *args: object, **kwargs: object) -> None:
+        figures.append(self)
+        save(self, *args, **kwargs)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Figure, "savefig", keep)
+    return figures
+
+
+def texts(figure: Figure) -> list[str]:
+    """Everything that is written in a figure."""
+    return [text.get_text() for text in figure.findobj(Text) if isinstance(text, Text) and text.get_text()]
+
+
+def png_size(path: Path) -> tuple[int, int]:
+    """Width and height from a PNG's header; a file without its end is not whole."""
+    content = path.read_bytes()
+    assert content.startswith(b"\x89PNG\r\n\x1a\n")
+    assert content.endswith(b"IEND\xaeB`\x82")
+    width, height = struct.unpack(">II", content[16:24])
+    return width, height
+
+
+@pytest.mark.parametrize(("width", "height"), [(120, 80), (128, 128), (64, 640), (1280, 720)])
+def test_every_picture_is_a_png_of_the_same_size(tmp_path: Path, width: int, height: int) -> None:
+    draw(recording_of(2_000, width, height), TWO_MEET, TWO_MEET, tmp_path / "run.png", "A run")
+    assert png_size(tmp_path / "run.png") == SIZE_PX
+    assert [path.name for path in tmp_path.iterdir()] == ["run.png"]
+
+
+def test_the_scene_has_its_origin_top_left_and_square_pixels(tmp_path: Path, drawn: list[Figure]) -> None:
+    draw(recording_of(5_000), TWO_MEET, EMPTY, tmp_path / "run.png", "A run")
+    scene = drawn[0].axes[0]
+    assert (scene.get_xlim(), scene.get_ylim()) == ((-0.5, 119.5), (79.5, -0.5))
+    assert scene.get_aspect() == 1.0
+    assert (scene.get_xlabel(), scene.get_ylabel()) == ("x (px)", "y (px)")
+    image = np.asarray(scene.images[0].get_array())
+    assert image.shape == (80, 120, 3)
+    on, off = image[:, :60].mean(axis=(0, 1)), image[:, 60:].mean(axis=(0, 1))
+    assert on[1] > on[0]  # green
+    assert off[1] < off[0]  # purple
+
+
+def test_an_event_colours_its_own_pixel(tmp_path: Path, drawn: list[Figure]) -> None:
+    one = Recording(
+        Events(np.array([5], np.int64), np.array([7], np.uint16), np.array([3], np.uint16), np.array([1], np.uint8)), 20, 10
+    )
+    draw(one, EMPTY, EMPTY, tmp_path / "run.png", "One event")
+    image = np.asarray(drawn[0].axes[0].images[0].get_array())
+    assert np.argwhere((image < 1).any(axis=2)).tolist() == [[3, 7]]
+
+
+def test_paths_windows_counts_and_merges_are_those_of_the_log(tmp_path: Path, drawn: list[Figure]) -> None:
+    draw(recording_of(5_000), TWO_MEET, EMPTY, tmp_path / "run.png", "A run")
+    scene, count, lives = drawn[0].axes
+    paths = [c for c in scene.collections if isinstance(c, LineCollection)][1]
+    ends = [(tuple(path[0]), tuple(path[-1])) for path in paths.get_segments()]
+    assert ends == [((20.0, 20.0), (50.0, 20.0)), ((90.0, 20.0), (90.0, 20.0))]
+    windows = next(c for c in scene.collections if isinstance(c, PatchCollection)).get_paths()
+    corners = {tuple(np.asarray(path.vertices)[0].tolist()) for path in windows}
+    assert corners == {(12.0, 12.0), (82.0, 12.0), (32.0, 12.0), (42.0, 12.0)}
+    assert max(np.asarray(count.lines[0].get_ydata())) == 2
+    joins = [c.get_segments() for c in lives.collections if isinstance(c, LineCollection)][-1]
+    ((top, bottom),) = joins
+    assert top[0] == bottom[0] == pytest.approx(60, abs=0.05)
+    assert abs(top[1] - bottom[1]) == 1
+
+
+def test_the_labels_name_engines_units_and_title(tmp_path: Path, drawn: list[Figure]) -> None:
+    draw(recording_of(5_000), TWO_MEET, EMPTY, tmp_path / "run.png", "A run")
+    written = texts(drawn[0])
+    for text in ("A run", "hardware (cot-rtl)", "software (rct)", "clusters alive", "time since the first event (ms)"):
+        assert text in written
+    draw(recording_of(5_000, duration_us=10_000_000), TWO_MEET, EMPTY, tmp_path / "run.png", "Longer")
+    assert "time since the first event (s)" in texts(drawn[1])
+
+
+def test_a_tracker_that_saw_nothing_is_said_to_have(tmp_path: Path, drawn: list[Figure]) -> None:
+    path = tmp_path / "run.png"
+    draw(recording_of(5_000), TWO_MEET, EMPTY, path, "Half")
+    draw(recording_of(5_000), EMPTY, EMPTY, path, "None")
+    draw(Recording(Events.empty(), 32, 32), EMPTY, EMPTY, path, "No events")
+    draw(recording_of(5_000), TWO_MEET, TWO_MEET, path, "Both")
+    assert [texts(figure).count("no cluster became visible") for figure in drawn] == [1, 2, 2, 0]
+    assert "halves: 5,000 events in 0.1 s   ·   120 × 80 px   ·   no cluster became visible" in texts(drawn[1])
+
+
+def test_of_very_many_tracks_the_longest_are_drawn_and_the_picture_says_so(tmp_path: Path, drawn: list[Figure]) -> None:
+    births = [(100 * i, Kind.BORN, i, 10.0 + i % 100, 40.0) for i in range(300)]
+    ends = [(60_000 + 10 * i, Kind.LOST, i, 10.0 + i % 100, 40.0) for i in range(300)]
+    draw(recording_of(5_000), log_of([*births, *ends]), TWO_MEET, tmp_path / "run.png", "Many")
+    assert any("the 40 longest of 300 hardware tracks drawn" in text for text in texts(drawn[0]))
+    bars = next(c for c in drawn[0].axes[2].collections if isinstance(c, LineCollection))
+    assert len(bars.get_segments()) == 40
+    assert png_size(tmp_path / "run.png") == SIZE_PX
+
+
+def test_a_picture_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"run\.png: cannot be written: No such file or directory$"):
+        draw(recording_of(10), EMPTY, EMPTY, tmp_path / "absent" / "run.png", "A run")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_drawing_keeps_away_from_pyplot() -> None:
+    check = "import sys, evcot.pictures.picture; sys.exit('matplotlib.pyplot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", check], check=False).returncode == 0

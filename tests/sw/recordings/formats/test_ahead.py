@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results come in the order of their pieces, and what goes wrong comes in its turn."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from evcot.recordings.formats.ahead import in_order
+
+
+def test_results_stand_in_the_order_of_their_pieces() -> None:
+    def slow_at_first(piece: int) -> int:
+        time.sleep(0.01 if piece % 3 == 0 else 0.0)
+        return 10 * piece
+
+    assert list(in_order(slow_at_first, range(40), workers=2)) == [10 * piece for piece in range(40)]
+    assert list(in_order(slow_at_first, [], workers=2)) == []
+
+
+@pytest.mark.parametrize("error", [ValueError("piece 7"), OSError(5, "Input/output error")])
+@pytest.mark.parametrize("failing", ["pieces", "decode"])
+def test_what_goes_wrong_comes_after_all_before_it_and_nothing_comes_after(error: Exception, failing: str) -> None:
+    def pieces() -> Iterator[int]:
+        for piece in range(20):
+            if failing == "pieces" and piece == 7:
+                raise error
+            yield piece
+
+    def decode(piece: int) -> int:
+        if failing == "decode" and piece == 7:
+            raise error
+        return piece
+
+    given: list[int] = []
+    with pytest.raises(type(error)) as caught:
+        given.extend(in_order(decode, pieces()))
+    assert caught.value is error
+    assert given == list(range(7))
+
+
+def test_pieces_are_made_a_few_ahead_and_no_more() -> None:
+    made: list[int] = []
+
+    def pieces() -> Iterator[int]:
+        for piece in range(1_000):
+            made.append(piece)
+            yield piece
+
+    results = in_order(lambda piece: piece, pieces())
+    assert [next(results) for _ in range(3)] == [0, 1, 2]
+    assert len(made) <= 10
+    results.close()  # type: ignore[attr-defined]
+    assert len(made) <= 10
+
+
+def test_pieces_are_made_on_the_callers_thread_and_decoded_on_others() -> None:
+    makers: set[int] = set()
+    decoders: set[int] = set()
+
+    def pieces() -> Iterator[int]:
+        for piece in range(20):
+            makers.add(threading.get_ident())
+            yield piece
+
+    for _ in in_order(lambda _: decoders.add(threading.get_ident()), pieces(), workers=1):
+        pass
+    assert makers == {threading.get_ident()}
+    assert len(decoders) == 1
+    assert not decoders & makers

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""MATLAB structs of events are what scipy and h5py write, in every coding of pixels and polarity."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+
+from evcot.errors import RecordingError
+from evcot.events import Events
+from evcot.recordings.files import open_recording, read_recording
+
+from .fuzzing import fuzz
+
+COUNT = 60
+CORRUPTIONS = 10_000
+RANDOM = np.random.default_rng(5)
+T_US = np.sort(RANDOM.integers(0, 9000, COUNT))
+X, Y, P = (RANDOM.integers(0, limit, COUNT) for limit in (34, 30, 2))
+X[0] = 0  # so that pixels counted from 0 can be told
+POLARITIES = {"1 and 2": P + 1, "-1 and 1": 2 * P - 1, "0 and 1": P, "logical": P.astype(bool)}
+
+
+def struct(first: int, p: Any, kind: type = np.float64) -> dict[str, Any]:
+    return {"x": (X + first).astype(kind), "y": (Y + first).astype(kind), "p": p, "ts": T_US.astype(kind)}
+
+
+def write(path: Path, content: dict[str, Any], **options: Any) -> Path:
+    scipy.io.savemat(path, content, **options)
+    return path
+
+
+def write_7_3(path: Path, content: dict[str, Any]) -> Path:
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in content.items():
+            file.create_dataset(f"TD/{name}", data=np.asarray(values, float)[None], chunks=(1, 25), compression="gzip")
+        file["#refs#/a"] = 1
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+    return path
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(RecordingError) as caught:
+        read_recording(path)
+    message = str(caught.value)
+    assert message.isprintable()
+    return message.removeprefix(f"{path}: ")
+
+
+def assert_events(events: Events) -> None:
+    for got, wanted in zip((events.t_us, events.x, events.y, events.p), (T_US, X, Y, P), strict=True):
+        np.testing.assert_array_equal(got, wanted)
+
+
+@pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
+@pytest.mark.parametrize("coding", POLARITIES)
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("kind", [np.float64, np.uint16, np.int32])
+def test_every_coding_is_told_from_the_data(tmp_path: Path, first: int, coding: str, kind: type, compressed: bool) -> None:
+    content = {"before": np.arange(3), "TD": struct(first, POLARITIES[coding], kind), "after": {"x": 1}}
+    with open_recording(write(tmp_path / "events.bin", content, do_compression=compressed)) as file:
+        assert_events(file.read().events)
+        assert file.details == {"struct": "TD", "pixels": f"counted from {first}"}
+        assert file.sensor == (X.max() + 1, Y.max() + 1)
+
+
+def test_a_struct_of_another_name_and_more_fields_is_found(tmp_path: Path) -> None:
+    content = {"recording": {"label": "seven", **struct(1, P + 1), "cells": np.array([1, "a"], object)}}
+    assert_events(read_recording(write(tmp_path / "events.mat", content)).events)
+
+
+def test_version_7_3_is_read_too(tmp_path: Path) -> None:
+    assert_events(read_recording(write_7_3(tmp_path / "events.mat", struct(1, P + 1))).events)
+
+
+def test_big_endian_files_are_read(tmp_path: Path) -> None:
+    """scipy writes none: one is put together by hand."""
+
+    def element(kind: int, content: bytes) -> bytes:
+        return np.array([kind, len(content)], ">u4").tobytes() + content + bytes(-len(content) % 8)
+
+    def matrix(kind: int, sides: tuple[int, int], name: bytes, content: bytes) -> bytes:
+        head = element(6, np.array([kind, 0], ">u4").tobytes()) + element(5, np.array(sides, ">i4").tobytes())
+        return element(14, head + element(1, name) + content)
+
+    columns = {b"x": X + 1, b"y": Y + 1, b"p": P + 1, b"ts": T_US}
+    names = element(5, np.array([8], ">i4").tobytes()) + element(1, b"".join(name.ljust(8, b"\0") for name in columns))
+    fields = b"".join(matrix(6, (COUNT, 1), b"", element(9, values.astype(">f8").tobytes())) for values in columns.values())
+    path = tmp_path / "events.mat"
+    path.write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + b"\x01\x00MI" + matrix(2, (1, 1), b"TD", names + fields))
+    assert_events(read_recording(path).events)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ({"a": 1, "b": {"x": 1}}, "holds 2 variables, and no struct with the fields x, y, p, ts"),
+        ({"TD": struct(1, P[:-1])}, "x 60, y 60, p 59, ts 60 values: all must be the same"),
+        ({"TD": struct(1, P + 3)}, "event 0: p = {}: must be 0 or 1"),
+        ({"TD": struct(1, "abc")}, "p: is a matrix of class 4: must hold numbers"),
+        ({"TD": struct(1, P) | {"x": X + 0.5}}, "event 0: x = 0.5: must be a whole number from -2147483648 to 2147483647"),
+        ({"TD": struct(1, P) | {"ts": T_US[::-1]}}, "event 1: t = {} us follows t = {} us: time must not run back"),
+        ({"TD": struct(1, P) | {"ts": T_US * 1j}}, "must be of real numbers"),
+    ],
+)
+def test_a_struct_that_breaks_a_rule_is_refused(tmp_path: Path, content: dict[str, Any], message: str) -> None:
+    got = refusal(write(tmp_path / "events.mat", content))
+    parts = message.split("{}")
+    assert got.startswith(parts[0]) or got.endswith(parts[0])
+    assert all(part in got for part in parts)
+
+
+@pytest.mark.parametrize("compressed", [False, True], ids=["plain", "compressed"])
+def test_damage_is_told_or_does_not_matter(tmp_path: Path, compressed: bool) -> None:
+    content = write(tmp_path / "whole.mat", {"TD": struct(1, P + 1, np.uint16)}, do_compression=compressed).read_bytes()
+    outcomes = fuzz(tmp_path / "events.mat", content, corruptions=CORRUPTIONS, seed=31)
+    assert outcomes.refused > len(content) // 2
+    assert outcomes.read

@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS bags are what the library rosbags, which writes them here, finds in them event by event."""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from evcot.errors import RecordingError, RecordingWarning
+from evcot.events import Events
+from evcot.recordings.files import open_recording, read_recording
+from evcot.recordings.formats import ros
+
+from .fuzzing import cut_lengths, fuzz, sample_of
+from .reference_evt import evt3_base, evt3_event, evt3_high, evt3_low, evt3_row, evt3_vector12, reference
+
+WIDTH, HEIGHT = 64, 48
+COUNT = 100
+RANDOM = np.random.default_rng(17)
+T_NS = 1_718_925_184 * 10**9 + np.sort(RANDOM.integers(0, 10**8, COUNT))
+X, Y, P = (RANDOM.integers(0, limit, COUNT) for limit in (WIDTH, HEIGHT, 2))
+CORRUPTIONS = sample_of(10_000, 200)
+
+DVS, PACKET = "dvs_msgs/msg/EventArray", "event_camera_msgs/msg/EventPacket"
+EVENT_FIELDS = "uint16 x\nuint16 y\n{time} ts\nbool polarity\n"
+DVS_FIELDS = "std_msgs/Header header\nuint32 height\nuint32 width\ndvs_msgs/Event[] events\n"
+PACKET_FIELDS = (
+    "std_msgs/Header header\nuint32 height\nuint32 width\nuint64 seq\nuint64 time_base\n"
+    "string encoding\nbool is_bigendian\nuint8[] events\n"
+)
+KINDS = ["ros1", "ros1-bz2", "ros1-lz4", "ros2-sqlite3", "ros2-mcap", "sqlite3", "mcap"]
+
+Message = tuple[str, str, int, Any]
+
+
+class Maker:
+    """Makes messages of one generation, and bags of them."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self.is_ros1 = kind.startswith("ros1")
+        self.store = get_typestore(Stores.ROS1_NOETIC if self.is_ros1 else Stores.ROS2_HUMBLE)
+        time = "time" if self.is_ros1 else "builtin_interfaces/Time"
+        self.store.register(get_types_from_msg(EVENT_FIELDS.format(time=time), "dvs_msgs/msg/Event"))
+        self.store.register(get_types_from_msg(DVS_FIELDS, DVS))
+        self.store.register(get_types_from_msg(PACKET_FIELDS, PACKET))
+
+    def header(self, name: str) -> Any:
+        time = self.store.types["builtin_interfaces/msg/Time"](7, 8)
+        header = self.store.types["std_msgs/msg/Header"]
+        return header(3, time, name) if self.is_ros1 else header(time, name)
+
+    def array(self, begin: int, end: int, frame: str = "camera", sensor: tuple[int, int] = (WIDTH, HEIGHT)) -> Any:
+        types = self.store.types
+        time, event = types["builtin_interfaces/msg/Time"], types["dvs_msgs/msg/Event"]
+        events = [
+            event(int(X[i]), int(Y[i]), time(int(T_NS[i] // 10**9), int(T_NS[i] % 10**9)), bool(P[i]))
+            for i in range(begin, end)
+        ]
+        return types[DVS](self.header(frame), sensor[1], sensor[0], events)
+
+    def arrays(self, topic: str = "/dvs/events", step: int = 17) -> Iterator[Message]:
+        """Messages of 17 events, each with a name of another length before it; one is empty."""
+        yield topic, DVS, int(T_NS[0]), self.array(0, 0)
+        for number, begin in enumerate(range(0, COUNT, step)):
+            end = min(begin + step, COUNT)
+            yield topic, DVS, int(T_NS[end - 1]), self.array(begin, end, "c" * number)
+
+    def packets(self, payloads: list[bytes], encoding: str, *, base_ns: int = 0, big: bool = False) -> Iterator[Message]:
+        kind = self.store.types[PACKET]
+        for number, payload in enumerate(payloads):
+            content = np.frombuffer(payload, np.uint8)
+            header = self.header("c" * number)
+            yield "/camera/events", PACKET, 1000 + number, kind(header, HEIGHT, WIDTH, number, base_ns, encoding, big, content)
+
+    def write(self, directory: Path, messages: Iterator[Message]) -> Path:
+        if self.is_ros1:
+            path = directory / "events.bag"
+            writer: Any = Writer1(path)
+            if self.kind != "ros1":
+                writer.set_compression(Writer1.CompressionFormat[self.kind.removeprefix("ros1-").upper()])
+        else:
+            path = directory / "bag"
+            plugin = StoragePlugin.MCAP if "mcap" in self.kind else StoragePlugin.SQLITE3
+            writer = Writer2(path, version=9, storage_plugin=plugin)
+        connections: dict[str, Any] = {}
+        serialize = self.store.serialize_ros1 if self.is_ros1 else self.store.serialize_cdr
+        with writer:
+            for topic, kind, time_ns, message in messages:
+                if topic not in connections:
+                    connections[topic] = writer.add_connection(topic, kind, typestore=self.store)
+                writer.write(connections[topic], time_ns, serialize(message, kind))
+        if self.is_ros1 or self.kind.startswith("ros2"):
+            return path
+        return next(each for each in path.iterdir() if each.name != "metadata.yaml").rename(directory / "bare.bin")
+
+    def string(self, text: str) -> Any:
+        return self.store.types["std_msgs/msg/String"](text)
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(RecordingError) as caught:
+        read_recording(path)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert message.isprintable()
+    return message.removeprefix(f"{path}: ")
+
+
+def assert_events(events: Events, begin: int = 0, end: int = COUNT) -> None:
+    for got, wanted in zip((events.t_us, events.x, events.y, events.p), (T_NS // 1000, X, Y, P), strict=True):
+        np.testing.assert_array_equal(got, wanted[begin:end])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_stamped_events_are_read_from_every_kind_of_bag(tmp_path: Path, kind: str) -> None:
+    maker = Maker(kind)
+    with open_recording(maker.write(tmp_path, maker.arrays())) as file:
+        assert_events(file.read().events)
+        assert file.sensor == (WIDTH, HEIGHT)
+        assert file.details == {"topic": "/dvs/events"}
+
+
+@pytest.mark.parametrize("kind", ["ros1", "ros2-sqlite3", "ros2-mcap"])
+def test_the_library_s_own_deserialisation_agrees(tmp_path: Path, kind: str) -> None:
+    maker = Maker(kind)
+    path = maker.write(tmp_path, maker.arrays())
+    with AnyReader([path], default_typestore=maker.store) as reader:
+        rows = [
+            (event.ts.sec * 10**6 + event.ts.nanosec // 1000, event.x, event.y, int(event.polarity))
+            for connection, _, data in reader.messages()
+            for event in reader.deserialize(data, connection.msgtype).events
+        ]
+    events = read_recording(path).events
+    assert list(zip(events.t_us.tolist(), events.x.tolist(), events.y.tolist(), events.p.tolist(), strict=True)) == rows
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_window_is_the_part_of_the_whole(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ros, "BLOCK_EVENTS", 20)
+    maker = Maker(kind)
+    path = maker.write(tmp_path, maker.arrays())
+    t_us = T_NS // 1000
+    for at in (1, 17, 50, COUNT - 1):
+        assert_events(read_recording(path, from_us=int(t_us[at] - t_us[0])).events, at)
+
+
+def test_messages_that_end_before_the_window_are_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    maker = Maker("ros1")
+    converted: list[int] = []
+    events_of = ros.events_of
+    monkeypatch.setattr(ros, "events_of", lambda batch: converted.extend(map(len, batch)) or events_of(batch))
+    with open_recording(maker.write(tmp_path, maker.arrays())) as file:
+        _ = file.t0_us
+        converted.clear()
+        assert_events(file.read(int(T_NS[60] // 1000 - T_NS[0] // 1000)).events, 60)
+    assert converted == [17, 17, 15]
+
+
+def evt3_words() -> tuple[np.ndarray[Any, Any], list[tuple[int, int, int, int]]]:
+    words: list[int] = []
+    for number in range(40):
+        words += [evt3_high(number // 4), evt3_low(number * 100), evt3_row(number), evt3_event(number % 2, number)]
+        words += [evt3_base(1, number), evt3_vector12(0b100000000101)]
+    return np.array(words, "<u2"), reference("evt3", words).rows
+
+
+@pytest.mark.parametrize("big", [False, True], ids=["little", "big"])
+@pytest.mark.parametrize("kind", ["ros1", "mcap", "sqlite3"])
+def test_packets_of_evt3_are_one_stream_wherever_they_are_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, big: bool
+) -> None:
+    monkeypatch.setattr(ros, "BLOCK_EVENTS", 3)
+    words, wanted = evt3_words()
+    content = words.astype(">u2" if big else "<u2").tobytes()
+    cuts = [0, 2, 14, 14, 16, 100, 102, len(content)]
+    payloads = [content[begin:end] for begin, end in pairwise(cuts)]
+    maker = Maker(kind)
+    with open_recording(maker.write(tmp_path, maker.packets(payloads, "evt3", big=big))) as file:
+        events = file.read().events
+        assert file.details == {"topic": "/camera/events", "encoding": "evt3"}
+    rows = list(zip(events.t_us.tolist(), events.x.tolist(), events.y.tolist(), events.p.tolist(), strict=True))
+    assert rows == wanted
+
+
+def test_events_before_the_first_time_mark_are_counted(tmp_path: Path) -> None:
+    maker = Maker("ros1")
+    words = np.array([evt3_row(1), evt3_event(1, 2), evt3_high(1), evt3_event(0, 3)], "<u2")
+    with pytest.warns(RecordingWarning, match="1 events left out: they precede any time mark or address"):
+        assert read_recording(maker.write(tmp_path, maker.packets([words.tobytes()], "evt3"))).events.x.tolist() == [3]
+
+
+@pytest.mark.parametrize("kind", ["ros1", "mcap"])
+def test_mono_packets_count_nanoseconds_from_their_time_base(tmp_path: Path, kind: str) -> None:
+    since_ns = (T_NS - T_NS[0]).astype("u8")
+    words = P.astype("u8") << np.uint64(63) | Y.astype("u8") << np.uint64(48) | X.astype("u8") << np.uint64(32) | since_ns
+    maker = Maker(kind)
+    assert_events(read_recording(maker.write(tmp_path, maker.packets([words.tobytes()], "mono", base_ns=int(T_NS[0])))).events)
+
+
+def test_libcaer_packets_go_on_where_their_31_bits_wrap_around(tmp_path: Path) -> None:
+    start_us = (1 << 31) - 50_000
+    base_ns = int(T_NS[0]) // 1000 * 1000 - start_us * 1000
+    pairs = np.empty((COUNT, 2), "<u4")
+    pairs[:, 0] = X << 17 | Y << 2 | P << 1 | 1
+    pairs[:, 1] = (start_us + T_NS // 1000 - T_NS[0] // 1000) & 0x7FFFFFFF
+    assert pairs[0, 1] > pairs[-1, 1]
+    maker = Maker("mcap")
+    assert_events(read_recording(maker.write(tmp_path, maker.packets([pairs.tobytes()], "libcaer", base_ns=base_ns))).events)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_first_topic_with_events_is_read_and_the_others_are_named(tmp_path: Path, kind: str) -> None:
+    maker = Maker(kind)
+
+    def messages() -> Iterator[Message]:
+        yield "/a", "std_msgs/msg/String", int(T_NS[0]), maker.string("text")
+        yield "/b", DVS, int(T_NS[0]), maker.array(0, 0)
+        yield "/c", DVS, int(T_NS[0]), maker.array(0, 3)
+        yield from maker.arrays("/d")
+
+    with open_recording(maker.write(tmp_path, messages())) as file:
+        assert_events(file.read().events, 0, 3)
+        assert file.details == {"topic": "/c", "also holds": "/b, /d"}
+
+
+def test_what_is_no_bag_of_events_is_refused(tmp_path: Path) -> None:
+    maker = Maker("mcap")
+    string = maker.write(tmp_path, iter([("/a", "std_msgs/msg/String", 1, maker.string("text"))]))
+    assert refusal(string).endswith("EventPacket, event_array_msgs/EventArray): holds std_msgs/String")
+    shutil.rmtree(tmp_path / "bag")
+    assert refusal(maker.write(tmp_path, maker.packets([b"abcd"], "zip"))) == (
+        "topic /camera/events, message 0: encoding 'zip': must be one of evt3, mono, libcaer"
+    )
+    shutil.rmtree(tmp_path / "bag")
+    assert refusal(maker.write(tmp_path, maker.packets([b""], "evt3"))) == "holds no events in /camera/events"
+    (tmp_path / "a.db3").write_bytes(b"SQLite format 3\0")
+    assert refusal(tmp_path / "a.db3").startswith("cannot be opened as a ROS 2 bag: ")
+
+
+@pytest.mark.parametrize("kind", ["ros1", "mcap"])
+def test_messages_that_break_a_rule_are_named(tmp_path: Path, kind: str) -> None:
+    maker = Maker(kind)
+    broken = maker.array(5, 9)
+    broken.events[2].ts.nanosec = 10**9
+    path = maker.write(tmp_path, iter([("/d", DVS, 1, broken)]))
+    assert refusal(path) == "event 2 of its message: nanoseconds = 1000000000: must be below 10^9"
+    path.unlink()
+    shutil.rmtree(tmp_path / "bag", ignore_errors=True)
+    arrays = [("/d", DVS, 1, maker.array(0, 3)), ("/d", DVS, 2, maker.array(3, 6, sensor=(5, 5)))]
+    assert refusal(maker.write(tmp_path, iter(arrays))) == (
+        "topic /d, message 1: sensor and encoding are ((5, 5), 'stamped'): must be ((64, 48), 'stamped'), as before"
+    )
+
+
+def test_a_bag_that_was_cut_off_gives_what_is_before_the_cut(tmp_path: Path) -> None:
+    maker = Maker("ros1")
+    path = maker.write(tmp_path, maker.arrays())
+    content = path.read_bytes()
+    index_at = int.from_bytes(content[content.index(b"index_pos=") + 10 :][:8], "little")
+    path.write_bytes(content[: index_at - 1])
+    assert refusal(path).endswith("is it cut off?")
+    with pytest.warns(RecordingWarning, match=f"all after {COUNT} events left out"):
+        assert_events(read_recording(path, damage="skip").events)
+
+
+def test_a_message_that_the_index_does_not_count_is_missed(tmp_path: Path) -> None:
+    maker = Maker("ros1")
+    path = maker.write(tmp_path, maker.arrays())
+    content = path.read_bytes()
+    last = content.rindex((7).to_bytes(4, "little"))
+    path.write_bytes(content[:last] + (8).to_bytes(4, "little") + content[last + 4 :])
+    assert refusal(path) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must be the same"
+
+
+def test_a_table_that_holds_no_bytes_is_refused(tmp_path: Path) -> None:
+    maker = Maker("sqlite3")
+    path = maker.write(tmp_path, maker.arrays())
+    with sqlite3.connect(path) as database:
+        database.execute("UPDATE messages SET data = 7 WHERE id = 3")
+    database.close()
+    assert refusal(path).startswith("topic /dvs/events: is damaged after message 2: ")
+
+
+@pytest.mark.parametrize("damage", ["refuse", "skip"])
+@pytest.mark.parametrize("kind", ["ros1", "ros1-lz4", "mcap", "sqlite3"])
+def test_damage_is_told_or_does_not_matter(tmp_path: Path, kind: str, damage: Any) -> None:
+    """The files are too long to cut at every byte: at one in a hundred."""
+    maker = Maker(kind)
+    path = maker.write(tmp_path, maker.arrays())
+    content = path.read_bytes()
+    outcomes = fuzz(path, content, cuts=False, corruptions=CORRUPTIONS, seed=41, damage=damage)
+    assert outcomes.refused
+    assert outcomes.read
+    cut = tmp_path / "cut"
+    for length in cut_lengths(content[:-20], 100):
+        cut.write_bytes(content[:length])
+        refusal(cut)
+
+
+def test_another_reader_finds_the_same(tmp_path: Path) -> None:
+    eventcv: Any = pytest.importorskip("eventcv")
+    load: Callable[..., Any] = eventcv.load
+    maker = Maker("ros1")
+    path = maker.write(tmp_path, maker.arrays())
+    events = read_recording(path).events
+    x, y, t_us, p = np.asarray(load(str(path), topic="/dvs/events").numpy()).astype(np.int64).T
+    for got, wanted in zip((events.t_us, events.x, events.y, events.p), (t_us, x, y, p > 0), strict=True):
+        np.testing.assert_array_equal(got, wanted)

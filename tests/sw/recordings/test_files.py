@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings come in whole and as they are, or not at all; and go out so that they come in again."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.errors import ConfigError, OutputError, RecordingError, RecordingWarning
+from evcot.events import Events, Recording
+from evcot.recordings.files import format_for, open_recording, read_recording, write_events, write_recording
+from evcot.recordings.formats import FORMATS, WRITABLE, text
+
+WIDTH, HEIGHT = 64, 48
+EPOCH_US = 1_718_925_184_590_631
+FIELDS = {"t_us": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
+
+
+def make_events(t_us: np.ndarray) -> Events:  # type: ignore[type-arg]
+    random = np.random.default_rng(3)
+    n = len(t_us)
+    x, y = random.integers(0, WIDTH, n), random.integers(0, HEIGHT, n)
+    return Events(t_us.astype(np.int64), x.astype(np.uint16), y.astype(np.uint16), random.integers(0, 2, n).astype(np.uint8))
+
+
+def steps(*parts: tuple[int, int], start_us: int = EPOCH_US) -> Events:
+    """Runs of events: (how many, microseconds before each)."""
+    between = np.concatenate([np.full(count, step) for count, step in parts])
+    between[0] = 0
+    return make_events(start_us + np.cumsum(between))
+
+
+STORIES = {
+    "one event": steps((1, 0)),
+    "from zero": steps((1000, 3), start_us=0),
+    "epoch": steps((5000, 3)),
+    "one instant": steps((700, 0)),
+    "equal times": make_events(EPOCH_US + np.sort(np.random.default_rng(1).integers(0, 99, 3000))),
+    "gaps of a minute": steps((50, 1), (1, 60_000_000), (50, 7), (2, 60_000_000), (50, 0)),
+}
+
+
+def assert_same(got: Events, wanted: Events) -> None:
+    for field, dtype in FIELDS.items():
+        assert getattr(got, field).dtype == dtype
+        np.testing.assert_array_equal(getattr(got, field), getattr(wanted, field))
+
+
+def refusal(path: Path | str, sensor: tuple[int, int] | None = None) -> str:
+    """The one line with which a file is refused, without the file's name that it starts with."""
+    with pytest.raises(RecordingError) as caught:
+        read_recording(path, sensor)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert message.isprintable()
+    return message.removeprefix(f"{path}: ")
+
+
+def csv(path: Path, *rows: str) -> Path:
+    path.write_text("".join(f"{row}\n" for row in rows))
+    return path
+
+
+@pytest.mark.parametrize("name", WRITABLE)
+class TestEveryWritableFormat:
+    @pytest.mark.parametrize("story", STORIES)
+    def test_gives_back_what_was_written(self, tmp_path: Path, name: str, story: str) -> None:
+        path = tmp_path / f"events{WRITABLE[name].suffix}"
+        write_recording(Recording(STORIES[story], WIDTH, HEIGHT), path, name)
+        recording = read_recording(str(path))
+        assert_same(recording.events, STORIES[story])
+        assert (recording.width, recording.height, recording.name) == (WIDTH, HEIGHT, "events")
+        assert [each.name for each in tmp_path.iterdir()] == [path.name]
+
+    def test_is_known_by_its_content_and_not_its_name(self, tmp_path: Path, name: str) -> None:
+        path = tmp_path / "recording.bin"
+        write_recording(Recording(STORIES["epoch"], WIDTH, HEIGHT), path, name)
+        with open_recording(path) as file:
+            assert file.format in [kind.title for kind in FORMATS]
+            assert not file.assumes_sensor
+            assert all(isinstance(value, str) for value in file.details.values())
+            assert file.t0_us == EPOCH_US
+
+    def test_windows_are_slices_of_the_whole(self, tmp_path: Path, name: str) -> None:
+        path = tmp_path / "events"
+        events = make_events(EPOCH_US + np.cumsum(np.random.default_rng(2).choice([0, 1, 30_000], 20_000, p=[0.5, 0.49, 0.01])))
+        write_recording(Recording(events, WIDTH, HEIGHT), path, name)
+        after_us = events.t_us - EPOCH_US
+        last_us = int(after_us[-1])
+        some = [int(after_us[i]) for i in (1, 5_000, 10_000, 19_999)]
+        edges = [0, 1, *some, *(each + 1 for each in some), last_us // 3, last_us + 1, last_us * 2]
+        with open_recording(path) as file:
+            for from_us in edges:
+                for to_us in (*edges, None):
+                    begin, end = np.searchsorted(after_us, (from_us, last_us * 3 if to_us is None else to_us))
+                    got = Events.joined(file.blocks(from_us, to_us))
+                    assert_same(got, events[int(begin) : int(max(begin, end))])
+
+    def test_takes_blocks_of_any_size(self, tmp_path: Path, name: str) -> None:
+        events = STORIES["equal times"]
+        cuts = [0, 1, 1, 2, 900, 3000]
+        blocks = (events[begin:end] for begin, end in pairwise(cuts))
+        assert write_events(tmp_path / "parts", (WIDTH, HEIGHT), blocks, name) == 3000
+        assert_same(read_recording(tmp_path / "parts").events, events)
+
+    def test_a_given_sensor_wins_and_an_event_outside_it_is_named(self, tmp_path: Path, name: str) -> None:
+        path = tmp_path / "events"
+        events = STORIES["epoch"]
+        write_recording(Recording(events, WIDTH, HEIGHT), path, name)
+        assert read_recording(path, sensor=(200, 100)).width == 200
+        first = int(np.flatnonzero(events.x >= 20)[0])
+        assert refusal(path, sensor=(20, HEIGHT)) == f"event {first}: x = {events.x[first]}: must be below the sensor's 20"
+
+    def test_what_breaks_the_rules_is_not_written(self, tmp_path: Path, name: str) -> None:
+        path = tmp_path / "events"
+        path.write_bytes(b"older")
+        good, late = STORIES["epoch"][:10], steps((5, 1), start_us=EPOCH_US + 1000)
+        wrong = Events(good.t_us + 1000, good.x + np.uint16(WIDTH), good.y, good.p)
+        for blocks, message in (
+            ([late, good], f"event 5: t = {EPOCH_US} us follows t = {EPOCH_US + 1004} us: time must not run back"),
+            ([good, wrong], f"event 10: x = {wrong.x[0]}: must be below the sensor's {WIDTH}"),
+        ):
+            with pytest.raises(RecordingError) as caught:
+                write_events(path, (WIDTH, HEIGHT), blocks, name)
+            assert str(caught.value) == f"{path}: {message}"
+        with pytest.raises(RecordingError, match="sensor 0x48: each side must be from 1 to 65536 pixels"):
+            write_events(path, (0, HEIGHT), [good], name)
+        assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"older"]
+
+    def test_an_interrupt_or_a_missing_folder_leaves_nothing(self, tmp_path: Path, name: str) -> None:
+        def interrupted() -> Iterator[Events]:
+            yield STORIES["epoch"]
+            raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            write_events(tmp_path / "events", (WIDTH, HEIGHT), interrupted(), name)
+        with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
+            write_events(tmp_path / "absent" / "events", (WIDTH, HEIGHT), [STORIES["epoch"]], name)
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_the_suffix_or_a_name_tells_the_format() -> None:
+    for suffix in {kind.suffix for kind in WRITABLE.values()}:
+        assert format_for(f"some.where/events{suffix.upper()}").suffix == suffix
+    for name, kind in WRITABLE.items():
+        assert format_for("events.jpeg", name) is kind
+    with pytest.raises(ConfigError, match=r"^events\.jpeg: suffix '\.jpeg': must be one of \.npz, .*, or a format be named$"):
+        format_for("events.jpeg")
+    with pytest.raises(ConfigError, match=r"^format 'jpeg': must be one of npz, csv"):
+        format_for("events.csv", "jpeg")
+
+
+def test_the_smallest_sensor_that_fits_is_assumed_where_none_is_stated(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv", "1,7,2,1", "2,3,9,0")
+    with open_recording(path) as file:
+        assert file.assumes_sensor
+        assert file.sensor == (8, 10)
+    with open_recording(path, (100, 50)) as file:
+        assert not file.assumes_sensor
+        assert file.sensor == (100, 50)
+    assert refusal(path, (0, 50)) == "sensor 0x50: each side must be from 1 to 65536 pixels"
+
+
+def test_an_open_file_can_be_read_again_and_twice_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(text, "_CHUNK_BYTES", 1000)
+    path = tmp_path / "a.csv"
+    write_events(path, (WIDTH, HEIGHT), [STORIES["epoch"]])
+    with open_recording(path) as file:
+        pairs = list(zip(file.blocks(), file.blocks(), strict=True))
+        assert len(pairs) > 10
+        for part in (0, 1):
+            assert_same(Events.joined(pair[part] for pair in pairs), STORIES["epoch"])
+
+
+def test_no_event_in_the_window(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv", "1000,0,0,1", "2000,0,0,1")
+    with pytest.raises(RecordingError, match=r"a\.csv: holds no events from 0.5 s$"):
+        read_recording(path, from_us=500_000)
+    with pytest.raises(RecordingError, match=r"a\.csv: holds no events from 0.0001 s to 0.0002 s$"):
+        read_recording(path, from_us=100, to_us=200)
+    with open_recording(path) as file:
+        assert list(file.blocks(500_000)) == []
+
+
+def test_damage_is_refused_or_left_out_and_counted(tmp_path: Path) -> None:
+    path = csv(
+        tmp_path / "a.csv", "10,1,1,1", "11,9,1,1", "12,1,1,2", "9,1,1,0", "12,1,8,0", "20,2,1,0", "19,2,1,0", "30,1,1,1"
+    )
+    assert refusal(path, (9, 8)) == "event 1: x = 9: must be below the sensor's 9"
+    with pytest.warns(RecordingWarning) as caught, open_recording(path, (9, 8), damage="skip") as file:
+        events = file.read().events
+    assert events.t_us.tolist() == [10, 20, 30]
+    assert file.left_out == {"outside the sensor, or without a polarity": 3, "time runs back": 2}
+    assert [str(each.message) for each in caught] == [
+        f"{path}: 3 events left out: outside the sensor, or without a polarity",
+        f"{path}: 2 events left out: time runs back",
+    ]
+
+
+def test_time_is_held_against_the_block_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(text, "_CHUNK_BYTES", 20)
+    path = csv(tmp_path / "a.csv", "10,1,1,1", "12,1,1,1", "11,1,1,1", "13,1,1,1")
+    assert refusal(path) == "event 2: t = 11 us follows t = 12 us: time must not run back"
+    with pytest.warns(RecordingWarning, match="1 events left out: time runs back"):
+        assert read_recording(path, damage="skip").events.t_us.tolist() == [10, 12, 13]
+
+
+def test_what_follows_a_place_that_cannot_be_read_is_left_out_if_asked_to(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv", "10,1,1,1", "11,1,2,1", "what?", "12,1,1,1")
+    why = "line 3: 'what?': must have 4 cells, as the first event; it has 1"
+    assert refusal(path) == why
+    with pytest.warns(RecordingWarning) as caught:  # once, though finding the sensor takes a pass of its own
+        assert read_recording(path, damage="skip").events.t_us.tolist() == [10, 11]
+    assert [str(each.message) for each in caught] == [f"{path}: all after 2 events left out: {why}"]
+    csv(path, "10,1,1,1,what?", "11", "12")
+    with pytest.raises(RecordingError, match=r"line 1: p = '1 x'"):
+        read_recording(csv(path, "10,1,1,1 x"), damage="skip")
+
+
+def test_a_window_before_the_damage_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(text, "_CHUNK_BYTES", 20)
+    path = csv(tmp_path / "a.csv", "10,1,1,1", "11,1,2,1", "12,1,2,1", "13,1,2,1", "14,1,1,1", "what?")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert read_recording(path, (5, 5), to_us=2).events.t_us.tolist() == [10, 11]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "is empty"),
+        (b"\x00\x01\x02\x03", f"is of no known format: must be one of {', '.join(kind.title for kind in FORMATS)}"),
+        (b"t,x,y,p\n", "holds no events"),
+    ],
+)
+def test_what_is_no_recording_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(content)
+    assert refusal(path) == message
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    assert refusal(tmp_path / "absent.raw") == "cannot be read: No such file or directory"
+    assert refusal(tmp_path) == "is a directory, and no ROS 2 bag: has no metadata.yaml"
+    assert refusal("/dev/null") == "is a device or a pipe: must be a file"
+    os.mkfifo(tmp_path / "pipe")
+    assert refusal(tmp_path / "pipe") == "is a device or a pipe: must be a file"
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read any file")
+def test_an_unreadable_file_is_refused(tmp_path: Path) -> None:
+    path = csv(tmp_path / "events.csv", "1,2,3,1")
+    path.chmod(0)
+    assert refusal(path) == "cannot be read: Permission denied"
+
+
+def test_a_file_that_vanishes_is_refused(tmp_path: Path) -> None:
+    path = csv(tmp_path / "events.csv", "1,2,3,1")
+    with open_recording(path) as file:
+        path.unlink()
+        with pytest.raises(RecordingError, match=r"events\.csv: cannot be read: No such file or directory"):
+            file.read()
+
+
+PEAK = """
+import resource, sys
+from evcot.files import open_recording, write_events
+with open_recording(sys.argv[1]) as file:
+    count = write_events(sys.argv[2], file.sensor, file.blocks())
+print(count, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "counts"), [("npz", "npz", (1_000_000, 10_000_000)), ("csv", "csv", (250_000, 2_500_000))]
+)
+def test_memory_does_not_grow_with_the_recording(tmp_path: Path, source: str, target: str, counts: tuple[int, int]) -> None:
+    peaks_kb = []
+    for count in counts:
+        path = tmp_path / f"{count}.{source}"
+        block = make_events(np.arange(250_000))
+        later = (Events(block.t_us + at, block.x, block.y, block.p) for at in range(0, count, 250_000))
+        assert write_events(path, (WIDTH, HEIGHT), later) == count
+        done = subprocess.run([sys.executable, "-c", PEAK, path, tmp_path / f"out.{target}"], capture_output=True, check=True)
+        found, peak_kb = map(int, done.stdout.split())
+        assert found == count
+        peaks_kb.append(peak_kb)
+    assert peaks_kb[1] - peaks_kb[0] < 10_000

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Between packets clusters go on with their velocity, as long as it is to be trusted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evcot.trackers.rct.config import RctConfig
+from evcot.trackers.rct.tracker import RctTracker
+
+from .stories import WIDTH, events_of, object_at, tracked
+
+CARRIED = RctConfig(radius_px=16.0, max_clusters=1, velocity="regression", path_points=20, predict=1.0, lifetime_us=10**6)
+
+
+def after_silence(config: RctConfig, silence_us: int, velocity: float = 200.0) -> tuple[float, np.void]:
+    """How far a cluster went on in a silence after 300 ms on a straight way, and the cluster."""
+    events = object_at((100, 100), (velocity, 0), us=(0, 300_000))
+    last_us = int(events.t_us[-1])
+    ends = []
+    for pause_us in (1_000, 1_000 + silence_us):
+        tracker = RctTracker(config, WIDTH, 1000)
+        tracker.feed(events)
+        tracker.feed(events_of([(last_us + pause_us, 900, 900)]))  # too far away to matter but for the time
+        (cluster,) = tracker.clusters()
+        ends.append(cluster)
+    return float(ends[1]["x"] - ends[0]["x"]), ends[1]
+
+
+def test_prediction_takes_away_the_lag() -> None:
+    events = object_at((100, 100), (400, 100), half=(5, 5))
+    errors = []
+    for predict in (0.0, 1.0):
+        records = tracked(events, replace(CARRIED, predict=predict))[0][200:]
+        off = np.hypot(100 + 400e-6 * records["t_us"] - records["x"], 100 + 100e-6 * records["t_us"] - records["y"])
+        errors.append(float(np.median(off)))
+    assert errors[0] > 1.5
+    assert errors[1] < 0.5
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_a_silent_cluster_goes_on_by_velocity_times_time(share: float) -> None:
+    way_px, cluster = after_silence(replace(CARRIED, predict=share), 50_000)
+    assert way_px == pytest.approx(share * cluster["velocity_x"] * 0.050, rel=0.02)
+    assert way_px == pytest.approx(share * 10, rel=0.2)
+
+
+def test_friction_lets_it_go_no_farther_than_velocity_times_tau() -> None:
+    config = replace(CARRIED, friction_tau_us=20_000.0)
+    way_px, cluster = after_silence(config, 400_000)
+    assert way_px == pytest.approx(cluster["velocity_x"] * 0.020 * math.exp(-1 / 20), rel=0.1)
+
+
+def test_few_places_are_not_trusted() -> None:
+    way_px, cluster = after_silence(replace(CARRIED, predict_points=1_000), 50_000)
+    assert way_px == 0
+    assert cluster["velocity_x"] > 100
+
+
+def test_it_stays_on_the_sensor() -> None:
+    way_px, cluster = after_silence(CARRIED, 900_000, velocity=2_000.0)
+    assert cluster["x"] == WIDTH - 1
+    assert way_px < WIDTH

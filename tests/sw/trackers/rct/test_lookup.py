@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sets of clusters by cell: seats in them run out, again and again, and nobody notices."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evcot.trackers.rct.config import RctConfig
+from evcot.tracks.log import Kind
+
+from .stories import events_of, object_at, of_kind, together, tracked
+
+SEATS = 64  # of a tracker with few clusters
+CONFIG = RctConfig(max_clusters=8, radius_px=10.0, lifetime_us=1_500, surround=1.7)
+
+
+def strays(n: int) -> list[tuple[int, int, int]]:
+    """Single events, a millisecond apart, at places far from each other: each takes a seat and is soon gone."""
+    return [(1_000 * k, 700, 90 * (k % 11)) for k in range(n)]
+
+
+@pytest.mark.parametrize("assign", ["nearest", "first"])
+def test_an_old_cluster_keeps_its_window_and_its_surround(assign: str) -> None:
+    rows = [row for t, x, y in strays(5 * SEATS) for row in ((t, 300, 300), (t + 1, 300, 312), (t + 2, x, y))]
+    owners = tracked(events_of(rows), replace(CONFIG, assign=assign))[1].reshape(-1, 3)
+    assert (owners[:, :2] == (0, -1)).all()
+    assert set(owners[:, 2].tolist()) == {1, 2}
+
+
+def test_a_cluster_splits_however_many_have_been_before() -> None:
+    """So also where the seat for the second group is one too many."""
+    config = replace(CONFIG, radius_px=20.0, size="deviation", free_aspect=True, split_share=0.05, visible_events=50)
+    edges = object_at((300, 300), half=(9, 5), us=(100_000, 150_000), hollow=True)
+    logs = [tracked(together(events_of(strays(n)), edges), config)[0] for n in (1, *range(SEATS - 6, SEATS + 6))]
+    columns = ["t_us", "kind", "track_id", "slot", "x", "y", "radius", "n_ev", "support"]
+    for log in logs:
+        np.testing.assert_array_equal(log[columns], logs[0][columns])
+    assert len(of_kind(logs[0], Kind.BORN)) == 2

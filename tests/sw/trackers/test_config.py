@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Configurations: limits named in full, and what a TOML file may override."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import FrozenInstanceError, replace
+from pathlib import Path
+
+import pytest
+
+from evcot.errors import ConfigError
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.ranges import span
+from evcot.trackers.config import RunConfig, load_toml
+from evcot.trackers.rct.config import RCT_RANGES, RctConfig
+
+SHAPE = Shape(n_slots=3, x_w=7, y_w=6, radix_w=5, nev_w=6, tc_w=12)
+SLOT = SlotConfig(max_ticks=500, nev_th=50, detect_ticks=200)
+# Registers that must lie in order: moving one alone breaks the order before it breaks its limit.
+ORDERED = {"init_radix", "radix_min", "radix_max", "clust_nev", "nev_min", "nev_max"}
+
+
+class TestCot:
+    def test_by_default_every_slot_is_the_same(self) -> None:
+        config = CotConfig()
+        assert config.slots == (SlotConfig(),) * config.shape.n_slots
+
+    def test_uniform_repeats_one_slot(self) -> None:
+        config = CotConfig.uniform(SHAPE, SLOT, tick_us=10)
+        assert (config.slots, config.tick_us) == ((SLOT,) * 3, 10)
+
+    def test_a_slot_for_every_slot(self) -> None:
+        with pytest.raises(ConfigError) as caught:
+            CotConfig(SHAPE, (SLOT,) * 2)
+        assert str(caught.value) == "cot.slots has 2 entries: must be shape.n_slots = 3"
+
+    @pytest.mark.parametrize("name", [name for name in REGISTERS if name not in ORDERED])
+    def test_a_register_takes_its_limits_and_nothing_beyond(self, name: str) -> None:
+        low, high = REGISTERS[name].limits(SHAPE)
+        for value in (low, high):
+            CotConfig.uniform(SHAPE, replace(SLOT, **{name: value}))
+        for value in (low - 1, high + 1):
+            with pytest.raises(ConfigError) as caught:
+                CotConfig(SHAPE, (SLOT, replace(SLOT, **{name: value}), SLOT))
+            rule = f"must be an integer from {low} to {high} ({REGISTERS[name].meaning})"
+            assert str(caught.value) == f"cot.slot[1].{name} = {value}: {rule}"
+
+    @pytest.mark.parametrize("name", sorted(ORDERED))
+    def test_ordered_registers_have_limits_too(self, name: str) -> None:
+        for value in (REGISTERS[name].low - 1, 64):
+            with pytest.raises(ConfigError, match=rf"cot\.slot\[0\]\.{name} = {value}: must be an integer"):
+                CotConfig.uniform(SHAPE, replace(SLOT, **{name: value}))
+
+    @pytest.mark.parametrize(
+        ("changed", "message"),
+        [
+            ({"init_radix": 3}, "init_radix = 3: must lie from radix_min = 4 to radix_max = 16"),
+            ({"init_radix": 17}, "init_radix = 17: must lie from radix_min = 4 to radix_max = 16"),
+            ({"radix_min": 9}, "init_radix = 8: must lie from radix_min = 9 to radix_max = 16"),
+            ({"clust_nev": 7}, "clust_nev = 7: must lie from nev_min = 8 to nev_max = 32"),
+            ({"nev_max": 15}, "clust_nev = 16: must lie from nev_min = 8 to nev_max = 15"),
+        ],
+    )
+    def test_initial_values_lie_within_their_bounds(self, changed: dict[str, int], message: str) -> None:
+        with pytest.raises(ConfigError) as caught:
+            CotConfig.uniform(SHAPE, replace(SLOT, **changed))
+        assert str(caught.value) == f"cot.slot[0].{message}"
+
+    @pytest.mark.parametrize("tick_us", [0, 1_000_001, 1.5])
+    def test_a_tick_has_a_length(self, tick_us: int) -> None:
+        with pytest.raises(ConfigError, match=rf"cot\.tick_us = {tick_us}: must be an integer from 1 to 1000000"):
+            CotConfig.uniform(SHAPE, SLOT, tick_us=tick_us)
+
+    def test_it_cannot_be_changed(self) -> None:
+        with pytest.raises(FrozenInstanceError):
+            CotConfig().tick_us = 2  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("name", RCT_RANGES)
+def test_rct_takes_its_limits_and_nothing_beyond(name: str) -> None:
+    low, high, meaning = RCT_RANGES[name]
+    for value in (low, high):
+        assert getattr(RctConfig(**{name: value}), name) == value  # type: ignore[arg-type]
+    for wrong in (low - 1, high + 1, True, "2"):
+        with pytest.raises(ConfigError) as caught:
+            RctConfig(**{name: wrong})  # type: ignore[arg-type]
+        assert str(caught.value) == f"rct.{name} = {wrong!r}: must be from {span(low, high)} ({meaning})"
+
+
+def test_a_run_as_plain_values_survives_json() -> None:
+    run = RunConfig("mine", CotConfig.uniform(SHAPE, SLOT), RctConfig(alpha=0.5))
+    stored = json.loads(json.dumps(run.to_dict()))
+    slots = tuple(SlotConfig(**slot) for slot in stored["cot"]["slots"])
+    assert CotConfig(Shape(**stored["cot"]["shape"]), slots, stored["cot"]["tick_us"]) == run.cot
+    assert (stored["name"], RctConfig(**stored["rct"])) == ("mine", run.rct)
+
+
+class TestToml:
+    BASE = RunConfig("base", CotConfig.uniform(SHAPE, SLOT))
+
+    def load(self, tmp_path: Path, text: str) -> RunConfig:
+        path = tmp_path / "run.toml"
+        path.write_text(text)
+        return load_toml(path, self.BASE)
+
+    def test_an_empty_file_changes_nothing(self, tmp_path: Path) -> None:
+        assert self.load(tmp_path, "") == self.BASE
+
+    def test_each_table_overrides_its_part(self, tmp_path: Path) -> None:
+        run = self.load(
+            tmp_path,
+            """
+            name = "mine"
+            [shape]
+            frac = 2
+            [cot]
+            tick_us = 100
+            hist_avg = 2
+            [[slot]]
+            mode = 1
+            init_cm_x = 20
+            [[slot]]
+            hist_avg = 5
+            [rct]
+            alpha = 0.1
+            """,
+        )
+        assert run.name == "mine"
+        assert (run.cot.shape, run.cot.tick_us) == (replace(SHAPE, frac=2), 100)
+        assert run.cot.slots == (
+            replace(SLOT, hist_avg=2, mode=Mode.FIXED, init_cm_x=20),
+            replace(SLOT, hist_avg=5),
+            replace(SLOT, hist_avg=2),
+        )
+        assert run.rct == RctConfig(alpha=0.1)
+
+    def test_more_slots_repeat_the_last_one(self, tmp_path: Path) -> None:
+        assert self.load(tmp_path, "[shape]\nn_slots = 5").cot.slots == (SLOT,) * 5
+
+    def test_fewer_slots_drop_the_rest(self, tmp_path: Path) -> None:
+        assert self.load(tmp_path, "[shape]\nn_slots = 1").cot.slots == (SLOT,)
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("radius = 3", "top level: unknown field 'radius': must be one of cot, filters, name, rct, run, shape, slot"),
+            ("[cot]\nradius = 3", "[cot]: unknown field 'radius': must be one of clust_nev, detect_ticks, "),
+            ("[shape]\nw = 3", "[shape]: unknown field 'w': must be one of frac, id_w, "),
+            ("[rct]\nw = 3", "[rct]: unknown field 'w': must be one of alpha, "),
+            ("[[slot]]\n[[slot]]\nw = 3", "[[slot]] 1: unknown field 'w': must be one of clust_nev, "),
+            ("[[slot]]\n" * 4, "[[slot]] stands 4 times: must be at most shape.n_slots = 3"),
+            ("slot = 3", "[[slot]] must be a list of tables"),
+            ("cot = 3", "top level: [cot] must be a table, not 3"),
+            ("[cot]\nhist_avg = 9", "cot.slot[0].hist_avg = 9: must be an integer from 0 to 8 "),
+            ("[cot]\nhist_avg = '3'", "cot.slot[0].hist_avg = '3': must be an integer from 0 to 8 "),
+            ("[cot]\ntick_us = 0", "cot.tick_us = 0: must be an integer from 1 to 1000000"),
+            ("[shape]\nfrac = 9", "shape.frac = 9: must be an integer from 0 to 8 "),
+            ("[rct]\nalpha = 2", "rct.alpha = 2: must be from 1e-06 to 1 "),
+            ("= 3", "is not TOML: "),
+        ],
+    )
+    def test_what_is_wrong_is_named_after_the_file(self, tmp_path: Path, text: str, message: str) -> None:
+        with pytest.raises(ConfigError) as caught:
+            self.load(tmp_path, text)
+        assert str(caught.value).startswith(f"{tmp_path / 'run.toml'}: {message}")
+        assert "\n" not in str(caught.value)
+
+    def test_a_file_that_cannot_be_read(self, tmp_path: Path) -> None:
+        with pytest.raises(ConfigError, match=r"absent\.toml: cannot be read: No such file or directory"):
+            load_toml(tmp_path / "absent.toml", self.BASE)
+        (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
+        with pytest.raises(ConfigError, match=r"binary\.toml: is not TOML"):
+            load_toml(tmp_path / "binary.toml", self.BASE)

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""TrackLog on disk: what goes out comes back, and what is not a log is refused by name."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.errors import EvcotError, OutputError, TrackLogError
+from evcot.tracks.log import TRACK, Kind, TrackLog
+
+
+@pytest.fixture
+def log() -> TrackLog:
+    """Numbers that a careless format would round, and every kind of record."""
+    rng = np.random.default_rng(5)
+    records = np.zeros(200_000, TRACK)
+    records["t_us"] = np.sort(rng.integers(-(10**15), 10**15, len(records)))
+    records["event_index"] = np.arange(len(records)) + 2**53
+    records["kind"] = rng.integers(0, len(Kind), len(records))
+    for name in ("x", "y", "radius"):
+        records[name] = rng.random(len(records)) * 10.0 ** rng.integers(-9, 9, len(records))
+    records["other_id"] = -1
+    return TrackLog("cot-rtl", records, rng.integers(-1, 64, 300_000).astype(np.int16))
+
+
+def test_npz_gives_back_what_it_got(log: TrackLog, tmp_path: Path) -> None:
+    log.save_npz(tmp_path / "log.npz")
+    back = TrackLog.load_npz(tmp_path / "log.npz")
+    assert back.engine == "cot-rtl"
+    assert back.records.dtype == TRACK
+    assert back.owner.dtype == np.dtype(np.int16)
+    np.testing.assert_array_equal(back.records, log.records)
+    np.testing.assert_array_equal(back.owner, log.owner)
+
+
+def test_an_empty_log_goes_both_ways(tmp_path: Path) -> None:
+    TrackLog.empty("rct").save_npz(tmp_path / "log.npz")
+    back = TrackLog.load_npz(tmp_path / "log.npz")
+    assert (back.engine, len(back.records), len(back.owner)) == ("rct", 0, 0)
+    back.write_csv(tmp_path / "log.csv")
+    assert (tmp_path / "log.csv").read_text() == ",".join(TRACK.names or ()) + "\n"
+
+
+def test_the_same_log_gives_the_same_bytes(log: TrackLog, tmp_path: Path) -> None:
+    for name in ("a.npz", "b.npz"):
+        log.save_npz(tmp_path / name)
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+def test_csv_is_exact_and_names_the_kinds(log: TrackLog, tmp_path: Path) -> None:
+    log.write_csv(tmp_path / "log.csv")
+    with (tmp_path / "log.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(log.records)
+    assert list(rows[0]) == list(TRACK.names or ())
+    assert [row["kind"] for row in rows[:50]] == [Kind(kind).name for kind in log.records["kind"][:50]]
+    for name, number in (("t_us", int), ("event_index", int), ("x", float), ("radius", float), ("other_id", int)):
+        assert [number(row[name]) for row in rows] == log.records[name].tolist()
+
+
+def test_nothing_is_left_behind_when_writing_fails(log: TrackLog, tmp_path: Path) -> None:
+    target = tmp_path / "taken"
+    target.mkdir()
+    for write in (log.save_npz, log.write_csv):
+        with pytest.raises(OutputError, match=r"taken: cannot be written: Is a directory$"):
+            write(target)
+    with pytest.raises(OutputError, match=r"log\.npz: cannot be written: No such file or directory$"):
+        log.save_npz(tmp_path / "absent" / "log.npz")
+    assert [path.name for path in tmp_path.iterdir()] == ["taken"]
+
+
+def test_an_interrupted_write_keeps_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "log.npz"
+    TrackLog.empty("rct").save_npz(path)
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(np, "savez_compressed", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        TrackLog.empty("cot-rtl").save_npz(path)
+    assert TrackLog.load_npz(path).engine == "rct"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_that_is_no_whole_log_is_refused_in_one_line(log: TrackLog, tmp_path: Path) -> None:
+    path = tmp_path / "log.npz"
+
+    def refused(reason: str) -> None:
+        with pytest.raises(TrackLogError, match=rf"log\.npz: {reason}") as caught:
+            TrackLog.load_npz(path)
+        assert "\n" not in str(caught.value)
+        assert isinstance(caught.value, (EvcotError, ValueError))
+
+    refused("cannot be read: No such file or directory$")
+    path.write_bytes(b"")
+    refused("is not an npz file, or is cut off$")
+    path.write_text("t_us,event_index\n")
+    refused("is not an npz file, or is cut off$")
+    log.save_npz(path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    refused("is not an npz file, or is cut off$")
+    path.write_bytes(whole[:2000] + bytes([whole[2000] ^ 1]) + whole[2001:])
+    refused("is damaged: ")
+    np.savez(path, engine=np.array("rct"), records=log.records)
+    refused("has no array owner: must have engine, records, owner$")
+    np.savez(path, engine=np.array("rct"), records=np.zeros(3), owner=log.owner)
+    refused(r"records is 1-d float64: must be 1-d \[")
+    np.savez(path, engine=np.array("rct"), records=log.records, owner=log.owner.reshape(2, -1))
+    refused("owner is 2-d int16: must be 1-d int16$")
