@@ -15,7 +15,7 @@ import pytest
 
 import evcot
 from evcot.errors import ToolchainError
-from evcot_cosim.build.rtl import modules, verilog_dir
+from evcot_cosim.build.rtl import modules, search_flags, verilog_dir
 from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.core import core_text
@@ -205,7 +205,7 @@ def test_the_core_lists_the_manifest() -> None:
 
 
 def test_the_self_test_lints_clean() -> None:
-    paths = ("-I../verilog", "-y", "../verilog", "-I.")
+    paths = (*search_flags(), "-I.")
     done = verilator("--lint-only", "-Wall", "--quiet-exit", *paths, "evcot_selftest.v", cwd=HW / "fpga")
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -241,9 +241,10 @@ def test_fusesoc_runs_the_self_test_and_it_notices_a_wrong_bit(tmp_path: Path) -
     for name in ("verilog", "fpga"):
         shutil.copytree(HW / name, broken / name)
     shutil.copy(HW / "evcot.core", broken)
-    text = (broken / "verilog" / "approach.v").read_text()
+    rounding = broken / "verilog" / "math" / "approach.v"
+    text = rounding.read_text()
     assert text.count("half = (FRAC > 0)") == 1
-    (broken / "verilog" / "approach.v").write_text(text.replace("half = (FRAC > 0)", "half = (FRAC > 8)"))  # no rounding
+    rounding.write_text(text.replace("half = (FRAC > 0)", "half = (FRAC > 8)"))
     told = fusesoc(tmp_path / "broken", "sim", broken)
     assert "FAIL: done 11, passed 10" in told, told  # the array has it, the engine has its own
 

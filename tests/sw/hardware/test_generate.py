@@ -62,7 +62,7 @@ def test_the_decay_table_halves_in_32_steps() -> None:
 
 def test_writes_only_what_is_stale_and_leaves_nothing_else(tree: Path) -> None:
     assert [path.relative_to(tree).as_posix() for path in write(tree)] == list(render())
-    taps = tree / "hw" / "verilog" / "lfsr_taps.vh"
+    taps = tree / "hw" / "verilog" / "math" / "lfsr_taps.vh"
     taps.write_text("stale")
     assert stale(tree) == [taps]
     assert write(tree) == [taps]
