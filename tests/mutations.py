@@ -21,7 +21,7 @@ from pathlib import Path
 
 from evcot_cosim.build.model import cache_dir
 from evcot_cosim.build.rtl import verilog_dir
-from evcot_cosim.testing import broken_copy
+from support.testing import broken_copy
 
 ROOT = Path(__file__).parents[1]
 MISTAKES = ROOT / "tests" / "mutations.toml"

@@ -3,15 +3,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
 
-from evcot_cosim.testing import broken_copy
-
-sys.path.insert(0, str(Path(__file__).parent))
 from mutations import Mutation, known_row, mutations
+from support.testing import broken_copy
 
 
 @pytest.mark.parametrize("mutation", list(mutations()), ids=lambda mutation: f"{mutation.file} {mutation.meaning}")

@@ -25,9 +25,9 @@ from evcot.templating import templates
 from evcot.tracks.log import DROPPED
 
 from ..build.model import build
-from ..testing import reset
 from .device import HardwareError, _order_of
 from .driver import PARAMETERS, pointer
+from .reset import reset
 
 __all__ = [
     "COMMAND",

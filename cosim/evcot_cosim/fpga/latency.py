@@ -17,9 +17,9 @@ from evcot.hardware.streams import pack_events
 
 from ..build.model import load
 from ..devices.device import Device, Stalls, Top
+from ..devices.published_device import at, play
+from ..devices.reset import reset
 from ..devices.top_device import TopDevice
-from ..published_trials import at, play
-from ..testing import reset
 from .catalogue import Answer, Module
 
 __all__ = ["clocks"]

@@ -6,8 +6,8 @@ from __future__ import annotations
 from evcot.hardware.registers import register_map
 
 from ..build.model import load
-from ..testing import reset
-from ..uart_trials import BYTE_BITS, Ear, levels, request
+from ..devices.reset import reset
+from ..fpga.uart_line import BYTE_BITS, Ear, levels, request
 from .trace import Diagram, wave
 
 __all__ = ["uart_byte", "uart_frames"]

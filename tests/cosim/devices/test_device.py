@@ -20,9 +20,9 @@ from evcot.hardware.contract import RECORD, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device, HardwareError, Stalls, Top, _order_of
-from evcot_cosim.testing import PATTERNS, Sink, Source, broken_copy, run_streams
-from evcot_cosim.trials import Traffic, random_traffic
 from evcot_cosim.waves.vcd import parse
+from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
+from support.trials import Traffic, random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 SLOT = SlotConfig(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from evcot_cosim.devices.device import HardwareError, Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from evcot_cosim.filter_trials import FilterTraffic, exact, filter_traffic
+from support.filter_trials import FilterTraffic, exact, filter_traffic
 
 # One register deep; keeps events with x >= threshold, which a port or a register write sets. Busy for 100 clocks after reset.
 # `fault` breaks one rule of the streams.

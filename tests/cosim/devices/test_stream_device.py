@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from evcot_cosim.devices.device import HardwareError
-from evcot_cosim.stream_device import Bundle, StreamDevice, random_pattern, random_stalls
-from evcot_cosim.testing import broken_copy
+from support.stream_device import Bundle, StreamDevice, random_pattern, random_stalls
+from support.testing import broken_copy
 
 IN, OUT = Bundle("s_", ("data",)), Bundle("m_", ("data",))
 

@@ -24,7 +24,7 @@ from evcot_cosim.fpga.interface import ports
 from evcot_cosim.fpga.ipxact import CHOICES, LIMITS, buses, component, dialogue
 from evcot_cosim.fpga.release import TOPS, release_text, write_release
 from evcot_cosim.fpga.selftest import header
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 HW = verilog_dir().parent
 TOOLS = find_toolchain()

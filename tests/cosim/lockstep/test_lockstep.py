@@ -23,9 +23,9 @@ from evcot.ticks import tick_times
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device, Stalls, Top
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, MismatchError, chunks, dump_window
-from evcot_cosim.testing import broken_copy
-from evcot_cosim.trials import random_traffic
 from evcot_cosim.waves.vcd import parse
+from support.testing import broken_copy
+from support.trials import random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 # Windows of 13 x 13 pixels, born with their first event, always at their last one.

@@ -12,7 +12,8 @@ import pytest
 
 from evcot.hardware.registers import Access, Field, Word, register_map
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.devices.reset import reset
+from support.testing import lint
 
 TOP = "axi_lite_words"
 PARAMETERS = {"X_W": 6, "Y_W": 16, "SOURCE": 3, "SOURCES": 0b101001}

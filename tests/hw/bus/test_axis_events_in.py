@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from evcot.hardware.streams import pack_events
-from evcot_cosim.stream_device import Bundle, StreamDevice, random_stalls
-from evcot_cosim.testing import lint
+from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.testing import lint
 
 INPUT, OUTPUT = Bundle("s_axis_t", ("data", "keep", "last")), Bundle("m_", ("t", "x", "y", "p"))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from evcot_cosim.beat_trials import event_beats
-from evcot_cosim.testing import lint
+from support.beats import event_beats
+from support.testing import lint
 
 TOP = "axis_owned_out"
 

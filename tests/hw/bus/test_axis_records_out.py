@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.hardware.contract import RECORD
-from evcot_cosim.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
-from evcot_cosim.testing import lint
+from support.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
+from support.testing import lint
 
 FIELDS = {
     "kind": 2,

@@ -37,8 +37,8 @@ from evcot_cosim.devices.top_device import (
     slot_address,
     write,
 )
-from evcot_cosim.top_trials import BUILDS, DVS128, EVERY, SMALL, device_of, traffic_of
-from evcot_cosim.trials import random_config
+from support.top import BUILDS, DVS128, EVERY, SMALL, device_of, traffic_of
+from support.trials import random_config
 
 SHARED = Path(__file__).parents[4] / "shared" / "data"
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import PATTERNS, Word, always, lint, reset, sometimes
-from evcot_cosim.uart_trials import BYTE_BITS, Ear, levels, request, with_sum
+from evcot_cosim.devices.reset import reset
+from evcot_cosim.fpga.uart_line import BYTE_BITS, Ear, levels, request
+from support.testing import PATTERNS, Word, always, lint, sometimes
 
 TOP = "uart_host"
 DIVISOR, TIMEOUT = 4, 20
@@ -103,6 +104,11 @@ class Desk:
             self.say(data)
             self.rest(rest)
         return bytes(self.ear.heard[before:])
+
+
+def with_sum(frame: bytes) -> bytes:
+    """A frame to the host, its sum behind it."""
+    return frame + bytes([sum(frame) & 0xFF])
 
 
 def answer(kind: str, told: int = OKAY, value: int = 0) -> bytes:

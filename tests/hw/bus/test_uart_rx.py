@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
-from evcot_cosim.uart_trials import levels
+from evcot_cosim.devices.reset import reset
+from evcot_cosim.fpga.uart_line import levels
+from support.testing import lint
 
 TOP = "uart_rx"
 

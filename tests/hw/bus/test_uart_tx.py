@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import Source, always, lint, reset, run_streams, sometimes
-from evcot_cosim.uart_trials import Ear, levels
+from evcot_cosim.devices.reset import reset
+from evcot_cosim.fpga.uart_line import Ear, levels
+from support.testing import Source, always, lint, run_streams, sometimes
 
 TOP = "uart_tx"
 DATA = np.random.default_rng(77).bytes(20)

@@ -8,7 +8,7 @@ import pytest
 
 from evcot.hardware.dff import Dff
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 COMPLEMENT = "RESET_TO_COMPLEMENT"
 

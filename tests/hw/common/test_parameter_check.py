@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from evcot.hardware.contract import SHAPE_RANGES
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 # Where a range is checked: the module that uses the width.
 TRACKERS = ("cot", "cot_chain", "cot_array")

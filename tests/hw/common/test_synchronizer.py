@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.devices.reset import reset
+from support.testing import lint
 
 TOP = "synchronizer"
 

@@ -17,8 +17,8 @@ from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.build.rtl import rtl_files
 from evcot_cosim.devices.device import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from evcot_cosim.filter_trials import FilterTraffic, exact, filter_traffic
-from evcot_cosim.testing import lint
+from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.testing import lint
 
 ALL = (1 << len(Filter)) - 1
 SHAPE = FilterShape(width=29, height=22, stamp_w=10, recent_depth=12)

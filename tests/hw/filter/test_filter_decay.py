@@ -12,7 +12,7 @@ from evcot.filters.decay import DecayFilter, weights
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.device import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from evcot_cosim.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
+from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
 
 TOP = "filter_decay"
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from evcot_cosim.devices.device import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from evcot_cosim.filter_trials import FilterTraffic, exact, filter_traffic
-from evcot_cosim.testing import PATTERNS, Sink, Source, always, lint, run_streams
+from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
 

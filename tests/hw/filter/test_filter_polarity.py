@@ -8,8 +8,8 @@ import pytest
 
 from evcot_cosim.devices.device import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from evcot_cosim.filter_trials import exact, filter_traffic
-from evcot_cosim.testing import lint
+from support.filter_trials import exact, filter_traffic
+from support.testing import lint
 
 
 def polarity_filter(polarity: int, *, enable: int = 1) -> FilterDevice:

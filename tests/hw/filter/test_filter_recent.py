@@ -11,8 +11,8 @@ from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.device import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from evcot_cosim.filter_trials import FilterTraffic, exact, filter_traffic
-from evcot_cosim.testing import lint
+from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.testing import lint
 
 Story = list[tuple[int, int, int]]  # tick, x, y
 

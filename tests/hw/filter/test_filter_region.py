@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from evcot_cosim.devices.device import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from evcot_cosim.filter_trials import FilterTraffic, exact, filter_traffic
-from evcot_cosim.testing import lint
+from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.testing import lint
 
 NARROW = {"X_W": 5, "Y_W": 4, "TICK_W": 4}
 Region = tuple[int, int, int, int]

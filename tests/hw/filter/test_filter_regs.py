@@ -9,7 +9,8 @@ from pyverilator import PyVerilator
 
 from evcot.filters.contract import FILTER_REGISTERS, FilterShape
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.devices.reset import reset
+from support.testing import lint
 
 SHAPE = FilterShape(stamp_w=9)
 VALUES = {name: register for name, register in FILTER_REGISTERS.items() if name != "mask"}

@@ -11,7 +11,8 @@ import pytest
 from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.devices.reset import reset
+from support.testing import lint
 
 FILTERS = ("filter_refractory", "filter_activity", "filter_decay")
 WIDTH, HEIGHT = 9, 6

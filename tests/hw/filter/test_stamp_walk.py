@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import always, lint, reset, sometimes
+from evcot_cosim.devices.reset import reset
+from support.testing import always, lint, sometimes
 
 TOP = "stamp_walk"
 W, SEGMENT_W, STEP_W, ROWS = 5, 2, 7, 5

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from evcot.hardware._cot_kernel import _approach
-from evcot_cosim.testing import evaluate, lint
+from support.testing import evaluate, lint
 
 SHIFTS = np.arange(9)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """cot_published.v against the model at every clock, and each oddity of docs/published.md as a story.
 
-The stories are played to the first tracker of a cascade; cosim/evcot_cosim/published_trials.py tells how.
+The stories are played to the first tracker of a cascade; cosim/evcot_cosim/published_device.py tells how.
 """
 
 from __future__ import annotations
@@ -12,24 +12,9 @@ import numpy as np
 import pytest
 
 from evcot.hardware.published.model import PublishedConfig, PublishedTracker
-from evcot_cosim.published_trials import (
-    CONFIG,
-    TRACKER,
-    Event,
-    at,
-    centres,
-    equal,
-    every,
-    n_evs,
-    noise,
-    play,
-    quiet,
-    reset_tracker,
-    rtl,
-    some_registers,
-    wandering,
-)
-from evcot_cosim.testing import lint
+from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, play, quiet, rtl
+from support.published import CONFIG, centres, every, n_evs, noise, reset_tracker, some_registers, wandering
+from support.testing import lint
 
 
 def test_lints_clean() -> None:

@@ -10,22 +10,9 @@ import numpy as np
 import pytest
 
 from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, PublishedCascade, decode
-from evcot_cosim.published_trials import (
-    CHAIN,
-    CONFIG,
-    at,
-    centres,
-    equal,
-    n_evs,
-    noise,
-    play,
-    quiet,
-    reset_chain,
-    rtl,
-    some_registers,
-    wandering,
-)
-from evcot_cosim.testing import lint
+from evcot_cosim.devices.published_device import CHAIN, at, equal, play, quiet, reset_chain, rtl
+from support.published import CONFIG, centres, n_evs, noise, some_registers, wandering
+from support.testing import lint
 
 
 def test_lints_clean() -> None:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.stream_device import Bundle, StreamDevice, random_stalls
-from evcot_cosim.testing import lint
+from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.testing import lint
 
 TOP = "axis_words"
 # data_w, word_w

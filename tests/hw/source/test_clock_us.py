@@ -6,7 +6,8 @@ from __future__ import annotations
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.devices.reset import reset
+from support.testing import lint
 
 
 @pytest.mark.parametrize("w", [1, 40])

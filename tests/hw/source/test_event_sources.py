@@ -17,10 +17,11 @@ from evcot.hardware.streams import unpack
 from evcot.recordings.files import write_events
 from evcot.recordings.formats.evt3 import evt3_layout
 from evcot_cosim.build.model import load
+from evcot_cosim.devices.reset import reset
 from evcot_cosim.devices.top_device import Pace, TopDevice, address_of, configuration, poll, write
-from evcot_cosim.evt_trials import axis_beats, corrupted, decode, evt2_words, payload, random_events
-from evcot_cosim.testing import lint, reset
-from evcot_cosim.top_trials import BUILDS, EVERY, device_of
+from support.evt import axis_beats, corrupted, decode, evt2_words, payload, random_events
+from support.testing import lint
+from support.top import BUILDS, EVERY, device_of
 
 EVENTS, LFSR, AER, EVT2, EVT21, EVT3 = range(6)
 SENSOR = BUILDS["sources"].filter_shape

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.stream_device import Bundle, StreamDevice, random_stalls
-from evcot_cosim.testing import lint
+from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.testing import lint
 
 TOP = "event_vector"
 FIELDS = ("t", "x", "y", "p", "mask", "known")

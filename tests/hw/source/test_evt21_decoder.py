@@ -8,19 +8,9 @@ import pytest
 
 from evcot.recordings.formats.evt2 import evt21_layout
 from evcot.recordings.formats.words import WordArray
-from evcot_cosim.evt_trials import (
-    STREAMS,
-    axis_beats,
-    corrupted,
-    event_rows,
-    evt2_words,
-    evt_device,
-    exact,
-    random_events,
-    tell,
-)
-from evcot_cosim.stream_device import StreamDevice, random_stalls
-from evcot_cosim.testing import lint
+from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt2_words, evt_device, exact, random_events, tell
+from support.stream_device import StreamDevice, random_stalls
+from support.testing import lint
 
 TOP = "evt21_decoder"
 LAYOUT = evt21_layout(0, upper_first=False)

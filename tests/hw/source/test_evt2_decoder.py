@@ -11,20 +11,9 @@ from numpy.typing import NDArray
 
 from evcot.recordings.files import read_recording
 from evcot.recordings.formats.evt2 import evt2_layout
-from evcot_cosim.evt_trials import (
-    STREAMS,
-    axis_beats,
-    corrupted,
-    event_rows,
-    evt2_words,
-    evt_device,
-    exact,
-    payload,
-    random_events,
-    tell,
-)
-from evcot_cosim.stream_device import StreamDevice, random_stalls
-from evcot_cosim.testing import lint
+from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt2_words, evt_device, exact, payload, random_events, tell
+from support.stream_device import StreamDevice, random_stalls
+from support.testing import lint
 
 TOP = "evt2_decoder"
 FIXTURE = Path(__file__).parents[4] / "shared" / "data" / "fixture_evt2_640x480.raw"

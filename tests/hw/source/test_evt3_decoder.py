@@ -12,9 +12,9 @@ from evcot.events import Events
 from evcot.recordings.files import read_recording, write_events
 from evcot.recordings.formats.evt3 import evt3_layout
 from evcot.recordings.formats.words import WordArray
-from evcot_cosim.evt_trials import STREAMS, axis_beats, corrupted, event_rows, evt_device, exact, payload, random_events, tell
-from evcot_cosim.stream_device import StreamDevice, random_stalls
-from evcot_cosim.testing import lint
+from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt_device, exact, payload, random_events, tell
+from support.stream_device import StreamDevice, random_stalls
+from support.testing import lint
 
 TOP = "evt3_decoder"
 LAYOUT = evt3_layout(0)

@@ -15,9 +15,9 @@ from evcot.recordings.files import write_events
 from evcot.recordings.formats.evt2 import evt2_layout, evt21_layout
 from evcot.recordings.formats.evt3 import evt3_layout
 from evcot.recordings.formats.words import Layout, WordArray
-from evcot_cosim.evt_trials import STREAMS, axis_beats, corrupted, decode, evt2_words, evt_device, payload, random_events
-from evcot_cosim.stream_device import random_stalls
-from evcot_cosim.testing import lint
+from support.evt import STREAMS, axis_beats, corrupted, decode, evt2_words, evt_device, payload, random_events
+from support.stream_device import random_stalls
+from support.testing import lint
 
 TOP = "evt_source"
 WIDTH, HEIGHT = 20, 10

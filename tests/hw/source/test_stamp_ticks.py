@@ -8,9 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.ticks import tick_times
-from evcot_cosim.stream_device import Bundle, StreamDevice, random_stalls
-from evcot_cosim.testing import lint
-from evcot_cosim.token_trials import TOKENS_OUT, make_tokens
+from support.stream_device import Bundle, StreamDevice, random_stalls
+from support.testing import lint
+from support.tokens import TOKENS_OUT, make_tokens
 
 TOP = "stamp_ticks"
 EVENTS = Bundle("s_", ("t", "x", "y", "p"))

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.stream_device import Bundle, StreamDevice, StreamRun, random_pattern, random_stalls
-from evcot_cosim.testing import lint
-from evcot_cosim.token_trials import TOKENS_OUT, hear
+from support.stream_device import Bundle, StreamDevice, StreamRun, random_pattern, random_stalls
+from support.testing import lint
+from support.tokens import TOKENS_OUT, hear
 
 TOP = "tick_prescaler"
 EVENTS = Bundle("s_", ("x", "y", "p"))

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.stream_device import StreamDevice, random_stalls
-from evcot_cosim.testing import lint
-from evcot_cosim.token_trials import TOKENS_IN, TOKENS_OUT, make_tokens
+from support.stream_device import StreamDevice, random_stalls
+from support.testing import lint
+from support.tokens import TOKENS_IN, TOKENS_OUT, make_tokens
 
 TOP = "tick_splitter"
 

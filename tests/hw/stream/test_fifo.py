@@ -8,7 +8,8 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import PATTERNS, Sink, Source, always, lint, reset, run_streams
+from evcot_cosim.devices.reset import reset
+from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
 
 DEPTHS = [1, 5]
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.stream_device import StreamDevice, random_stalls
-from evcot_cosim.testing import PATTERNS, Sink, Source, always, lint, run_streams
-from evcot_cosim.token_trials import TOKENS_IN, TOKENS_OUT, hear
+from support.stream_device import StreamDevice, random_stalls
+from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
+from support.tokens import TOKENS_IN, TOKENS_OUT, hear
 
 TOP = "overload_fifo"
 BEHIND = 4  # events on their way out, behind the queue

@@ -10,7 +10,8 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import PATTERNS, Sink, Source, Word, always, lint, reset, run_streams
+from evcot_cosim.devices.reset import reset
+from support.testing import PATTERNS, Sink, Source, Word, always, lint, run_streams
 
 W = 12
 INDEX_SHIFT = 9

@@ -16,8 +16,8 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device, Stalls, Top
-from evcot_cosim.testing import Sink, Source, always, run_streams
-from evcot_cosim.trials import ENGINES, Told, exact, random_traffic, tell
+from support.testing import Sink, Source, always, run_streams
+from support.trials import ENGINES, Told, exact, random_traffic, tell
 
 SHAPE = Shape(n_slots=1, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=8, seq_w=16, time_w=20)
 PUBLISHED = replace(SHAPE, frac=0, tick_w=3)

@@ -16,8 +16,8 @@ from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.device import Device, Stalls, Top, build_device
-from evcot_cosim.testing import lint
-from evcot_cosim.trials import random_config, random_traffic
+from support.testing import lint
+from support.trials import random_config, random_traffic
 
 SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 
 @pytest.mark.parametrize("kind", [0, 1, 2])

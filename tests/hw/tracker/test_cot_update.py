@@ -10,7 +10,7 @@ import pytest
 
 from evcot.hardware import _cot_kernel as kernel
 from evcot.hardware.contract import REGISTERS, Shape
-from evcot_cosim.testing import evaluate, lint
+from support.testing import evaluate, lint
 
 COUNT = 20_000
 GROUP_1 = ["new_av_x", "new_av_y", "new_ring", "new_support"]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 
 def test_a_value_comes_a_clock_later() -> None:

@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from evcot_cosim.testing import evaluate, lint
+from support.testing import evaluate, lint
 
 PORTS = ("not_left", "not_right", "not_above", "not_below", "counts")
 

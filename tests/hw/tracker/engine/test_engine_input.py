@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import PATTERNS, Source, lint, reset, run_streams
+from evcot_cosim.devices.reset import reset
+from support.testing import PATTERNS, Source, lint, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
 X_W, Y_W, TICK_W, CLOCK_W = 6, 5, 4, 12

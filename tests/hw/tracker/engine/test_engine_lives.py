@@ -10,7 +10,7 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 TC_W, TIME_W, LIFE_W, SLOT_W = 6, 16, 8, 3
 PARAMETERS = {"TC_W": TC_W, "TIME_W": TIME_W, "LIFE_W": LIFE_W, "CLOCK_W": TIME_W, "SLOT_W": SLOT_W}

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.testing import evaluate, lint
+from support.testing import evaluate, lint
 
 
 @pytest.mark.parametrize(("n", "slot_w"), [(1, 1), (5, 3), (8, 3), (12, 4)])

@@ -11,7 +11,8 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.devices.reset import reset
+from support.testing import lint
 
 N, SIDE = 6, 32  # slots; addresses on an axis
 Window = tuple[int, int, int, int]  # lo_x, hi_x, lo_y, hi_y

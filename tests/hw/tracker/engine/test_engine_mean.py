@@ -11,7 +11,7 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 W, WEIGHT_W = 7, 4
 

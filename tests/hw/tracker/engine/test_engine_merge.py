@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint
+from support.testing import lint
 
 SUP_W = 5
 

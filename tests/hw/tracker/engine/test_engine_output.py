@@ -11,7 +11,8 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import PATTERNS, Sink, Word, always, lint, reset, run_streams
+from evcot_cosim.devices.reset import reset
+from support.testing import PATTERNS, Sink, Word, always, lint, run_streams
 
 OWNED, PASSED = ["slot", "x", "y", "p", "seq"], ["x", "y", "p", "seq"]
 FLIGHT = 8  # events that may follow where there is no more room

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.testing import evaluate, lint
+from support.testing import evaluate, lint
 
 W = 9
 

@@ -12,7 +12,7 @@ import pytest
 from evcot.errors import ToolchainError
 from evcot_cosim.build.rtl import rtl_files, verilog_dir
 from evcot_cosim.fpga import tools
-from evcot_cosim.testing import evaluate, lint
+from support.testing import evaluate, lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "engine_sum.v"
 

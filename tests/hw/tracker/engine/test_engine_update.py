@@ -15,7 +15,8 @@ from evcot.hardware import _cot_kernel as kernel
 from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot.tracks.log import Kind
 from evcot_cosim.build.model import load
-from evcot_cosim.testing import lint, reset
+from evcot_cosim.devices.reset import reset
+from support.testing import lint
 
 N, LIFE_W = 3, 8
 SHAPE = Shape(n_slots=N, x_w=7, y_w=6, frac=4, radix_w=5, nev_w=4, tc_w=6, sup_w=4, id_w=8)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.testing import evaluate, lint
+from support.testing import evaluate, lint
 
 
 def check(centre: np.ndarray, radius: np.ndarray, w: int, frac: int, r_w: int) -> None:

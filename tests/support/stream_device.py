@@ -15,11 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
 from evcot.templating import templates
-
-from .build.model import build
-from .devices.device import HardwareError
-from .devices.driver import pointer
-from .testing import reset
+from evcot_cosim.build.model import build
+from evcot_cosim.devices.device import HardwareError
+from evcot_cosim.devices.driver import pointer
+from evcot_cosim.devices.reset import reset
 
 __all__ = ["Bundle", "StreamDevice", "StreamRun", "random_pattern", "random_stalls"]
 
@@ -129,10 +128,15 @@ def _source(top: str, inputs: Sequence[Bundle], outputs: Sequence[Bundle], has_i
         for name, fields in (("input_fields", _INPUT), ("output_fields", _OUTPUT), ("job_fields", _JOB))
     }
     return (
-        templates("evcot_cosim.devices")
+        templates("support")
         .get_template("words.cpp.j2")
         .render(
-            top=top, inputs=inputs, outputs=outputs, has_idle=has_idle, statuses=[status.name for status in _Status], **layouts
+            top=top,
+            inputs=inputs,
+            outputs=outputs,
+            has_idle=has_idle,
+            statuses=[status.name for status in _Status],
+            **layouts,
         )
     )
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of single modules share: lint, reset, and ready/valid streams with stalls on a pyverilator simulation.
+"""What tests of single modules share: lint, and ready/valid streams with stalls on a pyverilator simulation.
 
 A stall pattern is any iterator of bools, one per clock: True lets a source offer its next word or a sink take one.
 """
@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from .build.model import load
-from .build.rtl import copy_rtl, rtl_files, search_flags
-from .build.toolchain import Toolchain, find_toolchain
+from evcot_cosim.build.model import load
+from evcot_cosim.build.rtl import copy_rtl, rtl_files, search_flags
+from evcot_cosim.build.toolchain import Toolchain, find_toolchain
 
 __all__ = [
     "PATTERNS",
@@ -32,7 +32,6 @@ __all__ = [
     "bursts",
     "evaluate",
     "lint",
-    "reset",
     "run_streams",
     "sometimes",
 ]
@@ -126,14 +125,6 @@ def broken_copy(folder: Path, file: str, right: str, wrong: str) -> Path:
         raise ValueError(f"{file} holds {right!r} {count} times: must be once")
     (folder / file).write_text(text)
     return folder
-
-
-def reset(sim: PyVerilator, clocks: int = 2) -> None:
-    """Holds rst high for some clocks."""
-    sim.io.rst = 1
-    for _ in range(clocks):
-        sim.clock.tick()
-    sim.io.rst = 0
 
 
 class Source:

@@ -15,11 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
 from evcot.templating import templates
-
-from .build.model import build
-from .devices.device import HardwareError
-from .devices.driver import pointer
-from .testing import reset
+from evcot_cosim.build.model import build
+from evcot_cosim.devices.device import HardwareError
+from evcot_cosim.devices.driver import pointer
+from evcot_cosim.devices.reset import reset
 
 __all__ = ["STEPS_PER_CLOCK", "AerDevice", "AerRun", "Chip"]
 
@@ -192,6 +191,8 @@ def _source(top: str, parameters: Mapping[str, int]) -> str:
         "steps_per_clock": STEPS_PER_CLOCK,
     }
     fields = [(ctype, name) for name, _, ctype in _JOB]
-    return templates("evcot_cosim.devices").get_template("aer.cpp.j2").render(
-        **values, job_fields=fields, statuses=[status.name for status in _Status]
-    )  # fmt: skip
+    return (
+        templates("support")
+        .get_template("aer.cpp.j2")
+        .render(**values, job_fields=fields, statuses=[status.name for status in _Status])
+    )

@@ -13,8 +13,8 @@ from evcot.filters.contract import FilterShape
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
 from evcot.trackers.presets import PRESETS, fit
+from evcot_cosim.devices.top_device import Pace, TopDevice
 
-from .devices.top_device import Pace, TopDevice
 from .trials import Traffic, random_traffic
 
 __all__ = ["BUILDS", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of the published tracker and its cascade share: stories played to hardware and model clock by clock, random lines.
+"""The published tracker and its cascade in hardware, clock by clock: stories played to them and to the model alike.
 
 A story is a list of events, clocks counted from when all is ready; it must give the same in both at every clock.
 """
@@ -17,7 +17,6 @@ from pyverilator import PyVerilator
 from evcot.hardware.published.model import (
     CASCADE_INPUT,
     CASCADE_OUTPUT,
-    REGISTERS,
     SELECT,
     SELECT_NONE,
     TRACKER_INPUT,
@@ -26,30 +25,11 @@ from evcot.hardware.published.model import (
     Played,
     PublishedCascade,
     PublishedConfig,
-    decode,
 )
 
-from .build.model import build
+from ..build.model import build
 
-__all__ = [
-    "CHAIN",
-    "CONFIG",
-    "TRACKER",
-    "Event",
-    "at",
-    "centres",
-    "equal",
-    "every",
-    "n_evs",
-    "noise",
-    "play",
-    "quiet",
-    "reset_chain",
-    "reset_tracker",
-    "rtl",
-    "some_registers",
-    "wandering",
-]
+__all__ = ["CHAIN", "TRACKER", "Event", "at", "equal", "play", "quiet", "reset_chain", "rtl", "simulation"]
 
 Ports = NDArray[np.void]
 Event = tuple[int, int, int]  # clock, high, low
@@ -61,12 +41,6 @@ IO = {TRACKER: (TRACKER_INPUT, TRACKER_OUTPUT), CHAIN: (CASCADE_INPUT, CASCADE_O
 OFFERS = {"m_pass_high": "m_pass_req_n", "m_pass_low": "m_pass_req_n"} | dict.fromkeys(
     ("m_event", "m_high", "m_low", "m_word"), "m_req_n"
 )
-
-# A window from 91 to 109 around (100, 100), its ends not counted, that never expires; every fourth event moves the centre.
-CONFIG = PublishedConfig(
-    init_cm_low=100, init_cm_high=100, radix_th=2, init_radix=7, radix_step=1, radix_max=9, radix_min=5,
-    nev_th=4, hist_avg=1, max_time=10_000_000,
-)  # fmt: skip
 
 
 @cache
@@ -144,54 +118,3 @@ def play(events: Iterable[Event], *configs: PublishedConfig, **patterns: list[in
 def at(clocks: Iterable[int], high: int = 100, low: int = 100) -> list[Event]:
     """Events at one place."""
     return [(clock, high, low) for clock in clocks]
-
-
-def every(gap: int, n: int, high: int = 100, low: int = 100, first: int = 0) -> list[Event]:
-    """n events at one place, `gap` clocks apart."""
-    return at(range(first, first + n * gap, gap), high, low)
-
-
-def centres(told: Played) -> list[tuple[int, int]]:
-    """(high, low) of every centre that came out."""
-    words = decode(told.word)
-    return [(int(word["high"]), int(word["low"])) for word in words[~words["event"]]]
-
-
-def n_evs(told: Played) -> list[int]:
-    """How many events each centre took, where nothing was rejected."""
-    is_centre = np.flatnonzero(~decode(told.word)["event"])
-    return [int(n) for n in np.diff(is_centre, prepend=-1)]
-
-
-def reset_tracker(config: PublishedConfig) -> None:
-    """Sets the register ports of the lone tracker and resets it."""
-    for name in REGISTERS.keys() - {"enable"}:
-        simulation(TRACKER).io[name] = int(getattr(config, name))
-    rows = quiet(TRACKER, 1)
-    rows["rst"] = 1
-    rtl(TRACKER, rows)
-
-
-def some_registers(rng: np.random.Generator) -> PublishedConfig:
-    """Anything legal, the ends of ranges often; small numbers often, so that much happens."""
-
-    def value(top: int) -> int:
-        return int(rng.choice(np.array([0, 1, top, rng.integers(top + 1), min(top, int(rng.integers(24)))])))
-
-    return PublishedConfig(
-        init_cm_low=value(255), init_cm_high=value(255), radix_th=value(7), init_radix=value(255), radix_step=value(7),
-        radix_max=value(255), radix_min=value(255), nev_th=value(255), hist_avg=int(rng.integers(1, 9)),
-        max_time=int(rng.choice(np.array([rng.integers(2000), rng.integers(1 << 32), 2**32 - 1, 10_000_000]))),
-        enable=bool(rng.random() < 0.8),
-    )  # fmt: skip
-
-
-def wandering(rng: np.random.Generator, n: int, start: int) -> NDArray[np.int64]:
-    """A coordinate around a place that wanders, or jumps."""
-    steps = rng.integers(-1, 2, n) + (rng.random(n) < 0.01) * rng.integers(-40, 41, n)
-    return np.clip(start + np.cumsum(steps) + rng.integers(-12, 13, n), 0, 255)
-
-
-def noise(rng: np.random.Generator, n: int) -> NDArray[np.uint8]:
-    """A line that changes now and then, whatever the protocol says."""
-    return (np.cumsum(rng.random(n) < rng.choice([0.05, 0.3, 0.7])) & 1).astype(np.uint8)

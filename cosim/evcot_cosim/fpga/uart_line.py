@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of the serial line share: bytes as a line's levels, clock by clock, and back; the frames of uart_host.v."""
+"""A serial line: bytes as the levels of the line, clock by clock, and back; what a host sends to uart_host.v."""
 
 from __future__ import annotations
 
 import struct
 
-__all__ = ["BYTE_BITS", "Ear", "levels", "request", "with_sum"]
+__all__ = ["BYTE_BITS", "Ear", "levels", "request"]
 
 BYTE_BITS = 10  # start, 8 of data, the lowest first, stop
 
@@ -61,8 +61,3 @@ class Ear:
 def request(kind: str, address: int, value: int = 0) -> bytes:
     """What a host asks: kind 'R' or 'W'."""
     return struct.pack("<cHI", kind.encode(), address, value)
-
-
-def with_sum(frame: bytes) -> bytes:
-    """A frame to the host, its sum behind it."""
-    return frame + bytes([sum(frame) & 0xFF])

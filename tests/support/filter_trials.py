@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .devices.filter_device import FilterDevice
+from evcot_cosim.devices.filter_device import FilterDevice
 
 __all__ = ["FilterTraffic", "exact", "filter_traffic", "parameters", "tell"]
 
