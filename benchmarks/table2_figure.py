@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from evcot.scenes.scene import Scene
 from evcot.tracks.log import Kind, TrackLog
 from exact import cot_log
-from table2 import SPEEDS, Adjustment, Setting, configured, n_ev_over_time, outcome, scene
+from table2_runs import SPEEDS, Adjustment, Setting, configured, n_ev_over_time, outcome, scene
 
 __all__ = ["draw"]
 

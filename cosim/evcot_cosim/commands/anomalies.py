@@ -20,10 +20,10 @@ from evcot.scenes.registry import adjusted
 from evcot.tracks.log import TrackLog
 from evcot.tracks.timeline import lifetimes
 
+from ..tables import counted, print_table
 from .counting import Counting
 from .options import sensor_from
 from .parsing import add_command
-from .tables import counted, print_table
 
 __all__ = ["add"]
 

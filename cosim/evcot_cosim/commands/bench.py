@@ -20,11 +20,11 @@ from evcot.tracks.tracking import log_of
 
 from ..devices.device import build_device
 from ..lockstep.lockstep import Lockstep, chunks
+from ..tables import print_table
 from .job import Job, input_options, job_from
 from .options import window_from, window_options
 from .parsing import add_command
 from .progress import Progress
-from .tables import print_table
 
 __all__ = ["add"]
 

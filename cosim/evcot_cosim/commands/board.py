@@ -19,9 +19,9 @@ from evcot.hardware.registers import register_map
 
 from ..fpga.board import RECORDS, SIZES, expected_records, shape
 from ..fpga.serial_host import SerialHost
+from ..tables import counted, print_table
 from .cosim import MISMATCH
 from .parsing import add_command
-from .tables import counted, print_table
 
 __all__ = ["add"]
 

@@ -15,11 +15,11 @@ from ..lockstep.lockstep import MismatchError
 from ..lockstep.run_file import run_toml
 from ..lockstep.summary import table
 from ..report.artifacts import write_mismatch, write_run
+from ..tables import print_table
 from .job import input_options, job_from
 from .options import window_from, window_options
 from .parsing import add_command
 from .progress import Progress
-from .tables import print_table
 
 __all__ = ["MISMATCH", "add"]
 

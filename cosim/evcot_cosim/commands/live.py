@@ -30,12 +30,12 @@ from ..live.recorder import LogKeeper, Recorder
 from ..live.server import PORT, Server
 from ..live.session import Session
 from ..live.sources import FileSource, LiveSource, NetworkSource
+from ..tables import print_table
 from .counting import Counting
 from .engine_options import configured, engine_options
 from .filter_options import filter_options, filters_from
 from .options import check_other_file, open_from, recording_options, sensor_from, window_from
 from .parsing import add_command
-from .tables import print_table
 
 __all__ = ["add"]
 

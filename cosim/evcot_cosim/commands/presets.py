@@ -12,8 +12,8 @@ from evcot.filters.config import FilterConfig
 from evcot.trackers.engines import ENGINES, Engine
 from evcot.trackers.presets import PRESETS
 
+from ..tables import print_table
 from .parsing import add_command
-from .tables import print_table
 
 __all__ = ["add"]
 

@@ -17,12 +17,12 @@ from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import DROPPED, Kind, TrackLog
 from evcot.tracks.tracking import log_of
 
+from ..tables import print_table
 from .engine_options import configured, engine_options, plain
 from .filter_options import filter_options, filters_from
 from .options import open_from, recording_options, window_from
 from .parsing import add_command
 from .progress import Progress
-from .tables import print_table
 
 __all__ = ["add"]
 

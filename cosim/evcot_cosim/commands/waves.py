@@ -13,13 +13,13 @@ from evcot.errors import ConfigError
 
 from ..lockstep.moments import MOMENTS, Moment, find_moment
 from ..report.artifacts import folder_written_aside
+from ..tables import print_table
 from ..waves.properties import Verdict, judge, load_properties
 from ..waves.window import Window, write_waves
 from .counting import Counting
 from .job import Job, input_options, job_from
 from .options import window_from
 from .parsing import add_command
-from .tables import print_table
 
 __all__ = ["add"]
 

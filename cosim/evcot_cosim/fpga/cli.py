@@ -12,7 +12,7 @@ from pathlib import Path
 from evcot.errors import ConfigError, EvcotError
 
 from ..build.rtl import verilog_dir
-from ..commands.tables import print_table
+from ..tables import print_table
 from . import tools
 from .catalogue import MODULES, Module, chosen
 from .devices import DEVICES
