@@ -5,16 +5,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 __all__ = ["templates"]
 
 
-def templates(package: str, **options: Any) -> Environment:
-    """The templates of a package, in its folder `templates`; a name that they use and nobody gives is an error.
+def templates(*packages: str, **options: Any) -> Environment:
+    """The templates of packages, each in its folder `templates`; a name that they use and nobody gives is an error.
 
     Args:
-        package: its dotted name.
+        packages: their dotted names; a template is taken from the first that has it.
         options: more of Jinja's own options.
     """
-    return Environment(loader=PackageLoader(package), undefined=StrictUndefined, keep_trailing_newline=True, **options)
+    loader = ChoiceLoader([PackageLoader(package) for package in packages])
+    return Environment(loader=loader, undefined=StrictUndefined, keep_trailing_newline=True, **options)

@@ -18,7 +18,8 @@ from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
 from evcot.tracks.log import Kind
-from evcot_cosim.devices.device import Device, Stalls, Top
+from evcot_cosim.devices.base import Stalls
+from evcot_cosim.devices.device import Device, Top
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 SLOT = SlotConfig(

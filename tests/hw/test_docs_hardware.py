@@ -20,7 +20,7 @@ from evcot.hardware.registers import register_map
 from evcot_cosim.build.model import load
 from evcot_cosim.build.rtl import rtl_files, search_flags
 from evcot_cosim.build.toolchain import find_toolchain
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from evcot_cosim.pages.__main__ import source_text, title
 from evcot_cosim.pages.interfaces import DIAGRAMS
 from evcot_cosim.pages.modules import page

@@ -13,7 +13,8 @@ from evcot.errors import ToolchainError
 from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.tracks.log import Kind
-from evcot_cosim.devices.device import Device, Stalls, Top, build_device
+from evcot_cosim.devices.base import Stalls
+from evcot_cosim.devices.device import Device, Top, build_device
 from evcot_cosim.devices.driver import PARAMETERS
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.gates import DIFFERENT, Netlist, side_by_side

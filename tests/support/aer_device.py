@@ -3,82 +3,62 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from evcot.templating import templates
 from evcot_cosim.build.model import build
-from evcot_cosim.devices.device import HardwareError
-from evcot_cosim.devices.driver import pointer
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import Drive, Ending, HardwareError, pattern_fields, pointer, reset
 
 __all__ = ["STEPS_PER_CLOCK", "AerDevice", "AerRun", "Chip"]
 
 STEPS_PER_CLOCK = 1000
 
 
-class _Status(IntEnum):
+class _Status(Ending):
     """How a run ended."""
 
-    DONE = 0
-    STUCK = 1
-    INVENTED = 2
-    WITHDRAWN = 3
-    ACKNOWLEDGED_NOTHING = 4
-    TAKEN_BACK = 5
-    REQUESTED_EARLY = 6
-    TOO_SOON = 7
+    DONE = ""
+    STUCK = "stands still"
+    INVENTED = "gave more than it got"
+    WITHDRAWN = "withdrew or changed what it showed, before it was taken"
+    ACKNOWLEDGED_NOTHING = "acknowledged where there was no request"
+    TAKEN_BACK = "took its signal back before the other side had answered"
+    REQUESTED_EARLY = "requested while the acknowledge before was still there"
+    TOO_SOON = "requested before its word had stood long enough"
 
 
-# What a fault means, for people.
-_FAULTS = {
-    _Status.STUCK: "stands still",
-    _Status.INVENTED: "gave more than it got",
-    _Status.WITHDRAWN: "withdrew or changed what it showed, before it was taken",
-    _Status.ACKNOWLEDGED_NOTHING: "acknowledged where there was no request",
-    _Status.TAKEN_BACK: "took its signal back before the other side had answered",
-    _Status.REQUESTED_EARLY: "requested while the acknowledge before was still there",
-    _Status.TOO_SOON: "requested before its word had stood long enough",
-}
-
-_POINTER = ctypes.c_void_p
-_INT = ctypes.c_int64
-
-# (field, ctypes type, C type)
-_JOB: list[tuple[str, type, str]] = [
-    ("words", _POINTER, "const uint64_t*"),
-    ("n", _INT, "int64_t"),
-    ("next", _INT, "int64_t"),
-    # the chip, in steps; a delay is at most this
-    ("gap", _INT, "int64_t"),
-    ("react", _INT, "int64_t"),
-    ("skew", _INT, "int64_t"),
-    ("setup", _INT, "int64_t"),  # of a receiver: in clocks, that the word must stand before the request
-    ("window", _INT, "int64_t"),
-    ("active_low", _INT, "int64_t"),
-    # one byte per clock, repeated, for the stream on the clock's side: 1 goes, 0 stalls; length 0 never stalls
-    ("pattern", _POINTER, "const uint8_t*"),
-    ("pattern_length", _INT, "int64_t"),
-    # what came of it
-    ("events", _POINTER, "uint64_t*"),
-    ("n_out", _INT, "int64_t"),
-    ("request_at", _POINTER, "int64_t*"),
-    ("accepted", _POINTER, "int64_t*"),
-    ("cycle", _INT, "int64_t"),
-    ("noise", ctypes.c_uint64, "uint64_t"),
-]
-
-
-class _Job(ctypes.Structure):
-    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+_DRIVE = Drive(
+    "evcot_aer",
+    "aer.cpp.j2",
+    {
+        "words": "const uint64_t*",
+        "n": "int64_t",
+        "next": "int64_t",
+        # the chip, in steps; a delay is at most this
+        "gap": "int64_t",
+        "react": "int64_t",
+        "skew": "int64_t",
+        "setup": "int64_t",  # of a receiver: in clocks, that the word must stand before the request
+        "window": "int64_t",
+        "active_low": "int64_t",
+        **pattern_fields("go"),  # for the stream on the clock's side
+        # what came of it
+        "events": "uint64_t*",
+        "n_out": "int64_t",
+        "request_at": "int64_t*",
+        "accepted": "int64_t*",
+        "cycle": "int64_t",
+        "noise": "uint64_t",
+    },
+    _Status,
+    package="support",
+)
 
 
 @dataclass(frozen=True)
@@ -133,8 +113,6 @@ class AerDevice:
         self.sends = top == "aer_in"
         self.model = build(top, parameters, {"aer.cpp": _source(top, parameters)}, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
-        self.sim.lib.evcot_aer.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
-        self.sim.lib.evcot_aer.restype = ctypes.c_int
         self._words_are = 2 if self.sends else 5
         for port, value in (ports or {}).items():
             self.sim.io[port] = value
@@ -167,32 +145,26 @@ class AerDevice:
         n = len(table)
         out = np.zeros((n + 1, 4) if self.sends else n + 1, np.uint64)
         moments = np.zeros(n, np.int64)
-        job = _Job(
+        job = _DRIVE.job(
             words=pointer(table), n=n, gap=chip.gap, react=chip.react, skew=chip.skew, setup=chip.setup, window=chip.window,
             active_low=int(self.sim.io.active_low),
-            pattern=pointer(pattern), pattern_length=0 if pattern is None else len(pattern),
+            go_pattern=pointer(pattern), go_length=0 if pattern is None else len(pattern),
             events=pointer(out), request_at=pointer(moments), accepted=pointer(moments), cycle=self.cycle,
             noise=(0x9E3779B97F4A7C15 * (2 * seed + 1)) & ((1 << 64) - 1),
         )  # fmt: skip
-        status = _Status(self.sim.lib.evcot_aer(self.sim.model, ctypes.byref(job)))
+        status = _DRIVE.call(self.sim, job)
         lasted, self.cycle = job.cycle - self.cycle, job.cycle
         if status != _Status.DONE:
-            raise HardwareError(f"{self.top} {_FAULTS[status]}, at word {job.next} (clock {job.cycle})", job.next)
+            raise HardwareError(f"{self.top} {status.fault}, at word {job.next} (clock {job.cycle})", job.next)
         return AerRun(out[: job.n_out], moments, lasted)
 
 
 def _source(top: str, parameters: Mapping[str, int]) -> str:
     """C++ text of the drive."""
-    values: dict[str, Any] = {
-        "top": top,
-        "sends": top == "aer_in",
-        "data_bits": parameters["X_W"] + parameters["Y_W"] + 1,
-        "time_mask": (1 << parameters.get("T_W", 48)) - 1,
-        "steps_per_clock": STEPS_PER_CLOCK,
-    }
-    fields = [(ctype, name) for name, _, ctype in _JOB]
-    return (
-        templates("support")
-        .get_template("aer.cpp.j2")
-        .render(**values, job_fields=fields, statuses=[status.name for status in _Status])
+    return _DRIVE.source(
+        top,
+        sends=top == "aer_in",
+        data_bits=parameters["X_W"] + parameters["Y_W"] + 1,
+        time_mask=(1 << parameters.get("T_W", 48)) - 1,
+        steps_per_clock=STEPS_PER_CLOCK,
     )

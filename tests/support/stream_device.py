@@ -6,7 +6,6 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,15 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from evcot.templating import templates
 from evcot_cosim.build.model import build
-from evcot_cosim.devices.device import HardwareError
-from evcot_cosim.devices.driver import pointer
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import Drive, Ending, HardwareError, Layout, Pattern, pattern_fields, pointer, reset, structure
 
 __all__ = ["Bundle", "StreamDevice", "StreamRun", "random_pattern", "random_stalls"]
-
-Pattern = NDArray[np.uint8]
 
 
 class Bundle(NamedTuple):
@@ -35,60 +29,50 @@ class Bundle(NamedTuple):
     fields: tuple[str, ...]
 
 
-class _Status(IntEnum):
+class _Status(Ending):
     """How a streaming call ended."""
 
-    DONE = 0
-    FULL = 1  # call again with room for more words
-    STUCK = 2
-    WITHDRAWN = 3
+    DONE = ""
+    FULL = ""  # call again with room for more words
+    STUCK = "stands still"
+    WITHDRAWN = "withdrew or changed word"
 
 
-_POINTER = ctypes.c_void_p
-_INT = ctypes.c_int64
-_Fields = list[tuple[str, type, str]]  # (field, ctypes type, C type)
-
-# One byte per clock, repeated: 1 goes, 0 stalls; length 0 never stalls.
-_PATTERN: _Fields = [("pattern", _POINTER, "const uint8_t*"), ("pattern_length", _INT, "int64_t")]
-_INPUT: _Fields = [
-    ("words", _POINTER, "const uint64_t*"),
-    ("masks", _POINTER, "const uint64_t*"),  # the bits of each field
-    ("n", _INT, "int64_t"),
-    ("next", _INT, "int64_t"),
-    ("holding", _INT, "int64_t"),
-    ("clock", _POINTER, "int64_t*"),  # at which each word was taken
-    *_PATTERN,
-]
-_OUTPUT: _Fields = [
-    ("words", _POINTER, "uint64_t*"),
-    ("capacity", _INT, "int64_t"),
-    ("n", _INT, "int64_t"),
-    ("waits", _INT, "int64_t"),
-    ("clock", _POINTER, "int64_t*"),  # at which each word was given
-    *_PATTERN,
-]
-_JOB: _Fields = [
-    ("inputs", _POINTER, "Input*"),
-    ("outputs", _POINTER, "Output*"),
-    ("clocks", _INT, "int64_t"),  # run for so many; -1: until all is through
-    ("clocks_done", _INT, "int64_t"),
-    ("quiet_clocks", _INT, "int64_t"),
-    ("cycle", _INT, "int64_t"),
-    ("noise", ctypes.c_uint64, "uint64_t"),
-    ("fault_stream", _INT, "int64_t"),
-]
-
-
-class _Input(ctypes.Structure):
-    _fields_ = [(name, ctype) for name, ctype, _ in _INPUT]
-
-
-class _Output(ctypes.Structure):
-    _fields_ = [(name, ctype) for name, ctype, _ in _OUTPUT]
-
-
-class _Job(ctypes.Structure):
-    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+_INPUT: Layout = {
+    "words": "const uint64_t*",
+    "masks": "const uint64_t*",  # the bits of each field
+    "n": "int64_t",
+    "next": "int64_t",
+    "holding": "int64_t",
+    "clock": "int64_t*",  # at which each word was taken
+    **pattern_fields("go"),
+}
+_OUTPUT: Layout = {
+    "words": "uint64_t*",
+    "capacity": "int64_t",
+    "n": "int64_t",
+    "waits": "int64_t",
+    "clock": "int64_t*",  # at which each word was given
+    **pattern_fields("go"),
+}
+_DRIVE = Drive(
+    "evcot_words",
+    "words.cpp.j2",
+    {
+        "inputs": "Input*",
+        "outputs": "Output*",
+        "clocks": "int64_t",  # run for so many; -1: until all is through
+        "clocks_done": "int64_t",
+        "quiet_clocks": "int64_t",
+        "cycle": "int64_t",
+        "noise": "uint64_t",
+        "fault_stream": "int64_t",
+    },
+    _Status,
+    structures={"Input": _INPUT, "Output": _OUTPUT},
+    package="support",
+)
+_Input, _Output = structure(_INPUT), structure(_OUTPUT)
 
 
 @dataclass(frozen=True)
@@ -119,26 +103,6 @@ def random_pattern(rng: np.random.Generator, chance: float | None = None) -> Pat
 def random_stalls(rng: np.random.Generator, prefixes: Iterable[str]) -> dict[str, Pattern]:
     """A random pattern for each stream; every fourth stream or so never stalls."""
     return {prefix: random_pattern(rng) for prefix in prefixes if rng.random() < 0.75}
-
-
-def _source(top: str, inputs: Sequence[Bundle], outputs: Sequence[Bundle], has_idle: bool) -> str:
-    """C++ text of the streaming drive for one module."""
-    layouts = {
-        name: [(ctype, field) for field, _, ctype in fields]
-        for name, fields in (("input_fields", _INPUT), ("output_fields", _OUTPUT), ("job_fields", _JOB))
-    }
-    return (
-        templates("support")
-        .get_template("words.cpp.j2")
-        .render(
-            top=top,
-            inputs=inputs,
-            outputs=outputs,
-            has_idle=has_idle,
-            statuses=[status.name for status in _Status],
-            **layouts,
-        )
-    )
 
 
 class StreamDevice:
@@ -178,11 +142,9 @@ class StreamDevice:
         self.top, self.inputs, self.outputs = top, inputs, outputs
         self.stalls: Mapping[str, Pattern] = {}
         self._quiet_clocks = quiet_clocks
-        drive = {"words.cpp": _source(top, inputs, outputs, has_idle)}
+        drive = {"words.cpp": _DRIVE.source(top, inputs=inputs, outputs=outputs, has_idle=has_idle)}
         self.model = build(top, parameters, drive, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
-        self.sim.lib.evcot_words.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
-        self.sim.lib.evcot_words.restype = ctypes.c_int
         self._masks = {bundle.prefix: self._field_masks(bundle) for bundle in inputs}
         self.set(**(ports or {}))
         self.reset()
@@ -221,7 +183,7 @@ class StreamDevice:
             self._set_pattern(each, bundle)
         made: dict[str, NDArray[np.uint64]] = {b.prefix: np.zeros((0, len(b.fields)), np.uint64) for b in self.outputs}
         given: dict[str, NDArray[np.int64]] = {b.prefix: np.zeros(0, np.int64) for b in self.outputs}
-        job = _Job(
+        job = _DRIVE.job(
             inputs=ctypes.addressof(ins), outputs=ctypes.addressof(outs), clocks=-1 if clocks is None else clocks,
             quiet_clocks=self._quiet_clocks, cycle=self.cycle, noise=0x9E3779B97F4A7C15 ^ self.cycle,
         )  # fmt: skip
@@ -233,14 +195,14 @@ class StreamDevice:
                     made[bundle.prefix] = _grown(made[bundle.prefix], out.capacity)
                     given[bundle.prefix] = _grown(given[bundle.prefix], out.capacity)
                     out.words, out.clock = pointer(made[bundle.prefix]), pointer(given[bundle.prefix])
-            status = _Status(self.sim.lib.evcot_words(self.sim.model, ctypes.byref(job)))
+            status = _DRIVE.call(self.sim, job)
         lasted, self.cycle = job.cycle - self.cycle, job.cycle
         taken = {bundle.prefix: each.next for each, bundle in zip(ins, self.inputs, strict=True)}
         if status == _Status.WITHDRAWN:
             out, bundle = outs[job.fault_stream], self.outputs[job.fault_stream]
-            raise HardwareError(f"{self.top} withdrew or changed word {out.n} of {bundle.prefix} (clock {job.cycle})", out.n)
+            raise HardwareError(f"{self.top} {status.fault} {out.n} of {bundle.prefix} (clock {job.cycle})", out.n)
         if status == _Status.STUCK:
-            raise HardwareError(f"{self.top} stands still (clock {job.cycle}); words taken: {taken}", 0)
+            raise HardwareError(f"{self.top} {status.fault} (clock {job.cycle}); words taken: {taken}", 0)
         n_made = {bundle.prefix: out.n for out, bundle in zip(outs, self.outputs, strict=True)}
         return StreamRun(
             {prefix: table[: n_made[prefix]] for prefix, table in made.items()},
@@ -263,7 +225,7 @@ class StreamDevice:
         pattern = self.stalls.get(bundle.prefix)
         if pattern is not None and len(pattern):
             assert pattern.any(), f"{bundle.prefix}: never goes: a pattern must hold at least one 1"
-            stream.pattern, stream.pattern_length = pointer(pattern), len(pattern)
+            stream.go_pattern, stream.go_length = pointer(pattern), len(pattern)
 
 
 def _grown(array: NDArray[Any], length: int) -> NDArray[Any]:

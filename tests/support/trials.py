@@ -19,7 +19,8 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.tracks.log import Kind
-from evcot_cosim.devices.device import Device, Stalls, Top, build_device
+from evcot_cosim.devices.base import Stalls
+from evcot_cosim.devices.device import Device, Top, build_device
 
 __all__ = ["ENGINES", "Engine", "Told", "Traffic", "exact", "random_config", "random_traffic", "tell"]
 

@@ -14,7 +14,8 @@ from evcot.scenes.registry import SCENES
 from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.presets import fit, for_sensor, preset
 
-from ..devices.device import Stalls, Top
+from ..devices.base import Stalls
+from ..devices.device import Top
 from ..lockstep.cosim import check_addresses, stalls_from
 from ..lockstep.run_file import RUN_FILE, RunFile, Source, digest, read_run_file
 from .filter_options import filter_options, filters_from

@@ -7,7 +7,6 @@ import ctypes
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
-from evcot.errors import ConfigError, EvcotError, OutputError
+from evcot.errors import ConfigError, OutputError
 from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, mask_word
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, SlotConfig
@@ -25,70 +24,16 @@ from evcot.hardware.registers import register_map
 from evcot.tracks.log import Kind
 
 from ..build.model import BuiltModel, build
-from .driver import PARAMETERS, UNDECIDED, Job, Status, pointer, source
+from .base import HardwareError, Stalls, pointer
+from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, source
 
-__all__ = ["Device", "HardwareError", "Stalls", "StreamTimes", "Top", "arrangement_of", "build_device"]
+__all__ = ["Device", "StreamTimes", "Top", "arrangement_of", "build_device"]
 
 Top = Literal["cot", "cot_chain", "cot_array", "cot_engine"]
-Pattern = NDArray[np.uint8]
 
 _FILTERED = "cot_filtered"  # the module that has filters in front of a tracker
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
-_NO_STALL = np.zeros(0, np.uint8)
-
-# What a fault of the streams means, for people.
-_FAULTS = {
-    Status.STUCK: "stands still: no handshake for a million clocks, waiting at event",
-    Status.EVENT_LOST: "lost event",
-    Status.OWNED_OUT_OF_ORDER: "gave twice, or out of order, owned event",
-    Status.OWNED_CHANGED: "changed the polarity of owned event",
-    Status.PASSED_OUT_OF_ORDER: "gave twice, or out of order, passed event",
-    Status.PASSED_CHANGED: "changed the address or polarity of passed event",
-}
-
-
-class HardwareError(EvcotError, RuntimeError):
-    """The hardware broke the rules of its streams: an event lost, repeated, reordered or changed, or no progress.
-
-    Attributes:
-        seq: number of the event.
-    """
-
-    def __init__(self, message: str, seq: int) -> None:
-        super().__init__(message)
-        self.seq = seq
-
-
-@dataclass(frozen=True)
-class Stalls:
-    """Stall patterns, one per stream: bytes read one per clock, from the start again at the end; 1 goes, 0 stalls.
-
-    An empty pattern never stalls. Every other one must have a 1 somewhere.
-    """
-
-    source: Pattern = field(default_factory=lambda: _NO_STALL)
-    cm: Pattern = field(default_factory=lambda: _NO_STALL)
-    own: Pattern = field(default_factory=lambda: _NO_STALL)
-    passed: Pattern = field(default_factory=lambda: _NO_STALL)
-
-    def __post_init__(self) -> None:
-        for name in ("source", "cm", "own", "passed"):
-            pattern = np.ascontiguousarray(getattr(self, name), np.uint8)
-            if len(pattern) and not pattern.any():
-                raise ConfigError(f"stalls.{name}: never goes: a pattern must hold at least one 1")
-            object.__setattr__(self, name, pattern)
-
-    @classmethod
-    def random(cls, rng: np.random.Generator, go: tuple[float, float, float, float] | None = None) -> Stalls:
-        """Independent patterns of different lengths; `go` is how often each stream goes (default: random, 0.15 to 1)."""
-        chances = rng.uniform(0.15, 1.0, 4) if go is None else go
-        patterns = []
-        for chance, length in zip(chances, (4093, 4091, 4079, 4073), strict=True):
-            pattern = (rng.random(length) < chance).astype(np.uint8)
-            pattern[rng.integers(length)] = 1
-            patterns.append(pattern)
-        return cls(*patterns)
 
 
 class StreamTimes(NamedTuple):
@@ -162,8 +107,6 @@ class Device:
         self.model = model or build_device(config, top, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         library = self.sim.lib
-        library.evcot_stream.argtypes = (ctypes.c_void_p, ctypes.POINTER(Job))
-        library.evcot_stream.restype = ctypes.c_int
         library.evcot_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)
         library.evcot_open_vcd.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.POINTER(ctypes.c_void_p))
         library.evcot_close_vcd.argtypes = (ctypes.c_void_p,)
@@ -288,7 +231,7 @@ class Device:
         owner = np.full(n, UNDECIDED, np.int16)
         rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # and stay so where a filter took the event out
         patterns = self.stalls
-        job = Job(
+        job = DRIVE.job(
             n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), keep=pointer(keep), first_seq=self.seq,
             in_pattern=pointer(patterns.source), in_length=len(patterns.source),
             cm_pattern=pointer(patterns.cm), cm_length=len(patterns.cm),
@@ -310,13 +253,13 @@ class Device:
             clocks = None if accepted is None else np.zeros(len(room), np.int64)
             job.records, job.record_capacity, job.n_records = pointer(room), len(room), 0
             job.record_cycle = pointer(clocks)
-            status = Status(self.sim.lib.evcot_stream(self.sim.model, ctypes.byref(job)))
+            status = DRIVE.call(self.sim, job)
             records.append(room[: job.n_records])
             if clocks is not None:
                 recorded.append(clocks[: job.n_records])
         self.now, self.cycle, self.seq = job.now, job.cycle, self.seq + job.next
         if status != Status.DONE:
-            raise HardwareError(f"{self.top} {_FAULTS[status]} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
+            raise HardwareError(f"{self.top} {status.fault} {job.fault_seq} (clock {job.cycle})", job.fault_seq)
         joined = records[0] if len(records) == 1 else np.concatenate(records)
         order = _order_of(joined) if self.top == "cot_chain" else slice(None)
         times = np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)

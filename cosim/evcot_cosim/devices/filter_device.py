@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
-from enum import IntEnum
-from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,71 +12,50 @@ import numpy as np
 from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
-from evcot.templating import templates
-
 from ..build.model import build
-from .device import HardwareError, Stalls
-from .driver import pointer
+from .base import Drive, Ending, HardwareError, Stalls, pattern_fields, pointer
 
 __all__ = ["FilterDevice", "FilterTimes"]
 
 _SETTLED_WITHIN = 1 << 33  # clocks: more than the memory of the largest sensor takes to clear
 
 
-class _Status(IntEnum):
+class _Status(Ending):
     """How a streaming call ended."""
 
-    DONE = 0
-    STUCK = 1
-    INVENTED = 2
-    TICKS_CHANGED = 3
-    EVENT_CHANGED = 4
-    WITHDRAWN = 5
+    DONE = ""
+    STUCK = "stands still: no handshake for a million clocks, waiting at event"
+    INVENTED = "gave a token that never went in, before event"
+    TICKS_CHANGED = "changed the ticks at event"
+    EVENT_CHANGED = "changed more than whether it stays, at event"
+    WITHDRAWN = "withdrew or changed a token that waited to be taken, at event"
 
 
-# What a fault of the streams means, for people.
-_FAULTS = {
-    _Status.STUCK: "stands still: no handshake for a million clocks, waiting at event",
-    _Status.INVENTED: "gave a token that never went in, before event",
-    _Status.TICKS_CHANGED: "changed the ticks at event",
-    _Status.EVENT_CHANGED: "changed more than whether it stays, at event",
-    _Status.WITHDRAWN: "withdrew or changed a token that waited to be taken, at event",
-}
-
-_POINTER = ctypes.c_void_p
-_INT = ctypes.c_int64
-
-# (field, ctypes type, C type)
-_JOB: list[tuple[str, type, str]] = [
-    # events in
-    ("n", _INT, "int64_t"),
-    ("ticks", _POINTER, "const int64_t*"),
-    ("x", _POINTER, "const uint16_t*"),
-    ("y", _POINTER, "const uint16_t*"),
-    ("p", _POINTER, "const uint8_t*"),
-    ("skip", _POINTER, "const uint8_t*"),
-    # stall patterns: one byte per clock, repeated; length 0 never stalls
-    ("in_pattern", _POINTER, "const uint8_t*"),
-    ("in_length", _INT, "int64_t"),
-    ("out_pattern", _POINTER, "const uint8_t*"),
-    ("out_length", _INT, "int64_t"),
-    # decisions out
-    ("keep", _POINTER, "uint8_t*"),
-    # when things happened, or null
-    ("accept_cycle", _POINTER, "int64_t*"),
-    ("give_cycle", _POINTER, "int64_t*"),
-    # where the drive stands
-    ("tick_max", _INT, "int64_t"),
-    ("now", _INT, "int64_t"),
-    ("cycle", _INT, "int64_t"),
-    ("fault", _INT, "int64_t"),
-]
-
-
-class _Job(ctypes.Structure):
-    """One streaming call: pointers into NumPy arrays, and where the drive stands."""
-
-    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+_DRIVE = Drive(
+    "evcot_filter_stream",
+    "filter.cpp.j2",
+    {
+        # events in
+        "n": "int64_t",
+        "ticks": "const int64_t*",
+        "x": "const uint16_t*",
+        "y": "const uint16_t*",
+        "p": "const uint8_t*",
+        "skip": "const uint8_t*",
+        **pattern_fields("in", "out"),
+        # decisions out
+        "keep": "uint8_t*",
+        # when things happened, or null
+        "accept_cycle": "int64_t*",
+        "give_cycle": "int64_t*",
+        # where the drive stands
+        "tick_max": "int64_t",
+        "now": "int64_t",
+        "cycle": "int64_t",
+        "fault": "int64_t",
+    },
+    _Status,
+)
 
 
 class FilterTimes(NamedTuple):
@@ -86,16 +63,6 @@ class FilterTimes(NamedTuple):
 
     accepted: NDArray[np.int64]
     given: NDArray[np.int64]
-
-
-@cache
-def _source(top: str) -> str:
-    """C++ text of the streaming drive for one filter module."""
-    return (
-        templates("evcot_cosim.devices")
-        .get_template("filter.cpp.j2")
-        .render(top=top, job_fields=[(ctype, name) for name, _, ctype in _JOB], statuses=[status.name for status in _Status])
-    )
 
 
 class FilterDevice:
@@ -127,11 +94,9 @@ class FilterDevice:
     ) -> None:
         self.top = top
         self.stalls = stalls or Stalls()
-        self.model = build(top, parameters, {"filter.cpp": _source(top)}, verilog=verilog)
+        self.model = build(top, parameters, {"filter.cpp": _DRIVE.source(top)}, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         library = self.sim.lib
-        library.evcot_filter_stream.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
-        library.evcot_filter_stream.restype = ctypes.c_int
         library.evcot_filter_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)
         library.evcot_filter_settle.restype = ctypes.c_int64
         self.set(**(ports or {}))
@@ -218,15 +183,15 @@ class FilterDevice:
         x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
         skipped = np.zeros(n, np.uint8) if skip is None else np.ascontiguousarray(skip, np.uint8)
         keep = np.zeros(n, np.uint8)
-        job = _Job(
+        job = _DRIVE.job(
             n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), skip=pointer(skipped),
             in_pattern=pointer(self.stalls.source), in_length=len(self.stalls.source),
             out_pattern=pointer(self.stalls.passed), out_length=len(self.stalls.passed),
             keep=pointer(keep), accept_cycle=pointer(times and times.accepted), give_cycle=pointer(times and times.given),
             tick_max=(1 << int(self.sim.io["s_tick"].signal.width)) - 1, now=self.now, cycle=self.cycle,
         )  # fmt: skip
-        status = _Status(self.sim.lib.evcot_filter_stream(self.sim.model, ctypes.byref(job)))
+        status = _DRIVE.call(self.sim, job)
         self.now, self.cycle = job.now, job.cycle
         if status != _Status.DONE:
-            raise HardwareError(f"{self.top} {_FAULTS[status]} {job.fault} (clock {job.cycle})", job.fault)
+            raise HardwareError(f"{self.top} {status.fault} {job.fault} (clock {job.cycle})", job.fault)
         return keep.astype(np.bool_)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -21,13 +20,12 @@ from evcot.hardware.contract import RECORD, REGISTERS
 from evcot.hardware.cot import Decisions
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
-from evcot.templating import templates
 from evcot.tracks.log import DROPPED
 
 from ..build.model import build
-from .device import HardwareError, _order_of
-from .driver import PARAMETERS, pointer
-from .reset import reset
+from .base import Drive, Ending, HardwareError, pointer, reset
+from .device import _order_of
+from .driver import PARAMETERS
 
 __all__ = [
     "COMMAND",
@@ -51,34 +49,21 @@ class _Op(IntEnum):
     POLL = 2  # read until the masked word is `data`
 
 
-class _Status(IntEnum):
+class _Status(Ending):
     """How a run ended."""
 
-    DONE = 0
-    UNFINISHED = 1
-    STUCK = 2
-    RECORDS_CHANGED = 3
-    RECORD_CUT = 4
-    OWNED_CHANGED = 5
-    PASSED_CHANGED = 6
-    BUS_CHANGED = 7
-    BUS_INVENTED = 8
-    TOO_MANY_RECORDS = 9
-    TOO_MANY_EVENTS = 10
+    DONE = ""
+    UNFINISHED = "was in the middle of something when its clocks were over"
+    STUCK = "stands still: no handshake for a million clocks"
+    RECORDS_CHANGED = "withdrew or changed a beat of m_axis_records that waited"
+    RECORD_CUT = "gave a record of another length, or a tkeep with holes"
+    OWNED_CHANGED = "withdrew or changed a beat of m_axis_owned that waited, or set its tkeep or tlast wrong"
+    PASSED_CHANGED = "withdrew or changed a beat of m_axis_passed that waited, or set its tkeep or tlast wrong"
+    BUS_CHANGED = "withdrew or changed a response that waited"
+    BUS_INVENTED = "gave a response before it had been asked"
+    TOO_MANY_RECORDS = "gave more records than its events can cause"
+    TOO_MANY_EVENTS = "gave more events than went in"
 
-
-_FAULTS = {
-    _Status.UNFINISHED: "was in the middle of something when its clocks were over",
-    _Status.STUCK: "stands still: no handshake for a million clocks",
-    _Status.RECORDS_CHANGED: "withdrew or changed a beat of m_axis_records that waited",
-    _Status.RECORD_CUT: "gave a record of another length, or a tkeep with holes",
-    _Status.OWNED_CHANGED: "withdrew or changed a beat of m_axis_owned that waited, or set its tkeep or tlast wrong",
-    _Status.PASSED_CHANGED: "withdrew or changed a beat of m_axis_passed that waited, or set its tkeep or tlast wrong",
-    _Status.BUS_CHANGED: "withdrew or changed a response that waited",
-    _Status.BUS_INVENTED: "gave a response before it had been asked",
-    _Status.TOO_MANY_RECORDS: "gave more records than its events can cause",
-    _Status.TOO_MANY_EVENTS: "gave more events than went in",
-}
 
 # An access to the registers: it begins when the one before is over and `after` words of the input have been taken.
 COMMAND = np.dtype(
@@ -140,56 +125,46 @@ def configuration(config: CotConfig) -> list[Command]:
     return found
 
 
-_POINTER, _INT = ctypes.c_void_p, ctypes.c_int64
 _GOES = ("in", "records", "owned", "passed", "bus")
-_JOB: list[tuple[str, type, str]] = [
-    ("n", _INT, "int64_t"),
-    ("next", _INT, "int64_t"),
-    ("words", _POINTER, "const uint64_t*"),
-    ("keeps", _POINTER, "const uint8_t*"),
-    ("accepted", _POINTER, "int64_t*"),
-    ("commands", _POINTER, "Command*"),
-    ("n_commands", _INT, "int64_t"),
-    ("most_polls", _INT, "int64_t"),
-    ("records", _POINTER, "uint8_t*"),
-    ("recorded", _POINTER, "int64_t*"),
-    ("record_capacity", _INT, "int64_t"),
-    ("n_records", _INT, "int64_t"),
-    ("owned", _POINTER, "uint64_t*"),
-    ("user", _POINTER, "uint8_t*"),
-    ("n_owned", _INT, "int64_t"),
-    ("passed", _POINTER, "uint64_t*"),
-    ("n_passed", _INT, "int64_t"),
-    ("event_capacity", _INT, "int64_t"),
-    ("clocks", _INT, "int64_t"),  # run for so many; 0: until all is through
-    ("quiet_clocks", _INT, "int64_t"),
-    *((f"go_{name}", _INT, "int64_t") for name in _GOES),  # of 256
-    ("random", ctypes.c_uint64, "uint64_t"),
-    ("clock", _INT, "int64_t"),
-    ("irq_clock", _INT, "int64_t"),
-    ("fault", _INT, "int64_t"),
-]
-
-
-class _Job(ctypes.Structure):
-    _fields_ = [(name, ctype) for name, ctype, _ in _JOB]
+_DRIVE = Drive(
+    "evcot_top_run",
+    "top.cpp.j2",
+    {
+        "n": "int64_t",
+        "next": "int64_t",
+        "words": "const uint64_t*",
+        "keeps": "const uint8_t*",
+        "accepted": "int64_t*",
+        "commands": "Command*",
+        "n_commands": "int64_t",
+        "most_polls": "int64_t",
+        "records": "uint8_t*",
+        "recorded": "int64_t*",
+        "record_capacity": "int64_t",
+        "n_records": "int64_t",
+        "owned": "uint64_t*",
+        "user": "uint8_t*",
+        "n_owned": "int64_t",
+        "passed": "uint64_t*",
+        "n_passed": "int64_t",
+        "event_capacity": "int64_t",
+        "clocks": "int64_t",  # run for so many; 0: until all is through
+        "quiet_clocks": "int64_t",
+        **{f"go_{name}": "int64_t" for name in _GOES},  # of 256
+        "random": "uint64_t",
+        "clock": "int64_t",
+        "irq_clock": "int64_t",
+        "fault": "int64_t",
+    },
+    _Status,
+    structures={"Command": {name: _C_TYPES[COMMAND[name].str[1:]] for name in COMMAND.names or ()}},
+)
 
 
 @cache
 def _source(data_w: int) -> str:
-    return (
-        templates("evcot_cosim.devices")
-        .get_template("top.cpp.j2")
-        .render(
-            data_w=data_w,
-            record_bytes=RECORD.itemsize,
-            command_fields=[(_C_TYPES[COMMAND[name].str[1:]], name) for name in COMMAND.names or ()],
-            command_bytes=COMMAND.itemsize,
-            job_fields=[(ctype, name) for name, _, ctype in _JOB],
-            statuses=[status.name for status in _Status],
-            ops=[op.name for op in _Op],
-        )
-    )
+    ops = [op.name for op in _Op]
+    return _DRIVE.source("evcot_top", data_w=data_w, record_bytes=RECORD.itemsize, command_bytes=COMMAND.itemsize, ops=ops)
 
 
 @dataclass(frozen=True)
@@ -278,8 +253,6 @@ class TopDevice:
         chosen |= parameters or {}
         self.model = build("evcot_top", chosen, {"top.cpp": _source(chosen.get("DATA_W", 64))}, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
-        self.sim.lib.evcot_top_run.argtypes = (ctypes.c_void_p, ctypes.POINTER(_Job))
-        self.sim.lib.evcot_top_run.restype = ctypes.c_int
         self.reset()
 
     def reset(self) -> None:
@@ -328,7 +301,7 @@ class TopDevice:
         records, recorded = np.zeros(3 * n + 1024, RECORD), np.zeros(3 * n + 1024, np.int64)
         owned, passed = np.zeros(n + 1024, np.uint64), np.zeros(n + 1024, np.uint64)
         user = np.zeros(n + 1024, np.uint8)
-        job = _Job(
+        job = _DRIVE.job(
             n=len(words), words=pointer(words), keeps=pointer(keeps), accepted=pointer(accepted),
             commands=pointer(table), n_commands=len(commands), most_polls=1 << 20,
             records=pointer(records), recorded=pointer(recorded), record_capacity=len(records),
@@ -337,10 +310,10 @@ class TopDevice:
             **{f"go_{name}": self.pace.goes.get(name, 256) for name in ("in", "bus")},
             **{f"go_{name}": listens * self.pace.goes.get(name, 256) for name in ("records", "owned", "passed")},
         )  # fmt: skip
-        status = _Status(self.sim.lib.evcot_top_run(self.sim.model, ctypes.byref(job)))
+        status = _DRIVE.call(self.sim, job)
         self.clock, self._random = job.clock, job.random
         if status != _Status.DONE:
-            raise HardwareError(f"evcot_top {_FAULTS[status]} (clock {job.fault}, word {job.next})", job.next)
+            raise HardwareError(f"evcot_top {status.fault} (clock {job.fault}, word {job.next})", job.next)
         return Told(
             records[: job.n_records], owned[: job.n_owned], passed[: job.n_passed], user[: job.n_owned],
             table[: len(commands)], accepted[: len(words)], recorded[: job.n_records], job.irq_clock,

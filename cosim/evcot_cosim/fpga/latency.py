@@ -16,9 +16,9 @@ from evcot.hardware.published.model import PublishedConfig
 from evcot.hardware.streams import pack_events
 
 from ..build.model import load
-from ..devices.device import Device, Stalls, Top
+from ..devices.base import Stalls, reset
+from ..devices.device import Device, Top
 from ..devices.published_device import at, play
-from ..devices.reset import reset
 from ..devices.top_device import TopDevice
 from .catalogue import Answer, Module
 

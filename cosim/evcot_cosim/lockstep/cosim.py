@@ -24,7 +24,8 @@ from evcot.tracks.log import TRACK, TrackLog
 from evcot.tracks.tracking import KeptTracker, Tracker, log_of
 
 from ..build.model import BuiltModel
-from ..devices.device import Device, HardwareError, Stalls, Top, build_device
+from ..devices.base import HardwareError, Stalls
+from ..devices.device import Device, Top, build_device
 from .lockstep import Lockstep, Mismatch, chunks
 
 __all__ = ["CosimRun", "check_addresses", "rerun", "run_cosim", "stalls_from"]

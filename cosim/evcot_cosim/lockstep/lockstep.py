@@ -22,7 +22,8 @@ from evcot.ticks import tick_times
 from evcot.tracks.log import Kind
 
 from ..build.model import BuiltModel
-from ..devices.device import Device, HardwareError, Stalls, StreamTimes, Top
+from ..devices.base import HardwareError, Stalls
+from ..devices.device import Device, StreamTimes, Top
 
 __all__ = ["CHUNK", "Clocks", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
 

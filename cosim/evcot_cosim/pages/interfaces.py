@@ -13,7 +13,7 @@ from evcot.hardware.registers import register_map
 from evcot.tracks.log import Kind
 
 from ..build.model import load
-from ..devices.reset import reset
+from ..devices.base import reset
 from .serial_line import uart_byte, uart_frames
 from .stimulus import Offer, play
 from .trace import Diagram, Lane, Trace, wire

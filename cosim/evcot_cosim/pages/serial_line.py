@@ -6,7 +6,7 @@ from __future__ import annotations
 from evcot.hardware.registers import register_map
 
 from ..build.model import load
-from ..devices.reset import reset
+from ..devices.base import reset
 from ..fpga.uart_line import BYTE_BITS, Ear, levels, request
 from .trace import Diagram, wave
 

@@ -12,7 +12,8 @@ from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig
 
-from ..devices.device import Stalls, Top
+from ..devices.base import Stalls
+from ..devices.device import Top
 from ..lockstep.lockstep import Clocks, dump_window
 from ..lockstep.moments import Moment
 from .fst import fst_writer, write_fst

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
 import pytest
 
 from evcot.hardware.contract import RECORD, Shape
-from evcot_cosim.devices.driver import PARAMETERS, Job, Status, pointer, source
+from evcot_cosim.devices.driver import DRIVE, PARAMETERS, Status, source
 
 TOPS = ["cot", "cot_chain", "cot_array"]
 SIZES = {"int64_t": 8, "uint64_t": 8, "uint32_t": 4, "uint16_t": 2, "uint8_t": 1}
@@ -36,7 +35,7 @@ def test_a_record_is_laid_out_as_numpy_has_it(top: str) -> None:
 
 def test_a_job_is_laid_out_as_ctypes_has_it() -> None:
     fields = struct(source("cot_array", Shape()), "Job")
-    assert [name for _, name in fields] == [field[0] for field in Job._fields_]
+    assert [name for _, name in fields] == [field[0] for field in DRIVE.job._fields_]
     assert all(ctype.endswith("*") or SIZES[ctype] == 8 for ctype, _ in fields)
 
 
@@ -63,9 +62,3 @@ def test_only_ports_that_the_top_has_are_used() -> None:
 
 def test_every_field_of_a_shape_is_a_parameter() -> None:
     assert set(PARAMETERS) == set(Shape.__dataclass_fields__)
-
-
-def test_pointer_is_the_address_of_the_data() -> None:
-    array = np.arange(4, dtype=np.int64)
-    assert pointer(array[2:]) == array.ctypes.data + 16
-    assert pointer(None) is None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.devices.device import HardwareError, Stalls
+from evcot_cosim.devices.base import HardwareError, Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic
 

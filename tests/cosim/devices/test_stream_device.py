@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot_cosim.devices.device import HardwareError
+from evcot_cosim.devices.base import HardwareError
 from support.stream_device import Bundle, StreamDevice, random_pattern, random_stalls
 from support.testing import broken_copy
 

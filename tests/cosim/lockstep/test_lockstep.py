@@ -21,7 +21,8 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.ticks import tick_times
 from evcot.tracks.log import Kind
-from evcot_cosim.devices.device import Device, Stalls, Top
+from evcot_cosim.devices.base import Stalls
+from evcot_cosim.devices.device import Device, Top
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, MismatchError, chunks, dump_window
 from evcot_cosim.waves.vcd import parse
 from support.testing import broken_copy

@@ -16,7 +16,7 @@ from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import pack_events
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.top_device import Pace, Told, TopDevice, address_of, filter_address, poll, read, slot_address, write
 from support.top import BUILDS, device_of
 

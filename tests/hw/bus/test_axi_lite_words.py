@@ -12,7 +12,7 @@ import pytest
 
 from evcot.hardware.registers import Access, Field, Word, register_map
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from support.testing import lint
 
 TOP = "axi_lite_words"

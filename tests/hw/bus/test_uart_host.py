@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga.uart_line import BYTE_BITS, Ear, levels, request
 from support.testing import PATTERNS, Word, always, lint, sometimes
 

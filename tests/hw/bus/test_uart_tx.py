@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga.uart_line import Ear, levels
 from support.testing import Source, always, lint, run_streams, sometimes
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from support.testing import lint
 
 TOP = "synchronizer"

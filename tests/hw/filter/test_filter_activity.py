@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from evcot.filters.activity import ActivityFilter
 from evcot.filters.contract import FilterShape
 from evcot.filters.registers import FilterRegisters
-from evcot_cosim.devices.device import Stalls
+from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
 

@@ -15,7 +15,7 @@ from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, Filter
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.build.rtl import rtl_files
-from evcot_cosim.devices.device import Stalls
+from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic
 from support.testing import lint

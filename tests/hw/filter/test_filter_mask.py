@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.devices.device import Stalls
+from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic
 from support.testing import PATTERNS, Sink, Source, always, lint, run_streams

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.devices.device import Stalls
+from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import exact, filter_traffic
 from support.testing import lint

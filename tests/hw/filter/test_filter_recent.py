@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
-from evcot_cosim.devices.device import Stalls
+from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic
 from support.testing import lint

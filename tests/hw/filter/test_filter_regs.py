@@ -9,7 +9,7 @@ from pyverilator import PyVerilator
 
 from evcot.filters.contract import FILTER_REGISTERS, FilterShape
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from support.testing import lint
 
 SHAPE = FilterShape(stamp_w=9)

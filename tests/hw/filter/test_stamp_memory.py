@@ -11,7 +11,7 @@ import pytest
 from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from support.testing import lint
 
 FILTERS = ("filter_refractory", "filter_activity", "filter_decay")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.devices.device import HardwareError
+from evcot_cosim.devices.base import HardwareError
 from support.aer_device import STEPS_PER_CLOCK, AerDevice, Chip
 from support.stream_device import random_pattern
 from support.testing import broken_copy, lint

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from support.testing import lint
 
 

@@ -10,7 +10,7 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from support.testing import PATTERNS, Sink, Source, Word, always, lint, run_streams
 
 W = 12

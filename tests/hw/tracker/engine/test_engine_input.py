@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.build.model import load
-from evcot_cosim.devices.reset import reset
+from evcot_cosim.devices.base import reset
 from support.testing import PATTERNS, Source, lint, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The base of every streaming drive: a C++ loop inside the shared object of a model, called with one structure of pointers.
+
+A drive says once which fields that structure has and how a call may end; the C++ side is rendered from the same tables.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any, Generic, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pyverilator import PyVerilator
+
+from evcot.errors import ConfigError, EvcotError
+from evcot.templating import templates
+
+__all__ = ["Drive", "Ending", "HardwareError", "Layout", "Pattern", "Stalls", "pattern_fields", "pointer", "reset", "structure"]
+
+Pattern = NDArray[np.uint8]
+"""A stall pattern: one byte per clock, from the start again at the end; 1 goes, 0 stalls; an empty one never stalls."""
+
+Layout = Mapping[str, str]
+"""The fields of a structure that Python and C++ share, in order: name -> C type."""
+
+_PACKAGE = "evcot_cosim.devices"
+_INTEGERS = {"int64_t": ctypes.c_int64, "uint64_t": ctypes.c_uint64}
+_NO_STALL = np.zeros(0, np.uint8)
+
+
+class HardwareError(EvcotError, RuntimeError):
+    """The hardware broke the rules of its streams: an event lost, repeated, reordered or changed, or no progress.
+
+    Attributes:
+        seq: number of the event or word.
+    """
+
+    def __init__(self, message: str, seq: int) -> None:
+        super().__init__(message)
+        self.seq = seq
+
+
+class Ending(IntEnum):
+    """How a call of a drive ended: each member is numbered in order, and carries what a fault means, for people.
+
+    The first member is how a call ends well.
+    """
+
+    fault: str
+
+    def __new__(cls, fault: str = "") -> Self:
+        member = int.__new__(cls, len(cls.__members__))
+        member._value_ = len(cls.__members__)
+        member.fault = fault
+        return member
+
+
+def structure(layout: Layout) -> type[ctypes.Structure]:
+    """The structure as ctypes has it."""
+
+    class Shared(ctypes.Structure):
+        _fields_ = [(name, ctypes.c_void_p if ctype.endswith("*") else _INTEGERS[ctype]) for name, ctype in layout.items()]
+
+    return Shared
+
+
+def pattern_fields(*streams: str) -> dict[str, str]:
+    """The fields of stall patterns: of each stream a pattern, and its length in clocks."""
+    return {
+        f"{stream}_{name}": ctype
+        for stream in streams
+        for name, ctype in (("pattern", "const uint8_t*"), ("length", "int64_t"))
+    }
+
+
+def pointer(array: NDArray[Any] | None) -> int | None:
+    """Address of an array's data, for a field that is a pointer."""
+    return None if array is None else array.ctypes.data
+
+
+E = TypeVar("E", bound=Ending)
+
+
+class Drive(Generic[E]):
+    """One streaming drive: its C++ function and what is handed to it.
+
+    Args:
+        function: name of the C++ function, which takes the model and the structure `Job`, and returns how it ended.
+        template: the file in `templates/` that it is rendered from.
+        job: fields of `Job`.
+        endings: how a call may end.
+        structures: more structures that C++ and Python share, each by its name in C++.
+        package: whose `templates/` it is.
+    """
+
+    def __init__(
+        self,
+        function: str,
+        template: str,
+        job: Layout,
+        endings: type[E],
+        *,
+        structures: Mapping[str, Layout] | None = None,
+        package: str = _PACKAGE,
+    ) -> None:
+        self._function = function
+        self._template = template
+        self._structures = {**(structures or {}), "Job": job}
+        self._endings = endings
+        self._package = package
+        self.job = structure(job)
+
+    def source(self, top: str, **values: Any) -> str:
+        """C++ text of the drive for one top module; `values` are more that its template uses."""
+        template = templates(self._package, _PACKAGE).get_template(self._template)
+        return template.render(top=top, structures=self._structures, endings=list(self._endings), **values)
+
+    def call(self, sim: PyVerilator, job: ctypes.Structure) -> E:
+        """Call the drive, with the GIL released; returns how it ended."""
+        function = sim.lib[self._function]
+        function.argtypes = (ctypes.c_void_p, ctypes.c_void_p)
+        function.restype = ctypes.c_int
+        return self._endings(function(sim.model, ctypes.addressof(job)))
+
+
+@dataclass(frozen=True)
+class Stalls:
+    """Stall patterns, one per stream; every one that is not empty must have a 1 somewhere."""
+
+    source: Pattern = field(default_factory=lambda: _NO_STALL)
+    cm: Pattern = field(default_factory=lambda: _NO_STALL)
+    own: Pattern = field(default_factory=lambda: _NO_STALL)
+    passed: Pattern = field(default_factory=lambda: _NO_STALL)
+
+    def __post_init__(self) -> None:
+        for name in ("source", "cm", "own", "passed"):
+            pattern = np.ascontiguousarray(getattr(self, name), np.uint8)
+            if len(pattern) and not pattern.any():
+                raise ConfigError(f"stalls.{name}: never goes: a pattern must hold at least one 1")
+            object.__setattr__(self, name, pattern)
+
+    @classmethod
+    def random(cls, rng: np.random.Generator, go: tuple[float, float, float, float] | None = None) -> Stalls:
+        """Independent patterns of different lengths; `go` is how often each stream goes (default: random, 0.15 to 1)."""
+        chances = rng.uniform(0.15, 1.0, 4) if go is None else go
+        patterns = []
+        for chance, length in zip(chances, (4093, 4091, 4079, 4073), strict=True):
+            pattern = (rng.random(length) < chance).astype(np.uint8)
+            pattern[rng.integers(length)] = 1
+            patterns.append(pattern)
+        return cls(*patterns)
+
+
+def reset(sim: PyVerilator, clocks: int = 2) -> None:
+    """Hold rst high for some clocks."""
+    sim.io.rst = 1
+    for _ in range(clocks):
+        sim.clock.tick()
+    sim.io.rst = 0
