@@ -13,11 +13,14 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ._text_kernel import UNUSED, P, T, X, Y
 from .fields import UNITS, Naming, find_fields
+from .printable import whole_number
 from .source import Sensor
 
 __all__ = ["LONGEST_LINE_BYTES", "SEPARATORS", "Layout", "is_text", "read_layout"]
 
 LONGEST_LINE_BYTES = 1 << 16
+_MOST_HEADER_BYTES = 1 << 22  # of what stands before the first event
+_MOST_HEADER_LINES = 1 << 16
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blanks"}
 
 _NAMES = {T: "t", X: "x", Y: "y", P: "p", UNUSED: "text"}
@@ -104,6 +107,9 @@ def read_layout(file: BinaryIO) -> Layout:
     naming: Naming | None = None
     sensor: Sensor | None = None
     while raw := file.readline(LONGEST_LINE_BYTES):
+        if offset > _MOST_HEADER_BYTES or lines > _MOST_HEADER_LINES:
+            most = f"{_MOST_HEADER_LINES} lines and {_MOST_HEADER_BYTES} bytes"
+            raise RecordingError(f"line {lines + 1}: no event before it: what stands before the first must be at most {most}")
         what = _no_text(raw)
         if what:
             raise RecordingError(f"line {lines + 1}: {what}")
@@ -120,7 +126,7 @@ def read_layout(file: BinaryIO) -> Layout:
             cells = _cells(line, _separator(line))
             if naming is not None or sensor is not None or len(cells) != 2 or not all(map(str.isdecimal, cells)):
                 return _layout(offset, lines, _separator(line), cells, naming, sensor)
-            sensor = int(cells[0]), int(cells[1])
+            sensor = _side(cells[0], lines), _side(cells[1], lines)
         offset, lines = offset + len(raw), lines + 1
     return _layout(offset, lines, " ", [], naming, sensor)
 
@@ -130,7 +136,20 @@ def _header(line: str) -> tuple[Naming, Sensor | None]:
     cells = [cell.partition("@") for cell in _cells(line, _separator(line))]
     naming = find_fields([name for name, _, _ in cells])
     width, height = (cells[i][2] for i in naming.columns[1:3])
-    return naming, (int(width), int(height)) if width.isdecimal() and height.isdecimal() else None
+    if not (width.isdecimal() and height.isdecimal()):
+        return naming, None
+    sides = whole_number(width), whole_number(height)
+    if sides[0] is None or sides[1] is None:
+        raise RecordingError(f"must name a sensor of at most 65536 pixels a side, not of {max(len(width), len(height))} digits")
+    return naming, (sides[0], sides[1])
+
+
+def _side(digits: str, lines: int) -> int:
+    """A side of the sensor from the line that follows so many."""
+    side = whole_number(digits)
+    if side is None:
+        raise RecordingError(f"line {lines + 1}: a sensor's side of {len(digits)} digits: must be a number up to 65536")
+    return side
 
 
 def _layout(

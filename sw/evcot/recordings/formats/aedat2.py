@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 from .chips import chip_sensor
+from .printable import shortened
 from .source import BLOCK_EVENTS, Format, Sensor
 from .upright import mirrored
 
@@ -42,6 +43,12 @@ _RECORDS = {
 }
 _MAGIC_BYTES = 12
 _LINE_BYTES_MAX = 1 << 16
+# jAER writes the camera's settings into the header, hundreds of kilobytes of XML.
+_HEADER_BYTES_MAX = 1 << 24
+_HEADER_LINES_MAX = 1 << 18
+_KEPT_LINES = 1 << 10
+_CONTROL = re.compile(rb"[\x00-\x08\x0a-\x1f]")
+_KEYS = ("AEChip:", "HardwareInterface:")
 _TURN_US = 1 << 32
 # A time's place is found by halving where these many times, evenly spread over the file, do not run back; a little more is
 # read ahead of it, since records of different kinds may stand a little out of order.
@@ -98,7 +105,7 @@ class Aedat2File:
             self._count, self._rest = divmod(path.stat().st_size - self._begin, self._record.itemsize)
             chip = _named_chip(lines) or self._guess_chip(file)
         if chip.layout is _DAVIS and self._record["address"].itemsize == 2:
-            raise RecordingError(f"header: chip {chip.name!r}: must be a DVS128 in AEDAT 1.0")
+            raise RecordingError(f"header: chip {shortened(chip.name)!r}: must be a DVS128 in AEDAT 1.0")
         self._chip = chip
         self.sensor: Sensor | None = chip.sensor
         self.details: Mapping[str, str] = {"chip": chip.name}
@@ -177,33 +184,41 @@ class Aedat2File:
 
 
 def _read_header(file: BinaryIO) -> tuple[list[str], int]:
-    """The lines behind their "#", and the offset of the first record.
+    """The lines that may name the chip, without their "#", and the offset of the first record.
 
     A first record may start with the code of "#" too, but mostly has a control character before the next newline. jAER's newer
     files have a last line that says so.
     """
     lines: list[str] = []
-    while True:
-        at = file.tell()
+    at = 0
+    for _ in range(_HEADER_LINES_MAX):
         line = file.readline(_LINE_BYTES_MAX)
         text = line.rstrip(b"\r\n")
-        if not line.startswith(b"#") or any(code < 32 and code != 9 for code in text):
+        if not line.startswith(b"#") or _CONTROL.search(text):
             return lines, at
         if not line.endswith(b"\n"):
             raise RecordingError(f"header line at byte {at}: must end in a newline; is it cut off?")
-        lines.append(text[1:].decode("latin-1").strip())
-        if lines[-1].lower() == "end of ascii header":
-            return lines, file.tell()
+        at += len(line)
+        said = text[1:].decode("latin-1").strip()
+        if said.startswith(_KEYS) and len(lines) < _KEPT_LINES:
+            lines.append(said)
+        if said.lower() == "end of ascii header":
+            return lines, at
+        if at > _HEADER_BYTES_MAX:
+            break
+    raise RecordingError(
+        f"header does not end by byte {at}: must have at most {_HEADER_LINES_MAX} lines and {_HEADER_BYTES_MAX} bytes"
+    )
 
 
 def _named_chip(lines: list[str]) -> _Chip | None:
-    for key in ("AEChip:", "HardwareInterface:"):
+    for key in _KEYS:
         for name in (line.removeprefix(key).strip() for line in lines if line.startswith(key)):
             sensor = chip_sensor(name)
             if sensor is not None:
                 return _Chip(name, _DVS128 if re.search("dvs128|tmpdiff128", name.lower()) else _DAVIS, sensor)
             if key == "AEChip:":
-                raise RecordingError(f"header: chip {name!r}: must be a DVS128, or a DAVIS of known size")
+                raise RecordingError(f"header: chip {shortened(name)!r}: must be a DVS128, or a DAVIS of known size")
     return None
 
 

@@ -35,6 +35,7 @@ _VERSION_LINE = b"#!AER-DAT3.1"
 _END_LINE = b"#!END-HEADER"
 _LINE_BYTES_MAX = 1 << 16
 _LINES_MAX = 1 << 12
+_HEADER_BYTES_MAX = 1 << 20
 _PACKET = struct.Struct("<hh6i")
 _POLARITY = 1
 _EVENT_BYTES = 8
@@ -204,7 +205,11 @@ def _read_header(file: BinaryIO) -> list[str]:
         if text == _END_LINE:
             return lines
         lines.append(text.decode("latin-1"))
-    raise RecordingError(f"header: has no line {_END_LINE.decode()} among its first {_LINES_MAX}")
+        if file.tell() > _HEADER_BYTES_MAX:
+            break
+    raise RecordingError(
+        f"header: has no line {_END_LINE.decode()} among its first {_LINES_MAX}, or its first {_HEADER_BYTES_MAX} bytes"
+    )
 
 
 FORMATS = (Format("aedat3", "AEDAT 3.1", lambda start, _: start.startswith(MAGIC), Aedat3File),)

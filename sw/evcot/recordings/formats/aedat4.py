@@ -13,11 +13,12 @@ and cannot find a time's place in the file.
 
 from __future__ import annotations
 
+import io
 import struct
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -29,7 +30,7 @@ from .aedat4_header import HEADER_BYTES_MAX, Header, parse_header, type_of
 from .ahead import in_order
 from .flatbuffers import root_table, size_prefixed, table_columns, usual_vector, vector_head
 from .gather import batches
-from .packing import UNPACKED_BYTES_MAX
+from .packing import Section, TooLarge, Unpacker
 from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["EVENT", "FORMATS", "MAGIC", "PACKET_HEAD", "Aedat4File", "events_of"]
@@ -42,6 +43,11 @@ EVENT = np.dtype(
 
 _USUAL_HEAD = vector_head(b"EVTS")
 _BATCH_BYTES = 4 * BLOCK_EVENTS  # packed, to be decoded at once
+# What is unpacked at once, of a packet and of a batch: 256 thousand events. A larger packet is decoded piece by piece.
+_WHOLE_BYTES_MAX = 1 << 22
+_HEAD_BYTES_MAX = 1 << 12  # of a large packet, ahead of its events
+_TABLE_BYTES_MAX = 1 << 28  # 4 million packets and more
+_ENTRY_BYTES = 16  # least of a packet's entry: a place in the list, a table, its offset in the file
 # Field of a FileDataDefinition -> (index, bytes into it, type).
 _TABLE_FIELDS = {
     "at": (0, 0, "<i8"),
@@ -61,11 +67,16 @@ class _Packet(NamedTuple):
     length: int
 
 
+_Read = tuple[_Packet, memoryview | None]  # a packet and its bytes, packed as they are; None: too many to be held
+
+
 class _Decoded(NamedTuple):
-    """Events, and what ends them."""
+    """Events, what ends them, and the packets that were left for later: the first of them for being large, or for all."""
 
     events: Events
     fault: RecordingError | None
+    rest: list[_Read]
+    large: bool
 
 
 class Aedat4File:
@@ -96,14 +107,18 @@ class Aedat4File:
             "passed over": ", ".join(others) or "nothing",
         }
 
-    def _read_table(self, file: BinaryIO) -> dict[str, NDArray[np.int64]]:
+    def _read_table(self, file: io.BufferedReader) -> dict[str, NDArray[np.int64]]:
         """The table's columns, in the order of the packets' offsets; they cover the packets' bytes without a gap."""
-        if self._size - self._end > UNPACKED_BYTES_MAX:
-            raise RecordingError(f"packet table of {self._size - self._end} bytes: must be at most {UNPACKED_BYTES_MAX}")
+        if self._size - self._end > _TABLE_BYTES_MAX:
+            raise RecordingError(f"packet table of {self._size - self._end} bytes: must be at most {_TABLE_BYTES_MAX}")
         file.seek(self._end)
         try:
-            data = size_prefixed(self._new_unpacker()(file.read()))
-            table = table_columns(data, root_table(data, b"FTAB").vector(0, 4), _TABLE_FIELDS)
+            data = size_prefixed(self._new_unpacker().whole(file.read(), _TABLE_BYTES_MAX))
+            at, count = root_table(data, b"FTAB").vector(0, 4)
+            most = min((self._end - self._begin) // PACKET_HEAD.size, len(data) // _ENTRY_BYTES)
+            if count > most:
+                raise RecordingError(f"{count} entries: must be at most {most}, for so many bytes")
+            table = table_columns(data, (at, count), _TABLE_FIELDS)
         except RecordingError as error:
             raise RecordingError(f"packet table at byte {self._end}: {error}; is the file cut off?") from error
         order = np.argsort(table["at"], kind="stable")
@@ -119,13 +134,27 @@ class Aedat4File:
         """See `source.Source`."""
         with self._path.open("rb") as file:
             read = ((packet, self._read(file, packet)) for packet in self._packets(file, from_us))
-            for decoded in in_order(self._decode, batches(read, _BATCH_BYTES, lambda each: len(each[1]))):
-                for begin in range(0, len(decoded.events), BLOCK_EVENTS):
-                    yield decoded.events[begin : begin + BLOCK_EVENTS]
-                if decoded.fault is not None:
-                    raise decoded.fault
+            for decoded in in_order(self._decode, batches(read, _BATCH_BYTES, _held_bytes)):
+                yield from self._given(file, decoded)
 
-    def _packets(self, file: BinaryIO, from_us: int | None) -> Iterator[_Packet]:
+    def _given(self, file: io.BufferedReader, decoded: _Decoded) -> Iterator[Events]:
+        """Decoded events in blocks, then those of the packets left for later, then the fault."""
+        while True:
+            for begin in range(0, len(decoded.events), BLOCK_EVENTS):
+                yield decoded.events[begin : begin + BLOCK_EVENTS]
+            if decoded.fault is not None:
+                raise decoded.fault
+            if not decoded.rest:
+                return
+            if decoded.large:
+                packet = decoded.rest[0][0]
+                try:
+                    yield from self._large(file, packet)
+                except RecordingError as error:
+                    raise RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}") from error
+            decoded = self._decode(decoded.rest[decoded.large :])
+
+    def _packets(self, file: io.BufferedReader, from_us: int | None) -> Iterator[_Packet]:
         """Every packet of events; with a table, from the first on that ends at `from_us` or later."""
         if self._table is None:
             yield from self._packets_in_turn(file)
@@ -137,9 +166,9 @@ class Aedat4File:
         columns = (rows, self._table["at"][rows], self._table["length"][rows])
         yield from map(_Packet, *(column.tolist() for column in columns))
 
-    def _packets_in_turn(self, file: BinaryIO) -> Iterator[_Packet]:
+    def _packets_in_turn(self, file: io.BufferedReader) -> Iterator[_Packet]:
         """Every packet of events, found by following the lengths."""
-        unpack = self._new_unpacker()
+        unpacker = self._new_unpacker()
         at = self._begin
         while at < self._end:
             file.seek(at)
@@ -156,32 +185,41 @@ class Aedat4File:
                 )
             if stream == self._stream:
                 yield _Packet(-1, at, length)
-            elif type_of(self._streams[stream]) != "EVTS" and unpack(file.read(length))[8:12] == b"EVTS":
+            elif type_of(self._streams[stream]) != "EVTS" and _begin(unpacker, Section(file, at, length))[8:12] == b"EVTS":
                 raise RecordingError(f"packet at byte {at - PACKET_HEAD.size}: holds events: stream {stream} must not")
             at += length
 
-    def _read(self, file: BinaryIO, packet: _Packet) -> memoryview:
-        """A packet's bytes, packed as they are."""
+    def _read(self, file: io.BufferedReader, packet: _Packet) -> memoryview | None:
+        """A packet's bytes, packed as they are; None where they are many."""
         place = f"packet at byte {packet.at - PACKET_HEAD.size}"
-        if packet.length > UNPACKED_BYTES_MAX:
-            raise RecordingError(f"{place}: {packet.length} bytes: must be at most {UNPACKED_BYTES_MAX}")
+        large = packet.length > _WHOLE_BYTES_MAX
         file.seek(packet.at - PACKET_HEAD.size)
-        data = file.read(PACKET_HEAD.size + packet.length)
+        data = file.read(PACKET_HEAD.size + (0 if large else packet.length))
         if not data.startswith(PACKET_HEAD.pack(self._stream, packet.length)):
             head = PACKET_HEAD.unpack_from(data) if len(data) >= PACKET_HEAD.size else None
             raise RecordingError(
                 f"{place}: stream and length {head}, {(self._stream, packet.length)} by the table: must be the same"
             )
-        return memoryview(data)[PACKET_HEAD.size :]
+        return None if large else memoryview(data)[PACKET_HEAD.size :]
 
-    def _decode(self, read: list[tuple[_Packet, memoryview]]) -> _Decoded:
-        """The events of some packets, up to the first that is damaged or not what the table says."""
-        unpack = self._new_unpacker()
+    def _decode(self, read: list[_Read]) -> _Decoded:
+        """The events of some packets, up to the first that is damaged, not what the table says, or too large for now."""
+        unpacker = self._new_unpacker()
         parts: list[NDArray[np.int64]] = []
         fault: RecordingError | None = None
+        large = False
+        held = 0
         for packet, data in read:
+            if data is None or held > _WHOLE_BYTES_MAX:
+                large = data is None
+                break
             try:
-                parts.append(_elements(unpack(data)))
+                content = unpacker.whole(data, _WHOLE_BYTES_MAX)
+                held += len(content)
+                parts.append(_elements(content))
+            except TooLarge:
+                large = True
+                break
             except RecordingError as error:
                 fault = RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}")
                 break
@@ -192,9 +230,40 @@ class Aedat4File:
             _fill(part, end - len(part) // 2, events.t_us, events.x, events.y, events.p)
         wrong = self._first_unlike_table(packets, events.t_us, ends)
         if wrong is None:
-            return _Decoded(events, fault)
+            return _Decoded(events, fault, [] if fault else read[len(parts) :], large)
         good = int(ends[wrong - 1]) if wrong else 0
-        return _Decoded(events[:good], RecordingError(self._mismatch(packets[wrong], events.t_us[good : ends[wrong]])))
+        found = events.t_us[good : ends[wrong]]
+        place = f"packet at byte {packets[wrong].at - PACKET_HEAD.size}"
+        return _Decoded(
+            events[:good], RecordingError(f"{place}: {self._mismatch(packets[wrong], len(found), found)}"), [], False
+        )
+
+    def _large(self, file: io.BufferedReader, packet: _Packet) -> Iterator[Events]:
+        """The events of a packet of any size, in blocks: memory does not grow with it."""
+        content = _Content(self._new_unpacker().pieces(Section(file, packet.at, packet.length)))
+        head = content.look(_HEAD_BYTES_MAX)
+        stated = int.from_bytes(head[:4], "little")
+        at, count = root_table(memoryview(head)[4:], b"EVTS").vector(0, EVENT.itemsize, stated)
+        if at + 4 > len(head):
+            raise RecordingError(f"events begin at byte {at + 4}: must begin within {_HEAD_BYTES_MAX} in a packet so large")
+        content.take(at + 4)
+        row = None if self._table is None else {name: int(column[packet.row]) for name, column in self._table.items()}
+        last_us = 0
+        for first in range(0, count, BLOCK_EVENTS):
+            words = np.frombuffer(content.take(min(BLOCK_EVENTS, count - first) * EVENT.itemsize), "<i8")
+            events = Events.allocated(len(words) // 2)
+            _fill(words, 0, events.t_us, events.x, events.y, events.p)
+            if row and (count != row["count"] or (first == 0 and len(events) and events.t_us[0] != row["first_us"])):
+                raise RecordingError(self._mismatch(packet, count, events.t_us))
+            yield events
+            if len(events) < min(BLOCK_EVENTS, count - first):
+                break
+            last_us = int(events.t_us[-1])
+        end = content.end()
+        if end != 4 + stated:
+            raise RecordingError(f"{end - 4} bytes, {stated} by its own length: must be the same")
+        if row and (count != row["count"] or (count and last_us != row["last_us"])):
+            raise RecordingError(self._mismatch(packet, count, np.array([row["first_us"], last_us])[: 2 * bool(count)]))
 
     def _first_unlike_table(self, packets: list[_Packet], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
         if self._table is None:
@@ -207,12 +276,12 @@ class Aedat4File:
             wrong[filled] |= t_us[index[filled]] != self._table[column][rows][filled]
         return int(np.argmax(wrong)) if wrong.any() else None
 
-    def _mismatch(self, packet: _Packet, t_us: NDArray[np.int64]) -> str:
+    def _mismatch(self, packet: _Packet, held: int, t_us: NDArray[np.int64]) -> str:
         assert self._table is not None
-        found = f"{len(t_us)} events" + (f" from t = {t_us[0]} to {t_us[-1]} us" if len(t_us) else "")
+        found = f"{held} events" + (f" from t = {t_us[0]} to {t_us[-1]} us" if len(t_us) else "")
         count, first, last = (int(self._table[name][packet.row]) for name in ("count", "first_us", "last_us"))
         return (
-            f"packet at byte {packet.at - PACKET_HEAD.size}: {found}, {count} from t = {first} to {last} us by the table: "
+            f"{found}, {count} from t = {first} to {last} us by the table: "
             "must be the same; does time run back, or is it damaged?"
         )
 
@@ -222,6 +291,44 @@ class Aedat4File:
 
     def close(self) -> None:
         """Nothing stays open between passes."""
+
+
+class _Content:
+    """What pieces hold, taken from the front."""
+
+    def __init__(self, pieces: Iterator[bytes]) -> None:
+        self._pieces = pieces
+        self._held = b""
+        self._taken = 0
+
+    def look(self, count: int) -> bytes:
+        """The next so many bytes, or all that are left, which stay."""
+        parts, held = [self._held], len(self._held)
+        while held < count and (piece := next(self._pieces, b"")):
+            parts.append(piece)
+            held += len(piece)
+        self._held = b"".join(parts)
+        return self._held[:count]
+
+    def take(self, count: int) -> bytes:
+        """The same, taken away."""
+        data = self.look(count)
+        self._held = self._held[count:]
+        self._taken += len(data)
+        return data
+
+    def end(self) -> int:
+        """How many bytes there are in all, once the rest has been passed over."""
+        return self._taken + len(self._held) + sum(map(len, self._pieces))
+
+
+def _held_bytes(read: _Read) -> int:
+    return _BATCH_BYTES if read[1] is None else len(read[1])
+
+
+def _begin(unpacker: Unpacker, packed: Section) -> bytes:
+    """The first bytes of a packet."""
+    return next(unpacker.pieces(packed), b"")
 
 
 def _elements(data: bytes) -> NDArray[np.int64]:
@@ -257,7 +364,7 @@ def _fill(words, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
         p[at + i] = word >> 32
 
 
-def _read_header(file: BinaryIO, size: int) -> Header:
+def _read_header(file: io.BufferedReader, size: int) -> Header:
     file.seek(len(MAGIC))
     length = int.from_bytes(file.read(4), "little")
     end = len(MAGIC) + 4 + length

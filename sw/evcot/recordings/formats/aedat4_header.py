@@ -9,16 +9,15 @@ from xml.etree import ElementTree
 
 from ...errors import RecordingError
 from .flatbuffers import root_table
-from .packing import unpack_lz4, unpack_zstd
+from .packing import Lz4Unpacker, PlainUnpacker, Unpacker, ZstdUnpacker
+from .printable import shortened, whole_number
 from .source import Sensor
 
 __all__ = ["HEADER_BYTES_MAX", "Header", "parse_header", "type_of"]
 
-HEADER_BYTES_MAX = 1 << 24
+HEADER_BYTES_MAX = 1 << 20  # streams described in XML: a few kilobytes
 
 _COMPRESSIONS = ("none", "LZ4", "LZ4", "Zstandard", "Zstandard")
-
-Unpack = Callable[[bytes | memoryview], bytes]
 
 
 @dataclass(frozen=True)
@@ -38,9 +37,10 @@ class Header:
         return _COMPRESSIONS[self.compression]
 
     @property
-    def new_unpacker(self) -> Callable[[], Unpack]:
+    def new_unpacker(self) -> Callable[[], Unpacker]:
         """A function that makes unpackers of the header's kind of compression."""
-        return {"none": lambda: bytes, "LZ4": unpack_lz4, "Zstandard": unpack_zstd}[self.compression_name]
+        kinds: dict[str, Callable[[], Unpacker]] = {"none": PlainUnpacker, "LZ4": Lz4Unpacker, "Zstandard": ZstdUnpacker}
+        return kinds[self.compression_name]
 
     @property
     def first_of_events(self) -> int:
@@ -57,10 +57,10 @@ class Header:
         sides = self.streams[stream].get("sizeX"), self.streams[stream].get("sizeY")
         if sides == (None, None):
             return None
-        try:
-            width, height = (int(side or "") for side in sides)
-        except ValueError as error:
-            raise RecordingError(f"header: sizeX, sizeY = {sides}: must be whole numbers") from error
+        width, height = (whole_number(side or "") for side in sides)
+        if width is None or height is None:
+            shown = tuple(side and shortened(side) for side in sides)
+            raise RecordingError(f"header: sizeX, sizeY = {shown}: must be whole numbers")
         return width, height
 
 
@@ -93,4 +93,5 @@ def _parse_streams(text: str) -> dict[int, dict[str, str]]:
             for node in root.findall("node[@name='outInfo']/node")
         }
     except (ElementTree.ParseError, ValueError) as error:
-        raise RecordingError(f"description of streams: {error}: must be XML with numbered nodes under outInfo") from error
+        what = shortened(str(error))
+        raise RecordingError(f"description of streams: {what}: must be XML with numbered nodes under outInfo") from error

@@ -20,7 +20,7 @@ __all__ = ["Aedat4Stream"]
 
 _ANSWER_S = 5.0  # how long a server may take to answer and to say what it sends
 _LOOK_S = 0.1  # how often a silent connection looks whether it is still wanted
-_PACKET_BYTES_MAX = 1 << 27  # 8 million events of 16 bytes: seconds of the fastest camera
+_PACKET_BYTES_MAX = 1 << 27  # packed or not: 8 million events of 16 bytes: seconds of the fastest camera
 _PIECE_BYTES = 1 << 18
 
 
@@ -49,7 +49,7 @@ class Aedat4Stream:
             header = self._read_header()
             self._stream = header.first_of_events
             self.sensor: Sensor | None = header.sensor(self._stream)
-            self._unpack = header.new_unpacker()
+            self._unpacker = header.new_unpacker()
         except BaseException:
             self.close()
             raise
@@ -90,7 +90,7 @@ class Aedat4Stream:
                 break
             if stream == self._stream:
                 try:
-                    yield events_of(self._unpack(data))
+                    yield events_of(self._unpacker.whole(data, _PACKET_BYTES_MAX))
                 except RecordingError as error:
                     raise RecordingError(f"packet at byte {at}: {error}") from error
         if self._end > at and wanted():

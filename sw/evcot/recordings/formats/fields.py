@@ -19,6 +19,7 @@ _MEANINGS = {
 }
 _POWERS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
 UNITS = {6: "seconds", 3: "milliseconds", 0: "microseconds", -3: "nanoseconds"}  # of 10**power us
+_LONGEST_NAME = 256  # of which a field can be meant: the expression's time grows with the square of the length
 _NAME = re.compile(rf"(.*?)(?:(?:_|\s*[(\[])({'|'.join(_POWERS)})[)\]]?)?")
 
 
@@ -44,7 +45,7 @@ def find_fields(names: Sequence[str]) -> Naming:
     found: dict[str, list[int]] = {"t": [], "x": [], "y": [], "p": []}
     power = None
     for i, name in enumerate(names):
-        match = _NAME.fullmatch(name.strip().strip("\"'").lower())
+        match = _NAME.fullmatch(name.strip().strip("\"'").lower()) if len(name) <= _LONGEST_NAME else None
         stem, unit = match.groups() if match else ("", None)
         field = _MEANINGS.get(stem)
         if field is not None and (unit is None or field == "t"):

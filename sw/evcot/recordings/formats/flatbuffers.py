@@ -19,6 +19,7 @@ from ...errors import RecordingError
 __all__ = ["Table", "root_table", "size_prefixed", "table_columns", "usual_vector", "vector_head"]
 
 _PREFIX_BYTES = 4
+_ROWS = 1 << 16  # of which the bytes are picked at once
 _USUAL_VECTOR = struct.Struct("<I24sI")  # the buffer's length, `vector_head`, number of items
 
 
@@ -67,16 +68,21 @@ class Table:
         at = self._field(index)
         return default if at is None else _number(self._data, layout, at)
 
-    def vector(self, index: int, item_bytes: int) -> tuple[int, int]:
-        """(offset of the first item, number of items) of a vector; (0, 0) where the field is left out."""
+    def vector(self, index: int, item_bytes: int, buffer_bytes: int | None = None) -> tuple[int, int]:
+        """(offset of the first item, number of items) of a vector; (0, 0) where the field is left out.
+
+        Args:
+            buffer_bytes: length of the whole buffer, where this table has only its beginning.
+        """
         at = self._field(index)
         if at is None:
             return 0, 0
         at += _number(self._data, "<I", at)
         count = _number(self._data, "<I", at)
         at += 4
-        if at + count * item_bytes > len(self._data):
-            raise RecordingError(f"{count} items of {item_bytes} bytes at offset {at}: must lie within {len(self._data)} bytes")
+        end = len(self._data) if buffer_bytes is None else buffer_bytes
+        if at + count * item_bytes > end:
+            raise RecordingError(f"{count} items of {item_bytes} bytes at offset {at}: must lie within {end} bytes")
         return at, count
 
     def text(self, index: int) -> str:
@@ -110,8 +116,11 @@ def table_columns(
         outside = np.flatnonzero((at < 0) | (at > len(data) - dtype.itemsize))
         if len(outside):
             raise RecordingError(f"offset {at[outside[0]]}: must lie within {len(data)} bytes")
-        values: NDArray[Any] = octets[at[:, np.newaxis] + np.arange(dtype.itemsize)].view(dtype)[:, 0]
-        return values.astype(np.int64)
+        found = np.empty(len(at), np.int64)
+        for begin in range(0, len(at), _ROWS):
+            rows: NDArray[Any] = octets[at[begin : begin + _ROWS, np.newaxis] + np.arange(dtype.itemsize)]
+            found[begin : begin + _ROWS] = rows.view(dtype)[:, 0]
+        return found
 
     begin, count = vector
     links = begin + 4 * np.arange(count, dtype=np.int64)

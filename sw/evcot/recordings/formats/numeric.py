@@ -109,6 +109,9 @@ def _plain(values: NDArray[Any]) -> NDArray[Any]:
     """In a type that the kernels know."""
     if values.dtype == np.float16:
         return values.astype(np.float32)
+    if values.dtype.kind == "f" and values.dtype.itemsize > 8:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return values.astype(np.float64)
     return values if values.dtype.isnative else values.astype(values.dtype.newbyteorder("="))
 
 

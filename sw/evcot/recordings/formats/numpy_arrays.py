@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import io
 import lzma
+import math
 import struct
 import tokenize
 import warnings
@@ -19,11 +21,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import RecordingError
-from .printable import reason
+from .printable import reason, shortened
 
 __all__ = ["StoredArray", "damage_named", "npy_array", "npz_arrays"]
 
-_HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+# Version -> how the length of its header is written, and what reads the header.
+_HEADERS = {
+    (1, 0): (struct.Struct("<H"), np.lib.format.read_array_header_1_0),
+    (2, 0): (struct.Struct("<I"), np.lib.format.read_array_header_2_0),
+}
+_HEADER_BYTES_MAX = 1 << 16  # what version 1.0 can have; NumPy itself reads no more than 10,000 characters
+_ARRAY_BYTES_MAX = 1 << 60  # beyond, places in the array do not fit into 64 bits
+_DIRECTORY_BYTES_MAX = 1 << 20  # of a zip: thousands of arrays
+_ARRAYS_MAX = 256
+_SKIPPED_BYTES = 1 << 20  # at once
 _LONGEST_ROW_BYTES = 256
 _FAR_BYTES = 1 << 20
 _LOCAL_HEADER = struct.Struct("<26xHH")  # of a zip's member: ends in the lengths of its name and of what else precedes the data
@@ -104,11 +115,18 @@ def _array(name: str, open_at: Callable[[int], IO[bytes]], seekable: bool) -> St
         version = np.lib.format.read_magic(stream)
         if version not in _HEADERS:
             raise RecordingError(f"{name}: npy version {version[0]}.{version[1]}: must be 1.0 or 2.0")
-        shape, fortran_order, dtype = _HEADERS[version](stream)
+        length, read_header = _HEADERS[version]
+        size = stream.read(length.size)
+        header_bytes = length.unpack(size)[0]
+        if header_bytes > _HEADER_BYTES_MAX:
+            raise RecordingError(f"{name}: header of {header_bytes} bytes: must be at most {_HEADER_BYTES_MAX}")
+        shape, fortran_order, dtype = read_header(io.BytesIO(size + stream.read(header_bytes)))
         array = StoredArray(name, dtype, shape, fortran_order, stream.tell(), open_at, seekable)
-    if not 0 < dtype.itemsize <= _LONGEST_ROW_BYTES or dtype.hasobject or any(side < 0 for side in shape):
+    if any(side < 0 for side in shape) or math.prod(shape) * dtype.itemsize > _ARRAY_BYTES_MAX:
+        raise RecordingError(f"{name}: is {shortened(str(shape))} of {dtype.itemsize} bytes each: must be below 2^60 bytes")
+    if not 0 < dtype.itemsize <= _LONGEST_ROW_BYTES or dtype.hasobject:
         raise RecordingError(
-            f"{name}: is {shape} of {dtype.itemsize} bytes each: must be up to {_LONGEST_ROW_BYTES}, no objects"
+            f"{name}: is {shortened(str(shape))} of {dtype.itemsize} bytes each: must be up to {_LONGEST_ROW_BYTES}, no objects"
         )
     return array
 
@@ -124,10 +142,26 @@ def npy_array(path: Path) -> StoredArray:
     return _array("array", open_at, True)
 
 
+class _Directory(io.FileIO):
+    """A file of which zipfile reads the list of members, in one piece and as long as the file says."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """The next bytes.
+
+        Raises:
+            RecordingError: they would be more than a list of members has.
+        """
+        if size is not None and size > _DIRECTORY_BYTES_MAX:
+            raise RecordingError(f"is a zip whose list of members has {size} bytes: must be at most {_DIRECTORY_BYTES_MAX}")
+        return super().read(size) or b""
+
+
 def npz_arrays(path: Path) -> dict[str, StoredArray]:
     """The arrays of an .npz file by their names; of a compressed one, only a stream from its start is checked for damage."""
-    with damage_named("is a damaged npz"), zipfile.ZipFile(path) as archive:
+    with damage_named("is a damaged npz"), _Directory(path) as file, zipfile.ZipFile(file) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
+    if len(members) > _ARRAYS_MAX:
+        raise RecordingError(f"holds {len(members)} arrays: must be at most {_ARRAYS_MAX}")
     arrays: dict[str, StoredArray] = {}
     for info in members:
         name = info.filename.removesuffix(".npy")
@@ -150,7 +184,8 @@ def _member_opener(path: Path, info: zipfile.ZipInfo) -> Callable[[int], IO[byte
             return file
         with damage_named("is a damaged npz"), zipfile.ZipFile(path) as archive:
             member = archive.open(info)
-            member.seek(byte)
+            while byte and (skipped := member.read(min(byte, _SKIPPED_BYTES))):
+                byte -= len(skipped)
             return member
 
     return open_at

@@ -1,80 +1,163 @@
 # SPDX-License-Identifier: Apache-2.0
-"""LZ4 and Zstandard frames that nobody vouches for: what they say of their size is not believed, what they give is bounded."""
+"""LZ4 and Zstandard frames that nobody vouches for: what they say of their size is not believed, what they give is bounded.
+
+A small frame is unpacked at once, up to a limit that the caller sets; one of any size is unpacked piece by piece, so that a
+frame of a few kilobytes that holds gigabytes costs time, as its content must, but no memory.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from itertools import chain
+import io
+from collections.abc import Iterator
+from typing import IO, Protocol, cast
 
 import lz4.frame
 import zstandard
 
 from ...errors import RecordingError
 
-__all__ = ["UNPACKED_BYTES_MAX", "unpack_lz4", "unpack_zstd"]
+__all__ = ["Lz4Unpacker", "PlainUnpacker", "Readable", "Section", "TooLarge", "Unpacker", "ZstdUnpacker"]
 
-# What a frame may give: 64 million events of 16 bytes, far more than any writer puts into one packet.
-UNPACKED_BYTES_MAX = 1 << 30
+_PIECE_BYTES = 1 << 20  # most that is unpacked, or read from a file, at once
+_FILE_BYTES = 1 << 16
 _ZSTD_WINDOW_BYTES_MAX = 1 << 27
 
 
-def unpack_lz4() -> Callable[[bytes | memoryview], bytes]:
-    """A function that unpacks one LZ4 frame a call, and raises RecordingError for what is not one whole frame."""
-    context = lz4.frame.create_decompression_context()
+class TooLarge(RecordingError):
+    """A frame that gives more than the caller has set for unpacking at once."""
 
-    def rest_of(packed: bytes | memoryview, used: int, step: int, whole: bool) -> Iterator[bytes]:
-        while not whole:
-            part, more, whole = lz4.frame.decompress_chunk(context, memoryview(packed)[used:], max_length=step)
-            if not (part or more or whole):
-                raise RecordingError(f"LZ4 frame of {len(packed)} bytes: must be whole")
-            used += more
-            yield part
-        if used < len(packed):
-            raise RecordingError(f"{len(packed) - used} bytes follow the LZ4 frame: must be none")
 
-    def unpack(packed: bytes | memoryview) -> bytes:
-        step = _step(packed)
+class Readable(Protocol):
+    """Packed bytes, from a file or from memory."""
+
+    def read(self, size: int = ..., /) -> bytes: ...
+
+
+class Unpacker(Protocol):
+    """How frames of one kind are unpacked; for one thread."""
+
+    def whole(self, packed: bytes | memoryview, most: int) -> bytes:
+        """The content of one frame.
+
+        Raises:
+            TooLarge: it is more than `most` bytes.
+            RecordingError: not one whole frame.
+        """
+        ...
+
+    def pieces(self, packed: Readable) -> Iterator[bytes]:
+        """The same of any size, in pieces of bounded size. One frame at a time."""
+        ...
+
+
+class Section:
+    """Some bytes of a file, which others may move in meanwhile."""
+
+    def __init__(self, file: io.BufferedReader, at: int, length: int) -> None:
+        self._file, self._at, self._end = file, at, at + length
+
+    def read(self, size: int = -1, /) -> bytes:
+        """The next bytes, up to `size` of them."""
+        left = self._end - self._at
+        self._file.seek(self._at)
+        data = self._file.read(left if size < 0 else min(size, left))
+        self._at += len(data)
+        return data
+
+
+class PlainUnpacker:
+    """Of what is not packed."""
+
+    def whole(self, packed: bytes | memoryview, most: int) -> bytes:
+        """See `Unpacker`."""
+        if len(packed) > most:
+            raise _too_large(most)
+        return bytes(packed)
+
+    def pieces(self, packed: Readable) -> Iterator[bytes]:
+        """See `Unpacker`."""
+        while piece := packed.read(_PIECE_BYTES):
+            yield piece
+
+
+class Lz4Unpacker:
+    """Of LZ4 frames."""
+
+    def __init__(self) -> None:
+        self._context = lz4.frame.create_decompression_context()
+
+    def whole(self, packed: bytes | memoryview, most: int) -> bytes:
+        """See `Unpacker`."""
         try:
-            lz4.frame.reset_decompression_context(context)
-            first, used, whole = lz4.frame.decompress_chunk(context, packed, max_length=step)
-            if whole and used == len(packed):
-                return bytes(first)
-            return _joined(chain((first,), rest_of(packed, used, step, whole)))
+            lz4.frame.reset_decompression_context(self._context)
+            first, used, is_whole = lz4.frame.decompress_chunk(self._context, packed, max_length=_step(packed, most))
         except RuntimeError as error:
             raise RecordingError(f"is no LZ4 frame: {error}") from error
+        if is_whole and used == len(packed) and len(first) <= most:
+            return bytes(first)
+        return _joined(self.pieces(io.BytesIO(packed)), most)
 
-    return unpack
-
-
-def unpack_zstd() -> Callable[[bytes | memoryview], bytes]:
-    """A function that unpacks one Zstandard frame a call, and raises RecordingError for what is none; a cut is not seen."""
-    decompressor = zstandard.ZstdDecompressor(max_window_size=_ZSTD_WINDOW_BYTES_MAX)
-
-    def parts(packed: bytes | memoryview) -> Iterator[bytes]:
-        reader = decompressor.stream_reader(packed, read_across_frames=False)
-        while part := reader.read(_step(packed)):
-            yield part
-
-    def unpack(packed: bytes | memoryview) -> bytes:
+    def pieces(self, packed: Readable) -> Iterator[bytes]:
+        """See `Unpacker`."""
+        lz4.frame.reset_decompression_context(self._context)
+        seen, is_whole, rest = 0, False, memoryview(b"")
         try:
-            return _joined(parts(packed))
+            while not is_whole:
+                if not rest:
+                    rest = memoryview(packed.read(_FILE_BYTES))
+                    seen += len(rest)
+                piece, used, is_whole = lz4.frame.decompress_chunk(self._context, rest, max_length=_PIECE_BYTES)
+                if not (piece or used or is_whole):
+                    raise RecordingError(f"LZ4 frame of {seen} bytes: must be whole")
+                rest = rest[used:]
+                if piece:
+                    yield bytes(piece)
+        except RuntimeError as error:
+            raise RecordingError(f"is no LZ4 frame: {error}") from error
+        following = len(rest) + len(packed.read())
+        if following:
+            raise RecordingError(f"{following} bytes follow the LZ4 frame: must be none")
+
+
+class ZstdUnpacker:
+    """Of Zstandard frames; a cut is not seen."""
+
+    def __init__(self) -> None:
+        self._decompressor = zstandard.ZstdDecompressor(max_window_size=_ZSTD_WINDOW_BYTES_MAX)
+
+    def whole(self, packed: bytes | memoryview, most: int) -> bytes:
+        """See `Unpacker`."""
+        return _joined(self._read(packed, _step(packed, most)), most)
+
+    def pieces(self, packed: Readable) -> Iterator[bytes]:
+        """See `Unpacker`."""
+        return self._read(packed, _PIECE_BYTES)
+
+    def _read(self, packed: bytes | memoryview | Readable, step: int) -> Iterator[bytes]:
+        try:
+            source = cast("IO[bytes] | bytes", packed)  # of which it asks no more than to read
+            reader = self._decompressor.stream_reader(source, read_size=_FILE_BYTES, read_across_frames=False)
+            while piece := reader.read(step):
+                yield piece
         except zstandard.ZstdError as error:
             raise RecordingError(f"is no Zstandard frame: {error}") from error
 
-    return unpack
 
-
-def _step(packed: bytes | memoryview) -> int:
+def _step(packed: bytes | memoryview, most: int) -> int:
     """How much to ask for at once: in most cases all of it."""
-    return min(8 * len(packed) + (1 << 16), UNPACKED_BYTES_MAX)
+    return min(8 * len(packed) + (1 << 16), most + 1)
 
 
-def _joined(parts: Iterable[bytes]) -> bytes:
+def _joined(pieces: Iterator[bytes], most: int) -> bytes:
     kept: list[bytes] = []
     count = 0
-    for part in parts:
-        kept.append(part)
-        count += len(part)
-        if count > UNPACKED_BYTES_MAX:
-            raise RecordingError(f"unpacks to more than {UNPACKED_BYTES_MAX} bytes: must be at most that")
+    for piece in pieces:
+        kept.append(piece)
+        count += len(piece)
+        if count > most:
+            raise _too_large(most)
     return b"".join(kept)
+
+
+def _too_large(most: int) -> TooLarge:
+    return TooLarge(f"unpacks to more than {most} bytes: must be at most that")

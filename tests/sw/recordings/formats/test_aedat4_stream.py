@@ -131,7 +131,7 @@ def test_whatever_is_damaged_ends_in_an_error_or_in_events() -> None:
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"HTTP/1.1 400 Bad Request\r\n\r\n", "header of 1347703880 bytes: must be at most 16777216; is it AEDAT4?"),
+        (b"HTTP/1.1 400 Bad Request\r\n\r\n", "header of 1347703880 bytes: must be at most 1048576; is it AEDAT4?"),
         (struct.pack("<I", 8) + b"\x08\0\0\0IOHX", "header: is marked b'IOHX': must be b'IOHE'"),
         (b"", "ends within its header, at byte 0"),
     ],
