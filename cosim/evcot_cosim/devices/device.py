@@ -26,6 +26,7 @@ from evcot.tracks.log import Kind
 from ..build.model import BuiltModel, build
 from .base import HardwareError, Stalls, pointer
 from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, source
+from .silence import check_waits
 
 __all__ = ["Device", "StreamTimes", "Top", "arrangement_of", "build_device"]
 
@@ -204,6 +205,7 @@ class Device:
 
         Raises:
             HardwareError: an event was lost, repeated, reordered or changed, or nothing moves any more.
+            RecordingError: a wait between two of them would take too many clocks: see `silence`. Nothing was driven.
         """
         return self._stream(ticks, x, y, p, None, keep)[0]
 
@@ -226,6 +228,7 @@ class Device:
     ) -> tuple[Decisions, NDArray[np.int64]]:
         n = len(ticks)
         ticks = np.ascontiguousarray(ticks, np.int64)
+        check_waits(ticks, self.now, (1 << self.shape.tick_w) - 1, self.seq)
         x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
         keep = None if keep is None else np.ascontiguousarray(keep, np.bool_)
         owner = np.full(n, UNDECIDED, np.int16)

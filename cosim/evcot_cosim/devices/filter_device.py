@@ -14,6 +14,7 @@ from pyverilator import PyVerilator
 
 from ..build.model import build
 from .base import Drive, Ending, HardwareError, Stalls, pattern_fields, pointer
+from .silence import check_waits
 
 __all__ = ["FilterDevice", "FilterTimes"]
 
@@ -154,6 +155,7 @@ class FilterDevice:
 
         Raises:
             HardwareError: a token was lost, invented, changed or withdrawn, or nothing moves any more.
+            RecordingError: a wait between two events would take too many clocks: see `silence`. Nothing was driven.
         """
         return self._stream(ticks, x, y, p, skip, None)
 
@@ -180,6 +182,8 @@ class FilterDevice:
     ) -> NDArray[np.bool_]:
         n = len(ticks)
         ticks = np.ascontiguousarray(ticks, np.int64)
+        tick_max = (1 << int(self.sim.io["s_tick"].signal.width)) - 1
+        check_waits(ticks, self.now, tick_max)
         x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
         skipped = np.zeros(n, np.uint8) if skip is None else np.ascontiguousarray(skip, np.uint8)
         keep = np.zeros(n, np.uint8)
@@ -188,7 +192,7 @@ class FilterDevice:
             in_pattern=pointer(self.stalls.source), in_length=len(self.stalls.source),
             out_pattern=pointer(self.stalls.passed), out_length=len(self.stalls.passed),
             keep=pointer(keep), accept_cycle=pointer(times and times.accepted), give_cycle=pointer(times and times.given),
-            tick_max=(1 << int(self.sim.io["s_tick"].signal.width)) - 1, now=self.now, cycle=self.cycle,
+            tick_max=tick_max, now=self.now, cycle=self.cycle,
         )  # fmt: skip
         status = _DRIVE.call(self.sim, job)
         self.now, self.cycle = job.now, job.cycle

@@ -24,6 +24,7 @@ __all__ = ["FileSource", "LiveSource", "NetworkSource", "StreamSource"]
 _SLICE_S = 0.005  # a file's events come in packets of this length, as a camera sends them
 _LATE_S = 0.1  # a file that cannot be read fast enough is played later and not all at once
 _NAP_S = 0.05
+_SILENCE_S = 60.0  # a longer wait for a file's next event is cut to this: a wrong clock may leave decades between two
 _BACK_US = 1_000_000
 
 Wanted = Callable[[], bool]
@@ -80,13 +81,17 @@ class FileSource:
         self._file, self._window, self._speed = file, window, speed
 
     def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
-        """See `LiveSource`; a packet arrives when its first event is due, and is given when its last one is."""
+        """See `LiveSource`; a packet arrives when its first event is due, and is given when its last one is. A minute is
+        the longest wait."""
         slice_us = max(1, round(_SLICE_S * self._speed * 1e6))
         first_us = self._file.t0_us + self._window[0]
         start_s = time.perf_counter()
         for events in self._slices(first_us, slice_us):
             done = (int(events.t_us[-1]) - first_us) // slice_us + 1
             due_s = start_s + done * slice_us / self._speed / 1e6
+            silence_s = due_s - time.perf_counter() - _SILENCE_S
+            if silence_s > 0:
+                start_s, due_s = start_s - silence_s, due_s - silence_s
             while (wait_s := due_s - time.perf_counter()) > 0:
                 if not wanted():
                     return

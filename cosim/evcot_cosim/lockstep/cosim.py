@@ -26,6 +26,7 @@ from evcot.tracks.tracking import KeptTracker, Tracker, log_of
 from ..build.model import BuiltModel
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, Top, build_device
+from ..devices.silence import check_silence
 from .lockstep import Lockstep, Mismatch, chunks
 
 __all__ = ["CosimRun", "check_addresses", "rerun", "run_cosim", "stalls_from"]
@@ -96,6 +97,10 @@ def run_cosim(
     if not len(events):
         raise RecordingError(f"{recording.name}: holds no events")
     check_addresses(recording, config.cot)
+    try:
+        check_silence(events.t_us, config.cot)
+    except RecordingError as error:
+        raise RecordingError(f"{recording.name}: {error}") from error
     cot = config.hardware(recording.width, recording.height)
     build = build_device(cot, top, waves=False, on_miss=building)
     stalls = stalls_from(stall_seed)

@@ -24,6 +24,7 @@ from evcot.tracks.log import Kind
 from ..build.model import BuiltModel
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, StreamTimes, Top
+from ..devices.silence import check_silence
 
 __all__ = ["CHUNK", "Clocks", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
 
@@ -124,6 +125,7 @@ class Lockstep:
         self.wall_s = 0.0
         self.latency = np.zeros(LATENCY_MAX + 1, np.int64)
         self._t0_us: int | None = None
+        self._last_us: int | None = None
         self._golden = CotModel(config, self.device.arrangement) if check else None
         self._second = ThreadPoolExecutor(1) if check else None
 
@@ -132,9 +134,12 @@ class Lockstep:
 
         Raises:
             MismatchError: hardware and model differ, or the hardware broke the rules of its streams.
+            RecordingError: the events have a gap that would take too many clocks: see `silence`. Nothing was driven.
         """
+        check_silence(events.t_us, self.config, self.events, self._last_us)
         if self._t0_us is None:
             self._t0_us = int(events.t_us[0])
+        self._last_us = int(events.t_us[-1])
         started = time.perf_counter()
         ticks = tick_times(events.t_us, self._t0_us, self.config.tick_us)
         if self._golden is None or self._second is None:

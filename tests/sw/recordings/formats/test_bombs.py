@@ -12,11 +12,9 @@ import struct
 import subprocess
 import sys
 import zipfile
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import lz4.frame
 import numpy as np
 import pytest
@@ -195,7 +193,7 @@ def test_an_npz_of_megabytes_that_holds_gigabytes_is_given_in_blocks(tmp_path: P
 
 def test_an_npz_header_of_gigabytes_is_refused(tmp_path: Path) -> None:
     head = npy_header("(1,)", length=(1 << 30) + 100) + b" "
-    path = deflated_zip(tmp_path / "header.npz", {name: (head, 1 << 30) for name in "t"})
+    path = deflated_zip(tmp_path / "header.npz", dict.fromkeys("t", (head, 1 << 30)))
     answer = answer_to(path)
     assert answer.refusal.endswith("'t': header of 1073741924 bytes: must be at most 65536")
 

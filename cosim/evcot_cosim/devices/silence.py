@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long a recording may be silent before hardware: ticks alone cost clocks, and none may be left out.
+
+A token holds up to 2^TICK_W - 1 ticks, and a longer wait is driven as many tokens as it takes, a clock each. What comes out is a
+function of every tick, and records carry their count, so a wait cannot be shortened without changing the results: one that would
+cost more than `SILENT_CLOCKS_MAX` clocks is refused before it is driven.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.errors import RecordingError
+from evcot.hardware.config import CotConfig
+
+__all__ = ["SILENT_CLOCKS_MAX", "check_silence", "check_waits"]
+
+SILENT_CLOCKS_MAX = 1 << 24  # seconds of simulation; 203 days of silence where a tick is a microsecond and TICK_W is 20
+
+
+def _longest(times: NDArray[np.int64], before: int) -> tuple[int, int, int]:
+    """Which of some times, one or more, follows the one before it most late; that one, and the gap."""
+    steps = np.diff(times)
+    at = int(steps.argmax()) + 1 if len(steps) else 0
+    if not at or int(times[0]) - before >= int(steps[at - 1]):
+        at, last = 0, before
+    else:
+        last = int(times[at - 1])
+    return at, last, int(times[at]) - last
+
+
+def check_silence(t_us: NDArray[np.int64], config: CotConfig, first_index: int = 0, before_us: int | None = None) -> None:
+    """Raise RecordingError where a run of a recording's events, in time order, has a gap too long for hardware.
+
+    Args:
+        t_us: (n,) their times.
+        config: says how long a tick is, and how many a token holds.
+        first_index: number of the first of them.
+        before_us: time of the event before them, if there is one.
+    """
+    if not len(t_us):
+        return
+    at, last_us, gap_us = _longest(t_us, int(t_us[0]) if before_us is None else before_us)
+    clocks = gap_us // config.tick_us // ((1 << config.shape.tick_w) - 1)
+    if clocks > SILENT_CLOCKS_MAX:
+        raise RecordingError(
+            f"event {first_index + at}: t = {t_us[at]} us follows t = {last_us} us: a gap of {gap_us / 1e6:g} s costs the hardware "
+            f"{clocks} clocks: must be at most {SILENT_CLOCKS_MAX}; take a part without it (--from, --to), or a longer cot.tick_us"
+        )
+
+
+def check_waits(ticks: NDArray[np.int64], now: int, tick_max: int, first_index: int = 0) -> None:
+    """The same of ticks since reset, of which `now` have passed, where a token holds up to `tick_max`."""
+    if not len(ticks):
+        return
+    at, last, gap = _longest(ticks, now)
+    if gap // tick_max > SILENT_CLOCKS_MAX:
+        raise RecordingError(
+            f"event {first_index + at}: tick {ticks[at]} follows tick {last}: {gap // tick_max} clocks of silence: "
+            f"must be at most {SILENT_CLOCKS_MAX}"
+        )
