@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long a recording may be silent before hardware: ticks alone cost clocks, and none may be left out.
 
-A token holds up to 2^TICK_W - 1 ticks, and a longer wait is driven as many tokens as it takes, a clock each. What comes out is a
-function of every tick, and records carry their count, so a wait cannot be shortened without changing the results: one that would
-cost more than `SILENT_CLOCKS_MAX` clocks is refused before it is driven.
+A token holds up to 2^TICK_W - 1 ticks, and a longer wait is driven as many tokens as it takes, a clock each. What comes out is
+a function of every tick, and records carry their count, so a wait cannot be shortened without changing the results: one that
+would cost more than `SILENT_CLOCKS_MAX` clocks is refused before it is driven.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ def check_silence(t_us: NDArray[np.int64], config: CotConfig, first_index: int =
     clocks = gap_us // config.tick_us // ((1 << config.shape.tick_w) - 1)
     if clocks > SILENT_CLOCKS_MAX:
         raise RecordingError(
-            f"event {first_index + at}: t = {t_us[at]} us follows t = {last_us} us: a gap of {gap_us / 1e6:g} s costs the hardware "
-            f"{clocks} clocks: must be at most {SILENT_CLOCKS_MAX}; take a part without it (--from, --to), or a longer cot.tick_us"
+            f"event {first_index + at}: t = {t_us[at]} us follows t = {last_us} us: a gap of {gap_us / 1e6:g} s costs {clocks} "
+            f"clocks: must be at most {SILENT_CLOCKS_MAX}; take a part without it (--from, --to), or a longer cot.tick_us"
         )
 
 

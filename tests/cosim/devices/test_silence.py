@@ -65,13 +65,13 @@ def test_no_drive_begins_a_gap_of_decades() -> None:
         run_cosim(Recording(events, 64, 64, "story"), config, "cot")
     ticks = events.t_us
     for device in (Device(config.cot, "cot"), FilterDevice("filter_polarity", ports={"enable": 0})):
-        with pytest.raises(RecordingError, match="^event 2: tick 1700000000000000 follows tick 1: "):
+        with pytest.raises(RecordingError, match=r"^event 2: tick 1700000000000000 follows tick 1: "):
             device.stream(ticks, events.x, events.y, events.p)
         assert device.now == device.cycle == 0
     with Lockstep(config.cot, "cot") as lockstep:
         lockstep.feed(events[:2])
         clocks = lockstep.device.cycle
-        with pytest.raises(RecordingError, match="^event 2: t = "):
+        with pytest.raises(RecordingError, match=r"^event 2: t = "):
             lockstep.feed(events[2:])
         assert lockstep.device.cycle == clocks
 

@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 from .ahead import in_order
+from .hdf5_chunks import Chunks
 from .hdf5_survey import Part, Survey, survey
 from .numeric import events_from_numbers, events_from_records, microseconds
 from .printable import printable, reason
 from .source import BLOCK_EVENTS, Format, Sensor
 
-__all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file"]
+__all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file", "open_rows"]
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 _ECF = 0x8ECF
@@ -33,11 +34,14 @@ _READ_ROWS = 1 << 17  # at least so many rows are read at once: a call of the li
 class Rows:
     """A dataset's rows, in slices that follow one another: every chunk is read, and its compression undone, once."""
 
-    def __init__(self, dataset: Any, chunk_rows: int) -> None:
-        self._dataset = dataset
+    def __init__(self, dataset: Any, chunk_rows: int, axis: int = 0) -> None:
+        self._dataset, self._chunks = dataset, Chunks(dataset, axis)
         self._step = chunk_rows * -(-_READ_ROWS // chunk_rows)
         self._begin = self._end = 0
         self._held: NDArray[Any] = np.empty(0)
+
+    def __len__(self) -> int:
+        return len(self._chunks)
 
     def __getitem__(self, window: slice) -> NDArray[Any]:
         """The rows from window.start to below window.stop.
@@ -49,7 +53,7 @@ class Rows:
         if end > self._end or begin < self._begin:
             kept = self._held[begin - self._begin :] if self._begin <= begin < self._end else None
             at = begin if kept is None else self._end
-            stop = min(-(-end // self._step) * self._step, len(self._dataset))
+            stop = min(-(-end // self._step) * self._step, len(self._chunks))
             rows = self._read(at, stop)
             self._held = rows if kept is None else np.concatenate((kept, rows))
             self._begin, self._end = begin, stop
@@ -61,7 +65,9 @@ class Rows:
 
     def _read(self, begin: int, end: int) -> NDArray[Any]:
         try:
-            rows: NDArray[Any] = self._dataset[begin:end]
+            rows = self._chunks.read(begin, end)
+        except RecordingError as error:
+            raise RecordingError(f"{self._dataset.name}: values {begin} to {end - 1}: {error}") from error
         except (OSError, RuntimeError, ValueError, MemoryError) as error:
             raise RecordingError(
                 f"{self._dataset.name}: values {begin} to {end - 1} cannot be read: {reason(error)}"
@@ -78,7 +84,7 @@ class Hdf5File:
         found = survey(path)
         self._file = open_file(path)
         try:
-            held = {part["dataset"]: Rows(open_dataset(self._file, part), part["chunk"]) for part in found["columns"].values()}
+            held = {part["dataset"]: open_rows(self._file, part) for part in found["columns"].values()}
         except BaseException:
             self._file.close()
             raise
@@ -87,7 +93,7 @@ class Hdf5File:
         self._records = rows if all(self._columns[field] == (rows, field) for field in "txyp") else None
         self._count: int = found["count"]
         self._t_offset: int = found["t_offset"]
-        self._index = found["index"] and self._file[found["index"]]
+        self._index = open_rows(self._file, found["index"]) if found["index"] else None
         self.sensor: Sensor | None = _sensor(found)
         self.details: Mapping[str, str] = found["details"]
         self.left_out: Counter[str] = Counter()
@@ -151,7 +157,7 @@ class Hdf5File:
         if self._index is None or not 0 <= ms < len(self._index):
             return None
         try:
-            place = int(self._index[ms])
+            place = int(self._index.at(ms)[0])
         except (OSError, RuntimeError, ValueError, TypeError):
             return None
         if not 0 <= place <= self._count:
@@ -198,6 +204,11 @@ def open_dataset(file: Any, part: Part) -> Any:
         return file[part["dataset"]]
     except (KeyError, OSError, RuntimeError, ValueError) as error:
         raise RecordingError(f"{part['dataset']}: cannot be opened: {reason(error)}") from error
+
+
+def open_rows(file: Any, part: Part) -> Rows:
+    """The rows of a part of a survey; errors as of `open_dataset`."""
+    return Rows(open_dataset(file, part), part["chunk"], part["axis"])
 
 
 def _check_filter(dataset: str, code: int, name: str) -> None:

@@ -38,8 +38,9 @@ _NAMES = {
 }
 # MVSEC: a row per event.
 _MATRIX = {"x": 0, "y": 1, "t": 2, "p": 3}
-# Of a dataset in one chunk, all of it has to be in memory at a time.
-_MOST_CHUNK_BYTES = 1 << 30
+# Of a dataset in one compressed chunk, all of it has to be in memory at a time; and so for every column.
+_MOST_CHUNK_BYTES = 1 << 28
+_MOST_MEMORY_BYTES = 1 << 29  # which the look-over itself may take
 
 
 def survey(path: Path, *, matlab: bool = False) -> Survey:
@@ -79,6 +80,7 @@ class _Refusal(Exception):
 def _survey(path: str, matlab: bool) -> Survey:
     import h5py
 
+    _bound_memory()
     with h5py.File(path, "r") as file:
         size = Path(path).stat().st_size
         places = [(name, "") for name in file if name != "#refs#"] if matlab else _PLACES
@@ -87,6 +89,11 @@ def _survey(path: str, matlab: bool) -> Survey:
             columns = _columns(file[place])
             if columns:
                 counts = {field: _check(file[part["dataset"]], part, size, matlab) for field, part in columns.items()}
+                held_bytes = sum({part["dataset"]: part["chunk_bytes"] for part in columns.values()}.values())
+                if held_bytes > _MOST_CHUNK_BYTES:
+                    raise _Refusal(
+                        f"{place}: compressed chunks of {held_bytes} bytes: must be at most {_MOST_CHUNK_BYTES} in all"
+                    )
                 if len(set(counts.values())) > 1:
                     held = ", ".join(f"{part['dataset']} {counts[field]}" for field, part in columns.items())
                     raise _Refusal(f"{held} values: all must be the same")
@@ -95,7 +102,7 @@ def _survey(path: str, matlab: bool) -> Survey:
                     "columns": columns,
                     "count": counts["t"],
                     "t_offset": _offset(file) if place in ("events", "/") else 0,
-                    "index": index if index and _is_here(file, index) and file[index].ndim == 1 else None,
+                    "index": _index(file, index, size),
                     "sensor": _sensor(file, place),
                     "details": {"events": place} | ({"also holds": ", ".join(others)} if others else {}),
                 }
@@ -143,10 +150,17 @@ def _alias(names: tuple[str, ...], present: Any) -> str | None:
 def _part(dataset: Any, pick: str | int | None) -> Part:
     creation = dataset.id.get_create_plist()
     filters = [creation.get_filter(i) for i in range(creation.get_nfilters())]
+    axis = 1 if pick is None and dataset.ndim == 2 and dataset.shape[0] == 1 else 0  # of MATLAB's rows
+    packed = dataset.chunks if filters else None
+    chunk_bytes = dataset.dtype.itemsize
+    for side in packed or ():
+        chunk_bytes *= side
     return {
         "dataset": dataset.name,
         "pick": pick,
-        "chunk": dataset.chunks[0] if dataset.chunks else 1,
+        "axis": axis,
+        "chunk": packed[axis] if packed else 1,
+        "chunk_bytes": chunk_bytes if packed else 0,
         "filters": [[int(each[0]), each[3].decode(errors="replace")] for each in filters],
     }
 
@@ -165,19 +179,38 @@ def _check(dataset: Any, part: Part, file_bytes: int, matlab: bool) -> int:
     if not dataset.size:
         return 0
     if dataset.chunks:
-        chunk_bytes = dataset.dtype.itemsize
         chunks = 1
         for length, chunk in zip(dataset.shape, dataset.chunks, strict=True):
-            chunk_bytes *= chunk
             chunks *= -(-length // chunk)
-        if chunk_bytes > _MOST_CHUNK_BYTES:
-            raise _Refusal(f"{name}: chunks of {chunk_bytes} bytes: must be at most {_MOST_CHUNK_BYTES}")
         held = dataset.id.get_num_chunks()
         if held != chunks:
             raise _Refusal(f"{name}: holds {held} of {chunks} chunks: must hold all")
     elif dataset.id.get_storage_size() != dataset.nbytes or (dataset.id.get_offset() or 0) + dataset.nbytes > file_bytes:
         raise _Refusal(f"{name}: of its {dataset.nbytes} bytes not all are in the file; is it cut off?")
     return int(dataset.size if pick is None else dataset.shape[0])
+
+
+def _index(file: Any, name: str, file_bytes: int) -> Part | None:
+    """The time index, if there is one to be used."""
+    if not name or not _is_here(file, name) or file[name].shape is None or file[name].ndim != 1:
+        return None
+    part = _part(file[name], None)
+    try:
+        _check(file[name], part, file_bytes, False)
+    except _Refusal:
+        return None
+    return part if part["chunk_bytes"] <= _MOST_CHUNK_BYTES else None
+
+
+def _bound_memory() -> None:
+    """Let this process take only so much more memory, where the system can bound it: a chunk may unpack to anything."""
+    try:
+        import resource
+
+        now_bytes = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (now_bytes + _MOST_MEMORY_BYTES,) * 2)
+    except (ImportError, OSError, ValueError):
+        return
 
 
 def _offset(file: Any) -> int:

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compressed chunks of HDF5 datasets, which may give no more than a chunk has.
+
+The HDF5 library makes room for whatever a deflate stream holds, a thousand times its own length, before it looks how much that
+should have been. So gzip, with or without shuffle in front of it, is undone here; of rarer pipelines with gzip in them the
+stream is measured here before the library is let at it.
+"""
+
+from __future__ import annotations
+
+import math
+import zlib
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import RecordingError
+from .printable import reason
+
+__all__ = ["Chunks"]
+
+_DEFLATE, _SHUFFLE = 1, 2
+_SLACK_BYTES = 1 << 16  # what checksums and the heads of other filters may add
+
+
+class Chunks:
+    """A dataset's rows along one axis, the only one or one of two; see `Hdf5File` for which datasets come here."""
+
+    def __init__(self, dataset: Any, axis: int = 0) -> None:
+        from h5py import h5t
+
+        self._dataset, self._axis = dataset, axis
+        creation = dataset.id.get_create_plist()
+        self._filters = [creation.get_filter(i) for i in range(creation.get_nfilters())] if dataset.chunks else []
+        codes = [int(each[0]) for each in self._filters]
+        self._deflates = _DEFLATE in codes
+        across = dataset.ndim == 1 or dataset.chunks is None or dataset.chunks[1 - axis] == dataset.shape[1 - axis]
+        self._here = (
+            codes in ([_DEFLATE], [_SHUFFLE, _DEFLATE])
+            and across
+            and dataset.dtype.kind != "b"
+            and dataset.id.get_type().equal(h5t.py_create(dataset.dtype, logical=True))
+        )
+
+    def __len__(self) -> int:
+        return int(self._dataset.shape[self._axis])
+
+    def read(self, begin: int, end: int) -> NDArray[Any]:
+        """The rows from begin to below end.
+
+        Raises:
+            RecordingError: they are not what the dataset says.
+        """
+        if not self._deflates:
+            return self._by_library(begin, end)
+        length = self._dataset.chunks[self._axis]
+        places = range(begin // length * length, end, length)
+        if not self._here:
+            for place in places:
+                self._measure(place)
+            return self._by_library(begin, end)
+        parts = [self._chunk(at)[max(begin - at, 0) : end - at] for at in places]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def _by_library(self, begin: int, end: int) -> NDArray[Any]:
+        rows: NDArray[Any] = self._dataset[0, begin:end] if self._axis else self._dataset[begin:end]
+        return rows
+
+    @property
+    def _bytes(self) -> int:
+        """Of a whole chunk."""
+        return math.prod(self._dataset.chunks) * int(self._dataset.dtype.itemsize)
+
+    def _packed(self, offset: tuple[int, ...]) -> tuple[int, bytes]:
+        """Which filters a chunk went without, and its bytes as they are in the file."""
+        size = self._dataset.id.get_chunk_info_by_coord(offset).size
+        if size > self._bytes + self._bytes // 16 + _SLACK_BYTES:
+            raise RecordingError(f"chunk of {self._bytes} bytes, {size} when packed: must not be larger for it")
+        mask, packed = self._dataset.id.read_direct_chunk(offset)
+        return mask, packed
+
+    def _offset(self, at: int) -> tuple[int, ...]:
+        return (0, at) if self._axis else (at,) + (0,) * (self._dataset.ndim - 1)
+
+    def _chunk(self, at: int) -> NDArray[Any]:
+        """The rows of the chunk that begins at a row, those beyond the dataset's end included."""
+        mask, packed = self._packed(self._offset(at))
+        content: bytes | NDArray[np.uint8] = packed
+        for i, (code, _, values, _) in reversed(list(enumerate(self._filters))):
+            if mask >> i & 1:
+                continue
+            content = _inflated(content, self._bytes) if code == _DEFLATE else _unshuffled(content, values[0] if values else 1)
+        if len(content) != self._bytes:
+            raise RecordingError(f"chunk unpacks to {len(content)} bytes: must be {self._bytes}")
+        rows = np.frombuffer(content, self._dataset.dtype)
+        sides = [side for axis, side in enumerate(self._dataset.chunks) if axis != self._axis]
+        return rows if self._axis or not sides else rows.reshape(-1, *sides)
+
+    def _measure(self, at: int) -> None:
+        """Refuse a row of chunks of which one holds more than it should."""
+        across = 1 - self._axis
+        steps = range(0, self._dataset.shape[across], self._dataset.chunks[across]) if self._dataset.ndim == 2 else (0,)
+        for step in steps:
+            place = list(self._offset(at))
+            if self._dataset.ndim == 2:
+                place[across] = step
+            mask, packed = self._packed(tuple(place))
+            for i, (code, *_) in reversed(list(enumerate(self._filters))):
+                if code == _DEFLATE and not mask >> i & 1:
+                    _inflated(packed, self._bytes + _SLACK_BYTES)
+
+
+def _inflated(packed: Any, most: int) -> bytes:
+    stream = zlib.decompressobj()
+    try:
+        content = stream.decompress(packed, most + 1)
+    except zlib.error as error:
+        raise RecordingError(f"chunk is damaged: {reason(error)}") from error
+    if len(content) > most:
+        raise RecordingError(f"chunk unpacks to more than {most} bytes: must be at most that")
+    if not stream.eof:
+        raise RecordingError("chunk is damaged: its deflate stream has no end")
+    return content
+
+
+def _unshuffled(content: bytes | NDArray[np.uint8], item_bytes: int) -> NDArray[np.uint8]:
+    """Bytes that stood first of every item, then second of every item, and so on, as items again."""
+    octets = np.frombuffer(content, np.uint8)
+    count = len(octets) // item_bytes if item_bytes > 1 else 0
+    if not count:
+        return octets
+    items = np.empty(len(octets), np.uint8)
+    whole = items[: count * item_bytes].reshape(count, item_bytes)
+    whole[...] = octets[: count * item_bytes].reshape(item_bytes, count).T
+    items[count * item_bytes :] = octets[count * item_bytes :]
+    return items
