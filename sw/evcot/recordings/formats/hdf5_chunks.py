@@ -70,7 +70,7 @@ class Chunks:
     @property
     def _bytes(self) -> int:
         """Of a whole chunk."""
-        return math.prod(self._dataset.chunks) * int(self._dataset.dtype.itemsize)
+        return int(math.prod(self._dataset.chunks) * self._dataset.dtype.itemsize)
 
     def _packed(self, offset: tuple[int, ...]) -> tuple[int, bytes]:
         """Which filters a chunk went without, and its bytes as they are in the file."""

@@ -9,22 +9,26 @@ https://www.mathworks.com/help/pdf_doc/matlab/matfile_format.pdf
 
 from __future__ import annotations
 
+import io
+import math
 import zlib
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
-from .hdf5 import open_dataset, open_file
+from .hdf5 import open_file, open_rows
 from .hdf5_survey import survey
 from .numeric import whole_numbers
+from .packing import Section
 from .printable import printable, reason
-from .source import Format
-from .whole import WholeFile
+from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS"]
 
@@ -36,156 +40,338 @@ _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f
 # Classes of matrix; from 6 on, numbers.
 _STRUCT, _DOUBLE, _UINT64 = 2, 6, 15
 _COMPLEX = 0x0800
+_MOST_SIDES = 32
+# A compressed variable up to this size is unpacked once and held; of a larger one, every column is unpacked up to its own end.
+_HELD_BYTES_MAX = 1 << 26
+_PIECE_BYTES = 1 << 16
+_SMALL_BYTES_MAX = 1 << 16  # of names, sides and flags
 
-_Columns = dict[str, NDArray[Any]]
+
+class _Stream(Protocol):
+    """Bytes, one after another."""
+
+    def read(self, size: int, /) -> bytes: ...
+
+    def skip(self, size: int, /) -> None: ...
+
+
+class _Held(io.BytesIO):
+    """Bytes in memory."""
+
+    def skip(self, size: int, /) -> None:
+        self.seek(size, 1)
+
+
+class _Inflated:
+    """What a deflate stream holds, unpacked as it is asked for."""
+
+    def __init__(self, packed: Section) -> None:
+        self._packed, self._stream, self._waiting = packed, zlib.decompressobj(), b""
+
+    def read(self, size: int, /) -> bytes:
+        """The next bytes; fewer only at the end of the stream, whose checksum has been found right by then."""
+        parts: list[bytes] = []
+        left = size
+        while left and not self._stream.eof:
+            try:
+                part = self._stream.decompress(self._waiting, min(left, 1 << 20))
+            except zlib.error as error:
+                raise RecordingError(f"a compressed variable is damaged: {reason(error)}") from error
+            self._waiting = self._stream.unconsumed_tail
+            if not part and not self._waiting and not self._stream.eof:
+                self._waiting = self._packed.read(_PIECE_BYTES)
+                if not self._waiting:
+                    raise RecordingError("a compressed variable is damaged: its deflate stream has no end")
+            parts.append(part)
+            left -= len(part)
+        return b"".join(parts)
+
+    def skip(self, size: int, /) -> None:
+        """Pass over so many bytes."""
+        while size and (part := self.read(min(size, 1 << 20))):
+            size -= len(part)
 
 
 class _Elements:
-    """Elements, one after another: each says what it is and how many bytes it has."""
+    """Elements, one after another: each says what it is and how many bytes it has.
 
-    def __init__(self, content: bytes | memoryview, order: str, first_byte: int = 0) -> None:
-        self._content, self.order = memoryview(content), order
-        self._first_byte, self._at = first_byte, 0
+    Attributes:
+        at: the byte of the stream that is next.
+        behind: where the element ends whose tag was read last.
+    """
 
-    def __iter__(self) -> Iterator[tuple[int, memoryview]]:
-        while self._at < len(self._content):
-            yield self.next()
+    def __init__(self, stream: _Stream, order: str, end: int, first_byte: int = 0) -> None:
+        self._stream, self.order, self._end, self._first_byte = stream, order, end, first_byte
+        self.at = self.behind = 0
 
     @property
     def place(self) -> int:
-        """The byte that the next element starts at."""
-        return self._first_byte + self._at
+        """The byte that is next, for messages."""
+        return self._first_byte + self.at
 
-    def next(self, *kinds: int) -> tuple[int, memoryview]:
-        """(kind, content) of the next element, which must be of one of `kinds`, if any are given."""
+    def tag(self, *kinds: int) -> tuple[int, int]:
+        """(kind, length) of the next element, which must be of one of `kinds`, if any are given; its content is next then."""
         place = self.place
-        tag = np.frombuffer(self._content[self._at : self._at + 8].tobytes().ljust(8, b"\0"), f"{self.order}u4")
-        kind, length = (int(each) for each in tag)
-        start = self._at + 8
+        start = self._stream.read(4).ljust(4, b"\0")
+        kind = int(np.frombuffer(start, f"{self.order}u4")[0])
         if kind >> 16:  # four bytes at most, in the tag itself
-            kind, length, start = kind & 0xFFFF, kind >> 16, self._at + 4
-            self._at += 8
+            kind, length = kind & 0xFFFF, kind >> 16
+            self.at += 4
+            self.behind = self.at + 4
         else:
-            self._at = start + (length if kind == _COMPRESSED else -(-length // 8) * 8)
-        if start + length > len(self._content):
+            length = int(np.frombuffer(self._stream.read(4).ljust(4, b"\0"), f"{self.order}u4")[0])
+            self.at += 8
+            self.behind = self.at + (length if kind == _COMPRESSED else -(-length // 8) * 8)
+        if self.at + length > self._end:
             raise RecordingError(f"byte {place}: an element of {length} bytes: reaches beyond its end; is it cut off?")
         if kinds and kind not in kinds:
             raise RecordingError(f"byte {place}: an element of kind {kind}: must be of {' or '.join(map(str, kinds))}")
-        return kind, self._content[start : start + length]
+        return kind, length
 
-    def numbers(self, *kinds: int) -> NDArray[Any]:
-        """The numbers of the next element."""
+    def end_at(self, end: int) -> None:
+        """No element may reach beyond here, from now on."""
+        self._end = min(self._end, end)
+
+    def go_to(self, at: int) -> None:
+        """Pass over what is before a byte."""
+        self._stream.skip(at - self.at)
+        self.at = at
+
+    def content(self, *kinds: int) -> bytes:
+        """What the next element holds, a small one."""
         place = self.place
-        kind, content = self.next(*kinds)
-        if kind not in _NUMBERS:
-            raise RecordingError(f"byte {place}: an element of kind {kind}: must hold numbers")
-        dtype = np.dtype(self.order + _NUMBERS[kind])
-        if len(content) % dtype.itemsize:
-            raise RecordingError(f"byte {place}: {len(content)} bytes of numbers: must be a multiple of {dtype.itemsize}")
-        return np.frombuffer(content, dtype)
+        _, length = self.tag(*kinds)
+        if length > _SMALL_BYTES_MAX:
+            raise RecordingError(f"byte {place}: an element of {length} bytes: must be at most {_SMALL_BYTES_MAX} here")
+        data = self._stream.read(length)
+        self.at += len(data)
+        self.go_to(self.behind)
+        if len(data) < length:
+            raise RecordingError(f"byte {place}: an element of {length} bytes: reaches beyond its end; is it cut off?")
+        return data
+
+    def whole_numbers(self, kind: int) -> list[int]:
+        """The 32-bit numbers of the next element."""
+        place = self.place
+        data = self.content(kind)
+        if len(data) % 4:
+            raise RecordingError(f"byte {place}: {len(data)} bytes of numbers: must be a multiple of 4")
+        return [int(each) for each in np.frombuffer(data, f"{self.order}{_NUMBERS[kind]}")]
 
 
-def _read_struct(matrix: _Elements) -> tuple[str, _Columns] | None:
-    """Name and columns of a struct of events; None for any other matrix."""
-    kind, size, name = _matrix_head(matrix)
-    if kind != _STRUCT or size != 1:
+_Opener = Callable[[], _Stream]
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the numbers of a column are: the byte of the variable that they begin at."""
+
+    dtype: np.dtype[Any]
+    at: int
+    count: int
+
+
+def _find_struct(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
+    """Name and columns of a struct of events; None for any other variable."""
+    kind, _ = elements.tag()
+    if kind != _MATRIX:
         return None
-    width = matrix.numbers(_INT32)
-    names = bytes(matrix.next(_INT8)[1])
+    elements.end_at(elements.behind)
+    matrix, size, name = _matrix_head(elements)
+    if matrix != _STRUCT or size != 1:
+        return None
+    width = elements.whole_numbers(_INT32)
+    names = elements.content(_INT8)
     if len(width) != 1 or not 0 < width[0] <= len(names):
         return None
-    fields = [names[at : at + width[0]].split(b"\0")[0].decode("latin-1") for at in range(0, len(names), int(width[0]))]
+    fields = [names[at : at + width[0]].split(b"\0")[0].decode("latin-1") for at in range(0, len(names), width[0])]
     if not set(_FIELDS) <= set(fields):
         return None
-    columns: _Columns = {}
+    places: dict[str, _Place] = {}
     for field in fields:
-        place = matrix.place
-        _, content = matrix.next(_MATRIX)
+        elements.tag(_MATRIX)
+        behind = elements.behind
         if field in _FIELDS:
-            columns[field] = _read_numbers(field, _Elements(content, matrix.order, place + 8))
-    return name, columns
+            places[field] = _find_numbers(field, elements)
+        elements.go_to(behind)
+    return name, places
 
 
-def _matrix_head(matrix: _Elements) -> tuple[int, int, str]:
+def _matrix_head(elements: _Elements) -> tuple[int, int, str]:
     """(class, number of values, name)."""
-    flags = matrix.numbers(_UINT32)
-    size = 1
-    for side in matrix.numbers(_INT32).tolist():
-        size *= side
-    name = bytes(matrix.next(_INT8)[1]).decode("latin-1")
+    flags = elements.whole_numbers(_UINT32)
+    size = math.prod(elements.whole_numbers(_INT32)[:_MOST_SIDES])
+    name = elements.content(_INT8).decode("latin-1")
     if len(flags) != 2 or flags[0] & _COMPLEX:
-        raise RecordingError(f"byte {matrix.place}: a matrix of flags {flags.tolist()}: must be of real numbers")
-    return int(flags[0] & 0xFF), size, name
+        raise RecordingError(f"byte {elements.place}: a matrix of flags {flags[:2]}: must be of real numbers")
+    return flags[0] & 0xFF, size, name
 
 
-def _read_numbers(field: str, matrix: _Elements) -> NDArray[Any]:
-    kind, size, _ = _matrix_head(matrix)
+def _find_numbers(field: str, elements: _Elements) -> _Place:
+    kind, size, _ = _matrix_head(elements)
     if not _DOUBLE <= kind <= _UINT64:
         raise RecordingError(f"{field}: is a matrix of class {kind}: must hold numbers")
-    numbers = matrix.numbers()
-    if len(numbers) != size:
-        raise RecordingError(f"{field}: holds {len(numbers)} of {size} numbers: must hold all")
-    return numbers
+    place = elements.place
+    kind, length = elements.tag()
+    if kind not in _NUMBERS:
+        raise RecordingError(f"byte {place}: an element of kind {kind}: must hold numbers")
+    dtype = np.dtype(elements.order + _NUMBERS[kind])
+    if length != size * dtype.itemsize:
+        raise RecordingError(f"{field}: holds {length / dtype.itemsize:g} of {size} numbers: must hold all")
+    return _Place(dtype, elements.at, size)
 
 
-def _read_version_5(path: Path) -> tuple[str, _Columns]:
-    content = path.read_bytes()
-    order = {b"IM": "<", b"MI": ">"}[content[126:128]]
-    others = []
-    for kind, element in _Elements(memoryview(content)[_HEADER_BYTES:], order, _HEADER_BYTES):
+class _Column(Protocol):
+    """One field of all events."""
+
+    @property
+    def count(self) -> int: ...
+
+    def blocks(self) -> Iterator[NDArray[Any]]:
+        """Its numbers, `BLOCK_EVENTS` at a time."""
+        ...
+
+
+@dataclass(frozen=True)
+class _Stored:
+    """A column of a file of version 5."""
+
+    name: str
+    place: _Place
+    open: _Opener
+
+    @property
+    def count(self) -> int:
+        return self.place.count
+
+    def blocks(self) -> Iterator[NDArray[Any]]:
+        stream = self.open()
+        stream.skip(self.place.at)
+        for first in range(0, self.count, BLOCK_EVENTS):
+            wanted = min(BLOCK_EVENTS, self.count - first) * self.place.dtype.itemsize
+            data = stream.read(wanted)
+            if len(data) < wanted:
+                raise RecordingError(f"{self.name}: ends within its {self.count} numbers; is it cut off?")
+            yield np.frombuffer(data, self.place.dtype)
+
+
+@dataclass(frozen=True)
+class _InHdf5:
+    """A column of a file of version 7.3."""
+
+    rows: Any
+
+    @property
+    def count(self) -> int:
+        return len(self.rows)
+
+    def blocks(self) -> Iterator[NDArray[Any]]:
+        for first in range(0, self.count, BLOCK_EVENTS):
+            yield self.rows[first : min(first + BLOCK_EVENTS, self.count)].ravel()
+
+
+def _read_version_5(file: io.BufferedReader) -> tuple[str, dict[str, _Column]]:
+    start = file.read(_HEADER_BYTES)
+    order = {b"IM": "<", b"MI": ">"}[start[126:128]]
+    size = file.seek(0, 2)
+    at = _HEADER_BYTES
+    others = 0
+    while at < size:
+        outer = _Elements(Section(file, at, size - at), order, size - at, at)
+        kind, length = outer.tag()
+        begin, place = at, at
+        at += outer.behind
         if kind == _COMPRESSED:
-            kind, element = _Elements(_inflated(element), order).next()
-        found = _read_struct(_Elements(element, order)) if kind == _MATRIX else None
+            begin = place + outer.at
+            open_variable = _opener(file, begin, length, order)
+            found = _find_struct(_Elements(open_variable(), order, 1 << 32))
+        else:
+            open_variable = _section_opener(file, begin, size - begin)
+            found = _find_struct(_Elements(open_variable(), order, size - begin, begin))
         if found is not None:
-            return found
-        others.append(kind)
-    raise RecordingError(f"holds {len(others)} variables, and no struct with the fields {', '.join(_FIELDS)}")
+            name, places = found
+            return name, {field: _Stored(field, places[field], open_variable) for field in _FIELDS}
+        others += 1
+    raise RecordingError(f"holds {others} variables, and no struct with the fields {', '.join(_FIELDS)}")
 
 
-def _inflated(element: memoryview) -> bytes:
-    try:
-        return zlib.decompress(element)
-    except zlib.error as error:
-        raise RecordingError(f"a compressed variable is damaged: {reason(error)}") from error
+def _section_opener(file: io.BufferedReader, begin: int, length: int) -> _Opener:
+    return lambda: Section(file, begin, length)
 
 
-def _read_version_7_3(path: Path) -> tuple[str, _Columns]:
+def _opener(file: io.BufferedReader, begin: int, length: int, order: str) -> _Opener:
+    """Opens a compressed variable; its checksum is found right first, as far as it can be the struct that is looked for."""
+    stream = _Inflated(Section(file, begin, length))
+    content = stream.read(_HELD_BYTES_MAX + 1)
+    if len(content) <= _HELD_BYTES_MAX:
+        return lambda: _Held(content)
+    content = b""
+    while stream.read(1 << 20):
+        pass
+    return lambda: _Inflated(Section(file, begin, length))
+
+
+def _read_version_7_3(path: Path) -> tuple[str, dict[str, _Column], Any]:
     found = survey(path, matlab=True)
-    with open_file(path) as file:
-        columns = {}
-        for field, part in found["columns"].items():
-            try:
-                columns["ts" if field == "t" else field] = open_dataset(file, part)[()].ravel()
-            except (OSError, RuntimeError, ValueError, MemoryError) as error:
-                raise RecordingError(f"{part['dataset']}: cannot be read: {reason(error)}") from error
-    return found["details"]["events"], columns
+    file = open_file(path)
+    try:
+        held = {field: open_rows(file, part) for field, part in found["columns"].items()}
+    except BaseException:
+        file.close()
+        raise
+    return found["details"]["events"], {"ts" if field == "t" else field: _InHdf5(rows) for field, rows in held.items()}, file
 
 
-def _events(columns: _Columns) -> tuple[Events, Mapping[str, str]]:
-    lengths = {field: len(columns[field]) for field in _FIELDS}
-    if len(set(lengths.values())) > 1:
-        held = ", ".join(f"{field} {length}" for field, length in lengths.items())
-        raise RecordingError(f"{held} values: all must be the same")
-    t_us = whole_numbers("ts", columns["ts"], np.int64)
-    x, y, p = (whole_numbers(field, columns[field], np.int32) for field in "xyp")
-    first = 0 if len(x) and not (x.all() and y.all()) else 1
-    if 2 in p:
-        p = p - 1
-    events = Events(
-        t_us=t_us,
-        x=whole_numbers("x", x - first, np.uint16),
-        y=whole_numbers("y", y - first, np.uint16),
-        p=whole_numbers("p", p, np.uint8, signed=True),
-    )
-    return events, {"pixels": f"counted from {first}"}
+class _MatlabFile:
+    """A struct of events as a `source.Source`."""
 
+    def __init__(self, path: Path) -> None:
+        self._file: Any = path.open("rb")
+        try:
+            if _is_version_7_3(self._file.read(_HEADER_BYTES)):
+                self._file.close()
+                name, self._columns, self._file = _read_version_7_3(path)
+            else:
+                self._file.seek(0)
+                name, self._columns = _read_version_5(self._file)
+            self._look_over()
+        except BaseException:
+            self._file.close()
+            raise
+        self.sensor: Sensor | None = None
+        self.left_out: Counter[str] = Counter()
+        self.details: Mapping[str, str] = {"struct": printable(name), "pixels": f"counted from {self._first}"}
 
-def _open(path: Path) -> WholeFile:
-    with path.open("rb") as file:
-        is_hdf5 = _is_version_7_3(file.read(_HEADER_BYTES))
-    name, columns = _read_version_7_3(path) if is_hdf5 else _read_version_5(path)
-    events, details = _events(columns)
-    return WholeFile(events, {"struct": printable(name), **details})
+    def _look_over(self) -> None:
+        """How pixels and polarities are coded."""
+        lengths = {field: self._columns[field].count for field in _FIELDS}
+        if len(set(lengths.values())) > 1:
+            held = ", ".join(f"{field} {length}" for field, length in lengths.items())
+            raise RecordingError(f"{held} values: all must be the same")
+        zero = any(not block.all() for field in "xy" for block in self._columns[field].blocks())
+        self._first = 0 if zero else 1
+        self._p_first = 1 if any((block == 2).any() for block in self._columns["p"].blocks()) else 0
+
+    def blocks(self, from_us: int | None = None) -> Iterator[Events]:
+        """See `source.Source`; from_us changes nothing."""
+        first = 0
+        for ts, x, y, p in zip(*(self._columns[field].blocks() for field in ("ts", "x", "y", "p")), strict=True):
+            columns = [whole_numbers(field, values, np.int32, first) for field, values in (("x", x), ("y", y), ("p", p))]
+            yield Events(
+                t_us=whole_numbers("ts", ts, np.int64, first),
+                x=whole_numbers("x", columns[0] - self._first, np.uint16, first),
+                y=whole_numbers("y", columns[1] - self._first, np.uint16, first),
+                p=whole_numbers("p", columns[2] - self._p_first, np.uint8, first, signed=True),
+            )
+            first += len(ts)
+
+    def smallest_sensor(self, width: int, height: int) -> Sensor:
+        """See `source.Source`."""
+        return width, height
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
 
 
 def _is_version_7_3(start: bytes) -> bool:
@@ -197,4 +383,4 @@ def _matches(start: bytes, _: Path) -> bool:
     return is_version_5 or _is_version_7_3(start)
 
 
-FORMATS = (Format("matlab", "MATLAB", _matches, _open),)
+FORMATS = (Format("matlab", "MATLAB", _matches, _MatlabFile),)

@@ -64,6 +64,10 @@ class Section:
         self._at += len(data)
         return data
 
+    def skip(self, size: int, /) -> None:
+        """Pass over so many bytes."""
+        self._at = min(self._at + size, self._end)
+
 
 class PlainUnpacker:
     """Of what is not packed."""
