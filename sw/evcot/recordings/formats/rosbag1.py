@@ -23,6 +23,9 @@ MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _BAG, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
 # Far above any real header: names and a few numbers, or the text of a message definition.
 _MOST_HEADER_BYTES = 1 << 20
+# A chunk is unpacked at once: 300 times what rosbag fills one to.
+_MOST_CHUNK_BYTES = 1 << 28
+_LZ4_RATIO_MAX = 256
 
 _Header = dict[bytes, bytes]
 
@@ -191,8 +194,11 @@ class Bag1:
             at = data_at + data_bytes
 
     def _unpacked(self, chunk: _Record) -> bytes:
-        packed = self._read(chunk.data_at, chunk.data_bytes, chunk.place)
         kind, size = chunk.header.get(b"compression", b""), chunk.number(b"size", 4)
+        if max(size, chunk.data_bytes) > _MOST_CHUNK_BYTES:
+            most = max(size, chunk.data_bytes)
+            raise RecordingError(f"{chunk.place}: a chunk of {most} bytes: must be at most {_MOST_CHUNK_BYTES}")
+        packed = self._read(chunk.data_at, chunk.data_bytes, chunk.place)
         try:
             content = _unpack(kind, packed, size)
         except (OSError, RuntimeError, EOFError) as error:
@@ -219,7 +225,8 @@ def _unpack(kind: bytes, packed: bytes, size: int) -> bytes | None:
     if kind == b"lz4":
         import lz4.frame
 
-        content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(packed, size + 1)
+        most = min(size + 1, _LZ4_RATIO_MAX * len(packed))  # for which the library makes room
+        content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(packed, most)
         return content
     return None
 

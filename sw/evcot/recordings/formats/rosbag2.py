@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import RecordingError
+from .packing import Lz4Unpacker, ZstdUnpacker
 from .printable import printable, reason
 
 __all__ = ["MCAP_MAGIC", "METADATA", "SQLITE_MAGIC", "Bag2"]
@@ -16,6 +17,10 @@ __all__ = ["MCAP_MAGIC", "METADATA", "SQLITE_MAGIC", "Bag2"]
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
 METADATA = "metadata.yaml"
+# Chunks and messages are held whole by the library; a bag in one packed file is unpacked to disk.
+_UNPACKED_BYTES_MAX = 1 << 28
+_RATIO_MAX = 200
+_METADATA_BYTES_MAX = 1 << 20
 
 
 class Bag2:
@@ -74,9 +79,60 @@ def _damage_told(what: str) -> Iterator[None]:
         raise RecordingError(f"{what}: {reason(error)}") from error
 
 
+class _BoundedZstd:
+    """What the library uses of Python's module zstd, with bounds to what it gives."""
+
+    @staticmethod
+    def decompress(data: bytes) -> bytes:
+        """One frame's content."""
+        return ZstdUnpacker().whole(data, _UNPACKED_BYTES_MAX)
+
+    @staticmethod
+    def open(file: Any, _: str) -> Any:
+        """A packed file, to be read unpacked."""
+        return _BoundedFile(file)
+
+
+class _BoundedFile:
+    """A file that unpacks to no more than so many times its size. A context manager."""
+
+    def __init__(self, file: Any) -> None:
+        size = file.seek(0, 2)
+        file.seek(0)
+        self._most = self._left = size * _RATIO_MAX + _UNPACKED_BYTES_MAX
+        self._pieces = ZstdUnpacker().pieces(file)
+
+    def __enter__(self) -> _BoundedFile:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def read(self, _: int = -1) -> bytes:
+        """The next piece, of bounded size."""
+        piece = next(self._pieces, b"")
+        self._left -= len(piece)
+        if self._left < 0:
+            raise RecordingError(f"a packed file unpacks to more than {self._most} bytes: must be at most that")
+        return piece
+
+
+def _bound_library() -> None:
+    """The library unpacks whatever it is given, as far as memory goes: from now on, as far as here."""
+    from rosbags.rosbag2 import reader, storage_mcap
+
+    storage_mcap.DECOMPRESSORS["lz4"] = lambda data, _: Lz4Unpacker().whole(data, _UNPACKED_BYTES_MAX)
+    storage_mcap.DECOMPRESSORS["zstd"] = lambda data, _: ZstdUnpacker().whole(data, _UNPACKED_BYTES_MAX)
+    setattr(reader, "zstd", _BoundedZstd)  # noqa: B010  (to the type checker, a module)
+
+
 def _reader(path: Path) -> Callable[[Path], Any]:
     """The library's reader for a file, by its content."""
+    _bound_library()
     if path.is_dir():
+        size = (path / METADATA).stat().st_size
+        if size > _METADATA_BYTES_MAX:
+            raise RecordingError(f"{METADATA} of {size} bytes: must be at most {_METADATA_BYTES_MAX}")
         from rosbags.rosbag2.reader import DirectoryReader
 
         return DirectoryReader

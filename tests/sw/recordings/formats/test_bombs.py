@@ -7,21 +7,26 @@ the events that are really in the file, or one line of refusal; never a tracebac
 
 from __future__ import annotations
 
+import bz2
 import json
 import struct
 import subprocess
 import sys
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
 import lz4.frame
 import numpy as np
 import pytest
+import scipy.io
 import zstandard
 
 from evcot.errors import RecordingError
 from evcot.recordings.files import open_recording, read_recording
+from evcot.recordings.formats import matlab
 
 from .test_aedat4 import plain_file, stream_node
 
@@ -59,7 +64,9 @@ def answer_to(path: Path) -> Answer:
     assert done.returncode == 0, done.stderr[-2000:]
     events, longest, refusal, peak_mb = json.loads(done.stdout)
     assert peak_mb < _PEAK_MB
-    assert "\n" not in refusal and len(refusal) < 600 and (not refusal or refusal.startswith(str(path)))
+    assert len(refusal) < 600
+    assert refusal.isprintable()
+    assert not refusal or refusal.startswith(f"{path}: ")
     return Answer(events, longest, refusal)
 
 
@@ -69,7 +76,9 @@ def refusal_of(path: Path) -> str:
         for _ in file.blocks():
             pass
     message = str(caught.value)
-    assert message.startswith(f"{path}: ") and "\n" not in message and len(message) < len(str(path)) + 400
+    assert message.startswith(f"{path}: ")
+    assert message.isprintable()
+    assert len(message) < len(str(path)) + 400
     return message.removeprefix(f"{path}: ")
 
 
@@ -128,7 +137,18 @@ def test_a_large_packet_must_be_what_it_says(tmp_path: Path) -> None:
         packed = packed_zeros(head, 16 * events, "Zstandard")
         path.write_bytes(plain_file(stream_node(0), (0, packed), compression=3))
         refusal = refusal_of(path)
-        assert refusal.startswith("packet at byte ") and refusal.endswith(what or "must lie within 16 bytes")
+        assert refusal.startswith("packet at byte ")
+        assert refusal.endswith(what or "must lie within 16 bytes")
+
+
+def with_table(content: bytes, table: bytes) -> bytes:
+    """A file that its writer closed: its header, laid out as by `plain_file` but with the table's place, and a table."""
+    compression, text = struct.unpack_from("<i", content, 30)[0], content[48:]
+    vtable = struct.pack("<5H2x", 10, 20, 4, 8, 16)
+    head = struct.pack("<I4s", 8, b"IOHE") + struct.pack("<iiqI", -20, compression, 0, 4 + len(vtable)) + vtable + text
+    end = 18 + len(head)
+    head = head[:16] + struct.pack("<q", end) + head[24:]
+    return content[:14] + struct.pack("<I", len(head)) + head + table
 
 
 @pytest.mark.parametrize("compression", [1, 3])
@@ -136,9 +156,7 @@ def test_a_packet_table_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, com
     packed = packed_zeros(struct.pack("<I", 1 << 30), 1 << 30, "LZ4" if compression == 1 else "Zstandard")
     path = tmp_path / "table.aedat4"
     content = plain_file(stream_node(0), compression=compression)
-    at = content.index(b"IOHE") - 4 + 36
-    assert struct.unpack_from("<q", content, at) == (-1,)
-    path.write_bytes(content[:at] + struct.pack("<q", len(content)) + content[at + 8 :] + packed)
+    path.write_bytes(with_table(content, packed))
     answer = answer_to(path)
     assert answer.refusal.endswith("unpacks to more than 268435456 bytes: must be at most that; is the file cut off?")
 
@@ -148,10 +166,8 @@ def test_a_packet_table_names_no_more_packets_than_there_is_room_for(tmp_path: P
     fields = struct.pack("<I4s2x3HiII", 16, b"FTAB", 6, 8, 4, 6, 4, count)
     table = struct.pack("<I", len(fields) + 4 * count) + fields
     content = plain_file(stream_node(0), compression=3)
-    at = content.index(b"IOHE") - 4 + 36
     path = tmp_path / "table.aedat4"
-    packed = packed_zeros(table, 4 * count, "Zstandard")
-    path.write_bytes(content[:at] + struct.pack("<q", len(content)) + content[at + 8 :] + packed)
+    path.write_bytes(with_table(content, packed_zeros(table, 4 * count, "Zstandard")))
     assert f"{count} entries: must be at most 0, for so many bytes" in refusal_of(path)
 
 
@@ -193,7 +209,7 @@ def test_an_npz_of_megabytes_that_holds_gigabytes_is_given_in_blocks(tmp_path: P
 
 def test_an_npz_header_of_gigabytes_is_refused(tmp_path: Path) -> None:
     head = npy_header("(1,)", length=(1 << 30) + 100) + b" "
-    path = deflated_zip(tmp_path / "header.npz", dict.fromkeys("t", (head, 1 << 30)))
+    path = deflated_zip(tmp_path / "header.npz", {"t": (head, 1 << 30)})
     answer = answer_to(path)
     assert answer.refusal.endswith("'t': header of 1073741924 bytes: must be at most 65536")
 
@@ -221,19 +237,18 @@ def test_a_zip_with_a_huge_list_of_members_is_refused(tmp_path: Path) -> None:
     assert "list of members has" in refusal_of(path)
 
 
-@pytest.mark.parametrize("shape", ["(1152921504606846976,)", f"({10**30}, 4)", f"({'9' * 4000},)", "(4611686018427387904, 4)"])
+@pytest.mark.parametrize("shape", [f"({1 << 60}, 4)", f"({10**30}, 4)", f"({'9' * 4000}, 4)", f"({1 << 62}, 4)"])
 def test_an_npy_of_a_huge_shape_is_refused(tmp_path: Path, shape: str) -> None:
     path = tmp_path / "huge.npy"
-    path.write_bytes(npy_header(shape, "[('t', '<i8'), ('x', '<u2'), ('y', '<u2'), ('p', 'u1')]".replace("'", "'")
-                                if shape.endswith(",)") else "<i8").replace(b"'[", b"[").replace(b"]'", b"]"))  # fmt: skip
-    assert "must be below 2^60 bytes" in refusal_of(path)
+    path.write_bytes(npy_header(shape))
+    assert refusal_of(path).endswith("of 8 bytes each: must be below 2^60 bytes")
 
 
 @pytest.mark.parametrize("shape", ["(1125899906842624, 4)", "(1125899906842623, 4)"])
 def test_an_npy_that_claims_petabytes_is_cut_off(tmp_path: Path, shape: str) -> None:
     path = tmp_path / "huge.npy"
     path.write_bytes(npy_header(shape))
-    assert refusal_of(path) == "holds no events" or "is it cut off?" in refusal_of(path)
+    assert "ends after event -1 of" in refusal_of(path)
 
 
 def test_long_doubles_are_numbers(tmp_path: Path) -> None:
@@ -243,7 +258,7 @@ def test_long_doubles_are_numbers(tmp_path: Path) -> None:
     events = read_recording(path, (10, 10)).events
     assert (events.t_us.tolist(), events.x.tolist(), events.p.tolist()) == ([500_000, 500_001], [3, 5], [1, 0])
     np.save(path, np.array([(np.longdouble("1e4000"), 1, 1, 1)]))
-    assert "t = " in refusal_of(path) and "must be a number of seconds" in refusal_of(path)
+    assert refusal_of(path).startswith("event 0: t = inf: must be a whole number")
 
 
 # Text, and headers of text.
@@ -288,3 +303,185 @@ def test_an_aedat3_header_of_megabytes_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "long.aedat"
     path.write_bytes(b"#!AER-DAT3.1\r\n" + (b"#" + b"a" * 60_000 + b"\r\n") * 30 + b"#!END-HEADER\r\n")
     assert refusal_of(path).endswith("or its first 1048576 bytes")
+
+
+# HDF5 and MATLAB.
+
+
+def deflated_zeros(count: int) -> bytes:
+    packer = zlib.compressobj()
+    return b"".join(packer.compress(bytes(1 << 24)) for _ in range(count >> 24)) + packer.flush()
+
+
+def hdf5_with(path: Path, chunk: bytes, *, rows: int, chunk_rows: int, fletcher32: bool = False) -> Path:
+    """Columns of which the times are in chunks that are put there as they are."""
+    with h5py.File(path, "w") as file:
+        options = {"chunks": (chunk_rows,), "compression": "gzip", "fletcher32": fletcher32}
+        t = file.create_dataset("events/t", (rows,), "<i8", **options)
+        for begin in range(0, rows, chunk_rows):
+            t.id.write_direct_chunk((begin,), chunk)
+        for name, kind in (("x", "<u2"), ("y", "<u2"), ("p", "u1")):
+            file.create_dataset(f"events/{name}", data=np.zeros(rows, kind), chunks=(1 << 16,), compression="gzip")
+    return path
+
+
+@pytest.mark.parametrize("fletcher32", [False, True])
+def test_an_hdf5_chunk_that_unpacks_to_more_than_a_chunk_is_refused(tmp_path: Path, fletcher32: bool) -> None:
+    bomb = deflated_zeros(1 << 30)
+    path = hdf5_with(tmp_path / "bomb.h5", bomb, rows=1 << 17, chunk_rows=1 << 17, fletcher32=fletcher32)
+    answer = answer_to(path)
+    assert answer.refusal.split(": ", 1)[1].startswith("/events/t: values 0 to 131071: chunk")
+
+
+def test_hdf5_of_megabytes_that_holds_gigabytes_is_given_in_blocks(tmp_path: Path) -> None:
+    rows, chunk_rows = 1 << 26, 1 << 20
+    path = hdf5_with(tmp_path / "bomb.h5", deflated_zeros(8 * chunk_rows + (8 << 20)), rows=rows, chunk_rows=chunk_rows * 2)
+    assert path.stat().st_size < 4 << 20
+    assert answer_to(path) == Answer(rows, 1 << 15, "")
+
+
+def test_hdf5_chunks_of_hundreds_of_megabytes_are_refused(tmp_path: Path) -> None:
+    path = hdf5_with(tmp_path / "bomb.h5", deflated_zeros(1 << 24), rows=1 << 26, chunk_rows=1 << 26)
+    assert refusal_of(path) == "events: compressed chunks of 537198592 bytes: must be at most 268435456 in all"
+
+
+def test_what_else_the_look_over_reads_is_bounded(tmp_path: Path) -> None:
+    path = tmp_path / "index.h5"
+    with h5py.File(path, "w") as file:
+        for name in "txyp":
+            file[f"events/{name}"] = np.zeros(10, np.uint8)
+        file.create_dataset("t_offset", (1,), "<i8", chunks=(1,), compression="gzip", maxshape=(None,))
+        file["t_offset"].id.write_direct_chunk((0,), deflated_zeros(1 << 31))
+    assert "t" in answer_to(path).refusal
+
+
+@pytest.mark.parametrize("held", [True, False], ids=["shuffled", "as it is"])
+def test_gzip_is_what_the_library_makes_of_it(tmp_path: Path, held: bool) -> None:
+    random = np.random.default_rng(4)
+    n = 300_000
+    wanted = {"t": np.sort(random.integers(0, 10**9, n)), "x": random.integers(0, 640, n).astype(np.uint16),
+              "y": random.integers(0, 480, n).astype(">u2"), "p": random.integers(0, 2, n).astype(bool)}  # fmt: skip
+    path = tmp_path / "usual.h5"
+    with h5py.File(path, "w") as file:
+        for name, values in wanted.items():
+            file.create_dataset(f"events/{name}", data=values, chunks=(10_007,), compression="gzip", shuffle=held)
+    events = read_recording(path, (640, 480)).events
+    for name, got in (("t", events.t_us), ("x", events.x), ("y", events.y), ("p", events.p)):
+        np.testing.assert_array_equal(got, wanted[name])
+    with open_recording(path, (640, 480)) as file:
+        part = file.read(300_000_000, 300_500_000)
+    first, end = np.searchsorted(wanted["t"] - wanted["t"][0], (300_000_000, 300_500_000))
+    np.testing.assert_array_equal(part.events.x, wanted["x"][first:end])
+
+
+def matlab_5(path: Path, count: int, before: int = 0) -> Path:
+    """A compressed struct of so many events whose columns are ones, behind a compressed variable of so many bytes."""
+
+    def element(kind: int, content: bytes) -> bytes:
+        return struct.pack("<II", kind, len(content)) + content + bytes(-len(content) % 8)
+
+    def head(kind: int, rows: int, name: bytes) -> bytes:
+        return element(6, struct.pack("<II", kind, 0)) + element(5, struct.pack("<ii", rows, 1)) + element(1, name)
+
+    def packed(*parts: tuple[bytes, int]) -> bytes:
+        packer = zlib.compressobj()
+        steps = []
+        for content, times in parts:
+            many = min(times, 1 << 20)
+            steps += [packer.compress(content * many) for _ in range(times // many)]
+        content = b"".join(steps) + packer.flush()
+        return struct.pack("<II", 15, len(content)) + content
+
+    parts: list[tuple[bytes, int]] = []
+    size = 0
+    start = (
+        head(2, 1, b"TD")
+        + element(5, struct.pack("<i", 8))
+        + element(1, b"".join(n.ljust(8, b"\0") for n in (b"x", b"y", b"p", b"ts")))
+    )
+    for _ in range(4):
+        inner = head(6, count, b"") + struct.pack("<II", 9, 8 * count)
+        parts += [(struct.pack("<II", 14, len(inner) + 8 * count) + inner, 1), (struct.pack("<d", 1), count)]
+        size += 8 + len(inner) + 8 * count
+    variable = packed((struct.pack("<II", 14, len(start) + size) + start, 1), *parts)
+    ahead = (
+        packed((struct.pack("<II", 14, before) + head(6, before // 8, b"other"), 1), (bytes(8), before // 8)) if before else b""
+    )
+    path.write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + ahead + variable)
+    return path
+
+
+def test_a_matlab_struct_that_unpacks_to_gigabytes_is_given_in_blocks(tmp_path: Path) -> None:
+    path = matlab_5(tmp_path / "bomb.mat", 1 << 25, 1 << 30)
+    assert path.stat().st_size < 4 << 20
+    assert answer_to(path) == Answer(1 << 25, 1 << 15, "")
+
+
+def test_a_matlab_struct_is_the_same_held_or_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "events.mat"
+    columns = {name: np.arange(70_000) // step + 1 for name, step in (("x", 300), ("y", 400), ("ts", 3))}
+    scipy.io.savemat(path, {"other": np.arange(9), "TD": columns | {"p": np.arange(70_000) % 2 + 1}}, do_compression=True)
+    held = read_recording(path).events
+    monkeypatch.setattr(matlab, "_HELD_BYTES_MAX", 1000)
+    got = read_recording(path).events
+    for field in ("t_us", "x", "y", "p"):
+        np.testing.assert_array_equal(getattr(got, field), getattr(held, field))
+    assert held.t_us[-1] == columns["ts"][-1]
+    content = bytearray(path.read_bytes())
+    content[-3] ^= 1
+    path.write_bytes(content)
+    assert "a compressed variable is damaged" in refusal_of(path)
+
+
+def test_matlab_7_3_is_bounded_as_hdf5_is(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.mat"
+    rows = 1 << 17
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name in ("x", "y", "p", "ts"):
+            dataset = file.create_dataset(f"TD/{name}", (1, rows), "<f8", chunks=(1, rows), compression="gzip")
+            dataset.id.write_direct_chunk((0, 0), deflated_zeros(1 << 30 if name == "p" else 1 << 20))
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+    assert "/TD/p: values 0 to 131071: chunk" in answer_to(path).refusal
+
+
+# ROS.
+
+
+def mcap_with_chunk(path: Path, packed: bytes, size: int, compression: bytes) -> Path:
+    """A bag without an index, of one chunk."""
+
+    def record(op: int, content: bytes) -> bytes:
+        return struct.pack("<BQ", op, len(content)) + content
+
+    def text(value: bytes) -> bytes:
+        return struct.pack("<I", len(value)) + value
+
+    magic = b"\x89MCAP0\r\n"
+    chunk = struct.pack("<QQQI", 0, 0, size, 0) + text(compression) + struct.pack("<Q", len(packed)) + packed
+    path.write_bytes(magic + record(1, text(b"ros2") + text(b"")) + record(6, chunk) + record(2, bytes(20)) + magic)
+    return path
+
+
+@pytest.mark.parametrize(("compression", "kind"), [("LZ4", b"lz4"), ("Zstandard", b"zstd")])
+def test_an_mcap_chunk_of_gigabytes_is_refused(tmp_path: Path, compression: str, kind: bytes) -> None:
+    path = mcap_with_chunk(tmp_path / "bomb.mcap", packed_zeros(b"", 1 << 31, compression), 1 << 31, kind)
+    assert "unpacks to more than 268435456 bytes: must be at most that" in answer_to(path).refusal
+
+
+@pytest.mark.parametrize("kind", [b"bz2", b"lz4"])
+def test_a_ros_1_chunk_of_gigabytes_is_refused(tmp_path: Path, kind: bytes) -> None:
+    packed = b"".join([bz2.compress(bytes(1 << 28))]) if kind == b"bz2" else packed_zeros(b"", 1 << 28, "LZ4")
+
+    def record(fields: dict[bytes, bytes], data: bytes) -> bytes:
+        header = b"".join(struct.pack("<I", len(name + value) + 1) + name + b"=" + value for name, value in fields.items())
+        return struct.pack("<I", len(header)) + header + struct.pack("<I", len(data)) + data
+
+    path = tmp_path / "bomb.bag"
+    start = b"#ROSBAG V2.0\n" + record({b"op": b"\3", b"index_pos": bytes(8)}, b"")
+    for size, what in (
+        ((1 << 32) - 1, "a chunk of 4294967295 bytes: must be at most 268435456"),
+        (1 << 20, "a chunk of 1048577 bytes"),
+    ):
+        path.write_bytes(start + record({b"op": b"\5", b"compression": kind, b"size": struct.pack("<I", size)}, packed))
+        assert what in answer_to(path).refusal
