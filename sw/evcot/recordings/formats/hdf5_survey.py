@@ -240,7 +240,7 @@ def _sensor(file: Any, place: str) -> list[int] | None:
             _listed(attributes.get("resolution")),
         )
         for sides in readings:
-            if len(sides) == 2 and all(str(side).strip().isdecimal() for side in sides):
+            if len(sides) == 2 and all(str(side).strip().isdecimal() and len(str(side)) < 20 for side in sides):
                 return [int(side) for side in sides]
     beside = f"{place}/calib/resolution"
     if place.startswith("prophesee") and _is_here(file, beside) and file[beside].shape == (2,):

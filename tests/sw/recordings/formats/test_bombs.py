@@ -98,7 +98,7 @@ def packed_zeros(head: bytes, zeros: int, compression: str) -> bytes:
     if compression == "LZ4":
         with lz4.frame.LZ4FrameCompressor(block_size=lz4.frame.BLOCKSIZE_MAX4MB) as packer:
             return packer.begin() + b"".join(map(packer.compress, steps)) + packer.flush()
-    packer = zstandard.ZstdCompressor(level=19).compressobj()
+    packer = zstandard.ZstdCompressor(level=3).compressobj()
     return b"".join(map(packer.compress, steps)) + packer.flush()
 
 
@@ -110,9 +110,9 @@ def test_a_packet_of_kilobytes_that_holds_a_gigabyte_is_given_in_blocks(
     packed = packed_zeros(packet_head(events), 16 * events, compression)
     assert len(packed) < megabytes << 20
     path = tmp_path / "bomb.aedat4"
-    path.write_bytes(plain_file(stream_node(0), (0, packed), (0, packed), compression=number))
+    path.write_bytes(plain_file(stream_node(0), (0, packed), compression=number))
     answer = answer_to(path)
-    assert (answer.events, answer.refusal) == (2 * events, "")
+    assert (answer.events, answer.refusal) == (events, "")
     assert answer.longest_block <= 1 << 15
 
 
@@ -199,7 +199,7 @@ def deflated_zip(path: Path, members: dict[str, tuple[bytes, int]]) -> Path:
 
 
 def test_an_npz_of_megabytes_that_holds_gigabytes_is_given_in_blocks(tmp_path: Path) -> None:
-    n = 1 << 27
+    n = 1 << 25
     members = {name: (npy_header(f"({n},)", dtype), n * size) for name, dtype, size in
                (("t", "<i8", 8), ("x", "<u2", 2), ("y", "<u2", 2), ("p", "u1", 1))}  # fmt: skip
     path = deflated_zip(tmp_path / "bomb.npz", members)
@@ -334,15 +334,15 @@ def test_an_hdf5_chunk_that_unpacks_to_more_than_a_chunk_is_refused(tmp_path: Pa
 
 
 def test_hdf5_of_megabytes_that_holds_gigabytes_is_given_in_blocks(tmp_path: Path) -> None:
-    rows, chunk_rows = 1 << 26, 1 << 20
+    rows, chunk_rows = 1 << 24, 1 << 20
     path = hdf5_with(tmp_path / "bomb.h5", deflated_zeros(8 * chunk_rows + (8 << 20)), rows=rows, chunk_rows=chunk_rows * 2)
     assert path.stat().st_size < 4 << 20
     assert answer_to(path) == Answer(rows, 1 << 15, "")
 
 
 def test_hdf5_chunks_of_hundreds_of_megabytes_are_refused(tmp_path: Path) -> None:
-    path = hdf5_with(tmp_path / "bomb.h5", deflated_zeros(1 << 24), rows=1 << 26, chunk_rows=1 << 26)
-    assert refusal_of(path) == "events: compressed chunks of 537198592 bytes: must be at most 268435456 in all"
+    path = hdf5_with(tmp_path / "bomb.h5", deflated_zeros(1 << 24), rows=1 << 25, chunk_rows=1 << 25)
+    assert refusal_of(path) == "events: compressed chunks of 268763136 bytes: must be at most 268435456 in all"
 
 
 def test_what_else_the_look_over_reads_is_bounded(tmp_path: Path) -> None:
@@ -351,7 +351,7 @@ def test_what_else_the_look_over_reads_is_bounded(tmp_path: Path) -> None:
         for name in "txyp":
             file[f"events/{name}"] = np.zeros(10, np.uint8)
         file.create_dataset("t_offset", (1,), "<i8", chunks=(1,), compression="gzip", maxshape=(None,))
-        file["t_offset"].id.write_direct_chunk((0,), deflated_zeros(1 << 31))
+        file["t_offset"].id.write_direct_chunk((0,), deflated_zeros(1 << 30))
     assert "t" in answer_to(path).refusal
 
 
@@ -412,9 +412,9 @@ def matlab_5(path: Path, count: int, before: int = 0) -> Path:
 
 
 def test_a_matlab_struct_that_unpacks_to_gigabytes_is_given_in_blocks(tmp_path: Path) -> None:
-    path = matlab_5(tmp_path / "bomb.mat", 1 << 25, 1 << 30)
+    path = matlab_5(tmp_path / "bomb.mat", 1 << 24, 1 << 29)
     assert path.stat().st_size < 4 << 20
-    assert answer_to(path) == Answer(1 << 25, 1 << 15, "")
+    assert answer_to(path) == Answer(1 << 24, 1 << 15, "")
 
 
 def test_a_matlab_struct_is_the_same_held_or_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -465,13 +465,13 @@ def mcap_with_chunk(path: Path, packed: bytes, size: int, compression: bytes) ->
 
 @pytest.mark.parametrize(("compression", "kind"), [("LZ4", b"lz4"), ("Zstandard", b"zstd")])
 def test_an_mcap_chunk_of_gigabytes_is_refused(tmp_path: Path, compression: str, kind: bytes) -> None:
-    path = mcap_with_chunk(tmp_path / "bomb.mcap", packed_zeros(b"", 1 << 31, compression), 1 << 31, kind)
+    path = mcap_with_chunk(tmp_path / "bomb.mcap", packed_zeros(b"", 1 << 30, compression), 1 << 30, kind)
     assert "unpacks to more than 268435456 bytes: must be at most that" in answer_to(path).refusal
 
 
 @pytest.mark.parametrize("kind", [b"bz2", b"lz4"])
 def test_a_ros_1_chunk_of_gigabytes_is_refused(tmp_path: Path, kind: bytes) -> None:
-    packed = b"".join([bz2.compress(bytes(1 << 28))]) if kind == b"bz2" else packed_zeros(b"", 1 << 28, "LZ4")
+    packed = bz2.compress(bytes(1 << 25)) if kind == b"bz2" else packed_zeros(b"", 1 << 25, "LZ4")
 
     def record(fields: dict[bytes, bytes], data: bytes) -> bytes:
         header = b"".join(struct.pack("<I", len(name + value) + 1) + name + b"=" + value for name, value in fields.items())
