@@ -94,7 +94,7 @@ def _print_row(*cells: str) -> None:
 
 def _write(path: Path, document: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    with written_aside(path) as file:
+    with written_aside(path, force=True) as file:
         file.write((json.dumps(document, indent=2) + "\n").encode())
 
 

@@ -33,6 +33,7 @@ from .commands import (
 )
 from .commands import filter as filter_command
 from .commands.cosim import MISMATCH
+from .commands.parsing import claims_of
 from .lockstep.lockstep import MismatchError
 
 __all__ = ["main", "parser"]
@@ -56,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     options = parser().parse_args(arguments)
     try:
-        with _warnings_in_one_line():
+        with _warnings_in_one_line(), claims_of(options) as options.claims:
             code: int = options.command(options, arguments)
         return code
     except MismatchError as error:

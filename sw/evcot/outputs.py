@@ -1,35 +1,492 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that a run leaves behind: each appears under its name only when it is whole."""
+"""The one policy for everything that evcot writes: no file of the user's is ever destroyed.
+
+- A file appears under its name only when it is whole. A file that exists is refused, unless `force` says to replace it.
+- Links are followed: the target is judged and written. Pipes, character devices and open descriptors are written through.
+- A folder is replaced only where evcot made it, and only the files in it that evcot wrote: the table `[files]` of its run.toml
+  lists them with their digests. What the user added or changed is never touched.
+- An output is never an input of the same call, nor another output of it: files are compared by inode, not by name.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import re
+import secrets
+import shutil
+import stat
+import sys
+import tempfile
+import tomllib
+import weakref
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from hashlib import blake2b
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from .errors import OutputError
 
-__all__ = ["written_aside"]
+__all__ = [
+    "RUN_FILE",
+    "Claims",
+    "check_file",
+    "check_folder",
+    "folder_written_aside",
+    "is_own_file",
+    "new_file",
+    "note_input",
+    "own_files",
+    "path_written_aside",
+    "reading",
+    "remade",
+    "spool_folder",
+    "written_aside",
+]
+
+RUN_FILE = "run.toml"  # in every folder that evcot makes: what it was made from, and which files evcot wrote there
+_LIST = "\n[files]  # that evcot wrote here, with digests: only these are ever replaced\n"
+_MOVED_LAST = ("summary.json", RUN_FILE)  # without them a folder does not look whole
+_NEVER_READ = ("report.html", "picture.png")  # of a run's folder: no input of any command
+_PARTIAL = re.compile(r"\..*\.[0-9a-f]{8}\.partial")  # what a killed process may leave
+_DESCRIPTOR = re.compile(r"/dev/std(out|err)|/(?:dev|proc/self)/fd/([0-9]+)")
+
+_Inode = tuple[int, int]
+_being_read: Counter[_Inode] = Counter()
+_call: ContextVar[Claims | None] = ContextVar("call", default=None)
+
+
+# ---- single files
 
 
 @contextmanager
-def written_aside(path: Path) -> Iterator[BinaryIO]:
-    """Open a file beside `path` that takes its place, replacing what stood there, when the block ends without an error.
+def written_aside(path: Path, *, force: bool = False) -> Iterator[BinaryIO]:
+    """Open a file beside `path` that takes its place when the block ends without an error.
 
     Whatever interrupts the block, `path` keeps what it had and nothing else stays behind.
 
+    Args:
+        force: replace a file that exists.
+
     Raises:
-        OutputError: the file cannot be written.
+        OutputError: the file exists, is an input, or cannot be written.
     """
-    aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
+    with path_written_aside(path, force=force) as aside, aside.open("xb") as file:
+        yield file
+
+
+@contextmanager
+def path_written_aside(path: Path, *, force: bool = False) -> Iterator[Path]:
+    """As `written_aside`, for libraries that open files themselves: yields the path to write to."""
+    with _in_one_line(path):
+        check_file(path, force=force)
+        if _is_special(path):
+            with tempfile.TemporaryDirectory() as folder:
+                aside = Path(folder) / path.name
+                yield aside
+                with aside.open("rb") as source, _through(path) as file:
+                    shutil.copyfileobj(source, file)
+            return
+        target = _resolved(path)
+        aside = _beside(target)
         try:
-            with aside.open("wb") as file:
-                yield file
-            os.replace(aside, path)
+            yield aside
+            _place(aside, target, path, force)
         finally:
             aside.unlink(missing_ok=True)
+
+
+def new_file(path: Path, *, force: bool = False, buffering: int = -1) -> BinaryIO:
+    """Open a file that has its name from the start, so that what has been written can be read whenever the process ends.
+
+    Raises:
+        OutputError: as `written_aside`.
+    """
+    with _in_one_line(path):
+        check_file(path, force=force)
+        if _is_special(path):
+            return _through(path)
+        target = _resolved(path)
+        aside = _beside(target)
+        file = open(aside, "xb", buffering=buffering)  # noqa: SIM115
+        try:
+            _place(aside, target, path, force)
+        except BaseException:
+            file.close()
+            raise
+        finally:
+            aside.unlink(missing_ok=True)
+        return file
+
+
+def check_file(path: Path, title: str = "", *, force: bool = False) -> None:
+    """Raise OutputError where `path` may not be written as a file; `title` names the option in the message."""
+    name = f"{title} {path}".strip()
+    with _in_one_line(name):
+        found = _status(path)
+        if found is not None and _inode(found) in _inputs():
+            raise OutputError(f"{name}: is an input of the same call: must be another file")
+        if _is_special(path):
+            return
+        if found is not None:
+            if stat.S_ISDIR(found.st_mode):
+                raise OutputError(f"{name}: is a folder: must be a file")
+            if not stat.S_ISREG(found.st_mode):
+                raise OutputError(f"{name}: is a block device or a socket: must be a file")
+            if not force:
+                raise OutputError(f"{name}: {_EXISTS}")
+        _check_writable(name, _resolved(path).parent)
+
+
+_EXISTS = "exists: must be another file, or --force be given to replace it (in Python force=True)"
+
+
+def spool_folder(path: Path) -> Path:
+    """Where temporary files that `path` is later made of belong: on the same disk."""
+    return Path(tempfile.gettempdir()) if _is_special(path) else _resolved(path).parent
+
+
+def _place(aside: Path, target: Path, path: Path, force: bool) -> None:
+    """Give a file its name; without `force` even a file that has appeared meanwhile stays."""
+    if force:
+        os.replace(aside, target)
+        return
+    try:
+        os.link(aside, target)
+    except FileExistsError as error:
+        raise OutputError(f"{path}: {_EXISTS}") from error
+    except OSError:  # a file system without hard links
+        if os.path.lexists(target):
+            raise OutputError(f"{path}: {_EXISTS}") from None
+        os.rename(aside, target)
+
+
+def _is_special(path: Path) -> bool:
+    """Whether it is written through: a pipe, a character device, or a descriptor that is open already."""
+    found = _status(path)
+    return bool(found and (stat.S_ISCHR(found.st_mode) or stat.S_ISFIFO(found.st_mode) or _descriptor(path) is not None))
+
+
+def _descriptor(path: Path) -> int | None:
+    named = _DESCRIPTOR.fullmatch(os.path.abspath(path))
+    return None if named is None else int(named[2]) if named[2] else 1 + (named[1] == "err")
+
+
+def _through(path: Path) -> BinaryIO:
+    descriptor = _descriptor(path)
+    if descriptor is None:
+        return open(path, "wb")
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    return open(os.dup(descriptor), "wb")
+
+
+def _beside(target: Path) -> Path:
+    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.partial")
+
+
+def _resolved(path: Path) -> Path:
+    """The path without links, also where the last of them leads nowhere yet."""
+    return Path(os.path.realpath(path))
+
+
+def _status(path: Path) -> os.stat_result | None:
+    """Of what a path leads to, None where there is nothing."""
+    try:
+        return os.stat(path)
+    except FileNotFoundError:
+        return None
+
+
+def _inode(found: os.stat_result) -> _Inode:
+    return found.st_dev, found.st_ino
+
+
+def _check_writable(name: str, folder: Path) -> None:
+    if not folder.is_dir():
+        reason = "Not a directory" if folder.exists() else "No such file or directory"
+        raise OutputError(f"{name}: cannot be written: {reason}")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OutputError(f"{name}: cannot be written: Permission denied")
+
+
+@contextmanager
+def _in_one_line(name: Path | str) -> Iterator[None]:
+    try:
+        yield
+    except OutputError:
+        raise
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise OutputError(f"{name}: cannot be written: {error.strerror or error}") from error
+
+
+# ---- folders
+
+
+@contextmanager
+def folder_written_aside(folder: Path) -> Iterator[Path]:
+    """A folder beside `folder` whose files are moved there when the block ends without an error; else nothing of it stays.
+
+    What `folder` holds is replaced only as far as evcot wrote it. run.toml goes first and comes last: a folder whose
+    replacement was interrupted does not look whole.
+
+    Raises:
+        OutputError: it holds something that evcot did not write, or something cannot be written.
+    """
+    with _in_one_line(folder):
+        check_folder(folder)
+        target = _resolved(folder)
+        parents = [parent for parent in target.parents if not parent.exists()]
+        aside = _workplace(target)
+        try:
+            aside.mkdir(parents=True)
+            yield aside
+            names = sorted(path.name for path in aside.iterdir())
+            _sign(aside)
+            if target.exists():
+                check_folder(folder, names)
+                _move_in(aside, target, names)
+            else:
+                aside.rename(target)
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
+            if not target.exists():
+                _remove_empty(parents)
+
+
+def check_folder(folder: Path, names: Collection[str] = (), title: str = "") -> None:
+    """Raise OutputError where evcot may not write these files into a folder; `title` names the option in the message."""
+    name = f"{title} {folder}".strip()
+    with _in_one_line(name):
+        target = _resolved(folder)
+        if not os.path.lexists(target):
+            _check_writable(name, next(parent for parent in target.parents if parent.exists()))
+            return
+        if not target.is_dir():
+            raise OutputError(f"{name}: is not a folder: must be a new or an empty one")
+        _check_writable(name, target)
+        present = {file for file in os.listdir(target) if not _PARTIAL.fullmatch(file)}
+        own = own_files(target)
+        if present and own is None:
+            raise OutputError(f"{name}: holds files, and evcot did not make it: must be a new or an empty folder")
+        for file in sorted(present & {*names, *(own or ())}):
+            if not is_own_file(target / file):
+                raise OutputError(
+                    f"{name}: holds {file}, which evcot did not write or which has changed since: must be moved away, "
+                    "or another folder be named"
+                )
+            if _inode(os.stat(target / file)) in _inputs():
+                raise OutputError(f"{name}: holds {file}, an input of the same call: must be another folder")
+
+
+def own_files(folder: Path) -> frozenset[str] | None:
+    """The names of the files that evcot wrote into a folder, None where evcot did not make it.
+
+    A run.toml that was copied from elsewhere does not count: at least one other file must be as it lists it.
+    """
+    listed = _listed(folder)
+    if listed is None or not any(name != RUN_FILE and is_own_file(folder / name) for name in listed):
+        return None
+    return frozenset(listed)
+
+
+def is_own_file(path: Path) -> bool:
+    """Whether a file is as evcot wrote it into a folder that it made."""
+    wanted = (_listed(path.parent) or {}).get(path.name)
+    return wanted is not None and _is_regular(path) and _digest(path) == wanted
+
+
+def remade(path: Path) -> None:
+    """Enter a file that was written again into the list of the folder that evcot made, where it is in one.
+
+    Raises:
+        OutputError: the list cannot be written.
+    """
+    listed = _listed(path.parent)
+    if listed is not None and is_own_file(path.with_name(RUN_FILE)):
+        run = path.with_name(RUN_FILE)
+        text = run.read_text(encoding="utf-8").partition(_LIST)[0]
+        with written_aside(run, force=True) as file:
+            file.write((text + _listing(listed | {path.name: _digest(path)})).encode())
+
+
+def _listed(folder: Path) -> dict[str, str] | None:
+    """The table [files] of a folder's run.toml."""
+    run = folder / RUN_FILE
+    if not _is_regular(run):
+        return None
+    try:
+        files = tomllib.loads(run.read_text(encoding="utf-8")).get("files")
+    except (OSError, ValueError):
+        return None
+    return files if isinstance(files, dict) and all(isinstance(digest, str) for digest in files.values()) else None
+
+
+def _sign(folder: Path) -> None:
+    """List the files of a folder in its run.toml."""
+    run = folder / RUN_FILE
+    if run.is_file():
+        listed = {path.name: _digest(path) for path in sorted(folder.iterdir())}
+        with run.open("ab") as file:
+            file.write(_listing(listed).encode())
+
+
+def _listing(digests: dict[str, str]) -> str:
+    return _LIST + "".join(f'"{name}" = "{digest}"\n' for name, digest in digests.items())
+
+
+def _digest(path: Path) -> str:
+    """Of a file's bytes, 16 hexadecimal digits; of run.toml those before its list."""
+    data = path.read_bytes()
+    return blake2b(data.partition(_LIST.encode())[0] if path.name == RUN_FILE else data, digest_size=8).hexdigest()
+
+
+def _is_regular(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink()
+
+
+def _workplace(target: Path) -> Path:
+    """A new folder on the same disk as `target`: beside it where that can be, else in it."""
+    beside = _beside(target)
+    if not target.exists() or (os.access(target.parent, os.W_OK) and not os.path.ismount(target)):
+        return beside
+    return target / beside.name
+
+
+def _move_in(aside: Path, target: Path, names: Collection[str]) -> None:
+    for name in sorted(own_files(target) or (), key=RUN_FILE.__ne__):
+        (target / name).unlink(missing_ok=True)
+    for name in sorted(names, key=lambda name: (name in _MOVED_LAST, name == RUN_FILE)):
+        os.rename(aside / name, target / name)
+
+
+def _remove_empty(folders: Collection[Path]) -> None:
+    """Innermost first."""
+    for folder in folders:
+        try:
+            folder.rmdir()
+        except OSError:
+            return
+
+
+# ---- inputs and outputs of one call
+
+
+def reading(owner: object, path: Path) -> Callable[[], Any]:
+    """Until the returned function is called, or `owner` is gone, nothing may be written over `path` or what it holds."""
+    inodes = _inodes(path)
+    _being_read.update(inodes)
+    return weakref.finalize(owner, _being_read.subtract, inodes)
+
+
+def note_input(path: Path | str) -> None:
+    """Say that a file is about to be read: inside `Claims`, it must then be no output of the call.
+
+    Raises:
+        OutputError: it is one.
+    """
+    call = _call.get()
+    if call is not None:
+        call.read(Path(path))
+
+
+class Claims:
+    """What one call reads and writes. Every further file is checked against those before it, so the order does not matter.
+
+    While its `with` block runs, all readers tell it what they read (`note_input`), and nothing is written over that.
+    """
+
+    def __init__(self) -> None:
+        self.inputs: dict[_Inode, Path] = {}
+        self._read: list[Path] = []
+        self._files: dict[str, Path] = {}
+        self._folders: dict[str, Path] = {}
+
+    def __enter__(self) -> Claims:
+        self._token = _call.set(self)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        _call.reset(self._token)
+
+    def read(self, path: Path) -> None:
+        """Claim an input: a file, or a folder with all that is in it; one that does not exist is the reader's to report."""
+        self._read.append(_resolved(path))
+        self.inputs |= dict.fromkeys(_inodes(path), path)
+        for title, file in self._files.items():
+            self._check_input(title, file)
+        for title, folder in self._folders.items():
+            self._check_no_input_in(title, folder)
+
+    def write(self, title: str, path: Path, *, force: bool = False) -> None:
+        """Claim a file to write, for the option `title`.
+
+        Raises:
+            OutputError: as `check_file`, or it is another output.
+        """
+        self._check_input(title, path)
+        self._check_other(title, path, self._files)
+        check_file(path, title, force=force)
+        self._files[title] = path
+        for folder in self._folders.values():
+            self._check_outside(title, path, folder)
+
+    def write_folder(self, title: str, folder: Path, names: Collection[str] = ()) -> None:
+        """Claim a folder to write `names` into, for the option `title`.
+
+        Raises:
+            OutputError: as `check_folder`, or it holds an input or another output.
+        """
+        self._check_no_input_in(title, folder)
+        self._check_other(title, folder, self._folders)
+        check_folder(folder, names, title)
+        self._folders[title] = folder
+        for option, path in self._files.items():
+            self._check_outside(option, path, folder)
+
+    def _check_input(self, title: str, path: Path) -> None:
+        with _in_one_line(f"{title} {path}"):
+            found = _status(path)
+        if found is not None and _inode(found) in self.inputs:
+            read = self.inputs[_inode(found)]
+            raise OutputError(f"{title} {path}: is {read}, an input of the same call: must be another file")
+
+    def _check_no_input_in(self, title: str, folder: Path) -> None:
+        target = _resolved(folder)
+        for path in self._read:
+            if path.is_relative_to(target) and path.exists():
+                raise OutputError(f"{title} {folder}: holds {path.name}, an input of the same call: must be another folder")
+
+    def _check_other(self, title: str, path: Path, others: dict[str, Path]) -> None:
+        for option, other in others.items():
+            if option != title and _resolved(other) == _resolved(path) and not _is_special(path):
+                raise OutputError(f"{title} {path}: is also {option}: must be another file")
+
+    def _check_outside(self, title: str, path: Path, folder: Path) -> None:
+        if _resolved(path).is_relative_to(_resolved(folder)) and not _is_special(path):
+            raise OutputError(f"{title} {path}: is in {folder}, which is written too: must be elsewhere")
+
+
+def _inputs() -> Collection[_Inode]:
+    """All that may not be written over at the moment."""
+    call = _call.get()
+    return {inode for inode, readers in _being_read.items() if readers > 0} | (set() if call is None else call.inputs.keys())
+
+
+def _inodes(path: Path) -> list[_Inode]:
+    """Of a file, or of all files in a folder; devices and pipes may be read and written in one call."""
+    found = _status_or_none(path)
+    if found is not None and stat.S_ISDIR(found.st_mode):
+        unread = {path / name for name in _NEVER_READ} if any((path / name).is_file() for name in _MOVED_LAST) else set()
+        files = {Path(folder) / name for folder, _, names in os.walk(path) for name in names} - unread
+        return [_inode(each) for file in files if (each := _status_or_none(file)) and stat.S_ISREG(each.st_mode)]
+    return [_inode(found)] if found is not None and stat.S_ISREG(found.st_mode) else []
+
+
+def _status_or_none(path: Path) -> os.stat_result | None:
+    try:
+        return os.stat(path)
+    except OSError:
+        return None

@@ -7,7 +7,6 @@ import argparse
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, fields
-from pathlib import Path
 from typing import Any
 
 from evcot.anomalies import AnomalyConfig, FieldConfig, NormalMotion, Verdict, Zones, anomalies, learn, load_zones
@@ -23,7 +22,7 @@ from evcot.tracks.timeline import lifetimes
 from ..tables import counted, print_table
 from .counting import Counting
 from .options import sensor_from
-from .parsing import add_command
+from .parsing import add_command, input_path, output_option
 
 __all__ = ["add"]
 
@@ -37,17 +36,17 @@ evcot anomalies today.npz --normal normal.npz -o alarms.csv --picture alarms.png
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "anomalies", "flag trajectories that do not fit: zones, direction, speed, stays", _EXAMPLES)
-    parser.add_argument("logs", type=Path, nargs="+", metavar="LOG", help="a track log; with --learn one or more")
+    parser.add_argument("logs", type=input_path, nargs="+", metavar="LOG", help="a track log; with --learn one or more")
     parser.add_argument("--learn", action="store_true", help="learn normal motion from the logs, and write it to -o FILE.npz")
-    parser.add_argument("--normal", type=Path, metavar="NPZ", help="normal motion, as --learn has written it")
-    parser.add_argument("--zones", type=Path, metavar="TOML", help="zones and counting lines (docs/anomalies.md)")
-    parser.add_argument("--recording", type=Path, metavar="FILE", help="refuse a log that is not of this recording")
+    parser.add_argument("--normal", type=input_path, metavar="NPZ", help="normal motion, as --learn has written it")
+    parser.add_argument("--zones", type=input_path, metavar="TOML", help="zones and counting lines (docs/anomalies.md)")
+    parser.add_argument("--recording", type=input_path, metavar="FILE", help="refuse a log that is not of this recording")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the recording's, else the smallest)")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the rules; again for more"
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="alarms as .csv or .json; with --learn the .npz")
-    parser.add_argument("--picture", type=Path, metavar="PNG", help="draw tracks and alarms")
+    output_option(parser, "-o", "--output", metavar="FILE", help="alarms as .csv or .json; with --learn the .npz")
+    output_option(parser, "--picture", metavar="PNG", help="draw tracks and alarms")
     parser.add_argument("--json", action="store_true", help="print everything as JSON")
     parser.set_defaults(command=_anomalies)
 
@@ -90,7 +89,7 @@ def _learn(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
     of_field = {key: overrides.pop(key) for key in [f.name for f in fields(FieldConfig)] if key in overrides}
     config = adjusted("anomalies", AnomalyConfig(), overrides)
     normal = learn(logs, sensor, adjusted("field", FieldConfig(), of_field), config)
-    normal.save(options.output)
+    normal.save(options.output, force=options.force)
     width, height = normal.sensor
     report = {
         "normal": str(options.output), "tracks": normal.tracks, "width": width, "height": height,
@@ -123,13 +122,13 @@ def _watch(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
         raise TrackLogError(f"{options.logs[0]}: {error}") from error
     table = rows(verdict.alarms, [zone.name for zone in zones.zones], [line.name for line in zones.lines])
     if options.output is not None:
-        write_alarms(options.output, table)
+        write_alarms(options.output, table, force=options.force)
     if options.picture is not None:
         from evcot.anomalies.picture import draw_alarms
 
         size = sensor or known or smallest_sensor(logs)
         title = f"{options.logs[0].name}: {counted(len(table), 'alarm')} (kind, track, time)"
-        draw_alarms(log, verdict.alarms, options.picture, title, size, normal, zones)
+        draw_alarms(log, verdict.alarms, options.picture, title, size, normal, zones, force=options.force)
     _report(options, log, verdict, table, zones, config)
     return 0
 

@@ -21,6 +21,7 @@ from evcot.tracks.tracking import log_of
 from ..devices.device import build_device
 from ..lockstep.lockstep import Lockstep, chunks
 from ..tables import print_table
+from .filter_options import save_learned
 from .job import Job, input_options, job_from
 from .options import window_from, window_options
 from .parsing import add_command
@@ -58,6 +59,7 @@ def _bench(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         for what, run in _jobs(job, progress):
             progress.note(what)
             rates.append(_Rate(what, _best_s(run), len(job.recording.events)))
+    save_learned(options)
     recording_s = job.recording.duration_us / 1e6
     if options.json:
         print(json.dumps([{**rate._asdict(), "events_per_s": rate.events / rate.seconds} for rate in rates], indent=2))

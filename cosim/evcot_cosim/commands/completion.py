@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import shtab
 
-from .parsing import add_command
+from .parsing import INPUT_TYPES, OUTPUT_TYPES, add_command
 
 __all__ = ["add"]
 
@@ -33,7 +33,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser], parser: a
 def _with_files(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
     """Let every argument that is a path, of any command, complete to files."""
     for action in _actions(parser):
-        if (action.type is not None and getattr(action.type, "__name__", "") == "Path") or action.dest == "recording":
+        if action.type in (*INPUT_TYPES, *OUTPUT_TYPES):
             action.complete = shtab.FILE  # type: ignore[attr-defined]
     return parser
 

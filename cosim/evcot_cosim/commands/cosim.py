@@ -14,11 +14,12 @@ from ..lockstep.cosim import run_cosim
 from ..lockstep.lockstep import MismatchError
 from ..lockstep.run_file import run_toml
 from ..lockstep.summary import table
-from ..report.artifacts import write_mismatch, write_run
+from ..report.artifacts import run_names, write_mismatch, write_run
 from ..tables import print_table
+from .filter_options import save_learned
 from .job import input_options, job_from
 from .options import window_from, window_options
-from .parsing import add_command
+from .parsing import add_command, output_option
 from .progress import Progress
 
 __all__ = ["MISMATCH", "add"]
@@ -41,7 +42,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     cosim = add_command(commands, "cosim", title, _EXAMPLES)
     input_options(cosim)
     window_options(cosim)
-    cosim.add_argument("-o", "--output", type=Path, metavar="DIR", help="where to write (default: build/cosim/NAME)")
+    output_option(cosim, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/cosim/NAME)")
     cosim.add_argument("--no-waves", action="store_true", help="write no waveform")
     cosim.add_argument("--print-config", action="store_true", help="print a run.toml that repeats the run, and run nothing")
     cosim.add_argument("--json", action="store_true", help="print summary.json instead of the table")
@@ -49,11 +50,18 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def _cosim(options: argparse.Namespace, arguments: Sequence[str]) -> int:
-    job = job_from(options, window_from(options))
+    def folder_of(name: str) -> Path:
+        return options.output or Path("build") / "cosim" / name
+
+    def claim(name: str) -> None:
+        if not options.print_config:
+            options.claims.write_folder("-o", folder_of(name), run_names())
+
+    job = job_from(options, window_from(options), claim=claim)
     if options.print_config:
         print(run_toml(job.run_file), end="")
         return 0
-    folder = options.output or Path("build") / "cosim" / job.name
+    folder = folder_of(job.name)
     command = shlex.join(["evcot", *arguments])
     with Progress(job.recording.name, len(job.recording.events), enabled=not (options.quiet or options.json)) as progress:
         try:
@@ -68,6 +76,7 @@ def _cosim(options: argparse.Namespace, arguments: Sequence[str]) -> int:
             raise
         progress.note("writing logs, picture, report and waveform")
         summary = write_run(run, folder, job.run_file, command=command, waves=not options.no_waves)
+    save_learned(options)
     if options.json:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:

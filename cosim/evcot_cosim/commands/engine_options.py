@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 from evcot.errors import ConfigError
@@ -15,6 +14,8 @@ from evcot.trackers.config import RunConfig, load_toml, load_tracker
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import for_sensor
 
+from .parsing import input_path
+
 __all__ = ["configured", "engine_options", "plain"]
 
 
@@ -23,7 +24,7 @@ def engine_options(parser: argparse.ArgumentParser) -> None:
     engines = "; ".join(f"{name}: {engine.title}" for name, engine in ENGINES.items())
     parser.add_argument("--engine", choices=ENGINES, default="rct", help=f"{engines} (default: rct)")
     parser.add_argument("--preset", metavar="NAME", help="of the engine, see `evcot presets --engine` (default: its first)")
-    parser.add_argument("--config", type=Path, metavar="TOML", help="its table of the engine's name overrides the preset")
+    parser.add_argument("--config", type=input_path, metavar="TOML", help="its table of the engine's name overrides the preset")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; again for more")
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
-from pathlib import Path
 
 from evcot.errors import TrackLogError
 from evcot.metrics import RULES, Scores, evaluate, load_rule, read_truth, rule_for
@@ -14,7 +13,7 @@ from evcot.tracks.log import TrackLog
 
 from .counting import Counting
 from .options import sensor_from
-from .parsing import add_command
+from .parsing import add_command, input_or_name, input_path
 
 __all__ = ["add"]
 
@@ -27,10 +26,17 @@ evcot evaluate build/cosim/highway/hardware.npz --truth highway.truth.csv --json
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "evaluate", "score tracks against ground truth: HOTA, CLEAR, ID scores, errors", _EXAMPLES)
-    parser.add_argument("log", type=Path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others")
-    parser.add_argument("--truth", type=Path, required=True, metavar="CSV", help="the ground truth")
+    parser.add_argument(
+        "log", type=input_path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others"
+    )
+    parser.add_argument("--truth", type=input_path, required=True, metavar="CSV", help="the ground truth")
     known = ", ".join(RULES)
-    parser.add_argument("--rule", metavar="RULE", help=f"{known}, or a .toml file (default: the one with the truth's columns)")
+    parser.add_argument(
+        "--rule",
+        type=input_or_name,
+        metavar="RULE",
+        help=f"{known}, or a .toml file (default: the one with the truth's columns)",
+    )
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the rule's)")
     parser.add_argument("--json", action="store_true", help="print every figure as JSON")
     parser.set_defaults(command=_evaluate)

@@ -7,7 +7,6 @@ import argparse
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from evcot.errors import ConfigError
@@ -19,9 +18,9 @@ from evcot.trackers.config import RunConfig, load_toml
 from evcot.trackers.presets import for_sensor
 
 from .counting import Counting
-from .filter_options import filter_options, filters_from
-from .options import check_other_file, open_from, recording_options, window_from
-from .parsing import add_command
+from .filter_options import filter_options, filters_from, save_learned
+from .options import open_from, recording_options, window_from
+from .parsing import add_command, input_path, output_option
 
 __all__ = ["add"]
 
@@ -34,10 +33,10 @@ evcot filter drive.aedat4 left.aedat4 --region 0,0,99,199 --polarity on
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "filter", "take noise, hot pixels or a region out of a recording", _EXAMPLES)
-    parser.add_argument("source", type=Path, metavar="A", help="the recording, in any format that evcot reads")
-    parser.add_argument("target", type=Path, metavar="B", help="what to write; its suffix tells the format")
+    parser.add_argument("source", type=input_path, metavar="A", help="the recording, in any format that evcot reads")
+    output_option(parser, "target", metavar="B", help="what to write; its suffix tells the format")
     recording_options(parser)
-    parser.add_argument("--config", type=Path, metavar="TOML", help="its table [filters] says what to filter")
+    parser.add_argument("--config", type=input_path, metavar="TOML", help="its table [filters] says what to filter")
     filter_options(parser)
     parser.add_argument("--json", action="store_true", help="print what was done as JSON instead of a table")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
@@ -47,16 +46,16 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def _filter(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     window = window_from(options)
     kind = format_for(options.target)  # refused before the recording is read
-    check_other_file(options.source, options.target)
     shown = not (options.quiet or options.json)
     with Counting(f"writing {options.target}", enabled=shown) as counting, open_from(options, options.source) as file:
         run = load_toml(options.config, for_sensor(file.sensor[0])) if options.config else RunConfig()
         config = filters_from(options, run.filters, file.blocks(*window), file.sensor)
-        if not config.enabled and options.learn_hot_pixels is None:
+        if not config.enabled and not options.learn_hot_pixels:
             raise ConfigError("no filter is on: see `evcot filter --help`")
         source = counting.watched(file.blocks(*window, required=True), file.t0_us)
         blocks = filtered(source, config, file.sensor, run.cot.tick_us)
-        kept = write_events(options.target, file.sensor, blocks, kind.name)
+        kept = write_events(options.target, file.sensor, blocks, kind.name, force=options.force)
+    save_learned(options)
     if options.json:
         print(json.dumps(_summary(blocks.totals, kept) | {"config": asdict(config)}, indent=2))
     elif shown:

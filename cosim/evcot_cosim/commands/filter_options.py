@@ -7,14 +7,16 @@ import argparse
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
+from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import Pixels, learn_hot_pixels, load_hot_pixels, save_hot_pixels
 
-__all__ = ["filter_options", "filters_from"]
+from .parsing import input_path, output_option
+
+__all__ = ["check_learning", "filter_options", "filters_from", "save_learned"]
 
 
 def milliseconds(text: str) -> int:
@@ -46,15 +48,15 @@ _NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
 
 
 def filter_options(parser: argparse.ArgumentParser) -> None:
-    """Add an option for each filter's settings."""
+    """Add an option for each filter's settings. A command that has done its work then calls `save_learned`."""
     group = parser.add_argument_group("filters", "on top of the table [filters] of --config; see docs/filters.md")
     group.add_argument("--region", type=region, metavar="X0,Y0,X1,Y1", help="keep these columns and rows, the last ones too")
     group.add_argument("--polarity", choices=("on", "off"), help="keep events of this polarity")
-    group.add_argument("--hot-pixels", type=Path, metavar="FILE", help="silence the pixels listed there, one `x y` a line")
     group.add_argument(
-        "--learn-hot-pixels", nargs="?", const="", metavar="FILE",
-        help="find hot pixels in the recording and silence them; with a FILE also list them there",
-    )  # fmt: skip
+        "--hot-pixels", type=input_path, metavar="FILE", help="silence the pixels listed there, one `x y` a line"
+    )
+    group.add_argument("--learn-hot-pixels", action="store_true", help="find hot pixels in the recording and silence them")
+    output_option(group, "--save-hot-pixels", metavar="FILE", help="list the hot pixels that --learn-hot-pixels finds")
     for option, (field, kind, metavar, meaning) in _NUMBERS.items():
         group.add_argument(option, dest=field, type=kind, metavar=metavar, help=meaning)
 
@@ -68,9 +70,27 @@ def filters_from(
         blocks: the recording, from which hot pixels are learned where the options ask for it.
 
     Raises:
-        ConfigError: a value outside its range, or a list of hot pixels that cannot be used.
+        ConfigError: as `check_learning`, a value outside its range, or a list of hot pixels that cannot be used.
     """
+    check_learning(options)
     return _with_hot_pixels(_on_top(base, options), options, blocks, sensor)
+
+
+def check_learning(options: argparse.Namespace) -> None:
+    """Raise ConfigError where hot pixels are to be saved that nobody finds."""
+    if options.save_hot_pixels is not None and not options.learn_hot_pixels:
+        raise ConfigError("--save-hot-pixels: must be given with --learn-hot-pixels")
+
+
+def save_learned(options: argparse.Namespace) -> None:
+    """Write the hot pixels that `filters_from` found, where the options ask for it.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    if options.save_hot_pixels is not None:
+        learned, sensor = options.learned
+        save_hot_pixels(options.save_hot_pixels, learned, sensor, force=options.force)
 
 
 def _on_top(config: FilterConfig, options: argparse.Namespace) -> FilterConfig:
@@ -84,9 +104,6 @@ def _with_hot_pixels(
 ) -> FilterConfig:
     """The configuration with the hot pixels that are listed, and those that are found in the blocks."""
     listed = load_hot_pixels(options.hot_pixels, sensor) if options.hot_pixels else ()
-    learned: Pixels = ()
-    if options.learn_hot_pixels is not None:
-        learned = learn_hot_pixels(blocks, sensor)
-        if options.learn_hot_pixels:
-            save_hot_pixels(options.learn_hot_pixels, learned, sensor)
+    learned: Pixels = learn_hot_pixels(blocks, sensor) if options.learn_hot_pixels else ()
+    options.learned = learned, sensor
     return replace(config, hot_pixels=config.hot_pixels + listed + learned)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
@@ -18,8 +19,9 @@ from ..devices.base import Stalls
 from ..devices.device import Top
 from ..lockstep.cosim import check_addresses, stalls_from
 from ..lockstep.run_file import RUN_FILE, RunFile, Source, digest, read_run_file
-from .filter_options import filter_options, filters_from
+from .filter_options import check_learning, filter_options, filters_from
 from .options import damage_options, sensor_from
+from .parsing import input_or_name, input_path
 
 __all__ = ["Job", "input_options", "job_from"]
 
@@ -59,10 +61,12 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False) -> Non
     """Add what `job_from` reads; `runs`: the folder of a run is an input too."""
     source = f"a recording, or a scene: {', '.join(SCENES)} (default: {_DEFAULT_SCENE})"
     run = "the folder of a run of `evcot cosim`; " if runs else ""
-    parser.add_argument("recording", nargs="?", metavar="RUN" if runs else "FILE", help=run + source)
+    parser.add_argument("recording", nargs="?", type=input_or_name, metavar="RUN" if runs else "FILE", help=run + source)
     parser.add_argument("--seed", type=int, metavar="N", help="seed of a scene (default: 1)")
     parser.add_argument("--preset", metavar="NAME", help="see `evcot presets` (default: the one for the sensor)")
-    parser.add_argument("--config", type=Path, metavar="TOML", help="overrides of the preset, or a whole run (--print-config)")
+    parser.add_argument(
+        "--config", type=input_path, metavar="TOML", help="overrides of the preset, or a whole run (--print-config)"
+    )
     parser.add_argument("--slots", type=int, metavar="N", help="tracker slots (default: the preset's)")
     parser.add_argument("--hardware", choices=get_args(Top), help="which module (default: cot_array)")
     parser.add_argument("--stalls", type=int, metavar="SEED", help="stall every stream of the hardware at random")
@@ -71,29 +75,43 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False) -> Non
     filter_options(parser)
 
 
-def job_from(options: argparse.Namespace, window: tuple[int, int | None] = (0, None), until_us: int | None = None) -> Job:
+def job_from(
+    options: argparse.Namespace,
+    window: tuple[int, int | None] = (0, None),
+    until_us: int | None = None,
+    claim: Callable[[str], None] | None = None,
+) -> Job:
     """What the options say, on top of the run that --config or the input folder describes.
 
     Args:
         window: the part of the recording that is taken, (from, to) in us after its first event. Of a run that was made of a
             part, that part is taken unless this says more than (0, None).
         until_us: what comes so long after the first event is not needed, and need not be read.
+        claim: told the job's name before anything long begins, to claim what is written under that name.
 
     Raises:
         ConfigError, RecordingError: something that the user can mend.
     """
+    check_learning(options)
+    if options.stalls is not None and options.stalls < 0:
+        raise ConfigError(f"--stalls {options.stalls}: must not be negative")
     folder = _run_folder(options)
     described = read_run_file(options.config) if options.config else None
     source = _source(options, described.source if described else None, window)
     if until_us is not None and not described:
         source = replace(source, to_us=until_us)
-    recording, name = source.read()
+    name = folder.name if folder else source.name
+    if source.truth_file is not None:
+        options.claims.read(source.truth_file)
+    if claim is not None:
+        claim(name)
+    recording = source.read()
     if described and source == described.source:
         described.check(options.config, recording.events)
     top: Top = options.hardware or (described.hardware if described else "cot_array")
     seed = described.stalls if described and options.stalls is None else options.stalls
     config = _config(options, recording, top)
-    return Job(source, recording, config, folder.name if folder else name, top, seed, folder)
+    return Job(source, recording, config, name, top, seed, folder)
 
 
 def _run_folder(options: argparse.Namespace) -> Path | None:

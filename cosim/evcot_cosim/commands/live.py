@@ -33,9 +33,9 @@ from ..live.sources import FileSource, LiveSource, NetworkSource
 from ..tables import print_table
 from .counting import Counting
 from .engine_options import configured, engine_options
-from .filter_options import filter_options, filters_from
-from .options import check_other_file, open_from, recording_options, sensor_from, window_from
-from .parsing import add_command
+from .filter_options import filter_options, filters_from, save_learned
+from .options import open_from, recording_options, sensor_from, window_from
+from .parsing import add_command, input_or_name, output_option
 
 __all__ = ["add"]
 
@@ -57,14 +57,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     title = "track and show events while they happen: a file at real speed, a network stream, a camera"
     parser = add_command(commands, "live", title, _EXAMPLES)
     source = "a recording; tcp://HOST:PORT, where DV or dv-processing sends AEDAT4; camera, or camera:SERIAL"
-    parser.add_argument("source", metavar="SOURCE", help=source)
+    parser.add_argument("source", type=input_or_name, metavar="SOURCE", help=source)
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a recording (default: 1, real speed)")
     parser.add_argument("--web", nargs="?", type=int, const=PORT, metavar="PORT", help=f"show a page (default port: {PORT})")
     parser.add_argument("--bind", default="127.0.0.1", metavar="ADDRESS", help="for the page (default: this machine only)")
-    parser.add_argument(
-        "--save", type=Path, metavar="FILE", help="record all that comes: .aedat4 or .raw; readable after a kill"
-    )
-    parser.add_argument("--save-log", type=Path, metavar="LOG.npz", help="write the track log when the run ends")
+    output_option(parser, "--save", metavar="FILE", help="record all that comes: .aedat4 or .raw; readable after a kill")
+    output_option(parser, "--save-log", metavar="LOG.npz", help="write the track log when the run ends")
     parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="stop after so many seconds")
     engine_options(parser)
     recording_options(parser)
@@ -86,12 +84,12 @@ def _live(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         waiting = f"getting {options.engine} ready (the first time takes longer)"
         with Counting(waiting, enabled=not (options.quiet or options.json)):
             _warm(start(settings, filters, source.sensor), source.sensor)
-        log = LogKeeper(options.save_log, options.engine) if options.save_log else None
+        log = LogKeeper(options.save_log, options.engine, force=options.force) if options.save_log else None
         if log is not None:
             undo.callback(log.drop)
-        recorder = Recorder(options.save, source.sensor) if options.save else None
+        recorder = Recorder(options.save, source.sensor, force=options.force) if options.save else None
         if recorder is not None:
-            undo.callback(recorder.close)
+            undo.callback(recorder.drop)
         session = Session(source, start(settings, filters, source.sensor), recorder, log)
         hello = {
             "name": source.name, "engine": options.engine, "preset": options.preset or "default preset",
@@ -100,6 +98,7 @@ def _live(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         }  # fmt: skip
         server = undo.enter_context(Server(session, hello, options.web, options.bind)) if options.web is not None else None
         _run(options, session, server.url if server else None)
+    save_learned(options)
     summary = session.summary()
     if options.json:
         _print_line({"kind": "summary"} | summary)
@@ -113,8 +112,6 @@ def _check(options: argparse.Namespace) -> None:
         raise ConfigError(f"--speed {options.speed:g}: must be from {_SPEEDS[0]:g} to {_SPEEDS[1]:g}")
     if options.for_s is not None and not 0 < options.for_s < 1e9:
         raise ConfigError(f"--for {options.for_s:g}: must be more than 0 seconds")
-    if options.save is not None:
-        check_other_file(Path(options.source), options.save)
 
 
 def _open(options: argparse.Namespace, window: tuple[int, int | None]) -> tuple[LiveSource, Callable[[], Iterator[Events]]]:
@@ -125,7 +122,7 @@ def _open(options: argparse.Namespace, window: tuple[int, int | None]) -> tuple[
         return FileSource(file, window, options.speed), lambda: file.blocks(*window)
     for option, given in (
         ("--speed", options.speed != 1), ("--from", options.from_ms != 0), ("--to", options.to_ms is not None),
-        ("--learn-hot-pixels", options.learn_hot_pixels is not None),
+        ("--learn-hot-pixels", options.learn_hot_pixels),
     ):  # fmt: skip
         if given:
             raise ConfigError(f"{option}: must not be given with {options.source}, which is no file")

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import re
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from evcot.events import Recording
 from evcot.recordings.files import RecordingFile, open_recording
 
 __all__ = [
-    "check_other_file",
     "damage_options",
     "open_from",
     "read_from",
@@ -82,9 +80,3 @@ def read_from(options: argparse.Namespace, path: Path) -> Recording:
     from_us, to_us = window_from(options)
     with open_from(options, path) as file:
         return file.read(from_us, to_us)
-
-
-def check_other_file(source: Path, target: Path) -> None:
-    """Raise ConfigError where a recording would be written over the one that is read."""
-    if target.exists() and source.exists() and os.path.samefile(source, target):
-        raise ConfigError(f"{target}: must be another file than the one that is read")

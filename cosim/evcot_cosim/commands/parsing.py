@@ -1,11 +1,60 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a command presents itself: a line on what it does, its options, and examples."""
+"""How a command presents itself: a line on what it does, its options, and examples; and which of them name files.
+
+Every argument that names a file says by its type whether the file is read or written. That is how all files of a call are
+known, and checked, before a command begins (`claims_of`).
+"""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+from typing import Any
 
-__all__ = ["add_command"]
+from evcot.outputs import Claims
+
+__all__ = [
+    "INPUT_TYPES",
+    "OUTPUT_TYPES",
+    "add_command",
+    "claims_of",
+    "input_or_name",
+    "input_path",
+    "output_file",
+    "output_folder",
+    "output_option",
+]
+
+
+def input_path(text: str) -> Path:
+    """The type of an argument that names a file or a folder to read."""
+    return Path(text)
+
+
+def input_or_name(text: str) -> str:
+    """The type of an argument that names a file or a folder to read, or something else, such as a scene."""
+    return text
+
+
+def output_file(text: str) -> Path:
+    """The type of an argument that names a file to write; `output_option` adds one."""
+    return Path(text)
+
+
+def output_folder(text: str) -> Path:
+    """The type of an argument that names a folder to write; `output_option` adds one."""
+    return Path(text)
+
+
+INPUT_TYPES = (input_path, input_or_name)
+OUTPUT_TYPES = (output_file, output_folder)
+
+
+def output_option(parser: argparse._ActionsContainer, *names: str, folder: bool = False, **more: Any) -> None:
+    """Add an argument that names a file to write, or a folder; with the first file, --force too."""
+    parser.add_argument(*names, type=output_folder if folder else output_file, **more)
+    if not folder and "--force" not in parser._option_string_actions:
+        parser.add_argument("--force", action="store_true", help="replace the files to write where they exist")
 
 
 def add_command(
@@ -13,7 +62,32 @@ def add_command(
 ) -> argparse.ArgumentParser:
     """A command's parser: `evcot NAME -h` shows title, options and examples, one command with a remark per line."""
     epilog = "examples:\n" + "\n".join(f"  {line}".rstrip() for line in examples.strip().splitlines())
-    return commands.add_parser(
+    parser = commands.add_parser(
         name, help=title, description=title[:1].upper() + title[1:] + ".", epilog=epilog,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
+    parser.set_defaults(parser=parser)
+    return parser
+
+
+def claims_of(options: argparse.Namespace) -> Claims:
+    """All files that a command's arguments name.
+
+    Raises:
+        OutputError: one that is to be written may not be.
+    """
+    claims = Claims()
+    for action in options.parser._actions:
+        given = getattr(options, action.dest, None)
+        for value in given if isinstance(given, list) else [] if given is None else [given]:
+            if action.type in INPUT_TYPES:
+                claims.read(Path(value))
+            elif action.type is output_file:
+                claims.write(_title(action), value, force=options.force)
+            elif action.type is output_folder:
+                claims.write_folder(_title(action), value)
+    return claims
+
+
+def _title(action: argparse.Action) -> str:
+    return action.option_strings[0] if action.option_strings else str(action.metavar)

@@ -6,12 +6,11 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
-from pathlib import Path
 
 from evcot.pictures.plots import KINDS, Material, density, plot
 from evcot.pictures.plots.style import COLUMN_MM
 
-from .parsing import add_command
+from .parsing import add_command, output_option
 from .tracked import tracked_from, tracked_options
 
 __all__ = ["add"]
@@ -28,7 +27,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     title = "draw a figure for a paper: tracks over events, places over time, tracks alive, lifetimes"
     parser = add_command(commands, "plot", title, _EXAMPLES)
     tracked_options(parser)
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="what to write: .png, .svg or .pdf")
+    output_option(parser, "-o", "--output", required=True, metavar="FILE", help="what to write: .png, .svg or .pdf")
     parser.add_argument("--kind", default="tracks", metavar="KIND,...", help=f"panels: {', '.join(KINDS)} (default: tracks)")
     parser.add_argument("--columns", type=int, choices=COLUMN_MM, default=1, help="of a paper: 85 or 178 mm (default: 1)")
     parser.add_argument("--width", type=float, metavar="MM", help="another width")
@@ -47,7 +46,7 @@ def _plot(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         material = Material(counts, tracked.logs, tracked.from_us, last_us, tracked.first_us)
         width_mm = COLUMN_MM[options.columns] if options.width is None else options.width
         kinds = tuple(kind.strip() for kind in options.kind.split(","))
-        plot(material, options.output, kinds, width_mm=width_mm, height_mm=options.height, dpi=options.dpi)
+        plot(material, options.output, kinds, width_mm=width_mm, height_mm=options.height, dpi=options.dpi, force=options.force)
     if options.json:
         print(json.dumps({"file": str(options.output), "panels": kinds, "logs": [log.name for log in tracked.logs]}))
     elif not options.quiet:

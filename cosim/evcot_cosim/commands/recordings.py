@@ -14,8 +14,8 @@ from evcot.recordings.files import format_for, write_events
 from evcot.recordings.formats import WRITABLE
 
 from .counting import Counting
-from .options import check_other_file, open_from, recording_options, window_from
-from .parsing import add_command
+from .options import open_from, recording_options, window_from
+from .parsing import add_command, input_path, output_option
 
 __all__ = ["add"]
 
@@ -37,14 +37,14 @@ _LATEST_DATE_US = 4_102_444_800_000_000  # 2100
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the commands to the command line."""
     info = add_command(commands, "info", "describe a recording: sensor, length, rates, busiest pixels", _EXAMPLES_INFO)
-    info.add_argument("recording", type=Path, metavar="FILE", help="a recording in any format that evcot reads")
+    info.add_argument("recording", type=input_path, metavar="FILE", help="a recording in any format that evcot reads")
     recording_options(info)
     info.add_argument("--json", action="store_true", help="print every figure as JSON")
     info.set_defaults(command=_info)
 
     convert = add_command(commands, "convert", "write a recording, or a part of it, in another format", _EXAMPLES_CONVERT)
-    convert.add_argument("source", type=Path, metavar="A", help="a recording in any format that evcot reads")
-    convert.add_argument("target", type=Path, metavar="B", help="what to write; its suffix tells the format")
+    convert.add_argument("source", type=input_path, metavar="A", help="a recording in any format that evcot reads")
+    output_option(convert, "target", metavar="B", help="what to write; its suffix tells the format")
     convert.add_argument("--format", metavar="NAME", help=f"{', '.join(WRITABLE)} (default: by B's suffix)")
     recording_options(convert)
     convert.add_argument("--json", action="store_true", help="print what was written as JSON")
@@ -125,12 +125,11 @@ def _convert(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     from_us, to_us = window_from(options)
     source, target = options.source, options.target
     kind = format_for(target, options.format)
-    check_other_file(source, target)
     shown = not (options.quiet or options.json)
     with Counting(f"writing {target}", enabled=shown) as counting, open_from(options, source) as file:
         sensor = file.sensor
         blocks = counting.watched(file.blocks(from_us, to_us, required=True), file.t0_us)
-        count = write_events(target, sensor, blocks, kind.name)
+        count = write_events(target, sensor, blocks, kind.name, force=options.force)
     if options.json:
         written = {"recording": str(target), "format": kind.name, "events": count, "width": sensor[0], "height": sensor[1]}
         print(json.dumps(written, indent=2))

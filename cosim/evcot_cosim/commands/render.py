@@ -7,12 +7,11 @@ import argparse
 import json
 import time
 from collections.abc import Sequence
-from pathlib import Path
 
 from evcot.pictures.films import Look, render, side_of
 from evcot.pictures.films.film import SUFFIXES, check_suffix, picture_times
 
-from .parsing import add_command
+from .parsing import add_command, output_option
 from .progress import Progress
 from .tracked import tracked_from, tracked_options
 
@@ -32,7 +31,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = add_command(commands, "render", title, _EXAMPLES)
     look = Look()
     tracked_options(parser)
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help=f"to write: {', '.join(SUFFIXES)}")
+    output_option(parser, "-o", "--output", required=True, metavar="FILE", help=f"to write: {', '.join(SUFFIXES)}")
     parser.add_argument(
         "--speed", type=float, default=look.speed, metavar="X", help="of the recording (default: 1, real speed)"
     )
@@ -61,7 +60,7 @@ def _render(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
                 rate = pictures / (time.perf_counter() - begin_s)
                 progress.advance(pictures, f"{t_us / 1e6:.3f} s shown, {rate:.0f} pictures/s")
 
-            render(tracked.blocks(), tracked.sensor, sides, options.output, window, look, told)
+            render(tracked.blocks(), tracked.sensor, sides, options.output, window, look, told, force=options.force)
     took_s = time.perf_counter() - begin_s
     if options.json:
         print(json.dumps({"file": str(options.output), "pictures": total, "seconds": took_s}))

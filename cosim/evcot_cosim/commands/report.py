@@ -8,19 +8,19 @@ import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import evcot
 from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.metrics import RULES
+from evcot.outputs import is_own_file, remade
 from evcot.tracks.log import TrackLog
 
 from ..lockstep.run_file import RUN_FILE, Source, read_run_file
 from ..lockstep.summary import SUMMARY, read_summary
 from ..report import REPORT, Material, Side, Truth, truth_of, write_report
 from .options import damage_options, open_from, sensor_from, window_from, window_options
-from .parsing import add_command
+from .parsing import add_command, input_or_name, input_path, output_option
 from .progress import Progress
 
 __all__ = ["add"]
@@ -36,12 +36,22 @@ _SIDES = {"cot-rtl": "hardware", "cot-model": "model"}  # names of engines; any 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "report", "write the page to explore a run with: one HTML file", _EXAMPLES)
-    parser.add_argument("run", type=Path, metavar="RUN", help="the folder of a run of `evcot cosim`, or a track log (.npz)")
-    parser.add_argument("--recording", type=Path, metavar="FILE", help="the events (default: those that the run was made of)")
-    parser.add_argument("--truth", type=Path, metavar="CSV", help="the ground truth (default: the scene's, or FILE.truth.csv)")
+    parser.add_argument(
+        "run", type=input_path, metavar="RUN", help="the folder of a run of `evcot cosim`, or a track log (.npz)"
+    )
+    parser.add_argument(
+        "--recording", type=input_path, metavar="FILE", help="the events (default: those that the run was made of)"
+    )
+    parser.add_argument(
+        "--truth", type=input_path, metavar="CSV", help="the ground truth (default: the scene's, or FILE.truth.csv)"
+    )
     known = ", ".join(RULES)
-    parser.add_argument("--rule", metavar="RULE", help=f"of the truth: {known}, or a .toml file (default: by its columns)")
-    parser.add_argument("-o", "--output", type=Path, metavar="HTML", help="where to write (default: report.html in the folder)")
+    parser.add_argument(
+        "--rule", type=input_or_name, metavar="RULE", help=f"of the truth: {known}, or a .toml file (default: by its columns)"
+    )
+    output_option(
+        parser, "-o", "--output", metavar="HTML", help="where to write (default: report.html in the folder, made anew there)"
+    )
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
     window_options(parser)
@@ -53,6 +63,8 @@ def _report(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     if options.rule and not options.truth:
         raise ConfigError("--rule: must be given with --truth")
     path = options.output or (options.run / REPORT if options.run.is_dir() else options.run.with_suffix(".html"))
+    force = options.force or is_own_file(path)  # in the folder of a run its own report is made anew
+    options.claims.write("-o", path, force=force)
     with Progress(str(path), None, enabled=not (options.quiet or options.json)) as progress:
         progress.note("reading the events")
         material = _of_run(options) if options.run.is_dir() else _of_log(options, shlex.join(["evcot", *arguments]))
@@ -60,7 +72,8 @@ def _report(options: argparse.Namespace, arguments: Sequence[str]) -> int:
             sensor = sensor_from(options) or (material.recording.width, material.recording.height)
             material = replace(material, truth=Truth.read(options.truth, sensor, options.rule))
         progress.note("writing the page")
-        write_report(material, path)
+        write_report(material, path, force=force)
+        remade(path)
     if options.json:
         print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": len(material.events)}, indent=2))
     elif not options.quiet:
@@ -78,7 +91,7 @@ def _of_run(options: argparse.Namespace) -> Material:
     described = read_run_file(options.run / RUN_FILE) if (options.run / RUN_FILE).is_file() else None
     if described is None:
         raise ConfigError(f"{options.run}: does not say what it was made of ({RUN_FILE}): must be given with --recording FILE")
-    recording, _ = described.source.read()
+    recording = described.source.read()
     described.check(options.run / RUN_FILE, recording.events)
     return Material(recording, summary, sides, None if options.truth else truth_of(described.source, recording))
 

@@ -18,7 +18,7 @@ from evcot.scenes.registry import SCENES, adjusted, scene_settings
 
 from .counting import Counting
 from .options import sensor_from
-from .parsing import add_command
+from .parsing import add_command, input_or_name, output_option
 
 __all__ = ["add"]
 
@@ -33,9 +33,15 @@ evcot simulate highway --list                    # its settings
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "simulate", "simulate a scene, or events of a video or images", _EXAMPLES)
-    parser.add_argument("scene", nargs="?", metavar="SCENE", help="a scene (see --list), a video file, or a folder of images")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the recording; its suffix tells the format")
-    parser.add_argument("--truth", type=Path, metavar="CSV", help="the truth of a scene (default: NAME.truth.csv beside FILE)")
+    parser.add_argument(
+        "scene",
+        nargs="?",
+        type=input_or_name,
+        metavar="SCENE",
+        help="a scene (see --list), a video file, or a folder of images",
+    )
+    output_option(parser, "-o", "--output", metavar="FILE", help="the recording; its suffix tells the format")
+    output_option(parser, "--truth", metavar="CSV", help="the truth of a scene (default: NAME.truth.csv beside FILE)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of everything random (default: 1)")
     parser.add_argument("--duration", type=float, metavar="S", help="seconds (default: the scene's; all of a video)")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the scene's)")
@@ -83,16 +89,15 @@ def _scene(options: argparse.Namespace) -> dict[str, Any]:
     name = options.scene
     settings = scene_settings(name, options.seed, _overrides(options, name))
     truth_path = options.truth or options.output.with_name(f"{options.output.stem}.truth.csv")
-    if truth_path.absolute() == options.output.absolute():
-        raise ConfigError(f"--truth {truth_path}: must be another file than the recording")
+    options.claims.write("--truth", truth_path, force=options.force)
 
     def blocks() -> Iterator[Events]:  # simulated only once the output can be written
         scene = SCENES[name].simulate(settings)
         scene.truth.write(truth_file)
         yield scene.recording.events
 
-    with written_aside(truth_path) as truth_file:
-        count = write_events(options.output, (settings.width, settings.height), blocks())
+    with written_aside(truth_path, force=options.force) as truth_file:
+        count = write_events(options.output, (settings.width, settings.height), blocks(), force=options.force)
     return _report(options, count, settings.width, settings.height, settings, str(truth_path))
 
 
@@ -107,7 +112,7 @@ def _footage(options: argparse.Namespace) -> dict[str, Any]:
             raise ConfigError(f"--{option}: must not be given for footage, whose sensor is its own and whose truth is unknown")
     footage = adjusted("footage", Footage(), {"seed": options.seed, **_overrides(options, "footage")})
     film = open_film(path, footage)
-    count = write_events(options.output, (film.width, film.height), film.events())
+    count = write_events(options.output, (film.width, film.height), film.events(), force=options.force)
     return _report(options, count, film.width, film.height, footage, None)
 
 

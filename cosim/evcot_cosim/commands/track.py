@@ -8,7 +8,6 @@ import json
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
 
@@ -19,9 +18,9 @@ from evcot.tracks.tracking import log_of
 
 from ..tables import print_table
 from .engine_options import configured, engine_options, plain
-from .filter_options import filter_options, filters_from
+from .filter_options import filter_options, filters_from, save_learned
 from .options import open_from, recording_options, window_from
-from .parsing import add_command
+from .parsing import add_command, input_path, output_option
 from .progress import Progress
 
 __all__ = ["add"]
@@ -36,10 +35,10 @@ evcot track drive.raw --preset traffic --set radius_px=12 --learn-hot-pixels --j
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "track", "track the objects in a recording", _EXAMPLES)
-    parser.add_argument("recording", type=Path, metavar="FILE", help="the recording, in any format that evcot reads")
+    parser.add_argument("recording", type=input_path, metavar="FILE", help="the recording, in any format that evcot reads")
     engine_options(parser)
-    parser.add_argument("-o", "--output", type=Path, metavar="LOG.npz", help="write the track log")
-    parser.add_argument("--csv", type=Path, metavar="LOG.csv", help="write its records as text")
+    output_option(parser, "-o", "--output", metavar="LOG.npz", help="write the track log")
+    output_option(parser, "--csv", metavar="LOG.csv", help="write its records as text")
     recording_options(parser)
     filter_options(parser)
     parser.add_argument("--json", action="store_true", help="print what was found as JSON instead of a table")
@@ -56,9 +55,10 @@ def _track(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         with Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress:
             log = log_of(options.engine, tracker, _counted(file.blocks(*window, required=True), progress))
     if options.output is not None:
-        log.save_npz(options.output)
+        log.save_npz(options.output, force=options.force)
     if options.csv is not None:
-        log.write_csv(options.csv)
+        log.write_csv(options.csv, force=options.force)
+    save_learned(options)
     found = _found(log)
     if options.json:
         said = {"engine": options.engine, "settings": plain(settings), "filters": asdict(filters)}

@@ -17,6 +17,7 @@ from evcot.tracks.log import TrackLog
 
 from ..lockstep.run_file import RUN_FILE, read_run_file
 from .options import open_from, recording_options, window_from
+from .parsing import input_or_name, input_path
 
 __all__ = ["Tracked", "tracked_from", "tracked_options"]
 
@@ -46,12 +47,12 @@ class Tracked:
 def tracked_options(parser: argparse.ArgumentParser) -> None:
     """Add what `tracked_from` reads."""
     parser.add_argument(
-        "source", type=Path, metavar="RECORDING|RUN", help="a recording, or the folder of a run of `evcot cosim`"
+        "source", type=input_path, metavar="RECORDING|RUN", help="a recording, or the folder of a run of `evcot cosim`"
     )
     logs = (
         f"track logs of the recording (.npz); of a run, any of {', '.join(_RUN_LOGS)} (default: {' and '.join(_RUN_DEFAULT)})"
     )
-    parser.add_argument("logs", nargs="*", metavar="LOG", help=logs)
+    parser.add_argument("logs", nargs="*", type=input_or_name, metavar="LOG", help=logs)
     recording_options(parser)
 
 
@@ -81,7 +82,7 @@ def tracked_from(options: argparse.Namespace) -> Iterator[Tracked]:
     described = read_run_file(run)
     if described is None:
         raise ConfigError(f"{run}: has no table [run]: must be written by `evcot cosim`")
-    recording, name = described.source.read()
+    recording, name = described.source.read(), described.source.name
     described.check(run, recording.events)
     part = recording.window(*window)
     first_us = int(recording.events.t_us[0])

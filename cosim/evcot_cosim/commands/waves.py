@@ -6,25 +6,28 @@ from __future__ import annotations
 import argparse
 import json
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from evcot.errors import ConfigError
+from evcot.outputs import RUN_FILE, folder_written_aside
 
 from ..lockstep.moments import MOMENTS, Moment, find_moment
-from ..report.artifacts import folder_written_aside
+from ..lockstep.run_file import write_run_file
 from ..tables import print_table
 from ..waves.properties import Verdict, judge, load_properties
-from ..waves.window import Window, write_waves
+from ..waves.window import Window, wave_names, write_waves
 from .counting import Counting
+from .filter_options import save_learned
 from .job import Job, input_options, job_from
 from .options import window_from
-from .parsing import add_command
+from .parsing import add_command, input_path, output_option
 
 __all__ = ["add"]
 
 BROKEN = 1  # exit code: a property does not hold
 _WAVES_MS = 2.0  # length of a waveform, if not given
+_NAMES = (RUN_FILE, *wave_names())
 _REACH = 400  # events before and after a moment
 
 _WAVES_EXAMPLES = """
@@ -54,14 +57,16 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     title = "write a waveform of a moment or a time window, and its GTKWave view"
     waves = add_command(commands, "waves", title, _WAVES_EXAMPLES)
     _window_options(waves)
-    waves.add_argument("-o", "--output", type=Path, metavar="DIR", help="where to write (default: build/waves/NAME)")
+    output_option(waves, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/waves/NAME)")
     waves.add_argument("--json", action="store_true", help="print what was written as JSON")
     waves.set_defaults(command=_waves)
 
     title = "check properties of a waveform that a Python file states"
     asserts = add_command(commands, "assert", title, _ASSERT_EXAMPLES)
     _window_options(asserts)
-    asserts.add_argument("properties", nargs="?", type=Path, metavar="PROPERTIES", help="a Python file (default: streams hold)")
+    asserts.add_argument(
+        "properties", nargs="?", type=input_path, metavar="PROPERTIES", help="a Python file (default: streams hold)"
+    )
     asserts.add_argument("--clock", default="TOP.clk", metavar="SIGNAL", help="sample on its rising edge (default: TOP.clk)")
     asserts.add_argument("--json", action="store_true", help="print every verdict as JSON")
     asserts.set_defaults(command=_assert)
@@ -76,12 +81,17 @@ def _window_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _waves(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
+    def folder_of(name: str) -> Path:
+        moment = "" if options.around is None else f"-{options.around.replace(':', '-')}"
+        return options.output or Path("build") / "waves" / f"{name}{moment}"
+
     with _counting(options):
-        job, window, moment = _what(options)
-    name = f"{job.name}-{options.around.replace(':', '-')}" if moment else job.name
-    folder = options.output or Path("build") / "waves" / name
+        job, window, moment = _what(options, lambda name: options.claims.write_folder("-o", folder_of(name), _NAMES))
+    folder = folder_of(job.name)
     with _counting(options), folder_written_aside(folder) as aside:
         _write(job, window, moment, aside)
+        write_run_file(aside / RUN_FILE, job.run_file)
+    save_learned(options)
     files = sorted(path.name for path in folder.glob("waves.*"))
     if options.json:
         print(json.dumps({"folder": str(folder), "files": files, "first_event": window.first, "last_event": window.last}))
@@ -100,6 +110,7 @@ def _assert(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         with _counting(options), tempfile.TemporaryDirectory() as folder:
             job, window, moment = _what(options)
             verdicts = judge(properties, _write(job, window, moment, Path(folder)), options.clock)
+        save_learned(options)
     broken = sum(not verdict.holds for verdict in verdicts)
     if options.json:
         print(json.dumps([verdict._asdict() for verdict in verdicts], indent=2))
@@ -112,7 +123,7 @@ def _counting(options: argparse.Namespace) -> Counting:
     return Counting("simulating (the hardware is compiled once)", enabled=not (options.quiet or options.json))
 
 
-def _what(options: argparse.Namespace) -> tuple[Job, Window, Moment | None]:
+def _what(options: argparse.Namespace, claim: Callable[[str], None] | None = None) -> tuple[Job, Window, Moment | None]:
     """The job, the events of it that are shown, and the moment that they surround."""
     if options.around is not None:
         if options.from_ms is not None or options.to_ms is not None:
@@ -120,7 +131,7 @@ def _what(options: argparse.Namespace) -> tuple[Job, Window, Moment | None]:
         reach = _REACH if options.reach is None else options.reach
         if not 0 <= reach <= 1_000_000:
             raise ConfigError(f"--reach {reach}: must be from 0 to 1000000 events")
-        job = job_from(options)
+        job = job_from(options, claim=claim)
         recording = job.recording
         config = job.config.hardware(recording.width, recording.height)
         moment = find_moment(options.around, recording, config, job.top, job.folder)
@@ -131,7 +142,7 @@ def _what(options: argparse.Namespace) -> tuple[Job, Window, Moment | None]:
     options.to_ms = options.from_ms + _WAVES_MS if options.to_ms is None else options.to_ms
     from_us, to_us = window_from(options)
     assert to_us is not None
-    job = job_from(options, until_us=to_us)
+    job = job_from(options, until_us=to_us, claim=claim)
     return job, Window.of_time(job.recording.events, from_us, to_us), None
 
 

@@ -21,6 +21,7 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, REGISTERS, Shape
 from evcot.hardware.cot import Arrangement, Decisions
 from evcot.hardware.registers import register_map
+from evcot.outputs import path_written_aside
 from evcot.tracks.log import Kind
 
 from ..build.model import BuiltModel, build
@@ -166,26 +167,24 @@ class Device:
             raise HardwareError(f"{self.top} is not idle {_SETTLE_CLOCKS} clocks after reset", self.seq)
 
     @contextmanager
-    def dumping(self, path: Path, first_event: int = 0, last_event: int = _FOREVER) -> Iterator[None]:
+    def dumping(self, path: Path, first_event: int = 0, last_event: int = _FOREVER, *, force: bool = False) -> Iterator[None]:
         """While the block runs, the streaming drive dumps the clocks around events `first_event` to `last_event` to a VCD.
 
-        10 time units a clock, the rising edge at 5. The file appears under its name when it is whole.
+        10 time units a clock, the rising edge at 5. The file appears under its name when it is whole; one that exists is
+        replaced only with `force`.
         """
         library, handle = self.sim.lib, ctypes.c_void_p()
-        aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
-        error = library.evcot_open_vcd(self.sim.model, os.fsencode(aside), ctypes.byref(handle))
-        try:
-            self._vcd, self._vcd_window = handle.value, (first_event, last_event)
-            if not error:
-                yield
-        finally:
-            self._vcd = None
-            error = library.evcot_close_vcd(handle) or error
+        with path_written_aside(path, force=force) as aside:
+            error = library.evcot_open_vcd(self.sim.model, os.fsencode(aside), ctypes.byref(handle))
+            try:
+                self._vcd, self._vcd_window = handle.value, (first_event, last_event)
+                if not error:
+                    yield
+            finally:
+                self._vcd = None
+                error = library.evcot_close_vcd(handle) or error
             if error:
-                aside.unlink(missing_ok=True)
-        if error:
-            raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
-        os.replace(aside, path)
+                raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
 
     def stream(
         self,

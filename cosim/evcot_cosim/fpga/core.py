@@ -24,7 +24,7 @@ def core_text(verilog: Path | None = None) -> str:
 
 def _main() -> int:
     path = verilog_dir().parent / "evcot.core"
-    with written_aside(path) as file:
+    with written_aside(path, force=True) as file:
         file.write(core_text().encode())
     print(f"{path}: written")
     return 0

@@ -79,7 +79,7 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
         latency.yaxis.set_major_formatter("{x:,.0f}")
         for axes in (luts, fmax, latency):
             axes.minorticks_off()
-        with written_aside(path) as file:
+        with written_aside(path, force=True) as file:
             picture.savefig(file, format="png")
 
 

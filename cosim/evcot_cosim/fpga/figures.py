@@ -86,7 +86,7 @@ def save(path: Path, figures: Figures, versions: Mapping[str, str]) -> None:
     """Write figures, one row a line, with the versions of the tools."""
     rows = [json.dumps(asdict(figure), ensure_ascii=False) for figure in figures.values()]
     text = f'{{\n"tools": {json.dumps(dict(versions), indent=1)},\n"figures": [\n' + ",\n".join(rows) + "\n]\n}\n"
-    with written_aside(path) as file:
+    with written_aside(path, force=True) as file:
         file.write(text.encode())
 
 

@@ -18,7 +18,7 @@ HEADERS = {"evcot_selftest.vh": selftest.header, "board_selftest.vh": board.head
 def _main() -> int:
     for name, text in HEADERS.items():
         path = board.board_dir() / name
-        with written_aside(path) as file:
+        with written_aside(path, force=True) as file:
             file.write(text().encode())
         print(f"{path}: written")
     return 0

@@ -60,6 +60,6 @@ def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        with written_aside(path) as file:
+        with written_aside(path, force=True) as file:
             file.write(content)
     return [folder / name for name in files]

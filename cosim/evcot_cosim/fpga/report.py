@@ -46,7 +46,7 @@ def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int]) -> Non
         if text.count(mark) != 1 or end not in rest:
             raise ConfigError(f"{path}: <!-- {name} --> is there {text.count(mark)} times: must be once, with {end} after it")
         text = f"{before}{found}{table}\n{rest[rest.index(end) :]}"
-    with written_aside(path) as file:
+    with written_aside(path, force=True) as file:
         file.write(text.encode())
 
 

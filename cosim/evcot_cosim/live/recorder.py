@@ -6,13 +6,14 @@ from __future__ import annotations
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, OutputError, RecordingError
 from evcot.events import Events
+from evcot.outputs import check_file, new_file, spool_folder
 from evcot.recordings.files import format_for
 from evcot.recordings.formats.aedat4_sink import Aedat4Sink
 from evcot.recordings.formats.evt_writers import Evt3Sink
@@ -29,7 +30,8 @@ class Recorder:
     """Events into a file that can be read whenever the process ends.
 
     Args:
-        path: `.aedat4` or `.raw` (EVT 3.0); must not exist.
+        path: `.aedat4` or `.raw` (EVT 3.0).
+        force: replace a file that exists.
 
     Attributes:
         events: how many have been written.
@@ -39,13 +41,13 @@ class Recorder:
         OutputError: the file exists, or cannot be written.
     """
 
-    def __init__(self, path: Path, sensor: Sensor) -> None:
+    def __init__(self, path: Path, sensor: Sensor, *, force: bool = False) -> None:
         kind = format_for(path)
         if kind.begin not in (Aedat4Sink, Evt3Sink):
             raise ConfigError(f"--save {path}: must end in .aedat4 or .raw: only these can be read after a kill")
         self.path = path
         self.events = 0
-        self._file = _new_file(path)
+        self._file = new_file(path, force=force, buffering=_BUFFER_BYTES)
         self._sink = kind.begin(self._file, sensor)
         self._file.flush()
         self._flushed_s = time.monotonic()
@@ -80,19 +82,30 @@ class Recorder:
         except OSError as error:
             raise _unwritable(self.path, error) from error
 
+    def drop(self) -> None:
+        """End the file where nobody has; one in which nothing was recorded does not stay."""
+        if not self._file.closed:
+            self.close()
+            if not self.events and self.path.is_file():
+                self.path.resolve().unlink()
+
 
 class LogKeeper:
     """Records and owners, kept in files without names until the run ends: memory does not grow.
 
+    Args:
+        force: replace a file that exists.
+
     Raises:
         ConfigError: another suffix than .npz.
-        OutputError: nothing can be written there.
+        OutputError: the file exists, or nothing can be written there.
     """
 
-    def __init__(self, path: Path, engine: str) -> None:
+    def __init__(self, path: Path, engine: str, *, force: bool = False) -> None:
         if path.suffix != ".npz":
             raise ConfigError(f"--save-log {path}: must end in .npz")
-        self.path, self._engine = path, engine
+        check_file(path, force=force)
+        self.path, self._engine, self._force = path, engine, force
         self._records = _Spool(path, TRACK)
         self._owner = _Spool(path, np.dtype(np.int16))
 
@@ -103,7 +116,7 @@ class LogKeeper:
 
     def close(self) -> None:
         """Write the log."""
-        TrackLog(self._engine, self._records.array(), self._owner.array()).save_npz(self.path)
+        TrackLog(self._engine, self._records.array(), self._owner.array()).save_npz(self.path, force=self._force)
         self.drop()
 
     def drop(self) -> None:
@@ -118,7 +131,7 @@ class _Spool:
     def __init__(self, path: Path, dtype: np.dtype[Any]) -> None:
         self._path, self._dtype = path, dtype
         try:
-            self._file = tempfile.TemporaryFile(dir=path.absolute().parent)  # noqa: SIM115
+            self._file = tempfile.TemporaryFile(dir=spool_folder(path))  # noqa: SIM115
         except OSError as error:
             raise _unwritable(path, error) from error
 
@@ -134,15 +147,6 @@ class _Spool:
 
     def close(self) -> None:
         self._file.close()
-
-
-def _new_file(path: Path) -> BinaryIO:
-    try:
-        return open(path, "xb", buffering=_BUFFER_BYTES)
-    except FileExistsError as error:
-        raise OutputError(f"{path}: exists: a live recording is not written over another file") from error
-    except OSError as error:
-        raise _unwritable(path, error) from error
 
 
 def _unwritable(path: Path, error: OSError) -> OutputError:

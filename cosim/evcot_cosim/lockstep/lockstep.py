@@ -227,6 +227,7 @@ def dump_window(
     stalls: Stalls | None = None,
     verilog: Path | None = None,
     progress: Callable[[int], None] | None = None,
+    force: bool = False,
 ) -> Clocks:
     """Run the hardware again over the same runs of events and dump the clocks around a window of them to a VCD.
 
@@ -234,7 +235,7 @@ def dump_window(
     """
     device = Device(config, top, stalls=stalls, verilog=verilog)
     parts = [Clocks.none()]
-    with device.dumping(path, first_event, last_event):
+    with device.dumping(path, first_event, last_event, force=force):
         for chunk in chunks(events):
             if device.seq > last_event:
                 break

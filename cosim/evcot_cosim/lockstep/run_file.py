@@ -18,7 +18,7 @@ import tomli_w
 
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
-from evcot.outputs import written_aside
+from evcot.outputs import RUN_FILE, written_aside
 from evcot.recordings.files import open_recording
 from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
@@ -27,8 +27,6 @@ from evcot.trackers.config import RunConfig, load_toml
 from ..devices.device import Top
 
 __all__ = ["RUN_FILE", "RunFile", "Source", "digest", "read_run_file", "run_toml", "write_run_file"]
-
-RUN_FILE = "run.toml"  # its name in the folder of a run
 
 _HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] says of what.\n"
 
@@ -58,18 +56,29 @@ class Source:
         """Whether it is a scene and no file."""
         return self.recording in SCENES and not Path(self.recording).exists()
 
-    def read(self) -> tuple[Recording, str]:
-        """The events, and a name for what is made of them.
+    @property
+    def name(self) -> str:
+        """For what is made of the events."""
+        return self.recording if self.is_scene else Path(self.recording).stem
+
+    @property
+    def truth_file(self) -> Path | None:
+        """Where `evcot simulate` writes the truth of a recording; None for a scene."""
+        path = Path(self.recording)
+        return None if self.is_scene else path.with_name(f"{path.stem}.truth.csv")
+
+    def read(self) -> Recording:
+        """The events.
 
         Raises:
             ConfigError: no such scene's seed.
             RecordingError: as `open_recording`.
         """
         if self.is_scene:
-            return _scene(self.recording, self.seed).recording.window(self.from_us, self.to_us), self.recording
+            return _scene(self.recording, self.seed).recording.window(self.from_us, self.to_us)
         sensor = (self.width, self.height) if self.width else None
         with open_recording(Path(self.recording), sensor, damage="skip" if self.skip_damaged else "refuse") as file:
-            return file.read(self.from_us, self.to_us), file.name
+            return file.read(self.from_us, self.to_us)
 
     def scene_truth(self) -> Truth | None:
         """What is known about a scene, all of it; None for a file."""

@@ -19,7 +19,7 @@ from .trace import Diagram
 
 def _write(path: Path, text: str) -> None:
     if not path.is_file() or path.read_text() != text:
-        with written_aside(path) as file:
+        with written_aside(path, force=True) as file:
             file.write(text.encode())
         print(f"{path}: written")
 

@@ -3,14 +3,11 @@
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from evcot.errors import OutputError
 from evcot.events import Recording
+from evcot.outputs import folder_written_aside
 from evcot.pictures.picture import draw
 from evcot.tracks.log import Kind
 
@@ -19,19 +16,25 @@ from ..lockstep.lockstep import MismatchError
 from ..lockstep.moments import Moment
 from ..lockstep.run_file import RUN_FILE, RunFile, write_run_file
 from ..lockstep.summary import SUMMARY, summarise, summarise_mismatch, write_summary
-from ..waves.window import Window, write_waves
+from ..waves.window import Window, wave_names, write_waves
 from . import REPORT, Material, Side, truth_of, write_report
 
-__all__ = ["folder_written_aside", "write_mismatch", "write_run"]
+__all__ = ["run_names", "write_mismatch", "write_run"]
 
 _WAVES_EVENTS = 400  # events before and after the moment that the default waveform shows
 _MISMATCH_EVENTS = 50  # the same, around a mismatch
 
 
+def run_names() -> list[str]:
+    """What `write_run` and `write_mismatch` may write."""
+    logs = [f"{name}.{suffix}" for name in ("hardware", "model", "software") for suffix in ("npz", "csv")]
+    return [RUN_FILE, SUMMARY, REPORT, "picture.png", *logs, *wave_names("waves"), *wave_names("mismatch")]
+
+
 def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, waves: bool = True) -> dict[str, Any]:
     """Write run.toml, summary.json, the logs, picture, report and waveform of a run; returns the summary.
 
-    The folder takes the place of an older one only when all of it is written.
+    They take the place of an older run's only when all of them are written; other files in the folder stay.
 
     Args:
         made_of: what repeats it.
@@ -90,27 +93,3 @@ def _telling_moment(run: CosimRun) -> Moment:
         if len(records):
             return Moment(int(records["event_index"][0]), name, kind, int(records["track_id"][0]))
     return Moment(0, "event 0")
-
-
-@contextmanager
-def folder_written_aside(folder: Path) -> Iterator[Path]:
-    """A folder beside `folder` that takes its place when the block ends without an error; else nothing of it stays.
-
-    Raises:
-        OutputError: something cannot be written.
-    """
-    aside = folder.with_name(f".{folder.name}.partial")
-    try:
-        shutil.rmtree(aside, ignore_errors=True)
-        aside.mkdir(parents=True)
-        try:
-            yield aside
-            if folder.exists():
-                shutil.rmtree(folder)
-            aside.rename(folder)
-        finally:
-            shutil.rmtree(aside, ignore_errors=True)
-    except OutputError:
-        raise
-    except OSError as error:
-        raise OutputError(f"{error.filename or folder}: cannot be written: {error.strerror or error}") from error

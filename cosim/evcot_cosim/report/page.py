@@ -48,15 +48,15 @@ _IMPORT = re.compile(r"^import\s[^;]*;\n", re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULTILINE)
 
 
-def write_report(material: Material, path: Path) -> None:
+def write_report(material: Material, path: Path, *, force: bool = False) -> None:
     """Write the report; the file appears under its name only when it is whole.
 
     Raises:
-        OutputError: the file cannot be written.
+        OutputError: the file exists (without `force`), or cannot be written.
         TrackLogError: a log and a truth of different clocks.
     """
     text = render(material)
-    with written_aside(path) as file:
+    with written_aside(path, force=force) as file:
         file.write(text.encode())
 
 

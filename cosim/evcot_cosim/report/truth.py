@@ -71,10 +71,9 @@ def truth_of(source: Source, recording: Recording) -> Truth | None:
     scene = source.scene_truth()
     if scene is not None:
         return scene_truth(scene, sensor)
-    path = Path(source.recording)
-    beside = path.with_name(f"{path.stem}.truth.csv")
+    beside = source.truth_file
     try:
-        return Truth.read(beside, sensor) if beside.is_file() else None
+        return Truth.read(beside, sensor) if beside is not None and beside.is_file() else None
     except EvcotError as error:
         warnings.warn(f"the report goes without the truth: {error}", RecordingWarning, stacklevel=2)
         return None

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from evcot.errors import OutputError
+from evcot.outputs import path_written_aside
 
 __all__ = ["fst_writer", "write_fst"]
 
@@ -25,27 +26,21 @@ def fst_writer() -> Any | None:
     return pylibfst
 
 
-def write_fst(vcd: Path, path: Path) -> None:
+def write_fst(vcd: Path, path: Path, *, force: bool = False) -> None:
     """Write a VCD of Verilator's as FST, with the same scopes, names, times and values.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: it exists (without `force`), or cannot be written.
     """
     library = fst_writer()
     assert library is not None
-    aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    context = library.lib.fstWriterCreate(os.fsencode(aside), 1)
-    if context == library.ffi.NULL:
-        raise OutputError(f"{path}: cannot be written")
-    try:
+    with path_written_aside(path, force=force) as aside:
+        context = library.lib.fstWriterCreate(os.fsencode(aside), 1)
+        if context == library.ffi.NULL:
+            raise OutputError(f"{path}: cannot be written")
         with vcd.open("rb") as file:
             _copy(file, context, library.lib)
         library.lib.fstWriterClose(context)
-        os.replace(aside, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        aside.unlink(missing_ok=True)
 
 
 def _copy(lines: Any, context: Any, lib: Any) -> None:

@@ -51,7 +51,7 @@ class Marker(NamedTuple):
     name: str
 
 
-def write_view(vcd: Path, view: Path, markers: Sequence[Marker] = (), reach: int = 0) -> None:
+def write_view(vcd: Path, view: Path, markers: Sequence[Marker] = (), reach: int = 0, *, force: bool = False) -> None:
     """Write a GTKWave save file for a VCD in the same folder, and beside it a file of names per kind of coded value.
 
     The view shows what `views.VIEWS` has for the module below the VCD's top scope, else that module's ports. It opens on all
@@ -59,14 +59,14 @@ def write_view(vcd: Path, view: Path, markers: Sequence[Marker] = (), reach: int
 
     Raises:
         VcdError: the VCD cannot be read.
-        OutputError: a file cannot be written.
+        OutputError: a file exists (without `force`), or cannot be written.
     """
     writer = _Writer(vcd, view)
     body = writer.body()
     for codes, values in writer.named.items():
-        with written_aside(writer.beside(codes)) as file:
+        with written_aside(writer.beside(codes), force=force) as file:
             file.write("".join(f"{code} {name}\n" for name, code in values).encode())
-    with written_aside(view) as file:
+    with written_aside(view, force=force) as file:
         file.write("".join(f"{line}\n" for line in (*_head(vcd, view, markers, reach), *body)).encode())
 
 

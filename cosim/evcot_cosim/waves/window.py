@@ -18,8 +18,9 @@ from ..lockstep.lockstep import Clocks, dump_window
 from ..lockstep.moments import Moment
 from .fst import fst_writer, write_fst
 from .gtkwave import Marker, write_view
+from .views import VIEWS
 
-__all__ = ["Window", "write_waves"]
+__all__ = ["Window", "wave_names", "write_waves"]
 
 _CLOCK, _EDGE = 10, 5  # steps of a VCD's time: a clock, and where its edge rises
 _SHOWN_CLOCKS = 40  # before and after a moment, when the view opens
@@ -51,6 +52,12 @@ class Window:
         return cls(first, end - 1)
 
 
+def wave_names(name: str = "waves") -> list[str]:
+    """What `write_waves` may write."""
+    codes = {row.codes.name for groups in VIEWS.values() for group in groups for row in group.rows if row.codes}
+    return [*(f"{name}.{suffix}" for suffix in ("vcd", "gtkw", "fst")), *(f"{name}-{code}.txt" for code in sorted(codes))]
+
+
 def write_waves(
     events: Events,
     config: CotConfig,
@@ -61,19 +68,20 @@ def write_waves(
     stalls: Stalls | None = None,
     name: str = "waves",
     moment: Moment | None = None,
+    force: bool = False,
 ) -> tuple[Path, Path]:
     """Simulate up to the window's end again and write `<name>.vcd`, its GTKWave view `<name>.gtkw` and, with pylibfst,
     `<name>.fst` into a folder. Markers in the view: where `moment`'s event is taken, where its record is handed over.
 
     Raises:
-        OutputError: a file cannot be written.
+        OutputError: a file exists (without `force`), or cannot be written.
     """
     vcd = folder / f"{name}.vcd"
-    clocks = dump_window(events, config, vcd, window.first, window.last, top=top, stalls=stalls)
+    clocks = dump_window(events, config, vcd, window.first, window.last, top=top, stalls=stalls, force=force)
     view = folder / f"{name}.gtkw"
-    write_view(vcd, view, _markers(moment, clocks) if moment else (), reach=_SHOWN_CLOCKS * _CLOCK)
+    write_view(vcd, view, _markers(moment, clocks) if moment else (), reach=_SHOWN_CLOCKS * _CLOCK, force=force)
     if fst_writer() is not None:
-        write_fst(vcd, vcd.with_suffix(".fst"))
+        write_fst(vcd, vcd.with_suffix(".fst"), force=force)
     return vcd, view
 
 

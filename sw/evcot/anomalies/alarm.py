@@ -95,7 +95,7 @@ def check_table_path(path: Path) -> None:
         raise ConfigError(f"{path}: must end in .csv or .json")
 
 
-def write_alarms(path: Path, table: Sequence[dict[str, Any]]) -> None:
+def write_alarms(path: Path, table: Sequence[dict[str, Any]], *, force: bool = False) -> None:
     """Write `rows` as .csv or .json.
 
     Raises:
@@ -108,7 +108,7 @@ def write_alarms(path: Path, table: Sequence[dict[str, Any]]) -> None:
     else:
         lines = [",".join(_cell(row[name]) for name in _COLUMNS) for row in table]
         text = "\n".join([",".join(_COLUMNS), *lines]) + "\n"
-    with written_aside(path) as file:
+    with written_aside(path, force=force) as file:
         file.write(text.encode())
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, gaussian_filter
 
 from ..errors import ConfigError
-from ..outputs import written_aside
+from ..outputs import note_input, written_aside
 from ..ranges import Range, check_ranges
 from .layout import Field
 from .motion import Steps
@@ -105,18 +105,21 @@ class NormalMotion:
         away, (row, column) = distance_transform_edt(~there, return_indices=True)
         return np.where(away * self.config.cell_px <= _NEAR_PX, speed[row, column], np.nan)
 
-    def save(self, path: Path | str) -> None:
+    def save(self, path: Path | str, *, force: bool = False) -> None:
         """Write an .npz file; the same field gives the same bytes.
 
+        Args:
+            force: replace a file that exists.
+
         Raises:
-            OutputError: the file cannot be written.
+            OutputError: the file exists, or cannot be written.
         """
         head = {"format": _FORMAT, "sensor": self.sensor, "tracks": self.tracks}
         arrays: dict[str, Any] = {name: np.array(value, np.int64) for name, value in head.items()}
         arrays |= {f.name: np.array(float(getattr(self.config, f.name))) for f in fields(FieldConfig)}
         arrays |= {name: np.array(float(value)) for name, value in self.measured._asdict().items()}
         arrays |= {name: getattr(self, name) for name in _SUMS}
-        with written_aside(Path(path)) as file:
+        with written_aside(Path(path), force=force) as file:
             np.savez_compressed(file, **arrays)
 
     @classmethod
@@ -164,6 +167,7 @@ def grid(sensor: tuple[int, int], config: FieldConfig) -> tuple[int, int]:
 
 
 def _stored(path: Path) -> dict[str, NDArray[Any]]:
+    note_input(path)
     try:
         with open(path, "rb") as file:
             if not zipfile.is_zipfile(file):

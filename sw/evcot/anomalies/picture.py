@@ -39,6 +39,8 @@ def draw_alarms(
     sensor: tuple[int, int],
     normal: NormalMotion | None = None,
     zones: Zones | None = None,
+    *,
+    force: bool = False,
 ) -> None:
     """Draw a PNG: arrows of the normal direction, zones, the ways of all tracks, those with an alarm strong, and each alarm
     with its kind, its track's id and its time. Of very many alarms the first are labelled.
@@ -65,7 +67,7 @@ def draw_alarms(
         ax.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), aspect="equal", xlabel="x (px)", ylabel="y (px)")
         _label(ax, alarms)
         ax.set_title(title, loc="left", fontweight="bold", color=INK)
-        with written_aside(Path(path)) as file:
+        with written_aside(Path(path), force=force) as file:
             figure.savefig(file, format="png")
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
+from ..outputs import note_input
 
 __all__ = ["Line", "Zone", "Zones", "load_zones"]
 
@@ -75,6 +76,7 @@ def load_zones(path: Path | str) -> Zones:
     Raises:
         ConfigError: the file cannot be read, is not TOML, or has a field that is not as it must be.
     """
+    note_input(path)
     try:
         data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:

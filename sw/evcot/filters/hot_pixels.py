@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..events import Events
-from ..outputs import written_aside
+from ..outputs import note_input, written_aside
 from .base import per_pixel
 from .contract import FilterShape
 
@@ -108,14 +108,19 @@ def _second_busiest_neighbour(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     return second
 
 
-def save_hot_pixels(path: Path | str, pixels: Iterable[tuple[int, int]], sensor: tuple[int, int]) -> None:
+def save_hot_pixels(
+    path: Path | str, pixels: Iterable[tuple[int, int]], sensor: tuple[int, int], *, force: bool = False
+) -> None:
     """Write hot pixels as text: a line that names the sensor, then one `x y` a line.
 
+    Args:
+        force: replace a file that exists.
+
     Raises:
-        OutputError: the file cannot be written.
+        OutputError: the file exists, or cannot be written.
     """
     lines = [f"# hot pixels of a {sensor[0]}x{sensor[1]} sensor", *(f"{x} {y}" for x, y in pixels)]
-    with written_aside(Path(path)) as file:
+    with written_aside(Path(path), force=force) as file:
         file.write(("\n".join(lines) + "\n").encode())
 
 
@@ -129,6 +134,7 @@ def load_hot_pixels(path: Path | str, sensor: tuple[int, int] | None = None) -> 
         ConfigError: the file cannot be read, is for another sensor, or has a line that is no pixel of its sensor.
     """
     path = Path(path)
+    note_input(path)
     pixels: dict[tuple[int, int], None] = {}
     meant = sensor
     try:

@@ -190,7 +190,7 @@ def write(root: Path = _ROOT) -> list[Path]:
     found = stale(root)
     for path in found:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with written_aside(path) as file:
+        with written_aside(path, force=True) as file:
             file.write(texts[path.relative_to(root).as_posix()].encode())
     return found
 

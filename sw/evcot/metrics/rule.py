@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import ConfigError
+from ..outputs import note_input
 from ..ranges import Range, check_range
 
 __all__ = ["RULES", "Rule", "load_rule"]
@@ -144,8 +145,11 @@ def load_rule(name: str | Path) -> Rule:
     shipped = str(name) in RULES
     if not shipped and Path(name).suffix.lower() != ".toml":
         raise ConfigError(f"rule {str(name)!r}: must be one of {', '.join(RULES)}, or a .toml file")
+    path = _FOLDER / f"{name}.toml" if shipped else Path(name)
+    if not shipped:
+        note_input(Path(name))
     try:
-        text = (_FOLDER / f"{name}.toml" if shipped else Path(name)).read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8")
         data = tomllib.loads(text)
     except OSError as error:
         raise ConfigError(f"{name}: cannot be read: {error.strerror or error}") from error

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RecordingError
+from ..outputs import note_input
 from .rule import RULES, Rule, load_rule
 
 __all__ = ["OBJECT", "GroundTruth", "read_truth", "rule_for"]
@@ -117,6 +118,7 @@ def _instant(rule: Rule) -> str:
 
 
 def _read(path: Path) -> tuple[list[str], Rows]:
+    note_input(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file)

@@ -49,7 +49,9 @@ _STYLE: dict[Any, Any] = {
 }
 
 
-def draw(recording: Recording, hardware: TrackLog, software: TrackLog, path: Path | str, title: str) -> None:
+def draw(
+    recording: Recording, hardware: TrackLog, software: TrackLog, path: Path | str, title: str, *, force: bool = False
+) -> None:
     """Draw a run as a PNG of `SIZE_PX`.
 
     Left: where events fell, by polarity, strongest just before a few numbered moments; the paths of both trackers, and their
@@ -95,7 +97,7 @@ def draw(recording: Recording, hardware: TrackLog, software: TrackLog, path: Pat
         )
         figure.text(_LEFT, 0.965, title, fontsize=13, weight="bold", va="center", color=INK)
         figure.text(_LEFT, 0.928, _subtitle(recording, sides), va="center", color=INK)
-        with written_aside(Path(path)) as file:
+        with written_aside(Path(path), force=force) as file:
             figure.savefig(file, format="png")
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import ConfigError, RecordingError, RecordingWarning
 from ..events import Events, Recording, check_sensor, find_fault
-from ..outputs import written_aside
+from ..outputs import note_input, reading, written_aside
 from .formats import FORMATS, WRITABLE
 from .formats.source import BLOCK_EVENTS, Sensor, Source, WritableFormat
 
@@ -57,12 +57,14 @@ class RecordingFile:
         self.left_out: Counter[str] = Counter()
         if self._sensor is not None:
             check_sensor(str(path), *self._sensor)
+        self._release = reading(self, path)
 
     def __enter__(self) -> RecordingFile:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._source.close()
+        self._release()
 
     @property
     def details(self) -> Mapping[str, str]:
@@ -198,6 +200,7 @@ def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Da
             place, value, rule.
     """
     path = Path(path)
+    note_input(path)
     try:
         title, source = _open(path)
     except OSError as error:
@@ -247,22 +250,25 @@ def read_recording(
         return file.read(from_us, to_us)
 
 
-def write_events(path: Path | str, sensor: Sensor, blocks: Iterable[Events], format_name: str | None = None) -> int:
+def write_events(
+    path: Path | str, sensor: Sensor, blocks: Iterable[Events], format_name: str | None = None, *, force: bool = False
+) -> int:
     """Write blocks of events, in time order, and return how many; the file appears under its name only when it is whole.
 
     Args:
         format_name: one of `formats.WRITABLE`; without it, the path's suffix tells.
+        force: replace a file that exists; never one that is being read.
 
     Raises:
         ConfigError: no such format, or a suffix of none.
         RecordingError: a value that the format cannot hold, or that breaks the rules of recordings.
-        OutputError: the file cannot be written.
+        OutputError: the file exists, is a recording that is open, or cannot be written.
     """
     path = Path(path)
     kind = format_for(path, format_name)
     check_sensor(str(path), *sensor)
     count, last_us = 0, np.iinfo(np.int64).min
-    with written_aside(path) as file:
+    with written_aside(path, force=force) as file:
         sink = kind.begin(file, sensor)
         for block in blocks:
             for begin in range(0, len(block), BLOCK_EVENTS):
@@ -279,9 +285,9 @@ def write_events(path: Path | str, sensor: Sensor, blocks: Iterable[Events], for
     return count
 
 
-def write_recording(recording: Recording, path: Path | str, format_name: str | None = None) -> None:
+def write_recording(recording: Recording, path: Path | str, format_name: str | None = None, *, force: bool = False) -> None:
     """Write a recording from memory; as `write_events`."""
-    write_events(path, (recording.width, recording.height), [recording.events], format_name)
+    write_events(path, (recording.width, recording.height), [recording.events], format_name, force=force)
 
 
 def format_for(path: Path | str, name: str | None = None) -> WritableFormat:

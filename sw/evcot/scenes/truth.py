@@ -104,13 +104,16 @@ class Truth:
         table = np.stack(columns, axis=1, dtype=np.float64)
         np.savetxt(file, table, _FORMATS, ",", header=",".join(TRUTH_COLUMNS), comments="")
 
-    def save(self, path: Path | str) -> None:
+    def save(self, path: Path | str, *, force: bool = False) -> None:
         """`write` to a file, which appears under its name only when it is whole.
 
+        Args:
+            force: replace a file that exists.
+
         Raises:
-            OutputError: the file cannot be written.
+            OutputError: the file exists, or cannot be written.
         """
-        with written_aside(Path(path)) as file:
+        with written_aside(Path(path), force=force) as file:
             self.write(file)
 
     @classmethod

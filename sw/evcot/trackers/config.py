@@ -15,6 +15,7 @@ from ..filters.config import FilterConfig
 from ..filters.hot_pixels import load_hot_pixels
 from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import Shape
+from ..outputs import note_input
 from .rct.config import RctConfig
 
 __all__ = ["RunConfig", "load_toml", "load_tracker"]
@@ -71,7 +72,7 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
 
     `[cot]` takes `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
     also takes `hot_pixels_file`, a file of `filters.hot_pixels` beside the TOML file, in place of `hot_pixels`. `[run]`, which
-    says what a run was made of, is somebody else's to read.
+    says what a run was made of, and `[files]`, which lists what it left, are not read here.
 
     Raises:
         ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
@@ -103,6 +104,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 def _tables(path: Path) -> Mapping[str, Any]:
+    note_input(path)
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -112,7 +114,7 @@ def _tables(path: Path) -> Mapping[str, Any]:
 
 
 def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:
-    _section(data, {"name", "run", "shape", "cot", "slot", "rct", "filters"}, "top level")
+    _section(data, {"name", "run", "files", "shape", "cot", "slot", "rct", "filters"}, "top level")
     shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
     cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
     tick_us = cot.pop("tick_us", base.cot.tick_us)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import TrackLogError
-from ..outputs import written_aside
+from ..outputs import note_input, written_aside
 
 __all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
 
@@ -76,13 +76,16 @@ class TrackLog:
         chosen: NDArray[np.void] = self.records[self.records["kind"] == kind]
         return chosen
 
-    def save_npz(self, path: Path | str) -> None:
+    def save_npz(self, path: Path | str, *, force: bool = False) -> None:
         """Write the log, compressed; the same log gives the same bytes.
 
+        Args:
+            force: replace a file that exists.
+
         Raises:
-            OutputError: the file cannot be written.
+            OutputError: the file exists, or cannot be written.
         """
-        with written_aside(Path(path)) as file:
+        with written_aside(Path(path), force=force) as file:
             np.savez_compressed(file, engine=np.array(self.engine), records=self.records, owner=self.owner)
 
     @classmethod
@@ -92,6 +95,7 @@ class TrackLog:
         Raises:
             TrackLogError: the file is missing, damaged, or no TrackLog.
         """
+        note_input(path)
         try:
             with open(path, "rb") as file:
                 if not zipfile.is_zipfile(file):
@@ -118,14 +122,17 @@ class TrackLog:
                 raise TrackLogError(f"{path}: {name} is {array.ndim}-d {array.dtype}: must be {ndim}-d {dtype or 'text'}")
         return cls(str(stored["engine"]), stored["records"], stored["owner"])
 
-    def write_csv(self, path: Path | str) -> None:
+    def write_csv(self, path: Path | str, *, force: bool = False) -> None:
         """Write the records as CSV: a header, kinds by name, every number in the fewest digits that give it back exactly.
 
+        Args:
+            force: replace a file that exists.
+
         Raises:
-            OutputError: the file cannot be written.
+            OutputError: the file exists, or cannot be written.
         """
         names = np.array([kind.name for kind in Kind])
-        with written_aside(Path(path)) as file:
+        with written_aside(Path(path), force=force) as file:
             file.write((",".join(TRACK.names or ()) + "\n").encode())
             for begin in range(0, len(self.records), _CSV_ROWS):
                 rows = self.records[begin : begin + _CSV_ROWS]

@@ -67,11 +67,11 @@ def test_a_recording_that_has_changed_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.npz"
     write_recording(Recording(events(), 40, 30, "x"), path)
     source = Source(str(path))
-    run = RunFile(source, "cot_array", None, digest(source.read()[0].events), PRESETS["slow"])
-    run.check(tmp_path / "run.toml", source.read()[0].events)
+    run = RunFile(source, "cot_array", None, digest(source.read().events), PRESETS["slow"])
+    run.check(tmp_path / "run.toml", source.read().events)
     write_recording(Recording(events(49), 40, 30, "x"), path)
     with pytest.raises(ConfigError, match=r"run\.toml: run\.digest = '\w+': must be that of .*x\.npz, which has changed since"):
-        run.check(tmp_path / "run.toml", source.read()[0].events)
+        run.check(tmp_path / "run.toml", source.read().events)
 
 
 def test_a_configuration_alone_is_no_run(tmp_path: Path) -> None:

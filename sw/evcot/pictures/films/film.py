@@ -59,17 +59,18 @@ class Look:
 
 def render(
     blocks: Iterable[Events], sensor: Sensor, sides: Sequence[Side], path: Path | str, window: tuple[int, int],
-    look: Look | None = None, progress: Progress | None = None,
+    look: Look | None = None, progress: Progress | None = None, *, force: bool = False,
 ) -> int:  # fmt: skip
     """Write a film in the format of the path's suffix, one of `SUFFIXES`, and return how many pictures it has.
 
     Args:
         blocks: the events of the window, in order.
         window: times of the first and the last event.
+        force: replace a file that exists.
 
     Raises:
         ConfigError: another suffix, a package that is missing, or too many pictures.
-        OutputError: the file cannot be written.
+        OutputError: the file exists, or cannot be written.
     """
     path, look = Path(path), look or Look()
     suffix = path.suffix.lower()
@@ -77,7 +78,7 @@ def render(
     times_us = picture_times(window, look)
     followers = [Follower(side, times_us) for side in sides]
     parts = _parts(blocks, times_us)
-    with written_aside(path) as file:
+    with written_aside(path, force=force) as file:
         if suffix == ".rrd":
             write_rerun(file, sensor, zip(times_us.tolist(), parts, strict=True), followers, window[0], progress)
             return len(times_us)

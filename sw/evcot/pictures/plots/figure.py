@@ -59,7 +59,7 @@ KINDS = tuple(_KINDS)
 
 def plot(
     material: Material, path: Path | str, kinds: Sequence[str] = ("tracks",), *, width_mm: float = COLUMN_MM[1],
-    height_mm: float | None = None, dpi: float = 300,
+    height_mm: float | None = None, dpi: float = 300, force: bool = False,
 ) -> None:  # fmt: skip
     """Draw a figure and write it; the path's suffix is .png, .svg or .pdf. The same material gives the same bytes.
 
@@ -67,10 +67,11 @@ def plot(
         kinds: panels, from top to bottom, of `KINDS`.
         width_mm, height_mm: size; without a height, what the panels need.
         dpi: of a PNG, and of the image of events in the others.
+        force: replace a file that exists.
 
     Raises:
         ConfigError: an unknown kind or suffix, or a size that cannot be.
-        OutputError: the file cannot be written.
+        OutputError: the file exists, or cannot be written.
     """
     unknown = next((kind for kind in kinds if kind not in _KINDS), None)
     if unknown is not None or not kinds:
@@ -91,7 +92,7 @@ def plot(
             panel.draw(ax, material)
         if legend_mm:
             figure.legend(handles=_legend(material), loc="outside upper center", ncols=len(material.logs), handlelength=2.5)
-        save(figure, Path(path), dpi)
+        save(figure, Path(path), dpi, force=force)
 
 
 def _legend(material: Material) -> list[Line2D]:

@@ -49,15 +49,15 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
-def save(figure: Figure, path: Path, dpi: float) -> None:
+def save(figure: Figure, path: Path, dpi: float, *, force: bool = False) -> None:
     """Write a figure in the format of the path's suffix.
 
     Raises:
         ConfigError: another suffix than .png, .svg, .pdf.
-        OutputError: the file cannot be written.
+        OutputError: the file exists, or cannot be written.
     """
     kind = path.suffix.lower().removeprefix(".")
     if kind not in _METADATA:
         raise ConfigError(f"{path}: must end in {', '.join(f'.{name}' for name in _METADATA)}")
-    with written_aside(path) as file:
+    with written_aside(path, force=force) as file:
         figure.savefig(file, format=kind, dpi=dpi, metadata=_METADATA[kind])
