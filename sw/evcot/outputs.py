@@ -428,10 +428,10 @@ class Claims:
         """
         self._check_input(title, path)
         self._check_other(title, path, self._files)
-        check_file(path, title, force=force)
-        self._files[title] = path
         for folder in self._folders.values():
             self._check_outside(title, path, folder)
+        check_file(path, title, force=force)
+        self._files[title] = path
 
     def write_folder(self, title: str, folder: Path, names: Collection[str] = ()) -> None:
         """Claim a folder to write `names` into, for the option `title`.

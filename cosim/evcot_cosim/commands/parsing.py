@@ -8,6 +8,7 @@ known, and checked, before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -77,16 +78,23 @@ def claims_of(options: argparse.Namespace) -> Claims:
         OutputError: one that is to be written may not be.
     """
     claims = Claims()
-    for action in options.parser._actions:
-        given = getattr(options, action.dest, None)
-        for value in given if isinstance(given, list) else [] if given is None else [given]:
-            if action.type in INPUT_TYPES:
-                claims.read(Path(value))
-            elif action.type is output_file:
-                claims.write(_title(action), value, force=options.force)
-            elif action.type is output_folder:
-                claims.write_folder(_title(action), value)
+    for _, path in _given(options, INPUT_TYPES):
+        claims.read(path)
+    for action, path in _given(options, OUTPUT_TYPES):
+        if action.type is output_file:
+            claims.write(_title(action), path, force=options.force)
+        else:
+            claims.write_folder(_title(action), path)
     return claims
+
+
+def _given(options: argparse.Namespace, types: Collection[object]) -> Iterator[tuple[argparse.Action, Path]]:
+    """The arguments of these types that are given, with their values."""
+    for action in options.parser._actions:
+        if action.type in types:
+            given = getattr(options, action.dest)
+            for value in given if isinstance(given, list) else [] if given is None else [given]:
+                yield action, Path(value)
 
 
 def _title(action: argparse.Action) -> str:
