@@ -128,7 +128,7 @@ def test_waves_of_a_time_window(recording: Path, capsys: Capture) -> None:
     assert main(["waves", str(recording), "--from", "10", "--to", "11"]) == 0
     assert "events 500 to 549 in build/waves/blob/" in capsys.readouterr().out
     folder = Path("build/waves/blob")
-    assert {path.name for path in folder.iterdir()} == view_files("waves")
+    assert {path.name for path in folder.iterdir()} == {"run.toml", *view_files("waves")}
     assert (folder / "waves.vcd").read_text().count("\n#") >= 2 * 50
 
 

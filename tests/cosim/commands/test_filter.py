@@ -38,7 +38,7 @@ def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def filtered(source: Path, *options: str) -> Events:
-    assert main(["filter", str(source), "out.npz", "-q", *options]) == 0
+    assert main(["filter", str(source), "out.npz", "-q", "--force", *options]) == 0
     return read_recording("out.npz").events
 
 
@@ -87,7 +87,7 @@ def test_the_suffix_tells_what_is_written(source: Path) -> None:
 
 
 def test_an_unknown_suffix_is_refused_before_anything_is_done(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["filter", str(source), "out.xyz", "--learn-hot-pixels", "hot.txt"]) == 2
+    assert main(["filter", str(source), "out.xyz", "--learn-hot-pixels", "--save-hot-pixels", "hot.txt"]) == 2
     assert "out.xyz: suffix '.xyz': must be one of " in capsys.readouterr().err
     assert not Path("hot.txt").exists()
 
@@ -126,7 +126,7 @@ def test_and_json_says_the_same_with_the_configuration(source: Path, capsys: pyt
 
 class TestHotPixels:
     def test_they_are_learned_silenced_and_listed(self, source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        got = filtered(source, "--learn-hot-pixels", "hot.txt")
+        got = filtered(source, "--learn-hot-pixels", "--save-hot-pixels", "hot.txt")
         assert not np.any((got.x == HOT[0]) & (got.y == HOT[1]))
         assert 18_900 < len(got) < 19_000
         assert Path("hot.txt").read_text() == "# hot pixels of a 64x48 sensor\n20 7\n"
@@ -136,7 +136,7 @@ class TestHotPixels:
     def test_where_none_is_found_all_stays(self, source: Path, capsys: pytest.CaptureFixture[str]) -> None:
         calm = filtered(source, "--learn-hot-pixels")
         write_recording(Recording(calm, 64, 48), "calm.npz")
-        assert main(["filter", "calm.npz", "out.npz", "--learn-hot-pixels", "none.txt"]) == 0
+        assert main(["filter", "calm.npz", "calmer.npz", "--learn-hot-pixels", "--save-hot-pixels", "none.txt"]) == 0
         assert capsys.readouterr().out.splitlines()[1].split() == ["all", f"{len(calm):,}", "0", "0.0%"]
         assert Path("none.txt").read_text() == "# hot pixels of a 64x48 sensor\n"
 
@@ -189,5 +189,5 @@ class TestConfig:
 def test_a_recording_is_not_written_over_itself(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = source.read_bytes()
     assert main(["filter", str(source), str(source), "--activity", "5"]) == 2
-    assert capsys.readouterr().err == f"evcot: {source}: must be another file than the one that is read\n"
+    assert capsys.readouterr().err == f"evcot: B {source}: is {source}, an input of the same call: must be another file\n"
     assert source.read_bytes() == before

@@ -179,7 +179,7 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
     [
         ("{source} --speed 0", "--speed 0: must be from 0.001 to 1000"),
         ("{source} --for 0", "--for 0: must be more than 0 seconds"),
-        ("{source} --save {source}", "must be another file than the one that is read"),
+        ("{source} --save {source}", "an input of the same call: must be another file"),
         ("{source} --save a.csv", "--save a.csv: must end in .aedat4 or .raw"),
         ("{source} --save-log a.csv", "--save-log a.csv: must end in .npz"),
         ("{source} --web 99999", "--web 99999: must be from 0 to 65535"),

@@ -80,7 +80,7 @@ def test_a_silence_does_not_keep_events_in_memory(tmp_path: Path) -> None:
 
 def test_no_file_is_written_over(tmp_path: Path) -> None:
     (tmp_path / "seen.aedat4").write_bytes(b"dear")
-    with pytest.raises(OutputError, match=r"seen\.aedat4: exists: a live recording is not written over another file$"):
+    with pytest.raises(OutputError, match=r"seen\.aedat4: exists: must be another file, or --force"):
         Recorder(tmp_path / "seen.aedat4", SENSOR)
     assert (tmp_path / "seen.aedat4").read_bytes() == b"dear"
     with pytest.raises(ConfigError, match=r"--save .*seen\.csv: must end in \.aedat4 or \.raw: only these"):

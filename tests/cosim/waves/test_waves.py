@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -118,8 +117,12 @@ def test_nothing_stays_behind_where_nothing_can_be_written(config: CotConfig, bl
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, a disk that is always full")
-def test_a_full_disk_leaves_no_waveform(config: CotConfig, blobs: Events, tmp_path: Path) -> None:
-    (tmp_path / f".waves.vcd.{os.getpid()}.partial").symlink_to("/dev/full")
+def test_a_full_disk_leaves_no_waveform(
+    config: CotConfig, blobs: Events, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planted = tmp_path / "partial"
+    planted.symlink_to("/dev/full")
+    monkeypatch.setattr("evcot.outputs._beside", lambda _: planted)
     with pytest.raises(OutputError, match=r"waves\.vcd: cannot be written: No space left on device"):
         write_waves(blobs, config, tmp_path, WINDOW)
     assert not list(tmp_path.iterdir())

@@ -131,16 +131,16 @@ def test_the_labels_name_engines_units_and_title(tmp_path: Path, drawn: list[Fig
     written = texts(drawn[0])
     for text in ("A run", "hardware (cot-rtl)", "software (rct)", "clusters alive", "time since the first event (ms)"):
         assert text in written
-    draw(recording_of(5_000, duration_us=10_000_000), TWO_MEET, EMPTY, tmp_path / "run.png", "Longer")
+    draw(recording_of(5_000, duration_us=10_000_000), TWO_MEET, EMPTY, tmp_path / "run.png", "Longer", force=True)
     assert "time since the first event (s)" in texts(drawn[1])
 
 
 def test_a_tracker_that_saw_nothing_is_said_to_have(tmp_path: Path, drawn: list[Figure]) -> None:
     path = tmp_path / "run.png"
     draw(recording_of(5_000), TWO_MEET, EMPTY, path, "Half")
-    draw(recording_of(5_000), EMPTY, EMPTY, path, "None")
-    draw(Recording(Events.empty(), 32, 32), EMPTY, EMPTY, path, "No events")
-    draw(recording_of(5_000), TWO_MEET, TWO_MEET, path, "Both")
+    draw(recording_of(5_000), EMPTY, EMPTY, path, "None", force=True)
+    draw(Recording(Events.empty(), 32, 32), EMPTY, EMPTY, path, "No events", force=True)
+    draw(recording_of(5_000), TWO_MEET, TWO_MEET, path, "Both", force=True)
     assert [texts(figure).count("no cluster became visible") for figure in drawn] == [1, 2, 2, 0]
     assert "halves: 5,000 events in 0.1 s   ·   120 × 80 px   ·   no cluster became visible" in texts(drawn[1])
 

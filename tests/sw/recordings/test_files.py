@@ -129,10 +129,10 @@ class TestEveryWritableFormat:
             ([good, wrong], f"event 10: x = {wrong.x[0]}: must be below the sensor's {WIDTH}"),
         ):
             with pytest.raises(RecordingError) as caught:
-                write_events(path, (WIDTH, HEIGHT), blocks, name)
+                write_events(path, (WIDTH, HEIGHT), blocks, name, force=True)
             assert str(caught.value) == f"{path}: {message}"
         with pytest.raises(RecordingError, match="sensor 0x48: each side must be from 1 to 65536 pixels"):
-            write_events(path, (0, HEIGHT), [good], name)
+            write_events(path, (0, HEIGHT), [good], name, force=True)
         assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"older"]
 
     def test_an_interrupt_or_a_missing_folder_leaves_nothing(self, tmp_path: Path, name: str) -> None:
@@ -289,7 +289,9 @@ def test_memory_does_not_grow_with_the_recording(tmp_path: Path, source: str, ta
         block = make_events(np.arange(250_000))
         later = (Events(block.t_us + at, block.x, block.y, block.p) for at in range(0, count, 250_000))
         assert write_events(path, (WIDTH, HEIGHT), later) == count
-        done = subprocess.run([sys.executable, "-c", PEAK, path, tmp_path / f"out.{target}"], capture_output=True, check=True)
+        done = subprocess.run(
+            [sys.executable, "-c", PEAK, path, tmp_path / f"out{count}.{target}"], capture_output=True, check=True
+        )
         found, peak_kb = map(int, done.stdout.split())
         assert found == count
         peaks_kb.append(peak_kb)

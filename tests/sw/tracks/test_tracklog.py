@@ -66,7 +66,7 @@ def test_nothing_is_left_behind_when_writing_fails(log: TrackLog, tmp_path: Path
     target = tmp_path / "taken"
     target.mkdir()
     for write in (log.save_npz, log.write_csv):
-        with pytest.raises(OutputError, match=r"taken: cannot be written: Is a directory$"):
+        with pytest.raises(OutputError, match=r"taken: is a folder: must be a file$"):
             write(target)
     with pytest.raises(OutputError, match=r"log\.npz: cannot be written: No such file or directory$"):
         log.save_npz(tmp_path / "absent" / "log.npz")

@@ -248,7 +248,7 @@ def test_a_failed_write_leaves_the_older_file_alone(tmp_path: Path, monkeypatch:
 
     monkeypatch.setattr(npz_sink.zipfile, "ZipFile", full)
     with pytest.raises(OSError, match=r"out\.npz: cannot be written: No space left on device"):
-        write_events(path, SENSOR, [EVENTS])
+        write_events(path, SENSOR, [EVENTS], force=True)
     assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"older"]
 
 
