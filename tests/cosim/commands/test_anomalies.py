@@ -108,7 +108,7 @@ def test_everything_as_json(capsys: Capture) -> None:
 
 def test_alarms_go_into_files_and_a_picture(capsys: Capture) -> None:
     save("lawn.npz", drive(3, 0, 10.0, 230, -100))
-    arguments = ["anomalies", "lawn.npz", "--zones", "zones.toml", "--picture", "alarms.png", "-o"]
+    arguments = ["anomalies", "lawn.npz", "--zones", "zones.toml", "--picture", "alarms.png", "--force", "-o"]
     assert main([*arguments, "alarms.csv"]) == 0
     with Path("alarms.csv").open(newline="") as file:
         (row,) = csv.DictReader(file)
@@ -152,7 +152,7 @@ def test_a_log_that_does_not_belong_is_refused(capsys: Capture) -> None:
         (["today.npz", "--normal", "monday.npz"], "monday.npz: has no array format: must be a field of normal motion"),
         (["today.npz", "--zones", "none.toml"], "none.toml: cannot be read: No such file or directory"),
         (["today.npz", "-o", "alarms.txt"], "alarms.txt: must end in .csv or .json"),
-        (["today.npz", "-o", "no/alarms.csv"], "no/alarms.csv: cannot be written: No such file or directory"),
+        (["today.npz", "-o", "no/alarms.csv"], "-o no/alarms.csv: cannot be written: No such file or directory"),
         (["today.npz", "--set", "hold"], "--set hold: must be KEY=VALUE"),
         (["today.npz", "--set", "hold=1"], "anomalies.hold: no such setting: must be one of step_us,"),
         (["today.npz", "--set", "hold_us=1.5"], "anomalies.hold_us = '1.5': must be a whole number"),

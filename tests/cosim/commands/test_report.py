@@ -72,7 +72,7 @@ def test_a_truth_may_be_given(made: Path, folder: Path) -> None:
         (["{made}/run", "--rule", "scene"], "--rule: must be given with --truth"),
         (["{made}/run", "--truth", "nowhere.csv"], "nowhere.csv: cannot be read: No such file or directory"),
         (["."], "summary.json: cannot be read: No such file or directory"),
-        (["{made}/run", "-o", "nowhere/x.html"], "nowhere/x.html: cannot be written: No such file or directory"),
+        (["{made}/run", "-o", "nowhere/x.html"], "-o nowhere/x.html: cannot be written: No such file or directory"),
     ],
 )  # fmt: skip
 def test_what_can_be_mended(made: Path, folder: Path, arguments: list[str], message: str, capsys: Capture) -> None:

@@ -95,7 +95,7 @@ def test_what_a_user_can_mend_ends_in_one_line_with_nothing_written(capsys: pyte
         f"SCENE 'disc': must be one of {names}, a video file or a folder of images"
     )
     assert refused(capsys, "discs", "-o", "d.gif").startswith("d.gif: suffix '.gif': must be one of ")
-    assert refused(capsys, "discs", "-o", "no/d.npz").endswith("d.truth.csv: cannot be written: No such file or directory")
+    assert refused(capsys, "discs", "-o", "no/d.npz").endswith("d.npz: cannot be written: No such file or directory")
     assert refused(capsys, "discs", "-o", "no/d.npz", "--truth", "t.csv").endswith(": No such file or directory")
     assert refused(capsys, "discs", "-o", "d.csv", "--truth", "d.csv") == "--truth d.csv: is also -o: must be another file"
     assert refused(capsys, "discs", "-o", "d.npz", "--sensor", "big") == (

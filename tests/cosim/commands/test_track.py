@@ -40,7 +40,7 @@ def source(recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> P
 
 
 def tracked(source: Path, *options: str) -> TrackLog:
-    assert main(["track", str(source), "-o", "log.npz", "-q", *options]) == 0
+    assert main(["track", str(source), "-o", "log.npz", "-q", "--force", *options]) == 0
     return TrackLog.load_npz("log.npz")
 
 

@@ -145,7 +145,10 @@ class TestToml:
     @pytest.mark.parametrize(
         ("text", "message"),
         [
-            ("radius = 3", "top level: unknown field 'radius': must be one of cot, filters, name, rct, run, shape, slot"),
+            (
+                "radius = 3",
+                "top level: unknown field 'radius': must be one of cot, files, filters, name, rct, run, shape, slot",
+            ),
             ("[cot]\nradius = 3", "[cot]: unknown field 'radius': must be one of clust_nev, detect_ticks, "),
             ("[shape]\nw = 3", "[shape]: unknown field 'w': must be one of frac, id_w, "),
             ("[rct]\nw = 3", "[rct]: unknown field 'w': must be one of alpha, "),

@@ -82,7 +82,7 @@ def test_an_interrupted_write_keeps_the_old_file(tmp_path: Path, monkeypatch: py
 
     monkeypatch.setattr(np, "savez_compressed", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        TrackLog.empty("cot-rtl").save_npz(path)
+        TrackLog.empty("cot-rtl").save_npz(path, force=True)
     assert TrackLog.load_npz(path).engine == "rct"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -101,7 +101,7 @@ def test_a_file_that_is_no_whole_log_is_refused_in_one_line(log: TrackLog, tmp_p
     refused("is not an npz file, or is cut off$")
     path.write_text("t_us,event_index\n")
     refused("is not an npz file, or is cut off$")
-    log.save_npz(path)
+    log.save_npz(path, force=True)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
     refused("is not an npz file, or is cut off$")
