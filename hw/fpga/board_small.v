@@ -5,6 +5,7 @@
 // `passed` and `records`; all other words read 0. Write: control.enable, control.latch, and the registers of a slot, which act at
 // once, one by one; all other writes are taken and do nothing. The LFSR's settings are those of the self-test.
 `default_nettype none
+`include "evcot_defs.vh"
 `include "evcot_regs.vh"
 
 module board_small #(
@@ -88,7 +89,7 @@ module board_small #(
     );
 
     wire in_slots  = word[WORD_W-1];
-    wire cfg_valid = request && writes && in_slots && word[3:0] != 4'd`EVCOT_BANK_SLOT_COMMIT;
+    wire cfg_valid = request && writes && in_slots && word[`EVCOT_REG_W-1:0] != `EVCOT_BANK_COMMIT;
 
     always @*
         case (word)
@@ -202,8 +203,8 @@ module board_small #(
         .clk         (clk),
         .rst         (rst),
         .cfg_valid   (cfg_valid),
-        .cfg_slot    (word[4+:SLOT_W]),
-        .cfg_addr    (word[3:0]),
+        .cfg_slot    (word[`EVCOT_REG_W+:SLOT_W]),
+        .cfg_addr    (word[`EVCOT_REG_W-1:0]),
         .cfg_data    (data),
         .s_valid     (offered && enable && loaded),
         .s_ready     (ready),

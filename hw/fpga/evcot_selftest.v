@@ -36,21 +36,21 @@ module evcot_selftest #(
     // ---- registers -------------------------------------------------------------------------------------------------
 
     reg                configured;
-    reg [3:0]          write;
+    reg [`EVCOT_REG_W-1:0] write;
     reg [SLOT_W-1:0]   slot;
-    wire [35:0]        word = register_write(write);  // address, value
+    wire [`EVCOT_REG_W+31:0] word = register_write(write);  // address, value
 
     always @(posedge clk) begin
         if (!configured) begin
-            write <= write + 4'd1;
-            if (write == WRITES - 4'd1) begin
-                write      <= 4'd0;
+            write <= write + 1'b1;
+            if (write == WRITES - 1'b1) begin
+                write      <= {`EVCOT_REG_W{1'b0}};
                 slot       <= slot + 1'b1;
                 configured <= slot == LAST_SLOT[SLOT_W-1:0];
             end
         end
         if (rst) begin
-            write      <= 4'd0;
+            write      <= {`EVCOT_REG_W{1'b0}};
             slot       <= {SLOT_W{1'b0}};
             configured <= 1'b0;
         end
@@ -125,7 +125,7 @@ module evcot_selftest #(
         .rst         (rst),
         .cfg_valid   (!configured),
         .cfg_slot    (slot),
-        .cfg_addr    (word[35:32]),
+        .cfg_addr    (word[32+:`EVCOT_REG_W]),
         .cfg_data    (word[31:0]),
         .s_valid     (offered),
         .s_ready     (ready),

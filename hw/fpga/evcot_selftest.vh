@@ -13,25 +13,25 @@ localparam [31:0] CM_EXPECTED = 32'ha70b0220;
 localparam [31:0] OWN_EXPECTED = 32'h85c0e5ea;
 localparam [31:0] PASS_EXPECTED = 32'h57a1267d;
 
-localparam [3:0] WRITES = 4'd15;
-function [35:0] register_write;
-    input [3:0] index;
+localparam [4:0] WRITES = 5'd15;
+function [36:0] register_write;
+    input [4:0] index;
     case (index)
-        4'd0: register_write = {4'd1, 32'd0};  // init_cm_x
-        4'd1: register_write = {4'd2, 32'd0};  // init_cm_y
-        4'd2: register_write = {4'd3, 32'd8};  // init_radix
-        4'd3: register_write = {4'd4, 32'd4};  // radix_th
-        4'd4: register_write = {4'd5, 32'd1};  // radix_step
-        4'd5: register_write = {4'd6, 32'd4};  // radix_min
-        4'd6: register_write = {4'd7, 32'd20};  // radix_max
-        4'd7: register_write = {4'd8, 32'd1};  // hist_avg
-        4'd8: register_write = {4'd9, 32'd60};  // max_ticks
-        4'd9: register_write = {4'd10, 32'd3};  // clust_nev
-        4'd10: register_write = {4'd11, 32'd2};  // nev_min
-        4'd11: register_write = {4'd12, 32'd16};  // nev_max
-        4'd12: register_write = {4'd13, 32'd20};  // nev_th
-        4'd13: register_write = {4'd14, 32'd100};  // detect_ticks
-        4'd14: register_write = {4'd0, 32'd2};  // mode
-        default: register_write = 36'd0;
+        5'd0: register_write = {5'd1, 32'd0};  // init_cm_x
+        5'd1: register_write = {5'd2, 32'd0};  // init_cm_y
+        5'd2: register_write = {5'd3, 32'd8};  // init_radix
+        5'd3: register_write = {5'd4, 32'd4};  // radix_th
+        5'd4: register_write = {5'd5, 32'd1};  // radix_step
+        5'd5: register_write = {5'd6, 32'd4};  // radix_min
+        5'd6: register_write = {5'd7, 32'd20};  // radix_max
+        5'd7: register_write = {5'd8, 32'd1};  // hist_avg
+        5'd8: register_write = {5'd9, 32'd60};  // max_ticks
+        5'd9: register_write = {5'd10, 32'd3};  // clust_nev
+        5'd10: register_write = {5'd11, 32'd2};  // nev_min
+        5'd11: register_write = {5'd12, 32'd16};  // nev_max
+        5'd12: register_write = {5'd13, 32'd20};  // nev_th
+        5'd13: register_write = {5'd14, 32'd100};  // detect_ticks
+        5'd14: register_write = {5'd0, 32'd2};  // mode
+        default: register_write = 37'd0;
     endcase
 endfunction

@@ -14,7 +14,7 @@
 #define EVCOT_PUT(value, field) (((uint32_t)(value) << field##_SHIFT) & field##_MASK)
 
 #define EVCOT_ID_VALUE 0x45564354u
-#define EVCOT_VERSION_MAJOR_VALUE 1u
+#define EVCOT_VERSION_MAJOR_VALUE 2u
 
 /* the letters EVCT */
 #define EVCOT_ID 0x000u
@@ -162,7 +162,7 @@
 #define EVCOT_FAULT_UNMAPPED_SHIFT 3u
 #define EVCOT_FAULT_UNMAPPED_MASK 0x00000008u /* w1c: a write to a read-only address, or any access to one that does not exist */
 #define EVCOT_FAULT_ADDRESS_SHIFT 16u
-#define EVCOT_FAULT_ADDRESS_MASK 0x1FFF0000u /* ro: where the last one of them was */
+#define EVCOT_FAULT_ADDRESS_MASK 0x3FFF0000u /* ro: where the last one of them was */
 
 /* what has happened since it was cleared */
 #define EVCOT_IRQ_STATUS 0x048u
@@ -223,7 +223,7 @@
 #define EVCOT_BACKWARD 0x0A4u
 
 /* Registers of slot i: written into a shadow, in effect after any write to the slot's EVCOT_SLOT_COMMIT. */
-#define EVCOT_SLOT(i, reg) (0x1000u + 64u * (uint32_t)(i) + (reg))
+#define EVCOT_SLOT(i, reg) (0x2000u + 128u * (uint32_t)(i) + (reg))
 #define EVCOT_SLOT_MODE 0x00u /* 0 off, 1 fixed start, 2 seeded start; a write restarts the slot */
 #define EVCOT_SLOT_INIT_CM_X 0x04u /* x of the initial centre */
 #define EVCOT_SLOT_INIT_CM_Y 0x08u /* y of the initial centre */
@@ -239,7 +239,7 @@
 #define EVCOT_SLOT_NEV_MAX 0x30u /* largest N_ev */
 #define EVCOT_SLOT_NEV_TH 0x34u /* ticks by which a window must differ from the previous one to change N_ev */
 #define EVCOT_SLOT_DETECT_TICKS 0x38u /* ticks within which a candidate must collect clust_nev events */
-#define EVCOT_SLOT_COMMIT 0x3Cu /* reads: low bits of the number of the first event after it */
+#define EVCOT_SLOT_COMMIT 0x7Cu /* reads: low bits of the number of the first event after it */
 
 /* Registers of the filters, likewise; EVCOT_FILTER_MASK acts at once. */
 #define EVCOT_FILTER_ENABLE 0x0200u /* one bit per filter, in their order */
@@ -258,7 +258,7 @@
 #define EVCOT_FILTER_DECAY_EPSILON 0x0234u /* weight in 1/256 up to which an event is discarded */
 #define EVCOT_FILTER_DECAY_SUPPORT 0x0238u /* sum of weights in 1/256 that an event needs */
 #define EVCOT_FILTER_MASK 0x023Cu /* marks one pixel as hot, or not: see `mask_word` */
-#define EVCOT_FILTER_COMMIT 0x0240u
+#define EVCOT_FILTER_COMMIT 0x027Cu
 
 /* Sources. */
 #define EVCOT_SOURCE_EVENTS 0u

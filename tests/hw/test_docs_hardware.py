@@ -163,7 +163,7 @@ def test_python_reaches_mapped_memory(tmp_path: Path) -> None:
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     device = tmp_path / "uio0"
-    device.write_bytes(bytes(0x2000))
+    device.write_bytes(bytes(1 << register_map().address_w))
     registers = example.Uio(device)
     registers.write(0x1040, 0x01020304)
     assert registers.read(0x1040) == 0x01020304

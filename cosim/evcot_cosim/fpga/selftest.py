@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel
+from evcot.hardware.registers import register_map
 
 from .noise import SLOT, rendered, signature, source, writes
 
@@ -50,7 +51,8 @@ def expected() -> tuple[int, int, int, int]:
 def header() -> str:
     """The text of evcot_selftest.vh."""
     return rendered(
-        "evcot_selftest.vh.j2", slots=SLOTS, events=EVENTS, source=_SOURCE, signatures=expected(), writes=writes(SLOT)
+        "evcot_selftest.vh.j2", slots=SLOTS, events=EVENTS, source=_SOURCE, signatures=expected(), writes=writes(SLOT),
+        reg_w=register_map().banks["slot"].word_w,
     )  # fmt: skip
 
 

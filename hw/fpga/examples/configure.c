@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Settings of kv260_evcot.v from C: `regs` is where its 8 KiB of registers are mapped, say /dev/uio0 with mmap. */
+/* Settings of kv260_evcot.v from C: `regs` is where its 16 KiB of registers are mapped, say /dev/uio0 with mmap. */
 #include "evcot_regs.h"
 
 #include <stddef.h>

@@ -10,13 +10,13 @@ import numpy as np
 
 from evcot.hardware.contract import Mode
 from evcot.hardware.register_access import Registers
-from evcot.hardware.registers import Transport
+from evcot.hardware.registers import Transport, register_map
 
 
 class Uio:
     """The registers behind a UIO device of Linux, such as /dev/uio0."""
 
-    def __init__(self, device: Path, size: int = 0x2000) -> None:
+    def __init__(self, device: Path, size: int = 1 << register_map().address_w) -> None:
         with device.open("r+b", buffering=0) as file:
             self._words = np.frombuffer(mmap.mmap(file.fileno(), size), np.uint32)
 

@@ -5,6 +5,7 @@
 // the address above it. Request and acknowledge are active low. A chip that counts its rows from below gives a picture that
 // stands on its head: turn the row around here if that matters.
 `default_nettype none
+`include "evcot_regs.vh"
 
 module davis_evcot (
     input  wire        clk,
@@ -23,7 +24,7 @@ module davis_evcot (
 
     input  wire        s_axi_awvalid,
     output wire        s_axi_awready,
-    input  wire [12:0] s_axi_awaddr,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axi_awaddr,
     input  wire [2:0]  s_axi_awprot,
     input  wire        s_axi_wvalid,
     output wire        s_axi_wready,
@@ -34,7 +35,7 @@ module davis_evcot (
     output wire [1:0]  s_axi_bresp,
     input  wire        s_axi_arvalid,
     output wire        s_axi_arready,
-    input  wire [12:0] s_axi_araddr,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axi_araddr,
     input  wire [2:0]  s_axi_arprot,
     output wire        s_axi_rvalid,
     input  wire        s_axi_rready,

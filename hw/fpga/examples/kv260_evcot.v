@@ -4,6 +4,7 @@
 // It stands between the Event Stream Smart Tracker and the PS Host Interface, on their clock. The ports have Vivado's names, so a
 // block design infers the buses. The IMX636 has 1280 x 720 pixels.
 `default_nettype none
+`include "evcot_regs.vh"
 
 module kv260_evcot (
     input  wire        aclk,     // the pipeline's clock
@@ -23,10 +24,10 @@ module kv260_evcot (
     output wire [7:0]  m_axis_tkeep,
     output wire        m_axis_tlast,
 
-    // registers, on a further port of the AXI interconnect: 8 KiB
+    // registers, on a further port of the AXI interconnect: 16 KiB
     input  wire        s_axi_awvalid,
     output wire        s_axi_awready,
-    input  wire [12:0] s_axi_awaddr,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axi_awaddr,
     input  wire [2:0]  s_axi_awprot,
     input  wire        s_axi_wvalid,
     output wire        s_axi_wready,
@@ -37,7 +38,7 @@ module kv260_evcot (
     output wire [1:0]  s_axi_bresp,
     input  wire        s_axi_arvalid,
     output wire        s_axi_arready,
-    input  wire [12:0] s_axi_araddr,
+    input  wire [`EVCOT_CSR_ADDR_W-1:0] s_axi_araddr,
     input  wire [2:0]  s_axi_arprot,
     output wire        s_axi_rvalid,
     input  wire        s_axi_rready,

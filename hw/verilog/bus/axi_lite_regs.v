@@ -3,11 +3,11 @@
 //
 // The words outside the banks are axi_lite_words.v. The registers of slots and filters stand in a shadow, one memory; writing
 // a bank's `commit` marks it as pending, which raises `busy`. Once `apply` says that nothing is under way, the bank is copied
-// to its tracker or filter in 16 clocks, `mode` last and only if it was written. All banks pending by then are copied before
+// to its tracker or filter word by word, `mode` last and only if it was written. All banks pending by then are copied before
 // busy falls.
 //
-// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; 17 more for each bank that is
-//             copied, and 16 N + 16 after reset, while the shadow is filled. A write of `mask` waits until the filters are
+// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 2 more for each
+//             bank that is copied, and 32 N + 32 after reset, while the shadow is filled. A write of `mask` waits until the filters are
 //             cleared after a reset: they would lose it.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears what has happened,
 //             and every mode counts as written.
@@ -90,10 +90,10 @@ module axi_lite_regs #(
     input  wire [47:0]         seq,            // number of the next event
     output reg                 cfg_valid,
     output reg  [SLOT_W-1:0]   cfg_slot,
-    output reg  [3:0]          cfg_addr,
+    output reg  [`EVCOT_REG_W-1:0] cfg_addr,
     output reg  [31:0]         cfg_data,
     output reg                 filter_cfg_valid,
-    output wire [3:0]          filter_cfg_addr,
+    output wire [`EVCOT_FREG_W-1:0] filter_cfg_addr,
     output wire [31:0]         filter_cfg_data,
 
     // what is to be read
@@ -118,11 +118,12 @@ module axi_lite_regs #(
     parameter_check #(.OK(SLOT_W == ((N > 1) ? $clog2(N) : 1))) SLOT_W_must_be_left_at_its_default ();
 
     localparam WORD_W = `EVCOT_CSR_ADDR_W - 2;
+    localparam REG_W  = `EVCOT_REG_W;              // bits of a word's number in its bank
+    localparam FIND_W = $clog2(`EVCOT_N_SLOTS_MAX);  // bits of a slot's number in an address
     localparam BANK_W = $clog2(N + 1);             // a bank for each slot, and one for the filters
     localparam [31:0]       N_32    = N;
     localparam [BANK_W-1:0] FILTERS = N_32[BANK_W-1:0];
-    localparam [6:0]        SLOTS   = N_32[6:0];
-    localparam [3:0]  LAST     = 4'd15;            // where the shadow keeps the number of the first event after a commit
+    localparam [FIND_W:0]   SLOTS   = N_32[FIND_W:0];
     localparam [31:0] LAST_X   = WIDTH - 1;
     localparam [31:0] LAST_Y   = HEIGHT - 1;
     localparam [31:0] RECENT   = RECENT_DEPTH - 1;
@@ -189,18 +190,20 @@ module axi_lite_regs #(
 
     localparam [WORD_W+1:0] SLOT_BASE     = `EVCOT_BANK_SLOT;
     localparam [WORD_W+1:0] FILTER_BASE   = `EVCOT_BANK_FILTER;
-    localparam [4:0]        FILTER_COMMIT = `EVCOT_BANK_FILTER_COMMIT;
 
-    wire [6:0] in_slots = {1'b0, word[9:4]};
+    wire [FIND_W:0] in_slots = {1'b0, word[REG_W+:FIND_W]};
+
+    // Banks of every kind have the same number of words, the last of which commits.
+    wire [REG_W-1:0] place = word[REG_W-1:0];
 
     // From the clock after the access begins.
     reg in_slot, in_filter, at_commit, at_mask;
 
     always @(posedge clk) begin
-        in_slot   <= word[WORD_W-1] == SLOT_BASE[WORD_W+1] && in_slots < SLOTS;
-        in_filter <= word[WORD_W-1:5] == FILTER_BASE[WORD_W+1:7] && HAS != 0 && word[4:0] <= FILTER_COMMIT;
-        at_commit <= (word[WORD_W-1] == SLOT_BASE[WORD_W+1]) ? word[3:0] == LAST : word[4:0] == FILTER_COMMIT;
-        at_mask   <= word[4:0] == {1'b0, `EVCOT_FREG_MASK};
+        in_slot   <= word[WORD_W-1:REG_W+FIND_W] == SLOT_BASE[WORD_W+1:REG_W+FIND_W+2] && in_slots < SLOTS && slot_has(place);
+        in_filter <= word[WORD_W-1:REG_W] == FILTER_BASE[WORD_W+1:REG_W+2] && HAS != 0 && filter_has(place);
+        at_commit <= place == `EVCOT_BANK_COMMIT;
+        at_mask   <= place == `EVCOT_FREG_MASK;
     end
 
     wire commits  = (in_slot || in_filter) && at_commit;
@@ -232,9 +235,9 @@ module axi_lite_regs #(
     always @(posedge clk) begin
         in_shadow <= shadow_out;
 
-        low     <= in_filter ? filter_low(word[3:0]) : slot_low(word[3:0]);
-        high    <= in_filter ? filter_high(word[3:0]) : slot_high(word[3:0]);
-        refuses <= in_filter ? filter_refuses(word[3:0]) : slot_refuses(word[3:0]);
+        low     <= in_filter ? filter_low(place) : slot_low(place);
+        high    <= in_filter ? filter_high(place) : slot_high(place);
+        refuses <= in_filter ? filter_refuses(place) : slot_refuses(place);
         over    <= shadowed && merged > high;
         under   <= shadowed && merged < low;
 
@@ -250,28 +253,30 @@ module axi_lite_regs #(
 
     // ---- the shadow --------------------------------------------------------------------------------------------------
 
-    // Nobody uses what is read in the clock in which the same word is written.
-    (* no_rw_check *) reg [31:0] shadow [0:16*(N+1)-1];
-    reg [BANK_W+3:0] fill;
+    // Nobody uses what is read in the clock in which the same word is written. In the place of a bank's commit is the number of
+    // the first event after it.
+    (* no_rw_check *) reg [31:0] shadow [0:(N+1)*(1<<REG_W)-1];
+    reg [BANK_W+REG_W-1:0] fill;
     reg [BANK_W-1:0] copied;         // the bank in COPY
-    reg [4:0] step;                  // the word that is read in COPY: 1 to 15, then 0
-    reg       late;                  // the word before it has been read
-    reg [3:0] late_word;
+    reg [REG_W-1:0]  step;           // the word that is read in COPY: 1 to the last register, then 0
+    reg              late;           // the word before it has been read
+    reg [REG_W-1:0]  late_word;
 
     wire fills  = state == FILL;
-    wire stamps = state == COPY && step == {1'b0, LAST};
-    wire filled = fill == {FILTERS, 4'd15};
-    wire [31:0] first = (fill[BANK_W+3:4] == FILTERS) ? filter_low(fill[3:0]) : slot_low(fill[3:0]);
+    wire last   = step == `EVCOT_BANK_LAST;
+    wire stamps = state == COPY && last;
+    wire filled = fill == {FILTERS, {REG_W{1'b1}}};
+    wire [31:0] first = (fill[REG_W+:BANK_W] == FILTERS) ? filter_low(fill[REG_W-1:0]) : slot_low(fill[REG_W-1:0]);
 
-    reg               shadow_write;
-    reg  [BANK_W+3:0] shadow_to;
-    reg  [31:0]       shadow_in;
-    wire [BANK_W+3:0] shadow_from = (state == COPY) ? {copied, step[3:0]} : {bank, commits ? LAST : word[3:0]};
+    reg                     shadow_write;
+    reg  [BANK_W+REG_W-1:0] shadow_to;
+    reg  [31:0]             shadow_in;
+    wire [BANK_W+REG_W-1:0] shadow_from = (state == COPY) ? {copied, step} : {bank, place};
 
     always @(posedge clk) begin
         shadow_write <= fills || stamps || stores;
-        shadow_to    <= fills ? fill : stamps ? {copied, LAST} : {bank, word[3:0]};
-        shadow_in    <= fills ? (fill[3:0] == LAST ? 32'd0 : first) : stamps ? seq[31:0] : legal;
+        shadow_to    <= fills ? fill : stamps ? {copied, `EVCOT_BANK_COMMIT} : {bank, place};
+        shadow_in    <= fills ? first : stamps ? seq[31:0] : legal;
         if (shadow_write) shadow[shadow_to] <= shadow_in;
         shadow_out <= shadow[shadow_from];
     end
@@ -310,7 +315,7 @@ module axi_lite_regs #(
             end
             IDLE: begin
                 copied <= next_bank;
-                step   <= 5'd1;
+                step   <= {{(REG_W - 1) {1'b0}}, 1'b1};
                 late   <= 1'b0;
                 if (!core_rst) begin
                     if (apply && |pending) state <= COPY;
@@ -329,7 +334,7 @@ module axi_lite_regs #(
             CHECK: begin
                 error <= faulty;
                 if (acts && commits && !locked) pending[bank] <= 1'b1;
-                if (stores && in_slot && word[3:0] == `EVCOT_REG_MODE) mode_new[word[4+:SLOT_W]] <= 1'b1;
+                if (stores && in_slot && place == `EVCOT_REG_MODE) mode_new[word[REG_W+:SLOT_W]] <= 1'b1;
                 if (acts && marks && !off_sensor) begin
                     filter_cfg_valid <= 1'b1;
                     cfg_addr         <= `EVCOT_FREG_MASK;
@@ -338,15 +343,15 @@ module axi_lite_regs #(
                 state <= ANSWER;
             end
             COPY: begin
-                step      <= {1'b0, step[3:0] + 4'd1};
+                step      <= last ? {REG_W{1'b0}} : step + 1'b1;
                 late      <= 1'b1;
-                late_word <= step[3:0];
+                late_word <= step;
                 cfg_slot  <= copied[SLOT_W-1:0];
                 cfg_addr  <= late_word;
                 cfg_data  <= shadow_out;
-                if (late && late_word != LAST) begin
+                if (late) begin
                     cfg_valid        <= !copies_filters && (late_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
-                    filter_cfg_valid <= copies_filters;
+                    filter_cfg_valid <= copies_filters && late_word != `EVCOT_FREG_MASK;
                 end
                 if (copied_all) begin
                     pending[copied] <= 1'b0;
@@ -370,7 +375,7 @@ module axi_lite_regs #(
         end
         if (rst) begin
             state <= FILL;
-            fill  <= {(BANK_W + 4) {1'b0}};
+            fill  <= {(BANK_W + REG_W) {1'b0}};
         end
     end
 

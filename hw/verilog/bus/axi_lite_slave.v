@@ -11,10 +11,11 @@
 // Reset:      no access, no response.
 // Combinational paths: none from AXI to AXI; the outputs to AXI are registers, or the inverse of one.
 `default_nettype none
+`include "evcot_regs.vh"
 
 module axi_lite_slave #(
     // bits of a byte address, at least 3; the two low ones are ignored
-    parameter ADDR_W = 13
+    parameter ADDR_W = `EVCOT_CSR_ADDR_W
 ) (
     input  wire              clk,
     input  wire              rst,

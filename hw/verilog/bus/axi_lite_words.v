@@ -18,7 +18,7 @@ module axi_lite_words #(
     input  wire        clk,
     input  wire        rst,
 
-    input  wire [10:0] word,
+    input  wire [11:0] word,
     input  wire        write,
     input  wire [31:0] data,
     output reg         known,
@@ -117,7 +117,7 @@ module axi_lite_words #(
     output reg         fault_pending_clear,
     input  wire        fault_unmapped,
     output reg         fault_unmapped_clear,
-    input  wire [12:0] fault_address,
+    input  wire [13:0] fault_address,
 
     // 048: what has happened since it was cleared
     input  wire        irq_status_birth,
@@ -212,40 +212,40 @@ module axi_lite_words #(
     reg at_backward;
 
     always @(posedge clk) begin
-        at_id <= word == 11'h000;
-        at_version <= word == 11'h001;
-        at_shape0 <= word == 11'h002;
-        at_shape1 <= word == 11'h003;
-        at_shape2 <= word == 11'h004;
-        at_build <= word == 11'h005;
-        at_sensor <= word == 11'h006;
-        at_memory <= word == 11'h007;
-        at_control <= word == 11'h008;
-        at_source <= word == 11'h009;
-        at_tick_us <= word == 11'h00a;
-        at_prescale <= word == 11'h00b;
-        at_lfsr_seed <= word == 11'h00c;
-        at_lfsr_gap <= word == 11'h00d;
-        at_lfsr_x <= word == 11'h00e;
-        at_lfsr_y <= word == 11'h00f;
-        at_status <= word == 11'h010;
-        at_fault <= word == 11'h011;
-        at_irq_status <= word == 11'h012;
-        at_irq_enable <= word == 11'h013;
-        at_irq_clear <= word == 11'h014;
-        at_commit_seq_low <= word == 11'h015;
-        at_commit_seq_high <= word == 11'h016;
-        at_commits <= word == 11'h017;
-        at_events_in <= word == 11'h020;
-        at_events_dropped <= word == 11'h021;
-        at_malformed <= word == 11'h022;
-        at_events <= word == 11'h023;
-        at_filtered <= word == 11'h024;
-        at_owned <= word == 11'h025;
-        at_passed <= word == 11'h026;
-        at_records <= word == 11'h027;
-        at_stalls <= word == 11'h028;
-        at_backward <= word == 11'h029;
+        at_id <= word == 12'h000;
+        at_version <= word == 12'h001;
+        at_shape0 <= word == 12'h002;
+        at_shape1 <= word == 12'h003;
+        at_shape2 <= word == 12'h004;
+        at_build <= word == 12'h005;
+        at_sensor <= word == 12'h006;
+        at_memory <= word == 12'h007;
+        at_control <= word == 12'h008;
+        at_source <= word == 12'h009;
+        at_tick_us <= word == 12'h00a;
+        at_prescale <= word == 12'h00b;
+        at_lfsr_seed <= word == 12'h00c;
+        at_lfsr_gap <= word == 12'h00d;
+        at_lfsr_x <= word == 12'h00e;
+        at_lfsr_y <= word == 12'h00f;
+        at_status <= word == 12'h010;
+        at_fault <= word == 12'h011;
+        at_irq_status <= word == 12'h012;
+        at_irq_enable <= word == 12'h013;
+        at_irq_clear <= word == 12'h014;
+        at_commit_seq_low <= word == 12'h015;
+        at_commit_seq_high <= word == 12'h016;
+        at_commits <= word == 12'h017;
+        at_events_in <= word == 12'h020;
+        at_events_dropped <= word == 12'h021;
+        at_malformed <= word == 12'h022;
+        at_events <= word == 12'h023;
+        at_filtered <= word == 12'h024;
+        at_owned <= word == 12'h025;
+        at_passed <= word == 12'h026;
+        at_records <= word == 12'h027;
+        at_stalls <= word == 12'h028;
+        at_backward <= word == 12'h029;
     end
 
     // ---- legal values ------------------------------------------------------------------------------------------------
@@ -386,7 +386,7 @@ module axi_lite_words #(
         held[1:1] = held[1:1] | ({1{at_fault}} & fault_refused);
         held[2:2] = held[2:2] | ({1{at_fault}} & fault_pending);
         held[3:3] = held[3:3] | ({1{at_fault}} & fault_unmapped);
-        held[28:16] = held[28:16] | ({13{at_fault}} & fault_address);
+        held[29:16] = held[29:16] | ({14{at_fault}} & fault_address);
         held[0:0] = held[0:0] | ({1{at_irq_status}} & irq_status_birth);
         held[1:1] = held[1:1] | ({1{at_irq_status}} & irq_status_loss);
         held[2:2] = held[2:2] | ({1{at_irq_status}} & irq_status_merge);

@@ -2,7 +2,30 @@
 // Legal values of the registers of a slot and of the filters, for a module with the parameters that give their widths.
 // Generated from sw/evcot/hardware/contract.py and registers.toml by `python -m evcot.hardware.generate`: edit there.
 
-function [31:0] slot_low(input [3:0] word);
+// What there is: a register, or the word that commits.
+function slot_has(input [`EVCOT_REG_W-1:0] word);
+    case (word)
+        `EVCOT_REG_MODE,
+        `EVCOT_REG_INIT_CM_X,
+        `EVCOT_REG_INIT_CM_Y,
+        `EVCOT_REG_INIT_RADIX,
+        `EVCOT_REG_RADIX_TH,
+        `EVCOT_REG_RADIX_STEP,
+        `EVCOT_REG_RADIX_MIN,
+        `EVCOT_REG_RADIX_MAX,
+        `EVCOT_REG_HIST_AVG,
+        `EVCOT_REG_MAX_TICKS,
+        `EVCOT_REG_CLUST_NEV,
+        `EVCOT_REG_NEV_MIN,
+        `EVCOT_REG_NEV_MAX,
+        `EVCOT_REG_NEV_TH,
+        `EVCOT_REG_DETECT_TICKS,
+        `EVCOT_BANK_COMMIT: slot_has = 1'b1;
+        default: slot_has = 1'b0;
+    endcase
+endfunction
+
+function [31:0] slot_low(input [`EVCOT_REG_W-1:0] word);
     case (word)
         `EVCOT_REG_MAX_TICKS: slot_low = 32'd1;
         `EVCOT_REG_CLUST_NEV: slot_low = 32'd1;
@@ -13,7 +36,7 @@ function [31:0] slot_low(input [3:0] word);
     endcase
 endfunction
 
-function [31:0] slot_high(input [3:0] word);
+function [31:0] slot_high(input [`EVCOT_REG_W-1:0] word);
     case (word)
         `EVCOT_REG_MODE: slot_high = 32'd2;
         `EVCOT_REG_INIT_CM_X: slot_high = 32'hffffffff >> (32 - X_W);
@@ -35,11 +58,35 @@ function [31:0] slot_high(input [3:0] word);
 endfunction
 
 // An illegal value is refused, not clamped.
-function slot_refuses(input [3:0] word);
+function slot_refuses(input [`EVCOT_REG_W-1:0] word);
     slot_refuses = word == `EVCOT_REG_MODE;
 endfunction
 
-function [31:0] filter_low(input [3:0] word);
+// What there is: a register, or the word that commits.
+function filter_has(input [`EVCOT_FREG_W-1:0] word);
+    case (word)
+        `EVCOT_FREG_ENABLE,
+        `EVCOT_FREG_REGION_X0,
+        `EVCOT_FREG_REGION_X1,
+        `EVCOT_FREG_REGION_Y0,
+        `EVCOT_FREG_REGION_Y1,
+        `EVCOT_FREG_POLARITY,
+        `EVCOT_FREG_REFRACTORY_TICKS,
+        `EVCOT_FREG_ACTIVITY_TICKS,
+        `EVCOT_FREG_ACTIVITY_SUPPORT,
+        `EVCOT_FREG_RECENT_TICKS,
+        `EVCOT_FREG_RECENT_RADIUS,
+        `EVCOT_FREG_RECENT_SUPPORT,
+        `EVCOT_FREG_DECAY_RATE,
+        `EVCOT_FREG_DECAY_EPSILON,
+        `EVCOT_FREG_DECAY_SUPPORT,
+        `EVCOT_FREG_MASK,
+        `EVCOT_BANK_COMMIT: filter_has = 1'b1;
+        default: filter_has = 1'b0;
+    endcase
+endfunction
+
+function [31:0] filter_low(input [`EVCOT_FREG_W-1:0] word);
     case (word)
         `EVCOT_FREG_REFRACTORY_TICKS: filter_low = 32'd1;
         `EVCOT_FREG_ACTIVITY_SUPPORT: filter_low = 32'd1;
@@ -51,7 +98,7 @@ function [31:0] filter_low(input [3:0] word);
     endcase
 endfunction
 
-function [31:0] filter_high(input [3:0] word);
+function [31:0] filter_high(input [`EVCOT_FREG_W-1:0] word);
     case (word)
         `EVCOT_FREG_ENABLE: filter_high = 32'd127;
         `EVCOT_FREG_REGION_X0: filter_high = 32'd65535;
@@ -74,6 +121,6 @@ function [31:0] filter_high(input [3:0] word);
 endfunction
 
 // An illegal value is refused, not clamped.
-function filter_refuses(input [3:0] word);
+function filter_refuses(input [`EVCOT_FREG_W-1:0] word);
     filter_refuses = word == `EVCOT_FREG_ENABLE || word == `EVCOT_FREG_POLARITY;
 endfunction

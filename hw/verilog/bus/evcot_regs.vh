@@ -5,17 +5,15 @@
 `define EVCOT_REGS_VH
 
 `define EVCOT_CSR_ID      32'h45564354
-`define EVCOT_CSR_MAJOR   16'd1
-`define EVCOT_CSR_MINOR   16'd1
-`define EVCOT_CSR_ADDR_W  13
+`define EVCOT_CSR_MAJOR   16'd2
+`define EVCOT_CSR_MINOR   16'd0
+`define EVCOT_CSR_ADDR_W  14
 
-`define EVCOT_BANK_FILTER        13'h200
-`define EVCOT_BANK_FILTER_WORDS  32
-`define EVCOT_BANK_FILTER_COMMIT 16
-
-`define EVCOT_BANK_SLOT        13'h1000
-`define EVCOT_BANK_SLOT_WORDS  16
-`define EVCOT_BANK_SLOT_COMMIT 15
+// Banks: where the first of a kind begins; in each, the word that commits and the last one that is a register.
+`define EVCOT_BANK_FILTER 14'h200
+`define EVCOT_BANK_SLOT 14'h2000
+`define EVCOT_BANK_COMMIT 5'd31
+`define EVCOT_BANK_LAST 5'd15
 
 // Bit numbers of the sources.
 `define EVCOT_SOURCE_EVENTS 0

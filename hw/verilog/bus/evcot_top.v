@@ -134,7 +134,8 @@ module evcot_top #(
     wire [47:0]       seq;
     wire              cfg_valid, filter_cfg_valid;
     wire [SLOT_W-1:0] cfg_slot;
-    wire [3:0]        cfg_addr, filter_cfg_addr;
+    wire [`EVCOT_REG_W-1:0]  cfg_addr;
+    wire [`EVCOT_FREG_W-1:0] filter_cfg_addr;
     wire [31:0]       cfg_data, filter_cfg_data;
     wire [15:0]       held;
     wire [31:0]       n_in, n_dropped, n_malformed, n_backward;

@@ -12,11 +12,12 @@
 // Stall:      while the line is busy s_axis_tready is low.
 // Reset:      nothing is under way; a byte that was going out is cut.
 `default_nettype none
+`include "evcot_regs.vh"
 
 module uart_host #(
     parameter DIVISOR = 12,   // clocks per bit of the line: see uart_rx.v
     parameter TIMEOUT = 320,  // bits of silence that end a request which is not whole, at least 20
-    parameter ADDR_W  = 13    // bits of an address, 1 to 16
+    parameter ADDR_W  = `EVCOT_CSR_ADDR_W  // bits of an address, 1 to 16
 ) (
     input  wire              clk,
     input  wire              rst,

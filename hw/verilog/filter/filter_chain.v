@@ -27,7 +27,7 @@ module filter_chain #(
 
     // registers: see filter_regs.v
     input  wire              cfg_valid,
-    input  wire [3:0]        cfg_addr,
+    input  wire [`EVCOT_FREG_W-1:0] cfg_addr,
     input  wire [31:0]       cfg_data,
 
     // tokens in

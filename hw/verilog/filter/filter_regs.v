@@ -14,7 +14,7 @@ module filter_regs #(
     input  wire               rst,
 
     input  wire               cfg_valid,
-    input  wire [3:0]         cfg_addr,
+    input  wire [`EVCOT_FREG_W-1:0] cfg_addr,
     input  wire [31:0]        cfg_data,
 
     output reg  [6:0]         enable,            // bit EVCOT_FILTER_*
@@ -60,6 +60,7 @@ module filter_regs #(
                 `EVCOT_FREG_DECAY_EPSILON:    decay_epsilon              <= cfg_data[7:0];
                 `EVCOT_FREG_DECAY_SUPPORT:    decay_support              <= cfg_data[11:0];
                 `EVCOT_FREG_MASK:             {mask_hot, mask_y, mask_x} <= cfg_data;
+                default: ;
             endcase
         if (rst) begin
             enable     <= 7'd0;

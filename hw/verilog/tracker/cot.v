@@ -34,7 +34,7 @@ module cot #(
 
     // registers: see cot_regs.v
     input  wire                cfg_valid,
-    input  wire [3:0]          cfg_addr,
+    input  wire [`EVCOT_REG_W-1:0] cfg_addr,
     input  wire [31:0]         cfg_data,
 
     // tokens

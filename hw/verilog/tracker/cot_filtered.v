@@ -38,12 +38,12 @@ module cot_filtered #(
     // registers of the trackers: see cot_regs.v
     input  wire                cfg_valid,
     input  wire [SLOT_W-1:0]   cfg_slot,
-    input  wire [3:0]          cfg_addr,
+    input  wire [`EVCOT_REG_W-1:0] cfg_addr,
     input  wire [31:0]         cfg_data,
 
     // registers of the filters: see filter_regs.v
     input  wire                filter_cfg_valid,
-    input  wire [3:0]          filter_cfg_addr,
+    input  wire [`EVCOT_FREG_W-1:0] filter_cfg_addr,
     input  wire [31:0]         filter_cfg_data,
 
     // tokens: s_tick ticks have passed, then an event if s_event; s_skip: one that was taken out before, only counted

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // N trackers behind one set of ports: the array, the chain or the engine. Everything else is theirs to say.
 `default_nettype none
+`include "evcot_defs.vh"
 `include "evcot_regs.vh"
 
 module cot_tracker #(
@@ -25,7 +26,7 @@ module cot_tracker #(
     // registers: see cot_regs.v
     input  wire                cfg_valid,
     input  wire [SLOT_W-1:0]   cfg_slot,
-    input  wire [3:0]          cfg_addr,
+    input  wire [`EVCOT_REG_W-1:0] cfg_addr,
     input  wire [31:0]         cfg_data,
 
     // tokens: s_tick ticks have passed, then an event if s_event; s_skip: one that a filter took out, only counted

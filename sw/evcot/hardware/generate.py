@@ -26,7 +26,7 @@ from .contract import RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
 from .published.registers import SELECT, SELECT_NONE
-from .registers import Access, Field, Word, register_map
+from .registers import Access, Bank, Field, Word, register_map
 
 __all__ = ["render", "stale", "write"]
 
@@ -40,14 +40,16 @@ class _Codes:
     prefix: str
     comment: str
     members: list[tuple[str, int]]
-
-    @property
-    def width(self) -> int:
-        return max(1, max(value for _, value in self.members).bit_length())
+    width: int
 
 
 def _codes(prefix: str, comment: str, enum: type[IntEnum]) -> _Codes:
-    return _Codes(prefix, comment, [(member.name, int(member)) for member in enum])
+    members = [(member.name, int(member)) for member in enum]
+    return _Codes(prefix, comment, members, max(1, max(enum).bit_length()))
+
+
+def _bank_codes(prefix: str, comment: str, bank: Bank) -> _Codes:
+    return _Codes(prefix, comment, [(name, register.address) for name, register in bank.registers.items()], bank.word_w)
 
 
 def _verilog_high(register: Register | FilterRegister) -> str:
@@ -136,15 +138,14 @@ def _vocabulary() -> dict[str, Any]:
 
 def render() -> dict[str, str]:
     """Returns path in a source tree -> text of every generated file."""
-    registers = [(name, register.address) for name, register in REGISTERS.items()]
-    filter_registers = [(name, register.address) for name, register in FILTER_REGISTERS.items()]
+    banks = register_map().banks
     enums = [
         _codes("ST", "States of the tracker FSM.", State),
         _codes("KIND", "Kinds of a record.", Kind),
         _codes("MODE", "How a slot starts a life: register `mode`.", Mode),
-        _Codes("REG", "Word addresses of the registers of a slot.", registers),
+        _bank_codes("REG", "Word addresses of the registers of a slot.", banks["slot"]),
         _codes("FILTER", "The filters of a chain, in their order: bits of `enable`.", Filter),
-        _Codes("FREG", "Word addresses of the registers of a filter chain.", filter_registers),
+        _bank_codes("FREG", "Word addresses of the registers of a filter chain.", banks["filter"]),
     ]
     rows = [(width, tap_mask(width), taps) for width, taps in TAPS.items()]
     vocabulary = _vocabulary()

@@ -187,12 +187,12 @@ class _Slot(Group):
 
         Its life goes on unless `mode` was written.
         """
-        self._write(60, 1)
+        self._write(124, 1)
 
     @property
     def commit_seq(self) -> int:
         """Low 32 bits of the number of the first event that met what was committed last."""
-        return self._read(60)
+        return self._read(124)
 
 
 class _Filters(Group):
@@ -218,12 +218,12 @@ class _Filters(Group):
 
     def commit(self) -> None:
         """Let all that was written take effect, at one point between two events."""
-        self._write(64, 1)
+        self._write(124, 1)
 
     @property
     def commit_seq(self) -> int:
         """Low 32 bits of the number of the first event that met what was committed last."""
-        return self._read(64)
+        return self._read(124)
 
 
 class Registers(Group):
@@ -277,9 +277,9 @@ class Registers(Group):
         if self.id != 0x45564354:
             raise ConfigError(f"the hardware says that it is {self.id:#010x}: must be 0x45564354, an evcot_top")
         version = _Version(transport, 0, self.shape, self.filter_shape)
-        if version.major != 1:
+        if version.major != 2:
             raise ConfigError(
-                f"the hardware has version {version.major}.{version.minor} of the registers: must be 1.x"
+                f"the hardware has version {version.major}.{version.minor} of the registers: must be 2.x"
             )
         sensor = _Sensor(transport, 0, self.shape, self.filter_shape)
         memory = _Memory(transport, 0, self.shape, self.filter_shape)
@@ -302,7 +302,7 @@ class Registers(Group):
         self.fault = _Fault(transport, 0, *shapes)
         self.irq_status = _IrqStatus(transport, 0, *shapes)
         self.slot = tuple(
-            _Slot(transport, 0x1000 + 64 * i, *shapes) for i in range(self.shape.n_slots)
+            _Slot(transport, 0x2000 + 128 * i, *shapes) for i in range(self.shape.n_slots)
         )
         self.filters = _Filters(transport, 0x0200, *shapes)
 

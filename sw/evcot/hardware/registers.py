@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import tomllib
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from importlib.resources import files
+from itertools import pairwise
 from typing import Any, Protocol, overload
 
 from ..errors import ConfigError
-from ..filters.contract import FILTER_REGISTERS, FilterShape
-from .contract import REGISTERS, Shape
+from ..filters.contract import FILTER_REGISTERS, FilterRegister, FilterShape
+from .contract import REGISTERS, SLOTS_MAX, Register, Shape
 
 __all__ = [
     "Access",
@@ -31,6 +32,7 @@ __all__ = [
     "RegisterMap",
     "Transport",
     "Word",
+    "map_of",
     "register_map",
 ]
 
@@ -119,16 +121,38 @@ class Bank:
 
     Attributes:
         base: address of the first word of the first bank of this kind, in bytes.
-        words: words from one bank to the next.
-        commit: which word commits.
         refuse: the registers that refuse an illegal value; the others clamp it.
+        words: words from one bank to the next.
+        count: how many banks of this kind there may be, one after another.
+        registers: what stands in it, by name.
     """
 
     name: str
     base: int
-    words: int
-    commit: int
     refuse: tuple[str, ...]
+    words: int
+    count: int
+    registers: Mapping[str, Register | FilterRegister]
+
+    @property
+    def commit(self) -> int:
+        """Which word commits: the last."""
+        return self.words - 1
+
+    @property
+    def word_w(self) -> int:
+        """Bits of a word's number in the bank."""
+        return self.commit.bit_length()
+
+    @property
+    def last(self) -> int:
+        """The highest number of a register."""
+        return max(register.address for register in self.registers.values())
+
+    @property
+    def bytes(self) -> int:
+        """What all banks of this kind take."""
+        return 4 * self.words * self.count
 
 
 @dataclass(frozen=True)
@@ -150,13 +174,43 @@ class RegisterMap:
         return next(word for word in self.words if word.name == name)
 
 
-def _fields(entries: list[dict[str, Any]]) -> tuple[Field, ...]:
+def _fields(entries: list[dict[str, Any]], address_w: int) -> tuple[Field, ...]:
     found = []
     for entry in entries:
         values: dict[str, Any] = {"name": "", "lsb": 0, "access": "ro"} | entry
         refuses = values.pop("illegal", "clamp") == "refuse"
-        found.append(Field(**values | {"access": Access(values["access"])}, refuses=refuses))
+        bits = address_w if values["bits"] == "address_w" else values["bits"]
+        found.append(Field(**values | {"access": Access(values["access"]), "bits": bits}, refuses=refuses))
     return tuple(found)
+
+
+def map_of(
+    data: Mapping[str, Any], slot: Mapping[str, Register], filters: Mapping[str, FilterRegister], slots: int = SLOTS_MAX
+) -> RegisterMap:
+    """The map that registers.toml makes with the registers of a slot and of the filters.
+
+    Raises:
+        ConfigError: two things have one name or one place, or something lies outside the place that it has.
+    """
+    address_w = data["address_w"]
+    counters = tuple(
+        Word(name, data["counters"]["base"] + 4 * i, meaning, (Field("", 0, 32, Access.RO, ""),))
+        for i, (name, meaning) in enumerate(data["counters"]["words"].items())
+    )
+    words = (*(Word(**entry | {"fields": _fields(entry["fields"], address_w)}) for entry in data["word"]), *counters)
+    streams = tuple(Word(**entry | {"address": 0, "fields": _fields(entry["fields"], address_w)}) for entry in data["stream"])
+    kinds: dict[str, tuple[int, Mapping[str, Register | FilterRegister]]] = {"slot": (slots, slot), "filter": (1, filters)}
+    banks = {
+        name: Bank(name, entry["base"], tuple(entry["refuse"]), data["bank_words"], *kinds[name])
+        for name, entry in data["bank"].items()
+    }
+    found = RegisterMap(
+        data["id"], tuple(data["version"]), address_w, tuple(data["sources"]), tuple(data["trackers"]),
+        banks, words, counters, streams,
+    )  # fmt: skip
+    for problem in _problems(found):
+        raise ConfigError(f"registers.toml: {problem}")
+    return found
 
 
 @cache
@@ -164,35 +218,74 @@ def register_map() -> RegisterMap:
     """The map.
 
     Raises:
-        ConfigError: two words or fields overlap, or a field leaves its word.
+        ConfigError: as of `map_of`.
     """
     data = tomllib.loads(files("evcot.hardware").joinpath("registers.toml").read_text(encoding="utf-8"))
-    counters = tuple(
-        Word(name, data["counters"]["base"] + 4 * i, meaning, (Field("", 0, 32, Access.RO, ""),))
-        for i, (name, meaning) in enumerate(data["counters"]["words"].items())
-    )
-    words = (*(Word(**entry | {"fields": _fields(entry["fields"])}) for entry in data["word"]), *counters)
-    streams = tuple(Word(**entry | {"address": 0, "fields": _fields(entry["fields"])}) for entry in data["stream"])
-    banks = {name: Bank(name, **entry | {"refuse": tuple(entry["refuse"])}) for name, entry in data["bank"].items()}
-    for kind, width in ((words, 32), (streams, 64)):
+    return map_of(data, REGISTERS, FILTER_REGISTERS)
+
+
+def _problems(found: RegisterMap) -> Iterator[str]:
+    """What does not hold together, each in a line that names it."""
+    for kind, width in ((found.words, 32), (found.streams, 64)):
+        yield from _twice("the name", ((word.port(field), word.name) for word in kind for field in word.fields))
+        yield from _twice("the name", ((word.name, f"word {i}") for i, word in enumerate(kind)))
         for word in kind:
-            _check_fields(word, width)
-    first_bank = min(bank.base for bank in banks.values())
-    addresses = [word.address for word in words]
-    if len(set(addresses)) < len(addresses) or any(address % 4 or address >= first_bank for address in addresses):
-        raise ConfigError(f"registers.toml: addresses of words must differ, be multiples of 4, and lie below {first_bank:#x}")
-    return RegisterMap(
-        data["id"], tuple(data["version"]), data["address_w"], tuple(data["sources"]), tuple(data["trackers"]),
-        banks, words, counters, streams,
-    )  # fmt: skip
+            yield from _field_problems(word, width)
+    for bank in found.banks.values():
+        yield from _bank_problems(bank)
+
+    places = [(word.address, word.address + 4, word.name) for word in found.words]
+    places += [(bank.base, bank.base + bank.bytes, f"bank.{bank.name}") for bank in found.banks.values()]
+    for begin, end, name in places:
+        if begin % 4:
+            yield f"{name} = {begin:#x}: an address must be a multiple of 4"
+        if not 0 <= begin < end <= 1 << found.address_w:
+            yield f"{name} = {begin:#x} to {end - 1:#x}: must lie in {found.address_w} bits of address (address_w)"
+    for (begin, end, name), (other_begin, _, other) in pairwise(sorted(places)):
+        if other_begin < end:
+            yield f"{other} = {other_begin:#x}: lies in {name}, which has {begin:#x} to {end - 1:#x}"
 
 
-def _check_fields(word: Word, width: int) -> None:
-    taken = 0
+def _twice(what: str, entries: Iterable[tuple[object, str]]) -> Iterator[str]:
+    """Keys that two owners have."""
+    owners: dict[object, str] = {}
+    for key, owner in entries:
+        if key in owners:
+            yield f"{what} {key} is that of {owners[key]} and of {owner}"
+        owners[key] = owner
+
+
+def _field_problems(word: Word, width: int) -> Iterator[str]:
+    taken: dict[int, str] = {}
     for field in word.fields:
-        if field.mask & taken or field.mask >> width:
-            raise ConfigError(f"registers.toml: {word.name}.{field.name}: must lie in {width} bits, beside the other fields")
-        taken |= field.mask
+        name = word.port(field)
+        if field.bits < 1 or field.lsb < 0 or field.mask >> width:
+            yield f"{name} = bits {field.lsb + field.bits - 1}:{field.lsb}: must lie in {width} bits"
+        for bit in range(field.lsb, field.lsb + field.bits):
+            if bit in taken:
+                yield f"{name}: bit {bit} is that of {taken[bit]}, too"
+            taken[bit] = name
+
+
+def _bank_problems(bank: Bank) -> Iterator[str]:
+    if bank.words < 2 or bank.words & bank.commit:
+        yield f"bank_words = {bank.words}: must be a power of 2, at least 2"
+    room = 1 << (bank.bytes - 1).bit_length()
+    if bank.base % room:
+        yield f"bank.{bank.name} = {bank.base:#x}: must be a multiple of {room:#x}, which it takes"
+    yield from _twice(f"bank.{bank.name}: word", ((register.address, name) for name, register in bank.registers.items()))
+    for name, register in bank.registers.items():
+        if name == "commit":
+            yield f"bank.{bank.name}: the name commit is that of the last word and of a register"
+        if register.address == bank.commit:
+            yield f"bank.{bank.name}.{name} = word {register.address}: is the word commit"
+        elif not 0 <= register.address < bank.commit:
+            yield f"bank.{bank.name}.{name} = word {register.address}: must lie from 0 to {bank.commit - 1} (bank_words)"
+    if "mode" in bank.registers and bank.registers["mode"].address != 0:
+        yield f"bank.{bank.name}.mode = word {bank.registers['mode'].address}: must be word 0, which takes effect last"
+    for name in bank.refuse:
+        if name not in bank.registers:
+            yield f"bank.{bank.name}.refuse: no register is called {name}"
 
 
 class Group:

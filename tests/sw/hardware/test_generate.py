@@ -16,6 +16,7 @@ from evcot.filters.contract import FILTER_REGISTERS
 from evcot.hardware.contract import RECORD, REGISTERS, SHAPE_RANGES, Mode, State
 from evcot.hardware.generate import render, stale, write
 from evcot.hardware.lfsr import TAPS
+from evcot.hardware.registers import register_map
 from evcot.tracks.log import Kind
 
 
@@ -39,8 +40,8 @@ def test_codes_are_literals_of_one_width_per_group() -> None:
     assert [found[f"EVCOT_ST_{state.name}"] for state in State] == [f"3'd{int(state)}" for state in State]
     assert [found[f"EVCOT_KIND_{kind.name}"] for kind in Kind] == [f"2'd{int(kind)}" for kind in Kind]
     assert [found[f"EVCOT_MODE_{mode.name}"] for mode in Mode] == [f"2'd{int(mode)}" for mode in Mode]
-    assert [found[f"EVCOT_REG_{name.upper()}"] for name in REGISTERS] == [f"4'd{r.address}" for r in REGISTERS.values()]
-    assert (found["EVCOT_ST_W"], found["EVCOT_KIND_W"], found["EVCOT_MODE_W"], found["EVCOT_REG_W"]) == ("3", "2", "2", "4")
+    assert [found[f"EVCOT_REG_{name.upper()}"] for name in REGISTERS] == [f"5'd{r.address}" for r in REGISTERS.values()]
+    assert (found["EVCOT_ST_W"], found["EVCOT_KIND_W"], found["EVCOT_MODE_W"], found["EVCOT_REG_W"]) == ("3", "2", "2", "5")
 
 
 def test_parameter_ranges_are_those_of_the_shape() -> None:
@@ -91,9 +92,10 @@ def test_the_c_header_compiles_and_says_what_the_contract_says(tmp_path: Path) -
     compiler = shutil.which("gcc")
     if compiler is None:
         pytest.skip("gcc is not installed")
+    slots = register_map().banks["slot"]
     told = {
-        "EVCOT_SLOT(3, EVCOT_SLOT_RADIX_MAX)": 0x1000 + 3 * 64 + 4 * REGISTERS["radix_max"].address,
-        "EVCOT_FILTER_DECAY_RATE": 0x200 + 4 * FILTER_REGISTERS["decay_rate"].address,
+        "EVCOT_SLOT(3, EVCOT_SLOT_RADIX_MAX)": slots.base + 3 * 4 * slots.words + 4 * REGISTERS["radix_max"].address,
+        "EVCOT_FILTER_DECAY_RATE": register_map().banks["filter"].base + 4 * FILTER_REGISTERS["decay_rate"].address,
         "EVCOT_PUT(5, EVCOT_SOURCE_SELECT)": 5,
         "EVCOT_GET(0x12340000u, EVCOT_STATUS_HELD)": 0x1234,
         "sizeof(struct evcot_record)": RECORD.itemsize,

@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+import tomllib
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
 import pytest
 
 from evcot.errors import ConfigError
 from evcot.filters.contract import FILTER_REGISTERS, FilterShape
-from evcot.hardware.contract import RECORD, REGISTERS, Shape
+from evcot.hardware.contract import RECORD, REGISTERS, Register, Shape
 from evcot.hardware.register_access import Registers
-from evcot.hardware.registers import Access, register_map
+from evcot.hardware.registers import Access, map_of, register_map
 
 
 class Memory:
@@ -37,14 +42,133 @@ class Memory:
         self.words[address] = value
 
 
-def test_banks_hold_the_registers_of_the_contract_and_lie_apart() -> None:
+def test_there_is_room_for_more_registers_and_for_every_slot() -> None:
     banks = register_map().banks
-    assert sorted(register.address for register in REGISTERS.values()) == list(range(banks["slot"].commit))
-    assert sorted(register.address for register in FILTER_REGISTERS.values()) == list(range(banks["filter"].commit))
-    assert set(banks["slot"].refuse) < REGISTERS.keys()
-    assert set(banks["filter"].refuse) < FILTER_REGISTERS.keys()
-    assert banks["filter"].base + 4 * banks["filter"].words <= banks["slot"].base
-    assert banks["slot"].base + 4 * banks["slot"].words * 64 == 1 << register_map().address_w
+    assert banks["slot"].registers == REGISTERS
+    assert banks["filter"].registers == FILTER_REGISTERS
+    assert all(bank.words == 32 and bank.commit == 31 for bank in banks.values())
+    assert (banks["slot"].count, banks["slot"].bytes) == (64, 64 * 32 * 4)
+
+
+def toml() -> dict[str, Any]:
+    return tomllib.loads(files("evcot.hardware").joinpath("registers.toml").read_text(encoding="utf-8"))
+
+
+def word_of(data: dict[str, Any], name: str) -> dict[str, Any]:
+    found: dict[str, Any] = next(word for word in data["word"] if word["name"] == name)
+    return found
+
+
+def field_of(data: dict[str, Any], word: str, name: str) -> dict[str, Any]:
+    found: dict[str, Any] = next(field for field in word_of(data, word)["fields"] if field["name"] == name)
+    return found
+
+
+# What is changed in registers.toml -> what is said of it.
+BROKEN: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
+    "two words at one address": (
+        lambda data: word_of(data, "sensor").update(address=0x14),
+        "sensor = 0x14: lies in build, which has 0x14 to 0x17",
+    ),
+    "a counter at the address of a word": (
+        lambda data: data["counters"].update(base=0x5C),
+        "events_in = 0x5c: lies in commits, which has 0x5c to 0x5f",
+    ),
+    "a bank over words": (
+        lambda data: data["bank"]["filter"].update(base=0x80),
+        "bank.filter = 0x80: lies in events_in, which has 0x80 to 0x83",
+    ),
+    "a word in a bank": (
+        lambda data: word_of(data, "memory").update(address=0x204),
+        "memory = 0x204: lies in bank.filter, which has 0x200 to 0x27f",
+    ),
+    "a bank over another": (
+        lambda data: data["bank"]["filter"].update(base=0x2080),
+        "bank.filter = 0x2080: lies in bank.slot, which has 0x2000 to 0x3fff",
+    ),
+    "a bank in the middle of what it takes": (
+        lambda data: data["bank"]["slot"].update(base=0x1000),
+        "bank.slot = 0x1000: must be a multiple of 0x2000, which it takes",
+    ),
+    "a bank beyond the addresses": (
+        lambda data: data.update(address_w=13),
+        "bank.slot = 0x2000 to 0x3fff: must lie in 13 bits of address (address_w)",
+    ),
+    "a word beyond the addresses": (
+        lambda data: word_of(data, "memory").update(address=0x4000),
+        "memory = 0x4000 to 0x4003: must lie in 14 bits of address (address_w)",
+    ),
+    "an address between words": (
+        lambda data: word_of(data, "memory").update(address=0x1E),
+        "memory = 0x1e: an address must be a multiple of 4",
+    ),
+    "a bank of an odd number of words": (lambda data: data.update(bank_words=24), "bank_words = 24: must be a power of 2"),
+    "a bank too short for its registers": (
+        lambda data: data.update(bank_words=8),
+        "bank.filter.activity_ticks = word 7: is the word commit",
+    ),
+    "fields over one another": (
+        lambda data: field_of(data, "control", "drop").update(lsb=0),
+        "control_drop: bit 0 is that of control_enable, too",
+    ),
+    "a field beyond its word": (
+        lambda data: field_of(data, "lfsr_x", "span").update(bits=17),
+        "lfsr_x_span = bits 32:16: must lie in 32 bits",
+    ),
+    "a field without bits": (
+        lambda data: field_of(data, "control", "drop").update(bits=0),
+        "control_drop = bits 0:1: must lie in 32 bits",
+    ),
+    "a word twice": (
+        lambda data: data["word"].append(word_of(data, "commits") | {"address": 0x60}),
+        "the name commits is that of commits and of commits",
+    ),
+    "a field twice": (
+        lambda data: field_of(data, "control", "drop").update(name="enable"),
+        "the name control_enable is that of control and of control",
+    ),
+    "a word called like a field of another": (
+        lambda data: word_of(data, "commits").update(name="status_held"),
+        "the name status_held is that of status and of status_held",
+    ),
+    "a refusal of no register": (
+        lambda data: data["bank"]["slot"].update(refuse=["moed"]),
+        "bank.slot.refuse: no register is called moed",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_refuses_a_map_that_does_not_hold_together(name: str) -> None:
+    breaks, said = BROKEN[name]
+    data = toml()
+    breaks(data)
+    with pytest.raises(ConfigError) as caught:
+        map_of(data, REGISTERS, FILTER_REGISTERS)
+    assert str(caught.value).startswith(f"registers.toml: {said}")
+
+
+@pytest.mark.parametrize(
+    ("name", "address", "said"),
+    [
+        ("gain", 3, "bank.slot: word 3 is that of init_radix and of gain"),
+        ("gain", 31, "bank.slot.gain = word 31: is the word commit"),
+        ("gain", 32, "bank.slot.gain = word 32: must lie from 0 to 30 (bank_words)"),
+        ("gain", -1, "bank.slot.gain = word -1: must lie from 0 to 30 (bank_words)"),
+        ("commit", 15, "bank.slot: the name commit is that of the last word and of a register"),
+        ("mode", 15, "bank.slot.mode = word 15: must be word 0, which takes effect last"),
+    ],
+)
+def test_refuses_a_register_where_another_is(name: str, address: int, said: str) -> None:
+    more = REGISTERS | {name: Register(address, 8, 0, None, "", "one more")}
+    with pytest.raises(ConfigError) as caught:
+        map_of(toml(), more, FILTER_REGISTERS)
+    assert str(caught.value) == f"registers.toml: {said}"
+
+
+def test_takes_registers_up_to_the_last_place() -> None:
+    more = REGISTERS | {f"more_{i}": Register(i, 8, 0, None, "", "one more") for i in range(len(REGISTERS), 31)}
+    assert map_of(toml(), more, FILTER_REGISTERS).banks["slot"].last == 30
 
 
 def test_values_after_reset_are_legal() -> None:
@@ -73,7 +197,9 @@ def test_a_slots_register_is_checked_and_then_written_to_its_own_place() -> None
     memory.accesses.clear()
     registers.slot[2].radix_max = 12
     registers.slot[2].commit()
-    assert memory.accesses == [("write", 0x1000 + 2 * 64 + 7 * 4), ("write", 0x1000 + 2 * 64 + 60)]
+    bank = register_map().banks["slot"]
+    slot = bank.base + 2 * 4 * bank.words
+    assert memory.accesses == [("write", slot + 4 * REGISTERS["radix_max"].address), ("write", slot + 4 * bank.commit)]
     assert registers.slot[2].radix_max == 12
     memory.accesses.clear()
     for wrong in (64, -1, 1.5):
@@ -105,5 +231,5 @@ def test_refuses_unknown_names_and_read_only_fields() -> None:
 def test_refuses_other_hardware() -> None:
     with pytest.raises(ConfigError, match="the hardware says that it is 0x00000007: must be 0x45564354, an evcot_top"):
         Registers(Memory(id=7))
-    with pytest.raises(ConfigError, match=r"the hardware has version 9\.0 of the registers: must be 1\.x"):
+    with pytest.raises(ConfigError, match=r"the hardware has version 9\.0 of the registers: must be 2\.x"):
         Registers(Memory(version=9 << 16))

@@ -31,7 +31,7 @@ module cot_engine #(
     // registers: see cot_regs.v
     input  wire                cfg_valid,
     input  wire [SLOT_W-1:0]   cfg_slot,
-    input  wire [3:0]          cfg_addr,
+    input  wire [`EVCOT_REG_W-1:0] cfg_addr,
     input  wire [31:0]         cfg_data,
 
     // tokens: s_tick ticks have passed, then an event if s_event; s_skip: one that a filter took out, only counted

@@ -21,7 +21,7 @@ module engine_regs #(
 
     input  wire               cfg_valid,
     input  wire [SLOT_W-1:0]  cfg_slot,
-    input  wire [3:0]         cfg_addr,
+    input  wire [`EVCOT_REG_W-1:0] cfg_addr,
     input  wire [31:0]        cfg_data,
 
     input  wire [SLOT_W-1:0]  c_slot,
