@@ -6,6 +6,7 @@
 // 2  While a merge is under way, at most one window may overlap others: the one that moved, later the one that stays.
 // 3  A slot is free, or has a window, or is off; an active one has a window and a deadline.
 // 4  An output that waits keeps its value.
+// 5  Every slot stands once in the order of births.
 
 reg f_past = 1'b0;
 always @(posedge clk) f_past <= 1'b1;
@@ -20,12 +21,14 @@ endfunction
 genvar f_i, f_j;
 generate
     for (f_i = 0; f_i < N; f_i = f_i + 1) begin : f_slot
+        always @* if (f_past && !rst) assert (order[f_i*SLOT_W +: SLOT_W] < N);  // rule 5
         always @* if (f_past) begin
             assert (!(free[f_i] && window[f_i]));                                // rule 3
             assert (!active[f_i] || (window[f_i] && timed[f_i]));
             assert (!timed[f_i] || window[f_i]);
         end
         for (f_j = 0; f_j < f_i; f_j = f_j + 1) begin : f_pair
+            always @* if (f_past && !rst) assert (order[f_i*SLOT_W +: SLOT_W] != order[f_j*SLOT_W +: SLOT_W]);
             wire f_excused = (phase != RUN) && (phase == DIVIDE ? (stays == f_i || stays == f_j) : (moved == f_i || moved == f_j));
             always @* if (f_past && !rst) assert (f_excused || !f_shared(f_i, f_j));  // rules 1 and 2
         end

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, Top, build_device
 
-__all__ = ["ENGINES", "Engine", "Told", "Traffic", "exact", "random_config", "random_traffic", "tell"]
+__all__ = ["ENGINES", "OLD_AND_YOUNG", "Engine", "Told", "Traffic", "exact", "random_config", "random_traffic", "tell"]
 
 Engine = Literal["model", "rtl"]
 ENGINES: tuple[Engine, ...] = ("model", "rtl")
@@ -74,6 +74,22 @@ def tell(story: Iterable[tuple[int, int, int]], config: CotConfig, top: Top = "c
         arrangement = Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
         return Told(config, CotModel(config, arrangement).feed(ticks.copy(), xs, ys))
     return Told(config, Device(config, top).stream(ticks.copy(), xs, ys, ((xs ^ ys) & 1).astype(np.uint8)))
+
+
+# Slot 1 is born as track 1 and stays; slot 0 is born again and again, at last as track 8, which three bits call 0. Then slot 0
+# moves into the window of slot 1, which is the older in spite of its id.
+_LIVES = SlotConfig(
+    mode=Mode.SEEDED, init_radix=4, radix_th=2, radix_step=0, radix_min=4, radix_max=4, hist_avg=0,
+    max_ticks=4000, clust_nev=1, nev_min=1, nev_max=8, nev_th=4000, detect_ticks=100,
+)  # fmt: skip
+OLD_AND_YOUNG: tuple[list[tuple[int, int, int]], CotConfig] = (
+    [(0, 40, 64), (0, 20, 64), *((200 * life, 40, 64) for life in range(1, 8)), (1401, 34, 64), (1401, 31, 64)],
+    CotConfig(
+        Shape(n_slots=2, x_w=7, y_w=7, frac=1, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=3, seq_w=16, time_w=20),
+        (replace(_LIVES, max_ticks=100), _LIVES),
+    ),
+)
+"""A story and a configuration in which ids wrap within a life."""
 
 
 class Traffic(NamedTuple):

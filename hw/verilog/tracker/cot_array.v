@@ -138,6 +138,9 @@ module cot_array #(
     reg [SEQ_W-1:0]  seq;     // number of the next event
     reg [ID_W-1:0]   births;  // id of the next track
 
+    // All slots, the first born first: a birth moves its slot to the end. Ids wrap; this does not.
+    reg [N*SLOT_W-1:0] order;
+
     // Per slot, compared all at once.
     reg [N-1:0]        restart;   // mode was written
     reg [N-1:0]        free;      // seeded, and no life has started
@@ -494,7 +497,23 @@ module cot_array #(
                 end
     end
 
-    wire older = id[overlap_slot] < id[slot];  // the other was born first
+    wire births_here = updates && !cur_active;
+    reg         older;   // the other was born first
+    reg [N-1:0] behind;  // the places in the order from this slot's on
+
+    wire [(N+1)*SLOT_W-1:0] onward = {slot, order};
+
+    always @* begin : find_order
+        integer i;
+        i      = 0;  // on every path, or it would be a latch
+        older  = 1'b0;
+        behind = {N{1'b0}};
+        if (checking || births_here)
+            for (i = 0; i < N; i = i + 1) begin
+                if (order[i*SLOT_W +: SLOT_W] == overlap_slot && !(|behind)) older = 1'b1;
+                if (order[i*SLOT_W +: SLOT_W] == slot) behind = {N{1'b1}} << i;
+            end
+    end
 
     // ---- next deadline ---------------------------------------------------------------------------------------------
 
@@ -553,7 +572,8 @@ module cot_array #(
 
     // ---- next state ------------------------------------------------------------------------------------------------
 
-    always @(posedge clk) begin
+    always @(posedge clk) begin : next_state
+        integer place;
         if (space) begin
             if (decides) begin
                 now <= then;
@@ -601,9 +621,11 @@ module cot_array #(
                 n_ev[slot]     <= new_n_ev;
                 last_tc2[slot] <= tc2;
                 active[slot]   <= 1'b1;
-                if (!cur_active) begin
+                if (births_here) begin
                     id[slot] <= births;
                     births   <= births + 1'b1;
+                    for (place = 0; place < N; place = place + 1)
+                        if (behind[place]) order[place*SLOT_W +: SLOT_W] <= onward[(place+1)*SLOT_W +: SLOT_W];
                 end
             end
 
@@ -645,6 +667,7 @@ module cot_array #(
             window  <= {N{1'b0}};
             active  <= {N{1'b0}};
             timed   <= {N{1'b0}};
+            for (place = 0; place < N; place = place + 1) order[place*SLOT_W +: SLOT_W] <= place[SLOT_W-1:0];
         end
     end
 

@@ -44,8 +44,8 @@ GLOBAL_COUNT = len(Global)
 
 # Numba folds plain module-level integers into the code; enum members would be looked up.
 (LO_X, HI_X, LO_Y, HI_Y, CM_X, CM_Y, AV_X, AV_Y, G, N_EV, COUNT, RING, SUPPORT, ACTIVE, ID, BIRTH_COUNT, DEADLINE, START,
- LAST_TC2) = range(19)  # fmt: skip
-FIELD_COUNT = 19
+ LAST_TC2, BIRTH) = range(20)  # fmt: skip
+FIELD_COUNT = 20
 
 MODE, INIT_X, INIT_Y, INIT_RADIX, RADIX_TH, RADIX_STEP, RADIX_MIN, RADIX_MAX = (
     list(REGISTERS).index(name)
@@ -240,6 +240,7 @@ def _proc(s: Table, regs: Table, lim: Table, glob: Table, i: int, now: int) -> i
             s[ID, i] = (i + s[BIRTH_COUNT, i] * s.shape[1]) & lim[ID_MASK]
         else:
             s[ID, i] = glob[BIRTHS] & lim[ID_MASK]
+        s[BIRTH, i] = glob[BIRTHS]
         s[BIRTH_COUNT, i] += 1
         glob[BIRTHS] += 1
     s[LAST_TC2, i] = tc2
@@ -273,7 +274,7 @@ def _merge(s: Table, regs: Table, lim: Table, glob: Table, moved: int, now: int,
         other = _overlapping(s, moved)
         if other < 0:
             return n
-        stays, goes = (other, moved) if s[ID, other] < s[ID, moved] else (moved, other)
+        stays, goes = (other, moved) if s[BIRTH, other] < s[BIRTH, moved] else (moved, other)
         a = s[SUPPORT, stays]
         b = s[SUPPORT, goes]
         half = ((a + b) >> 1) if lim[FRAC] > 0 else 0

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from evcot_cosim.trials import OLD_AND_YOUNG
 from numpy.typing import NDArray
 
 from evcot.hardware.config import CotConfig, SlotConfig
@@ -140,6 +141,12 @@ class TestMerge:
     def test_on_the_other_axis_too(self, engine: Engine, y: int, merges: bool) -> None:
         run = story(engine, [(0, 64, 30), (0, 64, 48), (0, 64, y)])
         assert (MERGED in run.kinds) == merges
+
+    def test_the_older_stays_when_its_id_is_the_higher_one(self, engine: Engine) -> None:
+        run = tell(*OLD_AND_YOUNG, "cot_array", engine)
+        births = [record for record in run.records("kind", "slot", "track_id") if record[0] == BORN]
+        assert births == [(BORN, 0, 0), (BORN, 1, 1), *((BORN, 0, track % 8) for track in range(2, 9))]
+        assert run.records("kind", "slot", "track_id", "other_id", "x")[-2:] == [(MERGED, 0, 0, 1, 31), (MOVED, 1, 1, 0, 28.5)]
 
     def test_a_birth_can_merge_at_once(self, engine: Engine) -> None:
         run = row(engine, [30, 42])  # 42 is outside [24, 36], its own window [36, 48] is not
@@ -326,6 +333,11 @@ def test_random_registers_traffic_and_stalls_are_exact(n: int) -> None:
     census = exact(shape, "cot_array", 2026, runs, 50_000)
     wanted = (BORN, MOVED, LOST) if n == 1 else Kind
     assert all(census[kind] > 1_000 for kind in wanted)
+
+
+def test_ids_that_wrap_all_the_time_are_exact() -> None:
+    census = exact(replace(EIGHT, id_w=3), "cot_array", 2026, 10, 20_000)
+    assert all(census[kind] > 1_000 for kind in Kind)
 
 
 def test_one_bit_of_everything_is_exact() -> None:

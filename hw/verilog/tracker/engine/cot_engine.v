@@ -202,7 +202,7 @@ module cot_engine #(
     wire              m_due, e_other, d_active, d_other, d_free;
     wire [SLOT_W-1:0] e_lowest, d_slot;
     wire [N-1:0]      active;
-    wire              w_checks, w_places, w_changes, w_free, w_window, w_active;
+    wire              w_checks, w_places, w_changes, w_born, w_free, w_window, w_active;
     wire [SLOT_W-1:0] w_slot;
     wire [AT_X-1:0]   w_lo_x_not, w_hi_x;
     wire [AT_Y-1:0]   w_lo_y_not, w_hi_y;
@@ -347,6 +347,7 @@ module cot_engine #(
         .w_checks      (w_checks),
         .w_places      (w_places),
         .w_changes     (w_changes),
+        .w_born        (w_born),
         .w_slot        (w_slot),
         .w_lo_x_not    (w_lo_x_not),
         .w_hi_x        (w_hi_x),
@@ -408,6 +409,20 @@ module cot_engine #(
         .ended_time  (ended_time)
     );
 
+    wire second_first;
+
+    engine_order #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_order (
+        .clk         (clk),
+        .rst         (rst),
+        .asked       (v_busy || phase == FETCH),
+        .slot        (v_slot),
+        .born        (w_born),
+        .second_first(second_first)
+    );
+
     engine_merge #(
         .POS_X  (X_W + FRAC),
         .POS_Y  (Y_W + FRAC),
@@ -427,6 +442,7 @@ module cot_engine #(
         .cm_y        (u_cm_y),
         .g           (u_g),
         .support     (v_support),
+        .b_first     (second_first),
         .stays       (stays),
         .goes        (goes),
         .stays_id    (stays_id),

@@ -27,6 +27,7 @@ module engine_merge #(
     input  wire [POS_Y-1:0]   cm_y,
     input  wire [RADIX_W-1:0] g,
     input  wire [SUP_W-1:0]   support,
+    input  wire               b_first,  // the second of them was born first: two clocks after take_b
 
     output reg  [SLOT_W-1:0]  stays,
     output reg  [SLOT_W-1:0]  goes,
@@ -149,7 +150,7 @@ module engine_merge #(
         if (take_b_reg) under_way <= 1'b1;
         if (under_way) begin
             if (done && !start) under_way <= 1'b0;
-            b_older      <= b_id < a_id;
+            if (start) b_older <= b_first;
             stays        <= b_older ? b_slot : a_slot;
             goes         <= b_older ? a_slot : b_slot;
             stays_id     <= b_older ? b_id : a_id;

@@ -86,6 +86,7 @@ module engine_update #(
     output reg                 w_checks,   // it might overlap now
     output reg                 w_places,
     output wire                w_changes,
+    output wire                w_born,     // it becomes active
     output reg  [SLOT_W-1:0]   w_slot,
     output wire [AT_X-1:0]     w_lo_x_not, w_hi_x,
     output wire [AT_Y-1:0]     w_lo_y_not, w_hi_y,
@@ -520,7 +521,7 @@ module engine_update #(
     assign w_window  = !w_clear || w_mode == `EVCOT_MODE_FIXED;
     assign w_active  = !w_clear && (w_old || w_last);
 
-    wire w_born = w_last && !w_old;
+    assign w_born = w_last && !w_old;
 
     // TC2, the window's ticks, has TC_W bits and stops at its largest value.
     wire [TC_W+1:0] over_slow = {1'b0, w_slow_over} - {2'b00, w_span[TC_W-1:0]};

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from evcot_cosim.trials import OLD_AND_YOUNG, tell
 from numpy.typing import NDArray
 
 from evcot.hardware.config import CotConfig, SlotConfig
@@ -57,9 +58,19 @@ def test_one_bit_of_everything_is_exact() -> None:
     assert all(census[kind] > 100 for kind in Kind)
 
 
-@pytest.mark.parametrize("frac", [0, 4])
-def test_noise_that_is_born_merges_and_dies_all_the_time_is_exact(frac: int) -> None:
-    shape, merged = replace(EIGHT, frac=frac), 0
+def test_the_older_stays_when_its_id_is_the_higher_one() -> None:
+    events, config = OLD_AND_YOUNG
+    run = tell(events, config, "cot_engine")
+    assert run.records("kind", "slot", "track_id", "other_id", "x")[-2:] == [
+        (Kind.MERGED, 0, 0, 1, 31),
+        (Kind.MOVED, 1, 1, 0, 28.5),
+    ]
+    assert same(run.decisions, tell(events, config, "cot_engine", "model").decisions)
+
+
+@pytest.mark.parametrize(("frac", "id_w"), [(0, 32), (4, 32), (4, 3)])
+def test_noise_that_is_born_merges_and_dies_all_the_time_is_exact(frac: int, id_w: int) -> None:
+    shape, merged = replace(EIGHT, frac=frac, id_w=id_w), 0
     for seed in range(6):
         rng = np.random.default_rng([17, seed])
         slots = tuple(

@@ -38,11 +38,12 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int, means: int) -> None:
 
     nobody = Track(7, 0, 0, 0, 15, 0)
 
-    def clock(track: Track = nobody, before: Track = nobody, **takes: int) -> None:
+    def clock(track: Track = nobody, before: Track = nobody, b_first: int | None = None, **takes: int) -> None:
         """One clock with where one track is, and the rest of the context of the one before."""
         io.take_a, io.take_b = takes.get("take_a", 0), takes.get("take_b", 0)
         io.cm_x, io.cm_y, io.g = track.cm_x, track.cm_y, track.g
         io.slot, io.id, io.support = before.slot, before.id, before.support
+        io.b_first = rng.integers(2) if b_first is None else b_first
         sim.clock.tick()
 
     for _ in range(60):
@@ -52,9 +53,11 @@ def test_random_tracks(pos_x: int, pos_y: int, rounds: int, means: int) -> None:
         clock(a, take_a=1)
         clock(b, a, take_b=1)
         clock(before=b)
-        for _ in range(3):
+        b_first = int(rng.integers(2))  # whatever the ids say
+        clock(b_first=b_first)
+        for _ in range(2):
             clock()
-        older, younger = (a, b) if a.id < b.id else (b, a)
+        older, younger = (b, a) if b_first else (a, b)
         both = a.support + b.support
         saturated += both >= 1 << SUP_W
         assert (io.stays, io.stays_id, io.goes) == (older.slot, older.id, younger.slot)

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which of two slots was born first, however many births ago.
+//
+// All slots stand in a row, the first born first. A birth moves its slot to the end, and those that were behind it up by one;
+// so nothing is counted that could wrap. Slots that were never born stand before all others, in any order.
+//
+// A slot that is named while `asked` is found a clock later (else nothing is worked out). `born` then says that it is born. Of two that are named in two
+// clocks, `second_first` says in the clock after them whether the second was born before the first.
+//
+// Latency:    2 clocks from `born` until the row is in order: until then nothing may be asked.
+// Reset:      the row begins as the slots are numbered.
+`default_nettype none
+
+module engine_order #(
+    parameter N      = 8,  // slots
+    parameter SLOT_W = 3   // bits of a slot number
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              asked,
+    input  wire [SLOT_W-1:0] slot,
+    input  wire              born,
+    output wire              second_first
+);
+
+    reg [N*SLOT_W-1:0] row;
+    reg [N-1:0]        at;      // where the slot named last stands
+    reg [N-1:0]        behind;  // from where the one before it stands, to the end
+    reg [SLOT_W-1:0]   slot_at, slot_behind;
+    reg                moves;
+
+    assign second_first = |(at & ~behind);
+
+    genvar i;
+    generate
+        for (i = 0; i < N; i = i + 1) begin : g_place
+            localparam [31:0] NUMBER = i;
+            wire [SLOT_W-1:0] next;
+
+            if (i < N - 1) begin : g_next
+                assign next = row[SLOT_W*(i+1)+:SLOT_W];
+            end else begin : g_last
+                assign next = slot_behind;
+            end
+
+            always @(posedge clk) begin
+                if (asked) at[i] <= row[SLOT_W*i+:SLOT_W] == slot;
+                if (rst) row[SLOT_W*i+:SLOT_W] <= NUMBER[SLOT_W-1:0];
+                else if (moves && behind[i]) row[SLOT_W*i+:SLOT_W] <= next;
+            end
+        end
+    endgenerate
+
+    always @(posedge clk) begin
+        slot_at     <= slot;
+        slot_behind <= slot_at;
+        behind      <= -at;  // one bit is set: it and all above
+        moves       <= born && !rst;
+    end
+
+endmodule
+
+`default_nettype wire
