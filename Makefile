@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint prove bitstream docs mutants fuzz fpga fpga-check clean
+.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants fuzz fpga fpga-check clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -36,6 +36,10 @@ lint: $(VENV)/.installed-lint ## Check Python (ruff, mypy) and Verilog (verilato
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
 	@$(BIN)/python hw/lint.py
+
+generate: $(VENV)/.installed-docs ## Make again what is generated in the tree: from contract, register map, manifest, RTL
+	@$(BIN)/python -m evcot.hardware.generate
+	@$(BIN)/python -m evcot_cosim.generated
 
 prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array ever overlap
 	@mkdir -p build/formal

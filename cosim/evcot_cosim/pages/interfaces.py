@@ -115,7 +115,7 @@ def _registers() -> Trace:
     sim.io.core_rst = 1
     reset(sim)
     sim.io.core_rst = 0
-    for _ in range(48):  # the shadow is filled in 16 N + 16
+    for _ in range(2 * register_map().banks["slot"].words + 16):  # the shadow of a slot and of the filters is filled
         sim.clock.tick()
     sim.io.s_axil_wstrb = 15
 

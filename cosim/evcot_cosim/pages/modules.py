@@ -120,7 +120,7 @@ def _parameters(lines: Iterable[str]) -> Iterator[tuple[str, str, str]]:
     for line in lines:
         found = _PARAMETER.match(line)
         if found and not (found[3] or "").startswith("derived"):
-            yield found[1], found[2], _escaped(found[3] or heading)
+            yield found[1], found[2].replace("`", ""), _escaped(found[3] or heading)
         heading = line.strip()[3:] if line.strip().startswith("//") else ""
 
 

@@ -7,8 +7,8 @@
 // busy falls.
 //
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 2 more for each
-//             bank that is copied, and 32 N + 32 after reset, while the shadow is filled. A write of `mask` waits until the filters are
-//             cleared after a reset: they would lose it.
+//             bank that is copied, and 32 N + 32 after reset, while the shadow is filled. A write of `mask` waits until the
+//             filters are cleared after a reset: they would lose it.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears what has happened,
 //             and every mode counts as written.
 `default_nettype none
@@ -350,8 +350,9 @@ module axi_lite_regs #(
                 cfg_addr  <= late_word;
                 cfg_data  <= shadow_out;
                 if (late) begin
-                    cfg_valid        <= !copies_filters && (late_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
-                    filter_cfg_valid <= copies_filters && late_word != `EVCOT_FREG_MASK;
+                    cfg_valid        <= !copies_filters && slot_has(late_word)
+                                      && (late_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
+                    filter_cfg_valid <= copies_filters && filter_has(late_word) && late_word != `EVCOT_FREG_MASK;
                 end
                 if (copied_all) begin
                     pending[copied] <= 1'b0;

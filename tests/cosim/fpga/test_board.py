@@ -19,7 +19,7 @@ from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError
 from evcot_cosim.devices.top_device import slot_address
 from evcot_cosim.fpga.bitstream import main, make_bitstream
-from evcot_cosim.fpga.board import RECORDS, board_dir, expected_records, header
+from evcot_cosim.fpga.board import RECORDS, expected_records
 from evcot_cosim.fpga.board_sim import BOARDS, SimulatedBoard, sources
 from evcot_cosim.fpga.serial_host import LinkError, SerialHost
 
@@ -39,10 +39,6 @@ def until(condition: object, what: str) -> None:
     while not condition():  # type: ignore[operator]
         assert time.monotonic() < deadline, what
         time.sleep(0.05)
-
-
-def test_the_settings_in_the_rtl_are_those_of_the_model() -> None:
-    assert (board_dir() / "board_selftest.vh").read_text() == header()
 
 
 @pytest.mark.parametrize("name", BOARDS)

@@ -18,12 +18,10 @@ from evcot.errors import ToolchainError
 from evcot_cosim.build.rtl import modules, search_flags, verilog_dir
 from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.fpga import tools
-from evcot_cosim.fpga.core import core_text
 from evcot_cosim.fpga.header import evaluate, read
 from evcot_cosim.fpga.interface import ports
 from evcot_cosim.fpga.ipxact import CHOICES, LIMITS, buses, component, dialogue
 from evcot_cosim.fpga.release import TOPS, release_text, write_release
-from evcot_cosim.fpga.selftest import header
 from support.testing import lint
 
 HW = verilog_dir().parent
@@ -200,18 +198,10 @@ def test_constraints_name_ports_that_there_are(name: str) -> None:
     assert named <= {port.name for port in read("evcot_top").ports}
 
 
-def test_the_core_lists_the_manifest() -> None:
-    assert (HW / "evcot.core").read_text() == core_text(), "run python -m evcot_cosim.fpga.core"
-
-
 def test_the_self_test_lints_clean() -> None:
     paths = (*search_flags(), "-I.")
     done = verilator("--lint-only", "-Wall", "--quiet-exit", *paths, "evcot_selftest.v", cwd=HW / "fpga")
     assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_the_self_test_expects_what_the_model_gives() -> None:
-    assert (HW / "fpga" / "evcot_selftest.vh").read_text() == header(), "run python -m evcot_cosim.fpga.headers"
 
 
 def fusesoc(folder: Path, target: str, cores: Path) -> str:

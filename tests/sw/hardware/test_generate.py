@@ -31,10 +31,6 @@ def tree(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_committed_files_are_fresh() -> None:
-    assert stale() == []
-
-
 def test_codes_are_literals_of_one_width_per_group() -> None:
     found = defines()
     assert [found[f"EVCOT_ST_{state.name}"] for state in State] == [f"3'd{int(state)}" for state in State]

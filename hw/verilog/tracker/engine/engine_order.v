@@ -4,8 +4,8 @@
 // All slots stand in a row, the first born first. A birth moves its slot to the end, and those that were behind it up by one;
 // so nothing is counted that could wrap. Slots that were never born stand before all others, in any order.
 //
-// A slot that is named while `asked` is found a clock later (else nothing is worked out). `born` then says that it is born. Of two that are named in two
-// clocks, `second_first` says in the clock after them whether the second was born before the first.
+// A slot that is named while `asked` is found a clock later (else nothing is worked out). `born` then says that it is born. Of
+// two that are named in two clocks, `second_first` says in the clock after them whether the second was born before the first.
 //
 // Latency:    2 clocks from `born` until the row is in order: until then nothing may be asked.
 // Reset:      the row begins as the slots are numbered.

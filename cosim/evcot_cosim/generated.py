@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every file in the tree that a program makes and that costs seconds: which it is, and what gives its text.
+
+`python -m evcot_cosim.generated` writes what is stale. What follows from the register map, and so what this module imports,
+must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures that take synthesis or a benchmark
+(hw/fpga/figures.json, docs/fpga.md, docs/mutations.md) are not among them.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+from pathlib import Path
+from types import MappingProxyType
+
+from evcot.errors import EvcotError
+from evcot.hardware.generate import render
+from evcot.outputs import written_aside
+
+from .build.rtl import verilog_dir
+from .fpga.core import core_text
+from .fpga.headers import HEADERS
+from .pages.__main__ import source_text, title
+from .pages.drawing import svg
+from .pages.interfaces import DIAGRAMS
+from .pages.modules import page
+from .pages.trace import Diagram
+
+__all__ = ["FILES", "stale"]
+
+_diagram: Callable[[str], Diagram] = cache(lambda name: DIAGRAMS[name]())
+_rendered = cache(render)
+
+FILES: Mapping[str, Callable[[], str]] = MappingProxyType(
+    {path: partial(lambda path: _rendered()[path], path) for path in _rendered()}
+    | {"hw/evcot.core": core_text}
+    | {f"hw/fpga/{name}": text for name, text in HEADERS.items()}
+    | {f"docs/timing/{name}.json": partial(lambda name: source_text(_diagram(name)), name) for name in DIAGRAMS}
+    | {f"docs/images/timing_{name}.svg": partial(lambda name: svg(_diagram(name), title(name)), name) for name in DIAGRAMS}
+    | {"docs/modules.md": page}
+)
+"""Path in the source tree -> what gives its text."""
+
+
+def stale(path: str, root: Path) -> str | None:
+    """The text that a file should have, None if it has it.
+
+    Raises:
+        ToolchainError: a package or tool that makes it is not installed.
+    """
+    text, file = FILES[path](), root / path
+    return None if file.is_file() and file.read_text(encoding="utf-8") == text else text
+
+
+def _main() -> int:
+    root = verilog_dir().parents[1]
+    for path in FILES:
+        text = stale(path, root)
+        if text is not None:
+            with written_aside(root / path) as file:
+                file.write(text.encode())
+            print(f"{path}: written")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(_main())
+    except EvcotError as error:
+        print(f"evcot: {error}", file=sys.stderr)
+        sys.exit(2)
