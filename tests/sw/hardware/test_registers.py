@@ -155,8 +155,8 @@ def test_refuses_a_map_that_does_not_hold_together(name: str) -> None:
         ("gain", 31, "bank.slot.gain = word 31: is the word commit"),
         ("gain", 32, "bank.slot.gain = word 32: must lie from 0 to 30 (bank_words)"),
         ("gain", -1, "bank.slot.gain = word -1: must lie from 0 to 30 (bank_words)"),
-        ("commit", 15, "bank.slot: the name commit is that of the last word and of a register"),
-        ("mode", 15, "bank.slot.mode = word 15: must be word 0, which takes effect last"),
+        ("commit", 30, "bank.slot: the name commit is that of the last word and of a register"),
+        ("mode", 30, "bank.slot.mode = word 30: must be word 0, which takes effect last"),
     ],
 )
 def test_refuses_a_register_where_another_is(name: str, address: int, said: str) -> None:
