@@ -11,8 +11,8 @@ from typing import Any
 
 from evcot.anomalies import AnomalyConfig, FieldConfig, NormalMotion, Verdict, Zones, anomalies, learn, load_zones
 from evcot.anomalies.alarm import check_table_path, rows, write_alarms
-from evcot.anomalies.belongs import check_belongs
 from evcot.anomalies.learn import smallest_sensor
+from evcot.belongs import Extent
 from evcot.errors import ConfigError, TrackLogError
 from evcot.recordings.files import open_recording
 from evcot.scenes.registry import adjusted
@@ -20,6 +20,7 @@ from evcot.tracks.log import TrackLog
 from evcot.tracks.timeline import lifetimes
 
 from ..tables import counted, print_table
+from .belonging import check_logs
 from .counting import Counting
 from .options import sensor_from
 from .parsing import add_command, input_path, output_option
@@ -67,15 +68,8 @@ def _logs(options: argparse.Namespace) -> tuple[tuple[int, int] | None, list[Tra
 
 
 def _check_recording(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> tuple[int, int]:
-    count, last_us = 0, 0
     with open_recording(options.recording, sensor) as file:
-        for block in file.blocks(required=True):
-            count, last_us = count + len(block), int(block.t_us[-1])
-        for path, log in zip(options.logs, logs, strict=True):
-            try:
-                check_belongs(log, count, file.t0_us, last_us)
-            except TrackLogError as error:
-                raise TrackLogError(f"{path}: does not belong to {options.recording}: {error}") from error
+        check_logs(zip(options.logs, logs, strict=True), str(options.recording), Extent.of(file.blocks(required=True)))
         return file.sensor
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
 
+from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.scenes.registry import SCENES
@@ -18,7 +19,7 @@ from evcot.trackers.presets import fit, for_sensor, preset
 from ..devices.base import Stalls
 from ..devices.device import Top
 from ..lockstep.cosim import check_addresses, stalls_from
-from ..lockstep.run_file import RUN_FILE, RunFile, Source, digest, read_run_file
+from ..lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
 from .filter_options import check_learning, filter_options, filters_from
 from .options import damage_options, sensor_from
 from .parsing import input_or_name, input_path

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import evcot
+from evcot.belongs import Extent
 from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.metrics import RULES
@@ -19,6 +20,7 @@ from evcot.tracks.log import TrackLog
 from ..lockstep.run_file import RUN_FILE, Source, read_run_file
 from ..lockstep.summary import SUMMARY, read_summary
 from ..report import REPORT, Material, Side, Truth, truth_of, write_report
+from .belonging import check_logs, run_extent
 from .options import damage_options, open_from, sensor_from, window_from, window_options
 from .parsing import add_command, input_or_name, input_path, output_option
 from .progress import Progress
@@ -85,15 +87,19 @@ def _of_run(options: argparse.Namespace) -> Material:
     summary = read_summary(options.run / SUMMARY)
     names = ("hardware", "model") if "mismatch" in summary else ("hardware", "software")
     sides = tuple(Side(name, TrackLog.load_npz(options.run / f"{name}.npz")) for name in names)
-    if options.recording is not None:
-        recording, source = _recording(options)
-        return Material(recording, summary, sides, None if options.truth else truth_of(source, recording))
+    recording, source = _recording(options) if options.recording is not None else _recording_of_run(options)
+    extent = run_extent(recording.events, [side.log for side in sides], summary)
+    check_logs([(options.run / f"{side.name}.npz", side.log) for side in sides], source.recording, extent)
+    return Material(recording, summary, sides, None if options.truth else truth_of(source, recording))
+
+
+def _recording_of_run(options: argparse.Namespace) -> tuple[Recording, Source]:
     described = read_run_file(options.run / RUN_FILE) if (options.run / RUN_FILE).is_file() else None
     if described is None:
         raise ConfigError(f"{options.run}: does not say what it was made of ({RUN_FILE}): must be given with --recording FILE")
     recording = described.source.read()
     described.check(options.run / RUN_FILE, recording.events)
-    return Material(recording, summary, sides, None if options.truth else truth_of(described.source, recording))
+    return recording, described.source
 
 
 def _of_log(options: argparse.Namespace, command: str) -> Material:
@@ -101,6 +107,7 @@ def _of_log(options: argparse.Namespace, command: str) -> Material:
         raise ConfigError(f"{options.run}: a log does not hold the events: must be given with --recording FILE")
     log = TrackLog.load_npz(options.run)
     recording, source = _recording(options)
+    check_logs([(options.run, log)], source.recording, Extent.of([recording.events]))
     summary = {"name": recording.name, "command": command, "versions": {"evcot": evcot.__version__}}
     side = Side(_SIDES.get(log.engine, "software"), log)
     return Material(recording, summary, (side,), None if options.truth else truth_of(source, recording))

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from evcot.belongs import Extent
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.plots import Log
@@ -16,6 +17,8 @@ from evcot.recordings.formats.source import Sensor
 from evcot.tracks.log import TrackLog
 
 from ..lockstep.run_file import RUN_FILE, read_run_file
+from ..lockstep.summary import SUMMARY, read_summary
+from .belonging import check_logs, run_extent
 from .options import open_from, recording_options, window_from
 from .parsing import input_or_name, input_path
 
@@ -72,6 +75,10 @@ def tracked_from(options: argparse.Namespace) -> Iterator[Tracked]:
         with open_from(options, options.source) as file:
             logs = _named([Path(log) for log in options.logs])
             first_us = file.t0_us
+            extents = [Extent.of(file.blocks(required=True))]
+            if window != (0, None):  # the log may be of this part alone
+                extents.append(Extent.of(file.blocks(*window, required=True)))
+            _check(options.logs, logs, str(options.source), extents)
             yield Tracked(
                 file.name, file.sensor, lambda: file.blocks(*window, required=True), first_us, first_us + window[0], logs
             )
@@ -87,7 +94,14 @@ def tracked_from(options: argparse.Namespace) -> Iterator[Tracked]:
     part = recording.window(*window)
     first_us = int(recording.events.t_us[0])
     paths = [options.source / f"{log}.npz" for log in options.logs or _RUN_DEFAULT]
-    yield Tracked(name, (part.width, part.height), lambda: iter([part.events]), first_us, first_us + window[0], _named(paths))
+    logs = _named(paths)
+    summary = read_summary(options.source / SUMMARY) if (options.source / SUMMARY).is_file() else {}
+    _check(paths, logs, described.source.recording, [run_extent(recording.events, [log.log for log in logs], summary)])
+    yield Tracked(name, (part.width, part.height), lambda: iter([part.events]), first_us, first_us + window[0], logs)
+
+
+def _check(paths: Sequence[Path | str], logs: tuple[Log, ...], recording: str, extents: Sequence[Extent]) -> None:
+    check_logs(((Path(path), log.log) for path, log in zip(paths, logs, strict=True)), recording, *extents)
 
 
 def _named(paths: list[Path]) -> tuple[Log, ...]:

@@ -23,32 +23,46 @@ class GapTracker:
     def __init__(self, tracker: Tracker) -> None:
         self._tracker = tracker
         self._fed = 0
-        # Of every gap that still matters: events that the tracker had been fed before it, and how many were missing after it.
+        # Of every gap that still matters, and the last one before what is not settled: events that the tracker had been
+        # fed before it, and how many were missing after it.
         self._gaps = [(0, 0)]
 
     def skip(self, count: int) -> NDArray[np.int16]:
         """So many events are not seen; their owners."""
         if count:
-            self._gaps.append((self._fed, self._gaps[-1][1] + count))
+            fed, missing = self._gaps[-1]
+            if fed == self._fed:
+                self._gaps.pop()
+            self._gaps.append((self._fed, missing + count))
         return np.full(count, DROPPED, np.int16)
 
     def feed(self, events: Events) -> Told:
         """See `Tracker.feed`."""
         records, owner = self._tracker.feed(events)
         self._fed += len(events)
-        return self._numbered(records), owner
+        self._number(records)
+        self._forget()
+        return records, owner
 
     def finish(self) -> NDArray[np.void]:
         """See `Tracker.finish`."""
-        return self._numbered(self._tracker.finish())
-
-    def _numbered(self, records: NDArray[np.void]) -> NDArray[np.void]:
-        """Records with the stream's numbers. Places never decrease, so that gaps before the last one can be forgotten."""
-        if len(records) and len(self._gaps) > 1:
-            fed, missing = (np.array(column) for column in zip(*self._gaps, strict=True))
-            gap = np.searchsorted(fed, records["event_index"], "right") - 1
-            records["event_index"] += missing[gap]
-            self._gaps = self._gaps[gap[-1] :]
-        elif len(records):
-            records["event_index"] += self._gaps[0][1]
+        records = self._tracker.finish()
+        self._number(records)
         return records
+
+    @property
+    def settled(self) -> int:
+        """See `Tracker.settled`."""
+        return self._tracker.settled + self._gaps[0][1]
+
+    def _number(self, records: NDArray[np.void]) -> None:
+        """Give records the stream's numbers."""
+        if len(records):
+            fed, missing = (np.array(column) for column in zip(*self._gaps, strict=True))
+            records["event_index"] += missing[np.searchsorted(fed, records["event_index"], "right") - 1]
+
+    def _forget(self) -> None:
+        """Let go of gaps that no record to come lies behind."""
+        settled = self._tracker.settled
+        while len(self._gaps) > 1 and self._gaps[1][0] <= settled:
+            self._gaps.pop(0)

@@ -9,13 +9,12 @@ from __future__ import annotations
 import tomllib
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any, get_args
 
-import numpy as np
 import tomli_w
 
+from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.outputs import RUN_FILE, written_aside
@@ -26,7 +25,7 @@ from evcot.trackers.config import RunConfig, load_toml
 
 from ..devices.device import Top
 
-__all__ = ["RUN_FILE", "RunFile", "Source", "digest", "read_run_file", "run_toml", "write_run_file"]
+__all__ = ["RUN_FILE", "RunFile", "Source", "read_run_file", "run_toml", "write_run_file"]
 
 _HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] says of what.\n"
 
@@ -103,7 +102,7 @@ class RunFile:
         source: where the events come from.
         hardware: the module.
         stalls: seed of the stall patterns; None never stalls.
-        digest: of the events, as `digest` makes it; empty where nobody looked.
+        digest: of the events, as `evcot.digest` makes it; empty where nobody looked.
         config: both trackers' configurations.
     """
 
@@ -118,14 +117,6 @@ class RunFile:
         if self.digest and digest(events) != self.digest:
             changed = f"must be that of {self.source.recording}, which has changed since: {digest(events)!r}"
             raise ConfigError(f"{path}: run.digest = {self.digest!r}: {changed}")
-
-
-def digest(events: Events) -> str:
-    """A fingerprint of events: 16 hexadecimal digits. About 1 ns per byte."""
-    summary = blake2b(digest_size=8)
-    for column in (events.t_us, events.x, events.y, events.p):
-        summary.update(np.ascontiguousarray(column).data)
-    return summary.hexdigest()
 
 
 def run_toml(run: RunFile) -> str:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,7 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
     summary = summarise(run, command)
     with folder_written_aside(folder) as aside:
         for name, log in (("hardware", run.hardware), ("model", run.model), ("software", run.software)):
-            log.save_npz(aside / f"{name}.npz")
+            replace(log, recording=made_of.digest).save_npz(aside / f"{name}.npz")
             log.write_csv(aside / f"{name}.csv")
         draw(run.recording, run.hardware, run.software, aside / "picture.png", f"{run.recording.name}: {run.config.name}")
         if waves:

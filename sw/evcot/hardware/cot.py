@@ -188,6 +188,11 @@ class CotTracker:
         """Nothing: time stands still after the last event."""
         return np.empty(0, TRACK)
 
+    @property
+    def settled(self) -> int:
+        """See `tracking.Tracker`: all of them, each event's records are told with it."""
+        return self._seen
+
 
 def track(recording: Recording, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> TrackLog:
     """Run the golden model over a recording; tick 0 is the time of the first event."""

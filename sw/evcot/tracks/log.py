@@ -8,6 +8,7 @@ import zlib
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,14 @@ TRACK = np.dtype(
     ]
 )
 
+# What a file holds: array -> its dtype, None for text, and how many dimensions it has.
+_ARRAYS: dict[str, tuple[np.dtype[Any] | None, int]] = {
+    "engine": (None, 0),
+    "recording": (None, 0),
+    "records": (TRACK, 1),
+    "owner": (np.dtype(np.int16), 1),
+}
+
 _CSV_ROWS = 1 << 16  # formatted at a time
 
 
@@ -60,11 +69,13 @@ class TrackLog:
             `x`, `y`, `radius` in pixels, `t_us` in the recording's microseconds.
         owner: (n,) int16, one per event: the slot that took it, -1 where it passed through, -2 where a
             filter took it out.
+        recording: the fingerprint of the events (`digest.digest`); empty where nobody took it.
     """
 
     engine: str
     records: NDArray[np.void]
     owner: NDArray[np.int16]
+    recording: str = ""
 
     @classmethod
     def empty(cls, engine: str) -> TrackLog:
@@ -85,8 +96,11 @@ class TrackLog:
         Raises:
             OutputError: the file exists, or cannot be written.
         """
+        arrays = {"engine": np.array(self.engine), "records": self.records, "owner": self.owner}
+        if self.recording:
+            arrays["recording"] = np.array(self.recording)
         with written_aside(Path(path), force=force) as file:
-            np.savez_compressed(file, engine=np.array(self.engine), records=self.records, owner=self.owner)
+            np.savez_compressed(file, allow_pickle=False, **arrays)
 
     @classmethod
     def load_npz(cls, path: Path | str) -> TrackLog:
@@ -114,13 +128,14 @@ class TrackLog:
             raise
         except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError) as error:
             raise TrackLogError(f"{path}: is damaged: {' '.join(str(error).split()) or 'ends too soon'}") from error
-        for name, dtype, ndim in (("engine", None, 0), ("records", TRACK, 1), ("owner", np.dtype(np.int16), 1)):
+        stored.setdefault("recording", np.array(""))
+        for name, (dtype, ndim) in _ARRAYS.items():
             array = stored.get(name)
             if array is None:
                 raise TrackLogError(f"{path}: has no array {name}: must have engine, records, owner")
-            if array.ndim != ndim or (dtype is not None and array.dtype != dtype):
+            if array.ndim != ndim or (array.dtype.kind != "U" if dtype is None else array.dtype != dtype):
                 raise TrackLogError(f"{path}: {name} is {array.ndim}-d {array.dtype}: must be {ndim}-d {dtype or 'text'}")
-        return cls(str(stored["engine"]), stored["records"], stored["owner"])
+        return cls(str(stored["engine"]), stored["records"], stored["owner"], str(stored["recording"]))
 
     def write_csv(self, path: Path | str, *, force: bool = False) -> None:
         """Write the records as CSV: a header, kinds by name, every number in the fewest digits that give it back exactly.

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a TrackLog says about time: which tracks lived when, where they were at given moments, and which merged.
 
-Everything here needs records in time order, as every engine writes them.
+Everything here needs records in time order, as every engine writes them. Of a log that was cut out of a longer one, a track
+that was born before it begins with its first record, and one whose only record is its end has a life of no length.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ LIFE = np.dtype(
     [
         ("track_id", "<i8"),
         ("slot", "<i2"),
-        ("birth_us", "<i8"),  # BORN
+        ("birth_us", "<i8"),  # BORN, else the first record
         ("end_us", "<i8"),  # MERGED or LOST, else the end that the caller gave
         ("ended", "i1"),  # Kind.MERGED, Kind.LOST or OPEN
         ("other_id", "<i8"),  # the survivor of a MERGED track, else -1
@@ -48,30 +49,38 @@ MERGE = np.dtype(
 )
 
 
-def _ends(log: TrackLog) -> NDArray[np.void]:
-    records = log.records
-    ends: NDArray[np.void] = records[(records["kind"] == Kind.MERGED) | (records["kind"] == Kind.LOST)]
-    return ends
-
-
 def alive(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.int64]:
     """How many tracks are visible at each time, after all records up to and with that time; (k,) int64."""
-    births_us = log.of_kind(Kind.BORN)["t_us"]
-    ends_us = _ends(log)["t_us"]
-    return np.asarray(np.searchsorted(births_us, times_us, "right") - np.searchsorted(ends_us, times_us, "right"), np.int64)
+    lives = lifetimes(log, 0)
+    ends_us = np.sort(lives["end_us"][lives["ended"] != OPEN])
+    return np.asarray(
+        np.searchsorted(lives["birth_us"], times_us, "right") - np.searchsorted(ends_us, times_us, "right"), np.int64
+    )
 
 
 def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
-    """One row of dtype `LIFE` per track, in order of birth; a track without an end lives until `until_us`."""
-    born = log.of_kind(Kind.BORN)
-    lives = np.empty(len(born), LIFE)
+    """One row of dtype `LIFE` per track, in order of birth; a track without an end lives until `until_us`.
+
+    An id that is born again, as narrow ones of the hardware are, is another track.
+    """
+    records = log.records
+    order = np.argsort(records["track_id"], kind="stable")
+    kind, track_id = records["kind"][order], records["track_id"][order]
+    is_end = (kind == Kind.MERGED) | (kind == Kind.LOST)
+    begins = kind == Kind.BORN
+    begins[:1] = True
+    begins[1:] |= (track_id[1:] != track_id[:-1]) | is_end[:-1]
+    at = np.flatnonzero(begins)
+    first, last = order[at], order[np.append(at[1:], len(order))[: len(at)] - 1]
+    in_time = np.argsort(first)
+    first, last = first[in_time], last[in_time]
+    lives = np.empty(len(first), LIFE)
     for name, source in (("track_id", "track_id"), ("slot", "slot"), ("birth_us", "t_us")):
-        lives[name] = born[source]
-    lives["end_us"], lives["ended"], lives["other_id"] = until_us, OPEN, -1
-    ends = _ends(log)
-    by_id = np.argsort(born["track_id"])
-    row = by_id[np.searchsorted(born["track_id"], ends["track_id"], sorter=by_id)]
-    lives["end_us"][row], lives["ended"][row], lives["other_id"][row] = ends["t_us"], ends["kind"], ends["other_id"]
+        lives[name] = records[source][first]
+    ended = np.isin(records["kind"][last], (Kind.MERGED, Kind.LOST))
+    lives["end_us"] = np.where(ended, records["t_us"][last], until_us)
+    lives["ended"] = np.where(ended, records["kind"][last].astype(np.int8), OPEN)
+    lives["other_id"] = np.where(ended, records["other_id"][last], -1)
     return lives
 
 

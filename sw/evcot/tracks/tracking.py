@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from typing import Protocol, TypeVar
 
@@ -13,7 +14,7 @@ from ..errors import RecordingError
 from ..events import Events, Recording
 from .log import DROPPED, TRACK, TrackLog
 
-__all__ = ["KeptTracker", "Told", "Tracker", "check_order", "log_of", "track_recording"]
+__all__ = ["KeptTracker", "PacketBegin", "Told", "Tracker", "check_order", "log_of", "track_recording"]
 
 _RUN_EVENTS = 1 << 18
 
@@ -36,9 +37,37 @@ class Tracker(Protocol):
         """What is still to be told when no more events come."""
         ...
 
+    @property
+    def settled(self) -> int:
+        """So many of the events that were fed, the first ones, are settled: no record to come has the number of one of them."""
+        ...
+
+
+class PacketBegin:
+    """Which event is the first of the open packet, in a tracker that tells packet by packet.
+
+    Args:
+        packet_us: how long a packet lasts.
+    """
+
+    def __init__(self, packet_us: int) -> None:
+        self._packet_us = packet_us
+        self._end_us: int | None = None
+        self._seen = 0
+        self.index = 0
+
+    def fed(self, events: Events, end_us: int) -> None:
+        """Note events that were fed, and where the packet that is open after them ends."""
+        if len(events) and end_us != self._end_us:
+            self._end_us = end_us
+            self.index = self._seen + int(np.searchsorted(events.t_us, end_us - self._packet_us))
+        self._seen += len(events)
+
 
 class KeptTracker:
     """A tracker that sees the events that someone in front lets stay; the log numbers them all. See `Tracker`.
+
+    Memory holds the numbers of the events that are not settled: those of a packet, for trackers that tell packet by packet.
 
     Args:
         keep: which of the next run of events stay, (n,) bool.
@@ -49,32 +78,47 @@ class KeptTracker:
         self._keep = keep
         self._tracker = tracker
         self._seen = 0
-        # Numbers of the events that stayed, from the one that stayed as number `_first` on: no record to come is of one before.
+        # Numbers of the events that stayed and are not settled, run by run; the first of them stayed as number `_first`.
         self._first = 0
-        self._kept: list[NDArray[np.int64]] = []
+        self._kept: deque[NDArray[np.int64]] = deque()
 
     def feed(self, events: Events) -> Told:
         """See `Tracker.feed`; the owner of an event that was taken out is `DROPPED`."""
         keep = self._keep(events)
-        self._kept.append(self._seen + np.flatnonzero(keep))
+        if keep.any():
+            self._kept.append(self._seen + np.flatnonzero(keep))
         self._seen += len(events)
         owner = np.full(len(events), DROPPED, np.int16)
         records, owner[keep] = self._tracker.feed(events.where(keep))
-        return self._numbered(records), owner
+        self._number(records)
+        self._forget()
+        return records, owner
 
     def finish(self) -> NDArray[np.void]:
         """See `Tracker.finish`."""
-        return self._numbered(self._tracker.finish())
+        records = self._tracker.finish()
+        self._number(records)
+        return records
 
-    def _numbered(self, records: NDArray[np.void]) -> NDArray[np.void]:
-        """Records with the events' numbers in front; after the last that stayed comes what follows all."""
+    @property
+    def settled(self) -> int:
+        """See `Tracker.settled`."""
+        return int(self._kept[0][0]) if self._kept else self._seen
+
+    def _number(self, records: NDArray[np.void]) -> None:
+        """Give records the events' numbers in front; after the last that stayed comes what follows all."""
         if len(records):
             numbers = np.concatenate([*self._kept, [self._seen]])
-            places = records["event_index"] - self._first
-            records["event_index"] = numbers[places]
-            self._kept = [numbers[places[-1] : -1]]
-            self._first += int(places[-1])
-        return records
+            records["event_index"] = numbers[records["event_index"] - self._first]
+
+    def _forget(self) -> None:
+        """Let go of the numbers of settled events."""
+        settled = self._tracker.settled - self._first
+        self._first += settled
+        while self._kept and len(self._kept[0]) <= settled:
+            settled -= len(self._kept.popleft())
+        if settled:
+            self._kept[0] = self._kept[0][settled:].copy()
 
 
 def check_order(events: Events, last_us: int | None, index: int) -> None:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from evcot.digest import digest
 from evcot.events import Recording
 from evcot.recordings.files import write_recording
 from evcot.scenes.registry import simulate_scene
@@ -16,8 +18,9 @@ from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import fit, preset
 from evcot.trackers.rct.presets import PRESETS
 from evcot.trackers.rct.tracker import track
+from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
-from evcot_cosim.lockstep.run_file import RunFile, Source, digest, write_run_file
+from evcot_cosim.lockstep.run_file import RunFile, Source, write_run_file
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +111,30 @@ def test_what_is_wrong_is_said_in_one_line(
     assert printed.err.count("\n") == 1
     assert message in printed.err
     assert not Path(f"a{suffix}").exists()
+
+
+@pytest.mark.parametrize("command", ["plot", "render"])
+def test_a_log_of_another_recording_is_refused(folder: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    log, output = TrackLog.load_npz("log.npz"), {"plot": "a.png", "render": "a.gif"}[command]
+    write_recording(simulate_scene("discs", 6, {"duration_us": 300_000}).recording, "other.npz")
+    TrackLog(log.engine, log.records, log.owner[:-1]).save_npz("run/hardware.npz")
+    replace(log, recording="0123456789abcdef").save_npz("marked.npz")
+    for arguments, message in (
+        ("other.npz log.npz", "log.npz: does not belong to other.npz: owner has "),
+        ("other.npz log.npz --from 100", "log.npz: does not belong to other.npz: owner has "),
+        ("discs.npz log.npz marked.npz", "marked.npz: does not belong to discs.npz: recording = '0123456789abcdef': "),
+        ("run software hardware", f"run/hardware.npz: does not belong to {folder}/discs.npz: owner has "),
+    ):
+        assert main([command, *arguments.split(), "-o", output]) == 2
+        assert capsys.readouterr().err.startswith(f"evcot: {message}")
+        assert not Path(output).exists()
+
+
+def test_a_log_may_be_of_the_part_alone(folder: Path, discs: Recording) -> None:
+    part = discs.window(100_000, 200_000)
+    track(part, PRESETS["plain"]).save_npz("part.npz")
+    assert main(["plot", "discs.npz", "part.npz", "--from", "100", "--to", "200", "-o", "a.png"]) == 0
+    assert main(["plot", "discs.npz", "part.npz", "--from", "100", "--to", "201", "-o", "b.png"]) == 2
 
 
 def test_a_run_whose_recording_has_changed_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

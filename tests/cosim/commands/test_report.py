@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import evcot_cosim.build.model
+from evcot.events import Recording
+from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes import simulate_scene
 from evcot_cosim.cli import main
 
@@ -31,6 +34,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert main(["simulate", "boxes", "--duration", "0.06", "-o", str(recording), "-q"]) == 0
     assert main(["cosim", str(recording), "--no-waves", "-q", "-o", str(folder / "run")]) == 0
     assert main(["track", str(recording), "-o", str(folder / "log.npz"), "-q"]) == 0
+    events = read_recording(recording).events
+    mirrored = replace(events, x=events.x.max() - events.x)
+    write_recording(Recording(mirrored, 346, 260, "other"), folder / "other.npz")  # as many events at the same times
     return folder
 
 
@@ -68,7 +74,9 @@ def test_a_truth_may_be_given(made: Path, folder: Path) -> None:
         (["nowhere"], "nowhere: a log does not hold the events: must be given with --recording FILE"),
         (["nowhere", "--recording", "{made}/b.aedat4"], "nowhere: cannot be read: No such file or directory"),
         (["{made}/log.npz"], "{made}/log.npz: a log does not hold the events: must be given with --recording FILE"),
-        (["{made}/log.npz", "--recording", "{made}/b.aedat4", "--to", "20"], "b: "),
+        (["{made}/log.npz", "--recording", "{made}/b.aedat4", "--to", "20"], "{made}/log.npz: does not belong to "),
+        (["{made}/log.npz", "--recording", "{made}/other.npz"], "{made}/log.npz: does not belong to {made}/other.npz: rec"),
+        (["{made}/run", "--recording", "{made}/other.npz"], "{made}/run/hardware.npz: does not belong to {made}/other.npz: "),
         (["{made}/run", "--rule", "scene"], "--rule: must be given with --truth"),
         (["{made}/run", "--truth", "nowhere.csv"], "nowhere.csv: cannot be read: No such file or directory"),
         (["."], "summary.json: cannot be read: No such file or directory"),

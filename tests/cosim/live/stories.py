@@ -59,6 +59,10 @@ class EveryTenth:
     def finish(self) -> NDArray[np.void]:
         return record(Kind.LOST, self._last_us + 1, self._seen, 0)
 
+    @property
+    def settled(self) -> int:
+        return self._seen
+
 
 class Played:
     """A source that gives its parts one after the other; `before(i)` is called before the i-th."""

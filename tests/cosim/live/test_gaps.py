@@ -52,6 +52,10 @@ class Late:
     def finish(self) -> NDArray[np.void]:
         return self._records()
 
+    @property
+    def settled(self) -> int:
+        return 0
+
 
 def test_records_that_come_late_are_numbered_by_where_their_event_was() -> None:
     tracker = GapTracker(Late([], [3], [4, 5, 7], [10], [15]))
@@ -63,6 +67,17 @@ def test_records_that_come_late_are_numbered_by_where_their_event_was() -> None:
     got.append(tracker.feed(five)[0])  # from before both, the first after the first, and one more
     got += [tracker.feed(five[:0])[0], tracker.finish()]
     assert [rows["event_index"].tolist() for rows in got] == [[], [3], [4, 105, 107], [1_110], [1_115]]
+
+
+def test_gaps_are_let_go_though_the_tracker_tells_nothing() -> None:
+    tracker = GapTracker(EveryTenth())
+    five = random_events(5, 1)[1:]  # no tenth among them, but for the first
+    for _ in range(1_000):
+        tracker.feed(five[:0] if tracker.settled else five)
+        tracker.skip(2)
+        tracker.skip(1)
+    assert len(tracker._gaps) == 1
+    assert tracker.settled == 4 + 3_000
 
 
 @pytest.mark.parametrize("seed", range(3))

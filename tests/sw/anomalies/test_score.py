@@ -8,15 +8,11 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.anomalies import ALARM, Anomaly, anomalies, learn
-from evcot.anomalies.belongs import check_belongs
 from evcot.anomalies.score import score_alarms, truth_log
-from evcot.errors import TrackLogError
 from evcot.scenes import highway
 from evcot.scenes.registry import scene_settings
 from evcot.scenes.truth import TRUTH, Label, Truth, on_sensor
-from evcot.tracks.log import Kind, TrackLog
-
-from .roads import log, still, track
+from evcot.tracks.log import Kind
 
 
 def truth(*, labels: tuple[Label, ...] = ()) -> Truth:
@@ -109,20 +105,3 @@ def test_on_a_simulated_highway_all_planted_are_found_and_nothing_else() -> None
         assert max(scores.seconds_to_alarm["wrong_way"]) < 4.0
     ordinary = highway_truth(110, 30)
     assert len(anomalies(truth_log(ordinary), None, normal).alarms) == 0
-
-
-def test_a_log_belongs_to_a_recording_of_its_length_and_time() -> None:
-    records = log(track(1, 100, 50_000, still(5, 5))).records  # t_us 100 to 40100, LOST at 50100
-    tracked = TrackLog("rct", records, np.zeros(10, np.int16))
-    check_belongs(tracked, 10, 100, 40_100)
-    for arguments, message in (
-        ((11, 100, 40_100), "owner has 10 entries: must be one for each of the recording's 11 events"),
-        ((10, 101, 40_100), "record 0: t_us = 100: must be in the recording's time, 101 to 40100, or a second after"),
-        ((10, 100, -949_901), "record 5: t_us = 50100: must be in the recording's time, 100 to -949901, or a second after"),
-    ):
-        with pytest.raises(TrackLogError) as caught:
-            check_belongs(tracked, *arguments)
-        assert str(caught.value) == message
-    records["event_index"][2] = 11
-    with pytest.raises(TrackLogError, match="record 2: event_index = 11: must be from 0 to 10"):
-        check_belongs(tracked, 10, 100, 40_100)

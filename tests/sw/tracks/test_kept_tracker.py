@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,6 +13,10 @@ from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import apply, filtered
 from evcot.scenes.registry import simulate_scene
+from evcot.trackers.engines import ENGINES
+from evcot.trackers.frame_based.config import FrameConfig
+from evcot.trackers.kalman.config import KalmanConfig
+from evcot.trackers.mean_shift.config import MeanShiftConfig
 from evcot.trackers.rct.config import RctConfig
 from evcot.trackers.rct.tracker import RctTracker
 from evcot.tracks.log import DROPPED, TRACK, Kind, TrackLog
@@ -19,6 +25,13 @@ from evcot.tracks.tracking import KeptTracker, Told, log_of
 SENSOR = (346, 260)
 FILTERS = FilterConfig(activity_us=3_000)
 SCENE = simulate_scene("discs", 3, {"duration_us": 150_000, "noise_hz": 5.0}).recording
+# Settings of each engine with which noise is never an object.
+QUIET: dict[str, Any] = {
+    "rct": RctConfig(visible_events=10_000),
+    "kalman": KalmanConfig(),
+    "mean-shift": MeanShiftConfig(points_min=1_000),
+    "frames": FrameConfig(),
+}
 RCT = RctConfig(visible_events=40, lifetime_us=20_000)
 
 
@@ -58,6 +71,44 @@ def test_a_run_of_which_nothing_stays() -> None:
     assert tracker.finish()["event_index"].tolist() == [5]
 
 
+@pytest.mark.parametrize("engine", ["rct", "kalman", "mean-shift", "frames", "cot"])
+def test_no_record_is_of_a_settled_event_and_packets_settle(engine: str) -> None:
+    kind = ENGINES[engine]
+    preset = kind.presets["discs"] if "discs" in kind.presets else next(iter(kind.presets.values()))
+    tracker = kind.start(preset, FilterConfig(), SENSOR)
+    events, records = SCENE.events[:60_000], 0
+    for begin in range(0, len(events), 499):
+        settled = tracker.settled
+        told, _ = tracker.feed(events[begin : begin + 499])
+        assert (told["event_index"] >= settled).all()
+        assert tracker.settled >= settled
+        records += len(told)
+    assert records > 0
+    assert len(events) - 20_000 < tracker.settled <= len(events)
+    assert (tracker.finish()["event_index"] >= tracker.settled).all()
+
+
+@pytest.mark.parametrize("engine", ["rct", "kalman", "mean-shift", "frames"])
+def test_memory_does_not_grow_with_the_recording_though_no_record_comes(engine: str) -> None:
+    """Noise, of which every second event stays, for 10 s and longer: no tracker sees an object in it."""
+    random = np.random.default_rng(5)
+    tracker = KeptTracker(lambda run: run.p > 0, ENGINES[engine].start(QUIET[engine], FilterConfig(), SENSOR))
+    held: list[int] = []
+    for second in range(20):
+        n = 2_000
+        t_us = np.sort(random.integers(0, 1_000_000, n)) + second * 1_000_000
+        x, y = random.integers(0, SENSOR[0], n).astype(np.uint16), random.integers(0, SENSOR[1], n).astype(np.uint16)
+        for begin in range(0, n, 100):
+            part = slice(begin, begin + 100)
+            run = Events(t_us[part], x[part], y[part], np.arange(100, dtype=np.uint8) % 2)
+            told, _ = tracker.feed(run)
+            assert len(told) == 0
+        held.append(sum(numbers.nbytes for numbers in tracker._kept) + 1_000 * len(tracker._kept))
+    assert max(held[10:]) <= max(held[:10]) + 1_000
+    assert max(held) < 8 * 1_000 + 20 * 1_000  # less than a second's
+    assert tracker.settled > 39_000
+
+
 class Silent:
     """Tells at the end of an event that follows all."""
 
@@ -67,3 +118,5 @@ class Silent:
 
     def finish(self) -> NDArray[np.void]:
         return np.zeros(1, TRACK)
+
+    settled = 0

@@ -49,6 +49,38 @@ def test_lifetimes_say_how_they_ended(two_meet: TrackLog) -> None:
     assert lives.tolist() == [(0, 0, 10, 90, Kind.LOST, -1), (1, 1, 20, 50, Kind.MERGED, 0), (2, 2, 95, 120, OPEN, -1)]
 
 
+def test_a_track_that_was_born_before_the_log_begins_lives_from_its_first_record(two_meet: TrackLog) -> None:
+    """Cut after 40: of track 0 there is a move and the end, of track 1 the end alone."""
+    cut = TrackLog("by hand", two_meet.records[two_meet.records["t_us"] > 40], two_meet.owner)
+    lives = lifetimes(cut, until_us=120)
+    assert lives.tolist() == [(1, 1, 50, 50, Kind.MERGED, 0), (0, 0, 50, 90, Kind.LOST, -1), (2, 2, 95, 120, OPEN, -1)]
+    assert alive(cut, np.array([49, 50, 89, 90, 95])).tolist() == [0, 1, 1, 0, 1]
+    ends = TrackLog("by hand", two_meet.records[5:6], two_meet.owner)
+    assert lifetimes(ends, until_us=120).tolist() == [(0, 0, 90, 90, Kind.LOST, -1)]
+    assert alive(ends, np.array([89, 90, 91])).tolist() == [0, 0, 0]
+
+
+def test_an_id_that_is_born_again_is_another_track() -> None:
+    log = log_of(
+        [
+            (10, Kind.BORN, 0, 1.0, 1.0),
+            (20, Kind.LOST, 0, 1.0, 1.0),
+            (30, Kind.BORN, 0, 5.0, 5.0),
+            (40, Kind.MOVED, 0, 5.0, 5.0),
+            (50, Kind.LOST, 0, 5.0, 5.0),
+            (60, Kind.BORN, 0, 7.0, 7.0),
+        ]
+    )
+    assert lifetimes(log, 99)[["birth_us", "end_us", "ended"]].tolist() == [
+        *((10, 20, Kind.LOST), (30, 50, Kind.LOST), (60, 99, OPEN)),
+    ]
+
+
+def test_without_records_nobody_lives() -> None:
+    assert len(lifetimes(TrackLog.empty("by hand"), 5)) == 0
+    assert alive(TrackLog.empty("by hand"), np.array([0, 5])).tolist() == [0, 0]
+
+
 def test_a_sample_holds_the_newest_state_of_every_visible_track(two_meet: TrackLog) -> None:
     samples = sample(two_meet, np.array([5, 29, 30, 50, 92, 95]))
     assert samples.dtype == SAMPLE

@@ -79,6 +79,11 @@ class DetectionTracker:
         self._open, self._held = [], 0
         return self._follow(events, len(events), np.array([len(events)]))[0]
 
+    @property
+    def settled(self) -> int:
+        """See `tracking.Tracker`: the events of complete frames."""
+        return self._identities.seen
+
     def tracks(self) -> NDArray[np.void]:
         """The live tracks, started first first: (k,) of dtype `kernel.TRACKED`; velocities in px/s."""
         return self._identities.tracks()

@@ -75,14 +75,14 @@ def _hidden(world: World, i: int, axis: int, high: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _predict(rules: Rules, world: World, i: int) -> None:
-    """Move an object on by a packet. What meets another keeps its course, since events may be the other's."""
+def _predict(rules: Rules, world: World, i: int, lasted_us: int) -> None:
+    """Move an object on by the packet. What meets another keeps its course, since events may be the other's."""
     walk = 0.5 * (world.state[i, 0, 2] + world.state[i, 1, 2])
     if world.objects[i].meets:
         walk *= rules.meeting_walk
     for axis in range(2):
         s, p = world.state[i, axis], world.cov[i, axis]
-        predict(s, p, 1e-6 * rules.packet_us, walk * rules.velocity_walk, walk * rules.growth_walk)
+        predict(s, p, 1e-6 * lasted_us, walk * rules.velocity_walk, walk * rules.growth_walk)
         if rules.walls:
             turn_back(s, p, rules.width if axis == 0 else rules.height)
 
@@ -184,8 +184,8 @@ def _outside(rules: Rules, world: World, i: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
-    """Do at `t_us` what follows from the packet's events."""
+def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Table) -> None:
+    """Do at `t_us`, the end of a packet that lasted so long, what follows from its events."""
     run = world.run[0]
     n = len(world.objects)
     mix = min(rules.packet_us / _RATE_MEAN_US, 1.0)
@@ -194,8 +194,8 @@ def close_packet(rules: Rules, world: World, t_us: int, out: Table) -> None:
     for i in range(n):
         if world.objects[i].alive:
             world.objects[i].meets = _meets(world, i)
-            world.objects[i].alone_us += 0 if world.objects[i].meets else rules.packet_us
-            _predict(rules, world, i)
+            world.objects[i].alone_us += 0 if world.objects[i].meets else lasted_us
+            _predict(rules, world, i, lasted_us)
             _correct(rules, world, i)
             if world.objects[i].enters >= 0:
                 _keep_at_edge(rules, world, i)
@@ -247,7 +247,7 @@ def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
         run.packet_end_us = t_us + rules.packet_us
         run.birth_end_us = t_us + rules.birth_us
     else:
-        close_packet(rules, world, run.packet_end_us, out)
+        close_packet(rules, world, run.packet_end_us, rules.packet_us, out)
         run.packet_end_us += rules.packet_us
         if run.live == 0 and t_us >= run.packet_end_us:
             run.packet_end_us += (t_us - run.packet_end_us) // rules.packet_us * rules.packet_us + rules.packet_us

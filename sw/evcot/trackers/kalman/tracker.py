@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events, Recording
 from ...tracks.log import TRACK, TrackLog
-from ...tracks.tracking import check_order, track_recording
+from ...tracks.tracking import PacketBegin, check_order, track_recording
 from .config import KalmanConfig
 from .kernel import feed
 from .layout import UNSET_US, make_rules, make_world
@@ -28,6 +28,7 @@ class KalmanTracker:
         self.config = config
         self._rules = make_rules(config, width, height)
         self._world = make_world(config.max_objects, width, height)
+        self._packet = PacketBegin(config.packet_us)
         self._buffer = np.zeros(2 * RECORDS_PER_PACKET * config.max_objects + 4096, TRACK)
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
@@ -56,14 +57,25 @@ class KalmanTracker:
         while done < len(events):
             done = feed(self._rules, self._world, events.t_us, events.x, events.y, done, owner, self._buffer)
             parts.append(self._take())
+        self._packet.fed(events, int(run["packet_end_us"][0]))
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 
     def finish(self) -> NDArray[np.void]:
-        """Close the last packet when no more events come; (m,) records of dtype `TRACK`."""
+        """Close the last packet when no more events come; (m,) records of dtype `TRACK`.
+
+        It ends with the last event: time has passed until then and no further.
+        """
         run = self._world.run
         if run["packet_end_us"][0] != UNSET_US:
-            close_packet(self._rules, self._world, int(run["packet_end_us"][0]), self._buffer)
+            last_us = int(run["last_us"][0])
+            lasted_us = last_us - int(run["packet_end_us"][0]) + self._rules.packet_us
+            close_packet(self._rules, self._world, last_us, lasted_us, self._buffer)
         return self._take()
+
+    @property
+    def settled(self) -> int:
+        """See `tracking.Tracker`: the events before the open packet."""
+        return self._packet.index
 
     def _take(self) -> NDArray[np.void]:
         records = int(self._world.run["records"][0])

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ...errors import ConfigError, RecordingError
 from ...events import Events, Recording
 from ...tracks.log import TRACK, TrackLog
-from ...tracks.tracking import check_order, track_recording
+from ...tracks.tracking import PacketBegin, check_order, track_recording
 from .config import RctConfig
 from .kernel import close_last_packet, feed, place
 from .state import event_rules, new_state, summary
@@ -51,6 +51,7 @@ class RctTracker:
         self._state = new_state(config, width, height)
         self._rules = event_rules(self._state)
         self._cursor = self._state.cursor
+        self._packet = PacketBegin(config.packet_us)
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """Track a run of events.
@@ -74,6 +75,7 @@ class RctTracker:
             polarities = rest.p if self.config.whole else None
             done += feed(self._state, self._rules, rest.t_us, rest.x, rest.y, polarities, owner[done:])
             parts.append(self._take_closed())
+        self._packet.fed(events, int(self._cursor["packet_end_us"][0]))
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 
     def finish(self) -> NDArray[np.void]:
@@ -83,6 +85,11 @@ class RctTracker:
         """
         close_last_packet(self._state)
         return self._take_closed()
+
+    @property
+    def settled(self) -> int:
+        """See `tracking.Tracker`: the events before the open packet."""
+        return self._packet.index
 
     def place(self, x: float, y: float, t_us: int, polarity: int = 1) -> int:
         """Set up a cluster at (x, y) px and at t_us, the time of the events so far or later, as seeding does at an event.

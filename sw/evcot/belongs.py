@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a log is of a recording: the fingerprint of its events where the log has one, and what every log shows.
+
+That is as many owners as there are events, and no record before, after or beyond them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .digest import EventsDigest
+from .errors import TrackLogError
+from .events import Events
+from .tracks.log import TrackLog
+
+__all__ = ["Extent", "check_belongs"]
+
+
+@dataclass(frozen=True)
+class Extent:
+    """What a log must fit: how many events, the first and the last time, and the fingerprint (`digest.digest`)."""
+
+    events: int
+    first_us: int
+    last_us: int
+    digest: str
+
+    @classmethod
+    def of(cls, blocks: Iterable[Events]) -> Extent:
+        """The extent of events that come in blocks; times are 0 without any."""
+        count, first_us, last_us, summary = 0, 0, 0, EventsDigest()
+        for block in blocks:
+            if len(block):
+                first_us = first_us if count else int(block.t_us[0])
+                last_us = int(block.t_us[-1])
+                count += len(block)
+                summary.add(block)
+        return cls(count, first_us, last_us, summary.hex())
+
+
+def check_belongs(log: TrackLog, to: Extent) -> None:
+    """Raise TrackLogError for a log that is of other events than these."""
+    if len(log.owner) != to.events:
+        raise TrackLogError(f"owner has {len(log.owner)} entries: must be one for each of the recording's {to.events} events")
+    if log.recording and log.recording != to.digest:
+        raise TrackLogError(f"recording = {log.recording!r}: must be the digest of the recording's events, {to.digest!r}")
+    records = log.records
+    for name, low, high in (("event_index", 0, to.events), ("t_us", to.first_us, to.last_us)):
+        good = (records[name] >= low) & (records[name] <= high)
+        if not good.all():
+            row = int(np.argmin(good))
+            rule = f"must be from {low} to {high}, as the recording's events are"
+            raise TrackLogError(f"record {row}: {name} = {records[name][row]}: {rule}")
