@@ -8,7 +8,7 @@ from typing import Any
 
 from .errors import ConfigError
 
-__all__ = ["Range", "check_range", "check_ranges", "read_value", "span"]
+__all__ = ["Range", "check_integer", "check_range", "check_ranges", "read_pair", "read_value", "span"]
 
 Range = tuple[float, float, str]
 """Lowest, highest, meaning; two integers stand for an integer setting."""
@@ -25,11 +25,33 @@ def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range]) -> None:
         check_range(f"{name}.{field}", getattr(settings, field), *limits)
 
 
+def check_integer(name: str, value: object, low: int, high: int, meaning: str = "") -> None:
+    """Raise ConfigError for what is no integer, or outside its limits."""
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        what = f" ({meaning})" if meaning else ""
+        raise ConfigError(f"{name} = {value!r}: must be an integer from {low} to {high}{what}")
+
+
 def check_range(name: str, value: object, low: float, high: float, meaning: str) -> None:
     """Raise ConfigError for a value outside its limits, or of another kind."""
     wanted = int if isinstance(low, int) else (int, float)
     if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
         raise ConfigError(f"{name} = {value!r}: must be from {span(low, high)} ({meaning})")
+
+
+def read_pair(option: str, text: str, rule: str = "") -> tuple[str, str]:
+    """Key and value of an option's KEY=VALUE, without spaces around them.
+
+    Args:
+        rule: what the message says of the keys.
+
+    Raises:
+        ConfigError: there is no equals sign.
+    """
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not equals:
+        raise ConfigError(f"{option} {text}: must be KEY=VALUE{rule}")
+    return key, value
 
 
 def read_value(name: str, text: str, default: Any) -> Any:

@@ -14,6 +14,7 @@ from evcot.anomalies.alarm import check_table_path, rows, write_alarms
 from evcot.anomalies.learn import smallest_sensor
 from evcot.belongs import Extent
 from evcot.errors import ConfigError, TrackLogError
+from evcot.ranges import read_pair
 from evcot.recordings.files import open_recording
 from evcot.scenes.registry import adjusted
 from evcot.tracks.log import TrackLog
@@ -162,10 +163,4 @@ def _row(alarm: dict[str, Any]) -> tuple[Any, ...]:
 
 
 def _overrides(options: argparse.Namespace) -> dict[str, Any]:
-    overrides: dict[str, Any] = {}
-    for setting in options.set:
-        key, equals, value = setting.partition("=")
-        if not equals:
-            raise ConfigError(f"--set {setting}: must be KEY=VALUE")
-        overrides[key.strip()] = value.strip()
-    return overrides
+    return dict(read_pair("--set", setting) for setting in options.set)

@@ -9,7 +9,7 @@ from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.filters.config import FilterConfig
-from evcot.ranges import read_value
+from evcot.ranges import read_pair, read_value
 from evcot.trackers.config import RunConfig, load_toml, load_tracker
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import for_sensor
@@ -49,9 +49,10 @@ def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[An
 def _changed(options: argparse.Namespace, settings: Any) -> Any:
     known = asdict(settings)
     for setting in options.set:
-        key, equals, text = (part.strip() for part in setting.partition("="))
-        if not equals or key not in known:
-            raise ConfigError(f"--set {setting}: must be KEY=VALUE with a key among {', '.join(known)}")
+        rule = f" with a key among {', '.join(known)}"
+        key, text = read_pair("--set", setting, rule)
+        if key not in known:
+            raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}")
         settings = replace(settings, **{key: read_value(f"{options.engine}.{key}", text, known[key])})
     return settings
 

@@ -13,6 +13,7 @@ from typing import Any
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.outputs import written_aside
+from evcot.ranges import read_pair
 from evcot.recordings.files import write_events
 from evcot.scenes.registry import SCENES, adjusted, scene_settings
 
@@ -127,10 +128,8 @@ def _overrides(options: argparse.Namespace, name: str) -> dict[str, Any]:
     if sensor is not None:
         overrides["width"], overrides["height"] = sensor
     for setting in options.set:
-        key, equals, value = setting.partition("=")
-        if not equals:
-            raise ConfigError(f"--set {setting}: must be KEY=VALUE; `evcot simulate {name} --list` shows the keys")
-        overrides[key.strip()] = value.strip()
+        key, value = read_pair("--set", setting, f"; `evcot simulate {name} --list` shows the keys")
+        overrides[key] = value
     return overrides
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..outputs import note_input
+from ..ranges import check_integer
 
 __all__ = ["Line", "Zone", "Zones", "load_zones"]
 
@@ -107,10 +108,9 @@ def _zone(table: Mapping[str, Any], where: str) -> Zone:
     if not isinstance(polygon, list) or not 3 <= len(polygon) <= _CORNERS_MAX:
         raise ConfigError(f"{where}.polygon: must have from 3 to {_CORNERS_MAX} corners [x, y]")
     corners = tuple(_point(corner, f"{where}.polygon[{i}]") for i, corner in enumerate(polygon))
-    dwell_us = table.get("dwell_us") if kind == "dwell" else 0
-    if type(dwell_us) is not int or not 0 <= dwell_us <= _DWELL_MAX_US or (kind == "dwell" and not dwell_us):
-        raise ConfigError(f"{where}.dwell_us = {dwell_us!r}: must be an integer from 1 to {_DWELL_MAX_US} (longest stay)")
-    return Zone(_name(table, where), corners, dwell_us)
+    if kind == "dwell":
+        check_integer(f"{where}.dwell_us", table.get("dwell_us"), 1, _DWELL_MAX_US, "longest stay")
+    return Zone(_name(table, where), corners, table.get("dwell_us", 0))
 
 
 def _line(table: Mapping[str, Any], where: str) -> Line:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
-from ..errors import ConfigError
+from ..ranges import check_integer
 
 __all__ = [
     "FILTER_REGISTERS",
@@ -58,9 +58,7 @@ class FilterShape:
     def __post_init__(self) -> None:
         for field in fields(self):
             low, high, meaning = FILTER_SHAPE_RANGES[field.name]
-            value = getattr(self, field.name)
-            if not isinstance(value, int) or not low <= value <= high:
-                raise ConfigError(f"filter shape.{field.name} = {value!r}: must be an integer from {low} to {high} ({meaning})")
+            check_integer(f"filter shape.{field.name}", getattr(self, field.name), low, high, meaning)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..errors import ConfigError
+from ..ranges import check_integer
 from .contract import FILTER_REGISTERS, Filter, FilterShape
 
 __all__ = ["FilterRegisters"]
@@ -45,10 +46,7 @@ class FilterRegisters:
         for name, register in FILTER_REGISTERS.items():
             if name == "mask":
                 continue
-            low, high = register.limits(shape)
-            value = getattr(self, name)
-            if not isinstance(value, int) or not low <= value <= high:
-                raise ConfigError(f"filters.{name} = {value!r}: must be an integer from {low} to {high} ({register.meaning})")
+            check_integer(f"filters.{name}", getattr(self, name), *register.limits(shape), register.meaning)
         for x, y in self.hot_pixels:
             if not (0 <= x < shape.width and 0 <= y < shape.height):
                 raise ConfigError(f"filters.hot_pixels holds ({x}, {y}): must lie on the {shape.width}x{shape.height} sensor")

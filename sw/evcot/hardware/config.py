@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ..errors import ConfigError
 from ..filters.contract import FilterShape
 from ..filters.registers import FilterRegisters
+from ..ranges import check_integer
 from .contract import REGISTERS, Mode, Shape
 
 __all__ = ["CotConfig", "SlotConfig"]
@@ -36,10 +37,7 @@ class SlotConfig:
     def check(self, shape: Shape, where: str) -> None:
         """Raise ConfigError for the first register outside its limits; `where` prefixes the field's name."""
         for name, register in REGISTERS.items():
-            low, high = register.limits(shape)
-            value = getattr(self, name)
-            if not isinstance(value, int) or not low <= value <= high:
-                raise ConfigError(f"{where}.{name} = {value!r}: must be an integer from {low} to {high} ({register.meaning})")
+            check_integer(f"{where}.{name}", getattr(self, name), *register.limits(shape), register.meaning)
         for low_name, name, high_name in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
             low, value, high = getattr(self, low_name), getattr(self, name), getattr(self, high_name)
             if not low <= value <= high:
@@ -68,8 +66,7 @@ class CotConfig:
             object.__setattr__(self, "slots", (SlotConfig(),) * self.shape.n_slots)
         if len(self.slots) != self.shape.n_slots:
             raise ConfigError(f"cot.slots has {len(self.slots)} entries: must be shape.n_slots = {self.shape.n_slots}")
-        if not isinstance(self.tick_us, int) or not 1 <= self.tick_us <= 1_000_000:
-            raise ConfigError(f"cot.tick_us = {self.tick_us!r}: must be an integer from 1 to 1000000")
+        check_integer("cot.tick_us", self.tick_us, 1, 1_000_000)
         for i, slot in enumerate(self.slots):
             slot.check(self.shape, f"cot.slot[{i}]")
         if self.filtered:

@@ -14,6 +14,7 @@ from enum import IntEnum
 import numpy as np
 
 from ..errors import ConfigError
+from ..ranges import check_integer
 
 __all__ = [
     "RECORD",
@@ -89,9 +90,7 @@ class Shape:
     def __post_init__(self) -> None:
         for field in fields(self):
             low, high, meaning = SHAPE_RANGES[field.name]
-            value = getattr(self, field.name)
-            if not isinstance(value, int) or not low <= value <= high:
-                raise ConfigError(f"shape.{field.name} = {value!r}: must be an integer from {low} to {high} ({meaning})")
+            check_integer(f"shape.{field.name}", getattr(self, field.name), low, high, meaning)
         if self.time_w < self.tc_w + self.nev_w:
             raise ConfigError(
                 f"shape.time_w = {self.time_w}: must be at least tc_w + nev_w = {self.tc_w + self.nev_w}, "

@@ -13,6 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
+from ..ranges import check_integer
 
 __all__ = ["TAPS", "WIDTH_MAX", "WIDTH_MIN", "Lfsr", "next_state", "tap_mask"]
 
@@ -94,8 +95,7 @@ def tap_mask(width: int) -> int:
     Raises:
         ConfigError: there is no register of that width.
     """
-    if width not in TAPS:
-        raise ConfigError(f"lfsr.width = {width!r}: must be an integer from {WIDTH_MIN} to {WIDTH_MAX}")
+    check_integer("lfsr.width", width, WIDTH_MIN, WIDTH_MAX)
     return sum(1 << (tap - 1) for tap in TAPS[width])
 
 

@@ -19,6 +19,7 @@ from typing import Any, Protocol, overload
 
 from ..errors import ConfigError
 from ..filters.contract import FILTER_REGISTERS, FilterRegister, FilterShape
+from ..ranges import check_integer
 from .contract import REGISTERS, SLOTS_MAX, Register, Shape
 
 __all__ = [
@@ -332,8 +333,7 @@ class _Value(ABC):
 
     def _check(self, value: int, low: int, high: int, meaning: str) -> int:
         """The value as an int, if it is legal; nothing reaches the bus otherwise."""
-        if not isinstance(value, int) or not low <= value <= high:
-            raise ConfigError(f"{self.name} = {value!r}: must be an integer from {low} to {high} ({meaning})")
+        check_integer(self.name, value, low, high, meaning)
         return int(value)
 
 
