@@ -131,7 +131,7 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
     """Where the events come from: what is described, with what the options say instead."""
     if options.seed is not None and options.seed < 0:
         raise ConfigError(f"--seed {options.seed}: must not be negative")
-    base = described if described and options.recording is None else Source(options.recording or _DEFAULT_SCENE)
+    base = described if described and options.recording is None else Source.named(options.recording or _DEFAULT_SCENE)
     sensor = sensor_from(options)
     if sensor is not None:
         base = replace(base, width=sensor[0], height=sensor[1])

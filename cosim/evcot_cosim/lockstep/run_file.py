@@ -36,6 +36,7 @@ class Source:
 
     Attributes:
         recording: a file, or a scene's name.
+        is_scene: whether it is a scene and no file.
         seed: of a scene.
         from_us, to_us: the part that is taken, after the first event; to_us None for all.
         width, height: the sensor, where the file does not say it or says another; 0 for the file's.
@@ -43,6 +44,7 @@ class Source:
     """
 
     recording: str
+    is_scene: bool = False
     seed: int = 1
     from_us: int = 0
     to_us: int | None = None
@@ -50,10 +52,10 @@ class Source:
     height: int = 0
     skip_damaged: bool = False
 
-    @property
-    def is_scene(self) -> bool:
-        """Whether it is a scene and no file."""
-        return self.recording in SCENES and not Path(self.recording).exists()
+    @classmethod
+    def named(cls, name: str) -> Source:
+        """What a person means by a name on the command line: a file if there is one, else a scene if one is called so."""
+        return cls(name, is_scene=name in SCENES and not Path(name).exists())
 
     @property
     def name(self) -> str:
@@ -121,8 +123,9 @@ class RunFile:
 
 def run_toml(run: RunFile) -> str:
     """The text of run.toml."""
-    plain = Source(run.source.recording)
-    source = {name: value for name, value in asdict(run.source.absolute()).items() if value != getattr(plain, name)}
+    plain, source = asdict(Source("")), asdict(run.source.absolute())
+    name, kind = source.pop("recording"), "scene" if source.pop("is_scene") else "recording"
+    source = {field: value for field, value in source.items() if value != plain[field]}
     stalls = {} if run.stalls is None else {"stalls": run.stalls}
     config = _without_none(run.config.to_dict())
     cot = config.pop("cot")
@@ -130,7 +133,7 @@ def run_toml(run: RunFile) -> str:
     same = all(slot == slots[0] for slot in slots)
     tables = {
         "name": config.pop("name"),
-        "run": {"recording": plain.recording, **source, "hardware": run.hardware, **stalls, "digest": run.digest},
+        "run": {kind: name, **source, "hardware": run.hardware, **stalls, "digest": run.digest},
         "shape": cot["shape"],
         "cot": {"tick_us": cot["tick_us"], **(slots[0] if same else {})},
         **({} if same else {"slot": slots}),
@@ -152,6 +155,9 @@ def write_run_file(path: Path, run: RunFile) -> None:
 def read_run_file(path: Path) -> RunFile | None:
     """Read run.toml, or None where a configuration has no table `[run]`.
 
+    The table names a `scene`, or a `recording`: a file whose path, unless absolute, counts from the folder of run.toml. The
+    current folder does not matter.
+
     Raises:
         ConfigError: as `load_toml`, or a table `[run]` that cannot be used; the message starts with the file's name.
     """
@@ -159,7 +165,8 @@ def read_run_file(path: Path) -> RunFile | None:
     run = tomllib.loads(path.read_text(encoding="utf-8")).get("run")
     if run is None:
         return None
-    wanted = {field.name: field.type for field in fields(Source)} | {"hardware": "str", "stalls": "int", "digest": "str"}
+    of_source = {field.name: field.type for field in fields(Source) if field.name != "is_scene"}
+    wanted = of_source | {"scene": "str", "hardware": "str", "stalls": "int", "digest": "str"}
     if not isinstance(run, dict):
         raise ConfigError(f"{path}: [run] must be a table, not {run!r}")
     for key, value in run.items():
@@ -168,13 +175,17 @@ def read_run_file(path: Path) -> RunFile | None:
             raise ConfigError(f"{path}: [run]: unknown field {key!r}: must be one of {', '.join(sorted(wanted))}")
         if type(value).__name__ != str(kind).removesuffix(" | None") or (type(value) is int and value < 0):
             raise ConfigError(f"{path}: run.{key} = {value!r}: must be {_MEANING[str(kind).removesuffix(' | None')]}")
-    if "recording" not in run:
-        raise ConfigError(f"{path}: [run] has no recording: must name a file or a scene")
+    if ("recording" in run) == ("scene" in run):
+        raise ConfigError(f"{path}: [run]: must have either recording, a file, or scene, one of {', '.join(SCENES)}")
+    scene = run.pop("scene", None)
+    if scene is not None and scene not in SCENES:
+        raise ConfigError(f"{path}: run.scene = {scene!r}: must be one of {', '.join(SCENES)}")
+    name = scene or str(path.absolute().parent / run.pop("recording"))
     hardware = run.pop("hardware", "cot_array")
     if hardware not in get_args(Top):
         raise ConfigError(f"{path}: run.hardware = {hardware!r}: must be one of {', '.join(get_args(Top))}")
     stalls, known = run.pop("stalls", None), run.pop("digest", "")
-    return RunFile(Source(**run), hardware, stalls, known, config)
+    return RunFile(Source(name, is_scene=scene is not None, **run), hardware, stalls, known, config)
 
 
 _MEANING = {"str": "text", "int": "a whole number, not negative", "bool": "true or false"}
