@@ -31,10 +31,10 @@ from evcot.trackers.mean_shift.tracker import MeanShiftTracker
 from evcot.tracks.log import TrackLog
 from evcot.tracks.tracking import track_recording
 from measure import timed
+from shared import SHARED
 
 __all__ = ["EVENTS", "FRAMES", "PIPELINE", "Case", "Outcome", "as_written", "cases", "outcomes"]
 
-_SHARED = Path(__file__).parents[2] / "shared" / "data"
 
 EVENTS, FRAMES, PIPELINE = "mean shift, events", "mean shift, frames", "median, components"
 
@@ -108,14 +108,14 @@ def cases(folder: Path, quick: bool) -> Iterator[Case]:
         rule = load_rule("scene")
         truth = read_truth(folder / f"{name}.truth.csv", rule)
         yield Case(name, _without_hot_pixels(scene.recording), preset, truth, rule)
-    if (_SHARED / "traffic_outbound.aedat4").is_file():
+    if (SHARED / "traffic_outbound.aedat4").is_file():
         rule = load_rule("traffic")
-        recording = read_recording(_SHARED / "traffic_outbound.aedat4")
-        truth = _second_half(read_truth(_SHARED / "traffic_outbound_gt.csv", rule), recording)
+        recording = read_recording(SHARED / "traffic_outbound.aedat4")
+        truth = _second_half(read_truth(SHARED / "traffic_outbound_gt.csv", rule), recording)
         yield Case("traffic", _without_hot_pixels(recording), "traffic", truth, rule)
     for name, file in (("hand", "hand_dvs128.aedat4"), ("pendulum", "pendulum_dvs128.aedat")):
-        if (_SHARED / file).is_file():
-            yield Case(name, _without_hot_pixels(read_recording(_SHARED / file)), "discs")
+        if (SHARED / file).is_file():
+            yield Case(name, _without_hot_pixels(read_recording(SHARED / file)), "discs")
 
 
 def _without_hot_pixels(recording: Recording) -> Recording:

@@ -33,11 +33,11 @@ from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
 from exact import cot_log
 from measure import Result
+from shared import SHARED
 from what_if import WHAT_IF, what_if
 
 __all__ = ["ENGINES", "Case", "between", "cases", "measure", "score", "simulated"]
 
-_FOLDER = Path(__file__).parents[2] / "shared" / "data"
 _TRUTH_STEP_US = 20_000
 _SEEDS = (11, 12, 13)  # the presets were tuned on others
 _SCENES: dict[str, tuple[str, str, dict[str, object]]] = {
@@ -95,10 +95,10 @@ def between(truth: GroundTruth, from_us: int, to_us: int) -> GroundTruth:
 
 def cases(quick: bool = False) -> Iterator[list[Case]]:
     """Groups of recordings whose scores are averaged; the real one only where it is at hand."""
-    path = _FOLDER / "traffic_outbound.aedat4"
+    path = SHARED / "traffic_outbound.aedat4"
     if path.is_file():
         rule, recording = load_rule("traffic"), read_recording(path)
-        truth = read_truth(_FOLDER / "traffic_outbound_gt.csv", rule)
+        truth = read_truth(SHARED / "traffic_outbound_gt.csv", rule)
         begin_us, end_us = (int(t_us) for t_us in recording.events.t_us[[0, -1]])
         middle_us = (begin_us + end_us) // 2
         case = Case("motorway, real", "traffic", recording, truth, rule)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +17,13 @@ from evcot.filters.run import apply
 from evcot.metrics import load_rule, read_truth
 from evcot.metrics.truth import OBJECT, GroundTruth
 from evcot.recordings.files import read_recording
+from shared import SHARED
 
 __all__ = ["CONTOURS", "FILMED", "TRAFFIC", "groups", "traffic_cases", "traffic_is_here"]
 
 TRAFFIC = "traffic_outbound"
 FILMED, CONTOURS = "discs", "contours"  # in names of groups, followed by their ways
 
-_SHARED = Path(__file__).parents[2] / "shared" / "data"
 _HIGHWAY_SEEDS, _DISC_SEEDS, _BOX_SEEDS = (
     (21, 22, 23),
     (4, 5, 6, 7, 8, 9),
@@ -43,7 +42,7 @@ _THRESHOLD = 0.056  # with which the camera sends so many events
 
 def traffic_is_here() -> bool:
     """Whether the real recording is at hand."""
-    return (_SHARED / f"{TRAFFIC}.aedat4").is_file()
+    return (SHARED / f"{TRAFFIC}.aedat4").is_file()
 
 
 def groups(quick: bool = False) -> Iterator[list[Case]]:
@@ -60,12 +59,12 @@ def groups(quick: bool = False) -> Iterator[list[Case]]:
 
 def traffic_cases() -> Iterator[Case]:
     """The real motorway without its hot pixel, whole and by halves."""
-    rule, recording = load_rule("traffic"), read_recording(_SHARED / f"{TRAFFIC}.aedat4")
+    rule, recording = load_rule("traffic"), read_recording(SHARED / f"{TRAFFIC}.aedat4")
     begin_us, end_us = recording.events.t_us[[0, -1]].tolist()
     middle_us = (begin_us + end_us) // 2 + 1
     hot = learn_hot_pixels(recording.events, (recording.width, recording.height))
     recording, _ = apply(recording, FilterConfig(hot_pixels=hot))
-    whole = Case(TRAFFIC, "traffic", recording, read_truth(_SHARED / f"{TRAFFIC}_gt.csv", rule), rule)
+    whole = Case(TRAFFIC, "traffic", recording, read_truth(SHARED / f"{TRAFFIC}_gt.csv", rule), rule)
     yield replace(whole, name=f"{TRAFFIC}, first half", truth=between(whole.truth, begin_us, middle_us))
     yield replace(whole, name=f"{TRAFFIC}, second half", truth=between(whole.truth, middle_us, end_us))
     yield whole

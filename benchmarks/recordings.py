@@ -13,18 +13,18 @@ from evcot.trackers.presets import fit, for_sensor
 from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.lockstep import Lockstep, chunks
 from measure import Goal, Result, Skip
+from shared import SHARED
 
 __all__ = ["measure"]
 
-_FOLDER = Path(__file__).parents[2] / "shared" / "data"
 _GOALS = {"traffic_outbound.aedat4": 10.0, "hand_dvs128.aedat4": None}  # times real time
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
     """realtime_* for each recording."""
-    found = {_FOLDER / name: goal for name, goal in _GOALS.items() if (_FOLDER / name).is_file()}
+    found = {SHARED / name: goal for name, goal in _GOALS.items() if (SHARED / name).is_file()}
     if not found:
-        raise Skip(f"no recordings in {_FOLDER}")
+        raise Skip(f"no recordings in {SHARED}")
     for path, goal in found.items():
         yield _one(path, goal, 3 if quick else 7)
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,8 +17,8 @@ from evcot.trackers.presets import fit, for_sensor, preset
 from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.lockstep.cosim import CosimRun, check_addresses, run_cosim, stalls_from
+from support.recordings import SHARED
 
-SHARED = Path(__file__).parents[4] / "shared" / "data"
 RECORDINGS = {
     "traffic_outbound.aedat4": 788_761,
     "hand_dvs128.aedat4": 149_629,

@@ -19,8 +19,8 @@ from evcot.trackers.presets import fit, for_sensor
 from evcot.tracks.log import DROPPED, TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.lockstep.cosim import run_cosim
+from support.recordings import SHARED
 
-SHARED = Path(__file__).parents[4] / "shared" / "data"
 HOT = (20, 100)
 
 

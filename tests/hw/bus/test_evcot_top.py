@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,10 +36,9 @@ from evcot_cosim.devices.top_device import (
     slot_address,
     write,
 )
+from support.recordings import SHARED
 from support.top import BUILDS, DVS128, EVERY, SMALL, device_of, traffic_of
 from support.trials import random_config
-
-SHARED = Path(__file__).parents[4] / "shared" / "data"
 
 TRACKERS = ("array behind filters", "engine", "chain")
 STATUS, CONTROL = address_of("status"), address_of("control")

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -12,11 +10,12 @@ from numpy.typing import NDArray
 from evcot.recordings.files import read_recording
 from evcot.recordings.formats.evt2 import evt2_layout
 from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt2_words, evt_device, exact, payload, random_events, tell
+from support.recordings import SHARED
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import lint
 
 TOP = "evt2_decoder"
-FIXTURE = Path(__file__).parents[4] / "shared" / "data" / "fixture_evt2_640x480.raw"
+FIXTURE = SHARED / "fixture_evt2_640x480.raw"
 
 # data_w, t_w, x_w, y_w, width, height
 SHAPES = [

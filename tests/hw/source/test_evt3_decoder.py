@@ -13,12 +13,13 @@ from evcot.recordings.files import read_recording, write_events
 from evcot.recordings.formats.evt3 import evt3_layout
 from evcot.recordings.formats.words import WordArray
 from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt_device, exact, payload, random_events, tell
+from support.recordings import SHARED
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import lint
 
 TOP = "evt3_decoder"
 LAYOUT = evt3_layout(0)
-FIXTURE = Path(__file__).parents[4] / "shared" / "data" / "fixture_evt3_1280x720.raw"
+FIXTURE = SHARED / "fixture_evt3_1280x720.raw"
 
 # data_w, t_w, x_w, y_w, width, height
 SHAPES = [

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,8 +22,9 @@ from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import fit, preset
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
+from support.recordings import SHARED
 
-TRAFFIC = Path(__file__).parents[4] / "shared" / "data" / "traffic_outbound.aedat4"
+TRAFFIC = SHARED / "traffic_outbound.aedat4"
 HOT = (192, 209)
 NOISE_HZ_PER_PX = (1.0, 5.0, 10.0)
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +12,11 @@ from evcot.errors import TrackLogError
 from evcot.metrics import GroundTruth, Scores, evaluate, load_rule, read_truth
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.tracks.log import Kind, TrackLog
+from support.recordings import SHARED
 
 from .stories import following, logged
 
-TRAFFIC = Path(__file__).parents[4] / "shared" / "data" / "traffic_outbound_gt.csv"
+TRAFFIC = SHARED / "traffic_outbound_gt.csv"
 ONES = ("hota", "deta", "assa", "loca", "detre", "detpr", "assre", "asspr", "mota", "motp", "idf1", "idp", "idr")
 ZEROS = ("idsw", "frag", "fp", "fn", "ml", "position_error_px_median", "position_error_px_p90", "latency_ms")
 SCENE = load_rule("scene")

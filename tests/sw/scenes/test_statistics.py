@@ -12,8 +12,9 @@ from evcot.events import Events, Recording
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes import simulate_scene
 from evcot.scenes.statistics import main, statistics, table
+from support.recordings import SHARED
 
-REAL = Path(__file__).parents[4] / "shared" / "data" / "traffic_outbound.aedat4"
+REAL = SHARED / "traffic_outbound.aedat4"
 
 
 def recording(rows: list[tuple[int, int, int, int]], width: int = 4, height: int = 3) -> Recording:

@@ -14,10 +14,10 @@ from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import aedat2
 from evcot.recordings.formats.aedat2 import Aedat2File
+from support.recordings import SHARED
 
 from .fuzzing import fuzz
 
-SHARED = Path(__file__).parents[5] / "shared" / "data"
 TURN = 1 << 32
 
 Row = tuple[int, int, int, int]  # t_us, x, y, p as they are to be read: origin top left, p = 1 for brighter

@@ -22,10 +22,10 @@ from evcot.recordings.formats.aedat4 import EVENT, Aedat4File
 from evcot.recordings.formats.aedat4_sink import PACKET_EVENTS
 from evcot.recordings.formats.packing import TooLarge
 from evcot.recordings.formats.source import BLOCK_EVENTS
+from support.recordings import SHARED
 
 from .fuzzing import fuzz
 
-SHARED = Path(__file__).parents[5] / "shared" / "data"
 SENSOR = (64, 48)
 EPOCH_US = 1_718_925_184_590_631
 FAERY_COMPRESSIONS = {"lz4": ("lz4", 1), "zstd": ("zstd", 3), "plain": None}

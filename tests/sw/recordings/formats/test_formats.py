@@ -10,8 +10,7 @@ import pytest
 
 from evcot.errors import RecordingError
 from evcot.recordings.files import read_recording
-
-SHARED = Path(__file__).parents[5] / "shared" / "data"
+from support.recordings import SHARED
 
 
 def refusal(path: Path) -> str:

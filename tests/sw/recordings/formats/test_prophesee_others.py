@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.recordings.files import read_recording
+from support.recordings import SHARED
 
 from .reference_evt import dat_event, evt2_event, evt2_high, evt21_event, evt21_high, packed
 
-SHARED = Path(__file__).parents[5] / "shared" / "data"
 FIXTURES = {"evt2": "fixture_evt2_640x480.raw", "evt3": "fixture_evt3_1280x720.raw"}
 
 Columns = list[NDArray[Any]]

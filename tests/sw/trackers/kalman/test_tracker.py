@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,8 +19,8 @@ from evcot.trackers.kalman.presets import PRESETS
 from evcot.trackers.kalman.tracker import KalmanTracker, track
 from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.timeline import sample
+from support.recordings import SHARED
 
-SHARED = Path(__file__).parents[5] / "shared" / "data"
 WIDTH, HEIGHT = 346, 260
 RADIUS_PX = 10.0
 SEED = 7
