@@ -85,7 +85,8 @@ def test_no_record_is_of_a_settled_event_and_packets_settle(engine: str) -> None
         records += len(told)
     assert records > 0
     assert len(events) - 20_000 < tracker.settled <= len(events)
-    assert (tracker.finish()["event_index"] >= tracker.settled).all()
+    settled = tracker.settled
+    assert (tracker.finish()["event_index"] >= settled).all()
 
 
 @pytest.mark.parametrize("engine", ["rct", "kalman", "mean-shift", "frames"])
