@@ -208,7 +208,7 @@ def tiny(path: str) -> None:
         ("track drive.npz -o drive.npz", "is drive.npz, an input"),
         ("track drive.npz -o log.npz", "-o log.npz: exists: must be another file, or --force"),
         ("track drive.npz --learn-hot-pixels --save-hot-pixels drive.npz --force", "is drive.npz, an input"),
-        ("track drive.npz --save-hot-pixels hot.txt", "must be given with --learn-hot-pixels"),
+        ("track drive.npz --save-hot-pixels new.txt", "must be given with --learn-hot-pixels"),
         ("cosim run/drive.npz -o run", "-o run: holds drive.npz, an input of the same call"),
         ("cosim run/drive.npz -o full", "evcot did not make it"),
         ("cosim drive.npz", "build/cosim/drive: holds files, and evcot did not make it"),
