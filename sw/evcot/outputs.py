@@ -308,8 +308,13 @@ def remade(path: Path) -> None:
     if listed is not None and is_own_file(path.with_name(RUN_FILE)):
         run = path.with_name(RUN_FILE)
         text = run.read_text(encoding="utf-8").partition(_LIST)[0]
-        with written_aside(run, force=True) as file:
-            file.write((text + _listing(listed | {path.name: _digest(path)})).encode())
+        aside = _beside(run)
+        with _in_one_line(run):
+            try:  # run.toml may be an input of the call: all but its list stays as it is
+                aside.write_bytes((text + _listing(listed | {path.name: _digest(path)})).encode())
+                os.replace(aside, run)
+            finally:
+                aside.unlink(missing_ok=True)
 
 
 def _listed(folder: Path) -> dict[str, str] | None:
