@@ -21,6 +21,8 @@ from .printable import reason
 __all__ = ["Chunks"]
 
 _DEFLATE, _SHUFFLE = 1, 2
+# Deflate gives up to 1,032 times its own length. The library unpacks faster, and a chunk this small cannot hurt.
+_SURE_BYTES = (1 << 27) // 1032
 _SLACK_BYTES = 1 << 16  # what checksums and the heads of other filters may add
 
 
@@ -35,10 +37,10 @@ class Chunks:
         self._filters = [creation.get_filter(i) for i in range(creation.get_nfilters())] if dataset.chunks else []
         codes = [int(each[0]) for each in self._filters]
         self._deflates = _DEFLATE in codes
-        across = dataset.ndim == 1 or dataset.chunks is None or dataset.chunks[1 - axis] == dataset.shape[1 - axis]
+        self._across = dataset.ndim == 1 or dataset.chunks is None or dataset.chunks[1 - axis] == dataset.shape[1 - axis]
         self._here = (
             codes in ([_DEFLATE], [_SHUFFLE, _DEFLATE])
-            and across
+            and self._across
             and dataset.dtype.kind != "b"
             and dataset.id.get_type().equal(h5t.py_create(dataset.dtype, logical=True))
         )
@@ -56,6 +58,8 @@ class Chunks:
             return self._by_library(begin, end)
         length = self._dataset.chunks[self._axis]
         places = range(begin // length * length, end, length)
+        if self._across and all(self._size(self._offset(at)) <= _SURE_BYTES for at in places):
+            return self._by_library(begin, end)
         if not self._here:
             for place in places:
                 self._measure(place)
@@ -72,9 +76,13 @@ class Chunks:
         """Of a whole chunk."""
         return int(math.prod(self._dataset.chunks) * self._dataset.dtype.itemsize)
 
+    def _size(self, offset: tuple[int, ...]) -> int:
+        """How many bytes a chunk has in the file."""
+        return int(self._dataset.id.get_chunk_info_by_coord(offset).size)
+
     def _packed(self, offset: tuple[int, ...]) -> tuple[int, bytes]:
         """Which filters a chunk went without, and its bytes as they are in the file."""
-        size = self._dataset.id.get_chunk_info_by_coord(offset).size
+        size = self._size(offset)
         if size > self._bytes + self._bytes // 16 + _SLACK_BYTES:
             raise RecordingError(f"chunk of {self._bytes} bytes, {size} when packed: must not be larger for it")
         mask, packed = self._dataset.id.read_direct_chunk(offset)
