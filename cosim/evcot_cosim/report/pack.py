@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Columns of integers as one short text that a browser unpacks: differences, planes of bytes, deflate, 13 bits in a pair of
-characters."""
+"""Columns of integers as one short text that a browser unpacks: differences, planes of bytes, deflate, base64."""
 
 from __future__ import annotations
 
+import base64
 import zlib
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -13,12 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ALPHABET", "Column", "Packed", "decode_text", "encode_text", "pack"]
-
-# All printable characters but those that mean something in HTML: 91 of them, 91 * 91 >= 2^13.
-ALPHABET = "".join(chr(code) for code in range(33, 127) if chr(code) not in "<>&")
-_GROUP = 13  # bytes, in 8 pairs of characters
-_BITS = 13
+__all__ = ["Column", "Packed", "pack"]
 
 
 @dataclass(frozen=True)
@@ -40,7 +35,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Packed:
-    """`directory`: how to unpack each column; `text`: all of them."""
+    """`directory`: how to unpack each column; `text`: all of them, in base64, which means nothing in HTML."""
 
     directory: dict[str, dict[str, Any]]
     text: str
@@ -54,7 +49,7 @@ def pack(columns: Mapping[str, Column]) -> Packed:
     for name, (entry, content) in zip(columns, packed, strict=True):
         directory[name] = {**entry, "at": at, "bytes": len(content)}
         at += len(content)
-    return Packed(directory, encode_text(b"".join(content for _, content in packed)))
+    return Packed(directory, base64.b64encode(b"".join(content for _, content in packed)).decode("ascii"))
 
 
 def _packed(column: Column) -> tuple[dict[str, Any], bytes]:
@@ -70,28 +65,3 @@ def _packed(column: Column) -> tuple[dict[str, Any], bytes]:
     deflate = zlib.compressobj(6, zlib.DEFLATED, 15, 9, strategy)
     entry = {"n": len(values), "planes": planes, "signed": signed, "delta": column.delta, "scale": column.scale}
     return entry, deflate.compress(content) + deflate.flush()
-
-
-def encode_text(content: bytes) -> str:
-    """Bytes as characters of `ALPHABET`, a pair of them for every 13 bits, lowest first; filled up with zeros."""
-    padded = np.zeros(-(-len(content) // _GROUP) * _GROUP + 2, np.uint8)
-    padded[: len(content)] = np.frombuffer(content, np.uint8)
-    groups = len(padded) // _GROUP
-    letters = np.frombuffer(ALPHABET.encode(), np.uint8)
-    pairs = np.empty((groups, 8, 2), np.uint8)
-    for k in range(8):
-        first, shift = divmod(_BITS * k, 8)
-        words = sum(padded[first + i :][: groups * _GROUP : _GROUP].astype(np.uint32) << (8 * i) for i in range(3))
-        value = (np.asarray(words, np.uint32) >> shift) & ((1 << _BITS) - 1)
-        pairs[:, k, 0], pairs[:, k, 1] = letters[value // len(letters)], letters[value % len(letters)]
-    return pairs.tobytes().decode("ascii")
-
-
-def decode_text(text: str) -> bytes:
-    """What `encode_text` was given, and zeros up to a whole group."""
-    number = np.zeros(128, np.uint32)
-    number[np.frombuffer(ALPHABET.encode(), np.uint8)] = np.arange(len(ALPHABET))
-    pairs = number[np.frombuffer(text.encode("ascii"), np.uint8)].reshape(-1, 2)
-    values = pairs[:, 0] * len(ALPHABET) + pairs[:, 1]
-    bits = np.unpackbits(values.astype("<u2").view(np.uint8).reshape(-1, 2), axis=1, bitorder="little")[:, :_BITS]
-    return np.packbits(bits.ravel(), bitorder="little").tobytes()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import base64
 import zlib
 from typing import Any
 
@@ -10,25 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.report.pack import ALPHABET, Column, decode_text, encode_text, pack
+from evcot_cosim.report.pack import Column, pack
 from evcot_cosim.report.page import inline_modules
 
 SEED = 5
-
-
-def test_any_bytes_survive_as_text() -> None:
-    random = np.random.default_rng(SEED)
-    for length in (*range(30), 1_000, 12_345):
-        content = random.bytes(length)
-        text = encode_text(content)
-        assert decode_text(text)[:length] == content
-        assert set(text) <= set(ALPHABET)
-        assert len(text) <= 8 / 6.5 * (length + 13)
-
-
-def test_the_text_cannot_end_a_script_or_begin_a_tag() -> None:
-    assert len(ALPHABET) == 91
-    assert not set(ALPHABET) & set("<>& \n")
 
 
 def columns() -> dict[str, Column]:
@@ -47,7 +33,7 @@ def columns() -> dict[str, Column]:
 
 def naive(text: str, entry: dict[str, Any]) -> list[float]:
     """One column out of the text, value by value."""
-    content = zlib.decompress(decode_text(text)[entry["at"] : entry["at"] + entry["bytes"]])
+    content = zlib.decompress(base64.b64decode(text, validate=True)[entry["at"] : entry["at"] + entry["bytes"]])
     values, last = [], 0
     for i in range(entry["n"]):
         value = sum(content[plane * entry["n"] + i] << (8 * plane) for plane in range(entry["planes"]))

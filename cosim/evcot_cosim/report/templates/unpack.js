@@ -1,24 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Columns of numbers out of the text that the page carries; the twin of pack.py.
 
-const LETTERS = Array.from({ length: 94 }, (_, i) => String.fromCharCode(33 + i)).filter((letter) => !"<>&".includes(letter));
-const BITS = 13;
-
-/** Bytes of a text that has 13 bits in every pair of characters, lowest first. */
-export function bytesOf(text) {
-  const number = new Uint8Array(128);
-  LETTERS.forEach((letter, i) => (number[letter.charCodeAt(0)] = i));
-  const bytes = new Uint8Array((text.length / 2) * BITS / 8);
-  let held = 0;
-  let bits = 0;
-  let at = 0;
-  for (let i = 0; i < text.length; i += 2) {
-    held |= (number[text.charCodeAt(i)] * LETTERS.length + number[text.charCodeAt(i + 1)]) << bits;
-    for (bits += BITS; bits >= 8; bits -= 8) {
-      bytes[at++] = held & 255;
-      held >>>= 8;
-    }
-  }
+function bytesOf(base64) {
+  const letters = atob(base64);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
   return bytes;
 }
 
