@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .compiled import step
+from ..._numba_private import step
 from .life import lose
 from .state import NEVER_US, State
 from .visible import falls_at, rate_hz

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .compiled import step
+from ..._numba_private import step
 from .find import NOBODY, find_by_options, find_nearest
 from .life import check, note_ends_of_life, seed
 from .lookup import cell_of, events_within

@@ -7,7 +7,7 @@ from typing import Any
 
 from numba import njit
 
-from .compiled import step
+from ..._numba_private import step
 from .lookup import register, registered_for, take_seat, unregister
 from .records import LOST, record
 from .size import start_size

@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numba.cpython.unsafe.numbers import trailing_zeros
 
-from .compiled import step
+from ..._numba_private import step, trailing_zeros
 from .state import CELLS, State, Table
 
 __all__ = [

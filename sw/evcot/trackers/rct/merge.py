@@ -8,7 +8,7 @@ from typing import Any
 
 from numba import njit
 
-from .compiled import step
+from ..._numba_private import step
 from .life import drop
 from .records import MERGED, record
 from .size import set_reach

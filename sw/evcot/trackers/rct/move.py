@@ -8,7 +8,6 @@ from typing import Any
 
 from numba import njit
 
-from .means import mix_means
 from .state import ALPHAS, Table, choice
 
 __all__ = ["move", "pull_size"]
@@ -33,8 +32,15 @@ def pull_size(rules: Any, cluster: Any, x: float, y: float, where: Any) -> None:
         dx, dy, u, v = where
         in_middle_x = 1.0 if 2.0 * u < cluster.deviation_x else 0.0
         in_middle_y = 1.0 if 2.0 * v < cluster.deviation_y else 0.0
-        mix_means(cluster, "deviation_x", cluster.mix, (u, v, dx * dx, dy * dy))
-        mix_means(cluster, "middle_x", cluster.mix, (in_middle_x, in_middle_y, dx * dy, 0.0))
+        mix = cluster.mix
+        keep = 1.0 - mix
+        cluster.deviation_x = keep * cluster.deviation_x + mix * u
+        cluster.deviation_y = keep * cluster.deviation_y + mix * v
+        cluster.moment_xx = keep * cluster.moment_xx + mix * (dx * dx)
+        cluster.moment_yy = keep * cluster.moment_yy + mix * (dy * dy)
+        cluster.middle_x = keep * cluster.middle_x + mix * in_middle_x
+        cluster.middle_y = keep * cluster.middle_y + mix * in_middle_y
+        cluster.moment_xy = keep * cluster.moment_xy + mix * (dx * dy)
     if rules.boxed > 0:
         # A side steps outwards for an event beyond it and inwards for any other, so far that both balance at its quantile.
         low = rules.box_quantile

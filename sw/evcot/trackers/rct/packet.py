@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import math
 
+from ..._numba_private import step
 from .advance import advance
 from .border import remove_failing
-from .compiled import step
 from .life import check, drop, remove_silent
 from .lookup import events_within, set_room
 from .merge import merge_overlapping

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
+from ..._numba_private import step
 from ...tracks.log import Kind
-from .compiled import step
 from .state import State, choice
 
 __all__ = ["BORN", "LOST", "MERGED", "MOVED", "record"]

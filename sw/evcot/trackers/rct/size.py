@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .compiled import step
+from ..._numba_private import step
 from .state import choice
 
 __all__ = ["follow_size", "set_reach", "start_size"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..._numba_private import step
 from .advance import shift
-from .compiled import step
 from .life import seed
 from .size import set_reach
 from .state import State

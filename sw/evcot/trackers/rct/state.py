@@ -89,7 +89,7 @@ _CLUSTER_FIELDS = (
     ("polarity", "<i8"),  # of the event that seeded it
     ("mix", "<f8"),  # mixing factor of the means, larger in youth
     ("track_id", "<i8"),  # -1 until it is visible
-    # Options: what its events look like, as means, seen from the centre. `means` mixes four in a row at once.
+    # Options: what its events look like, as means, seen from the centre.
     ("deviation_x", "<f8"),  # absolute, along the window's axes
     ("deviation_y", "<f8"),
     ("moment_xx", "<f8"),  # second moments, along the sensor's
@@ -97,7 +97,6 @@ _CLUSTER_FIELDS = (
     ("middle_x", "<f8"),  # share of events nearer to the centre than half the deviation
     ("middle_y", "<f8"),
     ("moment_xy", "<f8"),
-    ("nothing", "<f8"),  # makes it four
     ("before", "<i8"),  # events before the open packet, its own and those of the clusters that it absorbed
     ("left", "<f8"),  # the box
     ("right", "<f8"),

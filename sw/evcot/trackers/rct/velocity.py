@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .compiled import step
+from ..._numba_private import step
 from .state import NEVER_US, State, choice
 
 __all__ = ["jump", "measure_velocity"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .compiled import step
+from ..._numba_private import step
 from .records import BORN, LOST, record
 from .state import NEVER_US, State, choice
 
