@@ -39,7 +39,7 @@ lint: $(VENV)/.installed-lint ## Check Python (ruff, mypy) and Verilog (verilato
 
 generate: $(VENV)/.installed-docs ## Make again what is generated in the tree: from contract, register map, manifest, RTL
 	@$(BIN)/python -m evcot.hardware.generate
-	@$(BIN)/python -m evcot_cosim.generated
+	@$(BIN)/python -m evcot_cosim.pages.generated
 
 prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array ever overlap
 	@mkdir -p build/formal

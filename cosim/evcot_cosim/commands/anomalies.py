@@ -12,11 +12,11 @@ from typing import Any
 from evcot.anomalies import AnomalyConfig, FieldConfig, NormalMotion, Verdict, Zones, anomalies, learn, load_zones
 from evcot.anomalies.alarm import check_table_path, rows, write_alarms
 from evcot.anomalies.learn import smallest_sensor
-from evcot.belongs import Extent
 from evcot.errors import ConfigError, TrackLogError
 from evcot.ranges import read_pair
 from evcot.recordings.files import open_recording
 from evcot.scenes.registry import adjusted
+from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
 from evcot.tracks.timeline import lifetimes
 

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from evcot.belongs import Extent, check_belongs
 from evcot.errors import TrackLogError
 from evcot.events import Events
+from evcot.tracks.belongs import Extent, check_belongs
 from evcot.tracks.log import TrackLog
 
 __all__ = ["check_logs", "run_extent"]

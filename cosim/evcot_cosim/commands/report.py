@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import evcot
-from evcot.belongs import Extent
 from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.metrics import RULES
 from evcot.outputs import is_own_file, remade
+from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
 
 from ..lockstep.run_file import RUN_FILE, Source, read_run_file

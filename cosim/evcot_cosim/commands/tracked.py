@@ -9,11 +9,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from evcot.belongs import Extent
 from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.plots import Log
 from evcot.recordings.formats.source import Sensor
+from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
 
 from ..lockstep.run_file import RUN_FILE, read_run_file

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..._published_bench import BENCH_FIELDS, CLOCK, PASSED, WORDS, play
 from ...errors import ConfigError, RecordingError
 from ...ranges import Range, check_ranges
+from ._bench import BENCH_FIELDS, CLOCK, PASSED, WORDS, play
 from ._kernel import CASCADE_FIELDS, ENABLE, REGISTER_NAMES, SELECTED, TRACKER_FIELDS, TRACKERS, run, run_one
 from .registers import REGISTERS as MAP
 from .registers import SELECT, SELECT_NONE

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from evcot_cosim.generated import FILES, stale
+from evcot_cosim.pages.generated import FILES, stale
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 AGAIN = "make generate"
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every file in the tree that a program makes and that costs seconds: which it is, and what gives its text.
 
-`python -m evcot_cosim.generated` writes what is stale. What follows from the register map, and so what this module imports,
-must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures that take synthesis or a
+`python -m evcot_cosim.pages.generated` writes what is stale. What follows from the register map, and so what this module
+imports, must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures that take synthesis or a
 benchmark (hw/fpga/figures.json, docs/fpga.md, docs/mutations.md) are not among them.
 """
 
@@ -18,14 +18,14 @@ from evcot.errors import EvcotError
 from evcot.hardware.generate import render
 from evcot.outputs import written_aside
 
-from .build.rtl import verilog_dir
-from .fpga.core import core_text
-from .fpga.headers import HEADERS
-from .pages.__main__ import source_text, title
-from .pages.drawing import svg
-from .pages.interfaces import DIAGRAMS
-from .pages.modules import page
-from .pages.trace import Diagram
+from ..build.rtl import verilog_dir
+from ..fpga.core import core_text
+from ..fpga.headers import HEADERS
+from .__main__ import source_text, title
+from .drawing import svg
+from .interfaces import DIAGRAMS
+from .modules import page
+from .trace import Diagram
 
 __all__ = ["FILES", "stale"]
 

@@ -9,21 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .hardware.published._kernel import (
-    BUSY,
-    FREE,
-    IDLE,
-    MASK32,
-    MAX_TIME,
-    SELECTED,
-    STATE,
-    TC,
-    TC2,
-    TRACKERS,
-    acknowledges,
-    edge,
-    requests,
-)
+from ._kernel import BUSY, FREE, IDLE, MASK32, MAX_TIME, SELECTED, STATE, TC, TC2, TRACKERS, acknowledges, edge, requests
 
 __all__ = ["BENCH_FIELDS", "CLOCK", "PASSED", "WORDS", "play"]
 

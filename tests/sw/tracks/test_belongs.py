@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.belongs import Extent, check_belongs
 from evcot.digest import EventsDigest, digest
 from evcot.errors import TrackLogError
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.engines import ENGINES
+from evcot.tracks.belongs import Extent, check_belongs
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.tracking import log_of
 

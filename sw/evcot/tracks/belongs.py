@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .digest import EventsDigest
-from .errors import TrackLogError
-from .events import Events
-from .tracks.log import TrackLog
+from ..digest import EventsDigest
+from ..errors import TrackLogError
+from ..events import Events
+from .log import TrackLog
 
 __all__ = ["Extent", "check_belongs"]
 
