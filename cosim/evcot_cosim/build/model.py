@@ -200,7 +200,10 @@ def _recipe(
 
 
 def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
-    """The Verilog files that `top` may need: its own, and any whose module or file name a needed one mentions."""
+    """The Verilog files that `top` may need: its own, and any whose module or file name a needed one mentions.
+
+    Words do: a file too many only makes a build's key depend on more, and a build needs no reader of Verilog installed.
+    """
     by_word = {path.stem if path.suffix == ".v" else name: path for name, path in rtl_files(folder).items()}
     if top not in by_word:
         raise ToolchainError(f"{folder / f'{top}.v'}: no such file, so module {top} cannot be built")

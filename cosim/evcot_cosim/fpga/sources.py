@@ -5,45 +5,56 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from functools import cache
 from pathlib import Path
 
 from evcot.errors import ConfigError
 
 from ..build.rtl import modules, rtl_files, verilog_dir
+from .slang import checked, language, printed, pyslang, source_manager
 
 __all__ = ["closure", "flat", "stand_ins", "without_comments"]
 
-_COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
-_INCLUDE = re.compile(r'^[ \t]*`include[ \t]+"([^"]+)"[^\n]*\n', re.MULTILINE)
 _PROOF = re.compile(r"^`ifdef FORMAL\n.*?^`endif\n+", re.MULTILINE | re.DOTALL)
-_GUARD = re.compile(r"\A\s*`ifndef\s+\w+")
-_WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 
 
 def without_comments(text: str) -> str:
-    """Verilog without comments, empty lines and spaces at the ends of lines."""
-    bare = _COMMENT.sub(lambda found: found[0] if found[0].startswith('"') else " ", text)
-    return "".join(f"{line.rstrip()}\n" for line in bare.splitlines() if line.strip())
+    """Verilog without comments, empty lines and spaces at the ends of lines.
+
+    Raises:
+        ToolchainError: pyslang is not installed.
+    """
+    slang = pyslang()
+    sources, kinds = slang.SourceManager(), slang.parsing.TriviaKind
+    memory, complaints = slang.BumpAllocator(), slang.Diagnostics()
+    lexer = slang.parsing.Lexer(sources.assignText(text), memory, complaints, sources)
+    instead = {kinds.LineComment: "", kinds.BlockComment: " "}
+    parts: list[str] = []
+    token = None
+    while token is None or token.kind != slang.parsing.TokenKind.EndOfFile:
+        token = lexer.lex()
+        parts += [instead.get(between.kind, between.getRawText()) for between in token.trivia]
+        parts.append(token.rawText)
+    return "".join(f"{line.rstrip()}\n" for line in "".join(parts).splitlines() if line.strip())
 
 
 def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
     """`tops` and every module below them, in the manifest's order.
 
     Raises:
-        ConfigError: a top is not in the manifest.
+        ConfigError: a top is not in the manifest, or something is not Verilog.
+        ToolchainError: pyslang is not installed.
     """
     known, files = modules(verilog), rtl_files(verilog)
-    waiting, needed = list(tops), set[str]()
-    for top in waiting:
+    sources = source_manager(verilog)
+    loader = pyslang().driver.SourceLoader(sources)
+    for folder in sorted({str(path.parent) for path in files.values()}):
+        loader.addSearchDirectories(folder)
+    for top in tops:
         if top not in known:
             raise ConfigError(f"module {top}: not in manifest.txt, which has {', '.join(known)}")
-    while waiting:
-        module = waiting.pop()
-        if module not in needed:
-            needed.add(module)
-            words = set(_WORD.findall(_bare(files[f"{module}.v"])))
-            waiting += [other for other in known if other in words]
+        loader.addFiles(str(files[f"{top}.v"]))
+    trees = checked(sources, loader.loadAndParseSources(language()))
+    needed = {member.header.name.valueText for tree in trees for member in tree.root.members}
     return [module for module in known if module in needed]
 
 
@@ -51,20 +62,16 @@ def flat(names: Iterable[str], verilog: Path | None = None, *, comments: bool = 
     """The modules' sources one after another, includes put in their places; a guarded header only once, no rules to prove.
 
     Without comments the text, and so every name that a tool derives from its line numbers, does not change with them.
+
+    Raises:
+        ConfigError: something is not Verilog.
+        ToolchainError: pyslang is not installed.
     """
-    files = rtl_files(verilog)
-    seen = set[str]()
-
-    def included(found: re.Match[str]) -> str:
-        text = files[found[1]].read_text()
-        if _GUARD.match(without_comments(text)):
-            if found[1] in seen:
-                return ""
-            seen.add(found[1])
-        return text
-
-    texts = (_PROOF.sub("", files[f"{module}.v"].read_text()) for module in names)
-    text = "\n".join(_INCLUDE.sub(included, source) for source in texts)
+    files, sources = rtl_files(verilog), source_manager(verilog)
+    texts = {str(files[f"{module}.v"]): _PROOF.sub("", files[f"{module}.v"].read_text()) for module in names}
+    buffers = [sources.assignText(path, f"{text}\n") for path, text in texts.items()]
+    (tree,) = checked(sources, [pyslang().syntax.SyntaxTree.fromBuffers(buffers, sources, language())])
+    text = re.sub(r"\n{3,}", "\n\n", printed(sources, tree))
     return text if comments else without_comments(text)
 
 
@@ -73,12 +80,3 @@ def stand_ins(names: Iterable[str], own: str, verilog: Path | None = None) -> st
     folder = (verilog or verilog_dir()).parent / "fpga" / own
     files = [folder / f"{module}.v" for module in names if own]
     return "\n".join(without_comments(path.read_text()) for path in files if path.is_file())
-
-
-def _bare(path: Path) -> str:
-    return _stripped(path, path.stat().st_mtime_ns)
-
-
-@cache
-def _stripped(path: Path, _changed_ns: int) -> str:
-    return without_comments(path.read_text())

@@ -27,7 +27,7 @@ from .interfaces import DIAGRAMS
 from .modules import page
 from .trace import Diagram
 
-__all__ = ["FILES", "stale"]
+__all__ = ["FILES", "stale", "write_stale"]
 
 _diagram: Callable[[str], Diagram] = cache(lambda name: DIAGRAMS[name]())
 _rendered = cache(render)
@@ -53,14 +53,26 @@ def stale(path: str, root: Path) -> str | None:
     return None if file.is_file() and file.read_text(encoding="utf-8") == text else text
 
 
-def _main() -> int:
-    root = verilog_dir().parents[1]
+def write_stale(root: Path) -> list[str]:
+    """Write every file that is not what it should be; returns which those were.
+
+    Raises:
+        ToolchainError: a package or tool that makes one is not installed.
+        OutputError: a file cannot be written.
+    """
+    written = []
     for path in FILES:
         text = stale(path, root)
         if text is not None:
-            with written_aside(root / path) as file:
+            with written_aside(root / path, force=True) as file:
                 file.write(text.encode())
-            print(f"{path}: written")
+            written.append(path)
+    return written
+
+
+def _main() -> int:
+    for path in write_stale(verilog_dir().parents[1]):
+        print(f"{path}: written")
     return 0
 
 

@@ -5,18 +5,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from ..build.rtl import modules, rtl_files, verilog_dir
+from ..build.rtl import modules, verilog_dir
 from ..fpga.catalogue import MODULES
 from ..fpga.devices import DEVICES
 from ..fpga.figures import Figure, load
+from ..fpga.header import DeclaredPort, Header, read
 
 __all__ = ["page"]
 
-_PARAMETER = re.compile(r"^\s*parameter\s+(?:\[[^]]+\]\s*)?(\w+)\s*=\s*(.+?),?\s*(?://\s*(.*))?$")
-_PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\s*(\[.+?\])?\s*(\w+(?:\s*,\s*\w+)*)\s*,?\s*(?://\s*(.*))?$")
 _SUBJECT = re.compile(r"^([A-Z][A-Za-z ]{2,24}: +|[a-z]\w*: {2,})(?=\S)")
 _HEAD = """# Modules
 
@@ -28,38 +26,26 @@ such a table is measured as a part of others only.
 """
 
 
-@dataclass(frozen=True)
-class _Port:
-    name: str
-    direction: str
-    width: str
-    meaning: str
-    heading: str
-    """The comment line above the group that the port stands in."""
-
-
 def page(verilog: Path | None = None) -> str:
     """The whole page."""
     folder = verilog or verilog_dir()
-    names, files = modules(folder), rtl_files(folder)
+    names = modules(folder)
     figures = load(folder.parent / "fpga" / "figures.json").values()
     contents = " ·\n".join(f"[{name}](#{name})" for name in names)
-    sections = (_section(name, files[f"{name}.v"].read_text(), figures) for name in names)
+    sections = (_section(read(name, folder), figures) for name in names)
     return f"{_HEAD}{contents}\n\n" + "\n".join(sections)
 
 
-def _section(name: str, text: str, figures: Iterable[Figure]) -> str:
-    parts = [f"## {name}\n", _prose(text)]
-    declaration = re.search(rf"^module {name}\b.*?\);", text, re.MULTILINE | re.DOTALL)
-    assert declaration is not None
-    lines = declaration[0].splitlines()
-    rows = [(f"`{parameter}`", f"`{value}`", meaning) for parameter, value, meaning in _parameters(lines)]
-    if rows:
+def _section(header: Header, figures: Iterable[Figure]) -> str:
+    parts = [f"## {header.top}\n", _prose(header.comment)]
+    settable = [parameter for parameter in header.parameters if not parameter.derived]
+    if settable:
+        rows = [(f"`{one.name}`", f"`{_plain(one.default_source)}`", _escaped(one.meaning)) for one in settable]
         parts.append(_table(("parameter", "default", "meaning"), rows))
-    bundles = list(_bundles(list(_ports(lines))))
+    bundles = list(_bundles(header.ports))
     if bundles:
         parts.append(_table(("ports", "", "carry", "meaning"), bundles))
-    cost = [_cost(figure) for figure in figures if figure.n in (None, 8) and MODULES[figure.module].top == name]
+    cost = [_cost(figure) for figure in figures if figure.n in (None, 8) and MODULES[figure.module].top == header.top]
     if cost:
         parts.append(_table(("on", "LUTs", "FFs", "block RAMs", "Fmax, median"), cost))
     return "\n".join(parts)
@@ -76,11 +62,16 @@ def _escaped(text: str) -> str:
     return "`".join(part if i % 2 else re.sub(r"([*<|])", r"\\\1", part) for i, part in enumerate(parts))
 
 
-def _prose(text: str) -> str:
+def _plain(source: str) -> str:
+    """An expression without the mark of macros."""
+    return source.replace("`", "")
+
+
+def _prose(comment: Iterable[str]) -> str:
     """The header comment as Markdown: paragraphs, a bullet for each subject, drawings as they stand."""
     out: list[str] = []
     kind = "text"
-    for line in _header(text):
+    for line in comment:
         before, subject = kind, _SUBJECT.match(line) if out else None
         if subject:
             kind = "bullet"
@@ -106,42 +97,7 @@ def _prose(text: str) -> str:
     return "\n".join([*out, *(["```"] if kind == "drawing" else [])]).strip() + "\n"
 
 
-def _header(text: str) -> Iterator[str]:
-    """The lines of the comment at the top, licence aside."""
-    for line in text.splitlines()[1:]:
-        if not line.startswith("//"):
-            return
-        yield line[3:].rstrip()
-
-
-def _parameters(lines: Iterable[str]) -> Iterator[tuple[str, str, str]]:
-    """Name, default and meaning; those that follow from others are left out."""
-    heading = ""
-    for line in lines:
-        found = _PARAMETER.match(line)
-        if found and not (found[3] or "").startswith("derived"):
-            yield found[1], found[2].replace("`", ""), _escaped(found[3] or heading)
-        heading = line.strip()[3:] if line.strip().startswith("//") else ""
-
-
-def _ports(lines: Iterable[str]) -> Iterator[_Port]:
-    heading, goes_on = "", False
-    for line in lines:
-        bare = line.strip()
-        if bare.startswith("//"):
-            heading, goes_on = f"{heading} {bare[3:]}" if goes_on else bare[3:], True
-            continue
-        goes_on = False
-        if found := _PORT.match(line):
-            direction = "in" if found[1] == "input" else "out"
-            width = (found[2] or "").replace("`", "")
-            for name in re.split(r"\s*,\s*", found[3]):
-                yield _Port(name, direction, width, found[4] or "", heading)
-        else:
-            heading = ""
-
-
-def _bundles(ports: Sequence[_Port]) -> Iterator[tuple[str, str, str, str]]:
+def _bundles(ports: Sequence[DeclaredPort]) -> Iterator[tuple[str, str, str, str]]:
     """One row for each stream, and one for each other port, or group of them, that says what it is."""
     streams = [port.name.removesuffix("valid") for port in ports if re.search(r"_t?valid$", port.name)]
     buses = {port.name.removesuffix("awvalid") for port in ports if port.name.endswith("_awvalid")}
@@ -159,7 +115,7 @@ def _bundles(ports: Sequence[_Port]) -> Iterator[tuple[str, str, str, str]]:
             seen.add(key)
             group = [port] if port.meaning else [other for other in single if other.heading == key and not other.meaning]
             directions = sorted({other.direction for other in group})
-            names = ", ".join(f"`{other.name}{other.width}`" for other in group)
+            names = ", ".join(f"`{other.name}{_plain(other.range_source)}`" for other in group)
             yield names, ", ".join(directions), "", _escaped(port.meaning or port.heading)
 
 
@@ -167,14 +123,14 @@ def _belongs(name: str, prefix: str, prefixes: Sequence[str]) -> bool:
     return next((longest for longest in prefixes if name.startswith(longest)), None) == prefix
 
 
-def _bundle(prefix: str, ports: Sequence[_Port], bus: bool) -> tuple[str, str, str, str]:
+def _bundle(prefix: str, ports: Sequence[DeclaredPort], bus: bool) -> tuple[str, str, str, str]:
     heading = next((port.heading for port in ports if port.heading), "")
     if bus:
         master = any(port.name == f"{prefix}awvalid" and port.direction == "out" for port in ports)
         return f"`{prefix}`", "master" if master else "slave", "AXI4-Lite, 32 bits", _escaped(heading)
     fields = [port for port in ports if port.name.removeprefix(prefix) not in ("valid", "ready")]
     shown = prefix.removesuffix("t") if prefix.endswith("_t") else prefix  # AXI4-Stream
-    names = ", ".join(f"`{port.name.removeprefix(shown)}{port.width}`" for port in fields)
+    names = ", ".join(f"`{port.name.removeprefix(shown)}{_plain(port.range_source)}`" for port in fields)
     notes = "; ".join(f"{port.name.removeprefix(prefix)}: {port.meaning}" for port in ports if port.meaning)
     told = ". ".join(part for part in (heading, notes) if part)
     direction = next(port.direction for port in ports if port.name.endswith("valid"))

@@ -31,7 +31,7 @@ module lfsr #(
 
     parameter_check #(.OK(WIDTH >= 2 && WIDTH <= 64)) WIDTH_must_be_2_to_64 ();
 
-    `include "lfsr_taps.vh"
+`include "lfsr_taps.vh"
 
     localparam [63:0] TABLE_ROW = lfsr_taps(WIDTH);
     localparam [WIDTH-1:0] TAPS = TABLE_ROW[WIDTH-1:0];

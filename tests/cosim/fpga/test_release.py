@@ -15,7 +15,7 @@ import pytest
 
 import evcot
 from evcot.errors import ToolchainError
-from evcot_cosim.build.rtl import modules, search_flags, verilog_dir
+from evcot_cosim.build.rtl import modules, rtl_files, search_flags, verilog_dir
 from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.header import evaluate, read
@@ -51,8 +51,8 @@ def modules_of(preprocessed: str) -> dict[str, list[str]]:
 def test_the_one_file_is_the_rtl_module_by_module(tmp_path: Path) -> None:
     (tmp_path / "evcot.v").write_text(release_text())
     released = modules_of(verilator("-E", "-P", "evcot.v", cwd=tmp_path).stdout)
-    files = [f"{module}.v" for module in modules()]
-    original = modules_of(verilator("-E", "-P", "-I.", *files, cwd=HW / "verilog").stdout)
+    files = [str(rtl_files()[f"{module}.v"]) for module in modules()]
+    original = modules_of(verilator("-E", "-P", *search_flags(), *files, cwd=tmp_path).stdout)
     assert list(released) == modules()
     assert released == original
 

@@ -33,12 +33,42 @@ def test_comments_go_and_strings_stay() -> None:
     assert without_comments(text) == 'wire a;\n  initial $display("// no comment");\n'
 
 
+def test_what_a_comment_parts_stays_apart() -> None:
+    text = "reg/* of */q;\n`define A 8'h/* two */ff // three\n`ifdef NONE // four\nwire \\/*a ; // five\n`endif\n"
+    assert without_comments(text) == "reg q;\n`define A 8'h ff\n`ifdef NONE\nwire \\/*a ;\n`endif\n"
+
+
+def test_modules_come_that_are_instantiated_and_no_others(tmp_path: Path) -> None:
+    instances = "genvar i; generate for (i = 0; i < 2; i = i + 1) begin : row if (i) dff #(.W(1)) one (); end endgenerate"
+    names = 'wire fifo; // divider\ninitial $display("lfsr"); skid_buffer u (.approach(1\'b0));'
+    copy_rtl(tmp_path)
+    (tmp_path / "parameter_check.v").write_text("module parameter_check (); endmodule\n")
+    (tmp_path / "dff.v").write_text("module dff (); endmodule\n")
+    (tmp_path / "skid_buffer.v").write_text("module skid_buffer (); parameter_check rule (); endmodule\n")
+    (tmp_path / "cot.v").write_text(f"module cot ();\n{instances}\n{names}\nendmodule\n")
+    assert closure(["cot"], tmp_path) == ["parameter_check", "dff", "skid_buffer", "cot"]
+
+
+def test_what_is_not_verilog_is_named_with_its_place(tmp_path: Path) -> None:
+    copy_rtl(tmp_path)
+    (tmp_path / "approach.v").write_text("module approach (;\nendmodule\n")
+    for read in (lambda: closure(["cot"], tmp_path), lambda: flat(["approach"], tmp_path)):
+        with pytest.raises(ConfigError) as told:
+            read()
+        assert str(told.value).startswith(f"{tmp_path / 'approach.v'}:1:18: error: ")
+
+
 def test_includes_are_in_their_places_once() -> None:
     text = flat(closure(["cot"]))
     assert "`include" not in text
     assert text.count("`define EVCOT_ST_IDLE ") == 1
     assert text.index("`define EVCOT_ST_IDLE ") < text.index("module cot ")
     assert "lfsr_taps" in flat(closure(["lfsr"]))
+
+
+def test_rules_to_prove_are_left_out() -> None:
+    assert "cot_array_rules" in rtl_files()["cot_array.v"].read_text()
+    assert "FORMAL" not in flat(modules(), comments=True)
 
 
 def test_a_comment_changes_nothing_and_code_does(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from evcot_cosim.pages import generated
 from evcot_cosim.pages.generated import FILES, stale
 
 ROOT = Path(__file__).parents[3]
@@ -30,6 +31,16 @@ def test_a_stale_file_and_a_missing_one_are_seen(tmp_path: Path) -> None:
     assert stale(path, tmp_path) == FILES[path]()
     (tmp_path / path).write_text(FILES[path]())
     assert stale(path, tmp_path) is None
+
+
+def test_what_is_stale_is_written_over_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    texts = {"stale.md": "new\n", "fresh.md": "same\n", "missing.md": "made\n"}
+    monkeypatch.setattr(generated, "FILES", {path: lambda path=path: texts[path] for path in texts})
+    (tmp_path / "stale.md").write_text("old\n")
+    (tmp_path / "fresh.md").write_text("same\n")
+    assert generated.write_stale(tmp_path) == ["stale.md", "missing.md"]
+    assert {path: (tmp_path / path).read_text() for path in texts} == texts
+    assert generated.write_stale(tmp_path) == []
 
 
 def test_every_file_that_says_that_it_is_generated_is_known() -> None:
