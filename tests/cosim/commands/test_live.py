@@ -136,7 +136,7 @@ def test_a_killed_run_loses_less_than_the_last_second(source: Path) -> None:
 DV_SERVER = """
 import sys, time
 import dv_processing as dv
-from evcot.files import read_recording
+from evcot.recordings.files import read_recording
 recording = read_recording(sys.argv[2])
 stream = dv.io.Stream.EventStream(0, "events", "PRESSED", (recording.width, recording.height))
 writer = dv.io.NetworkWriter("127.0.0.1", int(sys.argv[1]), stream)

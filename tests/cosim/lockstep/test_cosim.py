@@ -17,7 +17,7 @@ from evcot.trackers.presets import fit, for_sensor, preset
 from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.lockstep.cosim import CosimRun, check_addresses, run_cosim, stalls_from
-from support.recordings import SHARED
+from shared import SHARED
 
 RECORDINGS = {
     "traffic_outbound.aedat4": 788_761,

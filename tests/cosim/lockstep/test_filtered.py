@@ -19,7 +19,7 @@ from evcot.trackers.presets import fit, for_sensor
 from evcot.tracks.log import DROPPED, TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.lockstep.cosim import run_cosim
-from support.recordings import SHARED
+from shared import SHARED
 
 HOT = (20, 100)
 

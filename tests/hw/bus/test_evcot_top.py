@@ -37,7 +37,7 @@ from evcot_cosim.devices.top_device import (
     slot_address,
     write,
 )
-from support.recordings import SHARED
+from shared import SHARED
 from support.top import BUILDS, DVS128, EVERY, SMALL, device_of, traffic_of
 from support.trials import random_config
 

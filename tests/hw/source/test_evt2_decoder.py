@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from evcot.recordings.files import read_recording
 from evcot.recordings.formats.evt2 import evt2_layout
+from shared import SHARED
 from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt2_words, evt_device, exact, payload, random_events, tell
-from support.recordings import SHARED
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import lint
 

@@ -12,8 +12,8 @@ from evcot.events import Events
 from evcot.recordings.files import read_recording, write_events
 from evcot.recordings.formats.evt3 import evt3_layout
 from evcot.recordings.formats.words import WordArray
+from shared import SHARED
 from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt_device, exact, payload, random_events, tell
-from support.recordings import SHARED
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import lint
 

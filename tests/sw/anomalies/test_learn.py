@@ -133,7 +133,7 @@ def test_files_that_are_missing_or_damaged_are_refused(tmp_path: Path) -> None:
     np.savez(path, other=np.zeros(3))
     with pytest.raises(ConfigError, match="has no array format: must be a field of normal motion"):
         NormalMotion.load(path)
-    learn([log(*traffic(3))], SENSOR).save(path)
+    learn([log(*traffic(3))], SENSOR).save(path, force=True)
     whole = path.read_bytes()
     with zipfile.ZipFile(path) as archive:
         place = archive.getinfo("visits.npy").header_offset + 60

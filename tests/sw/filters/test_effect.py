@@ -22,7 +22,7 @@ from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import fit, preset
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
-from support.recordings import SHARED
+from shared import SHARED
 
 TRAFFIC = SHARED / "traffic_outbound.aedat4"
 HOT = (192, 209)

@@ -13,7 +13,7 @@ from evcot.events import Events
 from evcot.filters.hot_pixels import OVER_MEDIAN, SLICE_US, learn_hot_pixels, load_hot_pixels, save_hot_pixels
 from evcot.recordings.files import read_recording
 from evcot.scenes.boxes import BoxExperiment, simulate
-from support.recordings import SHARED
+from shared import SHARED
 
 SENSOR = (64, 48)
 DURATION_US = 10 * SLICE_US

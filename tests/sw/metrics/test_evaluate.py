@@ -12,7 +12,7 @@ from evcot.errors import TrackLogError
 from evcot.metrics import GroundTruth, Scores, evaluate, load_rule, read_truth
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.tracks.log import Kind, TrackLog
-from support.recordings import SHARED
+from shared import SHARED
 
 from .stories import following, logged
 

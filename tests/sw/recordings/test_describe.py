@@ -27,7 +27,7 @@ def make_events(n: int, seed: int = 1, step_us: int = 400) -> Events:
 
 
 def described(folder: Path, events: Events, sensor: tuple[int, int] = SENSOR, **window: int) -> Description:
-    write_events(folder / "events.npz", sensor, [events])
+    write_events(folder / "events.npz", sensor, [events], force=True)
     with open_recording(folder / "events.npz") as file:
         return describe(file, **window)
 

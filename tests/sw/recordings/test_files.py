@@ -272,7 +272,7 @@ def test_a_file_that_vanishes_is_refused(tmp_path: Path) -> None:
 
 PEAK = """
 import resource, sys
-from evcot.files import open_recording, write_events
+from evcot.recordings.files import open_recording, write_events
 with open_recording(sys.argv[1]) as file:
     count = write_events(sys.argv[2], file.sensor, file.blocks())
 print(count, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)

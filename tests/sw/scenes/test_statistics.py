@@ -12,7 +12,7 @@ from evcot.events import Events, Recording
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes import simulate_scene
 from evcot.scenes.statistics import main, statistics, table
-from support.recordings import SHARED
+from shared import SHARED
 
 REAL = SHARED / "traffic_outbound.aedat4"
 

@@ -30,7 +30,9 @@ class TooLarge(RecordingError):
 class Readable(Protocol):
     """Packed bytes, from a file or from memory."""
 
-    def read(self, size: int = ..., /) -> bytes: ...
+    def read(self, size: int = ..., /) -> bytes:
+        """At most `size` bytes; fewer only at the end."""
+        ...
 
 
 class Unpacker(Protocol):

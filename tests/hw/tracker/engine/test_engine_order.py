@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from evcot_cosim.testing import lint, reset
 
 from evcot_cosim.build.model import load
+from evcot_cosim.devices.base import reset
+from support.testing import lint
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 8, 64])

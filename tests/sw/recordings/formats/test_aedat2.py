@@ -14,7 +14,7 @@ from evcot.events import Events
 from evcot.recordings.files import open_recording, read_recording
 from evcot.recordings.formats import aedat2
 from evcot.recordings.formats.aedat2 import Aedat2File
-from support.recordings import SHARED
+from shared import SHARED
 
 from .fuzzing import fuzz
 

@@ -22,7 +22,7 @@ from evcot.recordings.formats.aedat4 import EVENT, Aedat4File
 from evcot.recordings.formats.aedat4_sink import PACKET_EVENTS
 from evcot.recordings.formats.packing import TooLarge
 from evcot.recordings.formats.source import BLOCK_EVENTS
-from support.recordings import SHARED
+from shared import SHARED
 
 from .fuzzing import fuzz
 

@@ -37,7 +37,7 @@ _READER = """
 import json, resource, sys, warnings
 warnings.simplefilter("ignore")
 from evcot.errors import RecordingError
-from evcot.files import open_recording
+from evcot.recordings.files import open_recording
 seen, longest, what = 0, 0, ""
 try:
     with open_recording(sys.argv[1], (640, 480)) as file:

@@ -87,7 +87,7 @@ def test_what_was_written_is_read_back(tmp_path: Path, name: str, start_us: int,
 def test_blocks_of_any_size_give_the_same_events(tmp_path: Path, name: str) -> None:
     events = make_events(2, 3000)
     for size in (1, 7, 1000):
-        path = tmp_path / "events.raw"
+        path = tmp_path / f"blocks_of_{size}.raw"
         assert write_events(path, SENSOR, [events[at : at + size] for at in range(0, len(events), size)], name) == len(events)
         assert_same(read_recording(path).events, events)
 
@@ -105,7 +105,7 @@ def test_the_header_is_as_a_camera_s(tmp_path: Path, name: str) -> None:
     number = name[-1]
     lines = f"% evt {number}.0\n% format EVT{number};height=720;width=1280\n% geometry 1280x720\n% end\n"
     assert path.read_bytes().startswith(lines.encode())
-    write_recording(Recording(make_events(1, 10, start_us=EPOCH_US), *SENSOR), path, name)
+    write_recording(Recording(make_events(1, 10, start_us=EPOCH_US), *SENSOR), path, name, force=True)
     header = parse_header(path.read_bytes())
     assert 0 < header.t0_us <= EPOCH_US
     assert list(header.fields) == ["evt", "format", "geometry", "t0", "end"][:4]
@@ -140,7 +140,7 @@ def test_evt3_neighbours_are_a_vector_from_five_on(tmp_path: Path) -> None:
     path = tmp_path / "events.raw"
 
     def written(*x: int) -> list[int]:
-        write_recording(Recording(as_events([(0, each, 3, 1) for each in x]), *SENSOR), path)
+        write_recording(Recording(as_events([(0, each, 3, 1) for each in x]), *SENSOR), path, force=True)
         assert read_recording(path).events.x.tolist() == list(x)
         return words_of(path)[3:]
 

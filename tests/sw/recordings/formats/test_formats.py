@@ -10,7 +10,7 @@ import pytest
 
 from evcot.errors import RecordingError
 from evcot.recordings.files import read_recording
-from support.recordings import SHARED
+from shared import SHARED
 
 
 def refusal(path: Path) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.recordings.files import read_recording
-from support.recordings import SHARED
+from shared import SHARED
 
 from .reference_evt import dat_event, evt2_event, evt2_high, evt21_event, evt21_high, packed
 

@@ -19,7 +19,7 @@ from evcot.trackers.kalman.presets import PRESETS
 from evcot.trackers.kalman.tracker import KalmanTracker, track
 from evcot.tracks.log import Kind, TrackLog
 from evcot.tracks.timeline import sample
-from support.recordings import SHARED
+from shared import SHARED
 
 WIDTH, HEIGHT = 346, 260
 RADIUS_PX = 10.0

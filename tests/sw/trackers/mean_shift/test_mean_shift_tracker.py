@@ -20,7 +20,7 @@ from evcot.trackers.mean_shift.config import MeanShiftConfig
 from evcot.trackers.mean_shift.presets import PRESETS
 from evcot.trackers.mean_shift.tracker import MeanShiftTracker, track
 from evcot.tracks.log import Kind
-from support.recordings import SHARED
+from shared import SHARED
 
 SCENE = simulate_scene("discs", 5, {"count": 4, "ways": "separate", "duration_us": 600_000})
 EVENTS, FRAMES = PRESETS["discs"], PRESETS["discs-frames"]

@@ -19,7 +19,7 @@ from evcot.scenes.registry import simulate_scene
 from evcot.trackers.rct.config import RctConfig
 from evcot.trackers.rct.presets import FILTERS, PRESETS
 from evcot.trackers.rct.tracker import track
-from support.recordings import SHARED
+from shared import SHARED
 
 
 def test_the_papers_tracker_stands_first() -> None:
