@@ -14,7 +14,7 @@ from .events import Events
 
 __all__ = ["TickCounter", "TickedEvents", "tick_times"]
 
-_COLUMNS: dict[str, type[np.integer[Any]]] = {"ticks": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
+_COLUMNS = {name: np.dtype(kind) for name, kind in (("ticks", "i8"), ("x", "u2"), ("y", "u2"), ("p", "u1"))}
 
 
 def tick_times(t_us: NDArray[np.int64], t0_us: int, tick_us: int) -> NDArray[np.int64]:
@@ -46,10 +46,8 @@ class TickedEvents:
     def __post_init__(self) -> None:
         for name, kind in _COLUMNS.items():
             given = getattr(self, name)
-            column = np.ascontiguousarray(given, kind)
-            if column is not given:
-                _check_values(name, column, np.asarray(given))
-                object.__setattr__(self, name, column)
+            if given.dtype != kind or not given.flags.c_contiguous:
+                object.__setattr__(self, name, _column(name, kind, given))
         if not len(self.ticks) == len(self.x) == len(self.y) == len(self.p):
             raise RecordingError(
                 f"ticks, x, y, p hold {len(self.ticks)}, {len(self.x)}, {len(self.y)}, {len(self.p)} values: "
@@ -81,11 +79,14 @@ class TickedEvents:
         return np.ascontiguousarray(keep, np.bool_)
 
 
-def _check_values(name: str, column: NDArray[Any], given: NDArray[Any]) -> None:
-    """Raise RecordingError unless a column in its own type is what was given."""
-    if column.dtype != given.dtype and not np.array_equal(column, given):
-        i = int(np.flatnonzero(column != given)[0])
-        raise RecordingError(f"event {i}: {name} = {given[i]}: must be a value of {column.dtype}")
+def _column(name: str, kind: np.dtype[Any], given: NDArray[Any]) -> NDArray[Any]:
+    """The same values as a contiguous column of its own type."""
+    with np.errstate(invalid="ignore"):
+        column = np.ascontiguousarray(given, kind)
+    if not np.array_equal(column, given):
+        i = int(np.argmax(column != given))
+        raise RecordingError(f"event {i}: {name} = {given[i]}: must be a value of {kind}")
+    return column
 
 
 class TickCounter:
