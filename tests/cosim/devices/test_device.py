@@ -14,7 +14,8 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from evcot.errors import ConfigError, OutputError
+from evcot.errors import ConfigError, OutputError, RecordingError
+from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
@@ -33,6 +34,7 @@ SLOT = SlotConfig(
     clust_nev=2, nev_min=1, nev_max=4, nev_th=2, detect_ticks=30,
 )  # fmt: skip
 TOPS: tuple[Top, ...] = get_args(Top)
+PATHS = [str(Path(__file__).parent), str(Path(__file__).parents[2])]  # for a process that imports this module
 
 
 def config_of(top: Top, slot: SlotConfig = SLOT) -> CotConfig:
@@ -123,6 +125,33 @@ class TestStream:
         device.reset()
         assert (device.seq, device.now, device.cycle) == (0, 0, 0)
         assert same(device.stream(traffic(1000)), first)
+
+    def test_events_in_microseconds_are_counted_from_the_first_since_reset(self) -> None:
+        ticks = traffic(2000)
+        events = Events(987_654 + ticks.ticks * 10, ticks.x, ticks.y, ticks.p)
+        config = replace(config_of("cot_array"), tick_us=10)
+        wanted = Device(config).stream(replace(ticks, ticks=ticks.ticks - ticks.ticks[0]))
+        assert wanted.records["time"].max() > 1000
+        device = Device(config)
+        assert same(joined([device.stream(events[:700]), device.stream(events[700:])]), wanted)
+        device.reset()
+        assert same(device.stream(events[:0]), Device(config).stream(ticks[:0]))
+        told, _ = device.stream_timed(events)
+        assert same(told, wanted)
+
+    def test_time_that_runs_back_is_refused_before_anything_is_driven(self) -> None:
+        device = Device(config_of("cot_array"))
+        device.stream(ticked([0, 5], 20, 20))
+        for ticks, message in (([4], "event 2: tick 4 follows tick 5"), ([5, 9, 8, 7], "event 4: tick 8 follows tick 9")):
+            with pytest.raises(RecordingError, match=f"^{message}: time must not run back$"):
+                device.stream(ticked(ticks, 20, 20))
+        assert (device.now, device.seq) == (5, 2)
+        assert len(device.stream(ticked([5, 5], 20, 20)).owner) == 2
+
+    def test_a_mask_of_another_length_is_refused(self) -> None:
+        device = Device(config_of("cot_array"))
+        with pytest.raises(RecordingError, match=r"^keep holds 3 values: must be one for each of 2 events$"):
+            device.stream(ticked([0, 5], 20, 20), np.ones(3, np.bool_))
 
     def test_two_devices_share_nothing(self) -> None:
         one, other = Device(config_of("cot_array")), Device(config_of("cot_array", replace(SLOT, mode=Mode.OFF)))
@@ -267,7 +296,7 @@ class TestDumping:
     def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
         script = f"""
 import resource, signal, sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path[:0] = {PATHS!r}
 import test_device as t
 from pathlib import Path
 from evcot.errors import OutputError
@@ -289,7 +318,7 @@ except OutputError as error:
 def test_memory_does_not_grow_with_the_stream() -> None:
     script = f"""
 import sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path[:0] = {PATHS!r}
 import test_device as t
 from pathlib import Path
 def resident():
