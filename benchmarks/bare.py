@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from evcot.events import Events
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import REGISTERS
-from evcot.ticks import tick_times
+from evcot.ticks import TickedEvents
 from evcot_cosim.build.model import BuiltModel
 from evcot_cosim.build.rtl import rtl_files, search_flags
 from evcot_cosim.build.toolchain import find_toolchain
@@ -107,8 +107,8 @@ def _build(model: BuiltModel, folder: Path) -> Path:
 
 def _write_input(path: Path, config: CotConfig, events: Events) -> None:
     writes = register_writes(config)
-    ticks = tick_times(events.t_us, int(events.t_us[0]), config.tick_us)
+    ticked = TickedEvents.of(events, config.tick_us)
     with path.open("wb") as file:
-        np.array([len(ticks), (1 << config.shape.tick_w) - 1, len(writes)], np.int64).tofile(file)
-        for column in (writes, ticks, events.x, events.y, events.p):
+        np.array([len(ticked), (1 << config.shape.tick_w) - 1, len(writes)], np.int64).tofile(file)
+        for column in (writes, ticked.ticks, ticked.x, ticked.y, ticked.p):
             column.tofile(file)

@@ -19,7 +19,7 @@ import numpy as np
 import streams
 from bare import Outcome, register_writes, verilator_flags
 from evcot.hardware.cot import Decisions
-from evcot.ticks import tick_times
+from evcot.ticks import TickedEvents
 from evcot_cosim.build.rtl import rtl_files, search_flags
 from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.devices.device import Device, build_device
@@ -39,17 +39,17 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
     model = build_device(config)
     n = 10_000 if quick else 50_000
     events = streams.joined(n)
-    ticks = tick_times(events.t_us, int(events.t_us[0]), config.tick_us)
+    ticked = TickedEvents.of(events, config.tick_us)
     home = (folder / "cocotb").absolute()
     home.mkdir(parents=True, exist_ok=True)
     (home / "flags.json").write_text(json.dumps(verilator_flags(model)))
-    np.savez(home / "input.npz", ticks=ticks, x=events.x, y=events.y, p=events.p, writes=register_writes(config))
+    np.savez(home / "input.npz", **vars(ticked), writes=register_writes(config))
     outcomes: set[Outcome] = set()
 
     def stream() -> Timing:
         device = Device(config, model=model)
         found: list[Decisions] = []
-        timing = timed(lambda: found.append(device.stream(ticks, events.x, events.y, events.p)))
+        timing = timed(lambda: found.append(device.stream(ticked)))
         outcomes.add(Outcome(len(found[0].records), int(found[0].owner.sum())))
         return timing
 

@@ -22,6 +22,7 @@ from evcot.events import Events
 from evcot.filters.chain import FilterChain
 from evcot.filters.config import FilterConfig
 from evcot.filters.contract import Filter
+from evcot.ticks import TickedEvents
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 
 __all__ = ["measure"]
@@ -77,16 +78,14 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
 
 
 def _ours(events: Events, kept: dict[str, int]) -> dict[str, Callable[[], Timing]]:
-    ticks = events.t_us - events.t_us[0]
+    ticked = TickedEvents.of(events)
     registers, shape = _CONFIG.registers(1), _CONFIG.shape(streams.WIDTH, streams.HEIGHT)
     parts = [slice(begin, begin + _RUN_EVENTS) for begin in range(0, len(events), _RUN_EVENTS)]
 
     def run(name: str, enable: int) -> Timing:
         chain = FilterChain(replace(registers, enable=enable), shape)
         keep: list[NDArray[np.bool_]] = []
-        work = timed(
-            lambda: keep.extend(chain.feed(ticks[part], events.x[part], events.y[part], events.p[part]) for part in parts)
-        )
+        work = timed(lambda: keep.extend(chain.feed(ticked[part]) for part in parts))
         kept[name] = sum(int(np.count_nonzero(part)) for part in keep)
         return work
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import streams
-from evcot.ticks import tick_times
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, StreamTimes, Top, build_device
@@ -38,13 +37,11 @@ def _one(top: Top, slots: int, n: int) -> Iterator[Result]:
     config = streams.config(slots).cot
     model = build_device(config, top)
     events = streams.joined(n, discs=slots)
-    ticks = tick_times(events.t_us, int(events.t_us[0]), config.tick_us)
 
     def run(stalls: Stalls, count: int) -> tuple[float, NDArray[np.int64], NDArray[np.uint8]]:
         device = Device(config, top, stalls=stalls, model=model)
         before = device.cycle
-        part = events[:count]
-        decisions, times = device.stream_timed(ticks[:count], part.x, part.y, part.p)
+        decisions, times = device.stream_timed(events[:count])
         return (device.cycle - before) / count, *_latencies(decisions.records, times)
 
     name = f"{top}_{slots}"

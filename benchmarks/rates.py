@@ -11,7 +11,7 @@ import numpy as np
 
 import streams
 from evcot.hardware.cot import Arrangement, CotModel
-from evcot.ticks import tick_times
+from evcot.ticks import TickedEvents
 from evcot.trackers.rct.tracker import RctTracker
 from evcot_cosim.lockstep.lockstep import chunks
 from measure import Clock, Goal, Result, Timing, take_turns, timed
@@ -25,13 +25,13 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
     """model_rate, model_rate_chain, rct_rate."""
     config = streams.config()
     events = streams.joined(500_000 if quick else 2_000_000)
-    ticks = tick_times(events.t_us, int(events.t_us[0]), config.cot.tick_us)
+    ticked = TickedEvents.of(events, config.cot.tick_us)
     live: list[int] = []
 
     def model(arrangement: Arrangement) -> Timing:
         tracker = CotModel(config.cot, arrangement)
         parts = [slice(begin, begin + (1 << 16)) for begin in range(0, len(events), 1 << 16)]
-        return timed(lambda: [tracker.feed(ticks[part], events.x[part], events.y[part]) for part in parts])
+        return timed(lambda: [tracker.feed(ticked[part]) for part in parts])
 
     def software() -> Timing:
         tracker = RctTracker(replace(config.rct, max_clusters=streams.SLOTS))

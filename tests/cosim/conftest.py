@@ -68,7 +68,7 @@ def vcds(config: CotConfig, blobs: Events, stalls: Stalls, tmp_path_factory: pyt
 def dumped(config: CotConfig, events: Events, stalls: Stalls, path: Path, top: Top) -> Path:
     device = Device(config, top, stalls=stalls)
     with device.dumping(path):
-        records = device.stream(events.t_us, events.x, events.y, events.p).records
+        records = device.stream(events).records
     wanted = set(Kind) - {Kind.MERGED} if top == "cot_chain" else set(Kind)
     assert set(records["kind"]) == wanted, "the run is to show every kind of record"
     return path

@@ -43,7 +43,7 @@ def differing(folder: Path, outputs: list[str], shape: Shape, top: Top, runs: in
         built = built or build_device(config, top, verilog=folder)
         device = Device(config, top, model=built, stalls=Stalls.random(rng) if run % 2 else None)
         traffic = random_traffic(rng, shape, 5_000, float(rng.choice([0.3, 2, 10])), device.now)
-        hardware, golden = device.stream(*traffic), CotModel(config, device.arrangement).feed(*traffic)
+        hardware, golden = device.stream(traffic), CotModel(config, device.arrangement).feed(traffic)
         assert all(np.array_equal(getattr(hardware, name), getattr(golden, name)) for name in Decisions._fields), f"run {run}"
         found |= {name for bit, name in enumerate(outputs) if int(device.sim.io[DIFFERENT]) >> bit & 1}
         for kind in Kind:

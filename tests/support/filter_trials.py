@@ -4,25 +4,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evcot.ticks import TickedEvents
 from evcot_cosim.devices.filter_device import FilterDevice
+
+from .ticked import ticked
 
 __all__ = ["FilterTraffic", "exact", "filter_traffic", "parameters", "tell"]
 
 
-class FilterTraffic(NamedTuple):
-    """Events as a filter takes them: ticks since reset (n,) int64, addresses uint16, polarity uint8, dropped before (bool)."""
+@dataclass(frozen=True, eq=False)
+class FilterTraffic(TickedEvents):
+    """Events as a filter takes them, and which of them those before it let stay, (n,) bool."""
 
-    ticks: NDArray[np.int64]
-    x: NDArray[np.uint16]
-    y: NDArray[np.uint16]
-    p: NDArray[np.uint8]
-    skip: NDArray[np.bool_]
+    keep: NDArray[np.bool_]
 
 
 def filter_traffic(
@@ -74,7 +74,7 @@ def filter_traffic(
         long = rng.random(n) < gaps
         waits[long] += (2 ** rng.uniform(0, np.log2(longest_gap + 1), n)[long]).astype(np.int64) - 1
     return FilterTraffic(
-        first_tick + np.cumsum(waits), axes[0], axes[1], rng.integers(0, 2, n, np.uint8), rng.random(n) < skips
+        first_tick + np.cumsum(waits), axes[0], axes[1], rng.integers(0, 2, n, np.uint8), rng.random(n) >= skips
     )  # fmt: skip
 
 
@@ -87,8 +87,7 @@ def tell(device: FilterDevice, events: Iterable[tuple[int, int, int]]) -> list[b
     """A short story, from reset: which of the events (tick, x, y) stay."""
     device.reset()
     ticks, x, y = np.array(list(events), np.int64).reshape(-1, 3).T
-    p = np.arange(len(ticks)) % 2
-    return [bool(stays) for stays in device.stream(ticks, x.astype(np.uint16), y.astype(np.uint16), p.astype(np.uint8))]
+    return [bool(stays) for stays in device.stream(ticked(ticks, x, y, np.arange(len(ticks)) % 2))]
 
 
 def exact(
@@ -103,14 +102,14 @@ def exact(
     Raises:
         AssertionError: they differ; the message names the first event.
     """
-    ticks, x, y, p, skip = traffic
-    cuts = np.linspace(0, len(ticks), parts + 1).astype(int)
-    keep = np.concatenate([device.stream(ticks[a:b], x[a:b], y[a:b], p[a:b], skip[a:b]) for a, b in pairwise(cuts)])
-    differ = np.flatnonzero(keep != (oracle(traffic) & ~skip))
+    cuts = np.linspace(0, len(traffic), parts + 1).astype(int)
+    keep = np.concatenate([device.stream(traffic[a:b], traffic.keep[a:b]) for a, b in pairwise(cuts)])
+    differ = np.flatnonzero(keep != (oracle(traffic) & traffic.keep))
     if len(differ):
         i = int(differ[0])
         raise AssertionError(
             f"{device.top}: {len(differ)} of {len(keep)} events differ, the first is event {i} "
-            f"(tick {ticks[i]}, x {x[i]}, y {y[i]}, skip {skip[i]}): hardware {'keeps' if keep[i] else 'drops'} it"
+            f"(tick {traffic.ticks[i]}, x {traffic.x[i]}, y {traffic.y[i]}, skip {not traffic.keep[i]}): "
+            f"hardware {'keeps' if keep[i] else 'drops'} it"
         )
     return float(np.mean(keep)) if len(keep) else 0.0

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from evcot.ticks import TickedEvents
+
 from .stream_device import Bundle
 
 __all__ = ["TOKENS_IN", "TOKENS_OUT", "Heard", "hear", "make_tokens"]
@@ -38,19 +40,17 @@ def hear(tokens: NDArray[np.uint64]) -> Heard:
     return Heard(now[is_event], tokens[is_event, 1:], int(now[-1]) if len(now) else 0)
 
 
-def make_tokens(
-    ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8], tick_w: int
-) -> NDArray[np.uint64]:
-    """Events at these ticks since reset, (n,), as tokens of `tick_w` bits, (m, 6): what does not fit goes ahead in full tokens.
+def make_tokens(events: TickedEvents, tick_w: int) -> NDArray[np.uint64]:
+    """Events as tokens of `tick_w` bits, (m, 6): ticks that do not fit go ahead in full tokens.
 
     Tokens of ticks alone show the event that they go ahead of.
     """
     most = (1 << tick_w) - 1
-    wait = np.diff(ticks, prepend=0)
+    wait = np.diff(events.ticks, prepend=0)
     ahead = np.maximum(wait - 1, 0) // most
-    index = np.repeat(np.arange(len(ticks)), ahead + 1)
+    index = np.repeat(np.arange(len(events)), ahead + 1)
     is_event = np.zeros(len(index), np.int64)
     is_event[np.cumsum(ahead + 1) - 1] = 1
     tick = np.where(is_event == 1, (wait - ahead * most)[index], most)
-    columns = (tick, is_event, np.zeros_like(tick), x[index], y[index], p[index])
+    columns = (tick, is_event, np.zeros_like(tick), events.x[index], events.y[index], events.p[index])
     return np.stack([column.astype(np.uint64) for column in columns], axis=1)

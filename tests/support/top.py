@@ -12,10 +12,11 @@ import numpy as np
 from evcot.filters.contract import FilterShape
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
+from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
 from evcot_cosim.devices.top_device import Pace, TopDevice
 
-from .trials import Traffic, random_traffic
+from .trials import random_traffic
 
 __all__ = ["BUILDS", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
 
@@ -60,8 +61,8 @@ def device_of(name: str, config: CotConfig | None = None, *, pace: Pace | None =
     return TopDevice(config, build.parameters, pace=pace)
 
 
-def traffic_of(rng: np.random.Generator, build: Build, n: int, since: int = 0) -> Traffic:
+def traffic_of(rng: np.random.Generator, build: Build, n: int, since: int = 0) -> TickedEvents:
     """Random events on the sensor, from tick `since` on."""
     traffic = random_traffic(rng, build.shape, n, float(rng.choice([0.3, 2])), since)
     x, y = traffic.x % build.filter_shape.width, traffic.y % build.filter_shape.height
-    return Traffic(traffic.ticks, x.astype(np.uint16), y.astype(np.uint16), traffic.p)
+    return replace(traffic, x=x, y=y)

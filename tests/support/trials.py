@@ -10,19 +10,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, Top, build_device
 
-__all__ = ["ENGINES", "OLD_AND_YOUNG", "Engine", "Told", "Traffic", "exact", "random_config", "random_traffic", "tell"]
+from .ticked import ticked
+
+__all__ = ["ENGINES", "OLD_AND_YOUNG", "Engine", "Told", "exact", "random_config", "random_traffic", "tell"]
 
 Engine = Literal["model", "rtl"]
 ENGINES: tuple[Engine, ...] = ("model", "rtl")
@@ -69,11 +71,11 @@ class Told:
 def tell(story: Iterable[tuple[int, int, int]], config: CotConfig, top: Top = "cot_array", engine: Engine = "rtl") -> Told:
     """Tell a story to the hardware `top`, or to the golden model in the same arrangement."""
     ticks, x, y = np.array(list(story), np.int64).reshape(-1, 3).T
-    xs, ys = x.astype(np.uint16), y.astype(np.uint16)
+    events = ticked(ticks, x, y, (x ^ y) & 1)
     if engine == "model":
         arrangement = Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
-        return Told(config, CotModel(config, arrangement).feed(ticks.copy(), xs, ys))
-    return Told(config, Device(config, top).stream(ticks.copy(), xs, ys, ((xs ^ ys) & 1).astype(np.uint8)))
+        return Told(config, CotModel(config, arrangement).feed(events))
+    return Told(config, Device(config, top).stream(events))
 
 
 # Slot 1 is born as track 1 and stays; slot 0 is born again and again, at last as track 8, which three bits call 0. Then slot 0
@@ -90,15 +92,6 @@ OLD_AND_YOUNG: tuple[list[tuple[int, int, int]], CotConfig] = (
     ),
 )
 """A story and a configuration in which ids wrap within a life."""
-
-
-class Traffic(NamedTuple):
-    """Events as the hardware takes them: ticks since reset (n,) int64, x and y (n,) uint16, polarity (n,) uint8."""
-
-    ticks: NDArray[np.int64]
-    x: NDArray[np.uint16]
-    y: NDArray[np.uint16]
-    p: NDArray[np.uint8]
 
 
 def random_config(rng: np.random.Generator, shape: Shape) -> CotConfig:
@@ -126,7 +119,7 @@ def _draw(rng: np.random.Generator, low: int, high: int) -> int:
     return min(high, low + int(2**bits) - 1)
 
 
-def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_event: float, first_tick: int = 0) -> Traffic:
+def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_event: float, first_tick: int = 0) -> TickedEvents:
     """Bursts around moving targets, noise between them, equal ticks, pauses and long silences.
 
     Args:
@@ -156,7 +149,7 @@ def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_eve
     steps[pauses] += rng.integers(0, max(2, int(60 * ticks_per_event)), np.count_nonzero(pauses))
     silences = rng.random(n) < 2e-4
     steps[silences] += rng.integers(0, 1 << min(shape.tc_w + 1, 34), np.count_nonzero(silences))
-    return Traffic(first_tick + np.cumsum(steps), axes[0], axes[1], rng.integers(0, 2, n, np.uint8))
+    return TickedEvents(first_tick + np.cumsum(steps), axes[0], axes[1], rng.integers(0, 2, n, np.uint8))
 
 
 def exact(
@@ -189,8 +182,8 @@ def exact(
             rate = float(rng.choice(rates))
             traffic = random_traffic(rng, shape, events_per_run // parts, rate, device.now)
             # Now and then behind a filter that takes out a third; a single tracker has its events numbered outside.
-            keep = None if top == "cot" or run % 2 else rng.random(len(traffic.ticks)) < 2 / 3
-            hardware, golden = device.stream(*traffic, keep), model.feed(*traffic, keep)
+            keep = None if top == "cot" or run % 2 else rng.random(len(traffic)) < 2 / 3
+            hardware, golden = device.stream(traffic, keep), model.feed(traffic, keep)
             for field in Decisions._fields:
                 theirs, ours = getattr(hardware, field), getattr(golden, field)
                 assert np.array_equal(theirs, ours), f"seed {seed}, run {run}: {field} differs"

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
 from evcot.errors import ConfigError, OutputError
+from evcot.events import Events
 from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, mask_word
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, SlotConfig
@@ -22,6 +23,7 @@ from evcot.hardware.contract import RECORD, REGISTERS, Shape
 from evcot.hardware.cot import Arrangement, Decisions
 from evcot.hardware.registers import register_map
 from evcot.outputs import path_written_aside
+from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
 from ..build.model import BuiltModel, build
@@ -131,6 +133,7 @@ class Device:
         self.now = 0
         self.seq = 0
         self.cycle = 0
+        self._clock = TickCounter(self.config.tick_us)
         for slot, registers in enumerate(self.config.slots):
             self.write_registers(slot, registers)
         if self.config.filtered:
@@ -186,55 +189,39 @@ class Device:
             if error:
                 raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
 
-    def stream(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_] | None = None,
-    ) -> Decisions:
+    def stream(self, events: Events | TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:
         """Drive a run of events through the hardware and wait until it is idle again.
 
         Args:
-            ticks: (n,) ticks since reset at each event, never decreasing.
-            x, y: (n,) pixel addresses, below 2^x_w and 2^y_w.
-            p: (n,) polarity, 0 or 1.
+            events: with addresses below 2^x_w and 2^y_w. Times in microseconds become ticks of the configuration's `tick_us`,
+                the first such event since reset being at tick 0; a device takes either microseconds or ticks until its reset.
             keep: (n,) bool, for a chain or an array: what a filter in front let stay. None: all.
 
         Raises:
             HardwareError: an event was lost, repeated, reordered or changed, or nothing moves any more.
             RecordingError: a wait between two of them would take too many clocks: see `silence`. Nothing was driven.
         """
-        return self._stream(ticks, x, y, p, None, keep)[0]
+        return self._stream(events, None, keep)[0]
 
-    def stream_timed(
-        self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]
-    ) -> tuple[Decisions, StreamTimes]:
+    def stream_timed(self, events: Events | TickedEvents) -> tuple[Decisions, StreamTimes]:
         """As `stream`, with the clocks at which events were taken and records handed over."""
-        accepted = np.zeros(len(ticks), np.int64)
-        decisions, recorded = self._stream(ticks, x, y, p, accepted)
+        accepted = np.zeros(len(events), np.int64)
+        decisions, recorded = self._stream(events, accepted)
         return decisions, StreamTimes(accepted, recorded)
 
     def _stream(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        accepted: NDArray[np.int64] | None,
-        keep: NDArray[np.bool_] | None = None,
+        self, events: Events | TickedEvents, accepted: NDArray[np.int64] | None, keep: NDArray[np.bool_] | None = None
     ) -> tuple[Decisions, NDArray[np.int64]]:
-        n = len(ticks)
-        ticks = np.ascontiguousarray(ticks, np.int64)
-        check_waits(ticks, self.now, (1 << self.shape.tick_w) - 1, self.seq)
-        x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
-        keep = None if keep is None else np.ascontiguousarray(keep, np.bool_)
+        n = len(events)
+        ticked = self._clock.count(events) if isinstance(events, Events) else events
+        check_waits(ticked.ticks, self.now, (1 << self.shape.tick_w) - 1, self.seq)
+        keep = None if keep is None else ticked.mask(keep)
         owner = np.full(n, UNDECIDED, np.int16)
         rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # and stay so where a filter took the event out
         patterns = self.stalls
         job = DRIVE.job(
-            n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), keep=pointer(keep), first_seq=self.seq,
+            n=n, ticks=pointer(ticked.ticks), x=pointer(ticked.x), y=pointer(ticked.y), p=pointer(ticked.p), keep=pointer(keep),
+            first_seq=self.seq,
             in_pattern=pointer(patterns.source), in_length=len(patterns.source),
             cm_pattern=pointer(patterns.cm), cm_length=len(patterns.cm),
             own_pattern=pointer(patterns.own), own_length=len(patterns.own),

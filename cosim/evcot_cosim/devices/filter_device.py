@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
+from evcot.ticks import TickedEvents
+
 from ..build.model import build
 from .base import Drive, Ending, HardwareError, Stalls, pattern_fields, pointer
 from .silence import check_waits
@@ -137,65 +139,41 @@ class FilterDevice:
         self.sim.clock.tick()
         io.cfg_valid = 0
 
-    def stream(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        skip: NDArray[np.bool_] | None = None,
-    ) -> NDArray[np.bool_]:
+    def stream(self, events: TickedEvents, keep: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
         """Drive a run of events through the hardware, wait until it is idle again, and return which of them stay, (n,).
 
         Args:
-            ticks: (n,) ticks since reset at each event, never decreasing; long waits become tokens of ticks alone.
-            x, y: (n,) pixel addresses, below 2^X_W and 2^Y_W.
-            p: (n,) polarity, 0 or 1.
-            skip: (n,) whether the event has been dropped already: it goes in as a skipped one (default: none).
+            events: with addresses below 2^X_W and 2^Y_W; long waits become tokens of ticks alone.
+            keep: (n,) bool, what filters in front let stay; the others go in as skipped events. None: all.
 
         Raises:
             HardwareError: a token was lost, invented, changed or withdrawn, or nothing moves any more.
             RecordingError: a wait between two events would take too many clocks: see `silence`. Nothing was driven.
         """
-        return self._stream(ticks, x, y, p, skip, None)
+        return self._stream(events, keep, None)
 
     def stream_timed(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        skip: NDArray[np.bool_] | None = None,
+        self, events: TickedEvents, keep: NDArray[np.bool_] | None = None
     ) -> tuple[NDArray[np.bool_], FilterTimes]:
         """As `stream`, with the clocks at which events were taken and handed on."""
-        times = FilterTimes(np.zeros(len(ticks), np.int64), np.zeros(len(ticks), np.int64))
-        return self._stream(ticks, x, y, p, skip, times), times
+        times = FilterTimes(np.zeros(len(events), np.int64), np.zeros(len(events), np.int64))
+        return self._stream(events, keep, times), times
 
-    def _stream(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        skip: NDArray[np.bool_] | None,
-        times: FilterTimes | None,
-    ) -> NDArray[np.bool_]:
-        n = len(ticks)
-        ticks = np.ascontiguousarray(ticks, np.int64)
+    def _stream(self, events: TickedEvents, keep: NDArray[np.bool_] | None, times: FilterTimes | None) -> NDArray[np.bool_]:
+        n = len(events)
         tick_max = (1 << int(self.sim.io["s_tick"].signal.width)) - 1
-        check_waits(ticks, self.now, tick_max)
-        x, y, p = np.ascontiguousarray(x, np.uint16), np.ascontiguousarray(y, np.uint16), np.ascontiguousarray(p, np.uint8)
-        skipped = np.zeros(n, np.uint8) if skip is None else np.ascontiguousarray(skip, np.uint8)
-        keep = np.zeros(n, np.uint8)
+        check_waits(events.ticks, self.now, tick_max)
+        skip = np.zeros(n, np.bool_) if keep is None else ~events.mask(keep)
+        stays = np.zeros(n, np.bool_)
         job = _DRIVE.job(
-            n=n, ticks=pointer(ticks), x=pointer(x), y=pointer(y), p=pointer(p), skip=pointer(skipped),
+            n=n, ticks=pointer(events.ticks), x=pointer(events.x), y=pointer(events.y), p=pointer(events.p), skip=pointer(skip),
             in_pattern=pointer(self.stalls.source), in_length=len(self.stalls.source),
             out_pattern=pointer(self.stalls.passed), out_length=len(self.stalls.passed),
-            keep=pointer(keep), accept_cycle=pointer(times and times.accepted), give_cycle=pointer(times and times.given),
+            keep=pointer(stays), accept_cycle=pointer(times and times.accepted), give_cycle=pointer(times and times.given),
             tick_max=tick_max, now=self.now, cycle=self.cycle,
         )  # fmt: skip
         status = _DRIVE.call(self.sim, job)
         self.now, self.cycle = job.now, job.cycle
         if status != _Status.DONE:
             raise HardwareError(f"{self.top} {status.fault} {job.fault} (clock {job.cycle})", job.fault)
-        return keep.astype(np.bool_)
+        return stays

@@ -51,9 +51,13 @@ def check_silence(t_us: NDArray[np.int64], config: CotConfig, first_index: int =
 
 
 def check_waits(ticks: NDArray[np.int64], now: int, tick_max: int, first_index: int = 0) -> None:
-    """The same of ticks since reset, of which `now` have passed, where a token holds up to `tick_max`."""
+    """The same of ticks since reset, of which `now` have passed, where a token holds up to `tick_max`; none may run back."""
     if not len(ticks):
         return
+    if int(ticks[0]) < now or bool((ticks[1:] < ticks[:-1]).any()):
+        at = 0 if int(ticks[0]) < now else int(np.argmax(ticks[1:] < ticks[:-1])) + 1
+        last = int(ticks[at - 1]) if at else now
+        raise RecordingError(f"event {first_index + at}: tick {ticks[at]} follows tick {last}: time must not run back")
     at, last, gap = _longest(ticks, now)
     if gap // tick_max > SILENT_CLOCKS_MAX:
         raise RecordingError(

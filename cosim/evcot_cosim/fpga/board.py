@@ -14,6 +14,7 @@ from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD, Shape
 from evcot.hardware.cot import CotModel
 from evcot.hardware.registers import register_map
+from evcot.ticks import TickedEvents
 
 from ..build.rtl import verilog_dir
 from .noise import SIZE, SLOT, rendered, signature, source, writes
@@ -49,7 +50,7 @@ def expected_records(n: int, count: int | None = None, events: int = _EVENTS) ->
     events make. Numbers that the board has fewer bits for begin again at 0."""
     noise, small = _SOURCE.events(events), shape(n)
     model = CotModel(CotConfig(small, (_SLOT,) * n))
-    records = model.feed(noise.t_us - noise.t_us[0], noise.x, noise.y).records[:count]
+    records = model.feed(TickedEvents.of(noise)).records[:count]
     records["seq"] %= 1 << small.seq_w
     records["time"] %= 1 << small.time_w
     return records

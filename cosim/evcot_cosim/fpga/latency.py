@@ -14,6 +14,7 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.published.model import PublishedConfig
 from evcot.hardware.streams import pack_events
+from evcot.ticks import TickedEvents
 
 from ..build.model import load
 from ..devices.base import Stalls, reset
@@ -57,7 +58,8 @@ def _to_record(module: Module, n: int | None) -> int:
     now_and_then[0] = 1
     device = Device(_last_of(n or 1, tick_w=1), cast(Top, module.top), stalls=Stalls(source=now_and_then))
     still = np.full(_EVENTS, _PLACE, np.uint16)
-    decisions, times = device.stream_timed(np.arange(1, _EVENTS + 1), still, still, np.zeros(_EVENTS, np.uint8))
+    events = TickedEvents(np.arange(1, _EVENTS + 1), still, still, np.zeros(_EVENTS, np.uint8))
+    decisions, times = device.stream_timed(events)
     cause = decisions.records["seq"].astype(np.int64)
     return int(np.median(times.recorded - times.accepted[cause]))
 

@@ -10,6 +10,7 @@ from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel
 from evcot.hardware.registers import register_map
+from evcot.ticks import TickedEvents
 
 from .noise import SLOT, rendered, signature, source, writes
 
@@ -25,7 +26,7 @@ def expected() -> tuple[int, int, int, int]:
     """Signatures of records, owned and passed events, 32 bits each, and the number of records."""
     events = _SOURCE.events(EVENTS)
     config = CotConfig(Shape(n_slots=SLOTS, tick_w=1), (SLOT,) * SLOTS)
-    decisions = CotModel(config).feed(np.arange(1, EVENTS + 1), events.x, events.y)
+    decisions = CotModel(config).feed(TickedEvents(np.arange(1, EVENTS + 1), events.x, events.y, events.p))
     records = decisions.records
     cm = (
         records["kind"].astype(np.uint64)

@@ -16,7 +16,7 @@ from evcot.filters.run import filtered
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD
 from evcot.hardware.cot import CotModel, to_track_records
-from evcot.ticks import tick_times
+from evcot.ticks import TickCounter, TickedEvents
 from evcot.trackers.config import RunConfig
 from evcot.trackers.rct.tracker import RctTracker
 from evcot.tracks.compare import Agreement, compare
@@ -147,16 +147,17 @@ def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[Tra
     Where the hardware broke the rules of its streams there, its log has nothing of that run, and -1 for the owners.
     """
     cot, t0_us = config.hardware(recording.width, recording.height), int(recording.events.t_us[0])
+    clock = TickCounter(cot.tick_us)
     device = Device(cot, found.top, stalls=stalls_from(found.seed))
     golden = CotModel(cot, device.arrangement)
     hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
     first = 0
     for chunk in chunks(recording.events):
-        ticks = tick_times(chunk.t_us, t0_us, cot.tick_us)
-        expected = golden.feed(ticks, chunk.x, chunk.y, chunk.p)
+        ticked = clock.count(chunk)
+        expected = golden.feed(ticked)
         model.add(expected.records, expected.owner, chunk.t_us, first)
         try:
-            decided = device.stream(ticks, chunk.x, chunk.y, chunk.p)
+            decided = device.stream(ticked)
             hardware.add(decided.records, decided.owner, chunk.t_us, first)
         except HardwareError:
             hardware.add(np.empty(0, RECORD), np.full(len(chunk), -1, np.int16), chunk.t_us, first)
@@ -176,7 +177,7 @@ def _compile_kernels(recording: Recording, config: RunConfig) -> None:
     """Have Numba compile model and tracker, which it does at first use, once per machine, before anything is timed."""
     first = recording.events[:1]
     model = CotModel(config.hardware(recording.width, recording.height))
-    model.feed(tick_times(first.t_us, int(first.t_us[0]), config.cot.tick_us), first.x, first.y, first.p)
+    model.feed(TickedEvents.of(first))
     log_of("rct", _software(recording, config), [first])
 
 

@@ -18,7 +18,7 @@ from evcot.events import Events
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD
 from evcot.hardware.cot import CotModel, Decisions
-from evcot.ticks import tick_times
+from evcot.ticks import TickCounter
 from evcot.tracks.log import Kind
 
 from ..build.model import BuiltModel
@@ -124,7 +124,7 @@ class Lockstep:
         self.records = 0
         self.wall_s = 0.0
         self.latency = np.zeros(LATENCY_MAX + 1, np.int64)
-        self._t0_us: int | None = None
+        self._clock = TickCounter(config.tick_us)
         self._last_us: int | None = None
         self._golden = CotModel(config, self.device.arrangement) if check else None
         self._second = ThreadPoolExecutor(1) if check else None
@@ -137,25 +137,23 @@ class Lockstep:
             RecordingError: the events have a gap that would take too many clocks: see `silence`. Nothing was driven.
         """
         check_silence(events.t_us, self.config, self.events, self._last_us)
-        if self._t0_us is None:
-            self._t0_us = int(events.t_us[0])
         self._last_us = int(events.t_us[-1])
         started = time.perf_counter()
-        ticks = tick_times(events.t_us, self._t0_us, self.config.tick_us)
+        ticked = self._clock.count(events)
         if self._golden is None or self._second is None:
-            hardware, times = self.device.stream_timed(ticks, events.x, events.y, events.p)
+            hardware, times = self.device.stream_timed(ticked)
             step = Step(hardware, None)
         else:
-            expected = self._second.submit(self._golden.feed, ticks, events.x, events.y, events.p)
+            expected = self._second.submit(self._golden.feed, ticked)
             try:
-                hardware, times = self.device.stream_timed(ticks, events.x, events.y, events.p)
+                hardware, times = self.device.stream_timed(ticked)
             except HardwareError as error:
-                index = min(max(error.seq - self.events, 0), len(ticks) - 1)
+                index = min(max(error.seq - self.events, 0), len(ticked) - 1)
                 raise MismatchError(
-                    self._mismatch(self.events + index, int(ticks[index]), "stream", str(error), "in order")
+                    self._mismatch(self.events + index, int(ticked.ticks[index]), "stream", str(error), "in order")
                 ) from error
             step = Step(hardware, expected.result())
-            self._compare(hardware, expected.result(), ticks)
+            self._compare(hardware, expected.result(), ticked.ticks)
         self._count_clocks(hardware.records, times)
         self.wall_s += time.perf_counter() - started
         self.events += len(events)
@@ -240,8 +238,7 @@ def dump_window(
             if device.seq > last_event:
                 break
             try:
-                ticks = tick_times(chunk.t_us, int(events.t_us[0]), config.tick_us)
-                decided, times = device.stream_timed(ticks, chunk.x, chunk.y, chunk.p)
+                decided, times = device.stream_timed(chunk)
             except HardwareError:
                 break  # the fault that the window shall show
             parts.append(Clocks(times.accepted, decided.records, times.recorded))

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .contract import FilterShape
 from .registers import FilterRegisters
@@ -26,15 +27,8 @@ class ActivityFilter(EventFilter):
         self._support = registers.activity_support
         self._last = per_pixel(shape, NEVER, border=1)
 
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
-        _narrow(self._last, self._ticks, self._support, ticks, x, y, keep)
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
+        _narrow(self._last, self._ticks, self._support, events.ticks, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)

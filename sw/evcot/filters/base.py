@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
+from ..ticks import TickedEvents
 from .contract import FilterShape
 from .registers import FilterRegisters
 
@@ -46,29 +47,14 @@ class EventFilter(ABC):
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None: ...
 
     @abstractmethod
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
         """Decide a run of events in place: clear `keep`, (n,) bool, where an event does not stay.
 
-        An event whose entry is already false does not reach the filter. The other arguments are those of `feed`.
+        An event whose entry is already false does not reach the filter.
         """
 
-    def feed(
-        self, ticks: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16], p: NDArray[np.uint8]
-    ) -> NDArray[np.bool_]:
-        """Which events of a run stay, (n,) bool.
-
-        Args:
-            ticks: (n,) int64, ticks since reset at each event, never decreasing over the filter's life.
-            x, y: (n,) uint16 pixel addresses.
-            p: (n,) uint8 polarities, 0 or 1.
-        """
-        keep = np.ones(len(ticks), np.bool_)
-        self.narrow(ticks, x, y, p, keep)
+    def feed(self, events: TickedEvents) -> NDArray[np.bool_]:
+        """Which events of a run stay, (n,) bool; ticks never decrease over the filter's life."""
+        keep = np.ones(len(events), np.bool_)
+        self.narrow(events, keep)
         return keep

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..ticks import TickedEvents
 from .activity import ActivityFilter
 from .base import EventFilter
 from .contract import Filter, FilterShape
@@ -55,17 +56,10 @@ class FilterChain(EventFilter):
         self._filters = {which: FILTERS[which](registers, shape) for which in enabled}
         self.totals = dict.fromkeys(enabled, Total(0, 0))
 
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
         left = int(np.count_nonzero(keep))
         for which, stage in self._filters.items():
-            stage.narrow(ticks, x, y, p, keep)
+            stage.narrow(events, keep)
             seen, left = left, int(np.count_nonzero(keep))
             before = self.totals[which]
             self.totals[which] = Total(before.seen + seen, before.dropped + seen - left)

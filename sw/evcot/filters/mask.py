@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..ticks import TickedEvents
 from .base import EventFilter, per_pixel
 from .contract import FilterShape
 from .registers import FilterRegisters
@@ -22,15 +23,8 @@ class MaskFilter(EventFilter):
         for x, y in registers.hot_pixels:
             self._quiet[y, x] = False
 
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
-        _narrow(self._quiet, x, y, keep)
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
+        _narrow(self._quiet, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..ticks import TickedEvents
 from .base import EventFilter
 from .contract import FilterShape
 from .registers import FilterRegisters
@@ -20,15 +21,8 @@ class PolarityFilter(EventFilter):
     def __init__(self, registers: FilterRegisters, _shape: FilterShape) -> None:
         self._polarity = registers.polarity
 
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
-        _narrow(self._polarity, p, keep)
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
+        _narrow(self._polarity, events.p, keep)
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..ticks import TickedEvents
 from .base import EventFilter
 from .contract import FilterShape
 from .registers import FilterRegisters
@@ -33,15 +34,9 @@ class RecentFilter(EventFilter):
         self._at = np.zeros(shape.recent_depth, np.int64)
         self._place = np.zeros(2, np.int64)  # where the next entry goes, and how many are held
 
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
-        _narrow(self._x, self._y, self._at, self._place, self._ticks, self._radius, self._support, ticks, x, y, keep)
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
+        fifo, rule = (self._x, self._y, self._at, self._place), (self._ticks, self._radius, self._support)
+        _narrow(*fifo, *rule, events.ticks, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..ticks import TickedEvents
 from .base import NEVER, EventFilter, per_pixel
 from .contract import FilterShape
 from .registers import FilterRegisters
@@ -21,15 +22,8 @@ class RefractoryFilter(EventFilter):
         self._ticks = registers.refractory_ticks
         self._stayed = per_pixel(shape, NEVER)
 
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
-        _narrow(self._stayed, self._ticks, ticks, x, y, keep)
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
+        _narrow(self._stayed, self._ticks, events.ticks, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..ticks import TickedEvents
 from .base import EventFilter
 from .contract import FilterShape
 from .registers import FilterRegisters
@@ -21,15 +22,8 @@ class RegionFilter(EventFilter):
         self._x = registers.region_x0, registers.region_x1
         self._y = registers.region_y0, registers.region_y1
 
-    def narrow(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8],
-        keep: NDArray[np.bool_],
-    ) -> None:
-        _narrow(*self._x, *self._y, x, y, keep)
+    def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
+        _narrow(*self._x, *self._y, events.x, events.y, keep)
 
 
 @njit(cache=True, nogil=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..events import Events, Recording
-from ..ticks import tick_times
+from ..ticks import TickCounter
 from .chain import FilterChain, Total
 from .config import FilterConfig
 from .contract import Filter
@@ -23,8 +23,7 @@ class Filtered(Iterator[Events]):
     def __init__(self, blocks: Iterable[Events], chain: FilterChain, tick_us: int) -> None:
         self._blocks = iter(blocks)
         self._chain = chain
-        self._tick_us = tick_us
-        self._t0_us: int | None = None
+        self._clock = TickCounter(tick_us)
 
     def __next__(self) -> Events:
         block = next(self._blocks)
@@ -32,9 +31,7 @@ class Filtered(Iterator[Events]):
 
     def keep(self, block: Events) -> NDArray[np.bool_]:
         """Which events of the next block stay, (n,) bool; tick 0 is the time of the first event of all."""
-        if self._t0_us is None and len(block):
-            self._t0_us = int(block.t_us[0])
-        return self._chain.feed(tick_times(block.t_us, self._t0_us or 0, self._tick_us), block.x, block.y, block.p)
+        return self._chain.feed(self._clock.count(block))
 
     @property
     def totals(self) -> dict[Filter, Total]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from ..events import Events, Recording
 from ..filters.chain import FilterChain
-from ..ticks import tick_times
+from ..ticks import TickCounter, TickedEvents
 from ..tracks.log import TRACK, Kind, TrackLog
 from ..tracks.tracking import Told, log_of
 from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise, rewrite
@@ -80,29 +80,20 @@ class CotModel:
         self._filters = FilterChain(config.filters, config.filter_shape) if config.filtered else None
         initialise(self._state, self._regs, self._limits, self._globals)
 
-    def feed(
-        self,
-        ticks: NDArray[np.int64],
-        x: NDArray[np.uint16],
-        y: NDArray[np.uint16],
-        p: NDArray[np.uint8] | None = None,
-        keep: NDArray[np.bool_] | None = None,
-    ) -> Decisions:
+    def feed(self, events: TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:
         """Decide a run of events.
 
         Args:
-            ticks: (n,) int64, ticks since reset at each event, never decreasing over the model's life.
-            x, y: (n,) uint16 pixel addresses, below 2^x_w and 2^y_w.
-            p: (n,) uint8 polarities; only filters want them.
+            events: ticks never decrease over the model's life, and addresses are below 2^x_w and 2^y_w.
             keep: (n,) bool, what someone in front let stay; the others count but are nobody's. None: all. With filters of its
                 own the model decides that itself.
         """
-        n = len(ticks)
+        n = len(events)
         if self._filters is not None:
-            if p is None or keep is not None:
-                raise ConfigError("a model with filters takes polarities, and decides itself which events stay")
-            keep = self._filters.feed(ticks, x, y, p)
-        keep = _ALL if keep is None else keep
+            if keep is not None:
+                raise ConfigError("a model with filters decides itself which events stay")
+            keep = self._filters.feed(events)
+        keep = _ALL if keep is None else events.mask(keep)
         owner = np.empty(n, np.int16)
         rel_x = np.empty(n, np.uint16)
         rel_y = np.empty(n, np.uint16)
@@ -113,7 +104,7 @@ class CotModel:
             buffer = np.zeros(max(2 * per_event_max, (n - done) // 4), RECORD)
             done, count = feed(
                 self._state, self._regs, self._limits, self._globals,
-                ticks, x, y, keep, done, per_event_max, owner, rel_x, rel_y, buffer,
+                events.ticks, events.x, events.y, keep, done, per_event_max, owner, rel_x, rel_y, buffer,
             )  # fmt: skip
             parts.append(buffer[:count])
         records = parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0, RECORD)
@@ -171,16 +162,13 @@ class CotTracker:
     def __init__(self, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> None:
         self._config = config
         self._model = CotModel(config, arrangement)
-        self._t0_us: int | None = None
+        self._clock = TickCounter(config.tick_us)
         self._seen = 0
 
     def feed(self, events: Events) -> Told:
         """See `tracking.Tracker`."""
-        if self._t0_us is None:
-            self._t0_us = int(events.t_us[0]) if len(events) else None
-        t0_us = self._t0_us or 0
-        decided = self._model.feed(tick_times(events.t_us, t0_us, self._config.tick_us), events.x, events.y, events.p)
-        records = to_track_records(decided.records, self._config, events.t_us, self._seen, t0_us)
+        decided = self._model.feed(self._clock.count(events))
+        records = to_track_records(decided.records, self._config, events.t_us, self._seen, self._clock.t0_us)
         self._seen += len(events)
         return records, decided.owner
 

@@ -14,16 +14,19 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from evcot.errors import ConfigError, OutputError
+from evcot.errors import ConfigError, OutputError, RecordingError
+from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
+from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import HardwareError, Stalls
 from evcot_cosim.devices.device import Device, Top, _order_of
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
-from support.trials import Traffic, random_traffic
+from support.ticked import ticked
+from support.trials import random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 SLOT = SlotConfig(
@@ -31,13 +34,14 @@ SLOT = SlotConfig(
     clust_nev=2, nev_min=1, nev_max=4, nev_th=2, detect_ticks=30,
 )  # fmt: skip
 TOPS: tuple[Top, ...] = get_args(Top)
+PATHS = [str(Path(__file__).parent), str(Path(__file__).parents[2])]  # for a process that imports this module
 
 
 def config_of(top: Top, slot: SlotConfig = SLOT) -> CotConfig:
     return CotConfig.uniform(replace(SHAPE, n_slots=1) if top == "cot" else SHAPE, slot)
 
 
-def traffic(n: int, seed: int = 1) -> Traffic:
+def traffic(n: int, seed: int = 1) -> TickedEvents:
     return random_traffic(np.random.default_rng(seed), SHAPE, n, 1)
 
 
@@ -49,9 +53,8 @@ def joined(parts: list[Decisions]) -> Decisions:
     return Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def cut(events: Traffic, *places: int) -> list[Traffic]:
-    bounds = [0, *places, len(events.ticks)]
-    return [Traffic(events.ticks[a:b], events.x[a:b], events.y[a:b], events.p[a:b]) for a, b in pairwise(bounds)]
+def cut(events: TickedEvents, *places: int) -> list[TickedEvents]:
+    return [events[a:b] for a, b in pairwise([0, *places, len(events)])]
 
 
 class TestStalls:
@@ -79,7 +82,7 @@ class TestStalls:
             Device(config_of("cot_array"), stalls=Stalls(own=np.array([1] + [0] * 9))),
         )
         events = traffic(2000)
-        assert same(free.stream(*events), slow.stream(*events))
+        assert same(free.stream(events), slow.stream(events))
         assert slow.cycle > 2 * free.cycle
 
 
@@ -87,55 +90,81 @@ class TestStream:
     @pytest.mark.parametrize("top", TOPS)
     def test_it_does_not_matter_where_the_events_are_cut(self, top: Top) -> None:
         events = traffic(3000)
-        whole = Device(config_of(top)).stream(*events)
+        whole = Device(config_of(top)).stream(events)
         pieces = Device(config_of(top))
-        parts = [pieces.stream(*part) for part in cut(events, 0, 1, 2, 1700, 1700, 2999)]
+        parts = [pieces.stream(part) for part in cut(events, 0, 1, 2, 1700, 1700, 2999)]
         assert len(whole.records) > 300
         assert same(joined(parts), whole)
 
     def test_no_events_are_no_decisions(self) -> None:
         device = Device(config_of("cot_array"))
-        assert [len(column) for column in device.stream(*cut(traffic(5), 0)[0])] == [0, 0, 0, 0]
+        assert [len(column) for column in device.stream(cut(traffic(5), 0)[0])] == [0, 0, 0, 0]
         assert (device.seq, device.now) == (0, 0)
 
     def test_more_records_than_events_by_far_are_all_kept(self) -> None:
         slot = replace(SLOT, clust_nev=1, nev_max=1, max_ticks=1)  # a birth and a loss for every event
         n = 20_000
-        x = np.full(n, 64, np.uint16)
-        events = Traffic(np.arange(n), x, x, np.zeros(n, np.uint8))
-        told = Device(config_of("cot_array", slot)).stream(*events)
+        events = ticked(np.arange(n), 64, 64)
+        told = Device(config_of("cot_array", slot)).stream(events)
         assert len(told.records) == 2 * n - 1
-        assert same(told, CotModel(config_of("cot_array", slot)).feed(*events[:3]))
+        assert same(told, CotModel(config_of("cot_array", slot)).feed(events))
 
     @pytest.mark.parametrize("top", TOPS)
     def test_numbers_and_times_are_whole_however_narrow_the_hardware_counts(self, top: Top) -> None:
         config = config_of(top)
         narrow = replace(config, shape=replace(config.shape, seq_w=8, time_w=18))
-        events = traffic(20_000)._replace(ticks=np.arange(20_000) * 14)
-        told = Device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(*events)
+        events = replace(traffic(20_000), ticks=np.arange(20_000) * 14)
+        told = Device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(events)
         assert told.records["seq"].max() > 2**8
         assert told.records["time"].max() > 2**18
-        assert same(told, CotModel(narrow, Device(config, top).arrangement).feed(*events[:3]))
+        assert same(told, CotModel(narrow, Device(config, top).arrangement).feed(events))
 
     def test_reset_begins_again(self) -> None:
         device = Device(config_of("cot_array"))
-        first = device.stream(*traffic(1000))
+        first = device.stream(traffic(1000))
         device.reset()
         assert (device.seq, device.now, device.cycle) == (0, 0, 0)
-        assert same(device.stream(*traffic(1000)), first)
+        assert same(device.stream(traffic(1000)), first)
+
+    def test_events_in_microseconds_are_counted_from_the_first_since_reset(self) -> None:
+        ticks = traffic(2000)
+        events = Events(987_654 + ticks.ticks * 10, ticks.x, ticks.y, ticks.p)
+        config = replace(config_of("cot_array"), tick_us=10)
+        wanted = Device(config).stream(replace(ticks, ticks=ticks.ticks - ticks.ticks[0]))
+        assert wanted.records["time"].max() > 1000
+        device = Device(config)
+        assert same(joined([device.stream(events[:700]), device.stream(events[700:])]), wanted)
+        device.reset()
+        assert same(device.stream(events[:0]), Device(config).stream(ticks[:0]))
+        told, _ = device.stream_timed(events)
+        assert same(told, wanted)
+
+    def test_time_that_runs_back_is_refused_before_anything_is_driven(self) -> None:
+        device = Device(config_of("cot_array"))
+        device.stream(ticked([0, 5], 20, 20))
+        for ticks, message in (([4], "event 2: tick 4 follows tick 5"), ([5, 9, 8, 7], "event 4: tick 8 follows tick 9")):
+            with pytest.raises(RecordingError, match=f"^{message}: time must not run back$"):
+                device.stream(ticked(ticks, 20, 20))
+        assert (device.now, device.seq) == (5, 2)
+        assert len(device.stream(ticked([5, 5], 20, 20)).owner) == 2
+
+    def test_a_mask_of_another_length_is_refused(self) -> None:
+        device = Device(config_of("cot_array"))
+        with pytest.raises(RecordingError, match=r"^keep holds 3 values: must be one for each of 2 events$"):
+            device.stream(ticked([0, 5], 20, 20), np.ones(3, np.bool_))
 
     def test_two_devices_share_nothing(self) -> None:
         one, other = Device(config_of("cot_array")), Device(config_of("cot_array", replace(SLOT, mode=Mode.OFF)))
         parts = cut(traffic(2000), 1000)
-        first = one.stream(*parts[0])
-        assert not len(other.stream(*parts[0]).records)
-        assert same(joined([first, one.stream(*parts[1])]), Device(config_of("cot_array")).stream(*traffic(2000)))
+        first = one.stream(parts[0])
+        assert not len(other.stream(parts[0]).records)
+        assert same(joined([first, one.stream(parts[1])]), Device(config_of("cot_array")).stream(traffic(2000)))
 
     @pytest.mark.parametrize("top", TOPS)
     def test_timing_changes_nothing(self, top: Top) -> None:
         events = traffic(2000)
-        told, times = Device(config_of(top)).stream_timed(*events)
-        assert same(told, Device(config_of(top)).stream(*events))
+        told, times = Device(config_of(top)).stream_timed(events)
+        assert same(told, Device(config_of(top)).stream(events))
         assert (np.diff(times.accepted) > 0).all()
         assert len(times.recorded) == len(told.records)
         caused = told.records["kind"] != Kind.LOST
@@ -164,14 +193,15 @@ def test_what_the_model_must_be() -> None:
     ]
 
 
-def interactive(device: Device, events: Traffic, pattern: str) -> Decisions:
+def interactive(device: Device, events: TickedEvents, pattern: str) -> Decisions:
     """The same events poked in and their decisions peeked out, port by port, clock by clock."""
     rng = np.random.default_rng(9)
     single = device.top == "cot"
     slot = [] if single else ["slot"]
     tick_max = (1 << device.shape.tick_w) - 1
     tokens: list[tuple[int, ...]] = []
-    for seq, (wait, x, y, p) in enumerate(zip(np.diff(events.ticks, prepend=0).tolist(), *events[1:], strict=True)):
+    columns = (np.diff(events.ticks, prepend=0).tolist(), events.x, events.y, events.p)
+    for seq, (wait, x, y, p) in enumerate(zip(*columns, strict=True)):
         seq_word = [seq] if single else []
         tokens += [(tick_max, 0, 0, 0, 0, *seq_word)] * (max(wait - 1, 0) // tick_max)
         tokens += [(wait - max(wait - 1, 0) // tick_max * tick_max, 1, int(x), int(y), int(p), *seq_word)]
@@ -188,7 +218,7 @@ def interactive(device: Device, events: Traffic, pattern: str) -> Decisions:
     names = {"id": "track_id", "x": "cm_x", "y": "cm_y", "other": "other_id"}
     for field, values in zip(fields, zip(*cm.words, strict=True), strict=True):
         records[names.get(field, field)] = values
-    n = len(events.ticks)
+    n = len(events)
     owner, rel_x, rel_y = np.full(n, -1, np.int16), np.zeros(n, np.uint16), np.zeros(n, np.uint16)
     for seq, x, y, p, *which in own.words:
         assert p == events.p[seq]
@@ -203,7 +233,7 @@ def interactive(device: Device, events: Traffic, pattern: str) -> Decisions:
 @pytest.mark.parametrize("top", TOPS)
 def test_interactive_and_streaming_drive_give_the_same(top: Top, pattern: str) -> None:
     events = traffic(300, seed=5)
-    streamed = Device(config_of(top)).stream(*events)
+    streamed = Device(config_of(top)).stream(events)
     assert set(streamed.records["kind"]) >= {Kind.BORN, Kind.MOVED, Kind.LOST}
     assert same(interactive(Device(config_of(top)), events, pattern), streamed)
 
@@ -225,9 +255,9 @@ class TestFaults:
     def test_each_is_named_with_the_event(self, tmp_path: Path, right: str, wrong: str, message: str, seq: int | None) -> None:
         verilog = broken_copy(tmp_path, "cot_array.v", right, wrong)
         config = CotConfig.uniform(SHAPE, replace(SLOT, mode=Mode.FIXED, init_cm_x=64, init_cm_y=64))
-        x = np.array([64] * 7 + [0] * 7, np.uint16)
+        x = [64] * 7 + [0] * 7
         with pytest.raises(HardwareError, match=f"cot_array {message}") as caught:
-            Device(config, verilog=verilog).stream(np.arange(14), x, x, np.zeros(14, np.uint8))
+            Device(config, verilog=verilog).stream(ticked(np.arange(14), x, x))
         if seq is not None:
             assert caught.value.seq == seq
 
@@ -237,7 +267,7 @@ class TestDumping:
         events = traffic(400)
         device = Device(config_of("cot_array"), stalls=Stalls.random(np.random.default_rng(1)))
         with device.dumping(tmp_path / "w.vcd", 10, 20):
-            told, times = device.stream_timed(*events)
+            told, times = device.stream_timed(events)
             assert not (tmp_path / "w.vcd").exists()  # it appears when it is whole
         assert [path.name for path in tmp_path.iterdir()] == ["w.vcd"]
         wave = parse(tmp_path / "w.vcd")
@@ -245,15 +275,15 @@ class TestDumping:
         changes = [time for time, _ in wave[clock].tv]
         first, last = 10 * (times.accepted[9] + 1), 10 * times.accepted[20] + 5
         assert changes == list(range(first, last + 1, 5))  # rising edges at 5, 15, 25 …
-        assert same(told, Device(config_of("cot_array")).stream(*events))
+        assert same(told, Device(config_of("cot_array")).stream(events))
 
     def test_nothing_is_dumped_after_the_block(self, tmp_path: Path) -> None:
         device = Device(config_of("cot_array"))
         parts = cut(traffic(200), 100)
         with device.dumping(tmp_path / "w.vcd"):
-            device.stream(*parts[0])
+            device.stream(parts[0])
         size = (tmp_path / "w.vcd").stat().st_size
-        device.stream(*parts[1])
+        device.stream(parts[1])
         assert (tmp_path / "w.vcd").stat().st_size == size
 
     def test_a_folder_that_is_not_there(self, tmp_path: Path) -> None:
@@ -261,12 +291,12 @@ class TestDumping:
         path = tmp_path / "absent" / "w.vcd"
         with pytest.raises(OutputError, match=r"absent/w\.vcd: cannot be written: No such file"), device.dumping(path):
             pytest.fail("the block must not run")
-        assert len(device.stream(*traffic(50)).owner) == 50
+        assert len(device.stream(traffic(50)).owner) == 50
 
     def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
         script = f"""
 import resource, signal, sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path[:0] = {PATHS!r}
 import test_device as t
 from pathlib import Path
 from evcot.errors import OutputError
@@ -275,7 +305,7 @@ signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 try:
     with device.dumping(Path({str(tmp_path)!r}) / "w.vcd"):
-        told = device.stream(*t.traffic(5000))
+        told = device.stream(t.traffic(5000))
 except OutputError as error:
     print(len(told.owner), error)
 """
@@ -288,7 +318,7 @@ except OutputError as error:
 def test_memory_does_not_grow_with_the_stream() -> None:
     script = f"""
 import sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path[:0] = {PATHS!r}
 import test_device as t
 from pathlib import Path
 def resident():
@@ -297,7 +327,7 @@ device = t.Device(t.config_of("cot_array"))
 events = t.traffic(50_000)
 sizes = []
 for _ in range(40):
-    device.stream(events.ticks + device.now, *events[1:])
+    device.stream(t.replace(events, ticks=events.ticks + device.now))
     sizes.append(resident())
 print(device.seq, sizes[-1] - sizes[9])
 """

@@ -15,6 +15,7 @@ from evcot.events import Events, Recording
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
 from evcot.recordings.files import write_recording
+from evcot.ticks import TickedEvents
 from evcot.trackers.config import RunConfig
 from evcot_cosim.devices.device import Device
 from evcot_cosim.devices.filter_device import FilterDevice
@@ -63,10 +64,10 @@ def test_no_drive_begins_a_gap_of_decades() -> None:
     events, config = events_at(0, 1, NOW_US), RunConfig(cot=config_of())
     with pytest.raises(RecordingError, match=r"^story: event 2: t = 1700000000000000 us follows t = 1 us"):
         run_cosim(Recording(events, 64, 64, "story"), config, "cot")
-    ticks = events.t_us
+    ticked = TickedEvents.of(events)
     for device in (Device(config.cot, "cot"), FilterDevice("filter_polarity", ports={"enable": 0})):
         with pytest.raises(RecordingError, match=r"^event 2: tick 1700000000000000 follows tick 1: "):
-            device.stream(ticks, events.x, events.y, events.p)
+            device.stream(ticked)
         assert device.now == device.cycle == 0
     with Lockstep(config.cot, "cot") as lockstep:
         lockstep.feed(events[:2])

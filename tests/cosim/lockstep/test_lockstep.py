@@ -19,7 +19,7 @@ from evcot.errors import EvcotError, OutputError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
-from evcot.ticks import tick_times
+from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, Top
@@ -47,8 +47,8 @@ def at(*events: tuple[int, int]) -> Events:
 
 def busy(n: int, seed: int = 1, tick_us: int = 1) -> Events:
     """Random traffic as a recording has it."""
-    ticks, x, y, p = random_traffic(np.random.default_rng(seed), SHAPE, n, 1)
-    return Events(500_000 + ticks * tick_us, x, y, p)
+    traffic = random_traffic(np.random.default_rng(seed), SHAPE, n, 1)
+    return Events(500_000 + traffic.ticks * tick_us, traffic.x, traffic.y, traffic.p)
 
 
 def zeros(n: int) -> Events:
@@ -213,8 +213,7 @@ class TestDumpWindow:
     def test_it_shows_what_the_run_did_clock_for_clock(self, tmp_path: Path) -> None:
         events, stalls = busy(300), Stalls.random(np.random.default_rng(4))
         dump_window(events, LIVELY, tmp_path / "w.vcd", 100, 120, stalls=stalls)
-        ticks = tick_times(events.t_us, int(events.t_us[0]), 1)
-        told, times = Device(LIVELY, stalls=stalls).stream_timed(ticks, events.x, events.y, events.p)
+        told, times = Device(LIVELY, stalls=stalls).stream_timed(TickedEvents.of(events))
         wave = parse(tmp_path / "w.vcd")
         named = {name.split("cot_array.")[-1]: name for name in wave.signals}
         clock = [time for time, _ in wave[named["clk"]].tv]

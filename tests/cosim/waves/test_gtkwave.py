@@ -25,6 +25,7 @@ from evcot_cosim.devices.device import Device, Top
 from evcot_cosim.waves import VcdError, Wave
 from evcot_cosim.waves.gtkwave import write_view
 from evcot_cosim.waves.views import VIEWS
+from support.ticked import ticked
 
 PHASES = ["RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT"]
 ENGINE_PHASES = ["RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN"]
@@ -116,7 +117,7 @@ def test_trackers_behind_filters_are_shown_as_on_their_own(top: Top, config: Cot
     alone = View(folder / f"{top}.gtkw")
     device = Device(replace(config, filters=FilterRegisters(enable=1 << Filter.POLARITY)), top)
     with device.dumping(folder / "filtered.vcd"):
-        device.stream(np.array([1]), *np.full((2, 1), 60, np.uint16), np.zeros(1, np.uint8))
+        device.stream(ticked(1, 60, 60))
     write_view(folder / "filtered.vcd", folder / "filtered.gtkw")
     behind = View(folder / "filtered.gtkw")
     assert "is_event" in {label for label, *_ in behind.shown.pop("behind the filters")}
@@ -353,7 +354,7 @@ def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_pat
     shape = replace(config.shape, n_slots=slots)
     device = Device(CotConfig(shape, config.slots[:slots]), "cot_engine")
     with device.dumping(tmp_path / "run.vcd"):
-        device.stream(np.array([1]), *np.full((2, 1), 60, np.uint16), np.zeros(1, np.uint8))
+        device.stream(ticked(1, 60, 60))
     write_view(tmp_path / "run.vcd", tmp_path / "run.gtkw")
     told = told_by_gtkwave([tmp_path / "run.vcd", tmp_path / "run.gtkw"], 100, tmp_path / "tell.tcl")
     wanted = {"d_slot", "c_slot", "u_slot", "v_slot", "w_slot", "found_slot"}

@@ -86,10 +86,9 @@ def test_is_clock_for_clock_the_run_that_it_shows(
 
 def test_decisions_are_those_of_a_run_that_is_not_dumped(config: CotConfig, blobs: Events, tmp_path: Path) -> None:
     dumped, plain = Device(config), Device(config)
-    run = (blobs.t_us, blobs.x, blobs.y, blobs.p)
     with dumped.dumping(tmp_path / "x.vcd", WINDOW.first, WINDOW.last):
-        watched = dumped.stream(*run)
-    for theirs, ours in zip(watched, plain.stream(*run), strict=True):
+        watched = dumped.stream(blobs)
+    for theirs, ours in zip(watched, plain.stream(blobs), strict=True):
         assert np.array_equal(theirs, ours)
     assert dumped.cycle == plain.cycle
 
@@ -99,9 +98,8 @@ def test_a_model_without_waves_decides_the_same_and_shows_its_top(
     config: CotConfig, blobs: Events, top: Top, tmp_path: Path
 ) -> None:
     bare, whole = Device(config, top, model=build_device(config, top, waves=False)), Device(config, top)
-    run = (blobs.t_us[:500], blobs.x[:500], blobs.y[:500], blobs.p[:500])
     with bare.dumping(tmp_path / "x.vcd", 0, 99), whole.dumping(tmp_path / "y.vcd", 0, 99):
-        for ours, theirs in zip(bare.stream(*run), whole.stream(*run), strict=True):
+        for ours, theirs in zip(bare.stream(blobs[:500]), whole.stream(blobs[:500]), strict=True):
             assert np.array_equal(ours, theirs)
     shown, everything = (set(Wave.open(tmp_path / name).find("TOP.*")) for name in ("x.vcd", "y.vcd"))
     assert {"TOP.s_x", f"TOP.{top}.s_x"} <= shown < everything

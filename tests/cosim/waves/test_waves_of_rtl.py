@@ -272,7 +272,7 @@ def test_a_timer_that_does_not_restart_in_the_verilog_is_found_out(config: CotCo
     one = CotConfig.uniform(replace(config.shape, n_slots=1), config.slots[0])
     device = Device(one, "cot", verilog=verilog)
     with device.dumping(tmp_path / "run.vcd"):
-        device.stream(blobs.t_us[:200], blobs.x[:200], blobs.y[:200], blobs.p[:200])
+        device.stream(blobs[:200])
     scope = Scope(Wave.open(tmp_path / "run.vcd", ["TOP.cot.*"]).sampled("TOP.cot.clk"), "TOP.cot")
     states_are_legal(scope)
     with pytest.raises(WaveformError, match=r"expect\(TOP\.cot\.tc == 0\)"):

@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.errors import ToolchainError
+from evcot.events import Events
 from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, SlotConfig
@@ -21,7 +22,7 @@ from evcot.hardware.lfsr_event_source import LfsrEventSource
 from evcot.hardware.register_access import Registers
 from evcot.hardware.streams import pack_events
 from evcot.recordings.files import read_recording
-from evcot.ticks import tick_times
+from evcot.ticks import TickedEvents
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.build.rtl import rtl_files
 from evcot_cosim.devices.top_device import (
@@ -47,6 +48,11 @@ PENDING = 2
 
 def arrangement(name: str) -> Arrangement:
     return Arrangement.CHAIN if name == "chain" else Arrangement.ARRAY
+
+
+def words_of(traffic: TickedEvents) -> NDArray[np.uint64]:
+    """The traffic as a camera sends it, whose microseconds are the ticks."""
+    return pack_events(traffic.ticks, traffic.x, traffic.y, traffic.p)
 
 
 def assert_same(hardware: Decisions, golden: Decisions, chain: bool = False) -> None:
@@ -83,9 +89,9 @@ def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
         for _ in range(2):
             traffic = traffic_of(rng, build, 8_000, since)
             zero = int(traffic.ticks[0]) if zero < 0 else zero
-            events = traffic._replace(ticks=traffic.ticks - zero)
-            told = device.run(pack_events(*traffic))
-            assert_same(told.decisions(first, 8_000, chain), model.feed(*events), chain)
+            events = replace(traffic, ticks=traffic.ticks - zero)
+            told = device.run(words_of(traffic))
+            assert_same(told.decisions(first, 8_000, chain), model.feed(events), chain)
             since, first = int(traffic.ticks[-1]), first + 8_000
             for kind in Kind:
                 kinds[kind] += int(np.count_nonzero(told.records["kind"] == kind))
@@ -105,7 +111,7 @@ def test_a_recording_gives_the_log_of_the_golden_model() -> None:
     device = device_of("engine", config)
     device.configure()
     told = device.run(pack_events(events.t_us, events.x, events.y, events.p))
-    golden = CotModel(config).feed(tick_times(events.t_us, int(events.t_us[0]), config.tick_us), events.x, events.y, events.p)
+    golden = CotModel(config).feed(TickedEvents.of(events, config.tick_us))
     assert len(golden.records) > 1_000
     assert_same(told.decisions(0, len(events)), golden)
 
@@ -158,7 +164,7 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
         changes = changes_of(rng, config, count, chain)
         afters = np.sort(rng.integers(0, n - 500, count))
         lists = [change.commands(rng, int(after)) for change, after in zip(changes, afters, strict=True)]
-        told = device.run(pack_events(*traffic), [command for commands in lists for command in commands])
+        told = device.run(words_of(traffic), [command for commands in lists for command in commands])
         assert not told.commands["response"].any()
         ends = np.cumsum([len(commands) for commands in lists]) - 1
         seqs = told.commands["result"][ends].astype(int)
@@ -167,10 +173,10 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
         assert np.all(seqs + 64 >= np.searchsorted(told.accepted, began))
 
         model = CotModel(config, arrangement(name))
-        events = traffic._replace(ticks=traffic.ticks - traffic.ticks[0])
+        events = replace(traffic, ticks=traffic.ticks - traffic.ticks[0])
         parts, at = [], 0
         for change, seq in zip(changes, seqs, strict=True):
-            parts.append(model.feed(*(column[at:seq] for column in events)))
+            parts.append(model.feed(events[at:seq]))
             active = alive(np.concatenate([part.records for part in parts]), change.slot)
             ended = model.write_registers(change.slot, change.registers, restart=change.restart)
             parts.append(Decisions(ended, *(column[:0] for column in parts[-1][1:])))
@@ -179,7 +185,7 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
             census["lives that went on"] += active and not change.restart
             census["lives that ended"] += len(ended)
             assert len(ended) == (active and change.restart)
-        parts.append(model.feed(*(column[at:] for column in events)))
+        parts.append(model.feed(events[at:]))
         golden = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
         assert_same(told.decisions(0, n, chain), golden, chain)
     print(census)
@@ -201,7 +207,7 @@ def test_commits_that_wait_together_take_effect_at_one_event() -> None:
     commits = [write(slot_address(slot), 1, 1_000) for slot in (2, 5, 7)]
     # The gate stays closed from the first commit until nothing is under way: the others come before that.
     told = device.run(
-        pack_events(*traffic), [*commits, poll(STATUS, PENDING, 0), *(read(slot_address(slot)) for slot in (2, 5, 7))]
+        words_of(traffic), [*commits, poll(STATUS, PENDING, 0), *(read(slot_address(slot)) for slot in (2, 5, 7))]
     )
     seqs = told.commands["result"][-3:]
     assert len(set(seqs.tolist())) == 1
@@ -221,7 +227,7 @@ def test_filters_change_between_two_events(seed: int) -> None:
     device.configure()
     traffic = traffic_of(rng, build, 6_000)
     told = device.run(
-        pack_events(*traffic),
+        words_of(traffic),
         [
             write(filter_address("region_x1"), 40, 2_000), write(filter_address("region_x0"), 20), write(filter_address(), 1),
             poll(STATUS, PENDING, 0), read(filter_address()),
@@ -231,7 +237,7 @@ def test_filters_change_between_two_events(seed: int) -> None:
     assert 1_900 < seq < 3_000
     keep = np.where(np.arange(6_000) < seq, traffic.x <= 90, (traffic.x >= 20) & (traffic.x <= 40))
     model = CotModel(replace(config, filters=FilterRegisters()))
-    assert_same(told.decisions(0, 6_000), model.feed(traffic.ticks - traffic.ticks[0], *traffic[1:3], keep=keep))
+    assert_same(told.decisions(0, 6_000), model.feed(replace(traffic, ticks=traffic.ticks - traffic.ticks[0]), keep))
     counters = Registers(device).counters()
     assert counters["filtered"] == np.count_nonzero(~keep)
 
@@ -243,7 +249,7 @@ def test_counters_add_up() -> None:
     device = device_of("array behind filters", config)
     device.configure()
     traffic = traffic_of(rng, build, 5_000)
-    words = pack_events(*traffic)
+    words = words_of(traffic)
     bad = np.concatenate([words[:10] | np.uint64(63 << 32), words[:7] | np.uint64(63 << 47)])  # beyond 60 x 50
     keeps = np.full(5_017, 255, np.uint8)
     keeps[3] = 127
@@ -312,12 +318,12 @@ def test_a_soft_reset_cuts_no_record_and_withdraws_no_event(name: str) -> None:
     rng = np.random.default_rng(11)
     config = replace(CotConfig.uniform(build.shape, EVERY), filter_shape=build.filter_shape)
     traffic = traffic_of(rng, build, 300)
-    golden = CotModel(config).feed(*traffic._replace(ticks=traffic.ticks - traffic.ticks[0])).records
+    golden = CotModel(config).feed(replace(traffic, ticks=traffic.ticks - traffic.ticks[0])).records
     waited = 0
     for at in range(20, 220, 20):
         device = device_of(name, config, pace=Pace.random(rng))
         device.configure()
-        told = device.run(pack_events(*traffic), [write(CONTROL, 1 << 9 | 1, after=at)])
+        told = device.run(words_of(traffic), [write(CONTROL, 1 << 9 | 1, after=at)])
         assert len(told.records) < len(golden)
         assert np.array_equal(told.records, golden[: len(told.records)])
         waited += np.count_nonzero(told.recorded > told.commands["ended"][0] + 8)
@@ -444,7 +450,7 @@ def test_the_self_test_source_gives_what_its_twin_in_python_gives() -> None:
         assert n > 500
         source = LfsrEventSource(x_w=6, y_w=6, seed=0xC0FFEE, gap=20, x_min=3, x_span=40, y_min=2, y_span=30)
         events = source.events(n)
-        golden = CotModel(config).feed(events.t_us - events.t_us[0], events.x, events.y, events.p)
+        golden = CotModel(config).feed(TickedEvents.of(events))
         same = min(len(golden.records), len(told.records)) - 20
         assert same > 200
         assert np.array_equal(told.records[:same], golden.records[:same])
@@ -479,15 +485,15 @@ def test_soft_reset_keeps_what_was_written_and_starts_over() -> None:
     device = device_of("array behind filters", config)
     device.configure()
     traffic = traffic_of(rng, build, 3_000)
-    first = device.run(pack_events(*traffic))
+    first = device.run(words_of(traffic))
     assert len(first.records) > 100
     registers = Registers(device)
     registers.control.soft_reset = 1
     device.run(quiet_clocks=8_000)
-    assert len(device.run(pack_events(*traffic)).passed) == 3_000  # slots are off
+    assert len(device.run(words_of(traffic)).passed) == 3_000  # slots are off
     registers.control.soft_reset = 1
     device.run(commands=[*(write(slot_address(slot), 1) for slot in range(4)), poll(STATUS, PENDING, 0)])
-    again = device.run(pack_events(*traffic))
+    again = device.run(words_of(traffic))
     assert np.array_equal(again.records, first.records)
     assert registers.counters()["events"] == 3_000
 
@@ -502,9 +508,9 @@ def test_ticks_of_several_microseconds() -> None:
     registers.control.soft_reset = 1
     device.configure(config)
     traffic = traffic_of(rng, build, 4_000)
-    t_us = 1_000_000 + traffic.ticks * 37
-    told = device.run(pack_events(t_us, *traffic[1:]))
-    golden = CotModel(config, Arrangement.CHAIN).feed(tick_times(t_us, int(t_us[0]), 50), *traffic[1:])
+    events = Events(1_000_000 + traffic.ticks * 37, traffic.x, traffic.y, traffic.p)
+    told = device.run(pack_events(events.t_us, events.x, events.y, events.p))
+    golden = CotModel(config, Arrangement.CHAIN).feed(TickedEvents.of(events, 50))
     assert_same(told.decisions(0, 4_000, True), golden, chain=True)
 
 

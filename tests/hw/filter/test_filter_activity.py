@@ -13,6 +13,7 @@ from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
+from support.ticked import ticked
 
 TOP = "filter_activity"
 
@@ -26,16 +27,16 @@ def golden(device: FilterDevice, traffic: FilterTraffic) -> NDArray[np.bool_]:
     """What the model keeps, with the registers that the hardware has."""
     io, given = device.sim.io, device.model.parameters
     registers = FilterRegisters(activity_ticks=int(io.activity_ticks), activity_support=int(io.activity_support))
-    keep = ~traffic.skip
+    keep = traffic.keep.copy()
     model = ActivityFilter(registers, FilterShape(given["WIDTH"], given["HEIGHT"], given["STAMP_W"]))
-    model.narrow(traffic.ticks, traffic.x, traffic.y, traffic.p, keep)
+    model.narrow(traffic, keep)
     return keep
 
 
 def by_the_rule(traffic: FilterTraffic, width: int, height: int, ticks: int, support: int) -> NDArray[np.bool_]:
     """docs/filters.md, event by event: each compared with all before it."""
     x, y = traffic.x.astype(int), traffic.y.astype(int)
-    reached = ~traffic.skip & (x < width) & (y < height)
+    reached = traffic.keep & (x < width) & (y < height)
     keep = np.zeros(len(x), np.bool_)
     for i in np.flatnonzero(reached):
         beside = np.maximum(abs(x[:i] - x[i]), abs(y[:i] - y[i])) == 1
@@ -109,14 +110,13 @@ class TestStories:
         ]
         for tick, x, y, enable, stays in story:
             small.set(enable=enable)
-            told = small.stream(np.array([tick]), np.array([x], np.uint16), np.array([y], np.uint16), np.zeros(1, np.uint8))
+            told = small.stream(ticked(tick, x, y))
             assert told.tolist() == [stays], tick
 
     def test_a_skipped_event_is_not_remembered(self, small: FilterDevice) -> None:
         small.set(activity_ticks=10, activity_support=1)
         small.reset()
-        x, y, p = np.array([3, 4, 5], np.uint16), np.ones(3, np.uint16), np.ones(3, np.uint8)
-        assert small.stream(np.zeros(3, np.int64), x, y, p, np.array([False, True, False])).tolist() == [False] * 3
+        assert small.stream(ticked(0, [3, 4, 5], 1, 1), np.array([True, False, True])).tolist() == [False] * 3
 
     def test_reset_forgets(self, small: FilterDevice) -> None:
         small.set(activity_ticks=31, activity_support=1)
@@ -173,7 +173,7 @@ def test_every_age_at_every_phase_of_the_stamps(tick_w: int) -> None:
     ages, phases = (axis.ravel() for axis in np.meshgrid(np.arange(81), np.arange(16)))
     ticks = np.cumsum(np.stack([90 + (phases - np.roll(phases, 1)) % 16, ages], axis=1).ravel())
     x = np.tile(np.array([1, 2], np.uint16), len(ages))
-    told = device.stream(ticks, x, x, np.zeros(len(x), np.uint8))
+    told = device.stream(ticked(ticks, x, x))
     assert not told[0::2].any()
     assert told[1::2].tolist() == (ages <= 7).tolist()
 
@@ -183,7 +183,7 @@ class TestClocks:
 
     def test_an_event_takes_1_clock_and_comes_out_after_8(self) -> None:
         traffic = filter_traffic(np.random.default_rng(1), 200_000, 346, 260, ticks_per_event=0.01)
-        _, times = device_of(346, 260, 20, 20).stream_timed(*traffic)
+        _, times = device_of(346, 260, 20, 20).stream_timed(traffic, traffic.keep)
         assert set(np.diff(times.accepted)) == {1}
         assert set(times.given - times.accepted) == {8}
 
@@ -197,14 +197,14 @@ class TestClocks:
         device.stalls = Stalls(source=np.array([1, 0, 0, 0], np.uint8))
         # 0.4 ticks an event: a segment of 1,024 ticks has 7,680 free clocks for a walk of 192 rows.
         traffic = filter_traffic(np.random.default_rng(1), n, 64, 48, ticks_per_event=0.4)
-        keep, times = device.stream_timed(*traffic)
+        keep, times = device.stream_timed(traffic, traffic.keep)
         assert set(np.diff(times.accepted)) == {4}
         assert np.array_equal(keep, golden(device, traffic))
 
     def test_a_stream_without_a_free_clock_waits_for_one_walk_in_each_segment(self) -> None:
         n, device = 50_000, device_of(64, 48, 12, 8)
         traffic = filter_traffic(np.random.default_rng(1), n, 64, 48, ticks_per_event=0.5, skips=0)
-        _, times = device.stream_timed(*traffic)
+        _, times = device.stream_timed(traffic, traffic.keep)
         segments = traffic.ticks[-1] // 1024
         assert segments == 24
         assert 0 < times.accepted[-1] - (n - 1) <= segments * (192 + 6)

@@ -19,6 +19,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic
 from support.testing import lint
+from support.ticked import ticked
 
 ALL = (1 << len(Filter)) - 1
 SHAPE = FilterShape(width=29, height=22, stamp_w=10, recent_depth=12)
@@ -73,8 +74,8 @@ def agrees(device: FilterDevice, registers: FilterRegisters, rng: np.random.Gene
     golden = FilterChain(registers, SHAPE)
 
     def wanted(told: FilterTraffic) -> NDArray[np.bool_]:
-        keep = ~told.skip
-        golden.narrow(told.ticks, told.x, told.y, told.p, keep)
+        keep = told.keep.copy()
+        golden.narrow(told, keep)
         return keep
 
     parts = [
@@ -125,7 +126,7 @@ def test_filters_that_are_not_built_hand_everything_on(has: int) -> None:
     write(device, registers)
     golden = FilterChain(replace(registers, enable=has), SHAPE)
     traffic = filter_traffic(rng, 20_000, 29, 22, ticks_per_event=3, longest_gap=5000, beyond=3, skips=0)
-    kept = exact(device, traffic, lambda told: golden.feed(told.ticks, told.x, told.y, told.p))
+    kept = exact(device, traffic, golden.feed)
     assert kept < 1
     assert kept > 0.01
 
@@ -135,7 +136,7 @@ def test_a_token_every_clock_after_the_latencies_of_all_that_are_built(has: int)
     device = chain(has)
     write(device, FilterRegisters(enable=ALL))
     traffic = filter_traffic(np.random.default_rng(74), 2000, 29, 22, ticks_per_event=0)  # no time passes: no walk
-    _, times = device.stream_timed(*traffic)
+    _, times = device.stream_timed(traffic, traffic.keep)
     assert (np.diff(times.accepted) == 1).all()
     clocks = sum(latency(f"filter_{which.name.lower()}") for which in Filter if has >> which & 1)
     assert (times.given - times.accepted == clocks).all()
@@ -157,7 +158,7 @@ def test_registers_written_between_runs_count_from_then_on(device: FilterDevice)
     write(device, FilterRegisters(enable=1 << Filter.ACTIVITY, activity_ticks=100))
 
     def stays(tick: int, x: int, p: int = 0) -> bool:
-        return bool(device.stream(np.array([tick]), *np.array([[x], [10], [p]], np.uint16))[0])
+        return bool(device.stream(ticked(tick, x, 10, p))[0])
 
     assert not stays(0, 10)
     assert stays(10, 11)

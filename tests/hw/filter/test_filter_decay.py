@@ -13,6 +13,7 @@ from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
+from support.ticked import ticked
 
 TOP = "filter_decay"
 
@@ -30,9 +31,9 @@ def golden(device: FilterDevice, traffic: FilterTraffic) -> NDArray[np.bool_]:
     io, given = device.sim.io, device.model.parameters
     rate, epsilon, support = int(io.decay_rate), int(io.decay_epsilon), int(io.decay_support)
     registers = FilterRegisters(decay_rate=rate, decay_epsilon=epsilon, decay_support=support)
-    keep = ~traffic.skip
+    keep = traffic.keep.copy()
     model = DecayFilter(registers, FilterShape(given["WIDTH"], given["HEIGHT"]))
-    model.narrow(traffic.ticks, traffic.x, traffic.y, traffic.p, keep)
+    model.narrow(traffic, keep)
     return keep
 
 
@@ -40,7 +41,7 @@ def by_the_rule(traffic: FilterTraffic, width: int, height: int, rate: int, epsi
     """docs/filters.md, event by event: each compared with all before it."""
     x, y = traffic.x.astype(int), traffic.y.astype(int)
     unit = traffic.ticks * rate >> 24
-    reached = ~traffic.skip & (x < width) & (y < height)
+    reached = traffic.keep & (x < width) & (y < height)
     keep = np.zeros(len(x), np.bool_)
     for i in np.flatnonzero(reached):
         beside = np.flatnonzero(reached[:i] & (np.maximum(abs(x[:i] - x[i]), abs(y[:i] - y[i])) == 1))[::-1]
@@ -69,7 +70,7 @@ class TestStories:
         for support in (*range(1, 12), *range(12, 258, 5), 256, 257):
             small.set(decay_support=support)
             small.reset()
-            told = small.stream(ticks, x, x // 2, np.zeros(600, np.uint8))
+            told = small.stream(ticked(ticks, x, x // 2))
             assert not told[0::2].any()
             whole = [round(256 * 2 ** (-(age % 32) / 32)) >> age // 32 for age in range(300)]
             assert told[1::2].tolist() == [weight >= support for weight in whole], support
@@ -134,14 +135,13 @@ class TestStories:
         ]
         for tick, x, y, enable, stays in story:
             small.set(enable=enable)
-            told = small.stream(np.array([tick]), np.array([x], np.uint16), np.array([y], np.uint16), np.zeros(1, np.uint8))
+            told = small.stream(ticked(tick, x, y))
             assert told.tolist() == [stays], tick
 
     def test_a_skipped_event_is_not_remembered(self, small: FilterDevice) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=0, decay_support=1)
         small.reset()
-        x, y, p = np.array([3, 4, 5], np.uint16), np.ones(3, np.uint16), np.ones(3, np.uint8)
-        assert small.stream(np.zeros(3, np.int64), x, y, p, np.array([False, True, False])).tolist() == [False] * 3
+        assert small.stream(ticked(0, [3, 4, 5], 1, 1), np.array([True, False, True])).tolist() == [False] * 3
 
     def test_reset_forgets(self, small: FilterDevice) -> None:
         small.set(decay_rate=1, decay_epsilon=0, decay_support=1)
@@ -199,7 +199,7 @@ def test_silences_longer_than_stamps_can_tell(small: FilterDevice) -> None:
     units = np.arange(2600)
     ticks = np.cumsum(np.stack([np.full(len(units), 1001), units], axis=1).ravel())
     x = np.tile(np.array([4, 5], np.uint16), len(units))
-    told = small.stream(ticks, x, x // 2, np.zeros(len(x), np.uint8))
+    told = small.stream(ticked(ticks, x, x // 2))
     assert not told[0::2].any()
     assert told[1::2].tolist() == (units <= 256).tolist()
 
@@ -211,7 +211,7 @@ class TestClocks:
         device = device_of(346, 260, 20)
         device.set(decay_rate=ONE_A_TICK // 400)
         traffic = filter_traffic(np.random.default_rng(1), 200_000, 346, 260, ticks_per_event=0.01)
-        _, times = device.stream_timed(*traffic)
+        _, times = device.stream_timed(traffic, traffic.keep)
         assert set(np.diff(times.accepted)) == {1}
         assert set(times.given - times.accepted) == {13}
 
@@ -225,6 +225,6 @@ class TestClocks:
         device.stalls = Stalls(source=np.array([1, 0, 0, 0], np.uint8))
         # 0.4 ticks an event: a segment of 64 units, or 1,024 ticks, has 7,680 free clocks for a walk of 192 rows.
         traffic = filter_traffic(np.random.default_rng(1), 20_000, 64, 48, ticks_per_event=0.4)
-        keep, times = device.stream_timed(*traffic)
+        keep, times = device.stream_timed(traffic, traffic.keep)
         assert set(np.diff(times.accepted)) == {4}
         assert np.array_equal(keep, golden(device, traffic))

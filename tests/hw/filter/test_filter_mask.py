@@ -45,8 +45,9 @@ class Sensor:
 
 def every_address(device: FilterDevice) -> FilterTraffic:
     y, x = np.divmod(np.arange(1024), 32)
-    none = np.zeros(1024, np.uint8)
-    return FilterTraffic(np.full(1024, device.now), x.astype(np.uint16), y.astype(np.uint16), none, none.astype(np.bool_))
+    return FilterTraffic(
+        np.full(1024, device.now), x.astype(np.uint16), y.astype(np.uint16), np.zeros(1024, np.uint8), np.ones(1024, np.bool_)
+    )
 
 
 def test_a_marked_pixel_is_silent_until_it_is_unmarked() -> None:
@@ -112,7 +113,8 @@ def test_random_marks_traffic_and_stalls_are_exact(width: int, height: int) -> N
 
 
 def test_a_token_every_clock_four_clocks_later() -> None:
-    _, times = mask_filter(21, 13).stream_timed(*filter_traffic(np.random.default_rng(43), 1000, 21, 13))
+    traffic = filter_traffic(np.random.default_rng(43), 1000, 21, 13)
+    _, times = mask_filter(21, 13).stream_timed(traffic, traffic.keep)
     assert (np.diff(times.accepted) == 1).all()
     assert (times.given - times.accepted == 4).all()
 

@@ -31,7 +31,8 @@ def test_hands_everything_on_when_not_enabled() -> None:
 
 
 def test_a_token_every_clock_one_clock_later() -> None:
-    _, times = polarity_filter(1).stream_timed(*filter_traffic(np.random.default_rng(23), 1000, 32, 16))
+    traffic = filter_traffic(np.random.default_rng(23), 1000, 32, 16)
+    _, times = polarity_filter(1).stream_timed(traffic, traffic.keep)
     assert (np.diff(times.accepted) == 1).all()
     assert (times.given - times.accepted == 1).all()
 

@@ -13,6 +13,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic
 from support.testing import lint
+from support.ticked import ticked
 
 Story = list[tuple[int, int, int]]  # tick, x, y
 
@@ -28,7 +29,7 @@ def recent_filter(
 def tell(device: FilterDevice, story: Story) -> list[int]:
     """The events of a story, numbered from 0, that stay."""
     ticks, x, y = np.array(story, np.int64).T
-    keep = device.stream(ticks + device.now, x.astype(np.uint16), y.astype(np.uint16), np.zeros(len(story), np.uint8))
+    keep = device.stream(ticked(ticks + device.now, x, y))
     return np.flatnonzero(keep).tolist()
 
 
@@ -41,7 +42,7 @@ class Memory:
 
     def judge(self, told: FilterTraffic, ticks: int, radius: int, support: int) -> NDArray[np.bool_]:
         """Which of these events stay, each compared with the one before it, then the one before that; they are remembered."""
-        reaches = ~told.skip
+        reaches = told.keep
         known = self.events.shape[1]
         events = np.concatenate([self.events, np.stack([told.ticks, told.x, told.y])[:, reaches]], axis=1)
         supporters = np.zeros(events.shape[1], np.int64)
@@ -86,8 +87,7 @@ class TestStories:
 
     def test_a_skipped_event_is_not_remembered(self) -> None:
         device = recent_filter()
-        place = np.array([10, 11], np.uint16)
-        keep = device.stream(np.zeros(2, np.int64), place, place, np.zeros(2, np.uint8), np.array([True, False]))
+        keep = device.stream(ticked(0, [10, 11], [10, 11]), np.array([False, True]))
         assert not keep.any()
 
     def test_not_enabled_it_hands_on_and_leaves_its_memory_alone_but_time_passes(self) -> None:
@@ -132,7 +132,7 @@ def test_random_registers_traffic_and_stalls_are_exact(depth: int, stamp_w: int,
         )  # fmt: skip
 
         def wanted(told: FilterTraffic, registers: tuple[int, int, int] = (ticks, radius, support)) -> NDArray[np.bool_]:
-            return memory.judge(told, *registers) if device.sim.io.enable else ~told.skip
+            return memory.judge(told, *registers) if device.sim.io.enable else told.keep
 
         kept.append(exact(device, traffic, wanted))
     enabled = [part for run, part in enumerate(kept) if run % 5 != 4]
@@ -142,7 +142,8 @@ def test_random_registers_traffic_and_stalls_are_exact(depth: int, stamp_w: int,
 
 
 def test_a_token_every_clock_four_clocks_later() -> None:
-    _, times = recent_filter().stream_timed(*filter_traffic(np.random.default_rng(62), 1000, 32, 32))
+    traffic = filter_traffic(np.random.default_rng(62), 1000, 32, 32)
+    _, times = recent_filter().stream_timed(traffic, traffic.keep)
     assert (np.diff(times.accepted) == 1).all()
     assert (times.given - times.accepted == 4).all()
 

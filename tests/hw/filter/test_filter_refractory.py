@@ -13,6 +13,7 @@ from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
+from support.ticked import ticked
 
 TOP = "filter_refractory"
 
@@ -26,16 +27,16 @@ def golden(device: FilterDevice, traffic: FilterTraffic) -> NDArray[np.bool_]:
     """What the model keeps, with the register that the hardware has."""
     given = device.model.parameters
     registers = FilterRegisters(refractory_ticks=int(device.sim.io.refractory_ticks))
-    keep = ~traffic.skip
+    keep = traffic.keep.copy()
     model = RefractoryFilter(registers, FilterShape(given["WIDTH"], given["HEIGHT"], given["STAMP_W"]))
-    model.narrow(traffic.ticks, traffic.x, traffic.y, traffic.p, keep)
+    model.narrow(traffic, keep)
     return keep
 
 
 def by_the_rule(traffic: FilterTraffic, width: int, height: int, ticks: int) -> NDArray[np.bool_]:
     """docs/filters.md, event by event: each compared with all that stayed before it."""
     keep = np.zeros(len(traffic.x), np.bool_)
-    for i in np.flatnonzero(~traffic.skip & (traffic.x < width) & (traffic.y < height)):
+    for i in np.flatnonzero(traffic.keep & (traffic.x < width) & (traffic.y < height)):
         here = keep[:i] & (traffic.x[:i] == traffic.x[i]) & (traffic.y[:i] == traffic.y[i])
         keep[i] = not (here & (traffic.ticks[i] - traffic.ticks[:i] < ticks)).any()
     return keep
@@ -96,14 +97,13 @@ class TestStories:
         ]
         for tick, x, y, enable, stays in story:
             small.set(enable=enable)
-            told = small.stream(np.array([tick]), np.array([x], np.uint16), np.array([y], np.uint16), np.zeros(1, np.uint8))
+            told = small.stream(ticked(tick, x, y))
             assert told.tolist() == [stays], tick
 
     def test_a_skipped_event_is_not_remembered(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=10)
         small.reset()
-        x, y, p = np.array([3, 3, 3], np.uint16), np.ones(3, np.uint16), np.ones(3, np.uint8)
-        told = small.stream(np.zeros(3, np.int64), x, y, p, np.array([True, False, False]))
+        told = small.stream(ticked(0, [3, 3, 3], 1, 1), np.array([False, True, True]))
         assert told.tolist() == [False, True, False]
 
     def test_reset_forgets(self, small: FilterDevice) -> None:
@@ -159,7 +159,7 @@ def test_every_age_at_every_phase_of_the_stamps(tick_w: int) -> None:
     ages, phases = (axis.ravel() for axis in np.meshgrid(np.arange(81), np.arange(16)))
     ticks = np.cumsum(np.stack([90 + (phases - np.roll(phases, 1)) % 16, ages], axis=1).ravel())
     x = np.ones(2 * len(ages), np.uint16)
-    told = device.stream(ticks, x, x, np.zeros(len(x), np.uint8))
+    told = device.stream(ticked(ticks, x, x))
     assert told[0::2].all()
     assert told[1::2].tolist() == (ages >= 7).tolist()
 
@@ -169,7 +169,7 @@ class TestClocks:
 
     def test_an_event_takes_1_clock_and_comes_out_after_7(self) -> None:
         traffic = filter_traffic(np.random.default_rng(1), 200_000, 346, 260, ticks_per_event=0.01)
-        _, times = device_of(346, 260, 20, 20).stream_timed(*traffic)
+        _, times = device_of(346, 260, 20, 20).stream_timed(traffic, traffic.keep)
         assert set(np.diff(times.accepted)) == {1}
         assert set(times.given - times.accepted) == {7}
 
@@ -182,14 +182,14 @@ class TestClocks:
         device.stalls = Stalls(source=np.array([1, 0, 0, 0], np.uint8))
         # 0.4 ticks an event: a segment of 1,024 ticks has 7,680 free clocks for a walk of 3,072 pixels.
         traffic = filter_traffic(np.random.default_rng(1), 20_000, 64, 48, ticks_per_event=0.4)
-        keep, times = device.stream_timed(*traffic)
+        keep, times = device.stream_timed(traffic, traffic.keep)
         assert set(np.diff(times.accepted)) == {4}
         assert np.array_equal(keep, golden(device, traffic))
 
     def test_a_stream_without_a_free_clock_waits_for_one_walk_in_each_segment(self) -> None:
         n, device = 50_000, device_of(64, 48, 12, 8)
         traffic = filter_traffic(np.random.default_rng(1), n, 64, 48, ticks_per_event=0.5, skips=0)
-        _, times = device.stream_timed(*traffic)
+        _, times = device.stream_timed(traffic, traffic.keep)
         segments = traffic.ticks[-1] // 1024
         assert segments == 24
         assert 0 < times.accepted[-1] - (n - 1) <= segments * (64 * 48 + 6)

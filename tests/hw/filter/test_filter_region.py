@@ -29,7 +29,7 @@ def inside(region: Region, x: NDArray[np.uint16], y: NDArray[np.uint16]) -> NDAr
 def every_pixel() -> FilterTraffic:
     y, x = np.divmod(np.arange(512), 32)
     return FilterTraffic(
-        np.arange(512), x.astype(np.uint16), y.astype(np.uint16), np.zeros(512, np.uint8), np.zeros(512, np.bool_)
+        np.arange(512), x.astype(np.uint16), y.astype(np.uint16), np.zeros(512, np.uint8), np.ones(512, np.bool_)
     )
 
 
@@ -69,7 +69,7 @@ def test_random_regions_traffic_and_stalls_are_exact() -> None:
 
 def test_a_token_every_clock_one_clock_later() -> None:
     traffic = filter_traffic(np.random.default_rng(12), 1000, 32, 16)
-    _, times = region_filter((3, 17, 2, 9)).stream_timed(*traffic)
+    _, times = region_filter((3, 17, 2, 9)).stream_timed(traffic, traffic.keep)
     assert (np.diff(times.accepted) == 1).all()
     assert (times.given - times.accepted == 1).all()
 

@@ -16,6 +16,7 @@ from evcot.hardware.register_access import Registers
 from evcot.hardware.streams import unpack
 from evcot.recordings.files import write_events
 from evcot.recordings.formats.evt3 import evt3_layout
+from evcot.ticks import TickedEvents
 from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.top_device import Pace, TopDevice, address_of, configuration, poll, write
@@ -61,7 +62,7 @@ def test_words_of_a_camera_give_the_log_of_its_events(source: int, tmp_path: Pat
         beats = axis_beats(turned(words, source) if seed else words, 64)
         device = selected(source, Pace.random(rng) if seed else None, swap_bytes=seed, swap_halves=seed)
         told = device.run(beats[:, 0].copy(), keeps=beats[:, 1].astype(np.uint8), most=len(events))
-        golden = CotModel(CONFIG).feed(events.t_us - events.t_us[0], events.x, events.y, events.p)
+        golden = CotModel(CONFIG).feed(TickedEvents.of(events))
         found = told.decisions(0, len(events))
         for field in golden._fields:
             assert np.array_equal(getattr(found, field), getattr(golden, field)), field

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from evcot.ticks import tick_times
 from support.stream_device import Bundle, StreamDevice, random_stalls
 from support.testing import lint
+from support.ticked import ticked
 from support.tokens import TOKENS_OUT, make_tokens
 
 TOP = "stamp_ticks"
@@ -26,7 +27,7 @@ def expected(t_us: NDArray[np.int64], rest: NDArray[np.int64], tick_us: int, tic
     """As the host does it: ticks since the first event, times that run back raised to the latest one."""
     ticks = tick_times(np.maximum.accumulate(t_us), int(t_us[0]), max(1, tick_us))
     x, y, p = rest.T
-    return make_tokens(ticks, x.astype(np.uint16), y.astype(np.uint16), p.astype(np.uint8), tick_w)
+    return make_tokens(ticked(ticks, x, y, p), tick_w)
 
 
 def told(device: StreamDevice, times: list[int]) -> list[list[int]]:

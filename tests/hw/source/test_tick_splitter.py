@@ -8,6 +8,7 @@ import pytest
 
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import lint
+from support.ticked import ticked
 from support.tokens import TOKENS_IN, TOKENS_OUT, make_tokens
 
 TOP = "tick_splitter"
@@ -51,7 +52,7 @@ def test_random_tokens(wide_w: int, tick_w: int) -> None:
         x, y = rng.integers(0, 256, n).astype(np.uint16), rng.integers(0, 128, n).astype(np.uint16)
         kind, p = rng.integers(0, 3, n), rng.integers(0, 2, n).astype(np.uint8)
         wide = np.stack([wait, kind == 1, kind == 2, x, y, p], axis=1).astype(np.uint64)
-        expected = make_tokens(np.cumsum(wait), x, y, p, tick_w)
+        expected = make_tokens(ticked(np.cumsum(wait), x, y, p), tick_w)
         last = expected[:, 1] == 1
         expected[last, 1], expected[last, 2] = kind == 1, kind == 2
         assert np.array_equal(device.run({"s_": wide}).words["m_"], expected)

@@ -18,6 +18,7 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, Top
 from support.testing import Sink, Source, always, run_streams
+from support.ticked import ticked
 from support.trials import ENGINES, Told, exact, random_traffic, tell
 
 SHAPE = Shape(n_slots=1, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=8, seq_w=16, time_w=20)
@@ -327,8 +328,7 @@ def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(top: Top, born: 
     device = Device(config, top)
     io = device.sim.io
     n = 5 if born else 2
-    full = np.full(n, 64, np.uint16)
-    device.stream(np.arange(10, 10 + n), full, full, np.zeros(n, np.uint8))
+    device.stream(ticked(np.arange(10, 10 + n), 64, 64))
     io.m_cm_ready = 0
     device.write_registers(0, config.slots[0])
     for _ in range(5):
@@ -341,14 +341,14 @@ def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(top: Top, born: 
     for _ in range(3):
         device.sim.clock.tick()
     assert (io.m_cm_valid, io.idle) == (0, 1)
-    after = device.stream(np.arange(20, 23), full[:1].repeat(3), full[:1].repeat(3), np.zeros(3, np.uint8))
+    after = device.stream(ticked([20, 21, 22], 64, 64))
     assert Told(config, after).records("kind", "track_id", "seq", "support") == [(BORN, int(born), n + 2, 3)]
 
 
 def test_a_mode_write_after_a_passed_event_names_the_next_one_too() -> None:
     config = CotConfig(SHAPE, (replace(FIXED, **n_ev_of(1)),))
     device = Device(config, "cot")
-    device.stream(np.array([1, 2]), np.array([64, 0], np.uint16), np.array([64, 0], np.uint16), np.zeros(2, np.uint8))
+    device.stream(ticked([1, 2], [64, 0], [64, 0]))
     device.sim.io.m_cm_ready = 0
     device.write_registers(0, config.slots[0])
     for _ in range(5):
@@ -359,8 +359,7 @@ def test_a_mode_write_after_a_passed_event_names_the_next_one_too() -> None:
 def timed(story: list[Event], **registers: int) -> tuple[list[int], list[int]]:
     """Clocks at which the events went in and the records came out, nothing stalled."""
     device = Device(CotConfig(SHAPE, (replace(FIXED, **registers),)), "cot")
-    ticks, x, y = np.array(story).T
-    _, times = device.stream_timed(ticks, x.astype(np.uint16), y.astype(np.uint16), np.zeros(len(x), np.uint8))
+    _, times = device.stream_timed(ticked(*np.array(story).T))
     return times.accepted.tolist(), times.recorded.tolist()
 
 
@@ -440,7 +439,7 @@ def test_decisions_do_not_depend_on_stalls() -> None:
     config = CotConfig(SHAPE, (replace(FIXED, mode=Mode.SEEDED, **n_ev_of(3)),))
     traffic = random_traffic(rng, SHAPE, 20_000, 2)
     runs = [
-        Device(config, "cot", stalls=stalls).stream(*traffic) for stalls in (Stalls(), Stalls.random(rng), Stalls.random(rng))
+        Device(config, "cot", stalls=stalls).stream(traffic) for stalls in (Stalls(), Stalls.random(rng), Stalls.random(rng))
     ]
     assert len(runs[0].records) > 100
     for other in runs[1:]:

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
+from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
-from support.trials import ENGINES, OLD_AND_YOUNG, Engine, Told, Traffic, exact, random_config, random_traffic, tell
+from support.ticked import ticked
+from support.trials import ENGINES, OLD_AND_YOUNG, Engine, Told, exact, random_config, random_traffic, tell
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 EIGHT = replace(SHAPE, n_slots=8, id_w=32)
@@ -235,8 +237,9 @@ def test_no_active_windows_ever_overlap_and_ids_are_never_reused(engine: Engine,
     rng = np.random.default_rng([7, seed])
     slot = replace(JUMPY, clust_nev=3, nev_min=2, radix_step=2, radix_max=9, hist_avg=1, max_ticks=300)
     config = CotConfig(EIGHT, (slot,) * 8)
-    ticks, x, y, _ = random_traffic(rng, EIGHT, 12_000, 1)
-    run = tell(zip(ticks.tolist(), x.tolist(), y.tolist(), strict=True), config, "cot_array", engine)
+    events = random_traffic(rng, EIGHT, 12_000, 1)
+    story = zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True)
+    run = tell(story, config, "cot_array", engine)
     records = run.decisions.records
     assert run.kinds.count(MERGED) > 40
     assert overlaps(config, records) == 0
@@ -252,8 +255,8 @@ def test_the_replay_sees_an_overlap() -> None:
 
 def test_a_mode_write_restarts_one_slot_alone() -> None:
     device = Device(CotConfig(SHAPE, (JUMPY,) * 3))
-    xs = np.array([20, 60, 100], np.uint16)
-    device.stream(np.array([1, 2, 3]), xs, xs, np.zeros(3, np.uint8))
+    xs = [20, 60, 100]
+    device.stream(ticked([1, 2, 3], xs, xs))
     io = device.sim.io
     io.m_cm_ready = 0
     device.write_registers(1, JUMPY)
@@ -264,7 +267,7 @@ def test_a_mode_write_restarts_one_slot_alone() -> None:
     device.sim.clock.tick()
     device.sim.clock.tick()
     assert (io.m_cm_valid, io.idle) == (0, 1)
-    after = Told(device.config, device.stream(np.array([5, 5, 5]), xs, xs, np.zeros(3, np.uint8)))
+    after = Told(device.config, device.stream(ticked(5, xs, xs)))
     assert after.records("kind", "slot", "track_id") == [(MOVED, 0, 0), (BORN, 1, 3), (MOVED, 2, 2)]
 
 
@@ -272,17 +275,16 @@ class TestClocks:
     """What the header of cot_array.v claims."""
 
     def burst(
-        self, shape: Shape, slot: SlotConfig, traffic: Traffic
+        self, shape: Shape, slot: SlotConfig, traffic: TickedEvents
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.void]]:
         device = Device(CotConfig(shape, (slot,) * shape.n_slots))
-        decisions, times = device.stream_timed(*traffic)
+        decisions, times = device.stream_timed(traffic)
         return times.accepted, times.recorded, decisions.records
 
     @pytest.mark.parametrize("n", [1, 3, 8, 32])
     def test_a_record_comes_2_clocks_after_its_event_for_any_number_of_slots_and_an_event_takes_1(self, n: int) -> None:
-        x = np.full(50, 64, np.uint16)
         shape = RANDOM[n][0]
-        accepted, recorded, _ = self.burst(shape, JUMPY, Traffic(np.zeros(50, np.int64), x, x, np.zeros(50, np.uint8)))
+        accepted, recorded, _ = self.burst(shape, JUMPY, ticked([0] * 50, 64, 64))
         assert np.subtract(recorded, accepted).tolist() == [2] * 50
         assert set(np.diff(accepted)) == {1}
 
@@ -301,16 +303,16 @@ class TestClocks:
             assert clocks == 2
 
     def test_the_end_of_a_life_takes_1_clock_more_each(self) -> None:
-        x = np.array([20, 60, 100, 20, 20, 20, 20, 20], np.uint16)
-        ticks = np.array([0, 0, 0, 5000, 5000, 5000, 5000, 5000])
-        accepted, _, records = self.burst(SHAPE, JUMPY, Traffic(ticks, x, x, np.zeros(8, np.uint8)))
+        x = [20, 60, 100, 20, 20, 20, 20, 20]
+        ticks = [0, 0, 0, 5000, 5000, 5000, 5000, 5000]
+        accepted, _, records = self.burst(SHAPE, JUMPY, ticked(ticks, x, x))
         assert np.count_nonzero(records["kind"] == LOST) == 3
         assert accepted[7] - accepted[2] == 5 + 3
 
     def test_a_merge_takes_the_divider_and_4_clocks(self) -> None:
         divider = (SHAPE.x_w + SHAPE.frac + SHAPE.sup_w + 1) + 1  # a bit of the numerator per clock, and one
-        x = np.array([30, 42, *[100] * 10], np.uint16)
-        accepted, _, records = self.burst(SHAPE, SMALL, Traffic(np.zeros(12, np.int64), x, x, np.zeros(12, np.uint8)))
+        x = [30, 42, *[100] * 10]
+        accepted, _, records = self.burst(SHAPE, SMALL, ticked(0, x, x))
         assert np.count_nonzero(records["kind"] == MERGED) == 1
         assert accepted[-1] - accepted[0] == 11 + divider + 4
 
@@ -353,7 +355,7 @@ def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
             shape = replace(TWO, tick_w=tick_w)
             config = random_config(rng, shape)
             traffic = random_traffic(rng, shape, 5_000, 3)
-            runs.append(Device(config, stalls=Stalls.random(rng)).stream(*traffic))
+            runs.append(Device(config, stalls=Stalls.random(rng)).stream(traffic))
         for other in runs[1:]:
             assert all(np.array_equal(mine, theirs) for mine, theirs in zip(runs[0], other, strict=True)), f"seed {seed}"
         records += len(runs[0].records)

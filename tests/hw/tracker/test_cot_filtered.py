@@ -18,6 +18,7 @@ from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, Top, build_device
 from support.testing import lint
+from support.ticked import ticked
 from support.trials import random_config, random_traffic
 
 SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
@@ -77,7 +78,7 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled
         model = CotModel(config, device.arrangement)
         for part in range(2):
             traffic = random_traffic(rng, SHAPE, 20_000, float(rng.choice([0.3, 2])), device.now)
-            hardware, golden = device.stream(*traffic), model.feed(*traffic)
+            hardware, golden = device.stream(traffic), model.feed(traffic)
             for field in Decisions._fields:
                 same = np.array_equal(getattr(hardware, field), getattr(golden, field))
                 assert same, f"run {run}, part {part}: {field} differs"
@@ -94,10 +95,8 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled
 def test_records_carry_the_numbers_of_the_camera(engine: str) -> None:
     filters = FilterRegisters(enable=enable(Filter.POLARITY), polarity=1)
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
-    ticks = np.array([0, 10, 20, 30, 40, 900], np.int64)
-    x = np.full(6, 20, np.uint16)
-    p = np.array([0, 1, 0, 1, 0, 0], np.uint8)
-    made = Device(config).stream(ticks, x, x, p) if engine == "rtl" else CotModel(config).feed(ticks, x, x, p)
+    events = ticked([0, 10, 20, 30, 40, 900], 20, 20, [0, 1, 0, 1, 0, 0])
+    made = Device(config).stream(events) if engine == "rtl" else CotModel(config).feed(events)
     assert made.owner.tolist() == [DROPPED, 0, DROPPED, 0, DROPPED, DROPPED]
     assert made.records["kind"].tolist() == [Kind.BORN, Kind.LOST]
     assert made.records["seq"].tolist() == [3, 5]  # the loss comes before the event that tells of it, though that is nobody's
@@ -107,8 +106,7 @@ def test_records_carry_the_numbers_of_the_camera(engine: str) -> None:
 def test_a_hot_pixel_starts_no_life() -> None:
     filters = FilterRegisters(enable=enable(Filter.MASK), hot_pixels=((20, 20),))
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
-    ticks, x = np.arange(200), np.tile(np.array([20, 21], np.uint16), 100)
-    made = Device(config).stream(ticks, x, np.full(200, 20, np.uint16), np.zeros(200, np.uint8))
+    made = Device(config).stream(ticked(np.arange(200), [20, 21] * 100, 20))
     assert set(made.owner[::2].tolist()) == {DROPPED}
     assert set(made.owner[1::2].tolist()) == {0}
 
@@ -118,10 +116,10 @@ def test_reset_empties_the_memories(top: Top) -> None:
     filters = FilterRegisters(enable=enable(Filter.ACTIVITY), activity_ticks=500)
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
     device = Device(config, top)
-    story = np.array([0, 1]), np.array([20, 21], np.uint16), np.array([20, 20], np.uint16), np.zeros(2, np.uint8)
-    first = device.stream(*story).owner.tolist()
+    story = ticked([0, 1], [20, 21], 20)
+    first = device.stream(story).owner.tolist()
     device.reset()
-    assert device.stream(*story).owner.tolist() == first == [DROPPED, 0]
+    assert device.stream(story).owner.tolist() == first == [DROPPED, 0]
 
 
 def test_a_single_tracker_has_no_filters_in_front() -> None:

@@ -11,6 +11,7 @@ import pytest
 from evcot.filters.contract import FilterShape
 from evcot.filters.decay import DecayFilter, weights
 from evcot.filters.registers import FilterRegisters
+from support.ticked import ticked
 
 BOUND = 0.03
 
@@ -63,10 +64,7 @@ def test_the_filter_counts_the_same_units(rate: int, start: int) -> None:
         last_tick = ((last_unit + 1 << 24) - 1) // rate
         for now, stays in ((last_tick, True), (last_tick + 1, False)):
             decay = DecayFilter(FilterRegisters(decay_rate=rate, decay_support=support), FilterShape(2, 1))
-            zeros = np.zeros(2, np.int64)
-            keep = decay.feed(
-                np.array([start, now]), np.array([0, 1], np.uint16), zeros.astype(np.uint16), zeros.astype(np.uint8)
-            )
+            keep = decay.feed(ticked([start, now], [0, 1], 0))
             assert keep.tolist() == [False, stays]
 
 
@@ -76,5 +74,5 @@ def test_eight_fresh_neighbours_reach_the_greatest_support(support: int) -> None
     x, y = (np.array(column, np.uint16) for column in zip(*ring, (1, 1), strict=True))
     for fresh in (8, 7):
         decay = DecayFilter(FilterRegisters(decay_rate=1 << 24, decay_support=support), FilterShape(3, 3))
-        keep = decay.feed(np.zeros(fresh + 1, np.int64), x[8 - fresh :], y[8 - fresh :], np.zeros(fresh + 1, np.uint8))
+        keep = decay.feed(ticked(0, x[8 - fresh :], y[8 - fresh :]))
         assert keep[-1] == (256 * fresh >= support)

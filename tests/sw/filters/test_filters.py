@@ -5,16 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
 from evcot.filters.chain import FILTERS, FilterChain, Total
 from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
+from evcot.ticks import TickedEvents
+from support.ticked import ticked
 
 Pixel = tuple[int, int]
 Rule = Callable[[int, int, int, int], bool]  # now, x, y, p -> stays
@@ -23,18 +23,6 @@ ALL = (1 << len(Filter)) - 1
 SEEDS = range(4)
 SENSORS = [(1, 1), (1, 7), (7, 1), (2, 2), (6, 5), (40, 30)]
 END = 1 << 62
-
-
-class Traffic(NamedTuple):
-    """The arguments of `feed`."""
-
-    ticks: NDArray[np.int64]
-    x: NDArray[np.uint16]
-    y: NDArray[np.uint16]
-    p: NDArray[np.uint8]
-
-    def part(self, window: slice) -> Traffic:
-        return Traffic(*(column[window] for column in self))
 
 
 def registers(random: np.random.Generator, width: int, height: int) -> FilterRegisters:
@@ -60,7 +48,7 @@ def registers(random: np.random.Generator, width: int, height: int) -> FilterReg
     )
 
 
-def traffic(random: np.random.Generator, width: int, height: int, count: int = 3000, start: int = 0) -> Traffic:
+def traffic(random: np.random.Generator, width: int, height: int, count: int = 3000, start: int = 0) -> TickedEvents:
     """Random events: many at one tick, some after a silence longer than stamps of 32 bits, a few off the sensor."""
     gaps = random.choice([0, 0, 1, 2, 5, 50], count)
     gaps[random.integers(0, count, 3)] = 1 << 33
@@ -68,9 +56,7 @@ def traffic(random: np.random.Generator, width: int, height: int, count: int = 3
     outside = random.random(count) < 0.05
     x[outside] += random.integers(0, 2, np.count_nonzero(outside)) * width
     y[outside] += random.integers(0, 2, np.count_nonzero(outside)) * height
-    return Traffic(
-        start + np.cumsum(gaps), x.astype(np.uint16), y.astype(np.uint16), random.integers(0, 2, count).astype(np.uint8)
-    )
+    return ticked(start + np.cumsum(gaps), x, y, random.integers(0, 2, count))
 
 
 def neighbours(x: int, y: int) -> Iterator[Pixel]:
@@ -135,9 +121,10 @@ def rule_of(which: Filter, regs: FilterRegisters, shape: FilterShape) -> Rule:
     }[which]
 
 
-def decided(rules: list[Rule], events: Traffic) -> list[bool]:
+def decided(rules: list[Rule], events: TickedEvents) -> list[bool]:
     """What the rules say, each seeing only what those before it let stay."""
-    return [all(rule(*event) for rule in rules) for event in zip(*(column.tolist() for column in events), strict=True)]
+    columns = (column.tolist() for column in (events.ticks, events.x, events.y, events.p))
+    return [all(rule(*event) for rule in rules) for event in zip(*columns, strict=True)]
 
 
 @pytest.mark.parametrize("start", [0, END - (1 << 36)])
@@ -152,7 +139,7 @@ def test_a_filter_keeps_its_rule(which: Filter, size: Pixel, start: int) -> None
         events = traffic(random, *size, start=start)
         assert 0 <= events.ticks[0] <= events.ticks[-1] <= END
         wanted = decided([rule_of(which, regs, shape)], events)
-        keep = FILTERS[which](regs, shape).feed(*events)
+        keep = FILTERS[which](regs, shape).feed(events)
         assert keep.dtype == np.bool_
         assert keep.tolist() == wanted, f"seed {seed}"
         dropped, kept = dropped + wanted.count(False), kept + wanted.count(True)
@@ -166,10 +153,10 @@ def test_what_stays_does_not_depend_on_where_runs_are_cut(which: Filter) -> None
         random = np.random.default_rng(seed)
         shape, regs = FilterShape(20, 15), registers(random, 20, 15)
         events = traffic(random, 20, 15)
-        whole = FILTERS[which](regs, shape).feed(*events)
+        whole = FILTERS[which](regs, shape).feed(events)
         cuts = np.sort(random.integers(0, len(whole), 40)).tolist()  # some runs are empty
         one = FILTERS[which](regs, shape)
-        parts = [one.feed(*events.part(slice(a, b))) for a, b in zip([0, *cuts], [*cuts, None], strict=True)]
+        parts = [one.feed(events[a:b]) for a, b in zip([0, *cuts], [*cuts, None], strict=True)]
         np.testing.assert_array_equal(np.concatenate(parts), whole, f"seed {seed}")
 
 
@@ -179,8 +166,7 @@ def test_the_first_event_of_all_may_come_at_the_last_tick(which: Filter) -> None
     regs = FilterRegisters(
         refractory_ticks=(1 << 31) - 1, activity_ticks=(1 << 31) - 1, recent_ticks=(1 << 31) - 1, decay_rate=1 << 24
     )
-    zero = np.zeros(1, np.uint16)
-    keep = FILTERS[which](regs, FilterShape(1, 1, stamp_w=32)).feed(np.array([END]), zero, zero, np.ones(1, np.uint8))
+    keep = FILTERS[which](regs, FilterShape(1, 1, stamp_w=32)).feed(ticked(END, 0, 0, 1))
     assert keep[0] == (which not in (Filter.ACTIVITY, Filter.RECENT, Filter.DECAY))
 
 
@@ -192,9 +178,8 @@ def test_the_fifo_holds_the_last_events_and_no_more(depth: int) -> None:
         count = others + 2
         x = np.full(count, 900, np.uint16)
         x[0], x[-1] = 10, 11
-        zeros = np.zeros(count, np.int64)
         fifo = FILTERS[Filter.RECENT](regs, FilterShape(1000, 1, recent_depth=depth))
-        assert fifo.feed(zeros, x, zeros.astype(np.uint16), zeros.astype(np.uint8))[-1] == (others < depth)
+        assert fifo.feed(ticked(0, x, 0))[-1] == (others < depth)
 
 
 class TestChain:
@@ -206,12 +191,12 @@ class TestChain:
             regs = replace(registers(random, *size), enable=int(random.integers(0, ALL + 1)), region_x0=0, region_y0=0)
             events = traffic(random, *size)
             rules = [rule_of(which, regs, shape) for which in Filter if regs.enable >> which & 1]
-            keep = FilterChain(regs, shape).feed(*events)
+            keep = FilterChain(regs, shape).feed(events)
             assert keep.tolist() == decided(rules, events), f"seed {seed}"
 
     def test_with_nothing_enabled_everything_stays(self) -> None:
         chain = FilterChain(FilterRegisters(), FilterShape(4, 4))
-        assert chain.feed(*traffic(np.random.default_rng(1), 4, 4)).all()
+        assert chain.feed(traffic(np.random.default_rng(1), 4, 4)).all()
         assert chain.totals == {}
 
     def test_totals_say_what_each_filter_saw_and_dropped(self) -> None:
@@ -219,14 +204,14 @@ class TestChain:
         regs = replace(registers(random, 20, 15), enable=ALL, region_x0=0, region_y0=0)
         chain = FilterChain(regs, FilterShape(20, 15))
         events = traffic(random, 20, 15)
-        kept = sum(np.count_nonzero(chain.feed(*events.part(part))) for part in (slice(0, 700), slice(700, None)))
+        kept = sum(np.count_nonzero(chain.feed(part)) for part in (events[:700], events[700:]))
         assert list(chain.totals) == list(Filter)
         left = len(events.x)
         for total in chain.totals.values():
             assert total.seen == left
             left -= total.dropped
         assert left == kept
-        alone = FILTERS[Filter.REGION](regs, FilterShape(20, 15)).feed(*events)
+        alone = FILTERS[Filter.REGION](regs, FilterShape(20, 15)).feed(events)
         assert chain.totals[Filter.REGION] == Total(3000, 3000 - np.count_nonzero(alone))
 
     def test_events_that_were_dropped_before_do_not_reach_it(self) -> None:
@@ -237,8 +222,8 @@ class TestChain:
         for which in Filter:
             regs = registers(np.random.default_rng(7), 9, 9)
             keep = before.copy()
-            FILTERS[which](regs, FilterShape(9, 9)).narrow(*events, keep)
-            alone = FILTERS[which](regs, FilterShape(9, 9)).feed(*(column[before] for column in events))
+            FILTERS[which](regs, FilterShape(9, 9)).narrow(events, keep)
+            alone = FILTERS[which](regs, FilterShape(9, 9)).feed(events[before])
             np.testing.assert_array_equal(keep[before], alone, which.name)
             assert not keep[~before].any()
 

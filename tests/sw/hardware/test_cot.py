@@ -18,8 +18,9 @@ from evcot.events import Events, Recording
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records, track
-from evcot.ticks import tick_times
+from evcot.ticks import TickedEvents, tick_times
 from evcot.tracks.log import TRACK, Kind
+from support.ticked import ticked
 
 SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=5, tc_w=10, sup_w=6, id_w=6)
 SLOT = SlotConfig(
@@ -174,8 +175,8 @@ def slow_run(
     return owners, records
 
 
-def crowd(n: int, seed: int, size: int = 64) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Ticks, x and y of bursts around wandering targets, with noise and pauses."""
+def crowd(n: int, seed: int, size: int = 64) -> TickedEvents:
+    """Bursts around wandering targets, with noise and pauses."""
     rng = np.random.default_rng(seed)
     target = np.repeat(rng.integers(0, 5, n), rng.integers(1, 12, n))[:n]
     x, y = (
@@ -187,7 +188,7 @@ def crowd(n: int, seed: int, size: int = 64) -> tuple[np.ndarray, np.ndarray, np
     noise = rng.random(n) < 0.1
     x[noise], y[noise] = rng.uniform(0, size, (2, np.count_nonzero(noise)))
     steps = rng.poisson(1.0, n) + np.where(rng.random(n) < 0.01, rng.integers(0, 120, n), 0)
-    return np.cumsum(steps), x.astype(np.uint16), y.astype(np.uint16)
+    return ticked(np.cumsum(steps), x.astype(np.uint16), y.astype(np.uint16))
 
 
 FIELDS = ("seq", "time", "kind", "slot", "track_id", "other_id", "cm_x", "cm_y", "radius", "n_ev", "support")
@@ -200,9 +201,10 @@ def test_it_is_what_the_contract_says_in_exact_fractions(arrangement: Arrangemen
     config = CotConfig(
         replace(SHAPE, frac=frac, id_w=id_w), (SLOT, waiting, replace(SLOT, hist_avg=2), replace(SLOT, clust_nev=2))
     )
-    ticks, x, y = crowd(6000, seed=frac)
-    told = CotModel(config, arrangement).feed(ticks, x, y)
-    owners, records = slow_run(config, arrangement, ticks.tolist(), list(zip(x.tolist(), y.tolist(), strict=True)))
+    events = crowd(6000, seed=frac)
+    told = CotModel(config, arrangement).feed(events)
+    places = list(zip(events.x.tolist(), events.y.tolist(), strict=True))
+    owners, records = slow_run(config, arrangement, events.ticks.tolist(), places)
     assert told.owner.tolist() == owners
     assert list(zip(*(told.records[name].tolist() for name in FIELDS), strict=True)) == records
     kinds = [record[2] for record in records]
@@ -213,29 +215,27 @@ def test_it_is_what_the_contract_says_in_exact_fractions(arrangement: Arrangemen
 @pytest.mark.parametrize("arrangement", Arrangement)
 def test_it_does_not_matter_where_the_events_are_cut(arrangement: Arrangement) -> None:
     config = CotConfig.uniform(SHAPE, SLOT)
-    ticks, x, y = crowd(3000, seed=9)
-    whole, model = CotModel(config, arrangement).feed(ticks, x, y), CotModel(config, arrangement)
+    events = crowd(3000, seed=9)
+    whole, model = CotModel(config, arrangement).feed(events), CotModel(config, arrangement)
     bounds = [0, 0, 1, 2, 50, 1999, 3000, 3000]
-    parts = [model.feed(ticks[a:b], x[a:b], y[a:b]) for a, b in pairwise(bounds)]
+    parts = [model.feed(events[a:b]) for a, b in pairwise(bounds)]
     joined = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
     assert len(whole.records) > 200
     assert all(np.array_equal(mine, theirs) for mine, theirs in zip(joined, whole, strict=True))
-    assert model.time == ticks[-1]
+    assert model.time == events.ticks[-1]
 
 
 def test_records_that_outgrow_their_buffer_are_all_kept() -> None:
     slot = replace(SLOT, clust_nev=1, nev_min=1, max_ticks=1)  # a birth and a loss for every event
     n = 20_000
-    x = np.full(n, 32, np.uint16)
-    told = CotModel(CotConfig.uniform(SHAPE, slot)).feed(np.arange(n), x, x)
+    told = CotModel(CotConfig.uniform(SHAPE, slot)).feed(ticked(np.arange(n), 32, 32))
     assert len(told.records) == 2 * n - 1
     assert told.records["seq"].tolist() == [0, *np.repeat(np.arange(1, n), 2).tolist()]
 
 
 def test_addresses_in_the_window_and_0_outside() -> None:
     config = CotConfig.uniform(replace(SHAPE, n_slots=1), SLOT)  # R = 6, a seed in the middle
-    x, y = np.array([20, 26, 14, 27], np.uint16), np.array([20, 14, 26, 20], np.uint16)
-    told = CotModel(config).feed(np.zeros(4, np.int64), x, y)
+    told = CotModel(config).feed(ticked(0, [20, 26, 14, 27], [20, 14, 26, 20]))
     assert told.owner.tolist() == [0, 0, 0, -1]
     assert (told.rel_x.tolist(), told.rel_y.tolist()) == ([6, 12, 0, 0], [6, 0, 12, 0])
 
@@ -265,14 +265,14 @@ class TestTrackLog:
         assert out["t_us"].tolist() == [107]
 
     def recording(self) -> Recording:
-        ticks, x, y = crowd(2000, seed=5)
-        return Recording(Events(7_000 + ticks * 10 + 3, x, y, np.zeros(2000, np.uint8)), 64, 64)
+        events = crowd(2000, seed=5)
+        return Recording(Events(7_000 + events.ticks * 10 + 3, events.x, events.y, events.p), 64, 64)
 
     def test_tick_0_is_the_first_event(self) -> None:
         recording, config = self.recording(), CotConfig(SHAPE, (SLOT,) * 4, tick_us=10)
         log = track(recording, config)
         t_us = recording.events.t_us
-        told = CotModel(config).feed((t_us - t_us[0]) // 10, recording.events.x, recording.events.y)
+        told = CotModel(config).feed(ticked((t_us - t_us[0]) // 10, recording.events.x, recording.events.y))
         assert log.engine == "cot-model"
         assert np.array_equal(log.owner, told.owner)
         caused = log.records["kind"] != Kind.LOST

@@ -13,6 +13,7 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.tracks.log import Kind
+from support.ticked import ticked
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7)
 SLOT = SlotConfig(
@@ -27,7 +28,7 @@ def model_of(arrangement: Arrangement = Arrangement.ARRAY) -> CotModel:
 
 def feed(model: CotModel, *events: tuple[int, int]) -> Decisions:
     ticks, x = np.array(events, np.int64).T
-    return model.feed(np.ascontiguousarray(ticks), x.astype(np.uint16), np.full(len(x), 20, np.uint16))
+    return model.feed(ticked(ticks, x, 20))
 
 
 def test_a_life_goes_on_with_the_new_values() -> None:

@@ -15,7 +15,8 @@ from evcot.hardware.cot import CotModel, Decisions
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
-from support.trials import OLD_AND_YOUNG, Traffic, exact, random_config, random_traffic, tell
+from support.ticked import ticked
+from support.trials import OLD_AND_YOUNG, exact, random_config, random_traffic, tell
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 EIGHT = replace(SHAPE, n_slots=8, id_w=32)
@@ -95,9 +96,9 @@ def test_noise_that_is_born_merges_and_dies_all_the_time_is_exact(frac: int, id_
         for axis in (x, y):
             cloud = 64 + 40 * np.sin(np.arange(n) / 500 + seed) + rng.normal(0, 8, n)
             axis[near] = np.clip(cloud[near], 0, 127).astype(np.uint16)
-        traffic = Traffic(np.cumsum(rng.integers(0, 3, n)), x, y, rng.integers(0, 2, n, np.uint8))
-        hardware = Device(config, "cot_engine", stalls=Stalls.random(rng) if seed % 3 else None).stream(*traffic)
-        golden = CotModel(config).feed(*traffic[:3])
+        traffic = ticked(np.cumsum(rng.integers(0, 3, n)), x, y, rng.integers(0, 2, n, np.uint8))
+        hardware = Device(config, "cot_engine", stalls=Stalls.random(rng) if seed % 3 else None).stream(traffic)
+        golden = CotModel(config).feed(traffic)
         assert same(hardware, golden), f"seed {seed}"
         merged += int(np.count_nonzero(golden.records["kind"] == Kind.MERGED))
     assert merged > 1_000
@@ -108,11 +109,10 @@ def test_a_window_longer_than_its_timer_counts_as_the_longest() -> None:
     shape = replace(SHAPE, n_slots=1, tc_w=6)
     slot = replace(JUMPY, clust_nev=4, nev_max=16, nev_th=8, max_ticks=60, detect_ticks=60)
     gaps = np.repeat(rng.choice([1, 5, 16, 17, 22, 32, 33, 43], 400), 12)  # ticks between events, 63 at most in a timer
-    at = np.full(len(gaps), 20, np.uint16)
-    traffic = Traffic(np.cumsum(gaps), at, at, np.zeros(len(gaps), np.uint8))
+    traffic = ticked(np.cumsum(gaps), 20, 20)
     config = CotConfig(shape, (slot,))
-    golden = CotModel(config).feed(*traffic[:3])
-    assert same(Device(config, "cot_engine").stream(*traffic), golden)
+    golden = CotModel(config).feed(traffic)
+    assert same(Device(config, "cot_engine").stream(traffic), golden)
     assert len(np.unique(golden.records["n_ev"])) > 3
     assert set(golden.records["kind"].tolist()) == {Kind.BORN, Kind.MOVED}
 
@@ -126,7 +126,7 @@ def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
             shape = replace(SHAPE, tick_w=tick_w)
             config = random_config(rng, shape)
             traffic = random_traffic(rng, shape, 4_000, 3)
-            runs.append(Device(config, "cot_engine", stalls=Stalls.random(rng)).stream(*traffic))
+            runs.append(Device(config, "cot_engine", stalls=Stalls.random(rng)).stream(traffic))
         assert all(same(runs[0], other) for other in runs[1:]), f"seed {seed}"
         records += len(runs[0].records)
     assert records > 1_500
@@ -141,8 +141,8 @@ def test_registers_written_between_events_act_as_in_the_array() -> None:
         engine = Device(config, "cot_engine", stalls=Stalls.random(rng))
         for _ in range(12):
             traffic = random_traffic(rng, EIGHT, 400, float(rng.choice([0.3, 3])), array.now)
-            decided = array.stream(*traffic)
-            assert same(engine.stream(*traffic), decided), f"seed {seed}"
+            decided = array.stream(traffic)
+            assert same(engine.stream(traffic), decided), f"seed {seed}"
             slot = int(rng.integers(8))
             name = str(rng.choice(sorted(REGISTERS)))
             # One register, as it stands in another configuration; a slot is restarted by a write to `mode`.
@@ -158,20 +158,19 @@ def test_registers_written_between_events_act_as_in_the_array() -> None:
 
 def test_a_shorter_lifetime_counts_from_the_next_event_on() -> None:
     device = Device(CotConfig(SHAPE, (JUMPY,) * 3), "cot_engine")
-    x = np.full(2, 20, np.uint16)
-    device.stream(np.array([1]), x[:1], x[:1], np.zeros(1, np.uint8))
+    device.stream(ticked(1, 20, 20))
     io = device.sim.io
     io.cfg_valid, io.cfg_slot, io.cfg_addr, io.cfg_data = 1, 0, REGISTERS["max_ticks"].address, 5
     device.sim.clock.tick()
     io.cfg_valid = 0
-    records = device.stream(np.array([2, 20]), x, x, np.zeros(2, np.uint8)).records
+    records = device.stream(ticked([2, 20], 20, 20)).records
     assert records[["kind", "time"]].tolist() == [(Kind.MOVED, 2), (Kind.LOST, 7), (Kind.BORN, 20)]
 
 
 def test_a_mode_write_restarts_one_slot_alone() -> None:
     device = Device(CotConfig(SHAPE, (JUMPY,) * 3), "cot_engine")
-    xs = np.array([20, 60, 100], np.uint16)
-    device.stream(np.array([1, 2, 3]), xs, xs, np.zeros(3, np.uint8))
+    xs = [20, 60, 100]
+    device.stream(ticked([1, 2, 3], xs, xs))
     io = device.sim.io
     io.m_cm_ready = 0
     device.write_registers(1, JUMPY)
@@ -182,7 +181,7 @@ def test_a_mode_write_restarts_one_slot_alone() -> None:
     for _ in range(8):
         device.sim.clock.tick()
     assert (io.m_cm_valid, io.idle) == (0, 1)
-    after = device.stream(np.array([5, 5, 5]), xs, xs, np.zeros(3, np.uint8)).records
+    after = device.stream(ticked(5, xs, xs)).records
     assert after[["kind", "slot", "track_id"]].tolist() == [(Kind.MOVED, 0, 0), (Kind.BORN, 1, 3), (Kind.MOVED, 2, 2)]
 
 
@@ -191,9 +190,9 @@ class TestClocks:
 
     def burst(self, shape: Shape, slot: SlotConfig, x: NDArray[np.uint16]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         device = Device(CotConfig(shape, (slot,) * shape.n_slots), "cot_engine")
-        still = np.zeros(len(x), np.int64)
-        device.stream(still[:1], x[:1], x[:1], still[:1].astype(np.uint8))  # the first token has the deadlines looked up
-        _, times = device.stream_timed(still, x, x, still.astype(np.uint8))
+        events = ticked(0, x, x)
+        device.stream(events[:1])  # the first token has the deadlines looked up
+        _, times = device.stream_timed(events)
         return times.accepted, times.recorded
 
     @pytest.mark.parametrize(("n", "clocks"), [(1, 11), (3, 11), (8, 11), (16, 11), (17, 12), (32, 12)])
