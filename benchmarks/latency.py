@@ -14,7 +14,8 @@ import streams
 from evcot.ticks import tick_times
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, StreamTimes, Top, build_device
+from evcot_cosim.devices.device import Device, StreamTimes, build_device
+from evcot_cosim.names import Top
 from measure import Goal, Result
 
 __all__ = ["measure"]

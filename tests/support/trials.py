@@ -20,7 +20,8 @@ from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top, build_device
+from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.names import Top
 
 __all__ = ["ENGINES", "OLD_AND_YOUNG", "Engine", "Told", "Traffic", "exact", "random_config", "random_traffic", "tell"]
 
