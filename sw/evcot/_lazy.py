@@ -17,7 +17,8 @@ def lazily(package: str, names: Mapping[str, Sequence[str]]) -> tuple[Callable[[
     Args:
         package: its `__name__`.
         names: module of the package -> the names that the package has from there, as an import statement says them: `a`, or
-            `a as b`. None may be the name of a module of the package: importing that would put it in the name's place.
+            `a as b`. None may be the name of a module of the package: importing that would put it in the name's place. With
+            the module "" the names are those of modules of the package themselves.
     """
     source_of: dict[str, tuple[str, str]] = {}
     for module, own in names.items():
@@ -29,7 +30,7 @@ def lazily(package: str, names: Mapping[str, Sequence[str]]) -> tuple[Callable[[
         if name not in source_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         module, there = source_of[name]
-        value = getattr(import_module(f"{package}.{module}"), there)
+        value = getattr(import_module(f"{package}.{module}"), there) if module else import_module(f"{package}.{there}")
         setattr(sys.modules[package], name, value)
         return value
 

@@ -7,9 +7,8 @@ import argparse
 import json
 from collections.abc import Sequence
 
-from evcot.errors import TrackLogError
-from evcot.metrics import Scores, evaluate, load_rule, read_truth, rule_for
-from evcot.tracks.log import TrackLog
+from evcot.api import evaluate
+from evcot.metrics.scores import Scores
 
 from ..options import sensor_from
 from .counting import Counting
@@ -20,7 +19,7 @@ __all__ = ["run"]
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Score a log; 0."""
     with Counting(f"scoring {options.log}", enabled=not options.json):
-        scores = _scores(options)
+        scores = evaluate(options.log, options.truth, options.rule, sensor=sensor_from(options))
     if options.json:
         print(json.dumps(scores.to_dict(), indent=2, allow_nan=False))
         return 0
@@ -29,16 +28,6 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     for name, value in rows:
         print(f"{name:{width}}  {value}")
     return 0
-
-
-def _scores(options: argparse.Namespace) -> Scores:
-    rule = (load_rule(options.rule) if options.rule else rule_for(options.truth)).on(sensor_from(options))
-    truth = read_truth(options.truth, rule)
-    log = TrackLog.load_npz(options.log)
-    try:
-        return evaluate(log, truth, rule)
-    except TrackLogError as error:
-        raise TrackLogError(f"{options.log}: {error}") from error
 
 
 def _rows(s: Scores) -> list[tuple[str, str]]:

@@ -12,7 +12,7 @@ from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Recording
 from evcot.trackers.config import RunConfig, load_toml
-from evcot.trackers.presets import fit, for_sensor, preset
+from evcot.trackers.presets import run_config
 
 from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, stalls_from
@@ -122,8 +122,7 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
 
 def _config(options: argparse.Namespace, recording: Recording, top: Top) -> RunConfig:
     sensor = recording.width, recording.height
-    base = preset(options.preset) if options.preset else for_sensor(recording.width)
-    config = fit(base, *sensor, 1 if top == "cot" and options.slots is None else options.slots)
+    config = run_config(*sensor, options.preset, 1 if top == "cot" and options.slots is None else options.slots)
     if options.config is not None:
         config = load_toml(options.config, config)
     config = replace(config, filters=filters_from(options, config.filters, [recording.events], sensor))

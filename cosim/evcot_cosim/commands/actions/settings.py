@@ -10,28 +10,19 @@ from typing import Any
 from evcot.errors import ConfigError
 from evcot.filters.config import FilterConfig
 from evcot.ranges import read_pair, read_value
-from evcot.trackers.config import RunConfig, load_toml, load_tracker
-from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import for_sensor
+from evcot.trackers.config import RunConfig
+from evcot.trackers.settings import engine_settings
 
 __all__ = ["configured", "plain"]
 
 
 def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[Any, FilterConfig]:
     """The engine's settings and the filters in front: the preset, with the file's and then the options' changes."""
-    presets = ENGINES[options.engine].presets
-    if options.preset not in (None, *presets):
-        raise ConfigError(f"--preset {options.preset}: must be one of {', '.join(presets)} with --engine {options.engine}")
-    name = options.preset or (for_sensor(sensor[0]).name if options.engine == "cot" else next(iter(presets)))
-    settings = presets[name]
+    settings, filters = engine_settings(options.engine, sensor, options.preset, options.config, mark="--")
     if isinstance(settings, RunConfig):
         if options.set:
             raise ConfigError("--set: must not be given with --engine cot: its registers stand in the file of --config")
-        settings = load_toml(options.config, settings) if options.config else settings
-        return settings, settings.filters
-    filters = ENGINES[options.engine].filters.get(name, FilterConfig())
-    if options.config:
-        settings, filters = load_tracker(options.config, options.engine, settings, filters)
+        return settings, filters
     return _changed(options, settings), filters
 
 

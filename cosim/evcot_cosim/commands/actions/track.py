@@ -7,15 +7,14 @@ import argparse
 import json
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 import numpy as np
 
-from evcot.digest import EventsDigest
 from evcot.events import Events
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.log import DROPPED, Kind, TrackLog
-from evcot.tracks.tracking import log_of
+from evcot.tracks.tracking import signed_log_of
 
 from ...tables import print_table
 from ..options import window_from
@@ -35,9 +34,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         filters = filters_from(options, filters, file.blocks(*window), file.sensor)
         tracker = ENGINES[options.engine].start(settings, filters, file.sensor)
         with Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress:
-            made_of = EventsDigest()
-            log = log_of(options.engine, tracker, _counted(file.blocks(*window, required=True), made_of, progress))
-    log = replace(log, recording=made_of.hex())
+            log = signed_log_of(options.engine, tracker, _counted(file.blocks(*window, required=True), progress))
     if options.output is not None:
         log.save_npz(options.output, force=options.force)
     if options.csv is not None:
@@ -52,12 +49,11 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     return 0
 
 
-def _counted(blocks: Iterator[Events], made_of: EventsDigest, progress: Progress) -> Iterator[Events]:
+def _counted(blocks: Iterator[Events], progress: Progress) -> Iterator[Events]:
     done, first_us, begin_s = 0, None, time.perf_counter()
     for block in blocks:
         yield block
         if len(block):
-            made_of.add(block)
             done += len(block)
             first_us = int(block.t_us[0]) if first_us is None else first_us
             progress.update(done, int(block.t_us[-1]) - first_us, done / (time.perf_counter() - begin_s))
