@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 import streams
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, StreamTimes, Top, build_device
+from evcot_cosim.devices.device import Device, StreamTimes, build_device
+from evcot_cosim.names import Top
 from measure import Goal, Result
 
 __all__ = ["measure"]

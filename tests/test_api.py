@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The API reference is built from docstrings (`make docs`), so every public name of every module must have one."""
+"""The API reference is built from docstrings (`make docs`), so every public name of every module must have one; and the two
+namespaces that users import have all that they promise."""
 
 from __future__ import annotations
 
+import ast
 import importlib
 import inspect
 import pkgutil
+import re
 from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -41,3 +45,77 @@ def test_every_public_name_is_there_and_documented(name: str) -> None:
     assert module.__doc__, f"{name} has no docstring"
     for entry, thing in public(module):
         assert inspect.getdoc(thing), f"{name}.{entry} has no docstring"
+
+
+NAMESPACES = pytest.mark.parametrize("package", [evcot, evcot_cosim], ids=lambda package: str(package.__name__))
+
+
+def promised(package: ModuleType) -> list[str]:
+    names: list[str] = package.__all__
+    return names
+
+
+def shown_to_type_checkers(package: ModuleType) -> dict[str, str]:
+    """Name -> the module that it is imported from, where TYPE_CHECKING is true."""
+    assert package.__file__ is not None
+    tree = ast.parse(Path(package.__file__).read_text())
+    (block,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
+    imported = (node for node in block.body if isinstance(node, ast.ImportFrom))
+    return {alias.asname or alias.name: node.module or "" for node in imported for alias in node.names}
+
+
+@NAMESPACES
+def test_a_namespace_has_what_it_promises_and_says_so(package: ModuleType) -> None:
+    assert len(set(promised(package))) == len(promised(package))
+    assert set(promised(package)) <= set(dir(package))
+    for name in promised(package):
+        thing = getattr(package, name)
+        if inspect.isclass(thing) or inspect.isroutine(thing) or inspect.ismodule(thing):
+            assert inspect.getdoc(thing), name
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        package.nothing  # noqa: B018
+
+
+@NAMESPACES
+def test_type_checkers_see_the_same_names(package: ModuleType) -> None:
+    seen = shown_to_type_checkers(package)
+    assert set(seen) == set(promised(package))
+    for name, module in seen.items():
+        thing = getattr(package, name)
+        origin = importlib.import_module(f"{package.__name__}.{module}" if module else f"{package.__name__}.{name}")
+        assert thing is origin or any(thing is value for value in vars(origin).values()), name
+
+
+@NAMESPACES
+def test_no_name_is_that_of_a_module(package: ModuleType) -> None:
+    """Importing the module would put it in the place of what the package has by that name."""
+    modules = {entry.name for entry in pkgutil.iter_modules(package.__path__)}
+    assert {name for name in modules & set(promised(package)) if not inspect.ismodule(getattr(package, name))} == set()
+
+
+@NAMESPACES
+def test_every_function_of_a_namespace_says_what_it_takes_and_what_may_go_wrong(package: ModuleType) -> None:
+    for name in promised(package):
+        thing = getattr(package, name)
+        if inspect.isfunction(thing):
+            text = inspect.getdoc(thing) or ""
+            assert "Raises:" in text or " as " in text or "as `" in text, f"{package.__name__}.{name}"
+
+
+PAGE = (Path(__file__).parents[1] / "docs" / "api.md").read_text(encoding="utf-8")
+
+
+@NAMESPACES
+def test_the_page_names_all_that_is_stable(package: ModuleType) -> None:
+    named = set(re.findall(rf"`{package.__name__}\.(\w+)`", PAGE))
+    assert named == set(promised(package))
+
+
+def test_the_first_example_of_the_page_runs() -> None:
+    code = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
+    found: dict[str, object] = {}
+    exec(code, found)
+    log, model = found["log"], found["model"]
+    assert isinstance(log, evcot.TrackLog)
+    assert isinstance(model, evcot.TrackLog)
+    assert len(log.of_kind(evcot.Kind.BORN)) and len(model.of_kind(evcot.Kind.BORN))

@@ -15,11 +15,13 @@ ROOTS = {"evcot": REPOSITORY / "sw", "evcot_cosim": REPOSITORY / "cosim"}
 # Rooms and single modules, in the order in which data flows: each may import those before it, and nothing of what follows.
 ROOMS = {
     "evcot": (
-        "_stale_kernels", "_numba_private", "errors", "ranges", "outputs", "templating", "events", "digest", "ticks",
-        "recordings", "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "pictures", "anomalies",
+        "_lazy", "_stale_kernels", "_numba_private", "errors", "ranges", "outputs", "templating", "structured", "events",
+        "digest", "ticks", "recordings", "filters", "tracks", "hardware", "trackers", "scenes", "metrics", "api", "pictures",
+        "anomalies",
     ),
     "evcot_cosim": (
-        "tables", "build", "devices", "lockstep", "waves", "report", "live", "fpga", "pages", "commands", "cli", "__main__",
+        "tables", "names", "build", "devices", "lockstep", "waves", "report", "live", "fpga", "pages", "commands",
+        "cli", "__main__",
     ),
 }  # fmt: skip
 

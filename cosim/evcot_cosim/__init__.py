@@ -1,2 +1,73 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles the evcot RTL, drives it in lock-step with the golden model, and shows where hardware and software agree."""
+"""Compiles the evcot RTL, drives it in lock-step with the golden model, and shows where hardware and software agree.
+
+These names, and those of `evcot_cosim.waves`, are stable (docs/api.md); what is imported from deeper may change. They are
+loaded when they are first used. Verilator and a C++ compiler must be installed.
+
+Example:
+    import evcot
+    import evcot_cosim
+
+    recording = evcot.read("drive.aedat4")
+    config = evcot.run_config(recording.width, recording.height)
+    run = evcot_cosim.cosim(recording, config)  # hardware and model equal, or MismatchError
+    run.hardware.save_npz("hardware.npz")
+
+    with evcot_cosim.Lockstep(config.hardware(recording.width, recording.height)) as lockstep:  # or run by run
+        step = lockstep.feed(recording.events[:1000])
+        step.hardware.records, step.hardware.owner
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from evcot._lazy import lazily as _lazily
+
+if TYPE_CHECKING:
+    from . import waves
+    from .devices.base import HardwareError, Stalls
+    from .devices.device import Device, build_device
+    from .lockstep.cosim import CosimRun
+    from .lockstep.cosim import run_cosim as cosim
+    from .lockstep.lockstep import Lockstep, Step, dump_window
+    from .lockstep.mismatch import Mismatch, MismatchError
+    from .lockstep.run_file import RunFile, Source, read_run_file
+    from .names import Top
+    from .report.artifacts import write_mismatch, write_run
+
+__all__ = [
+    "CosimRun",
+    "Device",
+    "HardwareError",
+    "Lockstep",
+    "Mismatch",
+    "MismatchError",
+    "RunFile",
+    "Source",
+    "Stalls",
+    "Step",
+    "Top",
+    "build_device",
+    "cosim",
+    "dump_window",
+    "read_run_file",
+    "waves",
+    "write_mismatch",
+    "write_run",
+]
+
+__getattr__, __dir__ = _lazily(
+    __name__,
+    {
+        "": ("waves",),
+        "devices.base": ("HardwareError", "Stalls"),
+        "devices.device": ("Device", "build_device"),
+        "lockstep.cosim": ("CosimRun", "run_cosim as cosim"),
+        "lockstep.lockstep": ("Lockstep", "Step", "dump_window"),
+        "lockstep.mismatch": ("Mismatch", "MismatchError"),
+        "lockstep.run_file": ("RunFile", "Source", "read_run_file"),
+        "names": ("Top",),
+        "report.artifacts": ("write_mismatch", "write_run"),
+    },
+)

@@ -32,13 +32,11 @@ from .commands import (
     waves,
 )
 from .commands import filter as filter_command
-from .commands.cosim import MISMATCH
+from .commands.exit_codes import MISMATCH, USER_ERROR
 from .commands.parsing import claims_of
-from .lockstep.lockstep import MismatchError
+from .lockstep.mismatch import MismatchError
 
 __all__ = ["main", "parser"]
-
-USER_ERROR = 2
 
 _EXAMPLES = """examples:
   evcot cosim                                   # the box experiment, nothing to download

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from .errors import RecordingError
+from .structured import EVENT_CD, array_of, columns_of
 
 __all__ = ["Events", "Fault", "Recording", "check_sensor", "find_fault"]
 
@@ -60,6 +62,45 @@ class Events:
     def empty(cls) -> Events:
         """No events."""
         return cls.allocated(0)
+
+    @classmethod
+    def from_array(cls, array: NDArray[np.void]) -> Events:
+        """Events of a structured array with the fields `x`, `y`, `p` and `t`, as OpenEB and tonic hold them.
+
+        Nothing is copied where a field's low bytes are the column's type, which those of OpenEB (x, y uint16, p int16, t int64)
+        and of tonic (x, y int16, t int64, p bool) are: the columns are views of the array, and change with it. Such columns
+        have gaps; kernels want them without (`packed`), and a `Recording` takes care of that by one copy.
+
+        Example:
+            recording = Recording(Events.from_array(array), width=1280, height=720)
+
+        Args:
+            array: (n,) in time order; `t` in whole microseconds, `p` 0 or 1 or bool, `x` and `y` in pixels. Other fields are
+                ignored.
+
+        Raises:
+            RecordingError: a field is missing or of no whole numbers, a value lies outside (x, y: 0 to 65535; p: 0 or 1), or
+                time runs back; the message names event, field, value and rule.
+        """
+        return cls(*columns_of(array))
+
+    def to_array(self, dtype: DTypeLike = EVENT_CD) -> NDArray[np.void]:
+        """A copy as one structured array, whose fields lie side by side while the columns do not.
+
+        Args:
+            dtype: with the fields `x`, `y`, `p` and `t` in any order, of whole numbers (`p` also bool); by default OpenEB's.
+
+        Raises:
+            RecordingError: a field is missing, unknown or of no whole numbers, or cannot hold a value.
+        """
+        return array_of((self.t_us, self.x, self.y, self.p), np.dtype(dtype))
+
+    def packed(self) -> Events:
+        """The same events in columns without gaps: itself where it has none, else a copy."""
+        columns: list[NDArray[Any]] = [self.t_us, self.x, self.y, self.p]
+        if all(column.flags.c_contiguous and column.flags.aligned for column in columns):
+            return self
+        return Events(*(np.require(column, requirements=["C", "A"]) for column in columns))
 
 
 @dataclass(frozen=True)
@@ -128,7 +169,7 @@ class Recording:
     """Events and the sensor that they come from.
 
     Attributes:
-        events: the events, in time order.
+        events: the events, in time order; `packed`.
         width, height: sensor size in pixels.
         name: where it comes from, for messages and output folders.
 
@@ -150,6 +191,8 @@ class Recording:
                 f"{self.name}: t, x, y, p hold {len(events.t_us)}, {len(events.x)}, {len(events.y)}, {len(events.p)} values: "
                 "all must be the same"
             )
+        events = events.packed()
+        object.__setattr__(self, "events", events)
         fault = find_fault(events, self.width, self.height)
         if fault is not None:
             raise RecordingError(f"{self.name}: {fault.describe()}")

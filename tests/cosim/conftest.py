@@ -19,7 +19,8 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top
+from evcot_cosim.devices.device import Device
+from evcot_cosim.names import Top
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 SLOT = SlotConfig(

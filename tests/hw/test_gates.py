@@ -14,10 +14,11 @@ from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top, build_device
+from evcot_cosim.devices.device import Device, build_device
 from evcot_cosim.devices.driver import PARAMETERS
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.gates import DIFFERENT, Netlist, side_by_side
+from evcot_cosim.names import Top
 from support.trials import random_config, random_traffic
 
 SHAPE = Shape(1, x_w=5, y_w=5, frac=2, tick_w=4, radix_w=3, nev_w=3, tc_w=6, sup_w=4, id_w=6, seq_w=8, time_w=12)

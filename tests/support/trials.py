@@ -20,7 +20,8 @@ from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top, build_device
+from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.names import Top
 
 from .ticked import ticked
 

@@ -4,19 +4,12 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict, replace
-from typing import Any
 
-from evcot.errors import ConfigError
-from evcot.filters.config import FilterConfig
-from evcot.ranges import read_pair, read_value
-from evcot.trackers.config import RunConfig, load_toml, load_tracker
 from evcot.trackers.engines import ENGINES
-from evcot.trackers.presets import for_sensor
 
 from .parsing import input_path
 
-__all__ = ["configured", "engine_options", "plain"]
+__all__ = ["engine_options"]
 
 
 def engine_options(parser: argparse.ArgumentParser) -> None:
@@ -26,37 +19,3 @@ def engine_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", metavar="NAME", help="of the engine, see `evcot presets --engine` (default: its first)")
     parser.add_argument("--config", type=input_path, metavar="TOML", help="its table of the engine's name overrides the preset")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; again for more")
-
-
-def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[Any, FilterConfig]:
-    """The engine's settings and the filters in front: the preset, with the file's and then the options' changes."""
-    presets = ENGINES[options.engine].presets
-    if options.preset not in (None, *presets):
-        raise ConfigError(f"--preset {options.preset}: must be one of {', '.join(presets)} with --engine {options.engine}")
-    name = options.preset or (for_sensor(sensor[0]).name if options.engine == "cot" else next(iter(presets)))
-    settings = presets[name]
-    if isinstance(settings, RunConfig):
-        if options.set:
-            raise ConfigError("--set: must not be given with --engine cot: its registers stand in the file of --config")
-        settings = load_toml(options.config, settings) if options.config else settings
-        return settings, settings.filters
-    filters = ENGINES[options.engine].filters.get(name, FilterConfig())
-    if options.config:
-        settings, filters = load_tracker(options.config, options.engine, settings, filters)
-    return _changed(options, settings), filters
-
-
-def _changed(options: argparse.Namespace, settings: Any) -> Any:
-    known = asdict(settings)
-    for setting in options.set:
-        rule = f" with a key among {', '.join(known)}"
-        key, text = read_pair("--set", setting, rule)
-        if key not in known:
-            raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}")
-        settings = replace(settings, **{key: read_value(f"{options.engine}.{key}", text, known[key])})
-    return settings
-
-
-def plain(settings: Any) -> dict[str, Any]:
-    """Settings as plain values."""
-    return settings.to_dict() if isinstance(settings, RunConfig) else asdict(settings)

@@ -1,66 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands that simulate hardware work on: events, module and configuration, from options or from a run.toml."""
+"""The options of every command that simulates hardware: events, module and configuration."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import get_args
 
-from evcot.digest import digest
-from evcot.errors import ConfigError
-from evcot.events import Recording
 from evcot.scenes.registry import SCENES
-from evcot.trackers.config import RunConfig, load_toml
-from evcot.trackers.presets import fit, for_sensor, preset
 
-from ..devices.base import Stalls
-from ..devices.device import Top
-from ..lockstep.cosim import check_addresses, stalls_from
-from ..lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
-from .filter_options import check_learning, filter_options, filters_from
-from .options import damage_options, sensor_from
+from ..names import Top
+from .filter_options import filter_options
+from .options import damage_options
 from .parsing import input_or_name, input_path
 
-__all__ = ["Job", "input_options", "job_from"]
+__all__ = ["DEFAULT_SCENE", "input_options"]
 
-_DEFAULT_SCENE = "boxes"
-
-
-@dataclass(frozen=True)
-class Job:
-    """What a command that simulates works on.
-
-    Attributes:
-        name: what is made of it is called by this.
-        folder: of the run that is looked at again, if it is one.
-        seed: of the stall patterns.
-    """
-
-    source: Source
-    recording: Recording
-    config: RunConfig
-    name: str
-    top: Top
-    seed: int | None
-    folder: Path | None
-
-    @property
-    def stalls(self) -> Stalls:
-        """The stall patterns."""
-        return stalls_from(self.seed)
-
-    @property
-    def run_file(self) -> RunFile:
-        """All that makes the run again."""
-        return RunFile(self.source, self.top, self.seed, digest(self.recording.events), self.config)
+DEFAULT_SCENE = "boxes"
 
 
 def input_options(parser: argparse.ArgumentParser, *, runs: bool = False) -> None:
     """Add what `job_from` reads; `runs`: the folder of a run is an input too."""
-    source = f"a recording, or a scene: {', '.join(SCENES)} (default: {_DEFAULT_SCENE})"
+    source = f"a recording, or a scene: {', '.join(SCENES)} (default: {DEFAULT_SCENE})"
     run = "the folder of a run of `evcot cosim`; " if runs else ""
     parser.add_argument("recording", nargs="?", type=input_or_name, metavar="RUN" if runs else "FILE", help=run + source)
     parser.add_argument("--seed", type=int, metavar="N", help="seed of a scene (default: 1)")
@@ -74,80 +34,3 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False) -> Non
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
     damage_options(parser)
     filter_options(parser)
-
-
-def job_from(
-    options: argparse.Namespace,
-    window: tuple[int, int | None] = (0, None),
-    until_us: int | None = None,
-    claim: Callable[[str], None] | None = None,
-) -> Job:
-    """What the options say, on top of the run that --config or the input folder describes.
-
-    Args:
-        window: the part of the recording that is taken, (from, to) in us after its first event. Of a run that was made of a
-            part, that part is taken unless this says more than (0, None).
-        until_us: what comes so long after the first event is not needed, and need not be read.
-        claim: told the job's name before anything long begins, to claim what is written under that name.
-
-    Raises:
-        ConfigError, RecordingError: something that the user can mend.
-    """
-    check_learning(options)
-    if options.stalls is not None and options.stalls < 0:
-        raise ConfigError(f"--stalls {options.stalls}: must not be negative")
-    folder = _run_folder(options)
-    described = read_run_file(options.config) if options.config else None
-    source = _source(options, described.source if described else None, window)
-    if until_us is not None and not described:
-        source = replace(source, to_us=until_us)
-    name = folder.name if folder else source.name
-    if source.truth_file is not None:
-        options.claims.read(source.truth_file)
-    if claim is not None:
-        claim(name)
-    recording = source.read()
-    if described and source == described.source:
-        described.check(options.config, recording.events)
-    top: Top = options.hardware or (described.hardware if described else "cot_array")
-    seed = described.stalls if described and options.stalls is None else options.stalls
-    config = _config(options, recording, top)
-    return Job(source, recording, config, name, top, seed, folder)
-
-
-def _run_folder(options: argparse.Namespace) -> Path | None:
-    """The folder of a run where the input is one; its run.toml then stands for --config."""
-    if options.recording is None or not (Path(options.recording) / RUN_FILE).is_file():
-        return None
-    for option in ("config", "preset", "slots"):
-        if getattr(options, option) is not None:
-            raise ConfigError(f"--{option}: must not be given with the folder of a run, which has its own configuration")
-    folder = Path(options.recording)
-    options.recording, options.config = None, folder / RUN_FILE
-    return folder
-
-
-def _source(options: argparse.Namespace, described: Source | None, window: tuple[int, int | None]) -> Source:
-    """Where the events come from: what is described, with what the options say instead."""
-    if options.seed is not None and options.seed < 0:
-        raise ConfigError(f"--seed {options.seed}: must not be negative")
-    base = described if described and options.recording is None else Source.named(options.recording or _DEFAULT_SCENE)
-    sensor = sensor_from(options)
-    if sensor is not None:
-        base = replace(base, width=sensor[0], height=sensor[1])
-    if window != (0, None):
-        base = replace(base, from_us=window[0], to_us=window[1])
-    if options.seed is not None:
-        base = replace(base, seed=options.seed)
-    return replace(base, skip_damaged=True) if options.skip_damaged else base
-
-
-def _config(options: argparse.Namespace, recording: Recording, top: Top) -> RunConfig:
-    sensor = recording.width, recording.height
-    base = preset(options.preset) if options.preset else for_sensor(recording.width)
-    config = fit(base, *sensor, 1 if top == "cot" and options.slots is None else options.slots)
-    if options.config is not None:
-        config = load_toml(options.config, config)
-    config = replace(config, filters=filters_from(options, config.filters, [recording.events], sensor))
-    check_addresses(recording, config.cot)
-    return config

@@ -6,16 +6,11 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from pathlib import Path
 
 from evcot.errors import ConfigError
-from evcot.events import Recording
-from evcot.recordings.files import RecordingFile, open_recording
 
 __all__ = [
     "damage_options",
-    "open_from",
-    "read_from",
     "recording_options",
     "sensor_from",
     "window_from",
@@ -55,16 +50,6 @@ def window_from(options: argparse.Namespace) -> tuple[int, int | None]:
     return round(options.from_ms * 1000), None if options.to_ms is None else round(options.to_ms * 1000)
 
 
-def open_from(options: argparse.Namespace, path: Path) -> RecordingFile:
-    """Open a recording as the options say.
-
-    Raises:
-        ConfigError: --sensor that is no size.
-        RecordingError: as `open_recording`.
-    """
-    return open_recording(path, sensor_from(options), damage="skip" if options.skip_damaged else "refuse")
-
-
 def sensor_from(options: argparse.Namespace) -> tuple[int, int] | None:
     """(width, height) of --sensor, None where it is not given; ConfigError where it is no size."""
     if options.sensor is None:
@@ -73,10 +58,3 @@ def sensor_from(options: argparse.Namespace) -> tuple[int, int] | None:
     if size is None:
         raise ConfigError(f"--sensor {options.sensor}: must be WIDTHxHEIGHT in pixels, as 346x260")
     return int(size[1]), int(size[2])
-
-
-def read_from(options: argparse.Namespace, path: Path) -> Recording:
-    """Read what the options choose of a recording into memory; as `open_from` and `window_from`."""
-    from_us, to_us = window_from(options)
-    with open_from(options, path) as file:
-        return file.read(from_us, to_us)

@@ -8,8 +8,10 @@ known, and checked, before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 from evcot.outputs import Claims
@@ -17,6 +19,7 @@ from evcot.outputs import Claims
 __all__ = [
     "INPUT_TYPES",
     "OUTPUT_TYPES",
+    "Action",
     "add_command",
     "claims_of",
     "input_or_name",
@@ -58,16 +61,40 @@ def output_option(parser: argparse._ActionsContainer, *names: str, folder: bool 
         parser.add_argument("--force", action="store_true", help="replace the files to write where they exist")
 
 
+@dataclass(frozen=True)
+class Action:
+    """What a command does, imported when it is called: to show the options takes none of it.
+
+    Attributes:
+        place: `module:function` of `actions`.
+    """
+
+    place: str
+
+    def __call__(self, options: argparse.Namespace, arguments: Sequence[str]) -> int:
+        return self.function(options, arguments)
+
+    @property
+    def function(self) -> Callable[[argparse.Namespace, Sequence[str]], int]:
+        """The function itself: from the options and the whole command line to an exit code."""
+        found: Callable[[argparse.Namespace, Sequence[str]], int] = resolve_name(f"{__package__}.actions.{self.place}")
+        return found
+
+
 def add_command(
-    commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, title: str, examples: str
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, title: str, examples: str, place: str = ""
 ) -> argparse.ArgumentParser:
-    """A command's parser: `evcot NAME -h` shows title, options and examples, one command with a remark per line."""
+    """A command's parser: `evcot NAME -h` shows title, options and examples, one command with a remark per line.
+
+    Args:
+        place: of what it does, as of `Action`; without it `NAME:run`.
+    """
     epilog = "examples:\n" + "\n".join(f"  {line}".rstrip() for line in examples.strip().splitlines())
     parser = commands.add_parser(
         name, help=title, description=title[:1].upper() + title[1:] + ".", epilog=epilog,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
-    parser.set_defaults(parser=parser)
+    parser.set_defaults(parser=parser, command=Action(place or f"{name}:run"))
     return parser
 
 

@@ -4,14 +4,11 @@
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Sequence
 
-from evcot.pictures.plots import KINDS, Material, density, plot
-from evcot.pictures.plots.style import COLUMN_MM
+from evcot.pictures.plots.style import COLUMN_MM, KINDS
 
 from .parsing import add_command, output_option
-from .tracked import tracked_from, tracked_options
+from .tracked import tracked_options
 
 __all__ = ["add"]
 
@@ -37,18 +34,3 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
-    parser.set_defaults(command=_plot)
-
-
-def _plot(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    with tracked_from(options) as tracked:
-        counts, _, last_us = density(tracked.blocks(), tracked.sensor)
-        material = Material(counts, tracked.logs, tracked.from_us, last_us, tracked.first_us)
-        width_mm = COLUMN_MM[options.columns] if options.width is None else options.width
-        kinds = tuple(kind.strip() for kind in options.kind.split(","))
-        plot(material, options.output, kinds, width_mm=width_mm, height_mm=options.height, dpi=options.dpi, force=options.force)
-    if options.json:
-        print(json.dumps({"file": str(options.output), "panels": kinds, "logs": [log.name for log in tracked.logs]}))
-    elif not options.quiet:
-        print(f"{options.output}: {', '.join(kinds)} of {', '.join(log.name for log in tracked.logs)}")
-    return 0

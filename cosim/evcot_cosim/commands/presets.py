@@ -4,15 +4,9 @@
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Sequence
-from dataclasses import asdict
 
-from evcot.filters.config import FilterConfig
-from evcot.trackers.engines import ENGINES, Engine
-from evcot.trackers.presets import PRESETS
+from evcot.trackers.engines import ENGINES
 
-from ..tables import print_table
 from .parsing import add_command
 
 __all__ = ["add"]
@@ -28,43 +22,3 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     presets = add_command(commands, "presets", "list the presets", _EXAMPLES)
     presets.add_argument("--engine", choices=ENGINES, help="of one tracker of `evcot track` (default: of `evcot cosim`)")
     presets.add_argument("--json", action="store_true", help="print every field")
-    presets.set_defaults(command=_presets)
-
-
-def _presets(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    if options.engine not in (None, "cot"):
-        _print_settings(ENGINES[options.engine], options.json)
-        return 0
-    if options.json:
-        print(json.dumps({name: config.to_dict() for name, config in PRESETS.items()}, indent=2))
-        return 0
-    rows = [("name", "N_ev", "window px", "lifetime", "tick")]
-    for name, config in PRESETS.items():
-        slot = config.cot.slots[0]
-        lifetime_ms = slot.max_ticks * config.cot.tick_us / 1000
-        rows.append(
-            (
-                name,
-                f"{slot.clust_nev} ({slot.nev_min} to {slot.nev_max})",
-                f"{slot.init_radix} + {slot.radix_th}",
-                f"{lifetime_ms:g} ms",
-                f"{config.cot.tick_us} us",
-            )
-        )
-    print_table(rows)
-    return 0
-
-
-def _print_settings(engine: Engine, as_json: bool) -> None:
-    """A software tracker's presets: each setting that is not the same in all of them."""
-    presets = {name: asdict(settings) for name, settings in engine.presets.items()}
-    filters = {name: asdict(engine.filters[name]) if name in engine.filters else {} for name in presets}
-    if as_json:
-        print(json.dumps({name: {"settings": presets[name], "filters": filters[name]} for name in presets}, indent=2))
-        return
-    default = asdict(FilterConfig())
-    for name, chosen in filters.items():
-        presets[name] |= {f"filters.{key}": value for key, value in chosen.items() if value != default[key]}
-    keys = dict.fromkeys(key for settings in presets.values() for key in settings)
-    rows = [(key, *(settings.get(key, "") for settings in presets.values())) for key in keys]
-    print_table([("setting", *presets), *(row for row in rows if len(set(row[1:])) > 1 or len(presets) == 1)])

@@ -4,16 +4,11 @@
 from __future__ import annotations
 
 import argparse
-import json
-import time
-from collections.abc import Sequence
 
-from evcot.pictures.films import Look, render, side_of
-from evcot.pictures.films.film import SUFFIXES, check_suffix, picture_times
+from evcot.pictures.films.look import SUFFIXES, Look
 
 from .parsing import add_command, output_option
-from .progress import Progress
-from .tracked import tracked_from, tracked_options
+from .tracked import tracked_options
 
 __all__ = ["add"]
 
@@ -42,28 +37,3 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("--width", type=int, default=look.width_px, metavar="PX", help=width)
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, print nothing")
-    parser.set_defaults(command=_render)
-
-
-def _render(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    look = Look(options.speed, options.fps, options.decay, options.width)
-    check_suffix(options.output)
-    begin_s = time.perf_counter()
-    with tracked_from(options) as tracked:
-        last_us = max(int(block.t_us[-1]) for block in tracked.blocks() if len(block))
-        window = tracked.from_us, last_us
-        total = len(picture_times(window, look))
-        sides = [side_of(place, log.name, log.log) for place, log in enumerate(tracked.logs)]
-        with Progress(options.output.name, total, enabled=not (options.quiet or options.json)) as progress:
-
-            def told(pictures: int, t_us: int) -> None:
-                rate = pictures / (time.perf_counter() - begin_s)
-                progress.advance(pictures, f"{t_us / 1e6:.3f} s shown, {rate:.0f} pictures/s")
-
-            render(tracked.blocks(), tracked.sensor, sides, options.output, window, look, told, force=options.force)
-    took_s = time.perf_counter() - begin_s
-    if options.json:
-        print(json.dumps({"file": str(options.output), "pictures": total, "seconds": took_s}))
-    elif not options.quiet:
-        print(f"{options.output}: {total:,} pictures in {took_s:.1f} s")
-    return 0

@@ -4,25 +4,11 @@
 from __future__ import annotations
 
 import argparse
-import json
-import time
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, replace
 
-import numpy as np
-
-from evcot.digest import EventsDigest
-from evcot.events import Events
-from evcot.trackers.engines import ENGINES
-from evcot.tracks.log import DROPPED, Kind, TrackLog
-from evcot.tracks.tracking import log_of
-
-from ..tables import print_table
-from .engine_options import configured, engine_options, plain
-from .filter_options import filter_options, filters_from, save_learned
-from .options import open_from, recording_options, window_from
+from .engine_options import engine_options
+from .filter_options import filter_options
+from .options import recording_options
 from .parsing import add_command, input_path, output_option
-from .progress import Progress
 
 __all__ = ["add"]
 
@@ -44,65 +30,3 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     filter_options(parser)
     parser.add_argument("--json", action="store_true", help="print what was found as JSON instead of a table")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
-    parser.set_defaults(command=_track)
-
-
-def _track(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    window = window_from(options)
-    with open_from(options, options.recording) as file:
-        settings, filters = configured(options, file.sensor)
-        filters = filters_from(options, filters, file.blocks(*window), file.sensor)
-        tracker = ENGINES[options.engine].start(settings, filters, file.sensor)
-        with Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress:
-            made_of = EventsDigest()
-            log = log_of(options.engine, tracker, _counted(file.blocks(*window, required=True), made_of, progress))
-    log = replace(log, recording=made_of.hex())
-    if options.output is not None:
-        log.save_npz(options.output, force=options.force)
-    if options.csv is not None:
-        log.write_csv(options.csv, force=options.force)
-    save_learned(options)
-    found = _found(log)
-    if options.json:
-        said = {"engine": options.engine, "settings": plain(settings), "filters": asdict(filters)}
-        print(json.dumps(found | said, indent=2, allow_nan=False))
-    elif not options.quiet:
-        print_table([(name.replace("_", " "), "" if value is None else f"{value:,}") for name, value in found.items()])
-    return 0
-
-
-def _counted(blocks: Iterator[Events], made_of: EventsDigest, progress: Progress) -> Iterator[Events]:
-    done, first_us, begin_s = 0, None, time.perf_counter()
-    for block in blocks:
-        yield block
-        if len(block):
-            made_of.add(block)
-            done += len(block)
-            first_us = int(block.t_us[0]) if first_us is None else first_us
-            progress.update(done, int(block.t_us[-1]) - first_us, done / (time.perf_counter() - begin_s))
-
-
-def _found(log: TrackLog) -> dict[str, int | float | None]:
-    """What a person wants to know first."""
-    count = {kind: len(log.of_kind(kind)) for kind in Kind}
-    return {
-        "events": len(log.owner),
-        "owned": int(np.count_nonzero(log.owner >= 0)),
-        "passed": int(np.count_nonzero(log.owner == -1)),
-        "filtered": int(np.count_nonzero(log.owner == DROPPED)),
-        "tracks": count[Kind.BORN],
-        "merged": count[Kind.MERGED],
-        "lost": count[Kind.LOST],
-        "alive_at_the_end": count[Kind.BORN] - count[Kind.MERGED] - count[Kind.LOST],
-        "longest_track_s": _longest_s(log),
-    }
-
-
-def _longest_s(log: TrackLog) -> float | None:
-    """From the first record of a track to its last; None without a track."""
-    if not len(log.records):
-        return None
-    track_id, t_us = log.records["track_id"], log.records["t_us"]
-    _, begin = np.unique(track_id, return_index=True)
-    _, end = np.unique(track_id[::-1], return_index=True)
-    return round(float((t_us[::-1][end] - t_us[begin]).max()) / 1e6, 6)

@@ -1,50 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands that draw take: a recording with its track logs, or the folder of a run."""
+"""The options of the commands that draw: a recording with its track logs, or the folder of a run."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
-from pathlib import Path
 
-from evcot.errors import ConfigError
-from evcot.events import Events
-from evcot.pictures.plots import Log
-from evcot.recordings.formats.source import Sensor
-from evcot.tracks.belongs import Extent
-from evcot.tracks.log import TrackLog
-
-from ..lockstep.run_file import RUN_FILE, read_run_file
-from ..lockstep.summary import SUMMARY, read_summary
-from .belonging import check_logs, run_extent
-from .options import open_from, recording_options, window_from
+from .options import recording_options
 from .parsing import input_or_name, input_path
 
-__all__ = ["Tracked", "tracked_from", "tracked_options"]
+__all__ = ["RUN_DEFAULT", "RUN_LOGS", "tracked_options"]
 
-_RUN_LOGS = ("hardware", "software", "model")
-_RUN_DEFAULT = ("hardware", "software")
-
-
-@dataclass(frozen=True)
-class Tracked:
-    """A recording that was tracked.
-
-    Attributes:
-        blocks: the events of the window, in blocks; every call gives them again.
-        first_us: time of the recording's first event.
-        from_us: where the window begins, on the recording's clock.
-        logs: one or more, of the whole recording.
-    """
-
-    name: str
-    sensor: Sensor
-    blocks: Callable[[], Iterator[Events]]
-    first_us: int
-    from_us: int
-    logs: tuple[Log, ...]
+RUN_LOGS = ("hardware", "software", "model")
+RUN_DEFAULT = ("hardware", "software")
 
 
 def tracked_options(parser: argparse.ArgumentParser) -> None:
@@ -52,60 +19,6 @@ def tracked_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source", type=input_path, metavar="RECORDING|RUN", help="a recording, or the folder of a run of `evcot cosim`"
     )
-    logs = (
-        f"track logs of the recording (.npz); of a run, any of {', '.join(_RUN_LOGS)} (default: {' and '.join(_RUN_DEFAULT)})"
-    )
+    logs = f"track logs of the recording (.npz); of a run, any of {', '.join(RUN_LOGS)} (default: {' and '.join(RUN_DEFAULT)})"
     parser.add_argument("logs", nargs="*", type=input_or_name, metavar="LOG", help=logs)
     recording_options(parser)
-
-
-@contextmanager
-def tracked_from(options: argparse.Namespace) -> Iterator[Tracked]:
-    """What the options name, as long as the block lasts.
-
-    Raises:
-        ConfigError: no log, or a name that no log of a run has.
-        RecordingError, TrackLogError: something that cannot be read.
-    """
-    window = window_from(options)
-    run = options.source / RUN_FILE
-    if not run.is_file():
-        if not options.logs:
-            raise ConfigError(f"{options.source}: is no folder of a run: the recording's track logs must be given after it")
-        with open_from(options, options.source) as file:
-            logs = _named([Path(log) for log in options.logs])
-            first_us = file.t0_us
-            extents = [Extent.of(file.blocks(required=True))]
-            if window != (0, None):  # the log may be of this part alone
-                extents.append(Extent.of(file.blocks(*window, required=True)))
-            _check(options.logs, logs, str(options.source), extents)
-            yield Tracked(
-                file.name, file.sensor, lambda: file.blocks(*window, required=True), first_us, first_us + window[0], logs
-            )
-        return
-    for log in options.logs:
-        if log not in _RUN_LOGS:
-            raise ConfigError(f"{log}: must be one of {', '.join(_RUN_LOGS)} with the folder of a run")
-    described = read_run_file(run)
-    if described is None:
-        raise ConfigError(f"{run}: has no table [run]: must be written by `evcot cosim`")
-    recording, name = described.source.read(), described.source.name
-    described.check(run, recording.events)
-    part = recording.window(*window)
-    first_us = int(recording.events.t_us[0])
-    paths = [options.source / f"{log}.npz" for log in options.logs or _RUN_DEFAULT]
-    logs = _named(paths)
-    summary = read_summary(options.source / SUMMARY) if (options.source / SUMMARY).is_file() else {}
-    _check(paths, logs, described.source.recording, [run_extent(recording.events, [log.log for log in logs], summary)])
-    yield Tracked(name, (part.width, part.height), lambda: iter([part.events]), first_us, first_us + window[0], logs)
-
-
-def _check(paths: Sequence[Path | str], logs: tuple[Log, ...], recording: str, extents: Sequence[Extent]) -> None:
-    check_logs(((Path(path), log.log) for path, log in zip(paths, logs, strict=True)), recording, *extents)
-
-
-def _named(paths: list[Path]) -> tuple[Log, ...]:
-    """Logs by their files' names; two of one name are told apart by their folders."""
-    stems = [path.stem for path in paths]
-    names = [str(path.with_suffix("")) if stems.count(path.stem) > 1 else path.stem for path in paths]
-    return tuple(Log(name, TrackLog.load_npz(path)) for name, path in zip(names, paths, strict=True))

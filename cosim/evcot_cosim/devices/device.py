@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +27,12 @@ from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
 from ..build.model import BuiltModel, build
+from ..names import Top
 from .base import HardwareError, Stalls, pointer
 from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, source
 from .silence import check_waits
 
-__all__ = ["Device", "StreamTimes", "Top", "arrangement_of", "build_device"]
-
-Top = Literal["cot", "cot_chain", "cot_array", "cot_engine"]
+__all__ = ["Device", "StreamTimes", "arrangement_of", "build_device"]
 
 _FILTERED = "cot_filtered"  # the module that has filters in front of a tracker
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty

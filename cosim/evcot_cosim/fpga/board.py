@@ -17,11 +17,11 @@ from evcot.hardware.registers import register_map
 from evcot.ticks import TickedEvents
 
 from ..build.rtl import verilog_dir
+from . import RECORDS
 from .noise import SIZE, SLOT, rendered, signature, source, writes
 
-__all__ = ["RECORDS", "SIZES", "board_dir", "expected_records", "header", "shape"]
+__all__ = ["SIZES", "board_dir", "expected_records", "header", "shape"]
 
-RECORDS = 256  # in the signature
 SIZES = (1, 2, 4, 8)  # numbers of slots that a board may have
 _EVENTS = 40_000  # more than make so many records
 

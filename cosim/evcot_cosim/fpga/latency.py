@@ -18,9 +18,10 @@ from evcot.ticks import TickedEvents
 
 from ..build.model import load
 from ..devices.base import Stalls, reset
-from ..devices.device import Device, Top
+from ..devices.device import Device
 from ..devices.published_device import at, play
 from ..devices.top_device import TopDevice
+from ..names import Top
 from .catalogue import Answer, Module
 
 __all__ = ["clocks"]

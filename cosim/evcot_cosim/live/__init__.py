@@ -3,3 +3,7 @@
 
 Source -> `waiting` (bounded, newest wins) -> tracker -> an `Inbox` for each who looks -> `frame` -> page or terminal.
 """
+
+__all__ = ["PORT"]
+
+PORT = 8765  # of the page

@@ -21,15 +21,15 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, OutputError
 
+from . import PORT
 from .frame import FrameMaker
 from .messages import drawn_number, pack_frame
 from .page import page
 from .session import Session, Step
 from .waiting import Waiting
 
-__all__ = ["PORT", "Server"]
+__all__ = ["Server"]
 
-PORT = 8765
 
 _FRAMES_HZ = 60
 _UNDRAWN_MAX = 2  # frames on their way to one who looks

@@ -25,9 +25,11 @@ from evcot.tracks.tracking import KeptTracker, Tracker, log_of
 
 from ..build.model import BuiltModel
 from ..devices.base import HardwareError, Stalls
-from ..devices.device import Device, Top, build_device
+from ..devices.device import Device, build_device
 from ..devices.silence import check_silence
-from .lockstep import Lockstep, Mismatch, chunks
+from ..names import Top
+from .lockstep import Lockstep, chunks
+from .mismatch import Mismatch
 
 __all__ = ["CosimRun", "check_addresses", "rerun", "run_cosim", "stalls_from"]
 

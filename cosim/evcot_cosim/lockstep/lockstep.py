@@ -6,14 +6,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.errors import EvcotError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD
@@ -23,10 +21,12 @@ from evcot.tracks.log import Kind
 
 from ..build.model import BuiltModel
 from ..devices.base import HardwareError, Stalls
-from ..devices.device import Device, StreamTimes, Top
+from ..devices.device import Device, StreamTimes
 from ..devices.silence import check_silence
+from ..names import Top
+from .mismatch import Mismatch, MismatchError
 
-__all__ = ["CHUNK", "Clocks", "Lockstep", "Mismatch", "MismatchError", "Step", "chunks", "dump_window"]
+__all__ = ["CHUNK", "Clocks", "Lockstep", "Step", "chunks", "dump_window"]
 
 LATENCY_MAX = 4_095  # clocks that are told apart
 CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough that starting a run costs nothing
@@ -37,49 +37,6 @@ class Step(NamedTuple):
 
     hardware: Decisions
     model: Decisions | None
-
-
-@dataclass(frozen=True)
-class Mismatch:
-    """The first difference between hardware and model.
-
-    Attributes:
-        event_index: the event at which they differ.
-        tick: ticks since reset at that event.
-        field: what differs: "owner", "rel_x", "rel_y", "record.<field>", "records" (one side has more) or "stream" (the
-            hardware lost, repeated, reordered or changed an event).
-        hardware, model: both values.
-        seed: seed of the stall patterns, or None.
-        top: name of the hardware module.
-        config: the run's tracker configuration.
-    """
-
-    event_index: int
-    tick: int
-    field: str
-    hardware: int | str | None
-    model: int | str | None
-    seed: int | None
-    top: Top
-    config: CotConfig
-
-    def __str__(self) -> str:
-        return (
-            f"{self.top}: event {self.event_index}, tick {self.tick}: {self.field}: "
-            f"hardware has {self.hardware}, model has {self.model}"
-        )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything that repeats the mismatch, as plain values."""
-        return asdict(self)
-
-
-class MismatchError(EvcotError, AssertionError):
-    """Hardware and model differ; `mismatch` says where."""
-
-    def __init__(self, mismatch: Mismatch) -> None:
-        super().__init__(str(mismatch))
-        self.mismatch = mismatch
 
 
 def chunks(events: Events, size: int = CHUNK) -> Iterator[Events]:

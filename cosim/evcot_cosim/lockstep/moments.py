@@ -15,13 +15,13 @@ from evcot.hardware.config import CotConfig
 from evcot.hardware.cot import track
 from evcot.tracks.log import Kind
 
-from ..devices.device import Top, arrangement_of
+from ..devices.device import arrangement_of
+from ..names import MOMENTS, Top
 from .summary import SUMMARY, read_summary
 
-__all__ = ["MOMENTS", "Moment", "find_moment"]
+__all__ = ["Moment", "find_moment"]
 
 _KINDS = {"birth": Kind.BORN, "move": Kind.MOVED, "merge": Kind.MERGED, "loss": Kind.LOST}
-MOMENTS = "birth:N, move:N, merge:N, loss:N (the N-th, 1 without it), mismatch, event:N (from 0) or time:MS"
 
 
 @dataclass(frozen=True)

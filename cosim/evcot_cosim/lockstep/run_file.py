@@ -23,7 +23,7 @@ from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
 from evcot.trackers.config import RunConfig, load_toml
 
-from ..devices.device import Top
+from ..names import Top
 
 __all__ = ["RUN_FILE", "RunFile", "Source", "read_run_file", "run_toml", "write_run_file"]
 

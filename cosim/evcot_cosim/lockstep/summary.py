@@ -22,7 +22,7 @@ from evcot.tracks.timeline import lifetimes
 
 from ..build.toolchain import find_toolchain
 from .cosim import CosimRun
-from .lockstep import Mismatch
+from .mismatch import Mismatch
 
 __all__ = ["SUMMARY", "read_summary", "summarise", "summarise_mismatch", "table", "write_summary"]
 

@@ -13,7 +13,7 @@ from evcot.pictures.picture import draw
 from evcot.tracks.log import Kind
 
 from ..lockstep.cosim import CosimRun, rerun, stalls_from
-from ..lockstep.lockstep import MismatchError
+from ..lockstep.mismatch import MismatchError
 from ..lockstep.moments import Moment
 from ..lockstep.run_file import RUN_FILE, RunFile, write_run_file
 from ..lockstep.summary import SUMMARY, summarise, summarise_mismatch, write_summary

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from evcot.errors import EvcotError, RecordingWarning
 from evcot.events import Recording
 from evcot.metrics import GroundTruth, Rule, Scores, evaluate, load_rule, read_truth, rule_for
+from evcot.metrics.of_scene import ground_truth_of
 from evcot.scenes import Truth as SceneTruth
 from evcot.tracks.log import TrackLog
 
@@ -85,7 +85,5 @@ def scene_truth(truth: SceneTruth, sensor: tuple[int, int]) -> Truth:
     instants_us = np.unique(t_us)
     step = max(1, -(-len(instants_us) // _INSTANTS_MAX))  # text takes its time
     kept = replace(truth, samples=truth.samples[np.isin(t_us, instants_us[::step])])
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "truth.csv"
-        kept.save(path)
-        return Truth.read(path, sensor, "scene")
+    rule = load_rule("scene").on(sensor)
+    return Truth(ground_truth_of(kept, rule), rule)

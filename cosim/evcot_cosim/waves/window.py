@@ -13,9 +13,9 @@ from evcot.events import Events
 from evcot.hardware.config import CotConfig
 
 from ..devices.base import Stalls
-from ..devices.device import Top
 from ..lockstep.lockstep import Clocks, dump_window
 from ..lockstep.moments import Moment
+from ..names import Top
 from .fst import fst_writer, write_fst
 from .gtkwave import Marker, write_view
 from .views import VIEWS

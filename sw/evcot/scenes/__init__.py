@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
-from .boxes import BoxExperiment, simulate
-from .pixel import PixelCamera, PixelModel
+from typing import TYPE_CHECKING
+
+from .._lazy import lazily
 from .registry import SCENES, simulate_scene
-from .scene import Scene
-from .truth import TRUTH, Box, Truth
+
+if TYPE_CHECKING:
+    from .boxes import BoxExperiment, simulate
+    from .pixel import PixelCamera, PixelModel
+    from .scene import Scene
+    from .truth import TRUTH, Box, Truth
 
 __all__ = [
     "SCENES",
@@ -21,3 +26,13 @@ __all__ = [
     "simulate",
     "simulate_scene",
 ]
+
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "boxes": ("BoxExperiment", "simulate"),
+        "pixel": ("PixelCamera", "PixelModel"),
+        "scene": ("Scene",),
+        "truth": ("TRUTH", "Box", "Truth"),
+    },
+)

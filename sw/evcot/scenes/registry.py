@@ -1,38 +1,59 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All scenes by name."""
+"""All scenes by name; what simulates one is imported when it is wanted."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from ..errors import ConfigError
 from ..ranges import read_value
-from . import boxes, discs, highway, insects, pendulum, shake
-from .scene import Scene
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 __all__ = ["SCENES", "SceneKind", "adjusted", "scene_settings", "simulate_scene"]
 
 
 @dataclass(frozen=True)
 class SceneKind:
-    """A scene's settings class, whose defaults are the scene; what simulates it; and what it shows, in one line."""
+    """A scene.
 
-    settings: Callable[[], Any]
-    simulate: Callable[[Any], Scene]
+    Attributes:
+        title: what it shows, in one line.
+        module: of this package; its `simulate` simulates the scene.
+        settings_class: there; its defaults are the scene.
+    """
+
     title: str
+    module: str
+    settings_class: str
+
+    @property
+    def settings(self) -> Callable[[], Any]:
+        """Makes the scene's settings."""
+        made: Callable[[], Any] = getattr(self._imported(), self.settings_class)
+        return made
+
+    @property
+    def simulate(self) -> Callable[[Any], Scene]:
+        """The scene of such settings."""
+        simulate: Callable[[Any], Scene] = self._imported().simulate
+        return simulate
+
+    def _imported(self) -> Any:
+        return import_module(f".{self.module}", __package__)
 
 
 SCENES: dict[str, SceneKind] = {
-    "boxes": SceneKind(boxes.BoxExperiment, boxes.simulate, "bright and dark boxes, slow and fast: the box experiment"),
-    "discs": SceneKind(discs.Discs, discs.simulate, "discs that bounce off the walls and cross each other"),
-    "highway": SceneKind(
-        highway.Highway, highway.simulate, "a motorway in perspective; one car comes the wrong way, one stops"
-    ),
-    "insects": SceneKind(insects.Insects, insects.simulate, "small fast dots before waving grass and glints"),
-    "pendulum": SceneKind(pendulum.Pendulum, pendulum.simulate, "a damped pendulum: a bob on a rod"),
-    "shake": SceneKind(shake.Shake, shake.simulate, "boxes before a textured wall, seen by a trembling camera"),
+    "boxes": SceneKind("bright and dark boxes, slow and fast: the box experiment", "boxes", "BoxExperiment"),
+    "discs": SceneKind("discs that bounce off the walls and cross each other", "discs", "Discs"),
+    "highway": SceneKind("a motorway in perspective; one car comes the wrong way, one stops", "highway", "Highway"),
+    "insects": SceneKind("small fast dots before waving grass and glints", "insects", "Insects"),
+    "pendulum": SceneKind("a damped pendulum: a bob on a rod", "pendulum", "Pendulum"),
+    "shake": SceneKind("boxes before a textured wall, seen by a trembling camera", "shake", "Shake"),
 }
 
 

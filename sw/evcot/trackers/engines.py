@@ -1,31 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every tracker by name, with its presets: from a recording and settings to a TrackLog, and nothing else differs."""
+"""Every tracker by name, with its presets: from a recording and settings to a TrackLog, and nothing else differs.
+
+A tracker's own modules are imported when it is used.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..filters.config import FilterConfig
-from ..filters.run import filtered
-from ..hardware.cot import CotTracker
-from ..recordings.formats.source import Sensor
-from ..tracks.tracking import KeptTracker, Tracker
-from . import presets as runs
-from .config import RunConfig
-from .frame_based import presets as frames
-from .frame_based.tracker import FrameTracker
-from .kalman import presets as kalman
-from .kalman.tracker import KalmanTracker
-from .mean_shift import presets as mean_shift
-from .mean_shift.tracker import MeanShiftTracker
-from .rct import presets as rct
-from .rct.tracker import RctTracker
+if TYPE_CHECKING:
+    from ..filters.config import FilterConfig
+    from ..recordings.formats.source import Sensor
+    from ..tracks.tracking import Tracker
+    from .config import RunConfig
+
+    Start = Callable[[Any, FilterConfig, Sensor], Tracker]
 
 __all__ = ["ENGINES", "Engine"]
 
-Start = Callable[[Any, FilterConfig, Sensor], Tracker]
+
+class _Parts(NamedTuple):
+    """See `Engine`."""
+
+    presets: Mapping[str, Any]
+    start: Start
+    filters: Mapping[str, FilterConfig] = {}
 
 
 @dataclass(frozen=True)
@@ -34,19 +36,36 @@ class Engine:
 
     Attributes:
         title: for people.
-        presets: name -> settings; the first is the default.
-        start: a tracker that has seen nothing, from settings, filters in front, and the sensor.
-        filters: name of a preset -> the filters that it wants in front.
+        load: imports the rest.
     """
 
     title: str
-    presets: Mapping[str, Any]
-    start: Start
-    filters: Mapping[str, FilterConfig] = field(default_factory=dict)
+    load: Callable[[], _Parts]
+
+    @cached_property
+    def _parts(self) -> _Parts:
+        return self.load()
+
+    @property
+    def presets(self) -> Mapping[str, Any]:
+        """name -> settings; the first is the default."""
+        return self._parts.presets
+
+    @property
+    def start(self) -> Start:
+        """A tracker that has seen nothing, from settings, filters in front, and the sensor."""
+        return self._parts.start
+
+    @property
+    def filters(self) -> Mapping[str, FilterConfig]:
+        """Name of a preset -> the filters that it wants in front."""
+        return self._parts.filters
 
 
 def _software(make: Callable[[Any, int, int], Tracker]) -> Start:
     """Filters go in front of a software tracker only where some are on."""
+    from ..filters.run import filtered
+    from ..tracks.tracking import KeptTracker
 
     def start(settings: Any, filters: FilterConfig, sensor: Sensor) -> Tracker:
         tracker = make(settings, *sensor)
@@ -55,17 +74,45 @@ def _software(make: Callable[[Any, int, int], Tracker]) -> Start:
     return start
 
 
-def _hardware(run: RunConfig, filters: FilterConfig, sensor: Sensor) -> Tracker:
+def _rct() -> _Parts:
+    from .rct import presets, tracker
+
+    return _Parts(presets.PRESETS, _software(tracker.RctTracker), presets.FILTERS)
+
+
+def _kalman() -> _Parts:
+    from .kalman import presets, tracker
+
+    return _Parts(presets.PRESETS, _software(tracker.KalmanTracker))
+
+
+def _mean_shift() -> _Parts:
+    from .mean_shift import presets, tracker
+
+    return _Parts(presets.PRESETS, _software(lambda settings, *_: tracker.MeanShiftTracker(settings)))
+
+
+def _frames() -> _Parts:
+    from .frame_based import presets, tracker
+
+    return _Parts(presets.PRESETS, _software(lambda settings, *_: tracker.FrameTracker(settings)))
+
+
+def _cot() -> _Parts:
     """The golden model has its filters inside, as the hardware has them."""
-    return CotTracker(replace(runs.fit(run, *sensor), filters=filters).hardware(*sensor))
+    from ..hardware.cot import CotTracker
+    from . import presets
+
+    def start(run: RunConfig, filters: FilterConfig, sensor: Sensor) -> Tracker:
+        return CotTracker(replace(presets.fit(run, *sensor), filters=filters).hardware(*sensor))
+
+    return _Parts(presets.PRESETS, start, {name: run.filters for name, run in presets.PRESETS.items()})
 
 
 ENGINES: dict[str, Engine] = {
-    "rct": Engine("Rectangular Cluster Tracker", rct.PRESETS, _software(RctTracker), rct.FILTERS),
-    "kalman": Engine("extended objects by Kalman filters", kalman.PRESETS, _software(KalmanTracker)),
-    "mean-shift": Engine("mean shift on packets of events", mean_shift.PRESETS, _software(lambda s, *_: MeanShiftTracker(s))),
-    "frames": Engine("connected components of frames", frames.PRESETS, _software(lambda s, *_: FrameTracker(s))),
-    "cot": Engine(
-        "golden model of the hardware", runs.PRESETS, _hardware, {name: run.filters for name, run in runs.PRESETS.items()}
-    ),
+    "rct": Engine("Rectangular Cluster Tracker", _rct),
+    "kalman": Engine("extended objects by Kalman filters", _kalman),
+    "mean-shift": Engine("mean shift on packets of events", _mean_shift),
+    "frames": Engine("connected components of frames", _frames),
+    "cot": Engine("golden model of the hardware", _cot),
 }

@@ -13,7 +13,7 @@ from .config import RunConfig
 from .rct.config import RctConfig
 from .rct.presets import PRESETS as RCT_PRESETS
 
-__all__ = ["PRESETS", "fit", "for_sensor", "preset"]
+__all__ = ["PRESETS", "fit", "for_sensor", "preset", "run_config"]
 
 
 def _paper(name: str, n_ev: int, max_ticks: int) -> RunConfig:
@@ -131,6 +131,20 @@ def preset(name: str) -> RunConfig:
 def for_sensor(width: int) -> RunConfig:
     """The preset for a sensor of this width: the first that is wide enough, else the widest."""
     return PRESETS[next((name for name, widest in _WIDTHS.items() if width <= widest), "hd")]
+
+
+def run_config(width: int, height: int, name: str | None = None, n_slots: int | None = None) -> RunConfig:
+    """The configuration of a co-simulation for a sensor.
+
+    Args:
+        width, height: of the sensor, in pixels.
+        name: of a preset; None: the one for such a sensor.
+        n_slots: number of tracker slots; None: the preset's.
+
+    Raises:
+        ConfigError: no such preset, or a number of slots that cannot be.
+    """
+    return fit(preset(name) if name else for_sensor(width), width, height, n_slots)
 
 
 def fit(config: RunConfig, width: int, height: int, n_slots: int | None = None) -> RunConfig:

@@ -9,7 +9,7 @@ import pytest
 
 from evcot.hardware.register_access import Registers
 from evcot_cosim.cli import main
-from evcot_cosim.commands import board
+from evcot_cosim.commands.actions import board
 from evcot_cosim.fpga.board import expected_records
 from evcot_cosim.fpga.board_sim import BOARDS, SimulatedBoard
 from evcot_cosim.fpga.serial_host import SerialHost

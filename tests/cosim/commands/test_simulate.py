@@ -12,7 +12,8 @@ from PIL import Image
 
 from evcot.recordings.files import read_recording
 from evcot.scenes import SCENES, Truth, simulate_scene
-from evcot_cosim.cli import USER_ERROR, main
+from evcot_cosim.cli import main
+from evcot_cosim.commands.exit_codes import USER_ERROR
 
 
 @pytest.fixture(autouse=True)

@@ -22,7 +22,8 @@ from evcot.hardware.cot import Arrangement, CotModel, Decisions
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import HardwareError, Stalls
-from evcot_cosim.devices.device import Device, Top, _order_of
+from evcot_cosim.devices.device import Device, _order_of
+from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
 from support.ticked import ticked

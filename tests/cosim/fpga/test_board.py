@@ -18,8 +18,9 @@ import pytest
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError
 from evcot_cosim.devices.top_device import slot_address
+from evcot_cosim.fpga import RECORDS
 from evcot_cosim.fpga.bitstream import main, make_bitstream
-from evcot_cosim.fpga.board import RECORDS, expected_records
+from evcot_cosim.fpga.board import expected_records
 from evcot_cosim.fpga.board_sim import BOARDS, SimulatedBoard, sources
 from evcot_cosim.fpga.serial_host import LinkError, SerialHost
 

@@ -22,8 +22,10 @@ from evcot.hardware.contract import Mode, Shape
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top
-from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, MismatchError, chunks, dump_window
+from evcot_cosim.devices.device import Device
+from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks, dump_window
+from evcot_cosim.lockstep.mismatch import MismatchError
+from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import broken_copy
 from support.trials import random_traffic

@@ -15,7 +15,7 @@ from evcot.tracks.compare import compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.build.model import BuiltModel
 from evcot_cosim.lockstep.cosim import CosimRun
-from evcot_cosim.lockstep.lockstep import Mismatch
+from evcot_cosim.lockstep.mismatch import Mismatch
 from evcot_cosim.lockstep.summary import summarise, summarise_mismatch, table, write_summary
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from evcot.errors import OutputError
-from evcot_cosim.devices.device import Top
+from evcot_cosim.names import Top
 from evcot_cosim.waves import Wave
 from evcot_cosim.waves.fst import fst_writer, write_fst
 

@@ -21,7 +21,8 @@ from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import Mode, State
 from evcot.tracks.log import Kind
-from evcot_cosim.devices.device import Device, Top
+from evcot_cosim.devices.device import Device
+from evcot_cosim.names import Top
 from evcot_cosim.waves import VcdError, Wave
 from evcot_cosim.waves.gtkwave import write_view
 from evcot_cosim.waves.views import VIEWS

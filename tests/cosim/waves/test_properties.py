@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
-from evcot_cosim.devices.device import Top
+from evcot_cosim.names import Top
 from evcot_cosim.waves import Wave
 from evcot_cosim.waves.properties import judge, load_properties
 

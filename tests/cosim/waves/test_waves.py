@@ -15,7 +15,8 @@ from evcot.errors import ConfigError, OutputError
 from evcot.events import Events
 from evcot.hardware.config import CotConfig
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top, build_device
+from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.names import Top
 from evcot_cosim.waves import Samples, Wave
 from evcot_cosim.waves.window import Window, write_waves
 

@@ -23,7 +23,8 @@ from evcot.hardware.lfsr import Lfsr
 from evcot_cosim.build.model import load
 from evcot_cosim.build.rtl import copy_rtl
 from evcot_cosim.devices.base import reset
-from evcot_cosim.devices.device import Device, Top
+from evcot_cosim.devices.device import Device
+from evcot_cosim.names import Top
 from evcot_cosim.waves import (
     Expr,
     Samples,

@@ -16,7 +16,8 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top
+from evcot_cosim.devices.device import Device
+from evcot_cosim.names import Top
 from support.testing import Sink, Source, always, run_streams
 from support.ticked import ticked
 from support.trials import ENGINES, Told, exact, random_traffic, tell

@@ -16,7 +16,8 @@ from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, Top, build_device
+from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.names import Top
 from support.testing import lint
 from support.ticked import ticked
 from support.trials import random_config, random_traffic

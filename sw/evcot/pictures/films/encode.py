@@ -11,6 +11,7 @@ from PIL import Image
 
 from ...errors import ConfigError
 from .colours import palette
+from .look import GIF, MP4
 
 __all__ = ["ENCODERS", "GIF_PIXELS_MAX", "Encoder", "check_encoder"]
 
@@ -82,12 +83,12 @@ class GifEncoder:
         first.save(self._file, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0, optimize=False)
 
 
-ENCODERS: dict[str, type[Encoder]] = {".mp4": Mp4Encoder, ".gif": GifEncoder}
+ENCODERS: dict[str, type[Encoder]] = {MP4: Mp4Encoder, GIF: GifEncoder}
 
 
 def check_encoder(suffix: str) -> None:
     """Raise ConfigError where films of a suffix cannot be written here."""
-    if suffix == ".mp4":
+    if suffix == MP4:
         try:
             import av  # noqa: F401
         except ImportError as error:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,45 +15,17 @@ from ...outputs import written_aside
 from ...recordings.formats.source import Sensor
 from .draw import compose, size_of
 from .encode import ENCODERS, check_encoder
+from .look import RERUN, SUFFIXES, Look
 from .rerun_file import check_rerun, write_rerun
 from .states import Follower, Side
 from .surface import Surface
 
-__all__ = ["SUFFIXES", "Look", "check_suffix", "picture_times", "render"]
-
-SUFFIXES = (*ENCODERS, ".rrd")
+__all__ = ["check_suffix", "picture_times", "render"]
 
 _PICTURES_MAX = 1_000_000
-_RANGES = {"speed": (1e-4, 1e3), "fps": (1.0, 100.0), "decay_ms": (1e-3, 1e5), "width_px": (64, 4096)}
 
 Progress = Callable[[int, int], None]
 """Told the pictures done and the time of the recording, in us after its window's start."""
-
-
-@dataclass(frozen=True)
-class Look:
-    """How a film looks.
-
-    Attributes:
-        speed: seconds of the recording per second of the film.
-        fps: pictures per second.
-        decay_ms: of the film: after it an event shows at 1/e of its strength.
-        width_px: the picture is at least so wide; a wider sensor is shown as it is.
-
-    Raises:
-        ConfigError: a value outside its range.
-    """
-
-    speed: float = 1.0
-    fps: float = 30.0
-    decay_ms: float = 30.0
-    width_px: int = 640
-
-    def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ConfigError(f"--{name.split('_')[0]} {value:g}: must be from {low:g} to {high:g}")
 
 
 def render(
@@ -79,7 +50,7 @@ def render(
     followers = [Follower(side, times_us) for side in sides]
     parts = _parts(blocks, times_us)
     with written_aside(path, force=force) as file:
-        if suffix == ".rrd":
+        if suffix == RERUN:
             write_rerun(file, sensor, zip(times_us.tolist(), parts, strict=True), followers, window[0], progress)
             return len(times_us)
         enlarged, width, height = size_of(sensor, look.width_px)
@@ -101,7 +72,7 @@ def check_suffix(path: Path) -> None:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise ConfigError(f"{path}: must end in {', '.join(SUFFIXES)}")
-    if suffix == ".rrd":
+    if suffix == RERUN:
         check_rerun()
     else:
         check_encoder(suffix)

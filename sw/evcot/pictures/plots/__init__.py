@@ -1,7 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures for a paper: tracks over events, places over time, how many were alive, and their lives."""
 
-from .figure import KINDS, plot
-from .material import Log, Material, density
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..._lazy import lazily
+from .style import KINDS
+
+if TYPE_CHECKING:
+    from .figure import plot
+    from .material import Log, Material, density
 
 __all__ = ["KINDS", "Log", "Material", "density", "plot"]
+
+__getattr__, __dir__ = lazily(__name__, {"figure": ("plot",), "material": ("Log", "Material", "density")})

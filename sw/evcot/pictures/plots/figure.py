@@ -17,9 +17,9 @@ from matplotlib.lines import Line2D
 from ...errors import ConfigError
 from .material import Material
 from .panels import alive_panel, lives_panel, place_panel, tracks_panel
-from .style import COLUMN_MM, DASHES, PALETTE, RULES, save
+from .style import COLUMN_MM, DASHES, KINDS, PALETTE, RULES, save
 
-__all__ = ["KINDS", "plot"]
+__all__ = ["plot"]
 
 _MM_PER_INCH = 25.4
 _SIDE_MM = (20.0, 1000.0)
@@ -45,16 +45,14 @@ def _lives_mm(material: Material, _width_mm: float) -> float:
     return min(12 + _ROW_MM * sum(len(material.lives(log)) for log in material.logs), 110)
 
 
-_KINDS: dict[str, tuple[_Panel, ...]] = {
-    "tracks": (_Panel(tracks_panel, _scene_mm),),
-    "xy": (
-        _Panel(lambda ax, material: place_panel(ax, material, "x"), lambda *_: 32),
-        _Panel(lambda ax, material: place_panel(ax, material, "y"), lambda *_: 32),
-    ),
-    "alive": (_Panel(alive_panel, lambda *_: 28),),
-    "lifetimes": (_Panel(lives_panel, _lives_mm),),
-}
-KINDS = tuple(_KINDS)
+_TRACKS = (_Panel(tracks_panel, _scene_mm),)
+_PLACES = (
+    _Panel(lambda ax, material: place_panel(ax, material, "x"), lambda *_: 32),
+    _Panel(lambda ax, material: place_panel(ax, material, "y"), lambda *_: 32),
+)
+_ALIVE = (_Panel(alive_panel, lambda *_: 28),)
+_LIVES = (_Panel(lives_panel, _lives_mm),)
+_KINDS = dict(zip(KINDS, (_TRACKS, _PLACES, _ALIVE, _LIVES), strict=True))
 
 
 def plot(

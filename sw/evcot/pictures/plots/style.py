@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from ...errors import ConfigError
 from ...outputs import written_aside
 
-__all__ = ["COLUMN_MM", "DASHES", "INK", "PALETTE", "RULES", "save"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
+__all__ = ["COLUMN_MM", "DASHES", "INK", "KINDS", "PALETTE", "RULES", "save"]
+
+KINDS = ("tracks", "xy", "alive", "lifetimes")  # of panels
 COLUMN_MM = {1: 85.0, 2: 178.0}  # widths of a paper's one and two columns
 INK = "#222222"
 # Okabe and Ito's palette without its yellow, which is faint on white.

@@ -8,24 +8,15 @@ on a file's first bytes. What a reader finds wrong it raises as a RecordingError
 
 from __future__ import annotations
 
-from . import aedat2, aedat3, aedat4, aedat4_sink, es, hdf5, matlab, npz_sink, numpy_files, prophesee, ros, text
-from .source import Format, WritableFormat
+from typing import TYPE_CHECKING
 
-__all__ = ["FORMATS", "WRITABLE"]
+from ..._lazy import lazily
 
-FORMATS: tuple[Format, ...] = (
-    *aedat4.FORMATS,
-    *aedat3.FORMATS,
-    *aedat2.FORMATS,
-    *es.FORMATS,
-    *matlab.FORMATS,  # before HDF5, which its version 7.3 is
-    *hdf5.FORMATS,
-    *numpy_files.FORMATS,
-    *prophesee.FORMATS,
-    *ros.FORMATS,
-    *text.FORMATS,  # last: almost anything printable looks like text
-)
+if TYPE_CHECKING:
+    from .registry import FORMATS, WRITABLE
 
-WRITABLE: dict[str, WritableFormat] = {
-    kind.name: kind for kind in (*npz_sink.WRITABLE, *text.WRITABLE, *prophesee.WRITABLE, *aedat4_sink.WRITABLE)
-}
+__all__ = ["FORMATS", "WRITABLE", "WRITABLE_NAMES"]
+
+WRITABLE_NAMES = ("npz", "csv", "evt3", "evt2", "aedat4")  # the keys of WRITABLE, for whoever need not import a writer
+
+__getattr__, __dir__ = lazily(__name__, {"registry": ("FORMATS", "WRITABLE")})

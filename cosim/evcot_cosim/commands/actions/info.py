@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot info`: what a recording is."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from evcot.recordings.describe import PEAK_WINDOW_US, Description, PixelFigures, describe
+
+from ..options import window_from
+from .counting import Counting
+from .opening import open_from
+
+__all__ = ["run"]
+
+
+_EARLIEST_DATE_US = 946_684_800_000_000  # times from the year 2000 on are dates; smaller ones count from some start
+_LATEST_DATE_US = 4_102_444_800_000_000  # 2100
+
+
+def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
+    """Describe a recording; 0."""
+    window = window_from(options)
+    with Counting(f"reading {options.recording}") as counting, open_from(options, options.recording) as file:
+        found = describe(file, *window, progress=counting.update)
+    if options.json:
+        print(json.dumps({"file": str(options.recording)} | found.to_dict(), indent=2))
+        return 0
+    rows = _rows(found, options.recording)
+    width = max(len(name) for name, _ in rows)
+    for name, value in rows:
+        print(f"{name:{width}}  {value}")
+    return 0
+
+
+def _rows(found: Description, path: Path) -> list[tuple[str, str]]:
+    """The table: (what, value)."""
+    return [
+        ("file", str(path)),
+        ("format", found.format),
+        *found.details.items(),
+        ("sensor", f"{found.width}x{found.height} pixels" + found.assumes_sensor * ", the smallest that holds every event"),
+        ("events", f"{found.events:,}"),
+        ("first event", _moment(found.first_us)),
+        ("duration", f"{found.duration_us / 1e6:,.6f} s"),
+        *_rate_rows(found),
+        ("ON events", _percent(found.on_share)),
+        *(_pixel_rows(found.pixels) if found.pixels is not None else ()),
+        *(("left out", f"{count:,} events: {why}") for why, count in found.left_out.items()),
+    ]
+
+
+def _rate_rows(found: Description) -> Iterator[tuple[str, str]]:
+    if found.mean_rate is not None:
+        yield "mean rate", _rate(found.mean_rate)
+    if found.peak_rate is not None:
+        yield "peak rate", f"{_rate(found.peak_rate)}, over {PEAK_WINDOW_US // 1000} ms"
+
+
+def _pixel_rows(pixels: PixelFigures) -> Iterator[tuple[str, str]]:
+    yield "silent pixels", _percent(pixels.silent)
+    if pixels.median_interval_us is not None:
+        yield "pixel interval", f"{_duration(pixels.median_interval_us)} from event to event of a pixel, median"
+    busiest = (f"({pixel.x}, {pixel.y}) {100 * pixel.share:.3g} %" for pixel in pixels.busiest)
+    yield "busiest pixels", ", ".join(busiest)
+
+
+def _moment(t_us: int) -> str:
+    """A time as the file has it; one that may be a date, as that too."""
+    seconds = f"{t_us / 1e6:,.6f} s"
+    if not _EARLIEST_DATE_US <= t_us < _LATEST_DATE_US:
+        return seconds
+    return f"{datetime.fromtimestamp(t_us / 1e6, UTC):%Y-%m-%d %H:%M:%S} UTC ({seconds})"
+
+
+def _duration(us: int) -> str:
+    return f"{us} us" if us < 1000 else f"{us / 1e3:.3g} ms" if us < 1_000_000 else f"{us / 1e6:.3g} s"
+
+
+def _rate(events_per_s: float) -> str:
+    for unit, factor in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
+        if events_per_s >= factor:
+            return f"{events_per_s / factor:.4g} {unit} events/s"
+    return f"{events_per_s:.3g} events/s"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %"

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording opened as the options say."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from evcot.recordings.files import RecordingFile, open_recording
+
+from ..options import sensor_from
+
+__all__ = ["open_from"]
+
+
+def open_from(options: argparse.Namespace, path: Path) -> RecordingFile:
+    """Open a recording as the options say.
+
+    Raises:
+        ConfigError: --sensor that is no size.
+        RecordingError: as `open_recording`.
+    """
+    return open_recording(path, sensor_from(options), damage="skip" if options.skip_damaged else "refuse")

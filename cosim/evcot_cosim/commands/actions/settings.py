@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An engine's settings, as the options say."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict, replace
+from typing import Any
+
+from evcot.errors import ConfigError
+from evcot.filters.config import FilterConfig
+from evcot.ranges import read_pair, read_value
+from evcot.trackers.config import RunConfig
+from evcot.trackers.settings import engine_settings
+
+__all__ = ["configured", "plain"]
+
+
+def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[Any, FilterConfig]:
+    """The engine's settings and the filters in front: the preset, with the file's and then the options' changes."""
+    settings, filters = engine_settings(options.engine, sensor, options.preset, options.config, mark="--")
+    if isinstance(settings, RunConfig):
+        if options.set:
+            raise ConfigError("--set: must not be given with --engine cot: its registers stand in the file of --config")
+        return settings, filters
+    return _changed(options, settings), filters
+
+
+def _changed(options: argparse.Namespace, settings: Any) -> Any:
+    known = asdict(settings)
+    for setting in options.set:
+        rule = f" with a key among {', '.join(known)}"
+        key, text = read_pair("--set", setting, rule)
+        if key not in known:
+            raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}")
+        settings = replace(settings, **{key: read_value(f"{options.engine}.{key}", text, known[key])})
+    return settings
+
+
+def plain(settings: Any) -> dict[str, Any]:
+    """Settings as plain values."""
+    return settings.to_dict() if isinstance(settings, RunConfig) else asdict(settings)

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The first difference between hardware and model, and the error that tells of it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from evcot.errors import EvcotError
+
+from ..names import Top
+
+if TYPE_CHECKING:
+    from evcot.hardware.config import CotConfig
+
+__all__ = ["Mismatch", "MismatchError"]
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """The first difference between hardware and model.
+
+    Attributes:
+        event_index: the event at which they differ.
+        tick: ticks since reset at that event.
+        field: what differs: "owner", "rel_x", "rel_y", "record.<field>", "records" (one side has more) or "stream" (the
+            hardware lost, repeated, reordered or changed an event).
+        hardware, model: both values.
+        seed: seed of the stall patterns, or None.
+        top: name of the hardware module.
+        config: the run's tracker configuration.
+    """
+
+    event_index: int
+    tick: int
+    field: str
+    hardware: int | str | None
+    model: int | str | None
+    seed: int | None
+    top: Top
+    config: CotConfig
+
+    def __str__(self) -> str:
+        return (
+            f"{self.top}: event {self.event_index}, tick {self.tick}: {self.field}: "
+            f"hardware has {self.hardware}, model has {self.model}"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything that repeats the mismatch, as plain values."""
+        return asdict(self)
+
+
+class MismatchError(EvcotError, AssertionError):
+    """Hardware and model differ; `mismatch` says where."""
+
+    def __init__(self, mismatch: Mismatch) -> None:
+        super().__init__(str(mismatch))
+        self.mismatch = mismatch

@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the command line offers by name, without what stands behind the names."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+__all__ = ["MOMENTS", "Top"]
+
+Top = Literal["cot", "cot_chain", "cot_array", "cot_engine"]
+"""The hardware module."""
+
+MOMENTS = "birth:N, move:N, merge:N, loss:N (the N-th, 1 without it), mismatch, event:N (from 0) or time:MS"
+"""Moments of a run, for people."""

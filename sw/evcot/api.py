@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands do, as functions; `import evcot` has them by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from .errors import ConfigError, TrackLogError
+from .events import Events, Recording
+from .filters.config import FilterConfig
+from .filters.run import apply
+from .metrics.of_scene import ground_truth_of
+from .metrics.rule import Rule, load_rule
+from .metrics.scores import Scores
+from .metrics.scores import evaluate as score
+from .metrics.truth import GroundTruth, read_truth, rule_for
+from .recordings.files import open_recording
+from .recordings.formats.source import Sensor
+from .scenes.registry import adjusted, simulate_scene
+from .scenes.scene import Scene
+from .scenes.truth import Truth
+from .trackers.config import RunConfig
+from .trackers.engines import ENGINES
+from .trackers.settings import engine_settings
+from .tracks.log import TrackLog
+from .tracks.tracking import signed_log_of
+
+__all__ = ["evaluate", "filter_recording", "simulate", "track"]
+
+
+def filter_recording(recording: Recording, config: FilterConfig | None = None, **settings: Any) -> Recording:
+    """The events of a recording that filters let through, as `evcot filter` writes them.
+
+    Example:
+        clean = evcot.filter(recording, refractory_us=1_000, activity_us=5_000)
+
+    Args:
+        config: which filters are on; None: none.
+        settings: fields of `FilterConfig`, in place of those of `config`.
+
+    Raises:
+        ConfigError: no such field, a value outside its range, or a hot pixel outside the sensor.
+    """
+    return apply(recording, adjusted("filters", config or FilterConfig(), settings))[0]
+
+
+def track(
+    source: Recording | Path | str,
+    engine: str = "rct",
+    preset: str | None = None,
+    *,
+    config: Path | str | None = None,
+    settings: Any = None,
+    filters: FilterConfig | None = None,
+    **changes: Any,
+) -> TrackLog:
+    """Track the objects in a recording, as `evcot track` does.
+
+    Example:
+        log = evcot.track("drive.aedat4", "rct", "traffic", radius_px=12.0)
+        births = log.of_kind(evcot.Kind.BORN)  # (k,) of dtype evcot.TRACK: t_us, x, y, radius, ...
+
+    Args:
+        source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
+        engine: one of `ENGINES`.
+        preset: one of `ENGINES[engine].presets`; None: the first, or of "cot" the one for the sensor.
+        config: a TOML file that overrides the preset.
+        settings: the engine's settings themselves, in place of preset and file; of "cot" a `RunConfig`.
+        filters: in front of the tracker; None: the preset's.
+        changes: fields of the engine's settings, in place of those of the preset; not of "cot", whose settings are registers.
+
+    Returns:
+        What became of every track, and who took each event.
+
+    Raises:
+        ConfigError: no such engine, preset or setting, or a value outside its range.
+        RecordingError: a file that cannot be read, or holds no events.
+    """
+    with _blocks(source) as (blocks, sensor):
+        default, own = engine_settings(engine, sensor, preset, Path(config) if config is not None else None)
+        if settings is not None:
+            if preset is not None or config is not None:
+                raise ConfigError("settings: must not be given with preset or config")
+            if not isinstance(settings, type(default)):
+                kind, wanted = type(settings).__name__, type(default).__name__
+                raise ConfigError(f"settings of type {kind}: must be {wanted} with engine {engine}")
+            default, own = settings, settings.filters if isinstance(settings, RunConfig) else FilterConfig()
+        if changes and isinstance(default, RunConfig):
+            name = next(iter(changes))
+            raise ConfigError(f"{name}: must not be given with engine {engine}: its registers are in settings or config")
+        tracker = ENGINES[engine].start(adjusted(engine, default, changes), own if filters is None else filters, sensor)
+        return signed_log_of(engine, tracker, blocks)
+
+
+def simulate(scene: str, seed: int = 1, **settings: Any) -> Scene:
+    """Simulate a scene, as `evcot simulate` does: its events, and the truth about its objects.
+
+    Example:
+        scene = evcot.simulate("discs", seed=3, duration_us=500_000)
+        scene.recording.events.t_us  # (n,) int64, microseconds
+
+    Args:
+        scene: one of `SCENES`.
+        seed: of everything random; the same gives the same events.
+        settings: fields of the scene's settings or of its pixel model; `evcot simulate SCENE --list` shows them.
+
+    Raises:
+        ConfigError: no such scene or setting, or a value outside its range.
+    """
+    return simulate_scene(scene, seed, settings)
+
+
+def evaluate(
+    log: TrackLog | Path | str,
+    truth: GroundTruth | Truth | Path | str,
+    rule: Rule | Path | str | None = None,
+    *,
+    sensor: Sensor | None = None,
+) -> Scores:
+    """Hold tracks against a ground truth, as `evcot evaluate` does.
+
+    Example:
+        scene = evcot.simulate("discs")
+        evcot.evaluate(evcot.track(scene.recording), scene.truth).hota
+
+    Args:
+        log: a log, or the file of one.
+        truth: a scene's, one that was read already, or a CSV file.
+        rule: how the truth is read and scored: a rule, the name of one in `metrics.RULES`, or a TOML file; None: the one for
+            scenes, or the one with the file's columns.
+        sensor: (width, height) in pixels; None: the rule's.
+
+    Raises:
+        TrackLogError: a log that cannot be used, or that has another clock than the truth.
+        ConfigError: a rule that cannot be used, or a truth that was read already without one.
+        RecordingError: a truth that cannot be read.
+    """
+    chosen = _rule(truth, rule).on(sensor)
+    if isinstance(truth, Truth):
+        truth = ground_truth_of(truth, chosen)
+    elif not isinstance(truth, GroundTruth):
+        truth = read_truth(truth, chosen)
+    if isinstance(log, TrackLog):
+        return score(log, truth, chosen)
+    loaded = TrackLog.load_npz(log)
+    try:
+        return score(loaded, truth, chosen)
+    except TrackLogError as error:
+        raise TrackLogError(f"{log}: {error}") from error
+
+
+@contextmanager
+def _blocks(source: Recording | Path | str) -> Iterator[tuple[Iterator[Events], Sensor]]:
+    """The events of a recording, and its sensor."""
+    if isinstance(source, Recording):
+        yield iter([source.events]), (source.width, source.height)
+        return
+    with open_recording(source) as file:
+        yield file.blocks(required=True), file.sensor
+
+
+def _rule(truth: GroundTruth | Truth | Path | str, rule: Rule | Path | str | None) -> Rule:
+    if isinstance(rule, Rule):
+        return rule
+    if rule is not None:
+        return load_rule(rule)
+    if isinstance(truth, GroundTruth):
+        raise ConfigError("rule: must be given with a truth that was read already")
+    return load_rule("scene") if isinstance(truth, Truth) else rule_for(truth)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a film may be, and how it looks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...errors import ConfigError
+
+__all__ = ["GIF", "MP4", "RERUN", "SUFFIXES", "Look"]
+
+MP4, GIF, RERUN = SUFFIXES = (".mp4", ".gif", ".rrd")
+
+_RANGES = {"speed": (1e-4, 1e3), "fps": (1.0, 100.0), "decay_ms": (1e-3, 1e5), "width_px": (64, 4096)}
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a film looks.
+
+    Attributes:
+        speed: seconds of the recording per second of the film.
+        fps: pictures per second.
+        decay_ms: of the film: after it an event shows at 1/e of its strength.
+        width_px: the picture is at least so wide; a wider sensor is shown as it is.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    speed: float = 1.0
+    fps: float = 30.0
+    decay_ms: float = 30.0
+    width_px: int = 640
+
+    def __post_init__(self) -> None:
+        for name, (low, high) in _RANGES.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ConfigError(f"--{name.split('_')[0]} {value:g}: must be from {low:g} to {high:g}")

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`import evcot`: what the commands do, as functions."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import evcot
+from evcot.digest import digest
+from evcot.filters.run import apply
+from evcot.metrics import evaluate as score
+from evcot.metrics import load_rule, read_truth
+from evcot.trackers.presets import PRESETS
+from evcot.trackers.rct.presets import PRESETS as RCT
+
+
+@pytest.fixture(scope="module")
+def scene() -> evcot.Scene:
+    return evcot.simulate("discs", seed=5, duration_us=200_000)
+
+
+@pytest.fixture
+def path(scene: evcot.Scene, tmp_path: Path) -> Path:
+    path = tmp_path / "discs.npz"
+    evcot.write(scene.recording, path)
+    return path
+
+
+def same(one: evcot.TrackLog, other: evcot.TrackLog) -> bool:
+    same_arrays = np.array_equal(one.records, other.records) and np.array_equal(one.owner, other.owner)
+    return same_arrays and (one.engine, one.recording) == (other.engine, other.recording)
+
+
+def test_a_recording_is_written_and_read(scene: evcot.Scene, path: Path) -> None:
+    assert digest(evcot.read(path).events) == digest(scene.recording.events)
+    part = evcot.read(path, from_us=50_000, to_us=100_000)
+    assert 0 < len(part.events) < len(scene.recording.events)
+    with evcot.open_recording(path) as file:
+        assert sum(map(len, file.blocks())) == len(scene.recording.events)
+
+
+@pytest.mark.parametrize("engine", evcot.ENGINES)
+def test_a_file_and_what_it_holds_give_the_same_log(scene: evcot.Scene, path: Path, engine: str) -> None:
+    log = evcot.track(scene.recording, engine)
+    assert log.engine == engine
+    assert log.recording == digest(scene.recording.events)
+    assert len(log.of_kind(evcot.Kind.BORN)) >= 4
+    assert same(log, evcot.track(path, engine))
+
+
+def test_settings_come_from_preset_file_and_keywords(scene: evcot.Scene, tmp_path: Path) -> None:
+    config = tmp_path / "mine.toml"
+    config.write_text("[rct]\nradius_px = 9.0\nlifetime_us = 7_000\n")
+    name = list(RCT)[-1]
+    log = evcot.track(scene.recording, "rct", name, config=config, lifetime_us=8_000)
+    wanted = replace(RCT[name], radius_px=9.0, lifetime_us=8_000)
+    filters = evcot.ENGINES["rct"].filters.get(name)
+    assert same(log, evcot.track(scene.recording, settings=wanted, filters=filters))
+    assert not same(log, evcot.track(scene.recording, "rct", name))
+
+
+def test_the_hardware_s_model_takes_a_run_s_configuration(scene: evcot.Scene) -> None:
+    config = evcot.run_config(scene.recording.width, scene.recording.height, "discs", n_slots=6)
+    assert config.cot.shape.n_slots == 6
+    log = evcot.track(scene.recording, "cot", settings=config)
+    assert np.count_nonzero(log.owner == evcot.DROPPED)  # its filters are on
+    unfiltered = evcot.track(scene.recording, "cot", settings=config, filters=evcot.FilterConfig())
+    assert not np.count_nonzero(unfiltered.owner == evcot.DROPPED)
+
+
+def test_filters_are_those_of_the_room(scene: evcot.Scene) -> None:
+    clean = evcot.filter(scene.recording, refractory_us=500, polarity="on")
+    wanted, _ = apply(scene.recording, evcot.FilterConfig(refractory_us=500, polarity="on"))
+    assert 0 < len(clean.events) < len(scene.recording.events)
+    assert digest(clean.events) == digest(wanted.events)
+
+
+def test_a_log_is_held_against_a_truth_however_it_is_given(scene: evcot.Scene, tmp_path: Path) -> None:
+    log = evcot.track(scene.recording, "rct", "discs")
+    saved, csv = tmp_path / "log.npz", tmp_path / "truth.csv"
+    log.save_npz(saved)
+    scene.truth.save(csv)
+    rule = load_rule("scene")
+    wanted = score(log, read_truth(csv, rule), rule)
+    assert wanted.hota > 0.3
+    for given in (scene.truth, csv, str(csv)):
+        assert evcot.evaluate(log, given) == wanted
+    assert evcot.evaluate(saved, csv, "scene") == wanted
+    assert evcot.evaluate(log, read_truth(csv, rule), rule) == wanted
+
+
+def test_a_simulation_repeats() -> None:
+    one, other = (evcot.simulate("discs", seed=seed, duration_us=50_000, count=2) for seed in (3, 3))
+    assert digest(one.recording.events) == digest(other.recording.events)
+
+
+def test_bad_input_is_one_line(scene: evcot.Scene, tmp_path: Path) -> None:
+    recording = scene.recording
+    for make, error, message in (
+        (lambda: evcot.track(recording, "rtc"), evcot.ConfigError, "engine rtc: must be one of rct, kalman,"),
+        (lambda: evcot.track(recording, "rct", "cars"), evcot.ConfigError, "preset cars: must be one of plain"),
+        (lambda: evcot.track(recording, radium=3), evcot.ConfigError, "rct.radium: no such setting: must be one of"),
+        (lambda: evcot.track(recording, radius_px=-1.0), evcot.ConfigError, "rct.radius_px = -1.0: must be from "),
+        (
+            lambda: evcot.track(recording, "cot", init_radix=3),
+            evcot.ConfigError,
+            "init_radix: must not be given with engine cot",
+        ),
+        (
+            lambda: evcot.track(recording, "cot", settings=RCT["plain"]),
+            evcot.ConfigError,
+            "settings of type RctConfig: must be RunConfig with engine cot",
+        ),
+        (
+            lambda: evcot.track(recording, "rct", "plain", settings=RCT["plain"]),
+            evcot.ConfigError,
+            "settings: must not be given with preset or config",
+        ),
+        (
+            lambda: evcot.track(tmp_path / "none.raw"),
+            evcot.RecordingError,
+            f"{tmp_path}/none.raw: cannot be read: No such file",
+        ),
+        (lambda: evcot.filter(recording, refractory=3), evcot.ConfigError, "filters.refractory: no such setting"),
+        (lambda: evcot.simulate("disks"), evcot.ConfigError, "scene 'disks': must be one of boxes,"),
+        (lambda: evcot.run_config(346, 260, "none"), evcot.ConfigError, "preset 'none': must be one of slow,"),
+        (
+            lambda: evcot.evaluate(evcot.TrackLog.empty("rct"), evcot.GroundTruth(np.empty(0, np.int64), np.empty(0), ())),
+            evcot.ConfigError,
+            "rule: must be given with a truth that was read already",
+        ),
+    ):
+        with pytest.raises(error) as caught:
+            make()
+        assert str(caught.value).startswith(message)
+        assert "\n" not in str(caught.value)
+
+
+def test_no_setting_has_the_name_of_an_argument_of_track() -> None:
+    arguments = set(evcot.track.__annotations__) - {"changes", "return"}
+    for name, engine in evcot.ENGINES.items():
+        if name != "cot":
+            for settings in engine.presets.values():
+                assert not arguments & {field.name for field in fields(settings)}
+    assert PRESETS
