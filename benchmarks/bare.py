@@ -20,9 +20,9 @@ from evcot.events import Events
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import REGISTERS
 from evcot.ticks import TickedEvents
-from evcot_cosim.build.model import BuiltModel
-from evcot_cosim.build.rtl import rtl_files, search_flags
-from evcot_cosim.build.toolchain import find_toolchain
+from evcot_cosim.rtl.build import BuiltModel
+from evcot_cosim.rtl.files import rtl_files, search_flags
+from evcot_cosim.rtl.toolchain import find_toolchain
 from measure import Timing
 
 __all__ = ["BareMain", "Outcome", "register_writes", "running", "verilator_flags"]

@@ -20,9 +20,9 @@ import streams
 from bare import Outcome, register_writes, verilator_flags
 from evcot.hardware.cot import Decisions
 from evcot.ticks import TickedEvents
-from evcot_cosim.build.rtl import rtl_files, search_flags
-from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.rtl.files import rtl_files, search_flags
+from evcot_cosim.rtl.toolchain import find_toolchain
 from measure import Clock, Goal, Result, Skip, Timing, take_turns, timed
 
 __all__ = ["measure"]

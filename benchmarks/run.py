@@ -17,7 +17,7 @@ from typing import Any
 
 import evcot
 from evcot.outputs import written_aside
-from evcot_cosim.build.toolchain import find_toolchain
+from evcot_cosim.rtl.toolchain import find_toolchain
 from measure import Result, Skip
 
 _BENCHMARKS = (

@@ -15,8 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from evcot.errors import ToolchainError
-from evcot_cosim.build.rtl import modules, rtl_files, search_flags
-from evcot_cosim.build.toolchain import find_toolchain
+from evcot_cosim.rtl.files import modules, rtl_files, search_flags
+from evcot_cosim.rtl.toolchain import find_toolchain
 
 HW = Path(__file__).parent
 VERILOG = HW / "verilog"

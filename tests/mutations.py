@@ -19,8 +19,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from evcot_cosim.build.model import cache_dir
-from evcot_cosim.build.rtl import verilog_dir
+from evcot_cosim.rtl.build import cache_dir
+from evcot_cosim.rtl.files import verilog_dir
 from support.testing import broken_copy
 
 ROOT = Path(__file__).parents[1]

@@ -118,4 +118,5 @@ def test_the_first_example_of_the_page_runs() -> None:
     log, model = found["log"], found["model"]
     assert isinstance(log, evcot.TrackLog)
     assert isinstance(model, evcot.TrackLog)
-    assert len(log.of_kind(evcot.Kind.BORN)) and len(model.of_kind(evcot.Kind.BORN))
+    assert len(log.of_kind(evcot.Kind.BORN))
+    assert len(model.of_kind(evcot.Kind.BORN))

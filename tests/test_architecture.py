@@ -20,7 +20,7 @@ ROOMS = {
         "anomalies",
     ),
     "evcot_cosim": (
-        "tables", "names", "build", "devices", "lockstep", "waves", "report", "live", "fpga", "pages", "commands",
+        "tables", "names", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "pages", "commands",
         "cli", "__main__",
     ),
 }  # fmt: skip

@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import evcot_cosim.build.model
+import evcot_cosim.rtl.build
 from evcot.events import Events, Recording
 from evcot.recordings.files import write_recording
 from evcot.tracks.log import TrackLog
-from evcot_cosim.build.rtl import copy_rtl
 from evcot_cosim.cli import main
+from evcot_cosim.rtl.files import copy_rtl
 
 Capture = pytest.CaptureFixture[str]
 
@@ -30,7 +30,7 @@ Capture = pytest.CaptureFixture[str]
 @pytest.fixture(autouse=True)
 def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Every command runs in a folder of its own; models come from the cache that the test run shares."""
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -157,7 +157,7 @@ def broken_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, o
     text = (sources / file).read_text()
     assert text.count(old) == 1
     (sources / file).write_text(text.replace(old, new))
-    monkeypatch.setattr(evcot_cosim.build.model, "verilog_dir", lambda: sources)
+    monkeypatch.setattr(evcot_cosim.rtl.build, "verilog_dir", lambda: sources)
 
 
 def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(

@@ -16,14 +16,14 @@ import pytest
 
 from evcot.hardware.contract import Mode
 from evcot.hardware.registers import register_map
-from evcot_cosim.build.model import load
-from evcot_cosim.build.rtl import rtl_files, search_flags
-from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.devices.base import reset
 from evcot_cosim.pages.interfaces import DIAGRAMS
 from evcot_cosim.pages.modules import page
 from evcot_cosim.pages.stimulus import play
 from evcot_cosim.pages.trace import Trace, wave
+from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.files import rtl_files, search_flags
+from evcot_cosim.rtl.toolchain import find_toolchain
 
 ROOT = Path(__file__).parents[2]
 DOCS, EXAMPLES = ROOT / "docs", ROOT / "hw" / "fpga" / "examples"

@@ -16,8 +16,8 @@ from pyverilator import PyVerilator
 from evcot.hardware.contract import RECORD
 from evcot.hardware.register_access import Registers
 from evcot.tracks.log import Kind
-from evcot_cosim.build.model import load
-from evcot_cosim.build.rtl import copy_rtl
+from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.files import copy_rtl
 
 EXAMPLES = Path(__file__).parents[2] / "hw" / "fpga" / "examples"
 PIXELS = [(100 + int(dx), 60 + int(dy)) for dx, dy in np.random.default_rng(1).integers(-5, 6, (400, 2))]

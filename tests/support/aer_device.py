@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from evcot_cosim.build.model import build
 from evcot_cosim.devices.base import Drive, Ending, HardwareError, pattern_fields, pointer, reset
+from evcot_cosim.rtl.build import build
 
 __all__ = ["STEPS_PER_CLOCK", "AerDevice", "AerRun", "Chip"]
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from evcot_cosim.build.model import build
 from evcot_cosim.devices.base import Drive, Ending, HardwareError, Layout, Pattern, pattern_fields, pointer, reset, structure
+from evcot_cosim.rtl.build import build
 
 __all__ = ["Bundle", "StreamDevice", "StreamRun", "random_pattern", "random_stalls"]
 

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from evcot_cosim.build.model import load
-from evcot_cosim.build.rtl import copy_rtl, rtl_files, search_flags
-from evcot_cosim.build.toolchain import Toolchain, find_toolchain
+from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.files import copy_rtl, rtl_files, search_flags
+from evcot_cosim.rtl.toolchain import Toolchain, find_toolchain
 
 __all__ = [
     "PATTERNS",

@@ -26,8 +26,8 @@ from evcot.outputs import path_written_aside
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
-from ..build.model import BuiltModel, build
 from ..names import Top
+from ..rtl.build import BuiltModel, build
 from .base import HardwareError, Stalls, pointer
 from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, source
 from .silence import check_waits

@@ -14,7 +14,7 @@ from pyverilator import PyVerilator
 
 from evcot.ticks import TickedEvents
 
-from ..build.model import build
+from ..rtl.build import build
 from .base import Drive, Ending, HardwareError, Stalls, pattern_fields, pointer
 from .silence import check_waits
 

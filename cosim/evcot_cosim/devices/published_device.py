@@ -27,7 +27,7 @@ from evcot.hardware.published.model import (
     PublishedConfig,
 )
 
-from ..build.model import build
+from ..rtl.build import build
 
 __all__ = ["CHAIN", "TRACKER", "Event", "at", "equal", "play", "quiet", "reset_chain", "rtl", "simulation"]
 

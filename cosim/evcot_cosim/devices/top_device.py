@@ -22,7 +22,7 @@ from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
 from evcot.tracks.log import DROPPED
 
-from ..build.model import build
+from ..rtl.build import build
 from .base import Drive, Ending, HardwareError, pointer, reset
 from .device import _order_of
 from .driver import PARAMETERS

@@ -16,7 +16,7 @@ from evcot.hardware.cot import CotModel
 from evcot.hardware.registers import register_map
 from evcot.ticks import TickedEvents
 
-from ..build.rtl import verilog_dir
+from ..rtl.files import verilog_dir
 from . import RECORDS
 from .noise import SIZE, SLOT, rendered, signature, source, writes
 

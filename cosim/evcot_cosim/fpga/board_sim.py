@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 from evcot.templating import templates
 
-from ..build.model import build
-from ..build.rtl import copy_rtl
+from ..rtl.build import build
+from ..rtl.files import copy_rtl
 from .board import board_dir
 from .serial_host import BAUD
 

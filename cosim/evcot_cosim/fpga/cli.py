@@ -11,7 +11,7 @@ from pathlib import Path
 
 from evcot.errors import ConfigError, EvcotError
 
-from ..build.rtl import verilog_dir
+from ..rtl.files import verilog_dir
 from ..tables import print_table
 from . import tools
 from .catalogue import MODULES, Module, chosen

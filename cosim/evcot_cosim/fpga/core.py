@@ -10,7 +10,7 @@ import evcot
 from evcot.outputs import written_aside
 from evcot.templating import templates
 
-from ..build.rtl import manifest, verilog_dir
+from ..rtl.files import manifest, verilog_dir
 
 __all__ = ["core_text"]
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from evcot.templating import templates
 
-from ..build.rtl import copy_rtl
+from ..rtl.files import copy_rtl
 from . import tools
 from .interface import instance, ports
 from .sources import closure, flat

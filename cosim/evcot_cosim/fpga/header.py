@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from evcot.errors import ConfigError
 
-from ..build.rtl import rtl_files, verilog_dir
+from ..rtl.files import rtl_files, verilog_dir
 from .slang import checked, language, printed, pyslang, source_manager
 
 __all__ = ["DeclaredPort", "Header", "Parameter", "evaluate", "read"]

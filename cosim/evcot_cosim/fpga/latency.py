@@ -16,12 +16,12 @@ from evcot.hardware.published.model import PublishedConfig
 from evcot.hardware.streams import pack_events
 from evcot.ticks import TickedEvents
 
-from ..build.model import load
 from ..devices.base import Stalls, reset
 from ..devices.device import Device
 from ..devices.published_device import at, play
 from ..devices.top_device import TopDevice
 from ..names import Top
+from ..rtl.build import load
 from .catalogue import Answer, Module
 
 __all__ = ["clocks"]

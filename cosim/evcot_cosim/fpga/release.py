@@ -8,7 +8,7 @@ from pathlib import Path
 import evcot
 from evcot.outputs import written_aside
 
-from ..build.rtl import modules, verilog_dir
+from ..rtl.files import modules, verilog_dir
 from .ipxact import component, dialogue, dialogue_file
 from .sources import flat
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from evcot.errors import ConfigError, ToolchainError
 
-from ..build.rtl import rtl_files
+from ..rtl.files import rtl_files
 
 __all__ = ["checked", "language", "printed", "pyslang", "source_manager"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from evcot.errors import ConfigError
 
-from ..build.rtl import modules, rtl_files, verilog_dir
+from ..rtl.files import modules, rtl_files, verilog_dir
 from .slang import checked, language, printed, pyslang, source_manager
 
 __all__ = ["closure", "flat", "stand_ins", "without_comments"]

@@ -23,11 +23,11 @@ from evcot.tracks.compare import Agreement, compare
 from evcot.tracks.log import TRACK, TrackLog
 from evcot.tracks.tracking import KeptTracker, Tracker, log_of
 
-from ..build.model import BuiltModel
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, build_device
 from ..devices.silence import check_silence
 from ..names import Top
+from ..rtl.build import BuiltModel
 from .lockstep import Lockstep, chunks
 from .mismatch import Mismatch
 

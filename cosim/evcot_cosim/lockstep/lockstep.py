@@ -19,11 +19,11 @@ from evcot.hardware.cot import CotModel, Decisions
 from evcot.ticks import TickCounter
 from evcot.tracks.log import Kind
 
-from ..build.model import BuiltModel
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, StreamTimes
 from ..devices.silence import check_silence
 from ..names import Top
+from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 
 __all__ = ["CHUNK", "Clocks", "Lockstep", "Step", "chunks", "dump_window"]

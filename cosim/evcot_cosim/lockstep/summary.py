@@ -20,7 +20,7 @@ from evcot.trackers.config import RunConfig
 from evcot.tracks.log import DROPPED, Kind, TrackLog
 from evcot.tracks.timeline import lifetimes
 
-from ..build.toolchain import find_toolchain
+from ..rtl.toolchain import find_toolchain
 from .cosim import CosimRun
 from .mismatch import Mismatch
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from evcot.errors import EvcotError
 from evcot.outputs import written_aside
 
-from ..build.rtl import verilog_dir
+from ..rtl.files import verilog_dir
 from .drawing import svg
 from .interfaces import DIAGRAMS
 from .modules import page

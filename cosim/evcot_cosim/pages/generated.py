@@ -18,9 +18,9 @@ from evcot.errors import EvcotError
 from evcot.hardware.generate import render
 from evcot.outputs import written_aside
 
-from ..build.rtl import verilog_dir
 from ..fpga.core import core_text
 from ..fpga.headers import HEADERS
+from ..rtl.files import verilog_dir
 from .__main__ import source_text, title
 from .drawing import svg
 from .interfaces import DIAGRAMS

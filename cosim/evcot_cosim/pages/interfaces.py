@@ -12,8 +12,8 @@ from evcot.hardware.contract import RECORD, REGISTERS, Mode
 from evcot.hardware.registers import register_map
 from evcot.tracks.log import Kind
 
-from ..build.model import load
 from ..devices.base import reset
+from ..rtl.build import load
 from .serial_line import uart_byte, uart_frames
 from .stimulus import Offer, play
 from .trace import Diagram, Lane, Trace, wire

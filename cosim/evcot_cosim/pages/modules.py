@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from ..build.rtl import modules, verilog_dir
 from ..fpga.catalogue import MODULES
 from ..fpga.devices import DEVICES
 from ..fpga.figures import Figure, load
 from ..fpga.header import DeclaredPort, Header, read
+from ..rtl.files import modules, verilog_dir
 
 __all__ = ["page"]
 

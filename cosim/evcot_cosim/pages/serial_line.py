@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from evcot.hardware.registers import register_map
 
-from ..build.model import load
 from ..devices.base import reset
 from ..fpga.uart_line import BYTE_BITS, Ear, levels, request
+from ..rtl.build import load
 from .trace import Diagram, wave
 
 __all__ = ["uart_byte", "uart_frames"]

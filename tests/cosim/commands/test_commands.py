@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-import evcot_cosim.build.model
+import evcot_cosim.rtl.build
 from evcot_cosim.cli import main, parser
 
 Capture = pytest.CaptureFixture[str]
@@ -87,7 +87,7 @@ def test_zsh_takes_its_script(capsys: Capture, tmp_path: Path) -> None:
 
 
 def test_bench_measures_every_engine_and_the_hardware(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
     monkeypatch.chdir(tmp_path)
     assert main(["convert", "boxes.npz", "x.npz"]) == 2
     assert "boxes.npz" in capsys.readouterr().err

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import evcot_cosim.build.model
+import evcot_cosim.rtl.build
 from evcot.events import Recording
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes import simulate_scene
@@ -21,7 +21,7 @@ Capture = pytest.CaptureFixture[str]
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder to work in; models come from the cache that the test run shares."""
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

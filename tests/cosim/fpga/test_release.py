@@ -15,13 +15,13 @@ import pytest
 
 import evcot
 from evcot.errors import ToolchainError
-from evcot_cosim.build.rtl import modules, rtl_files, search_flags, verilog_dir
-from evcot_cosim.build.toolchain import find_toolchain
 from evcot_cosim.fpga import tools
 from evcot_cosim.fpga.header import evaluate, read
 from evcot_cosim.fpga.interface import ports
 from evcot_cosim.fpga.ipxact import CHOICES, LIMITS, buses, component, dialogue
 from evcot_cosim.fpga.release import TOPS, release_text, write_release
+from evcot_cosim.rtl.files import modules, rtl_files, search_flags, verilog_dir
+from evcot_cosim.rtl.toolchain import find_toolchain
 from support.testing import lint
 
 HW = verilog_dir().parent

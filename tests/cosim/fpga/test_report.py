@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 
 from evcot.errors import ConfigError
-from evcot_cosim.build.rtl import verilog_dir
 from evcot_cosim.fpga.catalogue import MODULES
 from evcot_cosim.fpga.curves import draw
 from evcot_cosim.fpga.figures import Figure, Figures, load
 from evcot_cosim.fpga.latency import clocks
 from evcot_cosim.fpga.report import write_tables
+from evcot_cosim.rtl.files import verilog_dir
 
 REPOSITORY = verilog_dir().parents[1]
 ENGINE = Figure("cot_engine", 8, "ecp5-25", "k", 4_001, 3_000, 0, 600, 2, 3, (118.0, 125.0, 131.0))

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ConfigError
-from evcot_cosim.build.rtl import copy_rtl, modules, rtl_files
 from evcot_cosim.fpga.sources import closure, flat, without_comments
+from evcot_cosim.rtl.files import copy_rtl, modules, rtl_files
 
 
 def test_a_module_comes_with_all_below_it_and_after_them() -> None:

@@ -13,10 +13,10 @@ from evcot.events import Events, Recording
 from evcot.trackers.config import RunConfig
 from evcot.tracks.compare import compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from evcot_cosim.build.model import BuiltModel
 from evcot_cosim.lockstep.cosim import CosimRun
 from evcot_cosim.lockstep.mismatch import Mismatch
 from evcot_cosim.lockstep.summary import summarise, summarise_mismatch, table, write_summary
+from evcot_cosim.rtl.build import BuiltModel
 
 
 def log(engine: str, *rows: tuple[int, Kind, int, int], owned: int = 3) -> TrackLog:

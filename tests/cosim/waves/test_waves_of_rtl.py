@@ -20,11 +20,11 @@ from evcot.events import Events
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import State
 from evcot.hardware.lfsr import Lfsr
-from evcot_cosim.build.model import load
-from evcot_cosim.build.rtl import copy_rtl
 from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.device import Device
 from evcot_cosim.names import Top
+from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.files import copy_rtl
 from evcot_cosim.waves import (
     Expr,
     Samples,

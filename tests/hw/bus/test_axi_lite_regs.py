@@ -15,9 +15,9 @@ from evcot.hardware.contract import REGISTERS
 from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import pack_events
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.top_device import Pace, Told, TopDevice, address_of, filter_address, poll, read, slot_address, write
+from evcot_cosim.rtl.build import load
 from support.top import BUILDS, device_of
 
 BUILD = BUILDS["array behind filters"]

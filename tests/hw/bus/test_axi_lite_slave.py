@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 from pyverilator import PyVerilator
 
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from evcot.hardware.registers import Access, Field, Word, register_map
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 TOP = "axi_lite_words"

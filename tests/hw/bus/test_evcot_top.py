@@ -24,7 +24,6 @@ from evcot.hardware.streams import pack_events
 from evcot.recordings.files import read_recording
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import DROPPED, Kind
-from evcot_cosim.build.rtl import rtl_files
 from evcot_cosim.devices.top_device import (
     Command,
     Pace,
@@ -37,6 +36,7 @@ from evcot_cosim.devices.top_device import (
     slot_address,
     write,
 )
+from evcot_cosim.rtl.files import rtl_files
 from shared import SHARED
 from support.top import BUILDS, DVS128, EVERY, SMALL, device_of, traffic_of
 from support.trials import random_config

@@ -9,9 +9,9 @@ from itertools import chain, repeat
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga.uart_line import BYTE_BITS, Ear, levels, request
+from evcot_cosim.rtl.build import load
 from support.testing import PATTERNS, Word, always, lint, sometimes
 
 TOP = "uart_host"

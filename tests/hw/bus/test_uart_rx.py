@@ -8,9 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga.uart_line import levels
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 TOP = "uart_rx"

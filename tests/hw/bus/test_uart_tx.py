@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
 from evcot_cosim.fpga.uart_line import Ear, levels
+from evcot_cosim.rtl.build import load
 from support.testing import Source, always, lint, run_streams, sometimes
 
 TOP = "uart_tx"

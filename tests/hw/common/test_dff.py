@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from evcot.hardware.dff import Dff
-from evcot_cosim.build.model import load
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 COMPLEMENT = "RESET_TO_COMPLEMENT"

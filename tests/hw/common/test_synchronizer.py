@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 TOP = "synchronizer"

@@ -14,9 +14,9 @@ from evcot.filters.chain import FilterChain
 from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.contract import SHAPE_RANGES
-from evcot_cosim.build.rtl import rtl_files
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
+from evcot_cosim.rtl.files import rtl_files
 from support.filter_trials import FilterTraffic, exact, filter_traffic
 from support.testing import lint
 from support.ticked import ticked

@@ -8,8 +8,8 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot.filters.contract import FILTER_REGISTERS, FilterShape
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 SHAPE = FilterShape(stamp_w=9)

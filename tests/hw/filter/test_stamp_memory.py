@@ -10,8 +10,8 @@ import pytest
 
 from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 FILTERS = ("filter_refractory", "filter_activity", "filter_decay")

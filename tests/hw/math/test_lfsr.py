@@ -10,8 +10,8 @@ import pytest
 
 from evcot.errors import ConfigError
 from evcot.hardware.lfsr import WIDTH_MAX, WIDTH_MIN, Lfsr
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 WIDTHS = [2, 16, 64]

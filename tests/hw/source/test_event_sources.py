@@ -17,9 +17,9 @@ from evcot.hardware.streams import unpack
 from evcot.recordings.files import write_events
 from evcot.recordings.formats.evt3 import evt3_layout
 from evcot.ticks import TickedEvents
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
 from evcot_cosim.devices.top_device import Pace, TopDevice, address_of, configuration, poll, write
+from evcot_cosim.rtl.build import load
 from support.evt import axis_beats, corrupted, decode, evt2_words, payload, random_events
 from support.testing import lint
 from support.top import BUILDS, EVERY, device_of

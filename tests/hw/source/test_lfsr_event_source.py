@@ -8,8 +8,8 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot.hardware.lfsr_event_source import LfsrEventSource
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import PATTERNS, Sink, Word, always, lint, run_streams
 
 FIELDS = ["x", "y", "p"]

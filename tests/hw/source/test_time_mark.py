@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from evcot.recordings.formats.time_marks import advance
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 TOP = "time_mark"

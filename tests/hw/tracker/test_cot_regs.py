@@ -8,8 +8,8 @@ import pytest
 from pyverilator import PyVerilator
 
 from evcot.hardware.contract import REGISTERS, Mode, Shape
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=6, radix_w=5, nev_w=4, tc_w=12)

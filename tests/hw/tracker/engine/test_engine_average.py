@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 SLOTS = 3

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 

@@ -8,8 +8,8 @@ from itertools import accumulate
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import PATTERNS, Source, lint, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pyverilator import PyVerilator
 
-from evcot_cosim.build.model import load
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 TC_W, TIME_W, LIFE_W, SLOT_W = 6, 16, 8, 3

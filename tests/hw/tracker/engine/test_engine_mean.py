@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pyverilator import PyVerilator
 
-from evcot_cosim.build.model import load
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 W, WEIGHT_W = 7, 4

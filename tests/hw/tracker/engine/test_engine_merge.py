@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from evcot_cosim.build.model import load
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 SUP_W = 5

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from evcot.errors import ToolchainError
-from evcot_cosim.build.rtl import rtl_files, verilog_dir
 from evcot_cosim.fpga import tools
+from evcot_cosim.rtl.files import rtl_files, verilog_dir
 from support.testing import evaluate, lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "engine_sum.v"

@@ -14,8 +14,8 @@ from pyverilator import PyVerilator
 from evcot.hardware import _cot_kernel as kernel
 from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot.tracks.log import Kind
-from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
+from evcot_cosim.rtl.build import load
 from support.testing import lint
 
 N, LIFE_W = 3, 8

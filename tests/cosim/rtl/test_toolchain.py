@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ToolchainError
-from evcot_cosim.build.toolchain import find_toolchain
+from evcot_cosim.rtl.toolchain import find_toolchain
 
 NEW = "Verilator 5.030 2024-10-27 rev v5.030"
 OLD = "Verilator 4.228 2022-10-01 rev (Debian 4.228-1)"

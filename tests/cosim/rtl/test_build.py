@@ -18,9 +18,9 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ToolchainError
-from evcot_cosim.build.model import build, load
-from evcot_cosim.build.rtl import manifest, rtl_files, verilog_dir
-from evcot_cosim.build.toolchain import find_toolchain
+from evcot_cosim.rtl.build import build, load
+from evcot_cosim.rtl.files import manifest, rtl_files, verilog_dir
+from evcot_cosim.rtl.toolchain import find_toolchain
 
 COUNTER = """
 `include "step.vh"
@@ -221,7 +221,7 @@ def test_a_cache_that_cannot_be_written(sources: Path, monkeypatch: pytest.Monke
 def start_build(sources: Path, cache: Path, width: int) -> subprocess.Popen[bytes]:
     """Another process that builds the counter."""
     script = (
-        "import sys; from pathlib import Path; from evcot_cosim.build.model import build\n"
+        "import sys; from pathlib import Path; from evcot_cosim.rtl.build import build\n"
         "build('counter', {'W': int(sys.argv[2])}, verilog=Path(sys.argv[1]))"
     )
     return subprocess.Popen(

@@ -25,7 +25,7 @@ from pyverilator import PyVerilator
 
 from evcot.errors import ToolchainError
 
-from .rtl import rtl_files, verilog_dir
+from .files import rtl_files, verilog_dir
 from .toolchain import Toolchain, find_toolchain
 
 __all__ = ["BuiltModel", "build", "cache_dir", "load"]
