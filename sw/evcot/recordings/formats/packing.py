@@ -30,7 +30,9 @@ class TooLarge(RecordingError):
 class Readable(Protocol):
     """Packed bytes, from a file or from memory."""
 
-    def read(self, size: int = ..., /) -> bytes: ...
+    def read(self, size: int = ..., /) -> bytes:
+        """The next bytes, at most `size`; none at the end."""
+        ...
 
 
 class Unpacker(Protocol):
