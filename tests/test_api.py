@@ -94,12 +94,12 @@ def test_no_name_is_that_of_a_module(package: ModuleType) -> None:
 
 
 @NAMESPACES
-def test_every_function_of_a_namespace_says_what_it_takes_and_what_may_go_wrong(package: ModuleType) -> None:
+def test_every_function_of_a_namespace_says_what_may_go_wrong(package: ModuleType) -> None:
     for name in promised(package):
         thing = getattr(package, name)
         if inspect.isfunction(thing):
             text = inspect.getdoc(thing) or ""
-            assert "Raises:" in text or " as " in text or "as `" in text, f"{package.__name__}.{name}"
+            assert "Raises:\n" in text, f"{package.__name__}.{name}"
 
 
 PAGE = (Path(__file__).parents[1] / "docs" / "api.md").read_text(encoding="utf-8")
@@ -118,5 +118,4 @@ def test_the_first_example_of_the_page_runs() -> None:
     log, model = found["log"], found["model"]
     assert isinstance(log, evcot.TrackLog)
     assert isinstance(model, evcot.TrackLog)
-    assert len(log.of_kind(evcot.Kind.BORN))
-    assert len(model.of_kind(evcot.Kind.BORN))
+    assert min(len(log.of_kind(evcot.Kind.BORN)), len(model.of_kind(evcot.Kind.BORN))) > 0

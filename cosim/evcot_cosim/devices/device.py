@@ -58,6 +58,15 @@ def build_device(
 
     Without `waves` a waveform has the signals of `top` itself alone: Verilator need not keep what lies
     below, which takes time.
+
+    Args:
+        waves: whether waveforms show what lies below `top`.
+        verilog: the folder of the RTL; None: that of this checkout or package.
+        on_miss: called before a build that takes seconds.
+
+    Raises:
+        ConfigError: a shape that `top` cannot have.
+        ToolchainError: a tool is missing or too old, or the build fails.
     """
     shape = config.shape
     parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}

@@ -187,6 +187,15 @@ def dump_window(
     """Run the hardware again over the same runs of events and dump the clocks around a window of them to a VCD.
 
     Clock for clock what a `Lockstep` with the same arguments did, up to the end of the window. Returns when what happened.
+
+    Args:
+        path: of the VCD; `force` replaces one that exists.
+        first_event, last_event: numbers of the events around which clocks are dumped.
+        progress: told how many events were driven so far.
+
+    Raises:
+        OutputError: the file exists, or cannot be written.
+        ToolchainError: a tool is missing or too old, or the build fails.
     """
     device = Device(config, top, stalls=stalls, verilog=verilog)
     parts = [Clocks.none()]

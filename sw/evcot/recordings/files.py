@@ -245,6 +245,19 @@ def read_recording(
 
     Every event of the file is there, in the file's order and with the file's time: nothing is sorted or moved, and what is
     left out is counted in a warning.
+
+    Example:
+        recording = evcot.read("drive.aedat4", from_us=500_000, to_us=900_000)
+        recording.events.x  # (n,) uint16, pixels
+
+    Args:
+        path: the file; its content tells the format.
+        sensor: (width, height) in pixels, in place of what the file says.
+        from_us, to_us: the window, in microseconds since the first event; None: to the end.
+        damage: what to do about events that break the rules, see `open_recording`.
+
+    Raises:
+        RecordingError: the file cannot be read, or has no event in the window.
     """
     with open_recording(path, sensor, damage=damage) as file:
         return file.read(from_us, to_us)
@@ -286,7 +299,11 @@ def write_events(
 
 
 def write_recording(recording: Recording, path: Path | str, format_name: str | None = None, *, force: bool = False) -> None:
-    """Write a recording from memory; as `write_events`."""
+    """Write a recording from memory in the format of the path's suffix, or in another one; see `write_events`.
+
+    Raises:
+        ConfigError, RecordingError, OutputError: as `write_events`.
+    """
     write_events(path, (recording.width, recording.height), [recording.events], format_name, force=force)
 
 

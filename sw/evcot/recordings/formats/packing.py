@@ -31,7 +31,7 @@ class Readable(Protocol):
     """Packed bytes, from a file or from memory."""
 
     def read(self, size: int = ..., /) -> bytes:
-        """At most `size` bytes; fewer only at the end."""
+        """The next bytes, at most `size`; none at the end."""
         ...
 
 
