@@ -70,7 +70,7 @@ def test_the_current_folder_changes_nothing(tmp_path: Path, monkeypatch: pytest.
     file, scene = read_run_file(Path("../home/file.toml")), read_run_file(home / "scene.toml")
     assert file is not None
     assert scene is not None
-    assert len(file.source.read()[0].events) == 100
+    assert len(file.source.read().events) == 100
     assert scene.source.read()[1] == "boxes"
     assert scene.source.scene_truth() is not None
     assert back(scene, home) == scene
@@ -94,7 +94,7 @@ def test_a_recording_that_has_changed_is_refused(tmp_path: Path) -> None:
     source = Source(str(path))
     run = RunFile(source, "cot_array", None, digest(source.read().events), PRESETS["slow"])
     run.check(tmp_path / "run.toml", source.read().events)
-    write_recording(Recording(events(49), 40, 30, "x"), path)
+    write_recording(Recording(events(49), 40, 30, "x"), path, force=True)
     with pytest.raises(ConfigError, match=r"run\.toml: run\.digest = '\w+': must be that of .*x\.npz, which has changed since"):
         run.check(tmp_path / "run.toml", source.read().events)
 
