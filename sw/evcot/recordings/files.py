@@ -166,7 +166,7 @@ class RecordingFile:
                 raise RecordingError(f"{self.path}: {error}") from error
             if warn:
                 after = f"{given} events{_counted_from(0 if from_us is None else from_us - self.t0_us)}"
-                warnings.warn(RecordingWarning(f"{self.path}: all after {after} left out: {error}"), stacklevel=2)
+                warnings.warn(RecordingWarning(f"{self.path}: everything after {after} left out: {error}"), stacklevel=2)
 
 
 def _counted_from(from_us: int) -> str:
@@ -230,7 +230,7 @@ def _open(path: Path) -> tuple[str, Source]:
             return kind.title, kind.open(path)
     if path.is_dir():
         raise RecordingError("is a directory, and no ROS 2 bag: has no metadata.yaml")
-    raise RecordingError(f"is of no known format: must be one of {', '.join(kind.title for kind in FORMATS)}")
+    raise RecordingError(f"has an unknown format: must be one of {', '.join(kind.title for kind in FORMATS)}")
 
 
 def read_recording(
@@ -304,5 +304,5 @@ def format_for(path: Path | str, name: str | None = None) -> WritableFormat:
     kind = next((kind for kind in WRITABLE.values() if kind.suffix == suffix.lower()), None)
     if kind is None:
         suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in WRITABLE.values()))
-        raise ConfigError(f"{path}: suffix {suffix!r}: must be one of {suffixes}, or a format be named")
+        raise ConfigError(f"{path}: suffix {suffix!r}: must be one of {suffixes}, or the format must be named")
     return kind

@@ -138,7 +138,7 @@ class Aedat3File:
         if packet.event_bytes <= 0 or not 0 <= packet.valid <= packet.events <= packet.capacity or packet.turns < 0:
             raise RecordingError(
                 f"{place}: {packet.valid} valid events of {packet.events} of at most {packet.capacity}, {packet.event_bytes} "
-                f"bytes each, after {packet.turns} turns of time: must be none below 0, and no number beyond the next"
+                f"bytes each, after {packet.turns} turns of time: must not be negative, and valid <= events <= capacity"
             )
         if packet.at + packet.event_bytes * packet.events > self._size:
             raise RecordingError(f"{place} goes beyond byte {self._size}, the file's end; is it cut off or damaged?")

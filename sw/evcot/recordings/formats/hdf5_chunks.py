@@ -84,7 +84,7 @@ class Chunks:
         """Mask of the filters that were skipped for a chunk, and its bytes as stored in the file."""
         size = self._size(offset)
         if size > self._bytes + self._bytes // 16 + _SLACK_BYTES:
-            raise RecordingError(f"chunk of {self._bytes} bytes, {size} when packed: must not be larger for it")
+            raise RecordingError(f"chunk of {self._bytes} bytes, {size} when compressed: must not be larger")
         mask, packed = self._dataset.id.read_direct_chunk(offset)
         return mask, packed
 

@@ -61,13 +61,13 @@ def survey(path: Path, *, matlab: bool = False) -> Survey:
         child = subprocess.run(command, capture_output=True, timeout=SECONDS, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
         raise RecordingError(
-            f"the HDF5 library did not find its way through the file in {SECONDS:g} s: is it damaged?"
+            f"the HDF5 library did not finish reading the file's structure within {SECONDS:g} s: is it damaged?"
         ) from None
     try:
         found: Survey = json.loads(child.stdout)
     except ValueError:
-        told = child.stderr.decode(errors="replace").strip().splitlines()[-1:] or [f"status {child.returncode}"]
-        raise RecordingError(f"the HDF5 library ended its process ({printable(told[0])}): is the file damaged?") from None
+        output = child.stderr.decode(errors="replace").strip().splitlines()[-1:] or [f"status {child.returncode}"]
+        raise RecordingError(f"the HDF5 library crashed ({printable(output[0])}): is the file damaged?") from None
     if "error" in found:
         raise RecordingError(printable(found["error"]))
     return found
@@ -107,7 +107,7 @@ def _survey(path: str, matlab: bool) -> Survey:
                     "details": {"events": place} | ({"also holds": ", ".join(others)} if others else {}),
                 }
         found = ", ".join(sorted(file)[:8]) or "nothing"
-        raise _Refusal(f"holds no events in a known layout: has {found} at its top")
+        raise _Refusal(f"holds no events in a known layout: has {found} at its top level")
 
 
 def _is_here(file: Any, name: str) -> bool:

@@ -106,7 +106,7 @@ class StoredArray:
         """After all rows have been read: raise if data follow, or if the checksum is wrong."""
         with damage_named(f"{self.name} is damaged"):
             if not self.following_bytes and stream.read(1):
-                raise RecordingError(f"{self.name}: goes on after {self.shape[0]} rows: its header must tell of all")
+                raise RecordingError(f"{self.name}: goes on after {self.shape[0]} rows: its header must count all of them")
 
 
 def _array(name: str, open_at: Callable[[int], IO[bytes]], seekable: bool) -> StoredArray:

@@ -102,7 +102,7 @@ class Bag1:
 
     def _topic_of(self, number: int) -> str:
         if number not in self._connections:
-            raise RecordingError(f"connection {number}: is described nowhere; is it damaged?")
+            raise RecordingError(f"connection {number}: has no description; is it damaged?")
         return self._connections[number].topic
 
     def _find_index(self) -> int:
@@ -164,7 +164,7 @@ class Bag1:
         topic = record.header.get(b"topic", b"")
         found = _Connection(_text(topic), _text(kind))
         if self._connections.setdefault(record.number(b"conn", 4), found) != found:
-            raise RecordingError(f"{record.place}: connection {record.number(b'conn', 4)}: is described in two ways")
+            raise RecordingError(f"{record.place}: connection {record.number(b'conn', 4)}: has two different descriptions")
 
     def _chunk_messages(self, chunk: _Record, topic: str) -> Iterator[memoryview]:
         for record, data in self._inner_records(chunk):

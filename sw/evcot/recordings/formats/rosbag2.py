@@ -33,7 +33,7 @@ class Bag2:
     is_cdr = True
 
     def __init__(self, path: Path) -> None:
-        with _damage_told("cannot be opened as a ROS 2 bag"):
+        with _damage_named("cannot be opened as a ROS 2 bag"):
             self._reader = _reader(path)(path)
             self._reader.open()
             self._connections = [each for each in self._reader.connections if isinstance(each.topic, str)]
@@ -47,10 +47,10 @@ class Bag2:
         """
         chosen = [each for each in self._connections if each.topic == topic]
         seen = 0
-        with _damage_told("is damaged"):
+        with _damage_named("is damaged"):
             messages = iter(self._reader.messages(chosen))
         while True:
-            with _damage_told(f"topic {printable(topic)}: is damaged after message {seen}"):
+            with _damage_named(f"topic {printable(topic)}: is damaged after message {seen}"):
                 message = next(messages, None)
                 data = message and memoryview(message[2])  # in SQLite, a column need not be bytes
             if data is None:
@@ -69,7 +69,7 @@ class Bag2:
 
 
 @contextmanager
-def _damage_told(what: str) -> Iterator[None]:
+def _damage_named(what: str) -> Iterator[None]:
     """Convert any exception of the library to a RecordingError: it checks little, so damage raises exceptions of every kind."""
     try:
         yield

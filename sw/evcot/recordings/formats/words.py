@@ -40,7 +40,7 @@ class Words:
         self._file.seek(self._offset + begin * size)
         got = self._file.readinto(words.view(np.uint8).data) if len(words) else 0
         if got != words.nbytes:
-            raise RecordingError(f"ends at byte {self._offset + begin * size + got}, sooner than when it was opened")
+            raise RecordingError(f"ends at byte {self._offset + begin * size + got}, earlier than when it was opened")
         return words
 
     def pieces(self, begin: int, end: int, length: int) -> Iterator[tuple[int, WordArray]]:

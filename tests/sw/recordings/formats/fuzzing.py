@@ -22,7 +22,7 @@ __all__ = ["Outcomes", "cut_lengths", "fuzz", "sample_of"]
 # `make fuzz` leaves nothing out where the usual tests take a sample, because each damaged file takes long to read.
 _THOROUGH = bool(os.environ.get("EVCOT_FUZZ"))
 
-_LOSS = re.compile(r": (\d+ events left out: |all after \d+ events left out: )")
+_LOSS = re.compile(r": (\d+ events left out: |everything after \d+ events left out: )")
 
 
 def sample_of(corruptions: int, usual: int) -> int:
