@@ -19,7 +19,7 @@ from ..events import Events, Recording
 from ..filters.chain import FilterChain
 from ..ticks import tick_times
 from ..tracks.log import TRACK, Kind, TrackLog
-from ..tracks.tracking import Told, log_of
+from ..tracks.tracking import TrackerOutput, log_of
 from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise, rewrite
 from .config import CotConfig, SlotConfig
 from .contract import RECORD, REGISTERS
@@ -174,7 +174,7 @@ class CotTracker:
         self._t0_us: int | None = None
         self._seen = 0
 
-    def feed(self, events: Events) -> Told:
+    def feed(self, events: Events) -> TrackerOutput:
         """See `tracking.Tracker`."""
         if self._t0_us is None:
             self._t0_us = int(events.t_us[0]) if len(events) else None

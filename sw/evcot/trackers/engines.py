@@ -11,7 +11,7 @@ from ..filters.config import FilterConfig
 from ..filters.run import filtered
 from ..hardware.cot import CotTracker
 from ..recordings.formats.source import Sensor
-from ..tracks.tracking import KeptTracker, Tracker
+from ..tracks.tracking import FilteredTracker, Tracker
 from . import presets as runs
 from .config import RunConfig
 from .frame_based import presets as frames
@@ -50,7 +50,7 @@ def _software(make: Callable[[Any, int, int], Tracker]) -> Start:
 
     def start(settings: Any, filters: FilterConfig, sensor: Sensor) -> Tracker:
         tracker = make(settings, *sensor)
-        return KeptTracker(filtered((), filters, sensor).keep, tracker) if filters.enabled else tracker
+        return FilteredTracker(filtered((), filters, sensor).keep, tracker) if filters.enabled else tracker
 
     return start
 

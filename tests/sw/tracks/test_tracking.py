@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.tracks.log import TRACK
-from evcot.tracks.tracking import Told, log_of
+from evcot.tracks.tracking import TrackerOutput, log_of
 
 
 class Parrot:
@@ -22,7 +22,7 @@ class Parrot:
         told["event_index"] = self.seen
         return told
 
-    def feed(self, events: Events) -> Told:
+    def feed(self, events: Events) -> TrackerOutput:
         self.seen += len(events)
         return self._record(), events.x.astype(np.int16)
 
