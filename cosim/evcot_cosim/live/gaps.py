@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.tracks.log import DROPPED
-from evcot.tracks.tracking import TrackerOutput, Tracker
+from evcot.tracks.tracking import Tracker, TrackerOutput
 
 __all__ = ["GapTracker"]
 

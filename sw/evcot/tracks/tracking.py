@@ -14,7 +14,7 @@ from ..errors import RecordingError
 from ..events import Events, Recording
 from .log import DROPPED, TRACK, TrackLog
 
-__all__ = ["FilteredTracker", "PacketBegin", "TrackerOutput", "Tracker", "check_order", "log_of", "track_recording"]
+__all__ = ["FilteredTracker", "PacketBegin", "Tracker", "TrackerOutput", "check_order", "log_of", "track_recording"]
 
 _RUN_EVENTS = 1 << 18
 

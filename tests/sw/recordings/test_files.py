@@ -152,7 +152,9 @@ def test_the_suffix_or_a_name_tells_the_format() -> None:
         assert format_for(f"some.where/events{suffix.upper()}").suffix == suffix
     for name, kind in WRITABLE.items():
         assert format_for("events.jpeg", name) is kind
-    with pytest.raises(ConfigError, match=r"^events\.jpeg: suffix '\.jpeg': must be one of \.npz, .*, or the format must be named$"):
+    with pytest.raises(
+        ConfigError, match=r"^events\.jpeg: suffix '\.jpeg': must be one of \.npz, .*, or the format must be named$"
+    ):
         format_for("events.jpeg")
     with pytest.raises(ConfigError, match=r"^format 'jpeg': must be one of npz, csv"):
         format_for("events.csv", "jpeg")

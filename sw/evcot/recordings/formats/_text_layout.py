@@ -121,7 +121,7 @@ def read_layout(file: BinaryIO) -> Layout:
                 sensor = stated or sensor
             except RecordingError as error:
                 if not passed:
-                    raise RecordingError(f"line {lines + 1}: {line[:_SHOWN]!r}: is not an event, so it {error}") from error
+                    raise RecordingError(f"line {lines + 1}: {line[:_SHOWN]!r}: is not an event: {error}") from error
         elif not passed:
             cells = _cells(line, _separator(line))
             if naming is not None or sensor is not None or len(cells) != 2 or not all(map(str.isdecimal, cells)):
