@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every tracker by name, with its presets: from a recording and settings to a TrackLog, and nothing else differs."""
+"""The registry of trackers by name, with their presets, behind one interface."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ Start = Callable[[Any, FilterConfig, Sensor], Tracker]
 
 @dataclass(frozen=True)
 class Engine:
-    """A tracker.
+    """A registered tracker.
 
     Attributes:
-        title: for people.
+        title: display name.
         presets: name -> settings; the first is the default.
-        start: a tracker that has seen nothing, from settings, filters in front, and the sensor.
-        filters: name of a preset -> the filters that it wants in front.
+        start: creates a tracker from settings, filters in front of it, and the sensor.
+        filters: name of a preset -> the filters that belong to it.
     """
 
     title: str
@@ -46,7 +46,7 @@ class Engine:
 
 
 def _software(make: Callable[[Any, int, int], Tracker]) -> Start:
-    """Filters go in front of a software tracker only where some are on."""
+    """Make the `start` of a software tracker: filters are put in front only if any is enabled."""
 
     def start(settings: Any, filters: FilterConfig, sensor: Sensor) -> Tracker:
         tracker = make(settings, *sensor)
@@ -56,7 +56,7 @@ def _software(make: Callable[[Any, int, int], Tracker]) -> Start:
 
 
 def _hardware(run: RunConfig, filters: FilterConfig, sensor: Sensor) -> Tracker:
-    """The golden model has its filters inside, as the hardware has them."""
+    """Create the golden model, which contains its filters, like the hardware."""
     return CotTracker(replace(runs.fit(run, *sensor), filters=filters).hardware(*sensor))
 
 
