@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All scenes by name."""
+"""The registry of scenes by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["SCENES", "SceneKind", "adjusted", "scene_settings", "simulate_scene"
 
 @dataclass(frozen=True)
 class SceneKind:
-    """A scene's settings class, whose defaults are the scene; what simulates it; and what it shows, in one line."""
+    """A scene's settings class, its simulation function, and a one-line description."""
 
     settings: Callable[[], Any]
     simulate: Callable[[Any], Scene]
@@ -43,10 +43,10 @@ def simulate_scene(name: str, seed: int = 1, overrides: Mapping[str, Any] | None
 
 
 def scene_settings(name: str, seed: int = 1, overrides: Mapping[str, Any] | None = None) -> Any:
-    """A scene's settings: its defaults, `seed`, and `overrides` as of `adjusted`.
+    """A scene's settings: its defaults with `seed` and `overrides`, see `adjusted`.
 
     Raises:
-        ConfigError: no such scene or setting, or a value outside its range.
+        ConfigError: unknown scene or setting, or a value outside its range.
     """
     if name not in SCENES:
         raise ConfigError(f"scene {name!r}: must be one of {', '.join(SCENES)}")
@@ -54,10 +54,10 @@ def scene_settings(name: str, seed: int = 1, overrides: Mapping[str, Any] | None
 
 
 def adjusted(name: str, settings: Any, overrides: Mapping[str, Any]) -> Any:
-    """Settings with some fields replaced: their own, or those of their pixel model. Text is read as the field's kind of value.
+    """Settings with some fields replaced, including those of the pixel model. Text is parsed as the type of the field.
 
     Raises:
-        ConfigError: no such field, or a value outside its range.
+        ConfigError: unknown field, or a value outside its range.
     """
     pixel = getattr(settings, "pixel", None)
     known = asdict(settings)
