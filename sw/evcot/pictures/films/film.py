@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A film of a recording: events fade, tracks move over them."""
+"""A film of a recording: fading events with tracks over them."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ _PICTURES_MAX = 1_000_000
 _RANGES = {"speed": (1e-4, 1e3), "fps": (1.0, 100.0), "decay_ms": (1e-3, 1e5), "width_px": (64, 4096)}
 
 Progress = Callable[[int, int], None]
-"""Told the pictures done and the time of the recording, in us after its window's start."""
+"""Progress callback: number of pictures done, and time of the recording in us after the start of the window."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """How a film looks.
+    """Appearance of a film.
 
     Attributes:
         speed: seconds of the recording per second of the film.
         fps: pictures per second.
-        decay_ms: of the film: after it an event shows at 1/e of its strength.
-        width_px: the picture is at least so wide; a wider sensor is shown as it is.
+        decay_ms: time constant, in film time, with which events fade.
+        width_px: minimum width of the picture; a wider sensor is not enlarged.
 
     Raises:
         ConfigError: a value outside its range.
@@ -61,15 +61,15 @@ def render(
     blocks: Iterable[Events], sensor: Sensor, sides: Sequence[Side], path: Path | str, window: tuple[int, int],
     look: Look | None = None, progress: Progress | None = None, *, force: bool = False,
 ) -> int:  # fmt: skip
-    """Write a film in the format of the path's suffix, one of `SUFFIXES`, and return how many pictures it has.
+    """Write a film in the format of the path's suffix, one of `SUFFIXES`, and return its number of pictures.
 
     Args:
         blocks: the events of the window, in order.
         window: times of the first and the last event.
-        force: replace a file that exists.
+        force: replace an existing file.
 
     Raises:
-        ConfigError: another suffix, a package that is missing, or too many pictures.
+        ConfigError: unknown suffix, missing package, or too many pictures.
         OutputError: the file exists, or cannot be written.
     """
     path, look = Path(path), look or Look()
@@ -97,7 +97,7 @@ def render(
 
 
 def check_suffix(path: Path) -> None:
-    """Raise ConfigError where films of the path's suffix cannot be written here."""
+    """Raise ConfigError if films with the path's suffix cannot be written on this machine."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise ConfigError(f"{path}: must end in {', '.join(SUFFIXES)}")
@@ -108,7 +108,7 @@ def check_suffix(path: Path) -> None:
 
 
 def picture_times(window: tuple[int, int], look: Look) -> NDArray[np.int64]:
-    """(n,) the time that each picture shows; the last one shows the end of the window."""
+    """(n,) the time of each picture; the last is that of the end of the window."""
     step_us = 1e6 * look.speed / look.fps
     count = int(np.ceil((window[1] - window[0]) / step_us)) + 1
     if count > _PICTURES_MAX:
@@ -118,7 +118,7 @@ def picture_times(window: tuple[int, int], look: Look) -> NDArray[np.int64]:
 
 
 def _parts(blocks: Iterable[Events], times_us: NDArray[np.int64]) -> Iterator[list[Events]]:
-    """For each time, the events after the one before and up to it."""
+    """For each time, the events after the previous time up to it."""
     source = iter(blocks)
     rest = Events.empty()
     for now_us in times_us.tolist():
