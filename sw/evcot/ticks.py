@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Time as the hardware counts it: ticks since the first event of a run, and events that carry them."""
+"""Time in the hardware: ticks since the first event of a run, and events with times in ticks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["TickedEvents", "tick_times"]
 
 
 class TickedEvents(NamedTuple):
-    """Events with their times in ticks, as trackers and filters in hardware take them.
+    """Events with times in ticks, the input of trackers and filters in hardware.
 
     Attributes:
         ticks: (n,) int64, ticks since reset at each event, never decreasing.
@@ -27,6 +27,6 @@ class TickedEvents(NamedTuple):
 
 
 def tick_times(t_us: NDArray[np.int64], t0_us: int, tick_us: int) -> NDArray[np.int64]:
-    """Ticks that have passed since `t0_us` at each event: floor((t - t0) / tick_us), (n,) int64."""
+    """Number of ticks elapsed since `t0_us` at each event: floor((t - t0) / tick_us), (n,) int64."""
     since = t_us - t0_us
     return since if tick_us == 1 else since // tick_us
