@@ -140,7 +140,7 @@ def check_file(path: Path, title: str = "", *, force: bool = False) -> None:
         _check_writable(name, _resolved(path).parent)
 
 
-_EXISTS = "exists: must be another file, or --force be given to replace it (in Python force=True)"
+_EXISTS = "exists: must be another file, or --force must be given to replace it (in Python: force=True)"
 
 
 def spool_folder(path: Path) -> Path:
@@ -275,7 +275,7 @@ def check_folder(folder: Path, names: Collection[str] = (), title: str = "") -> 
             if not is_own_file(target / file):
                 raise OutputError(
                     f"{name}: holds {file}, which evcot did not write or which has changed since: must be moved away, "
-                    "or another folder be named"
+                    "or another folder must be named"
                 )
             if _inode(os.stat(target / file)) in _inputs():
                 raise OutputError(f"{name}: holds {file}, an input of the same call: must be another folder")

@@ -57,7 +57,7 @@ class Monitor:
         self._sensor = _one_sensor(normal, self._zones)
         self._steps, self._rules = steps(self.config), rules(self.config)
         if normal is not None and normal.measured != self._steps:
-            raise ConfigError(f"{_listed(self._steps)}: must be as normal motion was learned, {_listed(normal.measured)}")
+            raise ConfigError(f"{_listed(self._steps)}: must be as when normal motion was learned, {_listed(normal.measured)}")
         if normal is None:
             self._rules = self._rules._replace(place_support=0.0)
         self._field = normal.smoothed(self.config.min_support) if normal else _nothing_known()

@@ -93,7 +93,7 @@ def load_zones(path: Path | str) -> Zones:
         names = [zone.name for zone in zones] + [line.name for line in lines]
         for name in names:
             if names.count(name) > 1:
-                raise ConfigError(f"name = {name!r}: must be one zone's or line's alone")
+                raise ConfigError(f"name = {name!r}: must be unique among zones and lines")
         return Zones(zones, lines, _sensor(data))
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from error

@@ -163,7 +163,7 @@ def load_rule(name: str | Path) -> Rule:
             data = {f.name: getattr(load_rule(base), f.name) for f in fields(Rule)} | data
         _entries(data, [f.name for f in fields(Rule)], "rule")
         if "columns" not in data:
-            raise ConfigError("columns: must be there")
+            raise ConfigError("columns: must be given")
         return Rule(**data)
     except ConfigError as error:
         raise ConfigError(f"{name}: {error}") from error
@@ -181,7 +181,7 @@ def _check_columns(columns: object) -> None:
         if len(there) != 1 or partly != set(there[0]):
             raise ConfigError(f"columns {', '.join(columns)}: must have {' or '.join(' + '.join(way) for way in ways)}")
     if ("vx" in columns) != ("vy" in columns):
-        raise ConfigError("columns vx, vy: must both be there, or none")
+        raise ConfigError("columns vx, vy: must be given both, or neither")
 
 
 def _table(value: object, where: str) -> Mapping[str, Any]:

@@ -78,7 +78,7 @@ def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
     instants_us, frame = np.unique(at_us + rule.origin_us, return_inverse=True)
     ids, number = _numbered(take.texts(columns["id"]))
     _, first = np.unique(frame * max(len(ids), 1) + number, return_index=True)
-    take.check(columns["id"], np.isin(np.arange(len(rows)), first), "must stand once at a time")
+    take.check(columns["id"], np.isin(np.arange(len(rows)), first), "must not occur twice at one time")
 
     objects = np.zeros(len(rows), OBJECT)
     objects["frame"], objects["object"] = frame, number

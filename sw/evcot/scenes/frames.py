@@ -165,7 +165,7 @@ def _images(folder: Path, footage: Footage) -> Iterator[tuple[float | None, NDAr
 
 def _times(path: Path, count: int) -> list[float]:
     if not path.exists():
-        raise RecordingError(f"{path}: is missing: must hold a time in seconds for each image, or frames per second be given")
+        raise RecordingError(f"{path}: is missing: must hold a time in seconds for each image, or fps must be given")
     try:
         lines = path.read_text(encoding="utf-8").split()
     except (OSError, UnicodeDecodeError) as error:

@@ -124,7 +124,7 @@ def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConf
     if not isinstance(own, list) or not all(isinstance(entry, Mapping) for entry in own):
         raise ConfigError("[[slot]] must be a list of tables")
     if len(own) > shape.n_slots:
-        raise ConfigError(f"[[slot]] stands {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
+        raise ConfigError(f"[[slot]] occurs {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
     for i, entry in enumerate(own):
         slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
     rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
@@ -137,6 +137,6 @@ def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path) -> Filt
     name = own.pop("hot_pixels_file", None)
     if name is not None:
         if not isinstance(name, str) or "hot_pixels" in own:
-            raise ConfigError(f"[filters]: hot_pixels_file = {name!r}: must be a file's name, and stand without hot_pixels")
+            raise ConfigError(f"[filters]: hot_pixels_file = {name!r}: must be a file name, given without hot_pixels")
         own["hot_pixels"] = load_hot_pixels(folder / name)
     return replace(base, **own)

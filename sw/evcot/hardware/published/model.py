@@ -145,7 +145,7 @@ class Handshakes:
         for name in ("release", "ack", "pass_ack"):
             pattern = np.ascontiguousarray(getattr(self, name), np.int64)
             if pattern.ndim != 1 or not len(pattern) or pattern.min() < 0:
-                raise ConfigError(f"handshakes.{name}: must be a row of at least one number of clocks, none below 0")
+                raise ConfigError(f"handshakes.{name}: must be a sequence of at least one number of clocks, none negative")
             object.__setattr__(self, name, pattern)
 
 
@@ -257,7 +257,7 @@ class PublishedCascade:
         """
         if (selected := int(self._cascade[SELECTED])) < TRACKERS and self._registers[selected, ENABLE]:
             raise ConfigError(
-                f"tracker {selected} is selected: it would acknowledge for ever; write {SELECT_NONE} to {SELECT} first"
+                f"tracker {selected} is selected: it would acknowledge forever; write {SELECT_NONE} to {SELECT} first"
             )
         clock, high, low = (np.ascontiguousarray(column, np.int64) for column in (clock, high, low))
         n = len(clock)

@@ -160,7 +160,7 @@ class RctConfig:
             limits = f"radius_min_px = {self.radius_min_px:g} to radius_max_px = {self.radius_max_px:g}"
             raise ConfigError(f"rct.radius_px = {self.radius_px:g}: must lie from {limits} when size is {self.size!r}")
         if self.angle and (self.size == "quantile" or self.centre == "box"):
-            raise ConfigError("rct.angle = True: must not stand with size 'quantile' or centre 'box', whose sides do not turn")
+            raise ConfigError("rct.angle = True: must not be combined with size 'quantile' or centre 'box', which never turn")
         if self.perspective != "none" and self._depth_px() < 1.0:
             raise ConfigError(f"rct.perspective = {self.perspective!r}: reference must lie at least 1 px from vanishing")
 
