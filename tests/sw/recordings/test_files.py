@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings come in whole and as they are, or not at all; and go out so that they come in again."""
+"""Recordings are read completely and unchanged, or refused; and written so that they can be read back."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A tracker behind filters sees what they let stay; the log numbers every event."""
+"""A tracker behind filters sees only the events that pass; event indices in the log are the recording's."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_memory_does_not_grow_with_the_recording_though_no_record_comes(engine: 
 
 
 class Silent:
-    """Tells at the end of an event that follows all."""
+    """A tracker whose only record, at the end, refers to the event after all others."""
 
     def feed(self, events: Events) -> TrackerOutput:
         assert not len(events)

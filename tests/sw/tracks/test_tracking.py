@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A log is what a tracker tells, run by run, and then at the end."""
+"""A log is the concatenation of a tracker's output, run by run, and at the end."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from evcot.tracks.tracking import TrackerOutput, log_of
 
 
 class Parrot:
-    """Tells one record per run, and one at the end; the owner of an event is its column."""
+    """A tracker with one record per run, and one at the end; the owner of an event is its column."""
 
     def __init__(self) -> None:
         self.seen = 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 2.0 and 1.0: the bits of each chip, the picture upright, time beyond its 32 bits, and what is no event."""
+"""AEDAT 2.0 and 1.0: address bits of each chip, orientation, wrap-around of time, and records that are not events."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 3.1, packet by packet, from files laid out here as the specification has it."""
+"""AEDAT 3.1, packet by packet, from files laid out here according to the specification."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 4.0: every event of every packet, the place of every time, and whatever a damaged file may say of itself."""
+"""AEDAT 4.0: every event of every packet, seeking to every time, and the claims of damaged files."""
 
 from __future__ import annotations
 

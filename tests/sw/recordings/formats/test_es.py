@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Event Stream 2: byte by byte, against faery, and cut anywhere."""
+"""Event Stream 2: byte by byte, against faery, and truncated anywhere."""
 
 from __future__ import annotations
 

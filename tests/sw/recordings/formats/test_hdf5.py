@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""HDF5 recordings are what h5py finds in them, whichever layout they have; damage is told in one line."""
+"""HDF5 recordings are read as by h5py, in every layout; damage is reported in one line."""
 
 from __future__ import annotations
 

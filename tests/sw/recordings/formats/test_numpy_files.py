@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events in NumPy's files, under whatever names and in whatever types they are kept."""
+"""Events in NumPy files, with different field names and types."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A damaged RAW or DAT file is refused, or what it lost is counted; no event outside the sensor or back in time comes out."""
+"""A damaged RAW or DAT file is refused, or its losses are counted; no event is outside the sensor or back in time."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS bags are what the library rosbags, which writes them here, finds in them event by event."""
+"""ROS bags, written here with the library rosbags, are read event by event as by that library."""
 
 from __future__ import annotations
 

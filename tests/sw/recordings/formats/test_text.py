@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events in text, as people and tools write it."""
+"""Events in text files, as written by people and tools."""
 
 from __future__ import annotations
 
