@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Forgets compiled kernels that may be stale.
+"""Invalidate compiled kernels that may be stale.
 
-Numba keeps what it has compiled in `__pycache__`, and compiles anew when the file of a function changes. It does not notice a
-change in another file, of a function or constant that went into the kernel. Here any changed source drops the kernels of its
-own folder and of the folders below: kernels use what stands in their folder or above it.
+Numba caches compiled code in `__pycache__`, and recompiles when the file of a function changes. It does not detect changes in
+other files, of functions or constants that were compiled into the kernel. Here any changed source file invalidates the kernels
+of its own folder and of the folders below: kernels use only code in their folder or above it.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ Stamps = dict[str, list[int]]  # source, as seen from the package -> time of its
 
 
 def forget_stale_kernels(package: Path) -> list[str]:
-    """Drop the kernels of a package that may be stale, and return the folders that lost theirs. About 2 ms.
+    """Delete the kernels of a package that may be stale, and return the folders concerned. About 2 ms.
 
-    Where nothing may be written nothing is done: Numba then keeps its kernels elsewhere, and such a package does not change.
+    Does nothing if the package is not writable: Numba then caches elsewhere, and such a package does not change.
     """
     known = package / "__pycache__" / _KNOWN
     now, before = _stamps(package), _read(known)
@@ -49,7 +49,7 @@ def _stamps(package: Path) -> Stamps:
 
 
 def _read(known: Path) -> Stamps:
-    """What was known; nothing where that cannot be read."""
+    """The stored stamps; empty if they cannot be read."""
     try:
         stamps = json.loads(known.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -58,5 +58,5 @@ def _read(known: Path) -> Stamps:
 
 
 def _holds(above: str, folder: str) -> bool:
-    """Whether one folder is, or holds, the other; the package's own is the empty one."""
+    """Whether one folder is, or contains, the other; the package's own is the empty string."""
     return above in ("", folder) or folder.startswith(f"{above}/")

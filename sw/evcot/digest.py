@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A fingerprint of events: by it a run and a track log know again what they were made of."""
+"""A fingerprint of events, by which runs and track logs identify the events from which they were made."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["EventsDigest", "digest"]
 
 
 class EventsDigest:
-    """The fingerprint of events that come in blocks: where they are cut changes nothing. About 1 ns per byte."""
+    """The fingerprint of a stream of events, independent of its division into blocks. About 1 ns per byte."""
 
     def __init__(self) -> None:
         self._columns = [blake2b(digest_size=8) for _ in range(4)]
@@ -24,7 +24,7 @@ class EventsDigest:
             column.update(np.ascontiguousarray(values).data)
 
     def hex(self) -> str:
-        """Of all events so far: 16 hexadecimal digits."""
+        """The fingerprint of all events so far: 16 hexadecimal digits."""
         return blake2b(b"".join(column.digest() for column in self._columns), digest_size=8).hexdigest()
 
 

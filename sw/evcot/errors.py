@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every error that a user can cause, one class per kind; the command line turns them into one line and exit code 2."""
+"""All errors that a user can cause, one class per kind; the command line reports them in one line, with exit code 2."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ __all__ = ["ConfigError", "EvcotError", "OutputError", "RecordingError", "Record
 
 
 class EvcotError(Exception):
-    """Base of all errors that evcot raises for something a user can mend."""
+    """Base class of all errors that a user can correct."""
 
 
 class RecordingError(EvcotError, ValueError):
@@ -15,7 +15,7 @@ class RecordingError(EvcotError, ValueError):
 
 
 class RecordingWarning(UserWarning):
-    """A recording of which something was left out: names the file, how many events, and why."""
+    """Events of a recording were left out: names the file, the number of events, and the reason."""
 
 
 class ConfigError(EvcotError, ValueError):
@@ -23,7 +23,7 @@ class ConfigError(EvcotError, ValueError):
 
 
 class ToolchainError(EvcotError, RuntimeError):
-    """A compiler or simulator that is missing, too old, or that failed: names the tool and what to install."""
+    """A compiler or simulator is missing, too old, or failed: names the tool and what to install."""
 
 
 class OutputError(EvcotError, OSError):

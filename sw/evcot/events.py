@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events and recordings: struct of arrays, validated once, immutable by convention."""
+"""Events and recordings: structures of arrays, validated once, immutable by convention."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Events:
 
     @classmethod
     def joined(cls, blocks: Iterable[Events]) -> Events:
-        """Blocks of events as one."""
+        """Concatenate blocks of events."""
         parts = [cls.empty(), *blocks]
         if len(parts) == 2:
             return parts[1]
@@ -55,7 +55,7 @@ class Events:
 
     @classmethod
     def allocated(cls, count: int) -> Events:
-        """Room for so many events, to be filled."""
+        """Uninitialised arrays for `count` events."""
         return cls(np.empty(count, np.int64), np.empty(count, np.uint16), np.empty(count, np.uint16), np.empty(count, np.uint8))
 
     @classmethod
@@ -105,19 +105,19 @@ class Events:
 
 @dataclass(frozen=True)
 class Fault:
-    """The first event that breaks a rule of recordings: its index, and what is wrong with it."""
+    """The first invalid event of a recording: its index, and the error message."""
 
     index: int
     what: str
 
     def describe(self, first_index: int = 0) -> str:
-        """One line, for events that are a part of a recording from `first_index` on."""
+        """One-line message, for events that begin at index `first_index` of a recording."""
         return f"event {first_index + self.index}: {self.what}"
 
 
 @njit(cache=True, nogil=True)
 def _is_sound(t_us, x, y, p, after_us, width, height):  # type: ignore[no-untyped-def]
-    """Whether no event has a fault: one reduction per column, which the compiler makes vectors of."""
+    """Whether all events are valid: one reduction per column, which the compiler vectorises."""
     x_max, y_max, p_max = np.uint16(0), np.uint16(0), np.uint8(0)
     for value in x:
         x_max = max(x_max, value)
@@ -133,7 +133,7 @@ def _is_sound(t_us, x, y, p, after_us, width, height):  # type: ignore[no-untype
 
 @njit(cache=True, nogil=True)
 def _first_fault(t_us, x, y, p, after_us, width, height):  # type: ignore[no-untyped-def]
-    """Index of the first event that runs back, lies outside or has no polarity."""
+    """Index of the first event with a decreasing time, an address outside the sensor or an invalid polarity."""
     last = after_us
     for i in range(len(t_us)):
         if (t_us[i] < last) | (x[i] >= width) | (y[i] >= height) | (p[i] > 1):
@@ -143,8 +143,8 @@ def _first_fault(t_us, x, y, p, after_us, width, height):  # type: ignore[no-unt
 
 
 def find_fault(events: Events, width: int, height: int, after_us: int = _NEVER) -> Fault | None:
-    """The first event that precedes its forerunner (or `after_us`, for the first), lies outside the sensor, or has a polarity
-    other than 0 and 1; None when there is none. About 0.2 ns per event."""
+    """The first event that is earlier than the previous one (or than `after_us`, for the first), lies outside the sensor, or
+    has a polarity other than 0 and 1; None if there is none. About 0.2 ns per event."""
     t_us, x, y, p = events.t_us, events.x, events.y, events.p
     if _is_sound(t_us, x, y, p, after_us, width, height):
         return None
@@ -171,7 +171,7 @@ class Recording:
     Attributes:
         events: the events, in time order; `packed`.
         width, height: sensor size in pixels.
-        name: where it comes from, for messages and output folders.
+        name: its origin, for messages and output folders.
 
     Raises:
         RecordingError: arrays of different length, time running backwards, or an event outside the sensor; the message
@@ -198,7 +198,7 @@ class Recording:
             raise RecordingError(f"{self.name}: {fault.describe()}")
 
     def window(self, from_us: int = 0, to_us: int | None = None) -> Recording:
-        """The events with from_us <= t - t of the first < to_us, to_us None for the end, as a recording of their own.
+        """The events with from_us <= t - t_us[0] < to_us as a new recording; to_us None for the end.
 
         Raises:
             RecordingError: there are none.

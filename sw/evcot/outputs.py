@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one policy for everything that evcot writes: no file of the user's is ever destroyed.
+"""The policy for all output files: no file of the user is ever destroyed.
 
-- A file appears under its name only when it is whole. A file that exists is refused, unless `force` says to replace it.
-- Links are followed: the target is judged and written. Pipes, character devices and open descriptors are written through.
-- A folder is replaced only where evcot made it, and only the files in it that evcot wrote: the table `[files]` of its run.toml
-  lists them with their digests. What the user added or changed is never touched.
+- A file appears under its name only when it is complete. An existing file is refused, unless `force` allows replacing it.
+- Links are followed: the target is checked and written. Pipes, character devices and open descriptors are written through.
+- A folder is replaced only if evcot made it, and only the files in it that evcot wrote: the table `[files]` of its run.toml
+  lists them with their digests. Files that the user added or changed are never touched.
 - An output is never an input of the same call, nor another output of it: files are compared by inode, not by name.
 """
 
@@ -46,11 +46,11 @@ __all__ = [
     "written_aside",
 ]
 
-RUN_FILE = "run.toml"  # in every folder that evcot makes: what it was made from, and which files evcot wrote there
+RUN_FILE = "run.toml"  # in every folder that evcot makes: the inputs, and the files that evcot wrote there
 _LIST = "\n[files]  # that evcot wrote here, with digests: only these are ever replaced\n"
-_MOVED_LAST = ("summary.json", RUN_FILE)  # without them a folder does not look whole
-_NEVER_READ = ("report.html", "picture.png")  # of a run's folder: no input of any command
-_PARTIAL = re.compile(r"\..*\.[0-9a-f]{8}\.partial")  # what a killed process may leave
+_MOVED_LAST = ("summary.json", RUN_FILE)  # without them a folder does not look complete
+_NEVER_READ = ("report.html", "picture.png")  # files of a run's folder that are not an input of any command
+_PARTIAL = re.compile(r"\..*\.[0-9a-f]{8}\.partial")  # left behind by a killed process
 _DESCRIPTOR = re.compile(r"/dev/std(out|err)|/(?:dev|proc/self)/fd/([0-9]+)")
 
 _Inode = tuple[int, int]
@@ -63,12 +63,12 @@ _call: ContextVar[Claims | None] = ContextVar("call", default=None)
 
 @contextmanager
 def written_aside(path: Path, *, force: bool = False) -> Iterator[BinaryIO]:
-    """Open a file beside `path` that takes its place when the block ends without an error.
+    """Open a temporary file next to `path` that replaces it when the block ends without an error.
 
-    Whatever interrupts the block, `path` keeps what it had and nothing else stays behind.
+    If the block is interrupted in any way, `path` keeps its content and the temporary file is removed.
 
     Args:
-        force: replace a file that exists.
+        force: replace an existing file.
 
     Raises:
         OutputError: the file exists, is an input, or cannot be written.
@@ -99,10 +99,10 @@ def path_written_aside(path: Path, *, force: bool = False) -> Iterator[Path]:
 
 
 def new_file(path: Path, *, force: bool = False, buffering: int = -1) -> BinaryIO:
-    """Open a file that has its name from the start, so that what has been written can be read whenever the process ends.
+    """Open a file that has its final name from the start, so that its content can be read even if the process is killed.
 
     Raises:
-        OutputError: as `written_aside`.
+        OutputError: as for `written_aside`.
     """
     with _in_one_line(path):
         check_file(path, force=force)
@@ -122,7 +122,7 @@ def new_file(path: Path, *, force: bool = False, buffering: int = -1) -> BinaryI
 
 
 def check_file(path: Path, title: str = "", *, force: bool = False) -> None:
-    """Raise OutputError where `path` may not be written as a file; `title` names the option in the message."""
+    """Raise OutputError if `path` may not be written as a file; `title` names the option in the message."""
     name = f"{title} {path}".strip()
     with _in_one_line(name):
         found = _status(path)
@@ -140,16 +140,16 @@ def check_file(path: Path, title: str = "", *, force: bool = False) -> None:
         _check_writable(name, _resolved(path).parent)
 
 
-_EXISTS = "exists: must be another file, or --force be given to replace it (in Python force=True)"
+_EXISTS = "exists: must be another file, or --force must be given to replace it (in Python: force=True)"
 
 
 def spool_folder(path: Path) -> Path:
-    """Where temporary files that `path` is later made of belong: on the same disk."""
+    """The folder for temporary files from which `path` will be made: on the same disk."""
     return Path(tempfile.gettempdir()) if _is_special(path) else _resolved(path).parent
 
 
 def _place(aside: Path, target: Path, path: Path, force: bool) -> None:
-    """Give a file its name; without `force` even a file that has appeared meanwhile stays."""
+    """Rename a file to its final name; without `force`, do not replace even a file created in the meantime."""
     if force:
         os.replace(aside, target)
         return
@@ -164,7 +164,7 @@ def _place(aside: Path, target: Path, path: Path, force: bool) -> None:
 
 
 def _is_special(path: Path) -> bool:
-    """Whether it is written through: a pipe, a character device, or a descriptor that is open already."""
+    """Whether the path is written through: a pipe, a character device, or an open descriptor."""
     found = _status(path)
     return bool(found and (stat.S_ISCHR(found.st_mode) or stat.S_ISFIFO(found.st_mode) or _descriptor(path) is not None))
 
@@ -188,12 +188,12 @@ def _beside(target: Path) -> Path:
 
 
 def _resolved(path: Path) -> Path:
-    """The path without links, also where the last of them leads nowhere yet."""
+    """The path with all links resolved, even if the last one is dangling."""
     return Path(os.path.realpath(path))
 
 
 def _status(path: Path) -> os.stat_result | None:
-    """Of what a path leads to, None where there is nothing."""
+    """Status of the target of a path, None if it does not exist."""
     try:
         return os.stat(path)
     except FileNotFoundError:
@@ -227,13 +227,13 @@ def _in_one_line(name: Path | str) -> Iterator[None]:
 
 @contextmanager
 def folder_written_aside(folder: Path) -> Iterator[Path]:
-    """A folder beside `folder` whose files are moved there when the block ends without an error; else nothing of it stays.
+    """Make a temporary folder next to `folder`, whose files are moved there if the block ends without an error.
 
-    What `folder` holds is replaced only as far as evcot wrote it. run.toml goes first and comes last: a folder whose
-    replacement was interrupted does not look whole.
+    Only files in `folder` that evcot wrote are replaced. run.toml is removed first and written last, so that a folder whose
+    replacement was interrupted does not look complete.
 
     Raises:
-        OutputError: it holds something that evcot did not write, or something cannot be written.
+        OutputError: it contains files that evcot did not write, or cannot be written.
     """
     with _in_one_line(folder):
         check_folder(folder)
@@ -257,7 +257,7 @@ def folder_written_aside(folder: Path) -> Iterator[Path]:
 
 
 def check_folder(folder: Path, names: Collection[str] = (), title: str = "") -> None:
-    """Raise OutputError where evcot may not write these files into a folder; `title` names the option in the message."""
+    """Raise OutputError if these files may not be written into a folder; `title` names the option in the message."""
     name = f"{title} {folder}".strip()
     with _in_one_line(name):
         target = _resolved(folder)
@@ -275,16 +275,16 @@ def check_folder(folder: Path, names: Collection[str] = (), title: str = "") -> 
             if not is_own_file(target / file):
                 raise OutputError(
                     f"{name}: holds {file}, which evcot did not write or which has changed since: must be moved away, "
-                    "or another folder be named"
+                    "or another folder must be named"
                 )
             if _inode(os.stat(target / file)) in _inputs():
                 raise OutputError(f"{name}: holds {file}, an input of the same call: must be another folder")
 
 
 def own_files(folder: Path) -> frozenset[str] | None:
-    """The names of the files that evcot wrote into a folder, None where evcot did not make it.
+    """The names of the files that evcot wrote into a folder, None if evcot did not make the folder.
 
-    A run.toml that was copied from elsewhere does not count: at least one other file must be as it lists it.
+    A run.toml copied from elsewhere is not accepted: at least one other file must match its list.
     """
     listed = _listed(folder)
     if listed is None or not any(name != RUN_FILE and is_own_file(folder / name) for name in listed):
@@ -293,13 +293,13 @@ def own_files(folder: Path) -> frozenset[str] | None:
 
 
 def is_own_file(path: Path) -> bool:
-    """Whether a file is as evcot wrote it into a folder that it made."""
+    """Whether a file is unchanged since evcot wrote it into a folder that evcot made."""
     wanted = (_listed(path.parent) or {}).get(path.name)
     return wanted is not None and _is_regular(path) and _digest(path) == wanted
 
 
 def remade(path: Path) -> None:
-    """Enter a file that was written again into the list of the folder that evcot made, where it is in one.
+    """Update the list of files in run.toml after a file in a folder made by evcot was rewritten; elsewhere, do nothing.
 
     Raises:
         OutputError: the list cannot be written.
@@ -310,7 +310,7 @@ def remade(path: Path) -> None:
         text = run.read_text(encoding="utf-8").partition(_LIST)[0]
         aside = _beside(run)
         with _in_one_line(run):
-            try:  # run.toml may be an input of the call: all but its list stays as it is
+            try:  # run.toml may be an input of the call: only its list is changed
                 aside.write_bytes((text + _listing(listed | {path.name: _digest(path)})).encode())
                 os.replace(aside, run)
             finally:
@@ -318,7 +318,7 @@ def remade(path: Path) -> None:
 
 
 def _listed(folder: Path) -> dict[str, str] | None:
-    """The table [files] of a folder's run.toml."""
+    """The table [files] of a folder's run.toml, None if there is none."""
     run = folder / RUN_FILE
     if not _is_regular(run):
         return None
@@ -330,7 +330,7 @@ def _listed(folder: Path) -> dict[str, str] | None:
 
 
 def _sign(folder: Path) -> None:
-    """List the files of a folder in its run.toml."""
+    """Write the list of a folder's files to its run.toml."""
     run = folder / RUN_FILE
     if run.is_file():
         listed = {path.name: _digest(path) for path in sorted(folder.iterdir())}
@@ -343,7 +343,7 @@ def _listing(digests: dict[str, str]) -> str:
 
 
 def _digest(path: Path) -> str:
-    """Of a file's bytes, 16 hexadecimal digits; of run.toml those before its list."""
+    """Digest of a file, 16 hexadecimal digits; for run.toml, of the part before its list."""
     data = path.read_bytes()
     return blake2b(data.partition(_LIST.encode())[0] if path.name == RUN_FILE else data, digest_size=8).hexdigest()
 
@@ -353,7 +353,7 @@ def _is_regular(path: Path) -> bool:
 
 
 def _workplace(target: Path) -> Path:
-    """A new folder on the same disk as `target`: beside it where that can be, else in it."""
+    """A new folder on the same disk as `target`: next to it if possible, else in it."""
     beside = _beside(target)
     if not target.exists() or (os.access(target.parent, os.W_OK) and not os.path.ismount(target)):
         return beside
@@ -380,17 +380,17 @@ def _remove_empty(folders: Collection[Path]) -> None:
 
 
 def reading(owner: object, path: Path) -> Callable[[], Any]:
-    """Until the returned function is called, or `owner` is gone, nothing may be written over `path` or what it holds."""
+    """Protect `path`, or all files in it, from being overwritten until the returned function is called or `owner` is gone."""
     inodes = _inodes(path)
     _being_read.update(inodes)
     return weakref.finalize(owner, _being_read.subtract, inodes)
 
 
 def note_input(path: Path | str) -> None:
-    """Say that a file is about to be read: inside `Claims`, it must then be no output of the call.
+    """Declare that a file is about to be read: within `Claims`, it must not be an output of the call.
 
     Raises:
-        OutputError: it is one.
+        OutputError: it is an output.
     """
     call = _call.get()
     if call is not None:
@@ -398,9 +398,9 @@ def note_input(path: Path | str) -> None:
 
 
 class Claims:
-    """What one call reads and writes. Every further file is checked against those before it, so the order does not matter.
+    """The inputs and outputs of one call. Each new file is checked against all previous ones, so the order does not matter.
 
-    While its `with` block runs, all readers tell it what they read (`note_input`), and nothing is written over that.
+    Within its `with` block, all readers register their files (`note_input`), which are then protected from being overwritten.
     """
 
     def __init__(self) -> None:
@@ -417,7 +417,7 @@ class Claims:
         _call.reset(self._token)
 
     def read(self, path: Path) -> None:
-        """Claim an input: a file, or a folder with all that is in it; one that does not exist is the reader's to report."""
+        """Claim an input: a file, or a folder with all its files; a missing one is left for the reader to report."""
         self._read.append(_resolved(path))
         self.inputs |= dict.fromkeys(_inodes(path), path)
         for title, file in self._files.items():
@@ -429,7 +429,7 @@ class Claims:
         """Claim a file to write, for the option `title`.
 
         Raises:
-            OutputError: as `check_file`, or it is another output.
+            OutputError: as for `check_file`, or it is also another output.
         """
         self._check_input(title, path)
         self._check_other(title, path, self._files)
@@ -442,7 +442,7 @@ class Claims:
         """Claim a folder to write `names` into, for the option `title`.
 
         Raises:
-            OutputError: as `check_folder`, or it holds an input or another output.
+            OutputError: as for `check_folder`, or it contains an input or another output.
         """
         self._check_no_input_in(title, folder)
         self._check_other(title, folder, self._folders)
@@ -475,13 +475,13 @@ class Claims:
 
 
 def _inputs() -> Collection[_Inode]:
-    """All that may not be written over at the moment."""
+    """All files that are currently protected from being overwritten."""
     call = _call.get()
     return {inode for inode, readers in _being_read.items() if readers > 0} | (set() if call is None else call.inputs.keys())
 
 
 def _inodes(path: Path) -> list[_Inode]:
-    """Of a file, or of all files in a folder; devices and pipes may be read and written in one call."""
+    """Inodes of a file, or of all files in a folder; without devices and pipes, which may be both input and output."""
     found = _status_or_none(path)
     if found is not None and stat.S_ISDIR(found.st_mode):
         unread = {path / name for name in _NEVER_READ} if any((path / name).is_file() for name in _MOVED_LAST) else set()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings and their limits: one table per settings class, from which checks and messages come."""
+"""Validation of settings: one table of limits per settings class, used for checks and messages."""
 
 from __future__ import annotations
 
@@ -11,39 +11,39 @@ from .errors import ConfigError
 __all__ = ["Range", "check_integer", "check_range", "check_ranges", "read_pair", "read_value", "span"]
 
 Range = tuple[float, float, str]
-"""Lowest, highest, meaning; two integers stand for an integer setting."""
+"""Lowest, highest, meaning; two integer limits mark an integer setting."""
 
 
 def span(low: float, high: float) -> str:
-    """Limits as a message says them: integers in full."""
+    """Limits as text for messages: integers with all digits."""
     return " to ".join(str(limit) if isinstance(limit, int) else f"{limit:g}" for limit in (low, high))
 
 
 def check_ranges(name: str, settings: Any, ranges: Mapping[str, Range]) -> None:
-    """Raise ConfigError for the first field of `settings` that lies outside its entry in `ranges`, or is of another kind."""
+    """Raise ConfigError for the first field of `settings` that is outside its entry in `ranges`, or of another type."""
     for field, limits in ranges.items():
         check_range(f"{name}.{field}", getattr(settings, field), *limits)
 
 
 def check_integer(name: str, value: object, low: int, high: int, meaning: str = "") -> None:
-    """Raise ConfigError for what is no integer, or outside its limits."""
+    """Raise ConfigError for a value that is not an integer, or outside its limits."""
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         what = f" ({meaning})" if meaning else ""
         raise ConfigError(f"{name} = {value!r}: must be an integer from {low} to {high}{what}")
 
 
 def check_range(name: str, value: object, low: float, high: float, meaning: str) -> None:
-    """Raise ConfigError for a value outside its limits, or of another kind."""
+    """Raise ConfigError for a value outside its limits, or of another type."""
     wanted = int if isinstance(low, int) else (int, float)
     if isinstance(value, bool) or not isinstance(value, wanted) or not low <= value <= high:
         raise ConfigError(f"{name} = {value!r}: must be from {span(low, high)} ({meaning})")
 
 
 def read_pair(option: str, text: str, rule: str = "") -> tuple[str, str]:
-    """Key and value of an option's KEY=VALUE, without spaces around them.
+    """Parse KEY=VALUE of an option; returns key and value, without surrounding spaces.
 
     Args:
-        rule: what the message says of the keys.
+        rule: text about the keys to append to the message.
 
     Raises:
         ConfigError: there is no equals sign.
@@ -55,10 +55,10 @@ def read_pair(option: str, text: str, rule: str = "") -> tuple[str, str]:
 
 
 def read_value(name: str, text: str, default: Any) -> Any:
-    """A setting from text, as the kind of value that its default is.
+    """Parse a setting from text, as a value of the type of its default.
 
     Raises:
-        ConfigError: it is no such value.
+        ConfigError: the text is not a value of that type.
     """
     if isinstance(default, str):
         return text

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Templates that text is made from: RTL headers, C++ drives, pages."""
+"""Jinja templates for generated text: RTL headers, C++ drivers, pages."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ __all__ = ["templates"]
 
 
 def templates(*packages: str, **options: Any) -> Environment:
-    """The templates of packages, each in its folder `templates`; a name that they use and nobody gives is an error.
+    """Environment with the templates of packages, each in its folder `templates`; an undefined variable is an error.
 
     Args:
-        packages: their dotted names; a template is taken from the first that has it.
-        options: more of Jinja's own options.
+        packages: dotted names; a template is taken from the first package that has it.
+        options: further options of Jinja's Environment.
     """
     loader = ChoiceLoader([PackageLoader(package) for package in packages])
     return Environment(loader=loader, undefined=StrictUndefined, keep_trailing_newline=True, **options)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Time as the hardware counts it: ticks since the first event of a run, and events that carry them."""
+"""Time in the hardware: ticks since the first event of a run, and events with times in ticks."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _COLUMNS = {name: np.dtype(kind) for name, kind in (("ticks", "i8"), ("x", "u2")
 
 
 def tick_times(t_us: NDArray[np.int64], t0_us: int, tick_us: int) -> NDArray[np.int64]:
-    """Ticks that have passed since `t0_us` at each event: floor((t - t0) / tick_us), (n,) int64."""
+    """Number of ticks elapsed since `t0_us` at each event: floor((t - t0) / tick_us), (n,) int64."""
     since = t_us - t0_us
     return since if tick_us == 1 else since // tick_us
 
 
 @dataclass(frozen=True, eq=False)
 class TickedEvents:
-    """Events with their times in ticks: what trackers and filters in hardware take, and their models.
+    """Events with times in ticks, the input of trackers and filters in hardware and of their models.
 
     The columns are contiguous and of these types, whatever they were made from; a part, `events[begin:end]`, shares memory.
 

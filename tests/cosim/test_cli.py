@@ -208,7 +208,7 @@ def test_a_bad_file(name: str, content: bytes | None, message: str, capsys: Capt
         ("[cot]\ninit_cm_x = 128", "run.toml: cot.slot[0].init_cm_x = 128: must be an integer from 0 to 127"),
         ("[[slot]]\nnev_min = 60", "run.toml: cot.slot[0].clust_nev = 16: must lie from nev_min = 60 to nev_max = 32"),
         ("[shape]\nn_slots = 65", "run.toml: shape.n_slots = 65: must be an integer from 1 to 64"),
-        ("[shape]\nn_slots = 1\n[[slot]]\n[[slot]]", "run.toml: [[slot]] stands 2 times: must be at most shape.n_slots = 1"),
+        ("[shape]\nn_slots = 1\n[[slot]]\n[[slot]]", "run.toml: [[slot]] occurs 2 times: must be at most shape.n_slots = 1"),
         ("[shape]\nx_w = 6", "shape.x_w = 6: too few bits for 128 pixels of blob"),
         ("[rct]\nalpha = 2", "run.toml: rct.alpha = 2: must be from 1e-06 to 1"),
         ("[cot]\nradius = 3", "run.toml: [cot]: unknown field 'radius': must be one of "),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A gap of decades in a recording costs no stage more than any other gap: microseconds since 1970 after events at 0."""
+"""A gap of decades in a recording takes no stage longer than any other gap: microseconds since 1970 after events at 0."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def with_gap() -> Events:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_every_tracker_takes_a_gap_of_decades_in_one_step(name: str) -> None:
-    """That the test ends, is the test; and that both halves are tracked."""
+    """The test is that it terminates, and that both halves are tracked."""
     engine = ENGINES[name]
     for settings in engine.presets.values():
         log = log_of(name, engine.start(settings, FilterConfig(), SENSOR), [with_gap()])

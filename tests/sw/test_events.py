@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings are refused where they break a rule, with the place, the value and the rule."""
+"""Invalid recordings are refused, with the place, the value and the rule."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nothing of the user's is destroyed: files, links, devices and folders, by the one policy that all of evcot writes through."""
+"""No file of the user is destroyed: files, links, devices and folders, by the one policy for all outputs of evcot."""
 
 from __future__ import annotations
 

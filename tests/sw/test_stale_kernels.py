@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A kernel that was compiled from sources that have changed since is not used."""
+"""A compiled kernel whose sources have changed is not used."""
 
 from __future__ import annotations
 

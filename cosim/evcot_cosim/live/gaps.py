@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.tracks.log import DROPPED
-from evcot.tracks.tracking import Told, Tracker
+from evcot.tracks.tracking import Tracker, TrackerOutput
 
 __all__ = ["GapTracker"]
 
@@ -36,7 +36,7 @@ class GapTracker:
             self._gaps.append((self._fed, missing + count))
         return np.full(count, DROPPED, np.int16)
 
-    def feed(self, events: Events) -> Told:
+    def feed(self, events: Events) -> TrackerOutput:
         """See `Tracker.feed`."""
         records, owner = self._tracker.feed(events)
         self._fed += len(events)

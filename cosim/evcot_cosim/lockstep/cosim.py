@@ -21,7 +21,7 @@ from evcot.trackers.config import RunConfig
 from evcot.trackers.rct.tracker import RctTracker
 from evcot.tracks.compare import Agreement, compare
 from evcot.tracks.log import TRACK, TrackLog
-from evcot.tracks.tracking import KeptTracker, Tracker, log_of
+from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, build_device
@@ -189,7 +189,7 @@ def _software(recording: Recording, config: RunConfig) -> Tracker:
     tracker = RctTracker(config.rct, *sensor)
     if not config.filters.enabled:
         return tracker
-    return KeptTracker(filtered((), config.filters, sensor, config.cot.tick_us).keep, tracker)
+    return FilteredTracker(filtered((), config.filters, sensor, config.cot.tick_us).keep, tracker)
 
 
 class _LogParts:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trajectories that do not fit: zones and lines, a learned field of normal motion, and alarms as tracks grow."""
+"""Anomaly detection on trajectories: zones and lines, a learned field of normal motion, and online alarms."""
 
 from .alarm import ALARM, Anomaly
 from .config import AnomalyConfig

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an alarm is, and the tables that it is written to."""
+"""Alarms, and the tables in which they are written."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["ALARM", "UNITS", "Anomaly", "check_table_path", "rows", "write_alarm
 
 
 class Anomaly(IntEnum):
-    """What does not fit."""
+    """Kinds of anomalies."""
 
     WRONG_WAY = 0
     CROSSING = 1
@@ -35,24 +35,24 @@ class Anomaly(IntEnum):
 
 ALARM = np.dtype(
     [
-        ("t_us", "<i8"),  # when it was raised
+        ("t_us", "<i8"),  # time of the alarm
         ("event_index", "<i8"),  # of the record that raised it
         ("track_id", "<i8"),
         ("kind", "u1"),  # Anomaly
         ("zone", "<i2"),  # index into the zones, for LINE into the lines; else -1
         ("x", "<f8"),  # where, pixels
         ("y", "<f8"),
-        ("score", "<f8"),  # how far past the limit: 1 is on it
+        ("score", "<f8"),  # relative to the limit: 1 is at the limit
         ("expected", "<f8"),  # in the unit of `UNITS`
         ("seen", "<f8"),
-        ("begin_us", "<i8"),  # since when the rule has been broken
+        ("begin_us", "<i8"),  # time since which the rule has been violated
         ("birth_us", "<i8"),  # of the track
     ]
 )
 
 
 class Unit(NamedTuple):
-    """What `expected` and `seen` of a kind of alarm are."""
+    """Unit and meaning of `expected` and `seen` for a kind of alarm."""
 
     name: str
     expected: str
@@ -77,7 +77,7 @@ _COLUMNS = (
 
 
 def rows(alarms: NDArray[np.void], zones: Sequence[str] = (), lines: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Alarms as plain values by name, kinds and zones by theirs; `zone` is None where there is none."""
+    """Alarms as plain values by field name, with kinds and zones by name; `zone` is None if there is none."""
     found = []
     for alarm in alarms:
         kind = Anomaly(int(alarm["kind"]))
@@ -90,7 +90,7 @@ def rows(alarms: NDArray[np.void], zones: Sequence[str] = (), lines: Sequence[st
 
 
 def check_table_path(path: Path) -> None:
-    """Raise ConfigError for a file that `write_alarms` does not write."""
+    """Raise ConfigError for a suffix that `write_alarms` does not support."""
     if path.suffix.lower() not in (".csv", ".json"):
         raise ConfigError(f"{path}: must end in .csv or .json")
 
@@ -99,7 +99,7 @@ def write_alarms(path: Path, table: Sequence[dict[str, Any]], *, force: bool = F
     """Write `rows` as .csv or .json.
 
     Raises:
-        ConfigError: another suffix.
+        ConfigError: unknown suffix.
         OutputError: the file cannot be written.
     """
     check_table_path(path)

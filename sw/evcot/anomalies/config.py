@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of the rules that tell what does not fit."""
+"""Settings of the rules for anomalies."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..ranges import Range, check_ranges
 
 __all__ = ["ANOMALY_RANGES", "RING", "AnomalyConfig"]
 
-RING = 32  # places that are remembered of a track
+RING = 32  # number of positions stored per track
 
 # field -> (lowest, highest, meaning)
 ANOMALY_RANGES: dict[str, Range] = {
@@ -44,10 +44,10 @@ ANOMALY_RANGES: dict[str, Range] = {
 
 @dataclass(frozen=True)
 class AnomalyConfig:
-    """When a trajectory does not fit; limits and meanings in `ANOMALY_RANGES`.
+    """When a trajectory is anomalous; limits and meanings in `ANOMALY_RANGES`.
 
     Raises:
-        ConfigError: a value outside its range, or a window that the memory of a track does not hold.
+        ConfigError: a value outside its range, or a window longer than the stored positions of a track.
     """
 
     step_us: int = 25_000

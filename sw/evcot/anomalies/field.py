@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The field of normal motion: what tracks usually do in each cell of the picture, as sums that can be smoothed and compared."""
+"""The field of normal motion: statistics of the tracks in each cell of the picture, as sums that can be smoothed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .motion import Steps
 __all__ = ["FIELD_RANGES", "FieldConfig", "NormalMotion"]
 
 _FORMAT = 1
-_NEAR_PX = 64.0  # so far from a cell with support its speed is still of use
+_NEAR_PX = 64.0  # maximum distance over which a supported cell's speed is used
 _LEAST_DEVIATION = 0.1  # of the logarithm of speed
 _SUMS = ("visits", "ends", "turns", "x", "y", "log_speed", "log_speed_squared")
 _SMALL = 1e-9
@@ -35,7 +35,7 @@ FIELD_RANGES: dict[str, Range] = {
 
 @dataclass(frozen=True)
 class FieldConfig:
-    """How finely the picture is divided; limits and meanings in `FIELD_RANGES`.
+    """Settings of the field's grid; limits and meanings in `FIELD_RANGES`.
 
     Raises:
         ConfigError: a value outside its range.
@@ -50,16 +50,16 @@ class FieldConfig:
 
 @dataclass(frozen=True, eq=False)
 class NormalMotion:
-    """Sums over visits: a track's way through a cell counts once, however long it stays.
+    """Sums over visits: a track's passage through a cell counts once, however long it takes.
 
     Attributes:
         sensor: (width, height) in pixels.
         config: size of the cells, which begin at pixel (0, 0), and smoothing.
-        measured: how velocities were measured.
-        tracks: how many were learned from.
-        visits: (rows, columns) how many tracks came through.
-        ends: how many were lost there.
-        turns: how many of them had a direction; x, y: sums of their unit vectors.
+        measured: settings with which velocities were measured.
+        tracks: number of tracks learned from.
+        visits: (rows, columns) number of tracks that passed through.
+        ends: number of tracks lost there.
+        turns: number of visits with a direction; x, y: sums of their unit vectors.
         log_speed, log_speed_squared: sums of log(px/s) and of its square.
     """
 
@@ -76,8 +76,8 @@ class NormalMotion:
     log_speed_squared: NDArray[np.float64]
 
     def smoothed(self, min_support: float = 0.0) -> Field:
-        """What the rules look up. Sums are smoothed before they are divided, so neighbours count by their number of visits.
-        Deviations are those within cells: that speeds change from cell to cell, as far things seem slower, is no deviation.
+        """The field for the rules. Sums are smoothed before division, so neighbours are weighted by their number of visits.
+        Deviations are those within cells: differences of speed between cells, as caused by perspective, are not included.
         `near_speed` is that of the nearest cell with `min_support`."""
         sums = {name: self._shared(getattr(self, name)) for name in _SUMS}
         support, length = sums["visits"], np.hypot(sums["x"], sums["y"])
@@ -106,10 +106,10 @@ class NormalMotion:
         return np.where(away * self.config.cell_px <= _NEAR_PX, speed[row, column], np.nan)
 
     def save(self, path: Path | str, *, force: bool = False) -> None:
-        """Write an .npz file; the same field gives the same bytes.
+        """Write an .npz file; equal fields give identical files.
 
         Args:
-            force: replace a file that exists.
+            force: replace an existing file.
 
         Raises:
             OutputError: the file exists, or cannot be written.
@@ -124,10 +124,10 @@ class NormalMotion:
 
     @classmethod
     def load(cls, path: Path | str) -> NormalMotion:
-        """Read what `save` wrote.
+        """Read a field written by `save`.
 
         Raises:
-            ConfigError: the file is missing, damaged, or holds no field of normal motion.
+            ConfigError: the file is missing, damaged, or not a field of normal motion.
         """
         stored = _stored(Path(path))
         try:

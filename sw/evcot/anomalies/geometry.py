@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Points in polygons and crossings of lines; with coordinates of few binary digits, as whole and half pixels, exact.
+"""Points in polygons and crossings of lines; exact for coordinates with few binary digits, such as whole and half pixels.
 
-A polygon holds its border. A line has two sides: right and left of one who walks from its begin to its end on the picture as
-it is seen (y points down); the line itself is on the left. A step from one side to the other crosses the line where the line's
-begin and end are on different sides of the step's own straight, by the same rule: so of two lines that share an end, a step
-through that end crosses one.
+A polygon includes its border. A line has a right and a left side, seen in its direction from begin to end in the picture (y
+points down); the line itself belongs to the left. A step from one side to the other crosses the line if the line's begin and
+end are on different sides of the straight line through the step, by the same rule: so a step through the common end of two
+lines crosses exactly one of them.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ __all__ = ["crosses", "crossings", "holds", "inside", "offset"]
 
 @njit(cache=True, nogil=True)
 def offset(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
-    """Twice the area of the triangle (a, b, point): above 0 to the right of the way from a to b, as the picture is seen."""
+    """Twice the signed area of the triangle (a, b, point): positive to the right of the way from a to b in the picture."""
     return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 
 
 @njit(cache=True, nogil=True)
 def holds(corners, first, last, x, y):  # type: ignore[no-untyped-def]
-    """Whether the polygon with corners[first:last], (k, 2), holds a point: even-odd rule, the border is inside."""
+    """Whether the polygon with corners[first:last], (k, 2), contains a point: even-odd rule, the border is inside."""
     within = False
     bx, by = corners[last - 1]
     for i in range(first, last):
@@ -40,7 +40,7 @@ def holds(corners, first, last, x, y):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def crosses(line, px, py, qx, qy):  # type: ignore[no-untyped-def]
-    """1 where the step from p to q crosses line (begin x, y, end x, y) from its left to its right, -1 back, else 0."""
+    """1 if the step from p to q crosses line (begin x, y, end x, y) from left to right, -1 from right to left, else 0."""
     ax, ay, bx, by = line
     from_right = offset(ax, ay, bx, by, px, py) > 0
     to_right = offset(ax, ay, bx, by, qx, qy) > 0
@@ -62,7 +62,7 @@ def _crossings(line, x, y, out):  # type: ignore[no-untyped-def]
 
 
 def inside(corners: ArrayLike, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
-    """Whether a polygon, (k, 2) corners in turn, holds each of (n,) points."""
+    """Whether a polygon, (k, 2) corners in order, contains each of (n,) points."""
     xs, ys = np.asarray(x, np.float64), np.asarray(y, np.float64)
     out = np.empty(len(xs), np.bool_)
     _inside(np.asarray(corners, np.float64), xs, ys, out)
@@ -70,7 +70,7 @@ def inside(corners: ArrayLike, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
 
 
 def crossings(line: ArrayLike, x: ArrayLike, y: ArrayLike) -> NDArray[np.int8]:
-    """For a path of (n,) points the (n - 1,) steps that cross a line (begin x, y, end x, y): 1 to its right, -1 to its left."""
+    """Crossings of a line (begin x, y, end x, y) by the (n - 1,) steps of a path: 1 to its right, -1 to its left, else 0."""
     xs, ys = np.asarray(x, np.float64), np.asarray(y, np.float64)
     out = np.empty(max(len(xs) - 1, 0), np.int8)
     _crossings(np.asarray(line, np.float64), xs, ys, out)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rules, one function each, applied to a track whenever one of its steps closes.
+"""The rules, one function each, evaluated for a track whenever one of its steps is closed.
 
-Rules about motion gather evidence: the time for which they were broken, less the time for which they were not. An alarm needs
-`hold_us` of it; a track that has kept to the rule owes as much again, so that a tracker's slip from one object to the next is
-no alarm. Each is raised once per track, for zones and lines once per track and zone.
+Rules on motion accumulate evidence: the time for which they were violated, minus the time for which they were not. An alarm
+requires `hold_us` of evidence; a track that has complied with the rule before needs twice as much, so that a tracker's switch
+from one object to another raises no alarm. Each alarm is raised once per track, for zones and lines once per track and zone.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ WRONG_WAY, CROSSING, FAST, SLOW, STOPPING = (
 LOITERING, PLACE, FORBIDDEN, DWELL, LINE = (
     int(kind) for kind in (Anomaly.LOITERING, Anomaly.PLACE, Anomaly.FORBIDDEN, Anomaly.DWELL, Anomaly.LINE)
 )
-ALARMS_PER_STEP = FORBIDDEN  # besides one for each zone and line
+ALARMS_PER_STEP = FORBIDDEN  # plus one for each zone and line
 
 _SCORE_MAX = 99.0
-_RARE, _SELDOM = 0.03, 0.05  # tracks lost per cell, and as a part of those that come through: no more than both is rare
-_MOST = 0.4  # of a stay, in which something was seen to linger
-_SWELL = 1.6  # a window that grows or shrinks more while a velocity is measured goes from one thing to another
-_BRAKED = 0.4  # of the normal speed: something that was faster has braked
-_WHOLE = 0.6  # of its window when it became slow: a smaller one holds what another track has left over
-_NEAR = 0.6  # of the radius: so near to its mean place a stay goes on, and is told
-_AMONG = 0.5  # of the normal speed: something so fast has been in motion
+_RARE, _SELDOM = 0.03, 0.05  # tracks lost per cell, and as a share of its visits: at most both is rare
+_MOST = 0.4  # share of a stay during which something was observed
+_SWELL = 1.6  # a window that changes more than this while a velocity is measured switches between objects
+_BRAKED = 0.4  # of the normal speed: an object that was faster has braked
+_WHOLE = 0.6  # of its window when it became slow: a smaller one covers the remains of another track
+_NEAR = 0.6  # of the radius: within this distance of its mean position a stay continues, and is reported
+_AMONG = 0.5  # of the normal speed: above this, an object counts as moving
 
 
 @njit(cache=True, nogil=True)
@@ -56,7 +56,7 @@ def _raise(cur, out, trace, kind, zone, score, expected, seen, since_t):  # type
 
 @njit(cache=True, nogil=True)
 def _gather(trace, kind, broken, elapsed_us, travel_px, least_us, least_px):  # type: ignore[no-untyped-def]
-    """Take a step into the evidence of a rule; whether an alarm is due."""
+    """Add a step to the evidence of a rule; returns whether an alarm is due."""
     if broken:
         if not trace.open[kind]:
             trace.open[kind] = 1
@@ -77,7 +77,7 @@ def _gather(trace, kind, broken, elapsed_us, travel_px, least_us, least_px):  # 
 
 @njit(cache=True, nogil=True)
 def _cell(field, x, y):  # type: ignore[no-untyped-def]
-    """Row and column of a place; row -1 outside."""
+    """Row and column of a position; row -1 outside."""
     column = int((x + 0.5) // field.cell_px)
     row = int((y + 0.5) // field.cell_px)
     if 0 <= row < field.support.shape[0] and 0 <= column < field.support.shape[1]:
@@ -108,7 +108,7 @@ def _direction(rules, field, row, column, cur, trace, out, elapsed_us, speed):  
 
 @njit(cache=True, nogil=True)
 def _is_near(rules, normal):  # type: ignore[no-untyped-def]
-    """Whether motion of a normal speed stands out from a tracker's jitter there."""
+    """Whether motion at the normal speed is distinguishable from a tracker's jitter there."""
     return 1e-6 * rules.hold_us * normal >= rules.travel_px
 
 
@@ -133,7 +133,7 @@ def _speed(rules, field, row, column, cut, cur, trace, out, elapsed_us, speed): 
 
 @njit(cache=True, nogil=True)
 def _stopping(rules, field, cur, trace, out, elapsed_us, speed):  # type: ignore[no-untyped-def]
-    """Whether it stands; and what may tell later that it has stood: that it braked, or stayed where it was first seen."""
+    """Whether the object stands; also records later evidence of standing: that it braked, or stayed at its first position."""
     if _is_taken(rules, trace, speed):
         _taken(rules, field, cur, trace, out)
     moved = trace.moved_us >= rules.hold_us / 2
@@ -157,7 +157,7 @@ def _stopping(rules, field, cur, trace, out, elapsed_us, speed):  # type: ignore
 
 @njit(cache=True, nogil=True)
 def _starts(rules, field, trace, speed):  # type: ignore[no-untyped-def]
-    """Whether a track that begins away from the edge stays there at first, and then drives off, slower than others yet."""
+    """Whether a track that begins away from the edge first stays there and then drives off, still slower than others."""
     if trace.stood == 0:
         return False
     away_px = math.hypot(trace.x - trace.first_x, trace.y - trace.first_y)
@@ -170,7 +170,7 @@ def _starts(rules, field, trace, speed):  # type: ignore[no-untyped-def]
     row, column = _cell(field, trace.x, trace.y)
     if trace.stood == 0 or away_px < rules.evidence_px or row < 0:
         return False
-    if speed > trace.normal:  # something that came by has taken it along
+    if speed > trace.normal:  # the track was captured by a passing object
         trace.stood = 0
         return False
     along = (trace.x - trace.first_x) * field.x[row, column] + (trace.y - trace.first_y) * field.y[row, column]
@@ -179,7 +179,7 @@ def _starts(rules, field, trace, speed):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _is_taken(rules, trace, speed):  # type: ignore[no-untyped-def]
-    """Whether a track that has just braked goes back: it has gone over to the next that comes."""
+    """Whether a track that has just braked moves back: it has switched to a following object."""
     if trace.braked_t < 0 or trace.t - trace.braked_t > rules.hold_us or speed - trace.error < rules.slow_ratio * trace.normal:
         return False
     way_x = trace.braked_x - trace.first_x
@@ -189,7 +189,7 @@ def _is_taken(rules, trace, speed):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _is_cut(field, trace):  # type: ignore[no-untyped-def]
-    """Whether a track's window reaches over the picture's edge: the centre of what is cut off moves as it should not."""
+    """Whether a track's window extends over the picture's edge: the centre of a clipped object moves incorrectly."""
     reach = trace.radius + field.cell_px
     before, _ = _cell(field, trace.x - reach, trace.y - reach)
     after, _ = _cell(field, trace.x + reach, trace.y + reach)
@@ -198,14 +198,14 @@ def _is_cut(field, trace):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _is_end(field, x, y):  # type: ignore[no-untyped-def]
-    """Whether tracks are often lost at a place: near the picture's edge, and where the tracker loses them."""
+    """Whether tracks are often lost at a position: near the picture's edge, and wherever the tracker loses them."""
     row, column = _cell(field, x, y)
     return row < 0 or field.ends[row, column] > _RARE + _SELDOM * field.support[row, column]
 
 
 @njit(cache=True, nogil=True)
 def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
-    """A track is lost, or has gone over to something else: what stands makes no events, so who has just braked has stopped."""
+    """A track is lost, or has switched to another object: standing objects cause no events, so if it braked it has stopped."""
     braked = trace.braked_t >= 0 and trace.t - trace.braked_t <= rules.stitch_us
     if braked and not _is_end(field, trace.braked_x, trace.braked_y) and not trace.raised[STOPPING]:
         trace.raised[STOPPING] = 1
@@ -214,7 +214,7 @@ def _vanished(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _taken(rules, field, cur, trace, out):  # type: ignore[no-untyped-def]
-    """What the evidence was about is no longer what the track is on."""
+    """Reset the evidence after the track has switched to another object."""
     _vanished(rules, field, cur, trace, out)
     trace.moved_us = 0.0
     trace.slow_us = 0.0
@@ -236,7 +236,7 @@ def _stopped(rules, cur, trace, out, x, y, since_t):  # type: ignore[no-untyped-
 
 @njit(cache=True, nogil=True)
 def end(rules, field, stays, cur, trace, out, lost):  # type: ignore[no-untyped-def]
-    """A track is lost, or merged. Who is lost at the edge has left."""
+    """Process the end of a track, lost or merged. A track lost at the edge has left."""
     leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
     if lost and not _is_cut(field, trace):
         _vanished(rules, field, cur, trace, out)
@@ -246,11 +246,11 @@ def end(rules, field, stays, cur, trace, out, lost):  # type: ignore[no-untyped-
 def _loitering(rules, stays, cur, trace, out, elapsed_us):  # type: ignore[no-untyped-def]
     if math.hypot(trace.x - trace.anchor_x, trace.y - trace.anchor_y) > rules.loiter_radius_px:
         leave(stays, trace, trace.raised[LOITERING], rules.hold_us)
-        gap_us = rules.loiter_gap_us if trace.jumped else -1.0  # who walks on has left
+        gap_us = rules.loiter_gap_us if trace.jumped else -1.0  # continuous motion ends the stay
         trace.raised[LOITERING] = settle(stays, trace, _NEAR * rules.loiter_radius_px, gap_us)
         trace.evidence_us[LOITERING] = 0.0
     limit_us = rules.loiter_us
-    if trace.normal > 0:  # not where nothing is known
+    if trace.normal > 0:  # only where the normal speed is known
         limit_us = max(limit_us, 1e6 * rules.loiter_factor * rules.loiter_radius_px / trace.normal)
         if not trace.known or math.hypot(trace.vx, trace.vy) >= rules.slow_ratio * trace.normal:
             return
@@ -314,7 +314,7 @@ def _lines(rules, places, i, cur, trace, out):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def judge(rules, field, places, stays, i, cur, trace, out):  # type: ignore[no-untyped-def]
-    """Apply all rules to the step that track i has just closed."""
+    """Apply all rules to the step that was just closed for track i."""
     if not trace.settled:
         trace.settled = True
         trace.first_x = trace.x

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The compiled loop over records: whose each is, and when a step of its track closes.
+"""The compiled loop over records: assigns each record to a track, and closes the track's steps.
 
-Rows of the table stand for tracks that live, and for some that have ended a short while ago: a track that is born where one of
-them would be goes on for it, so that an interruption by a tracker neither hides a long stay nor repeats an alarm.
+Rows of the table are live tracks, and some that ended recently: a track that is born at the predicted position of one of these
+continues it, so that an interruption by the tracker neither hides a long stay nor repeats an alarm.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def _clear(table, places, i):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _forget(cur, table, places, stitch_us):  # type: ignore[no-untyped-def]
-    """Take out the rows of tracks that ended too long ago; the last row takes the free place."""
+    """Remove the rows of tracks that ended too long ago; the last row moves into the free place."""
     i = 0
     while i < cur.rows:
         if table[i].ended_us >= 0 and cur.t_us - cur.origin_us - table[i].ended_us > stitch_us:
@@ -71,7 +71,7 @@ def _forget(cur, table, places, stitch_us):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _ended_near(cur, table, x, y, stitch_px):  # type: ignore[no-untyped-def]
-    """The row of the ended track that would be nearest to a place, -1 if none is near."""
+    """The row of the ended track with the nearest predicted position, -1 if none is near."""
     best = -1
     best_px = math.inf
     for i in range(cur.rows):
@@ -88,7 +88,7 @@ def _ended_near(cur, table, x, y, stitch_px):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _row(cur, table, places, track_id, born, x, y, stitch_us, stitch_px):  # type: ignore[no-untyped-def]
-    """The row of a record's track, a new one if it has none."""
+    """The row of a record's track; adds a row if it has none."""
     if not born:
         for i in range(cur.rows):
             if table[i].track_id == track_id and table[i].ended_us < 0:
@@ -109,7 +109,7 @@ def _row(cur, table, places, track_id, born, x, y, stitch_us, stitch_px):  # typ
 
 @njit(cache=True, nogil=True)
 def feed(steps, rules, field, places, stays, stitch_us, stitch_px, cursor, table, records, first, spare, out):  # type: ignore[no-untyped-def]
-    """Take records from `first` on; returns the first not taken: the table or the buffer of alarms may be too small."""
+    """Process records from `first` on; returns the first not processed: the table or the alarm buffer may be too small."""
     cur = cursor[0]
     for k in range(first, len(records)):
         if cur.rows == len(table) or cur.alarms + spare > len(out):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the rules work on, as kernels take it: a track as they know it, their limits, normal motion, zones and lines."""
+"""Data of the rules, in the form used by kernels: state of a track, limits, normal motion, zones and lines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["TRACE", "Field", "Places", "Rules", "rules"]
 
 _KINDS = len(Anomaly)
 
-# What is known of one track.
+# The state of one track.
 TRACE = np.dtype(
     [
         *MOTION.descr,
@@ -25,36 +25,36 @@ TRACE = np.dtype(
         ("birth_us", "<i8"),
         ("ended_us", "<i8"),  # after the first record of the run; -1 while it lives
         ("radius", "<f8"),  # of its window
-        ("settled", "?"),  # whether it has a place yet
+        ("settled", "?"),  # whether it has a position yet
         ("first_x", "<f8"),
         ("first_y", "<f8"),
-        ("farthest_px", "<f8"),  # from its first place
-        ("normal", "<f8"),  # speed where it is, px/s; not a number where that is not known
-        ("moved_us", "<f8"),  # for how long it has been about as fast as others there
-        ("slow_us", "<f8"),  # for how long it has been slow, and since when
+        ("farthest_px", "<f8"),  # from its first position
+        ("normal", "<f8"),  # normal speed at its position, px/s; NaN if unknown
+        ("moved_us", "<f8"),  # time for which it has been about as fast as others there
+        ("slow_us", "<f8"),  # time for which it has been slow, and since when
         ("slow_t", "<f8"),
-        ("braked_t", "<f8"),  # when it was last slow for long enough after it had been in motion, below 0 if never; and where
+        ("braked_t", "<f8"),  # time when it was last slow for long enough after motion, negative if never; and position
         ("braked_x", "<f8"),
         ("braked_y", "<f8"),
         ("slow_radius", "<f8"),  # of its window when it became slow
-        ("stood", "u1"),  # 1: it stayed where it was first seen, 0: it did not, 2: that is not known yet
+        ("stood", "u1"),  # 1: it stayed at its first position, 0: it did not, 2: not yet known
         ("first_t", "<f8"),
-        ("anchor_t", "<f8"),  # of its stay: since when, and the mean place
+        ("anchor_t", "<f8"),  # of its stay: start time, and mean position
         ("anchor_x", "<f8"),
         ("anchor_y", "<f8"),
-        ("lingered_t", "<f8"),  # when it was last slow there, and for how long in all
+        ("lingered_t", "<f8"),  # time when it was last slow there, and total time
         ("lingered_us", "<f8"),
         ("raised", "u1", _KINDS),
-        ("open", "u1", _KINDS),  # whether evidence is being gathered
+        ("open", "u1", _KINDS),  # whether evidence is being accumulated
         ("evidence_us", "<f8", _KINDS),
         ("since_t", "<f8", _KINDS),
-        ("travel_px", "<f8", _KINDS),  # while the evidence was gathered
+        ("travel_px", "<f8", _KINDS),  # travelled while evidence was accumulated
     ]
 )
 
 
 class Rules(NamedTuple):
-    """`AnomalyConfig` as the rules take it; angles as cosines."""
+    """`AnomalyConfig` in the form used by the rules; angles as cosines."""
 
     significance: float
     hold_us: float
@@ -79,11 +79,11 @@ class Rules(NamedTuple):
 
 
 class Field(NamedTuple):
-    """Normal motion as the rules take it: (rows, columns) arrays over cells of `cell_px`, (0, 0) at pixel (0, 0).
+    """Normal motion in the form used by the rules: (rows, columns) arrays over cells of `cell_px`, (0, 0) at pixel (0, 0).
 
     support: tracks per cell; ends: tracks lost per cell. x, y: unit vector of the mean direction; concentration: length of the
     mean unit vector. log_speed, deviation: mean and standard deviation of log(px/s). near_speed: px/s there or in the nearest
-    cells that have a support, not a number far from all.
+    supported cells, NaN far from all of them.
     """
 
     cell_px: float
@@ -98,10 +98,10 @@ class Field(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Zones and lines as the rules take them, and what the (capacity, zones or lines) tracks did there.
+    """Zones and lines in the form used by the rules, and the state of tracks there, (capacity, zones or lines).
 
-    since: us at which a stay began, -1 for none; left: at which it was interrupted, -1 for not; side: of a line, 1 right, -1
-    left, 0 not known; x, y: the last place that had a side. counts: (lines, 2) crossings to the right and to the left.
+    since: us at which a stay began, -1 for none; left: at which it was interrupted, -1 if it was not; side: of a line, 1 right,
+    -1 left, 0 unknown; x, y: the last position with a side. counts: (lines, 2) crossings to the right and to the left.
     """
 
     corners: NDArray[np.float64]
@@ -120,7 +120,7 @@ class Places(NamedTuple):
 
 
 def rules(config: AnomalyConfig) -> Rules:
-    """The part of the settings that says when an alarm is raised."""
+    """The settings for raising alarms."""
     values: dict[str, Any] = {name: float(getattr(config, name)) for name in Rules._fields if hasattr(config, name)}
     return Rules(
         **values,

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Learning normal motion from logs in which a few tracks may be abnormal.
+"""Learn normal motion from logs in which a few tracks may be abnormal.
 
-Each track's way through a cell is one visit, with its mean velocity there. Visits that fit badly to what their surroundings say
-are left out, and the field is made again, a few times: the many outvote the few wherever both were.
+Each track's passage through a cell is one visit, with its mean velocity there. Visits that deviate from the surrounding field
+are removed, and the field is recomputed, a few times: this rejects outliers wherever normal tracks are the majority.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from .motion import Steps, add_place, begin, close_step, steps
 
 __all__ = ["learn", "smallest_sensor"]
 
-_ANGLE_COS = 0.5  # a visit further off the mean direction is left out, where there is one
-_CLEAR = 0.5  # concentration from which on there is
-_DEVIATIONS = (2.0, 2.0, 2.0, 2.5, 3.0, 3.0)  # round by round: strict while what is left out still counts in them
+_ANGLE_COS = 0.5  # a visit further from the mean direction is removed, if there is one
+_CLEAR = 0.5  # concentration from which on there is a mean direction
+_DEVIATIONS = (2.0, 2.0, 2.0, 2.5, 3.0, 3.0)  # per round: strict while outliers still contribute
 _LEAST_SPEED = 0.5  # px/s
-_SURE = 2.0  # standard errors from which on a velocity has a direction
+_SURE = 2.0  # standard errors above which a velocity has a direction
 
 OBSERVED = np.dtype([("track", "<i8"), *((name, "<f8") for name in ("x", "y", "vx", "vy", "error"))])
 
@@ -43,14 +43,14 @@ def learn(
     config: FieldConfig | None = None,
     anomaly_config: AnomalyConfig | None = None,
 ) -> NormalMotion:
-    """The field of normal motion of some logs from one place.
+    """Learn the field of normal motion from logs of one camera.
 
     Args:
-        sensor: (width, height) in pixels; None: the smallest that holds all places.
-        anomaly_config: how motion is measured; must be what the field is used with.
+        sensor: (width, height) in pixels; None for the smallest that holds all positions.
+        anomaly_config: settings for measuring motion; must be the same when the field is used.
 
     Raises:
-        TrackLogError: a log whose records no engine writes.
+        TrackLogError: a log with invalid records.
         ConfigError: no track is long enough to have a velocity.
     """
     config, measured = config or FieldConfig(), steps(anomaly_config or AnomalyConfig())
@@ -67,7 +67,7 @@ def learn(
 
 
 def smallest_sensor(logs: Sequence[TrackLog]) -> tuple[int, int]:
-    """(width, height) that holds every place in the logs."""
+    """The smallest (width, height) that holds all positions in the logs."""
     sides = []
     for axis in "xy":
         places = np.concatenate([np.zeros(1), *(log.records[axis] for log in logs)])
@@ -142,7 +142,7 @@ def _visits(observed: NDArray[np.void], sensor: tuple[int, int], config: FieldCo
 
 
 def _ends(logs: Sequence[TrackLog], sensor: tuple[int, int], config: FieldConfig) -> NDArray[np.float64]:
-    """How many tracks were lost in each cell; off the sensor counts for the nearest."""
+    """Number of tracks lost in each cell; those off the sensor count for the nearest cell."""
     rows, columns = grid(sensor, config)
     lost = np.concatenate([np.empty(0, TRACK), *(log.of_kind(Kind.LOST) for log in logs)])
     row, column = (
@@ -169,7 +169,7 @@ def _summed(
 
 
 def _fits(visits: NDArray[np.void], normal: NormalMotion, deviations: float) -> NDArray[np.bool_]:
-    """Which visits agree with the field around them."""
+    """Mask of the visits that agree with the field around them."""
     field = normal.smoothed()
     at = visits["row"], visits["column"]
     cosine = visits["x"] * field.x[at] + visits["y"] * field.y[at]

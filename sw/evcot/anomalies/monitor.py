@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Alarms as tracks grow: a stream of records in, alarms out."""
+"""Online detection of anomalies: takes a stream of records and returns alarms."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ from .zones import Zones
 
 __all__ = ["Monitor", "Verdict", "anomalies"]
 
-_ROWS = 32  # of the table at first
+_ROWS = 32  # initial size of the table
 _BUFFER = 256
 _BEFORE = -(1 << 62)
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """What `anomalies` finds: (n,) alarms of dtype `ALARM` by time, and (lines, 2) crossings to the right and to the left."""
+    """Result of `anomalies`: (n,) alarms of dtype `ALARM` by time, and (lines, 2) crossings to the right and to the left."""
 
     alarms: NDArray[np.void]
     counts: NDArray[np.int64]
 
 
 class Monitor:
-    """The rules as a stream: feed records of a TrackLog in runs of any length; alarms do not depend on where they are cut.
+    """Streaming evaluation: feed records of a TrackLog in runs of any length; alarms do not depend on how they are split.
 
-    Memory is constant for every track that is alive. Without a field of normal motion the rules on direction, speed, stopping
-    and unusual places are silent; without zones those on zones and lines.
+    Memory is constant per live track. Without a field of normal motion the rules on direction, speed, stopping and unusual
+    places are inactive; without zones, those on zones and lines.
 
     Attributes:
         counts: (lines, 2) crossings so far, to the right and to the left.
 
     Raises:
-        ConfigError: zones and field are of different sensors, or the field was learned with other steps or windows.
+        ConfigError: zones and field have different sensors, or the field was learned with other steps or windows.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class Monitor:
         self._sensor = _one_sensor(normal, self._zones)
         self._steps, self._rules = steps(self.config), rules(self.config)
         if normal is not None and normal.measured != self._steps:
-            raise ConfigError(f"{_told(self._steps)}: must be as normal motion was learned, {_told(normal.measured)}")
+            raise ConfigError(f"{_listed(self._steps)}: must be as when normal motion was learned, {_listed(normal.measured)}")
         if normal is None:
             self._rules = self._rules._replace(place_support=0.0)
         self._field = normal.smoothed(self.config.min_support) if normal else _nothing_known()
@@ -70,10 +70,10 @@ class Monitor:
         self._records = 0
 
     def feed(self, records: NDArray[np.void]) -> NDArray[np.void]:
-        """Take (n,) records of dtype `TRACK`, in their order; returns the (k,) alarms that they raise, of dtype `ALARM`.
+        """Process (n,) records of dtype `TRACK`, in order; returns the (k,) alarms that they raise, of dtype `ALARM`.
 
         Raises:
-            TrackLogError: a record that no engine writes, that precedes one fed before, or that lies off the sensor.
+            TrackLogError: a record that is invalid, precedes one fed before, or lies off the sensor.
         """
         self._check(records)
         spare = 1 + ALARMS_PER_STEP + len(self._zones.zones) + len(self._zones.lines)
@@ -128,10 +128,10 @@ class Monitor:
 def anomalies(
     log: TrackLog, config: AnomalyConfig | None = None, normal: NormalMotion | None = None, zones: Zones | None = None
 ) -> Verdict:
-    """All alarms of a log; as `Monitor`.
+    """All alarms of a log; see `Monitor`.
 
     Raises:
-        ConfigError, TrackLogError: as `Monitor`.
+        ConfigError, TrackLogError: as for `Monitor`.
     """
     monitor = Monitor(config, normal, zones)
     alarms = monitor.feed(log.records)
@@ -147,7 +147,7 @@ def _one_sensor(normal: NormalMotion | None, zones: Zones) -> tuple[int, int] | 
     return normal.sensor
 
 
-def _told(measured: Steps) -> str:
+def _listed(measured: Steps) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in measured._asdict().items())
 
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a track moves, from its records as they come: places averaged over steps, and a straight line through the latest.
+"""Motion of a track from a stream of records: positions averaged over steps, and a straight line fitted to the latest.
 
-The compiled part that learning and rules share. Time is cut into steps of `step_us`; a step of a track is closed by the track's
-first record in a later one. The line is fitted by least squares, x and y over time, through as few of the latest places as span
-`travel_px`, but no more than `window_us` of them. A place further from where the track was expected than its window reaches (a
-merge, a switch) starts the line anew.
+The compiled part common to learning and rules. Time is divided into steps of `step_us`; a step of a track is closed by the
+track's first record in a later step. The line is fitted by least squares, x and y over time, to the fewest latest positions
+that span `travel_px`, limited to `window_us`. A position farther from the prediction than the track's window reaches (a merge,
+an identity switch) restarts the line.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from .config import RING, AnomalyConfig
 
 __all__ = ["MOTION", "Steps", "add_place", "begin", "close_step", "steps"]
 
-_PLACES_MIN = 5  # that a line is fitted through
+_PLACES_MIN = 5  # minimum number of positions for a fit
 _SPAN_MIN = 4  # steps between the first and the last of them
 
 # One track's motion; a part of every row of a table of tracks.
 MOTION = np.dtype(
     [
-        ("step", "<i8"),  # number of the open step
+        ("step", "<i8"),  # index of the open step
         ("n", "<i8"),  # records in it
         ("sum_t", "<f8"),  # of their times after the step's begin, us
         ("sum_x", "<f8"),
         ("sum_y", "<f8"),
         ("places", "<i8"),  # in the ring
-        ("head", "<i8"),  # where the next goes
+        ("head", "<i8"),  # index of the next entry
         ("ring_t", "<f8", RING),  # us after the first record of the run
         ("ring_x", "<f8", RING),
         ("ring_y", "<f8", RING),
@@ -39,11 +39,11 @@ MOTION = np.dtype(
         ("t", "<f8"),
         ("x", "<f8"),
         ("y", "<f8"),
-        ("jumped", "?"),  # from where it was before, and could not have come from
+        ("jumped", "?"),  # whether it is too far from the previous position
         ("was_x", "<f8"),
         ("was_y", "<f8"),
-        ("elapsed_us", "<f8"),  # since the one before it; 0 for the first after a jump
-        # Of the line, if it is known: place and velocity in the middle of its window.
+        ("elapsed_us", "<f8"),  # since the previous step; 0 for the first after a jump
+        # Of the line, if available: position and velocity in the middle of its window.
         ("known", "?"),
         ("mid_x", "<f8"),
         ("mid_y", "<f8"),
@@ -56,7 +56,7 @@ MOTION = np.dtype(
 
 
 class Steps(NamedTuple):
-    """`AnomalyConfig` as this part takes it."""
+    """`AnomalyConfig` in the form used here."""
 
     step_us: int
     window_us: float
@@ -64,13 +64,13 @@ class Steps(NamedTuple):
 
 
 def steps(config: AnomalyConfig) -> Steps:
-    """The part of the settings that says how motion is measured."""
+    """The settings for measuring motion."""
     return Steps(config.step_us, float(config.window_us), float(config.travel_px))
 
 
 @njit(cache=True, nogil=True)
 def begin(motion: Any, step: int) -> None:
-    """A track without a past."""
+    """Initialise a track without history."""
     motion.step = step
     motion.n = 0
     motion.sum_t = motion.sum_x = motion.sum_y = 0.0
@@ -80,7 +80,7 @@ def begin(motion: Any, step: int) -> None:
 
 @njit(cache=True, nogil=True)
 def add_place(motion: Any, after_us: int, step: int, step_us: int, x: float, y: float) -> None:
-    """One record in the open step; `after_us` after the first of the run."""
+    """Add a record to the open step; `after_us`: its time after the first record of the run."""
     motion.step = step
     motion.n += 1
     motion.sum_t += after_us - step * step_us
@@ -90,7 +90,7 @@ def add_place(motion: Any, after_us: int, step: int, step_us: int, x: float, y: 
 
 @njit(cache=True, nogil=True)
 def close_step(settings: Steps, motion: Any, reach_px: float) -> None:
-    """Turn the open step, which has a record at least, into a place, and fit the line anew."""
+    """Average the open step, which must have a record, to a position, and refit the line."""
     t = motion.step * settings.step_us + motion.sum_t / motion.n
     x = motion.sum_x / motion.n
     y = motion.sum_y / motion.n

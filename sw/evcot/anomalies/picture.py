@@ -28,7 +28,7 @@ _WIDTH_IN = 8.0
 _TRACK, _ALARMED, _FIELD, _ZONE = "#0072B2", "#D55E00", "#BBBBBB", "#CC79A7"
 _LEAST_SUPPORT = 0.25
 _LABELS_MAX = 60
-_LABEL_SHARE = 0.7  # of the width; a label of a point beyond stands to its left
+_LABEL_SHARE = 0.7  # of the width; beyond it, labels are drawn to the left of their point
 
 
 def draw_alarms(
@@ -42,8 +42,8 @@ def draw_alarms(
     *,
     force: bool = False,
 ) -> None:
-    """Draw a PNG: arrows of the normal direction, zones, the ways of all tracks, those with an alarm strong, and each alarm
-    with its kind, its track's id and its time. Of very many alarms the first are labelled.
+    """Draw a PNG: arrows of the normal direction, zones, the paths of all tracks, highlighted for those with an alarm, and each
+    alarm with its kind, its track's id and its time. If there are too many alarms, only the first are labelled.
 
     Raises:
         OutputError: the file cannot be written.

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Alarms held against planted anomalies: how many were found, how soon, and how many alarms were false.
+"""Evaluation of alarms against planted anomalies: detection rate, detection delay, and false alarms.
 
-An alarm belongs to the object whose box, grown by a margin, holds its place at its time; of several, to the one whose centre
-is nearest. It finds an anomaly if that object is the anomaly's, the time lies in it or shortly after, and the kind is the
-anomaly's. An alarm of another kind on such an object is no false one: who stops on the shoulder has also left the road. All
-others are false.
+An alarm is attributed to the object whose box, grown by a margin, contains its position at its time; of several, to the one
+with the nearest centre. It detects an anomaly if that is the anomaly's object, the time is during it or shortly after, and the
+kinds agree. An alarm of another kind on such an object is not counted as false: a car that stops on the shoulder has also left
+the road. All others are false.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ FOUND_BY: dict[str, Anomaly] = {
 
 _MARGIN_PX = 12.0
 _AFTER_US = 1_000_000
-_HIDDEN = 0.5  # a box hidden for more has no track
+_HIDDEN = 0.5  # a box that is occluded by more than this is not tracked
 
 
 @dataclass(frozen=True)
 class AlarmScores:
-    """What `score_alarms` finds.
+    """The result of `score_alarms`.
 
     Attributes:
-        minutes: length of what was scored.
-        planted, found: anomalies by kind.
-        seconds_to_alarm: by kind, from the anomaly's begin to its first alarm, of those found.
-        false_alarms: by the alarm's kind.
-        missed: the labels that were not found; false_rows: indices of the false alarms.
+        minutes: duration of the scored recording.
+        planted, found: number of anomalies by kind.
+        seconds_to_alarm: by kind, time from the begin of each detected anomaly to its first alarm.
+        false_alarms: number by kind of alarm.
+        missed: the labels that were not detected; false_rows: indices of the false alarms.
     """
 
     minutes: float
@@ -56,7 +56,7 @@ class AlarmScores:
 
     @property
     def share_found(self) -> float:
-        """Of all anomalies; 1 if there were none."""
+        """Share of all anomalies that were detected; 1 if there are none."""
         return sum(self.found.values()) / max(sum(self.planted.values()), 1) if self.planted else 1.0
 
     @property
@@ -66,7 +66,7 @@ class AlarmScores:
 
 
 def score_alarms(alarms: NDArray[np.void], truth: Truth, duration_us: int) -> AlarmScores:
-    """Score (n,) alarms of dtype `ALARM` against a truth with labels, times on one clock."""
+    """Score (n,) alarms of dtype `ALARM` against a truth with labels, on the same clock."""
     owner = [_object_at(truth.samples, int(alarm["t_us"]), alarm["x"], alarm["y"]) for alarm in alarms]
     kinds = sorted({label.kind for label in truth.labels})
     scores = AlarmScores(
@@ -100,7 +100,7 @@ def _during(label: Label, t_us: int) -> bool:
 
 
 def _object_at(samples: NDArray[np.void], t_us: int, x: float, y: float) -> int | None:
-    """The object at a place, by the last sample of each that is not older than `_AFTER_US`."""
+    """The object at a position, by the last sample of each that is not older than `_AFTER_US`."""
     begin, end = np.searchsorted(samples["t_us"], (t_us - _AFTER_US, t_us), "left")
     latest = samples[begin : end + 1][::-1]
     _, first = np.unique(latest["object_id"], return_index=True)
@@ -114,7 +114,7 @@ def _object_at(samples: NDArray[np.void], t_us: int, x: float, y: float) -> int 
 
 
 def truth_log(truth: Truth) -> TrackLog:
-    """The truth as a tracker that makes no mistake: one track per object for as long as it is visible and not hidden."""
+    """The truth as the log of an error-free tracker: one track per object while it is visible and not occluded."""
     samples = truth.samples
     seen = samples[samples["visible"] & (samples["occluded"] <= _HIDDEN)]
     seen = seen[np.argsort(seen["object_id"], kind="stable")]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stays: how long something has lingered at a place, whichever track it is at the moment.
+"""Stays: how long an object has lingered at a place, across tracks.
 
-Who stands still for a moment makes no events, and is another track afterwards. So a stay outlives the track: what lingers near
-it before `gap_us` have passed goes on with it.
+An object that stands still causes no events, and gets a new track afterwards. So stays are stored independently of tracks: a
+track that lingers nearby before `gap_us` have passed continues the stay.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 __all__ = ["Stays", "leave", "no_stays", "settle"]
 
-_STAYS = 256  # remembered; of more the oldest are forgotten
+_STAYS = 256  # capacity; the oldest are overwritten
 _NEVER = -1e300
 
 
 class Stays(NamedTuple):
-    """Stays that no track has at the moment, (256,) each: the place (px), since when and until when (us after the first
-    record), for how long of that something was seen to linger (us), and whether an alarm was raised."""
+    """Stays without a current track, (256,) each: position (px), start and end (us after the first record), time during which
+    something was observed to linger (us), and whether an alarm was raised."""
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -33,14 +33,14 @@ class Stays(NamedTuple):
 
 
 def no_stays() -> Stays:
-    """A memory without any."""
+    """An empty memory of stays."""
     x, y, since, lingered = np.zeros((4, _STAYS))
     return Stays(x, y, since, np.full(_STAYS, _NEVER), lingered, np.zeros(_STAYS, np.uint8))
 
 
 @njit(cache=True, nogil=True)
 def leave(stays, trace, raised, least_us):  # type: ignore[no-untyped-def]
-    """A track ends, or goes away from its place: what it lingered there, if it did for long enough, is remembered."""
+    """Store a track's stay, if it was long enough, when the track ends or leaves the place."""
     if not trace.settled or trace.lingered_t - trace.anchor_t < least_us:
         return
     i = np.argmin(stays.until)
@@ -54,7 +54,7 @@ def leave(stays, trace, raised, least_us):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def settle(stays, trace, radius_px, gap_us):  # type: ignore[no-untyped-def]
-    """A track begins, or has come to another place: the longest stay there is its own now. Whether that has raised an alarm."""
+    """Let a track that begins, or arrives at a place, take over the longest stay there; returns whether that has an alarm."""
     best = -1
     for i in range(len(stays.until)):
         if trace.t - stays.until[i] > gap_us or math.hypot(stays.x[i] - trace.x, stays.y[i] - trace.y) > radius_px:

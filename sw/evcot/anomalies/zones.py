@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Zones and lines that rules are bound to, from a TOML file."""
+"""Zones and lines for the rules, from a TOML file."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Zone:
-    """A polygon, its border included: no track may be in it, or none longer than `dwell_us`.
+    """A polygon, including its border, in which no track may be at all, or for longer than `dwell_us`.
 
     Attributes:
-        name: for people.
-        corners: at least three, in turn, (x, y) in pixels.
-        dwell_us: longest stay; 0 forbids every stay.
+        name: display name.
+        corners: at least three, in order, (x, y) in pixels.
+        dwell_us: longest allowed stay; 0 forbids every stay.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Line:
 
     Attributes:
         begin, end: (x, y) in pixels.
-        allowed: 1: to the right of one who walks from begin to end on the picture as it is seen; -1: to the left; 0: both.
+        allowed: direction of crossing, seen from begin to end in the picture: 1: to the right; -1: to the left; 0: both.
     """
 
     name: str
@@ -59,14 +59,14 @@ class Line:
 
 @dataclass(frozen=True)
 class Zones:
-    """All zones and lines of a picture; `sensor` is its (width, height), None where the file does not say it."""
+    """All zones and lines of a picture; `sensor` is its (width, height), None if not stated in the file."""
 
     zones: tuple[Zone, ...] = ()
     lines: tuple[Line, ...] = ()
     sensor: tuple[int, int] | None = None
 
     def corners(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Corners of all zones, (n, 2), and where each begins, (zones + 1,)."""
+        """Corners of all zones, (n, 2), and the index at which each zone begins, (zones + 1,)."""
         corners = np.array([corner for zone in self.zones for corner in zone.corners], np.float64).reshape(-1, 2)
         return corners, np.cumsum([0, *(len(zone.corners) for zone in self.zones)], dtype=np.int64)
 
@@ -75,7 +75,7 @@ def load_zones(path: Path | str) -> Zones:
     """Read a TOML file: `sensor = [width, height]`, tables `[[zone]]` and `[[line]]` (docs/anomalies.md).
 
     Raises:
-        ConfigError: the file cannot be read, is not TOML, or has a field that is not as it must be.
+        ConfigError: the file cannot be read, is not TOML, or has an invalid field.
     """
     note_input(path)
     try:
@@ -93,7 +93,7 @@ def load_zones(path: Path | str) -> Zones:
         names = [zone.name for zone in zones] + [line.name for line in lines]
         for name in names:
             if names.count(name) > 1:
-                raise ConfigError(f"name = {name!r}: must be one zone's or line's alone")
+                raise ConfigError(f"name = {name!r}: must be unique among zones and lines")
         return Zones(zones, lines, _sensor(data))
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from error

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drops events that stand alone: background activity."""
+"""Background activity filter: drops isolated events."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ __all__ = ["ActivityFilter"]
 
 
 class ActivityFilter(EventFilter):
-    """An event stays when at least `activity_support` of its 8 neighbours had an event at most `activity_ticks` ticks ago.
+    """An event passes if at least `activity_support` of its 8 neighbours had an event at most `activity_ticks` ticks ago.
 
-    About 8 ns per event, whatever the support. The memory has a border of one pixel in which nothing ever happens, so no
-    neighbour needs a test of its place.
+    About 8 ns per event, independent of the support. The memory has a border of one pixel without events, so that neighbours
+    need no bounds check.
     """
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
@@ -33,7 +33,7 @@ class ActivityFilter(EventFilter):
 
 @njit(cache=True, nogil=True)
 def _narrow(last, window, support, ticks, x, y, keep):  # type: ignore[no-untyped-def]
-    # Unsigned indices: no check for those that count from the end.
+    # Unsigned indices avoid the check for negative ones.
     one, two = np.uint64(1), np.uint64(2)
     height, width = last.shape[0] - 2, last.shape[1] - 2
     for i in range(len(keep)):

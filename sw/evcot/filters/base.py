@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every filter is: a memory, and a rule that decides of each event whether it stays."""
+"""The interface of a filter: it keeps state, and decides for each event whether it passes."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from .registers import FilterRegisters
 
 __all__ = ["NEVER", "EventFilter", "per_pixel"]
 
-# The stamp of a pixel without an event: older than any age that counts, and near enough that no difference overflows.
+# The time stamp of a pixel without an event: older than any relevant age, but no difference with it overflows.
 NEVER = -(1 << 61)
 
-# Larger than any sensor that is made; beyond it the sensor is a mistake, and its memory would take gigabytes.
+# Larger than any existing sensor; a larger value is a mistake, and its memory would take gigabytes.
 _PIXELS_MAX = 1 << 25
 
 
 def per_pixel(shape: FilterShape, value: int | bool, border: int = 0) -> NDArray[Any]:
-    """A memory of one `value` per pixel, (height + 2 border, width + 2 border), int64 or bool.
+    """A memory with one `value` per pixel, of shape (height + 2 border, width + 2 border), int64 or bool.
 
     Raises:
         ConfigError: the sensor has more than 2^25 pixels.
@@ -35,12 +35,12 @@ def per_pixel(shape: FilterShape, value: int | bool, border: int = 0) -> NDArray
 
 
 class EventFilter(ABC):
-    """One filter as a stream: feed events in runs of any length, the result does not depend on where they are cut.
+    """A streaming filter: feed events in runs of any length; the result does not depend on how they are split into runs.
 
-    Stamps have no end: ticks may reach 2^62.
+    Time stamps do not wrap around: ticks may reach 2^62.
 
     Args:
-        registers, shape: as a chain in hardware has them; a filter reads its own registers, whatever `enable` says.
+        registers, shape: those of a filter chain in hardware; a filter reads its own registers, regardless of `enable`.
     """
 
     @abstractmethod
@@ -48,13 +48,13 @@ class EventFilter(ABC):
 
     @abstractmethod
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
-        """Decide a run of events in place: clear `keep`, (n,) bool, where an event does not stay.
+        """Filter a run of events in place: clear `keep`, (n,) bool, for each event that is dropped.
 
-        An event whose entry is already false does not reach the filter.
+        An event whose entry is already false is ignored.
         """
 
     def feed(self, events: TickedEvents) -> NDArray[np.bool_]:
-        """Which events of a run stay, (n,) bool; ticks never decrease over the filter's life."""
+        """The events of a run that pass, as a mask of (n,) bool; ticks never decrease over the filter's life."""
         keep = np.ones(len(events), np.bool_)
         self.narrow(events, keep)
         return keep

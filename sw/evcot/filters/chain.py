@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Filters one behind the other, as the hardware has them."""
+"""A chain of filters, in the order of the hardware."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ FILTERS: dict[Filter, type[EventFilter]] = {
 
 
 class Total(NamedTuple):
-    """How many events reached a filter, and how many of them it dropped."""
+    """Number of events that reached a filter, and number of those that it dropped."""
 
     seen: int
     dropped: int
 
 
 class FilterChain(EventFilter):
-    """The enabled filters in the contract's order; each sees only what those before it let stay.
+    """The enabled filters in the contract's order; each sees only the events that passed those before it.
 
     Attributes:
-        totals: what each enabled filter has done so far, in their order.
+        totals: event counts of each enabled filter so far, in the order of the chain.
 
     Raises:
         ConfigError: a register outside its limits.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of the filters in users' units, and the same as the hardware's registers."""
+"""Settings of the filters in physical units, and their conversion to the hardware's registers."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class FilterConfig:
     """The filters in front of both trackers, all off by default; limits in `FILTER_RANGES`, meanings in docs/filters.md.
 
     Attributes:
-        region: (x0, y0, x1, y1), first and last column and row that stay, in pixels; None is off.
-        polarity: the one that stays; None is off.
-        hot_pixels: (x, y) of the pixels that are silenced.
+        region: (x0, y0, x1, y1), first and last column and row that pass, in pixels; None is off.
+        polarity: the polarity that passes; None is off.
+        hot_pixels: (x, y) of the pixels that are masked.
 
     Raises:
         ConfigError: a value outside its range.
@@ -78,7 +78,7 @@ class FilterConfig:
 
     @property
     def filters(self) -> tuple[Filter, ...]:
-        """The filters that are on, in the order of a chain."""
+        """The enabled filters, in the order of a chain."""
         on = {
             Filter.REGION: self.region,
             Filter.POLARITY: self.polarity,
@@ -92,20 +92,20 @@ class FilterConfig:
 
     @property
     def enabled(self) -> bool:
-        """Whether any filter is on."""
+        """Whether any filter is enabled."""
         return bool(self.filters)
 
     def shape(self, width: int, height: int) -> FilterShape:
-        """The hardware for a sensor of this size."""
+        """The shape of the filter chain in hardware for a sensor of this size."""
         return FilterShape(width, height, recent_depth=self.recent_depth)
 
     def registers(self, tick_us: int) -> FilterRegisters:
-        """The same in the hardware's integers: times to the nearest tick and weights to the nearest 1/256, halves up.
+        """Convert to the hardware's integers: times to the nearest tick and weights to the nearest 1/256, halves up.
 
-        The decay's rate is rounded too: its half-life in ticks then is 2^29 / decay_rate.
+        The decay rate is rounded, too: the half-life in ticks is then 2^29 / decay_rate.
 
         Raises:
-            ConfigError: a time below one tick, or longer than stamps can tell.
+            ConfigError: a time below one tick, or beyond the range of the time stamps.
         """
         x0, y0, x1, y1 = self.region or (0, 0, 65535, 65535)
         return FilterRegisters(
@@ -128,7 +128,7 @@ class FilterConfig:
         )
 
     def _ticks(self, name: str, tick_us: int) -> int:
-        """A filter's time in ticks; 0 where it is off."""
+        """A filter's time in ticks; 0 if it is off."""
         us: int = getattr(self, f"{name}_us")
         high = FILTER_REGISTERS[f"{name}_ticks"].limits(FilterShape())[1]
         if us and not tick_us <= us <= high * tick_us:
@@ -138,7 +138,7 @@ class FilterConfig:
         return (2 * us + tick_us) // (2 * tick_us) if us else 0
 
     def _decay_rate(self, tick_us: int) -> int:
-        """Units of the decay's clock per tick, in 2^-24; 1 where the filter is off."""
+        """Units of the decay clock per tick, in 2^-24; 1 if the filter is off."""
         if not self.decay_tau_us:
             return 1
         one_tick_us = tick_us * UNITS_PER_HALF_LIFE / math.log(2) * (1 << CLOCK_FRAC)  # tau at a rate of 1
@@ -150,7 +150,7 @@ class FilterConfig:
 
 
 def _addresses(value: object, count: int, where: str, names: str) -> tuple[int, ...]:
-    """A list of this many addresses, as TOML and JSON have it, as a tuple."""
+    """Convert a list of `count` addresses, as from TOML or JSON, to a tuple."""
     if isinstance(value, list | tuple) and len(value) == count and all(type(v) is int and 0 <= v <= 65535 for v in value):
         return tuple(value)
     raise ConfigError(f"{where} {value!r}: must be [{names}], each from 0 to 65535")

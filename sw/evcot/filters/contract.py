@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What filters in RTL, their models and the host must agree on, written once: order, shape and registers of a filter chain.
+"""The contract of filters in RTL, their models and the host: order, shape and registers of a filter chain.
 
-The hardware's side is generated from it: see `hardware.generate`.
+The hardware side is generated from it: see `hardware.generate`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = [
 
 
 class Filter(IntEnum):
-    """The filters in the order in which a chain has them; bit numbers of the register `enable`."""
+    """The filters in the order of a chain; values are bit numbers in the register `enable`."""
 
     REGION = 0
     POLARITY = 1
@@ -63,9 +63,9 @@ class FilterShape:
 
 @dataclass(frozen=True)
 class FilterRegister:
-    """One software-written register of a filter chain: word address, legal values, and one line for people.
+    """One software-written register of a filter chain: word address, legal values, and a one-line description.
 
-    A `high` of None is 2^(stamp_w - 1) - 1: an age that stamps can tell.
+    A `high` of None is 2^(stamp_w - 1) - 1, the longest age that time stamps can represent.
     """
 
     address: int
@@ -99,5 +99,5 @@ FILTER_REGISTERS: dict[str, FilterRegister] = {
 
 
 def mask_word(x: int, y: int, hot: bool = True) -> int:
-    """What to write to the register `mask` for a pixel: hot or not in bit 31, y in bits 30 to 16, x in 15 to 0."""
+    """The word to write to the register `mask` for a pixel: hot or not in bit 31, y in bits 30 to 16, x in 15 to 0."""
     return int(hot) << 31 | y << 16 | x

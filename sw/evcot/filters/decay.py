@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps events that have company, the more of it the longer ago: weights that decay as exp(-dt / tau).
+"""Decay filter: keeps events with enough recent neighbours, weighted by exp(-dt / tau).
 
-Time runs in units of 1/32 of a half-life; docs/filters.md says how weights become integers, and how far they are off.
+Time is counted in units of 1/32 of a half-life; docs/filters.md describes how weights are rounded to integers, and the error.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ __all__ = ["CLOCK_FRAC", "UNITS_PER_HALF_LIFE", "DecayFilter", "weights"]
 
 UNITS_PER_HALF_LIFE = 32
 CLOCK_FRAC = 24  # fractional bits of the clock that counts units
-_AGES = 9 * UNITS_PER_HALF_LIFE + 1  # 256 has 9 bits: from the last of these ages on nothing is left
+_AGES = 9 * UNITS_PER_HALF_LIFE + 1  # 256 has 9 bits: from the last of these ages on the weight is 0
 
 
 def weights(epsilon: int) -> NDArray[np.int64]:
-    """Weight in 1/256 of an event by its age in units, (289,) int64: 0 where it is not above `epsilon`, and at the end."""
+    """Weight of an event in 1/256 by its age in units, (289,) int64: 0 where it is not above `epsilon`, and at the end."""
     age = np.arange(_AGES)
     fraction = np.rint(256 * np.exp2(-np.arange(UNITS_PER_HALF_LIFE) / UNITS_PER_HALF_LIFE)).astype(np.int64)
     weight = fraction[age % UNITS_PER_HALF_LIFE] >> (age // UNITS_PER_HALF_LIFE)
@@ -31,7 +31,7 @@ def weights(epsilon: int) -> NDArray[np.int64]:
 
 
 class DecayFilter(EventFilter):
-    """An event stays when the weights of its 8 neighbours' last events add up to at least `decay_support`.
+    """An event passes if the weights of its 8 neighbours' last events add up to at least `decay_support`.
 
     About 12 ns per event.
     """

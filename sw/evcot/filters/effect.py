@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What filters do to noise: events whose kind is known, and the share of each kind that stays."""
+"""The effect of filters on noise: shares of signal and noise events that pass, for events of known kind."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ __all__ = ["Effect", "add_noise", "area_under_curve", "effect"]
 
 
 class Effect(NamedTuple):
-    """Shares of the events of either kind, 0 to 1."""
+    """Shares of signal and noise events that pass, 0 to 1."""
 
     signal_kept: float
     noise_kept: float
 
     @property
     def noise_removed(self) -> float:
-        """Share of the noise that a filter took out."""
+        """Share of the noise that is removed."""
         return 1 - self.noise_kept
 
 
 def add_noise(recording: Recording, hz_per_px: float, random: np.random.Generator) -> tuple[Recording, NDArray[np.bool_]]:
-    """Background activity over a clean recording: a Poisson process per pixel, of either polarity.
+    """Add background activity to a clean recording: a Poisson process per pixel, with random polarity.
 
     Returns:
-        The recording with noise from its first to its last event, and which of its events are noise, (n,) bool. At equal
-        times the noise comes last.
+        The recording with noise from its first to its last event, and a mask of the noise events, (n,) bool. At equal times
+        noise comes last.
     """
     clean, width, height = recording.events, recording.width, recording.height
     count = random.poisson(hz_per_px * width * height * recording.duration_us * 1e-6)
@@ -48,16 +48,16 @@ def add_noise(recording: Recording, hz_per_px: float, random: np.random.Generato
 
 
 def effect(recording: Recording, is_noise: NDArray[np.bool_], config: FilterConfig) -> Effect:
-    """What the filters let stay of the signal and of the noise; both must be there."""
+    """The shares of signal and noise that pass the filters; there must be events of both."""
     keep = apply(recording, config)[1]
     return Effect(float(keep[~is_noise].mean()), float(keep[is_noise].mean()))
 
 
 def area_under_curve(effects: Iterable[Effect]) -> float:
-    """Area under the curve of signal kept over noise kept, 1 being perfect and 0.5 chance, through (0, 0) and (1, 1).
+    """Area under the curve of signal kept over noise kept, through (0, 0) and (1, 1); 1 is perfect, 0.5 is chance.
 
     Args:
-        effects: those of one filter from its strictest to its loosest setting.
+        effects: of one filter from its strictest to its most permissive setting.
     """
     signal, noise = np.array([Effect(0, 0), *effects, Effect(1, 1)]).T
     return float(np.trapezoid(signal, noise))

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hot pixels: found by their activity, and kept in a text file.
+"""Hot pixels: detected by their activity, and stored in a text file.
 
-A pixel is hot when it is much busier than pixels are, much busier than those around it, and busy all the time:
+A pixel is hot when it is much more active than most pixels, much more active than its neighbours, and active all the time:
 
-- it gave `OVER_MEDIAN` times as many events as the median of all pixels that gave any;
-- it gave `OVER_NEIGHBOURS` times as many as the second busiest of its 8 neighbours: a busy road or a fast object passes over
-  pixels that lie side by side, a defect sits on one, or on two;
-- it gave events in at least `SHARE_MIN` of all slices of `SLICE_US` in which anything happened: a glint is over soon.
+- it has `OVER_MEDIAN` times as many events as the median of all pixels with any events;
+- it has `OVER_NEIGHBOURS` times as many as the second most active of its 8 neighbours: a busy road or a fast object covers
+  adjacent pixels, a defect only one or two;
+- it has events in at least `SHARE_MIN` of all time slices of `SLICE_US` with any events: a glint does not last.
 
-A threshold on the count alone, such as the mean and some standard deviations over all pixels, fails both ways: an object that
-rests in one place passes it, and one very hot pixel lifts it beyond the others.
+A threshold on the count alone, such as the mean plus some standard deviations over all pixels, fails in both directions: a
+stationary object exceeds it, and one very hot pixel raises it above all others.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ _HEADER = re.compile(r"# hot pixels of a (\d{1,5})x(\d{1,5}) sensor")
 
 
 def learn_hot_pixels(events: Events | Iterable[Events], sensor: tuple[int, int]) -> Pixels:
-    """The hot pixels of a recording, (x, y) in order of their counts, the busiest first. About 15 ns per event.
+    """Find the hot pixels of a recording: (x, y), most active first. About 15 ns per event.
 
     Args:
         events: a recording's events, in one piece or in blocks, in time order and on the sensor.
         sensor: (width, height) in pixels.
 
     Raises:
-        ConfigError: the sensor has more pixels than filters remember.
+        ConfigError: the sensor has more pixels than filters support.
     """
     width, height = sensor
     shape = FilterShape(width, height)
@@ -84,7 +84,7 @@ def learn_hot_pixels(events: Events | Iterable[Events], sensor: tuple[int, int])
 
 @njit(cache=True, nogil=True)
 def _count(t_us, x, y, t0_us, counts, slices, latest, total, current):  # type: ignore[no-untyped-def]
-    """Add a run of events to every pixel's count of events and of slices; `total` slices so far, the last being `current`."""
+    """Add a run of events to each pixel's count of events and of slices; `total` slices so far, the last being `current`."""
     for i in range(len(t_us)):
         now = (t_us[i] - t0_us) // SLICE_US
         total += now != current
@@ -111,10 +111,10 @@ def _second_busiest_neighbour(counts: NDArray[np.int64]) -> NDArray[np.int64]:
 def save_hot_pixels(
     path: Path | str, pixels: Iterable[tuple[int, int]], sensor: tuple[int, int], *, force: bool = False
 ) -> None:
-    """Write hot pixels as text: a line that names the sensor, then one `x y` a line.
+    """Write hot pixels as text: a line with the sensor size, then one `x y` per line.
 
     Args:
-        force: replace a file that exists.
+        force: replace an existing file.
 
     Raises:
         OutputError: the file exists, or cannot be written.
@@ -125,13 +125,13 @@ def save_hot_pixels(
 
 
 def load_hot_pixels(path: Path | str, sensor: tuple[int, int] | None = None) -> Pixels:
-    """Read what `save_hot_pixels` wrote, or a file written by hand: `x y` a line, `#` begins a comment.
+    """Read a file written by `save_hot_pixels` or by hand: one `x y` per line, `#` begins a comment.
 
     Args:
-        sensor: (width, height) in pixels that the file must be for, if it says.
+        sensor: (width, height) in pixels that the file must match, if it states one.
 
     Raises:
-        ConfigError: the file cannot be read, is for another sensor, or has a line that is no pixel of its sensor.
+        ConfigError: the file cannot be read, is for another sensor, or has a line that is not a pixel of its sensor.
     """
     path = Path(path)
     note_input(path)

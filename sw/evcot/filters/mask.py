@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Silences hot pixels."""
+"""Hot pixel mask: drops the events of marked pixels."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["MaskFilter"]
 
 
 class MaskFilter(EventFilter):
-    """An event stays when its pixel lies on the sensor and is not marked as hot. About 1.5 ns per event."""
+    """An event passes if its pixel lies on the sensor and is not marked as hot. About 1.5 ns per event."""
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._quiet = per_pixel(shape, True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps events of one polarity."""
+"""Polarity filter: keeps events of one polarity."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["PolarityFilter"]
 
 
 class PolarityFilter(EventFilter):
-    """An event stays when p = polarity. Well below 1 ns per event."""
+    """An event passes if p = polarity. Well below 1 ns per event."""
 
     def __init__(self, registers: FilterRegisters, _shape: FilterShape) -> None:
         self._polarity = registers.polarity

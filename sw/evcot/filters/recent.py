@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps events that have company among the last few: a FIFO of events with binary weight."""
+"""Recent-event filter: keeps events with enough neighbours among the last few events, which are held in a FIFO."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from .registers import FilterRegisters
 
 __all__ = ["RecentFilter"]
 
-# The address of an entry that holds no event: far from every pixel.
+# Address in an empty entry: far from every pixel.
 _NOWHERE = -(1 << 20)
 
 
 class RecentFilter(EventFilter):
-    """An event stays when at least `recent_support` of the last `recent_depth` events lie within `recent_radius` of it, on
+    """An event passes if at least `recent_support` of the last `recent_depth` events lie within `recent_radius` of it, on
     other pixels, and are at most `recent_ticks` ticks old. About 17 ns per event at a depth of 32.
 
-    Knows no border: it keeps addresses, and no memory of pixels.
+    Independent of the sensor size: it stores addresses, and has no per-pixel memory.
     """
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
@@ -32,7 +32,7 @@ class RecentFilter(EventFilter):
         self._x = np.full(shape.recent_depth, _NOWHERE, np.int32)
         self._y = np.full(shape.recent_depth, _NOWHERE, np.int32)
         self._at = np.zeros(shape.recent_depth, np.int64)
-        self._place = np.zeros(2, np.int64)  # where the next entry goes, and how many are held
+        self._place = np.zeros(2, np.int64)  # index of the next entry, and number of entries
 
     def narrow(self, events: TickedEvents, keep: NDArray[np.bool_]) -> None:
         fifo, rule = (self._x, self._y, self._at, self._place), (self._ticks, self._radius, self._support)
@@ -63,8 +63,8 @@ def _narrow(fifo_x, fifo_y, fifo_at, place, window, radius, support, ticks, x, y
 
 @njit(cache=True, nogil=True)
 def _near(fifo_x, fifo_y, x, y, radius):  # type: ignore[no-untyped-def]
-    """How many entries lie at a distance from 1 to `radius`."""
-    # 32 bits throughout, casts included: vector code takes twice as many entries at once.
+    """The number of entries at a distance from 1 to `radius`."""
+    # 32 bits throughout, casts included: vector code processes twice as many entries at once.
     count, one = np.int32(0), np.int32(1)
     for k in range(len(fifo_x)):
         dx, dy = np.int32(abs(np.int32(fifo_x[k] - x))), np.int32(abs(np.int32(fifo_y[k] - y)))

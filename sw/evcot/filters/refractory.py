@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Silences each pixel for a while after an event."""
+"""Refractory filter: drops the events of a pixel for some time after one that passed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["RefractoryFilter"]
 
 
 class RefractoryFilter(EventFilter):
-    """An event stays when its pixel gave no event that stayed in the last `refractory_ticks` ticks. About 6 ns per event."""
+    """An event passes if no event of its pixel has passed in the last `refractory_ticks` ticks. About 6 ns per event."""
 
     def __init__(self, registers: FilterRegisters, shape: FilterShape) -> None:
         self._ticks = registers.refractory_ticks

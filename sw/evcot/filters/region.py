@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps a rectangle of the picture."""
+"""Region filter: keeps the events in a rectangle."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["RegionFilter"]
 
 
 class RegionFilter(EventFilter):
-    """An event stays when region_x0 <= x <= region_x1 and region_y0 <= y <= region_y1. Well below 1 ns per event."""
+    """An event passes if region_x0 <= x <= region_x1 and region_y0 <= y <= region_y1. Well below 1 ns per event."""
 
     def __init__(self, registers: FilterRegisters, _shape: FilterShape) -> None:
         self._x = registers.region_x0, registers.region_x1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What software writes into a filter chain, in the hardware's integers."""
+"""The register values of a filter chain, in the hardware's integers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class FilterRegisters:
     """The registers of a filter chain; meanings and limits are those of `contract.FILTER_REGISTERS`.
 
     Attributes:
-        hot_pixels: (x, y) of every pixel that writes to register `mask` mark as hot.
+        hot_pixels: (x, y) of every pixel marked as hot by writes to the register `mask`.
     """
 
     enable: int = 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Filters over a recording in memory, or over blocks of one that is not."""
+"""Filter a recording in memory, or a stream of blocks of events."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Filtered", "apply", "filtered"]
 
 
 class Filtered(Iterator[Events]):
-    """The events of some blocks that stay, block by block; `totals` grow with them."""
+    """Iterator over the events that pass, block by block; `totals` are updated with each block."""
 
     def __init__(self, blocks: Iterable[Events], chain: FilterChain, tick_us: int) -> None:
         self._blocks = iter(blocks)
@@ -30,17 +30,17 @@ class Filtered(Iterator[Events]):
         return block.where(self.keep(block))
 
     def keep(self, block: Events) -> NDArray[np.bool_]:
-        """Which events of the next block stay, (n,) bool; tick 0 is the time of the first event of all."""
+        """The mask of the events of the next block that pass, (n,) bool; tick 0 is the time of the very first event."""
         return self._chain.feed(self._clock.count(block))
 
     @property
     def totals(self) -> dict[Filter, Total]:
-        """What each enabled filter has done so far, in their order."""
+        """Event counts of each enabled filter so far, in the order of the chain."""
         return self._chain.totals
 
 
 def filtered(blocks: Iterable[Events], config: FilterConfig, sensor: tuple[int, int], tick_us: int = 1) -> Filtered:
-    """Filter a recording that comes in blocks; memory does not grow with its length.
+    """Filter a stream of blocks of events; memory does not grow with its length.
 
     Args:
         blocks: events in time order.
@@ -48,12 +48,12 @@ def filtered(blocks: Iterable[Events], config: FilterConfig, sensor: tuple[int, 
         tick_us: length of a tick.
 
     Raises:
-        ConfigError: a time that ticks cannot count, or a hot pixel outside the sensor.
+        ConfigError: a time that cannot be represented in ticks, or a hot pixel outside the sensor.
     """
     return Filtered(blocks, FilterChain(config.registers(tick_us), config.shape(*sensor)), tick_us)
 
 
 def apply(recording: Recording, config: FilterConfig, tick_us: int = 1) -> tuple[Recording, NDArray[np.bool_]]:
-    """A recording of the events that stay, under the same name, and which they are, (n,) bool; errors as of `filtered`."""
+    """A recording of the events that pass, with the same name, and their mask, (n,) bool; raises as `filtered` does."""
     keep = filtered((), config, (recording.width, recording.height), tick_us).keep(recording.events)
     return Recording(recording.events.where(keep), recording.width, recording.height, recording.name), keep

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What RTL, golden model and host share: the contract, the register map, and exact twins of modules."""
+"""Shared by RTL, golden model and host: the contract, the register map, and bit-exact models of modules."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The compiled inside of the golden model: one function per rule of docs/algorithm.md, state in integer tables."""
+"""Compiled kernels of the golden model: one function per rule of docs/algorithm.md, state in integer tables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Table = NDArray[Any]
 
 
 class Limit(IntEnum):
-    """Entries of the limits table: the widths of the hardware, as numbers to compare with."""
+    """Entries of the limits table: limits that follow from the hardware's widths."""
 
     FRAC = 0
     X_MAX = 1
@@ -36,13 +36,13 @@ class Global(IntEnum):
     NOW = 0  # ticks since reset
     SEQ = 1  # events so far
     BIRTHS = 2  # of the whole array
-    NEXT_DEADLINE = 3  # no slot's deadline lies before it
+    NEXT_DEADLINE = 3  # lower bound of all slots' deadlines
 
 
 LIMIT_COUNT = len(Limit)
 GLOBAL_COUNT = len(Global)
 
-# Numba folds plain module-level integers into the code; enum members would be looked up.
+# Numba inlines plain module-level integers as constants; enum members would be looked up at run time.
 (LO_X, HI_X, LO_Y, HI_Y, CM_X, CM_Y, AV_X, AV_Y, G, N_EV, COUNT, RING, SUPPORT, ACTIVE, ID, BIRTH_COUNT, DEADLINE, START,
  LAST_TC2, BIRTH) = range(20)  # fmt: skip
 FIELD_COUNT = 20
@@ -64,13 +64,13 @@ NEVER = 1 << 62
 
 @njit(cache=True, nogil=True, inline="always")
 def _pixel(centre: int, frac: int) -> int:
-    """The pixel that a fixed-point centre lies in: rounded to nearest, halves up."""
+    """The pixel of a fixed-point centre: rounded to nearest, halves up."""
     return (centre + ((1 << frac) >> 1)) >> frac
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _approach(value: int, target: int, k: int, frac: int) -> int:
-    """value + (target - value) * 2^-k: to nearest with fractional bits, floor (the plain shift) without."""
+    """value + (target - value) * 2^-k: rounded to nearest with fractional bits, floor (the plain shift) without."""
     half = ((1 << k) >> 1) if frac > 0 else 0
     return value + ((target - value + half) >> k)
 
@@ -88,7 +88,7 @@ def _set_window(s: Table, regs: Table, lim: Table, i: int) -> None:
 
 @njit(cache=True, nogil=True)
 def _place(s: Table, regs: Table, lim: Table, i: int, x: int, y: int) -> None:
-    """Centre and average at pixel (x, y)."""
+    """Set centre and average to pixel (x, y)."""
     s[CM_X, i] = x << lim[FRAC]
     s[CM_Y, i] = y << lim[FRAC]
     s[AV_X, i] = s[CM_X, i]
@@ -98,7 +98,7 @@ def _place(s: Table, regs: Table, lim: Table, i: int, x: int, y: int) -> None:
 
 @njit(cache=True, nogil=True)
 def _retire(s: Table, regs: Table, lim: Table, i: int) -> None:
-    """INIT_CELL: a fixed start waits at its place, a seeded slot (and one that is off) has no window."""
+    """INIT_CELL: a slot with a fixed start waits at its place; a seeded slot, or one that is off, has no window."""
     s[G, i] = regs[INIT_RADIX, i]
     s[N_EV, i] = regs[CLUST_NEV, i]
     s[COUNT, i] = 0
@@ -114,7 +114,7 @@ def _retire(s: Table, regs: Table, lim: Table, i: int) -> None:
 
 @njit(cache=True, nogil=True)
 def initialise(s: Table, regs: Table, lim: Table, glob: Table) -> None:
-    """Reset: every slot through INIT_CELL."""
+    """Reset: send every slot through INIT_CELL."""
     glob[:] = 0
     glob[NEXT_DEADLINE] = NEVER
     for i in range(s.shape[1]):
@@ -141,7 +141,7 @@ def _record(s: Table, regs: Table, lim: Table, i: int, kind: int, seq: int, time
 
 @njit(cache=True, nogil=True)
 def _expire(s: Table, regs: Table, lim: Table, glob: Table, now: int, out: Table, n: int) -> int:
-    """End every life whose deadline has come, in order of deadline, then of slot."""
+    """End every life whose deadline has passed, in order of deadline, then of slot."""
     while True:
         first = -1
         deadline = NEVER
@@ -159,7 +159,7 @@ def _expire(s: Table, regs: Table, lim: Table, glob: Table, now: int, out: Table
 
 @njit(cache=True, nogil=True, inline="always")
 def _find_in_array(s: Table, regs: Table, x: int, y: int) -> tuple[int, bool]:
-    """The active slot that holds the event, else the first candidate that does, else the first free seeded slot."""
+    """The active slot whose window holds the event, else the first such candidate, else the first free seeded slot."""
     candidate = -1
     n_slots = s.shape[1]
     for i in range(n_slots):
@@ -189,7 +189,7 @@ def _find_in_chain(s: Table, regs: Table, x: int, y: int) -> tuple[int, bool]:
 
 @njit(cache=True, nogil=True, inline="always")
 def _take(s: Table, regs: Table, lim: Table, i: int, x: int, y: int, now: int) -> bool:
-    """EV_NO_PROC's share, which EV_PROC has too: average, ring, support, timers. True when N_ev is reached."""
+    """The part common to EV_NO_PROC and EV_PROC: average, ring, support, timers. True when N_ev is reached."""
     frac = lim[FRAC]
     ex = x << frac
     ey = y << frac
@@ -269,7 +269,7 @@ def _overlapping(s: Table, i: int) -> int:
 
 @njit(cache=True, nogil=True)
 def _merge(s: Table, regs: Table, lim: Table, glob: Table, moved: int, now: int, out: Table, n: int) -> int:
-    """Merge the moved cluster with whatever it overlaps until no active windows overlap; the first born stays."""
+    """Merge the moved cluster with every cluster it overlaps until no active windows overlap; the first born survives."""
     while True:
         other = _overlapping(s, moved)
         if other < 0:
@@ -299,9 +299,9 @@ def feed(
     ticks: Table, xs: Table, ys: Table, keep: Table, begin: int, per_event_max: int,
     owner: Table, rel_x: Table, rel_y: Table, out: Table,
 ) -> tuple[int, int]:  # fmt: skip
-    """Decide events from `begin` on until all are done or `out` could overflow; returns (events done, records written).
+    """Process events from `begin` on until all are done or `out` could overflow; returns (events done, records written).
 
-    Events whose entry in `keep` is false only let time pass and count; an empty `keep` keeps all.
+    Events whose entry in `keep` is false only advance time and the event count; an empty `keep` keeps all.
     """
     n = 0
     frac = lim[FRAC]
@@ -345,9 +345,9 @@ def feed(
 
 @njit(cache=True, nogil=True)
 def rewrite(s: Table, regs: Table, lim: Table, glob: Table, i: int, values: Table, restart: bool, out: Table) -> int:
-    """Registers of slot i change between two events; returns records written, one if a life ended.
+    """Change the registers of slot i between two events; returns the number of records written, one if a life ended.
 
-    A tracker of a chain compares with its registers as they are, a slot of an array with what was computed from them last.
+    A tracker of a chain compares with its current registers, a slot of an array with the window last computed from them.
     """
     if lim[IS_CHAIN] and s[DEADLINE, i] != NEVER:
         limit = MAX_TICKS if s[ACTIVE, i] else DETECT_TICKS

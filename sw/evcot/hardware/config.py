@@ -46,10 +46,10 @@ class SlotConfig:
 
 @dataclass(frozen=True)
 class CotConfig:
-    """The hardware tracker: shape, one register set per slot, the length of a tick, and the filters in front.
+    """Configuration of the hardware tracker: shape, one register set per slot, the length of a tick, and the filters in front.
 
     Attributes:
-        filters, filter_shape: of the filter chain; with nothing enabled there is none.
+        filters, filter_shape: registers and shape of the filter chain; with no filter enabled there is no chain.
 
     Raises:
         ConfigError: a value outside its limits, or another number of slots than the shape has.
@@ -74,10 +74,10 @@ class CotConfig:
 
     @property
     def filtered(self) -> bool:
-        """Whether there is a filter chain in front."""
+        """Whether there is a filter chain in front of the tracker."""
         return bool(self.filters.enable)
 
     @classmethod
     def uniform(cls, shape: Shape, slot: SlotConfig, tick_us: int = 1) -> CotConfig:
-        """The same registers in every slot."""
+        """A configuration with the same registers in every slot."""
         return cls(shape, (slot,) * shape.n_slots, tick_us)

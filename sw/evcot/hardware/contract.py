@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What RTL, model and host must agree on, written once.
+"""The contract of RTL, model and host: the single definition of what they must agree on.
 
-Widths and their ranges, the register map, state codes, record kinds and the layout of a raw record live here.
+It defines widths and their ranges, the registers of a slot, state codes, record kinds and the layout of a raw record.
 `hw/verilog/common/evcot_defs.vh` and the C++ side of the simulation driver are generated from this file
 (`python -m evcot.hardware.generate`); a test fails when a generated file is stale.
 """
@@ -31,7 +31,7 @@ SLOTS_MAX = 64
 
 
 class Mode(IntEnum):
-    """How a tracker slot starts a life: register `mode`."""
+    """Start mode of a tracker slot: register `mode`."""
 
     OFF = 0
     FIXED = 1
@@ -68,7 +68,7 @@ SHAPE_RANGES: dict[str, tuple[int, int, str]] = {
 
 @dataclass(frozen=True)
 class Shape:
-    """Elaboration parameters of the hardware; the golden model computes in exactly these widths.
+    """Elaboration parameters of the hardware; the golden model computes with exactly these widths.
 
     Raises:
         ConfigError: a field lies outside `SHAPE_RANGES`, or time_w is less than tc_w + nev_w or than tick_w.
@@ -124,8 +124,8 @@ class Register:
         width: name of the `Shape` field that gives its width, or a number of bits.
         low: smallest legal value.
         high: largest legal value, or None for all ones.
-        paper: the symbol in the published parameter table, if it has one.
-        meaning: one line for people.
+        paper: the symbol in the published parameter table, if any.
+        meaning: a one-line description.
     """
 
     address: int
@@ -144,7 +144,7 @@ class Register:
         return self.low, (1 << self.bits(shape)) - 1 if self.high is None else self.high
 
 
-# `mode` is written last: writing it sends the slot through INIT_CELL.
+# Software writes `mode` last: writing it sends the slot through INIT_CELL.
 REGISTERS: dict[str, Register] = {
     "mode": Register(0, 2, 0, 2, "", "0 off, 1 fixed start, 2 seeded start; a write restarts the slot"),
     "init_cm_x": Register(1, "x_w", 0, None, "InitCMx", "x of the initial centre"),
@@ -164,7 +164,7 @@ REGISTERS: dict[str, Register] = {
 }
 
 
-# One record as the hardware gives it: centres in fixed point with `Shape.frac` fractional bits.
+# A record as output by the hardware: centres in fixed point with `Shape.frac` fractional bits.
 RECORD = np.dtype(
     [
         ("seq", "<u8"),  # number of the event that caused it; for LOST, of the next event

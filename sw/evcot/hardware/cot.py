@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The golden model of the hardware tracker: bit-exact, event-level, with no notion of a clock cycle.
+"""The golden model of the hardware tracker: bit-exact, event-level, without clock cycles.
 
-It computes in integers of the widths that `contract.Shape` gives the RTL, and returns the same raw records, owners and
-recentred addresses. docs/algorithm.md states the rules in words; the arithmetic is equation (6) of the paper with
+It computes with integers of the widths that the RTL has by `contract.Shape`, and returns the same raw records, owners and
+recentred addresses. docs/algorithm.md specifies the rules; the arithmetic is equation (6) of the paper with
 alpha = 2^-hist_avg.
 """
 
@@ -19,7 +19,7 @@ from ..events import Events, Recording
 from ..filters.chain import FilterChain
 from ..ticks import TickCounter, TickedEvents
 from ..tracks.log import TRACK, Kind, TrackLog
-from ..tracks.tracking import Told, log_of
+from ..tracks.tracking import TrackerOutput, log_of
 from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise, rewrite
 from .config import CotConfig, SlotConfig
 from .contract import RECORD, REGISTERS
@@ -30,20 +30,20 @@ _ALL = np.empty(0, np.bool_)
 
 
 class Arrangement(StrEnum):
-    """How several trackers share the events."""
+    """How events are distributed to several trackers."""
 
     ARRAY = "array"  # every slot sees every event; active windows never overlap
-    CHAIN = "chain"  # each tracker sees what the one before it let pass
+    CHAIN = "chain"  # each tracker sees the events that the one before it passed on
 
 
 class Decisions(NamedTuple):
-    """What became of a run of events.
+    """The result of a run of events.
 
     Attributes:
-        records: (m,) of dtype `contract.RECORD`, in the order in which they happened.
-        owner: (n,) int16, the slot that took each event, -1 where it passed through, `tracks.log.DROPPED` where a
-            filter took it out.
-        rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), 0 where nobody took it.
+        records: (m,) of dtype `contract.RECORD`, in chronological order.
+        owner: (n,) int16, the slot that took each event, -1 if none did, `tracks.log.DROPPED` if a
+            filter dropped it.
+        rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), 0 without an owner.
     """
 
     records: NDArray[np.void]
@@ -53,9 +53,9 @@ class Decisions(NamedTuple):
 
 
 class CotModel:
-    """The model as a stream: feed events in runs of any length, the result does not depend on where they are cut.
+    """The model as a stream: feed events in runs of any length; the result does not depend on how they are split into runs.
 
-    About 30 to 60 ns per event at 8 slots; memory is that of the events fed at once.
+    About 30 to 60 ns per event with 8 slots; memory is proportional to the events fed at once.
 
     Args:
         config: shape and registers.
@@ -81,12 +81,12 @@ class CotModel:
         initialise(self._state, self._regs, self._limits, self._globals)
 
     def feed(self, events: TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:
-        """Decide a run of events.
+        """Process a run of events.
 
         Args:
             events: ticks never decrease over the model's life, and addresses are below 2^x_w and 2^y_w.
-            keep: (n,) bool, what someone in front let stay; the others count but are nobody's. None: all. With filters of its
-                own the model decides that itself.
+            keep: (n,) bool, mask of the events that passed external filters; the others are counted but have no owner. None
+                for all. Not allowed if the model has filters itself.
         """
         n = len(events)
         if self._filters is not None:
@@ -114,7 +114,7 @@ class CotModel:
         """Change a slot's registers before the next event, as a commit does: docs/registers.md.
 
         Args:
-            restart: `mode` is written, too: a life that goes on ends, which the returned records, (m,) RECORD, tell.
+            restart: `mode` is written, too, which ends the slot's current life; returns its record, (m,) RECORD.
 
         Raises:
             ConfigError: a register outside its limits.
@@ -133,14 +133,14 @@ class CotModel:
 def to_track_records(
     raw: NDArray[np.void], config: CotConfig, t_us: NDArray[np.int64], first_seq: int, t0_us: int
 ) -> NDArray[np.void]:
-    """Raw records in the units of a TrackLog: pixels, microseconds, event indices.
+    """Convert raw records to the units of a TrackLog: pixels, microseconds, event indices.
 
     Args:
         raw: (m,) of dtype `contract.RECORD`.
-        config: what they were made with.
+        config: the configuration that produced them.
         t_us: times of the events `first_seq`, `first_seq + 1`, …; must hold every event that caused a record.
         first_seq: sequence number of `t_us[0]`.
-        t0_us: when tick 0 was.
+        t0_us: time of tick 0.
     """
     out = np.empty(len(raw), TRACK)
     lost = raw["kind"] == Kind.LOST
@@ -157,7 +157,7 @@ def to_track_records(
 
 
 class CotTracker:
-    """The model on a recording's own time, tick 0 at its first event. See `tracking.Tracker`."""
+    """The model with times in microseconds, tick 0 at the first event. See `tracking.Tracker`."""
 
     def __init__(self, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> None:
         self._config = config
@@ -165,7 +165,7 @@ class CotTracker:
         self._clock = TickCounter(config.tick_us)
         self._seen = 0
 
-    def feed(self, events: Events) -> Told:
+    def feed(self, events: Events) -> TrackerOutput:
         """See `tracking.Tracker`."""
         decided = self._model.feed(self._clock.count(events))
         records = to_track_records(decided.records, self._config, events.t_us, self._seen, self._clock.t0_us)
@@ -173,12 +173,12 @@ class CotTracker:
         return records, decided.owner
 
     def finish(self) -> NDArray[np.void]:
-        """Nothing: time stands still after the last event."""
+        """Returns no records: time does not advance after the last event."""
         return np.empty(0, TRACK)
 
     @property
     def settled(self) -> int:
-        """See `tracking.Tracker`: all of them, each event's records are told with it."""
+        """See `tracking.Tracker`: all events, since each event's records are returned with it."""
         return self._seen
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact twin of `dff.v`, the D flip-flop."""
+"""Cycle-exact model of `dff.v`, the D flip-flop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Dff:
     """One flip-flop, clocked by `step`.
 
     Attributes:
-        reset_to_complement: False: reset makes q False. True, as published: while in reset q follows the complement of d.
+        reset_to_complement: False: reset clears q. True, as published: while in reset q follows the complement of d.
         q: the output; powers up False.
     """
 

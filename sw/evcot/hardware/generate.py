@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes what RTL, C, Python and people share from where it is written once: contract.py, lfsr.py, the register maps.
+"""Generate headers, code and documentation from their single definitions: contract.py, lfsr.py, the register maps.
 
 `python -m evcot.hardware.generate` writes the files into a source tree; `--check` writes nothing and fails when one is stale.
 """
@@ -53,7 +53,7 @@ def _bank_codes(prefix: str, comment: str, bank: Bank) -> _Codes:
 
 
 def _verilog_high(register: Register | FilterRegister) -> str:
-    """The largest legal value as a Verilog expression in the widths that are parameters."""
+    """The largest legal value as a Verilog expression of the width parameters."""
     if register.high is not None:
         return f"32'd{register.high}"
     if isinstance(register, FilterRegister):
@@ -66,14 +66,14 @@ def _checked(word: Word, field: Field) -> bool:
 
 
 def _flaws(field: Field) -> list[str]:
-    """In which ways a value that is written to a field may be illegal."""
+    """The ways in which a value written to a field may be illegal."""
     if field.allowed:
         return ["bad"]
     return ["over"] * (field.high is not None) + ["under"] * bool(field.low)
 
 
 def _legal(field: Field) -> str:
-    """The legal values of a field, for people."""
+    """The legal values of a field, as text."""
     if field.access is not Access.RW:
         return ""
     if field.allowed:
@@ -83,14 +83,14 @@ def _legal(field: Field) -> str:
 
 
 def _bank_legal(bank: str, name: str, register: Register | FilterRegister) -> str:
-    """The legal values of a bank's register, for people."""
+    """The legal values of a bank's register, as text."""
     width = register.width if isinstance(register, Register) else "STAMP_W - 1"
     high = f"2^{str(width).upper()} - 1" if register.high is None else register.high
     return f"{register.low} to {high}" + (", else refused" if name in register_map().banks[bank].refuse else "")
 
 
 def _vocabulary() -> dict[str, Any]:
-    """What the templates of the register map speak of."""
+    """Variables and functions for the templates of the register map."""
     register_of = register_map()
     assert RECORD.names is not None
     assert RECORD.fields is not None
@@ -137,7 +137,7 @@ def _vocabulary() -> dict[str, Any]:
 
 
 def render() -> dict[str, str]:
-    """Returns path in a source tree -> text of every generated file."""
+    """Returns path in a source tree -> text, of every generated file."""
     banks = register_map().banks
     enums = [
         _codes("ST", "States of the tracker FSM.", State),
@@ -182,7 +182,7 @@ def write(root: Path = _ROOT) -> list[Path]:
     """Writes the stale files of a source tree, each whole or not at all, and returns their paths.
 
     Raises:
-        ConfigError: `root` is no source tree.
+        ConfigError: `root` is not a source tree.
         OutputError: a file cannot be written.
     """
     if not (root / "hw" / "verilog").is_dir():

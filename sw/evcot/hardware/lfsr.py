@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Linear feedback shift registers of maximal length: the tap table and the exact twin of `lfsr.v`.
+"""Linear feedback shift registers of maximal length: the tap table and the cycle-exact model of `lfsr.v`.
 
-The register shifts towards its high end and the XNOR of its taps enters at bit 0. XNOR starts from all zeros; the one state
-that maps to itself is all ones, so that state is no legal seed. Every other state lies on one cycle of 2^width - 1 states,
+The register shifts towards its high end and the XNOR of its taps enters at bit 0. With XNOR, all zeros is a legal start; the
+only state that maps to itself is all ones, which is not a legal seed. All other states lie on one cycle of 2^width - 1 states,
 because 1 + sum(x^tap) is primitive over GF(2) (Golomb, Shift Register Sequences, 1967) and the number of taps is even.
 """
 
@@ -93,7 +93,7 @@ def tap_mask(width: int) -> int:
     """Returns the taps of `width` as a bit mask over the state: tap t is bit t - 1.
 
     Raises:
-        ConfigError: there is no register of that width.
+        ConfigError: the width is not supported.
     """
     check_integer("lfsr.width", width, WIDTH_MIN, WIDTH_MAX)
     return sum(1 << (tap - 1) for tap in TAPS[width])
@@ -117,16 +117,16 @@ def _run(state: np.uint64, taps: np.uint64, keep: np.uint64, states: NDArray[np.
 
 
 class Lfsr:
-    """Exact twin of `lfsr.v`, clocked by `step` with `enable` high.
+    """Cycle-exact model of `lfsr.v`, clocked by `step` with `enable` high.
 
     Attributes:
         width: bits of the register, WIDTH_MIN..WIDTH_MAX.
-        state: the register; bit 0 entered last.
-        start: the state that `done` waits for: zero, or the seed that was loaded last.
-        done: the last step brought the register back to `start`: a full period has passed since it left.
+        state: the register; bit 0 is the newest bit.
+        start: the state at which `done` is set: zero, or the seed loaded last.
+        done: whether the last step returned the register to `start`, after a full period.
 
     Raises:
-        ConfigError: no such width, or a seed that does not fit or is all ones.
+        ConfigError: the width is not supported, or the seed does not fit or is all ones.
     """
 
     def __init__(self, width: int, seed: int = 0) -> None:
@@ -143,7 +143,7 @@ class Lfsr:
         """Makes `seed` the state and the start of the period.
 
         Raises:
-            ConfigError: `seed` does not fit into the register, or is all ones. The state stays.
+            ConfigError: `seed` does not fit into the register, or is all ones. The state is unchanged.
         """
         lock_up = self.period
         if not 0 <= seed < lock_up:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pseudo-random events from an LFSR: exact twin of `lfsr_event_source.v`, which its header describes."""
+"""Pseudo-random events from an LFSR: cycle-exact model of `lfsr_event_source.v`, described in that file's header."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ __all__ = ["LfsrEventSource"]
 
 @dataclass(frozen=True)
 class LfsrEventSource:
-    """Events uniform over the window x_min..x_min + x_span, y_min..y_min + y_span (both ends included), in pixels.
+    """Source of events uniform over the window x_min..x_min + x_span, y_min..y_min + y_span (both ends included), in pixels.
 
     Attributes:
         x_min, y_min: first pixel of the window.
         x_span, y_span: last pixel of the window minus its first.
-        gap: LFSR steps between two candidates, less one. Below x_w + y_w neighbouring events look alike.
-        seed: start of the LFSR.
+        gap: LFSR steps between two candidates, minus one. Below x_w + y_w successive events are correlated.
+        seed: initial state of the LFSR.
         x_w, y_w, gap_w, lfsr_w: widths of the hardware, in bits.
 
     Raises:
-        ConfigError: a width, the seed or the window is outside what the hardware takes.
+        ConfigError: a width, the seed or the window is outside what the hardware supports.
     """
 
     x_min: int
@@ -65,7 +65,7 @@ class LfsrEventSource:
         """The first `count` events after reset or load; t_us is the number of LFSR steps before the event.
 
         Raises:
-            ConfigError: a whole period of the LFSR passes without an event.
+            ConfigError: the LFSR produces no event in a whole period.
         """
         events = Events.allocated(count)
         lfsr = np.array([self.seed, tap_mask(self.lfsr_w), (1 << self.lfsr_w) - 1], np.uint64)
@@ -88,7 +88,7 @@ def _fill(
     y: NDArray[np.uint16],
     p: NDArray[np.uint8],
 ) -> int:
-    """Fills the event arrays and returns how many events there were; `lfsr` is (state, taps, mask of its bits)."""
+    """Fill the event arrays and return the number of events; `lfsr` is (state, taps, mask of its bits)."""
     state, taps, keep = lfsr
     x_min, x_span, y_min, y_span = window
     x_mask, y_mask = np.uint64(0), np.uint64(0)

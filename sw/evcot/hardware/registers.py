@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The register map of `evcot_top.v`, and how Python reads and writes it.
+"""The register map of `evcot_top.v`, and access to it from Python.
 
-The map is written once, in registers.toml; the registers of a slot and of the filters come from `contract`. The classes of
-`register_access` are made of the two descriptors here, `Bits` and `BankRegister`, by `python -m evcot.hardware.generate`.
+The map is defined in registers.toml; the registers of a slot and of the filters come from `contract`. The classes of
+`register_access` are generated from the two descriptors here, `Bits` and `BankRegister`, by
+`python -m evcot.hardware.generate`.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ __all__ = [
 
 
 class Access(StrEnum):
-    """What software may do with a field."""
+    """Access rights of software to a field."""
 
     RO = "ro"
     RW = "rw"
@@ -48,17 +49,17 @@ class Access(StrEnum):
 
 
 class BusError(ConfigError):
-    """The hardware answered an access with an error: an address that does not exist, or a value that it refused or clamped."""
+    """The hardware returned a bus error: the address does not exist, or the value was refused or clamped."""
 
 
 class Transport(Protocol):
-    """Anything that reaches the registers: a simulation, a serial line, a mapped memory. Addresses are in bytes.
+    """Interface to the registers: a simulation, a serial line, mapped memory. Addresses are in bytes.
 
-    `read` and `write` raise BusError where the hardware answers with an error.
+    `read` and `write` raise BusError if the hardware returns an error.
     """
 
     def read(self, address: int) -> int:
-        """The 32-bit word at an address."""
+        """Read the 32-bit word at an address."""
 
     def write(self, address: int, value: int) -> None:
         """Write the 32-bit word at an address."""
@@ -66,13 +67,13 @@ class Transport(Protocol):
 
 @dataclass(frozen=True)
 class Field:
-    """Bits of a word; `name` is empty where it is the whole of it.
+    """A field of a word; `name` is empty if the field is the whole word.
 
     Attributes:
-        reset: value after reset, or the Verilog parameter that has it.
-        low, high: smallest and largest legal value; a high of "X_W" is what X_W bits hold, None is all ones.
+        reset: value after reset, or the Verilog parameter that defines it.
+        low, high: smallest and largest legal value; a high of "X_W" is the maximum of X_W bits, None is all ones.
         allowed: Verilog parameter with a bit for every legal value, or empty.
-        refuses: a write of an illegal value does nothing; else the value is clamped.
+        refuses: a write of an illegal value is ignored; else the value is clamped.
     """
 
     name: str
@@ -88,7 +89,7 @@ class Field:
 
     @property
     def mask(self) -> int:
-        """Its bits in the word."""
+        """The field's bit mask in the word."""
         return ((1 << self.bits) - 1) << self.lsb
 
 
@@ -103,12 +104,12 @@ class Word:
 
     @property
     def writable(self) -> bool:
-        """Whether a write does anything."""
+        """Whether a write has any effect."""
         return any(field.access is not Access.RO for field in self.fields)
 
     @property
     def kept(self) -> int:
-        """The bits that a write of another field must write back as they are."""
+        """Mask of the bits that a write to another field must preserve."""
         return sum(field.mask for field in self.fields if field.access is Access.RW)
 
     def port(self, field: Field) -> str:
@@ -118,14 +119,14 @@ class Word:
 
 @dataclass(frozen=True)
 class Bank:
-    """Registers that take effect together when the bank's word `commit` is written.
+    """A bank of registers that take effect together when its word `commit` is written.
 
     Attributes:
         base: address of the first word of the first bank of this kind, in bytes.
-        refuse: the registers that refuse an illegal value; the others clamp it.
-        words: words from one bank to the next.
-        count: how many banks of this kind there may be, one after another.
-        registers: what stands in it, by name.
+        refuse: names of the registers that refuse an illegal value; the others clamp it.
+        words: distance from one bank to the next, in words.
+        count: maximum number of consecutive banks of this kind.
+        registers: its registers, by name.
     """
 
     name: str
@@ -137,22 +138,22 @@ class Bank:
 
     @property
     def commit(self) -> int:
-        """Which word commits: the last."""
+        """Index of the word `commit`: the last of the bank."""
         return self.words - 1
 
     @property
     def word_w(self) -> int:
-        """Bits of a word's number in the bank."""
+        """Width of a word's index in the bank, in bits."""
         return self.commit.bit_length()
 
     @property
     def last(self) -> int:
-        """The highest number of a register."""
+        """The highest word index of a register."""
         return max(register.address for register in self.registers.values())
 
     @property
     def bytes(self) -> int:
-        """What all banks of this kind take."""
+        """Address space of all banks of this kind, in bytes."""
         return 4 * self.words * self.count
 
 
@@ -188,10 +189,10 @@ def _fields(entries: list[dict[str, Any]], address_w: int) -> tuple[Field, ...]:
 def map_of(
     data: Mapping[str, Any], slot: Mapping[str, Register], filters: Mapping[str, FilterRegister], slots: int = SLOTS_MAX
 ) -> RegisterMap:
-    """The map that registers.toml makes with the registers of a slot and of the filters.
+    """Build the map from registers.toml and the registers of a slot and of the filters.
 
     Raises:
-        ConfigError: two things have one name or one place, or something lies outside the place that it has.
+        ConfigError: a name or an address is used twice, or an entry lies outside its address range.
     """
     address_w = data["address_w"]
     counters = tuple(
@@ -216,17 +217,17 @@ def map_of(
 
 @cache
 def register_map() -> RegisterMap:
-    """The map.
+    """The register map of `evcot_top.v`.
 
     Raises:
-        ConfigError: as of `map_of`.
+        ConfigError: as for `map_of`.
     """
     data = tomllib.loads(files("evcot.hardware").joinpath("registers.toml").read_text(encoding="utf-8"))
     return map_of(data, REGISTERS, FILTER_REGISTERS)
 
 
 def _problems(found: RegisterMap) -> Iterator[str]:
-    """What does not hold together, each in a line that names it."""
+    """Inconsistencies of the map, one line each."""
     for kind, width in ((found.words, 32), (found.streams, 64)):
         yield from _twice("the name", ((word.port(field), word.name) for word in kind for field in word.fields))
         yield from _twice("the name", ((word.name, f"word {i}") for i, word in enumerate(kind)))
@@ -248,7 +249,7 @@ def _problems(found: RegisterMap) -> Iterator[str]:
 
 
 def _twice(what: str, entries: Iterable[tuple[object, str]]) -> Iterator[str]:
-    """Keys that two owners have."""
+    """Keys that are used by two owners."""
     owners: dict[object, str] = {}
     for key, owner in entries:
         if key in owners:
@@ -290,7 +291,7 @@ def _bank_problems(bank: Bank) -> Iterator[str]:
 
 
 class Group:
-    """Words with names, somewhere on a transport."""
+    """Named words at a base address on a transport."""
 
     __slots__ = ("_base", "_transport", "filter_shape", "shape")
 
@@ -308,7 +309,7 @@ class Group:
 
 
 class _Value(ABC):
-    """A named number on the bus: reading the attribute reads the hardware, setting it writes the hardware."""
+    """Descriptor of a number on the bus: reading the attribute reads the hardware, setting it writes the hardware."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -325,20 +326,20 @@ class _Value(ABC):
 
     @abstractmethod
     def _get(self, group: Group) -> int:
-        """Its value in the hardware."""
+        """Read the value from the hardware."""
 
     @abstractmethod
     def _set(self, group: Group, value: int) -> None:
-        """Write it, if it is legal."""
+        """Write the value if it is legal."""
 
     def _check(self, value: int, low: int, high: int, meaning: str) -> int:
-        """The value as an int, if it is legal; nothing reaches the bus otherwise."""
+        """The value as an int; raises before any bus access if it is illegal."""
         check_integer(self.name, value, low, high, meaning)
         return int(value)
 
 
 class Bits(_Value):
-    """A field of a word outside the banks, by their names in the map."""
+    """A field of a word outside the banks, by the names of both in the map."""
 
     def __init__(self, word: str, field: str = "") -> None:
         self.word = register_map().word(word)
@@ -361,7 +362,7 @@ class Bits(_Value):
 
 
 class BankRegister(_Value):
-    """A register of a slot or of the filters: written into the bank's shadow, in effect after `commit`."""
+    """A register of a slot or of the filters: written to the bank's shadow register, in effect after `commit`."""
 
     def __init__(self, bank: str, name: str) -> None:
         entry = REGISTERS[name] if bank == "slot" else FILTER_REGISTERS[name]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The words of `evcot_top.v` on AXI4-Stream, packed and unpacked with NumPy; their layout stands in registers.toml.
+"""The AXI4-Stream words of `evcot_top.v`, packed and unpacked with NumPy; their layout is defined in registers.toml.
 
-A record needs no unpacking: it is `contract.RECORD`, byte for byte, so `np.frombuffer(data, RECORD)` reads a stream of them.
+Records need no unpacking: they are `contract.RECORD`, byte for byte, so `np.frombuffer(data, RECORD)` reads a stream of them.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ def _word(name: str) -> Word:
 def pack_events(
     t_us: NDArray[np.integer[Any]], x: NDArray[np.integer[Any]], y: NDArray[np.integer[Any]], p: NDArray[np.integer[Any]]
 ) -> NDArray[np.uint64]:
-    """Events as words of the input stream, (n,) uint64; of the time, microseconds, the low bits go in.
+    """Pack events to words of the input stream, (n,) uint64; of the time in microseconds only the low bits are kept.
 
     Raises:
-        RecordingError: an address or a polarity that its field cannot hold.
+        RecordingError: an address or a polarity outside the range of its field.
     """
     words = np.zeros(len(t_us), np.uint64)
     for field, column in zip(_word("event").fields, (t_us, x, y, p), strict=True):
@@ -40,7 +40,7 @@ def pack_events(
 
 
 def unpack(stream: str, words: NDArray[np.uint64]) -> NDArray[np.void]:
-    """Words of the stream "event", "owned" or "passed" as a structured array, (n,), a field of uint32 for each of theirs."""
+    """Unpack words of the stream "event", "owned" or "passed" to a structured array, (n,), with a uint32 for each field."""
     fields = _word(stream).fields
     found = np.empty(len(words), [(field.name, np.uint32) for field in fields])
     for field in fields:
@@ -49,7 +49,7 @@ def unpack(stream: str, words: NDArray[np.uint64]) -> NDArray[np.void]:
 
 
 def whole_numbers(low: NDArray[np.integer[Any]], bits: int, first: int = 0) -> NDArray[np.int64]:
-    """Event numbers from their low bits, (n,): each the nearest to the one before it; `first` is near the first one."""
+    """Unwrap event numbers from their low bits, (n,): each is the nearest to the previous one, the first to `first`."""
     values = np.concatenate([[first], np.asarray(low, np.int64)])
     half, span = 1 << (bits - 1), 1 << bits
     steps = (np.diff(values) + half) % span - half

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tracks held against ground truth: CLEAR, ID scores, HOTA, errors of position and velocity, latency."""
+"""Evaluation of tracks against ground truth: CLEAR, ID scores, HOTA, errors of position and velocity, latency."""
 
 from __future__ import annotations
 

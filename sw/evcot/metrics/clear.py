@@ -2,8 +2,8 @@
 """CLEAR MOT: K. Bernardin, R. Stiefelhagen, "Evaluating Multiple Object Tracking Performance: The CLEAR MOT Metrics",
 EURASIP Journal on Image and Video Processing, 2008.
 
-At every instant objects and tracks are matched one to one, where their similarity reaches the threshold. A pair that was
-matched before goes on being matched, whatever is nearer; the rest is matched for the largest sum of similarities.
+At every instant objects and tracks are matched one to one, if their similarity reaches the threshold. A pair that was matched
+before stays matched, even if others are nearer; the rest is matched to maximise the sum of similarities.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .frames import Frames, Matches
 __all__ = ["Clear", "clear"]
 
 _EPS = float(np.finfo(np.float64).eps)
-_CONTINUED = 1000.0  # outweighs the similarities of all other pairs
+_CONTINUED = 1000.0  # exceeds the sum of all other pairs' similarities
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class Clear:
 
     Attributes:
         mota: 1 - (fn + fp + idsw) / objects, summed over the instants; 0 without objects.
-        motp: mean similarity of matched pairs; 0 without any.
+        motp: mean similarity of matched pairs; 0 if there are none.
         tp, fp, fn: matched pairs, tracks without an object, objects without a track, summed over the instants.
-        idsw: matches of an object with another track than the last it was matched with.
-        frag: how often an object was matched again after it had been lost.
+        idsw: identity switches: matches of an object with a different track than the last one.
+        frag: fragmentations: number of times an object was matched again after it had been lost.
         mt, pt, ml: objects matched at more than 80 % of their instants, at 20 % to 80 %, and at less.
         matches: the pairs.
     """
@@ -51,11 +51,11 @@ class Clear:
 def clear(frames: Frames, threshold: float = 0.5) -> Clear:
     """CLEAR scores of tracks at a similarity threshold.
 
-    An instant at which there is no object, or no track, leaves it as it was who was matched with whom.
+    An instant without objects, or without tracks, does not change the pairs carried over to the next instant.
     """
-    last = np.full(frames.n_truth, -1)  # the track that an object was matched with last, whenever that was
-    before = np.full(frames.n_truth, -1)  # the same at the instant before alone
-    starts = np.zeros(frames.n_truth, np.int64)  # how often an object began to be matched
+    last = np.full(frames.n_truth, -1)  # the track with which an object was last matched, at any time
+    before = np.full(frames.n_truth, -1)  # the same for the previous instant only
+    starts = np.zeros(frames.n_truth, np.int64)  # number of times an object began to be matched
     idsw = 0
     parts = []
     for frame, (truth, tracks, similarity) in enumerate(zip(frames.truth, frames.tracks, frames.similarity, strict=True)):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Truth and tracks side by side: for each instant the objects, the outputs, and how similar each is to each.
+"""Alignment of truth and tracks: for each instant the objects, the outputs, and the similarity of every pair.
 
-Every score is computed from this alone.
+All scores are computed from this data.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ Ids = tuple[NDArray[np.int64], ...]
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """f instants; objects and tracks are numbered from 0, each number at most once an instant.
+    """f instants; objects and tracks are numbered from 0, with each number at most once per instant.
 
     Attributes:
         truth, tracks: per instant, the numbers of the g objects and the k tracks.
         similarity: per instant, (g, k) from 0 to 1.
-        n_truth, n_tracks: how many numbers there are.
+        n_truth, n_tracks: total number of objects and of tracks.
     """
 
     truth: Ids
@@ -40,18 +40,18 @@ class Frames:
 
     @cached_property
     def truth_lengths(self) -> NDArray[np.int64]:
-        """(n_truth,) at how many instants each object is there."""
+        """(n_truth,) number of instants at which each object is present."""
         return _lengths(self.truth, self.n_truth)
 
     @cached_property
     def track_lengths(self) -> NDArray[np.int64]:
-        """(n_tracks,) at how many instants each track is there."""
+        """(n_tracks,) number of instants at which each track is present."""
         return _lengths(self.tracks, self.n_tracks)
 
 
 @dataclass(frozen=True, eq=False)
 class Matches:
-    """Pairs that a score has matched, by instant: (n,) arrays of frame, object, track and their similarity."""
+    """Matched pairs by instant: (n,) arrays of frame, object, track and similarity."""
 
     frame: NDArray[np.int64]
     truth: NDArray[np.int64]
@@ -60,7 +60,7 @@ class Matches:
 
     @classmethod
     def joined(cls, parts: list[tuple[int, NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]]) -> Matches:
-        """Of (frame, objects, tracks, similarities), one per instant."""
+        """Join parts of (frame, objects, tracks, similarities), one per instant."""
         frame = np.repeat([part[0] for part in parts], [len(part[1]) for part in parts]).astype(np.int64)
         whole = [np.empty(0, np.int64)]
         return cls(
@@ -72,7 +72,7 @@ class Matches:
 
 
 def line_up(log: TrackLog, truth: GroundTruth, rule: Rule) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
-    """Sample the tracks (`sampling.expiring`) at the truth's instants and leave out what does not count.
+    """Sample the tracks (`sampling.expiring`) at the truth's instants, and remove objects and outputs that are not evaluated.
 
     Returns:
         The frames, and the objects (dtype `OBJECT`) and outputs (dtype `timeline.SAMPLE`) in them, by frame; within a frame
@@ -81,7 +81,7 @@ def line_up(log: TrackLog, truth: GroundTruth, rule: Rule) -> tuple[Frames, NDAr
     outputs = sample(log, truth.instants_us)
     n = len(truth.instants_us)
     objects_in, outputs_in = _split(truth.objects, "frame", n), _split(outputs, "sample", n)
-    # What is no object and no output any more:
+    # Objects and outputs to be removed:
     kept_objects, kept_outputs, similarities = [], [], []
     for boxes, states in zip(objects_in, outputs_in, strict=True):
         counted = boxes[boxes["counted"]]
@@ -116,7 +116,7 @@ def _cut(numbers: NDArray[np.int64], parts: list[NDArray[np.void]]) -> Ids:
 
 
 def _ignored(states: NDArray[np.void], counted: NDArray[np.void], excused: NDArray[np.void], rule: Rule) -> NDArray[np.bool_]:
-    """Which outputs do not count: outside every box that counts, and in one that does not count or in a band to ignore."""
+    """Mask of the ignored outputs: outside every counted box, and inside an uncounted box or an ignored band."""
     return ~_within(states, counted) & (_within(states, excused) | _in_bands(states, rule))
 
 

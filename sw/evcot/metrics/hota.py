@@ -2,8 +2,8 @@
 """HOTA: J. Luiten, A. Ošep, P. Dendorfer, P. Torr, A. Geiger, L. Leal-Taixé, B. Leibe, "HOTA: A Higher Order Metric for
 Evaluating Multi-Object Tracking", International Journal of Computer Vision 129, 2021.
 
-At every instant objects and tracks are matched one to one for the largest sum of similarity times global alignment, which is
-how well object and track agree over all time. From these pairs each threshold keeps those that are similar enough.
+At every instant objects and tracks are matched one to one to maximise the sum of similarity times global alignment, which
+measures how well object and track agree over the whole time. Each threshold selects the pairs of sufficient similarity.
 """
 
 from __future__ import annotations
@@ -24,16 +24,17 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class Hota:
-    """HOTA scores, each the mean over `THRESHOLDS`.
+    """HOTA scores, each averaged over `THRESHOLDS`.
 
-    With TP, FP, FN the matched pairs, tracks alone and objects alone at all instants, and for a pair c of TP, TPA, FPA, FNA
-    the instants at which its track and its object are matched, and those at which the track, the object is otherwise:
+    TP, FP, FN are the matched pairs, unmatched tracks and unmatched objects at all instants. For a pair c of TP, TPA is the
+    number of instants at which its track and its object are matched with each other; FPA, FNA those of the track and of the
+    object at which they are not:
 
     Attributes:
         hota: sqrt(DetA AssA).
         deta: TP / (TP + FN + FP); dere: TP / (TP + FN); depr: TP / (TP + FP).
         assa: mean over c of TPA / (TPA + FNA + FPA); asre: of TPA / (TPA + FNA); aspr: of TPA / (TPA + FPA).
-        loca: mean similarity of matched pairs; 1 where there is none.
+        loca: mean similarity of matched pairs; 1 if there are none.
     """
 
     hota: float
@@ -47,7 +48,7 @@ class Hota:
 
 
 def hota(frames: Frames) -> Hota:
-    """HOTA scores of tracks; all 0 but LocA where there are no objects or no tracks."""
+    """HOTA scores of tracks; without objects or tracks all are 0 except LocA."""
     matches = _match(frames)
     at = [_scores(frames, matches, float(threshold)) for threshold in THRESHOLDS]
     return Hota(*(float(mean) for mean in np.mean(at, axis=0)))
@@ -63,8 +64,8 @@ def _match(frames: Frames) -> Matches:
 
 
 def _alignment(frames: Frames) -> NDArray[np.float64]:
-    """(n_truth, n_tracks): a Jaccard index of object and track over all time, each instant weighted by how similar they are
-    there and how little others are."""
+    """(n_truth, n_tracks): Jaccard index of object and track over the whole time, with each instant weighted by their
+    similarity relative to that of competing pairs."""
     together = np.zeros((frames.n_truth, frames.n_tracks))
     for truth, tracks, similarity in zip(frames.truth, frames.tracks, frames.similarity, strict=True):
         either = similarity.sum(0) + similarity.sum(1)[:, None] - similarity

@@ -2,7 +2,7 @@
 """ID scores: E. Ristani, F. Solera, R. Zou, R. Cucchiara, C. Tomasi, "Performance Measures and a Data Set for Multi-Target,
 Multi-Camera Tracking", ECCV Workshops, 2016.
 
-Each object is given one track for all time, and each track one object at most, so that they agree as often as possible.
+Objects and tracks are assigned one to one for the whole time, to maximise the number of instants at which they agree.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Identity:
 
     Attributes:
         idf1: idtp / (idtp + idfp / 2 + idfn / 2).
-        idp: idtp / (idtp + idfp), idr: idtp / (idtp + idfn); all three 0 where they are 0 / 0.
+        idp: idtp / (idtp + idfp), idr: idtp / (idtp + idfn); all three are 0 for 0 / 0.
         idtp: instants at which an object and its track agree; idfp, idfn: all other instants of tracks and of objects.
     """
 
@@ -38,7 +38,7 @@ class Identity:
 def identity(frames: Frames, threshold: float = 0.5) -> Identity:
     """ID scores of tracks at a similarity threshold.
 
-    The assignment that loses the fewest instants of both sides is the one that agrees at the most.
+    Minimising idfp + idfn is equivalent to maximising idtp.
     """
     met = [np.empty((0, 2), np.int64)]
     for truth, tracks, similarity in zip(frames.truth, frames.tracks, frames.similarity, strict=True):

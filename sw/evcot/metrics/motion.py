@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far matched tracks are from their objects: in place, in velocity, in time."""
+"""Errors of matched tracks: position, velocity and latency."""
 
 from __future__ import annotations
 
@@ -13,24 +13,23 @@ from .sampling import positions
 
 __all__ = ["Motion", "motion"]
 
-_SPAN_US = 50_000  # over which a track's velocity is taken
+_SPAN_US = 50_000  # interval over which a track's velocity is measured
 _SHIFT_MAX_US = 100_000
 _SHIFT_US = 1_000
 _FLAT_PX = 1e-6
-_PAIRS = 20_000  # more say no more about the shift
+_PAIRS = 20_000  # more pairs do not improve the estimate of the shift
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Errors of matched pairs; None where there is nothing to measure.
+    """Errors of matched pairs; None if not measurable.
 
     Attributes:
         position_error_px_median, position_error_px_p90: distance between object and track.
-        velocity_error_median: distance between their velocities, pixels per second; of a track, the difference of its places
-            25 ms later and earlier. None without velocities in the truth.
-        latency_ms: the time by which the tracks must be moved forward so that the median distance is smallest, within 100 ms
-            to either side, to 1 ms; above 0 the tracks are late. None where the smallest lies at an end of the range, or
-            where nothing moves.
+        velocity_error_median: distance between their velocities, pixels per second; for a track, from its positions 25 ms later
+            and earlier. None without velocities in the truth.
+        latency_ms: time shift of the tracks that minimises the median distance, searched over +-100 ms in steps of 1 ms; above
+            0 the tracks are late. None if the minimum is at an end of the range, or if nothing moves.
     """
 
     position_error_px_median: float | None
@@ -43,10 +42,10 @@ def motion(log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64
     """Errors of (n,) matched pairs.
 
     Args:
-        log: as `sampling.expiring` makes it.
+        log: a log as returned by `sampling.expiring`.
         objects: (n,) of dtype `truth.OBJECT`.
-        track_ids: (n,) the track of each.
-        instants_us: (n,) when.
+        track_ids: (n,) the track matched with each.
+        instants_us: (n,) time of each match.
     """
     error_px = _distances(log, objects, track_ids, instants_us[:, None])[:, 0]
     return Motion(
@@ -60,7 +59,7 @@ def motion(log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64
 def _distances(
     log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], times_us: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """(n, k) between each object and its track at (n, k) other times; not a number where the track was not there."""
+    """(n, k) distance between each object and its track at (n, k) other times; NaN where the track does not exist."""
     x, y = positions(log, track_ids, times_us)
     return np.asarray(np.hypot(x - objects["x"][:, None], y - objects["y"][:, None]), np.float64)
 
@@ -77,11 +76,11 @@ def _latency_ms(
     log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
 ) -> float | None:
     shifts_us = np.arange(-_SHIFT_MAX_US, _SHIFT_MAX_US + 1, _SHIFT_US)
-    shifts_us = shifts_us[np.argsort(np.abs(shifts_us), kind="stable")]  # of equals the smallest shift wins
+    shifts_us = shifts_us[np.argsort(np.abs(shifts_us), kind="stable")]  # ties are resolved in favour of the smallest shift
     every = max(1, -(-len(objects) // _PAIRS))
     objects, track_ids, instants_us = objects[::every], track_ids[::every], instants_us[::every]
     errors_px = _distances(log, objects, track_ids, instants_us[:, None] + shifts_us)
-    # A shift at which most tracks have begun or ended says nothing about the pairs.
+    # A shift at which most tracks do not exist is not meaningful.
     medians_px = np.array(
         [
             np.median(there) if 2 * len(there) >= len(objects) and len(there) else np.inf

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a ground truth in a CSV file is to be read and scored: data, one small TOML file per kind of truth."""
+"""Rules for reading and scoring a ground truth in a CSV file: one small TOML file per kind of truth."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _COLUMNS = ("id", "t_us", "t_begin_us", "t_end_us", *_BOX, *_POINT, "vx", "vy")
 _EDGES = ("left", "top", "right", "bottom")
 _SIMILARITIES = ("centre", "iou")
 
-# field -> (lowest, highest, meaning); integer limits ask for an integer
+# field -> (lowest, highest, meaning); integer limits require an integer
 _RANGES: Mapping[str, Range] = {
     "origin_us": (-(2**60), 2**60, "added to the truth's times to make them the recording's"),
     "at_us": (-(10**9), 10**9, "when a line is evaluated, after its t_us or t_end_us"),
@@ -39,25 +39,25 @@ _REACH = (0.01, 1e6, "distance at which a point's similarity is 0")
 
 @dataclass(frozen=True)
 class Rule:
-    """A description of a ground truth.
+    """How to read and score a ground truth.
 
     Attributes:
         columns: meaning -> name of the CSV's column. `id`; `t_us`, or `t_begin_us` and `t_end_us`, in us; `left`, `top`,
-            `width`, `height`, or `x` and `y`, in pixels; if there, `vx` and `vy`, in pixels per second.
-        title: one line for people.
-        sensor: (width, height) in pixels; needed to clip and to ignore.
-        origin_us: added to the truth's times to make them the recording's.
-        at_us: a line is evaluated so long after its `t_us` or `t_end_us`.
-        max_age_us: a track's newest state counts as an output while it is at most so old.
+            `width`, `height`, or `x` and `y`, in pixels; optionally `vx` and `vy`, in pixels per second.
+        title: one-line description.
+        sensor: (width, height) in pixels; required by `clip` and `ignore`.
+        origin_us: offset from the truth's times to the recording's.
+        at_us: a line is evaluated this long after its `t_us` or `t_end_us`.
+        max_age_us: maximum age at which a track's newest state counts as an output.
         similarity: "centre": 1 - d / (half the box's diagonal), at least 0, at distance d between the centres; "iou":
             intersection over union of the box and the track's window, the square of half side `radius`.
         reach_px: for points: the distance at which the similarity is 0.
-        threshold: similarity from which on CLEAR and ID scores match.
-        clip: whether boxes are clipped to the sensor; with "iou" the tracks' windows too.
-        edge_px: where the first pixel's left and upper edge lies.
-        ignore: edge -> width in pixels of a band along it, in which an output outside every box does not count.
-        counted: column -> (lowest, highest): an object counts only where all lie within; elsewhere its box neither has to be
-            found nor makes an output in it a false one.
+        threshold: minimum similarity of a match for CLEAR and ID scores.
+        clip: whether boxes are clipped to the sensor; with "iou" the tracks' windows, too.
+        edge_px: coordinate of the first pixel's left and upper edge.
+        ignore: edge -> width in pixels of a band along it in which an output outside every box is ignored.
+        counted: column -> (lowest, highest): an object counts only if all these columns are within limits; otherwise it need
+            not be detected, and an output in its box is not a false positive.
 
     Raises:
         ConfigError: a field outside its range, or fields that contradict each other.
@@ -97,18 +97,18 @@ class Rule:
 
     @property
     def of_points(self) -> bool:
-        """Whether the truth has points and not boxes."""
+        """Whether the truth has points instead of boxes."""
         return "x" in self.columns
 
     def on(self, sensor: tuple[int, int] | None) -> Rule:
-        """The same for a sensor of this (width, height); None keeps the rule's own."""
+        """A copy with this sensor (width, height); None keeps the rule's own."""
         return self if sensor is None else replace(self, sensor=sensor)
 
     def size(self) -> tuple[int, int]:
         """(width, height) of the sensor.
 
         Raises:
-            ConfigError: nobody said it.
+            ConfigError: it is unknown.
         """
         if self.sensor is None:
             raise ConfigError("sensor: must be given (--sensor WxH, or the rule's field), to clip boxes or to ignore bands")
@@ -137,10 +137,10 @@ class Rule:
 def load_rule(name: str | Path) -> Rule:
     """A rule by its name in `RULES`, or from a TOML file whose keys are the fields of `Rule`.
 
-    With the key `base`, the name of a rule, the fields that are not there are that rule's.
+    With the key `base`, the name of a rule, missing fields are taken from that rule.
 
     Raises:
-        ConfigError: no such rule, a file that cannot be read or is not TOML, an unknown field, or one outside its range.
+        ConfigError: unknown rule, a file that cannot be read or is not TOML, an unknown field, or one outside its range.
     """
     shipped = str(name) in RULES
     if not shipped and Path(name).suffix.lower() != ".toml":
@@ -163,7 +163,7 @@ def load_rule(name: str | Path) -> Rule:
             data = {f.name: getattr(load_rule(base), f.name) for f in fields(Rule)} | data
         _entries(data, [f.name for f in fields(Rule)], "rule")
         if "columns" not in data:
-            raise ConfigError("columns: must be there")
+            raise ConfigError("columns: must be given")
         return Rule(**data)
     except ConfigError as error:
         raise ConfigError(f"{name}: {error}") from error
@@ -181,7 +181,7 @@ def _check_columns(columns: object) -> None:
         if len(there) != 1 or partly != set(there[0]):
             raise ConfigError(f"columns {', '.join(columns)}: must have {' or '.join(' + '.join(way) for way in ways)}")
     if ("vx" in columns) != ("vy" in columns):
-        raise ConfigError("columns vx, vy: must both be there, or none")
+        raise ConfigError("columns vx, vy: must be given both, or neither")
 
 
 def _table(value: object, where: str) -> Mapping[str, Any]:
@@ -191,7 +191,7 @@ def _table(value: object, where: str) -> Mapping[str, Any]:
 
 
 def _entries(value: object, allowed: Iterable[str], where: str) -> list[tuple[str, Any]]:
-    """The entries of a table, all of known names."""
+    """The entries of a table; raises ConfigError for an unknown name."""
     table = _table(value, where)
     for key in table:
         if key not in allowed:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a tracker says at an instant: the newest state of each track, unless the track has ended or the state is too old."""
+"""Sampling of a tracker's output: the newest state of each track, unless the track has ended or the state is too old."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _PIXELS_MAX = 1e9
 
 
 def checked(log: TrackLog) -> TrackLog:
-    """The log itself.
+    """Validate a log and return it.
 
     Raises:
-        TrackLogError: a record that no engine writes: out of order in time, of unknown kind, or at no place.
+        TrackLogError: a record that is out of order in time, of unknown kind, or without a valid position.
     """
     records = log.records
     t_us = records["t_us"]
@@ -40,9 +40,9 @@ def checked(log: TrackLog) -> TrackLog:
 
 
 def expiring(log: TrackLog, max_age_us: int) -> TrackLog:
-    """The same tracks, but a track whose newest state (BORN or MOVED) gets older than `max_age_us` is lost until its next.
+    """A log in which a track is lost, until its next state, while its newest state (BORN or MOVED) is older than `max_age_us`.
 
-    `timeline.sample` of it then gives the outputs at any instants.
+    `timeline.sample` of the result gives the outputs at any times.
     """
     records = log.records
     order = np.argsort(records["track_id"], kind="stable")
@@ -53,7 +53,7 @@ def expiring(log: TrackLog, max_age_us: int) -> TrackLog:
     lost = records[order[silent]]
     lost["kind"] = Kind.LOST
     lost["t_us"] += max_age_us + 1
-    # First those: at the same microsecond a new state ends the silence.
+    # These first: a new state in the same microsecond takes precedence.
     every = np.concatenate((lost, records))
     return TrackLog(log.engine, every[np.argsort(every["t_us"], kind="stable")], log.owner)
 
@@ -61,14 +61,14 @@ def expiring(log: TrackLog, max_age_us: int) -> TrackLog:
 def positions(
     log: TrackLog, track_ids: NDArray[np.int64], times_us: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where tracks were: track_ids[i] at each of times_us[i].
+    """Positions of tracks: of track_ids[i] at each of times_us[i].
 
     Args:
         track_ids: (n,)
         times_us: (n, k)
 
     Returns:
-        x, y: (n, k) in pixels, not a number where the track was not there.
+        x, y: (n, k) in pixels, NaN where the track does not exist.
     """
     records = log.records[np.argsort(log.records["track_id"], kind="stable")]
     by_track = np.argsort(track_ids, kind="stable")

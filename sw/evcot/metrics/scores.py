@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All scores of one TrackLog against one ground truth."""
+"""All scores of a TrackLog against a ground truth."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from .truth import GroundTruth
 
 __all__ = ["Scores", "evaluate"]
 
-_APART_US = 1_000_000  # a log and a truth further apart than this, and than the truth is long, have different clocks
+_APART_US = 1_000_000  # a log and a truth separated by more than this, and by more than the truth's duration, differ in clock
 
 
 @dataclass(frozen=True)
 class Scores:
-    """What `evaluate` finds; meanings as in `hota.Hota`, `clear.Clear`, `identity.Identity` and `motion.Motion`.
+    """The result of `evaluate`; meanings as in `hota.Hota`, `clear.Clear`, `identity.Identity` and `motion.Motion`.
 
     Attributes:
-        frames: instants evaluated; truth_ids, track_ids: objects and tracks that counted at any of them.
+        frames: number of instants evaluated; truth_ids, track_ids: number of objects and tracks evaluated at any of them.
     """
 
     hota: float
@@ -67,11 +67,11 @@ class Scores:
 
 
 def evaluate(log: TrackLog, truth: GroundTruth, rule: Rule) -> Scores:
-    """Hold tracks against a truth, as a rule says.
+    """Evaluate tracks against a ground truth, as specified by a rule.
 
     Raises:
-        TrackLogError: a log whose records no engine writes, or whose times are not those of the truth.
-        ConfigError: the rule ignores bands along the sensor's edges, and its size is not known.
+        TrackLogError: the log has invalid records, or times on another clock than the truth.
+        ConfigError: the rule ignores bands along the sensor's edges, and the sensor size is unknown.
     """
     _check_clock(checked(log), truth)
     states = expiring(log, rule.max_age_us)
@@ -103,7 +103,7 @@ def _check_clock(log: TrackLog, truth: GroundTruth) -> None:
 
 
 def _rows(frames: Frames, matches: Matches) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Where each matched pair stands among all objects and all outputs."""
+    """The indices of each matched pair in all objects and in all outputs."""
     return (
         _places(frames.truth, frames.n_truth, matches.frame, matches.truth),
         _places(frames.tracks, frames.n_tracks, matches.frame, matches.track),
@@ -113,7 +113,7 @@ def _rows(frames: Frames, matches: Matches) -> tuple[NDArray[np.int64], NDArray[
 def _places(
     ids: tuple[NDArray[np.int64], ...], n: int, frame: NDArray[np.int64], number: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Index of (frame, number) in the numbers of all frames, one after the other."""
+    """Index of (frame, number) in the concatenated numbers of all frames."""
     keys = np.repeat(np.arange(len(ids)), [len(own) for own in ids]) * n + np.concatenate([np.empty(0, np.int64), *ids])
     order = np.argsort(keys)
     return np.asarray(order[np.searchsorted(keys[order], frame * n + number)], np.int64)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A ground truth, read from CSV by a rule: boxes at instants, in the recording's microseconds."""
+"""Ground truth, read from CSV by a rule: boxes at instants, in the recording's microseconds."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ OBJECT = np.dtype(
         ("y", "<f8"),
         ("width", "<f8"),
         ("height", "<f8"),
-        ("vx", "<f8"),  # pixels per second; not a number where the truth has none
+        ("vx", "<f8"),  # pixels per second; NaN if not in the truth
         ("vy", "<f8"),
         ("counted", "?"),
     ]
@@ -42,13 +42,13 @@ Rows = list[tuple[int, list[str]]]  # number of the line, its cells
 
 @dataclass(frozen=True, eq=False)
 class GroundTruth:
-    """Where the objects were.
+    """Positions and sizes of the objects.
 
     Attributes:
-        instants_us: (f,) int64, ascending: when tracks are held against it, in the recording's microseconds.
-        objects: (n,) of dtype `OBJECT`, by frame, then in the file's order; clipped as the rule says. A point is the square
-            whose half diagonal is the rule's `reach_px`.
-        ids: the objects' ids as the file has them.
+        instants_us: (f,) int64, ascending: times of evaluation, in the recording's microseconds.
+        objects: (n,) of dtype `OBJECT`, by frame, then in the file's order; clipped according to the rule. A point is the
+            square whose half diagonal is the rule's `reach_px`.
+        ids: the objects' ids as in the file.
     """
 
     instants_us: NDArray[np.int64]
@@ -57,14 +57,14 @@ class GroundTruth:
 
 
 def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
-    """Read a CSV file with a header, by a rule.
+    """Read a CSV file with a header according to a rule.
 
-    Its instants are those of its lines: a moment without any object is known only if there is a line for it.
+    The instants are those of its lines: an instant without objects is evaluated only if there is a line for it.
 
     Raises:
-        RecordingError: the file cannot be read, lacks a column, or has a line that is not as it must be: names file, line,
-            field, value and rule.
-        ConfigError: the rule clips, and the sensor is not known.
+        RecordingError: the file cannot be read, lacks a column, or has an invalid line: names file, line, field, value and
+            rule.
+        ConfigError: the rule clips, and the sensor is unknown.
     """
     path = Path(path)
     header, rows = _read(path)
@@ -78,7 +78,7 @@ def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
     instants_us, frame = np.unique(at_us + rule.origin_us, return_inverse=True)
     ids, number = _numbered(take.texts(columns["id"]))
     _, first = np.unique(frame * max(len(ids), 1) + number, return_index=True)
-    take.check(columns["id"], np.isin(np.arange(len(rows)), first), "must stand once at a time")
+    take.check(columns["id"], np.isin(np.arange(len(rows)), first), "must not occur twice at one time")
 
     objects = np.zeros(len(rows), OBJECT)
     objects["frame"], objects["object"] = frame, number
@@ -100,7 +100,7 @@ def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
 
 
 def rule_for(path: Path | str) -> Rule:
-    """The rule, of those by name, whose columns a CSV file has; the first where none is.
+    """The named rule whose columns a CSV file has; the first rule if there is none.
 
     Raises:
         RecordingError: the file cannot be read.
@@ -141,7 +141,7 @@ def _read(path: Path) -> tuple[list[str], Rows]:
 
 
 class _Columns:
-    """The cells of a file by column, and complaints about them."""
+    """The cells of a file by column, with parsing and validation."""
 
     def __init__(self, path: Path, header: list[str], rows: Rows) -> None:
         self._path, self._header, self._rows = path, header, rows
@@ -160,7 +160,7 @@ class _Columns:
         return np.array(self._parsed(name, _time, "must be an integer, microseconds, of at most 2^60"), np.int64)
 
     def check(self, name: str, good: NDArray[np.bool_], rule: str) -> None:
-        """Raise RecordingError for the first line that is not good."""
+        """Raise RecordingError for the first line that is not `good`."""
         if not good.all():
             row = int(np.argmin(good))
             raise RecordingError(f"{self._path}: line {self._rows[row][0]}: {name} = {self.texts(name)[row][:40]!r}: {rule}")
@@ -188,13 +188,13 @@ def _time(text: str) -> int | None:
 
 
 def _numbered(texts: list[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:
-    """The different texts in order of appearance, and the number of each."""
+    """The distinct texts in order of appearance, and the index of each."""
     numbers: Mapping[str, int] = {text: number for number, text in enumerate(dict.fromkeys(texts))}
     return tuple(numbers), np.array([numbers[text] for text in texts], np.int64)
 
 
 def _clipped(objects: NDArray[np.void], rule: Rule) -> NDArray[np.void]:
-    """The parts of the boxes on the sensor; what lies wholly outside is left out."""
+    """The boxes clipped to the sensor; those entirely outside are removed."""
     clipped = objects.copy()
     for axis, side, size in zip("xy", ("width", "height"), rule.size(), strict=True):
         low = np.maximum(objects[axis] - objects[side] / 2, rule.edge_px)

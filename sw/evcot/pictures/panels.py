@@ -22,35 +22,35 @@ from ..tracks.timeline import OPEN, alive, sample
 
 __all__ = ["EVENT_COLOURS", "INK", "NOTHING", "Clock", "Side", "count_panel", "lives_panel", "scene_panel"]
 
-# Okabe and Ito's palette, which the colour-blind can tell apart; the engines differ in width and dashes too.
+# Okabe and Ito's palette, suitable for colour-blind readers; the engines also differ in line width and dashes.
 EVENT_COLOURS = ("#CC79A7", "#009E73")  # OFF, ON
 INK = "#222222"
 NOTHING = "no cluster became visible"
 
-_BINS_MAX = 1024  # of the scene per side: larger sensors are drawn coarser
-_MOMENT_FRACTION = 0.004  # of the recording: events so long before a moment are drawn strong
-_LABELLED_MAX = 30  # rows of lives that have their track's id beside them
+_BINS_MAX = 1024  # maximum bins per side of the scene: larger sensors are drawn more coarsely
+_MOMENT_FRACTION = 0.004  # of the recording: events this long before a moment are highlighted
+_LABELLED_MAX = 30  # maximum number of rows with a track id as label
 _NUMBER: dict[str, Any] = {"fontsize": 7.5, "weight": "bold", "color": INK}
 _GAP_ROWS = 0.8  # between the engines' lives
-_HEIGHT_PT = 300  # of the panel of lives, roughly: how thick a row may be
+_HEIGHT_PT = 300  # approximate height of the panel of lives, for the thickness of rows
 
 
 @dataclass(frozen=True)
 class Side:
-    """One engine's share of the picture."""
+    """One engine's data and line style."""
 
     name: str
     colour: str
-    width: float  # of its lines; the first engine's are wider, so that the second's do not hide them
+    width: float  # of its lines; those of the first engine are wider, so that the second's do not hide them
     dashes: Literal["solid", "dashed"]  # of its windows
     log: TrackLog
-    lives: NDArray[np.void]  # of dtype `timeline.LIFE`: those that are drawn, in order of birth
-    tracks: int  # all of them
+    lives: NDArray[np.void]  # of dtype `timeline.LIFE`: the lives that are drawn, in order of birth
+    tracks: int  # number of all tracks
 
 
 @dataclass(frozen=True)
 class Clock:
-    """The time that all panels share."""
+    """The time axis shared by all panels."""
 
     times_us: NDArray[np.int64]  # evenly over the recording
     moments_us: NDArray[np.int64]  # at which windows are drawn
@@ -66,7 +66,7 @@ class Clock:
 
 
 def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Clock) -> None:
-    """Events by polarity, and both trackers' paths and windows, in sensor coordinates with the origin top left."""
+    """Draw events by polarity, and both trackers' paths and windows, in sensor coordinates with the origin at the top left."""
     image, bin_px = _event_image(recording, clock)
     right, bottom = image.shape[1] * bin_px - 0.5, image.shape[0] * bin_px - 0.5
     ax.imshow(image, extent=(-0.5, right, bottom, -0.5), interpolation="nearest", aspect="equal")
@@ -87,8 +87,8 @@ def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Cl
 
 
 def _event_image(recording: Recording, clock: Clock) -> tuple[NDArray[np.float64], int]:
-    """(rows, columns, 3) and the side of a cell in pixels: all events pale, those just before a moment strong; the hue mixes
-    the polarities."""
+    """(rows, columns, 3) image and the side of a cell in pixels: all events pale, those just before a moment strong; the hue is
+    a mix of the polarities."""
     bin_px = -(-max(recording.width, recording.height) // _BINS_MAX)
     shape = (-(-recording.height // bin_px), -(-recording.width // bin_px))
     events = recording.events
@@ -127,7 +127,7 @@ def _draw_paths(ax: Axes, side: Side, clock: Clock) -> None:
 
 
 def _states(side: Side, times_us: NDArray[np.int64]) -> NDArray[np.void]:
-    """Those of the tracks that are drawn, of dtype `timeline.SAMPLE`."""
+    """States of the tracks that are drawn, of dtype `timeline.SAMPLE`."""
     states = sample(side.log, times_us)
     drawn: NDArray[np.void] = states[np.isin(states["track_id"], side.lives["track_id"])]
     return drawn
@@ -152,7 +152,7 @@ def _number_windows(ax: Axes, side: Side, clock: Clock) -> None:
 
 
 def count_panel(ax: Axes, sides: Sequence[Side], clock: Clock) -> None:
-    """How many clusters are visible over time."""
+    """Draw the number of visible clusters over time."""
     most = 1
     for side in sides:
         counts = alive(side.log, clock.times_us)
@@ -174,10 +174,10 @@ def _mark_moments(ax: Axes, clock: Clock) -> None:
 
 
 def lives_panel(ax: Axes, sides: Sequence[Side], clock: Clock) -> None:
-    """Every track from birth to end, one engine above the other; a merge points to its survivor."""
+    """Draw every track from birth to end, one engine above the other; a merge is linked to its survivor."""
     beside = blended_transform_factory(ax.transAxes, ax.transData)
     begin, end = clock.axis(clock.times_us[[0, -1]])
-    # An engine with few tracks gets more room than they need, or its name would not fit.
+    # An engine with few tracks gets extra room, so that its name fits.
     least = max(1.0, 0.25 * max(len(side.lives) for side in sides))
     n_rows = sum(max(len(side.lives), least) for side in sides)
     label_every = int(np.ceil(n_rows / _LABELLED_MAX))

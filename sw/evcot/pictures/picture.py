@@ -28,7 +28,7 @@ _DPI = 150
 _LEFT = 0.048  # margin, as a fraction of the width
 _CLOCK_SAMPLES = 2_000
 _MOMENTS = 4
-_TRACKS_MAX = 40  # per engine; of more, the longest are drawn
+_TRACKS_MAX = 40  # maximum per engine; the longest are drawn
 _ENGINES: tuple[tuple[str, str, float, Literal["solid", "dashed"]], ...] = (
     ("hardware", "#0072B2", 2.4, "solid"),
     ("software", "#D55E00", 1.0, "dashed"),
@@ -54,15 +54,15 @@ def draw(
 ) -> None:
     """Draw a run as a PNG of `SIZE_PX`.
 
-    Left: where events fell, by polarity, strongest just before a few numbered moments; the paths of both trackers, and their
-    windows at those moments. Right: how many clusters were alive, and every track from birth to end, merges joined to the
-    survivor. Of very many tracks the longest are drawn, and the picture says so.
+    Left: events by polarity, strongest just before a few numbered moments; the paths of both trackers, and their windows at
+    those moments. Right: the number of clusters alive, and every track from birth to end, with merges linked to the survivor.
+    If there are too many tracks, only the longest are drawn, and the picture states this.
 
     Args:
-        recording: what both tracked.
+        recording: the recording that both tracked.
         hardware, software: the logs; either may be empty.
-        path: the file; it appears under its name only when it is whole.
-        title: stands on top.
+        path: the file; it appears under its name only when it is complete.
+        title: title at the top.
 
     Raises:
         OutputError: the file cannot be written.
@@ -102,7 +102,7 @@ def draw(
 
 
 def _clock(recording: Recording, *logs: TrackLog) -> Clock:
-    """The recording's time, and moments spread over the part of it in which the most engines see something."""
+    """The recording's time axis, and moments spread over the part in which most engines have visible tracks."""
     t_us = recording.events.t_us
     begin_us, end_us = (int(t_us[0]), int(t_us[-1])) if len(t_us) else (0, 0)
     times_us = np.unique(np.linspace(begin_us, max(end_us, begin_us + 1), _CLOCK_SAMPLES).astype(np.int64))

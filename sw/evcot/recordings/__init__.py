@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Event files: reading, writing, and what is in one."""
+"""Event files: reading, writing and describing them."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is in a recording, found in one pass: how much, how fast, of which polarity, and how its pixels share it."""
+"""Statistics of a recording in one pass: event count, rates, share of polarities, distribution over the pixels."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ __all__ = ["PEAK_WINDOW_US", "BusyPixel", "Description", "PixelFigures", "descri
 
 PEAK_WINDOW_US = 10_000
 _BUSIEST = 5
-_MOST_PIXELS = 1 << 24  # of a larger sensor, pixels are not told apart: memory must not follow a damaged header
+_MOST_PIXELS = 1 << 24  # a larger sensor gets no per-pixel statistics: a damaged header must not decide how much memory is used
 
-# Intervals are counted in bins of an eighth of a power of two: a median out of them is right to 7 %, exact up to 15 us.
+# Histogram of intervals with 8 bins per power of two: a median taken from it is accurate to 7 %, and exact up to 15 us.
 _INTERVAL_BINS = 64 * 8
 _BELOW_BINS_BITS = 52 - 3
 _BEFORE_ONE = 1023 * 8 - 1
@@ -32,7 +32,7 @@ _WINDOW, _WINDOW_EVENTS, _PEAK_EVENTS, _ON = range(4)
 
 @dataclass(frozen=True)
 class BusyPixel:
-    """A pixel, and its part of all events."""
+    """A pixel and its share of all events."""
 
     x: int
     y: int
@@ -41,13 +41,13 @@ class BusyPixel:
 
 @dataclass(frozen=True)
 class PixelFigures:
-    """How the pixels share the events.
+    """Distribution of the events over the pixels.
 
     Attributes:
-        silent: share of the sensor's pixels that send nothing.
-        median_interval_us: half of the times between two successive events of one pixel are shorter, to within 7 %; None where
-            no pixel sends twice.
-        busiest: at most five, the busiest first: where one sends far more than the next, it is likely a hot pixel.
+        silent: share of the sensor's pixels that have no events.
+        median_interval_us: median time between two successive events of one pixel, to within 7 %; None where no pixel has
+            two events.
+        busiest: at most five, the busiest first: one with far more events than the next is likely a hot pixel.
     """
 
     silent: float
@@ -57,17 +57,17 @@ class PixelFigures:
 
 @dataclass(frozen=True)
 class Description:
-    """What `describe` found; rates in events/s, shares from 0 to 1.
+    """The result of `describe`; rates in events/s, shares from 0 to 1.
 
     Attributes:
-        assumes_sensor: whether its size is only the smallest that fits.
+        assumes_sensor: whether the sensor size is assumed, as the smallest that holds all events.
         first_us: time of the first event described, as the file has it.
         duration_us: from the first event to the last.
-        mean_rate: None for events of one instant.
-        peak_rate: over the busiest of the successive windows of `PEAK_WINDOW_US` from the first event on; None for less than
-            one of them.
+        mean_rate: None where all events have the same time.
+        peak_rate: of the busiest of the consecutive windows of `PEAK_WINDOW_US` from the first event on; None for a recording
+            shorter than one window.
         pixels: None for a sensor of more than 2^24 pixels.
-        left_out: why events were left out -> how many.
+        left_out: reason -> number of events that were left out.
         details: what else the file says about itself.
     """
 
@@ -92,7 +92,7 @@ class Description:
 
 @njit(cache=True, nogil=True)
 def _count_in_time(t_us, p, first_us, state):  # type: ignore[no-untyped-def]
-    """Count the events of one polarity, and those of each window, of which the fullest is kept."""
+    """Count the events of one polarity and the events per window; keep the largest window count."""
     window, events, peak, on = state
     for i in range(len(t_us)):
         at = (t_us[i] - first_us) // PEAK_WINDOW_US
@@ -106,12 +106,12 @@ def _count_in_time(t_us, p, first_us, state):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, inline="always")
 def _bin_of(interval):  # type: ignore[no-untyped-def]
-    """The bin of an interval from 0: exponent and upper three bits of its floating-point form, which count up without a gap."""
+    """The bin of an interval >= 0: exponent and upper three mantissa bits of its floating-point form, contiguous integers."""
     return max((np.float64(interval).view(np.int64) >> _BELOW_BINS_BITS) - _BEFORE_ONE, 0)
 
 
 def _middle_of(index: int) -> int:
-    """The middle of the intervals that a bin holds."""
+    """The centre of a bin, in microseconds."""
     octave, eighth = divmod(index - 1, 8)
     return ((8 + eighth) << octave >> 3) + (1 << octave >> 4) if index else 0
 
@@ -127,7 +127,7 @@ def _count_by_pixel(t_us, x, y, width, counts, last_us, intervals):  # type: ign
 
 
 class _PixelCounts:
-    """Events and intervals of every pixel, so far."""
+    """Running event counts and interval histogram of all pixels."""
 
     def __init__(self, width: int, height: int) -> None:
         self._width = width
@@ -164,10 +164,10 @@ def describe(
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> Description:
-    """Describe the events with from_us <= t - t0_us < to_us; memory grows with the sensor, not with the recording.
+    """Describe the events with from_us <= t - t0_us < to_us; memory depends on the sensor, not on the recording's length.
 
     Args:
-        progress: told how many events are done, and the time after the file's first event that they reach, in us.
+        progress: called with the number of events done and their last time after the file's first event, in us.
 
     Raises:
         RecordingError: as `RecordingFile.blocks`, or there is no event in the window.

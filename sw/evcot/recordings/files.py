@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings from and to files; what a file is, its content tells, whatever its name."""
+"""Open, read and write recordings; a file's format is detected from its content, not from its name."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ _SNIFF_BYTES = 1024
 
 
 class RecordingFile:
-    """A recording on disk, read in blocks: memory does not grow with its length. A context manager.
+    """A recording on disk, read in blocks: memory does not grow with its length. Use as a context manager.
 
     Attributes:
         path, name: the file, and its name without suffix.
-        format: the format's title, for people.
-        assumes_sensor: whether neither the caller nor the file says what the sensor is.
+        format: the format's display name.
+        assumes_sensor: whether the sensor size is assumed, because neither the caller nor the file states it.
         details: what else the file says about itself.
-        left_out: why events were left out -> how many, of the pass that `blocks` last began; complete when it has ended.
+        left_out: reason -> number of events left out in the most recent pass of `blocks`; complete when the pass has ended.
     """
 
     def __init__(self, path: Path, format_title: str, source: Source, sensor: Sensor | None, damage: Damage) -> None:
@@ -68,15 +68,15 @@ class RecordingFile:
 
     @property
     def details(self) -> Mapping[str, str]:
-        """What the file says about itself besides its sensor: short name -> short value."""
+        """Metadata of the file other than its sensor: short name -> short value."""
         return self._source.details
 
     @property
     def sensor(self) -> Sensor:
-        """(width, height) in pixels: the caller's, else the file's, else the smallest that fits, found in one pass."""
+        """(width, height) in pixels: the caller's, else the file's, else the smallest that holds all events (one pass)."""
         if self._sensor is None:
             width = height = 1
-            for block in self._source_blocks(None, telling=False):
+            for block in self._source_blocks(None, warn=False):
                 if len(block):
                     width, height = max(width, int(block.x.max()) + 1), max(height, int(block.y.max()) + 1)
             self._sensor = self._source.smallest_sensor(width, height)
@@ -90,22 +90,22 @@ class RecordingFile:
             RecordingError: the file holds no events, or is damaged before the first one.
         """
         if self._t0_us is None:
-            self._t0_us = next((int(block.t_us[0]) for block in self._source_blocks(None, telling=False) if len(block)), None)
+            self._t0_us = next((int(block.t_us[0]) for block in self._source_blocks(None, warn=False) if len(block)), None)
             if self._t0_us is None:
                 raise RecordingError(f"{self.path}: holds no events")
         return self._t0_us
 
     def blocks(self, from_us: int = 0, to_us: int | None = None, *, required: bool = False) -> Iterator[Events]:
-        """The events with from_us <= t - t0_us < to_us, checked, in the file's order.
+        """The events with from_us <= t - t0_us < to_us, validated, in file order.
 
         Args:
             from_us, to_us: times since the first event; None: to the end.
-            required: whether to refuse a window without events.
+            required: whether a window without events is an error.
 
         Raises:
-            RecordingError: the file is damaged, time runs back, or an event lies outside the sensor; names file, place, value
-                and rule. With damage "skip" such events are left out instead, and so is all behind a place that cannot be
-                read. Or there is no event where one is `required`.
+            RecordingError: the file is damaged, time runs backwards, or an event lies outside the sensor; names file, place,
+                value and rule. With damage "skip" such events are left out instead, and so is everything after a place that
+                cannot be read. Also raised where an event is `required` and there is none.
         Warns:
             RecordingWarning: events were left out; how many and why.
         """
@@ -141,18 +141,18 @@ class RecordingFile:
             raise RecordingError(f"{self.path}: holds no events {window}")
 
     def read(self, from_us: int = 0, to_us: int | None = None) -> Recording:
-        """The events of `blocks` as one recording in memory.
+        """Read the events of `blocks` into one recording in memory.
 
         Raises:
-            RecordingError: as `blocks`, or there is no event in the window.
+            RecordingError: as for `blocks`, or there is no event in the window.
         """
         return Recording(Events.joined(self.blocks(from_us, to_us, required=True)), *self.sensor, self.name)
 
-    def _source_blocks(self, from_us: int | None, *, telling: bool = True) -> Iterator[Events]:
-        """The source's blocks, with the file's name in front of whatever goes wrong.
+    def _source_blocks(self, from_us: int | None, *, warn: bool = True) -> Iterator[Events]:
+        """The source's blocks; errors are prefixed with the file's name.
 
         Args:
-            telling: whether to warn of what is left out behind a place that cannot be read.
+            warn: whether to warn about events left out after a place that cannot be read.
         """
         given = 0
         try:
@@ -164,18 +164,18 @@ class RecordingFile:
         except RecordingError as error:
             if self._damage == "refuse" or not given:
                 raise RecordingError(f"{self.path}: {error}") from error
-            if telling:
+            if warn:
                 after = f"{given} events{_counted_from(0 if from_us is None else from_us - self.t0_us)}"
-                warnings.warn(RecordingWarning(f"{self.path}: all after {after} left out: {error}"), stacklevel=2)
+                warnings.warn(RecordingWarning(f"{self.path}: everything after {after} left out: {error}"), stacklevel=2)
 
 
 def _counted_from(from_us: int) -> str:
-    """Where indices and counts of a window begin, as far as it is not the file's start."""
+    """The start of a window, for messages with indices and counts; empty where that is the start of the file."""
     return f" (counted from {from_us / 1e6:g} s)" if from_us else ""
 
 
 def sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:
-    """The events inside the sensor whose time does not run back; the others are counted in `broken`."""
+    """The events inside the sensor whose times do not decrease; the others are counted in `broken`."""
     inside = (events.x < width) & (events.y < height) & (events.p <= 1)
     kept = events.where(inside)
     broken["outside the sensor, or without a polarity"] += len(events) - len(kept)
@@ -189,11 +189,11 @@ def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Da
     """Open an event file of any format in `evcot.recordings.formats`.
 
     Args:
-        path: the file; its content tells the format.
-        sensor: (width, height) in pixels, in place of what the file says. Without it, a file that does not say has the
-            smallest sensor (of a Prophesee file: the smallest common one) that holds every event.
-        damage: what to do about events that break the rules, or about a place that cannot be read: refuse the file, or leave
-            out what is wrong and say how much.
+        path: the file; its format is detected from its content.
+        sensor: (width, height) in pixels, overrides what the file states. Without it, a file that does not state its sensor
+            gets the smallest (for a Prophesee file: the smallest common one) that holds every event.
+        damage: how to handle invalid events and unreadable places: refuse the file, or leave out what is invalid and warn
+            with the number of events.
 
     Raises:
         RecordingError: the file is missing, unreadable, empty, of no known format, or its header is damaged. One line: file,
@@ -230,7 +230,7 @@ def _open(path: Path) -> tuple[str, Source]:
             return kind.title, kind.open(path)
     if path.is_dir():
         raise RecordingError("is a directory, and no ROS 2 bag: has no metadata.yaml")
-    raise RecordingError(f"is of no known format: must be one of {', '.join(kind.title for kind in FORMATS)}")
+    raise RecordingError(f"has an unknown format: must be one of {', '.join(kind.title for kind in FORMATS)}")
 
 
 def read_recording(
@@ -241,10 +241,10 @@ def read_recording(
     to_us: int | None = None,
     damage: Damage = "refuse",
 ) -> Recording:
-    """Read a recording, or a window of it, into memory: `open_recording` and `RecordingFile.read` in one.
+    """Read a recording, or a window of it, into memory: `open_recording` followed by `RecordingFile.read`.
 
-    Every event of the file is there, in the file's order and with the file's time: nothing is sorted or moved, and what is
-    left out is counted in a warning.
+    Events keep the file's order and times: nothing is sorted or shifted, and the number of events left out is reported in a
+    warning.
 
     Example:
         recording = evcot.read("drive.aedat4", from_us=500_000, to_us=900_000)
@@ -266,15 +266,15 @@ def read_recording(
 def write_events(
     path: Path | str, sensor: Sensor, blocks: Iterable[Events], format_name: str | None = None, *, force: bool = False
 ) -> int:
-    """Write blocks of events, in time order, and return how many; the file appears under its name only when it is whole.
+    """Write blocks of events, in time order, and return the number of events; the file appears only when it is complete.
 
     Args:
-        format_name: one of `formats.WRITABLE`; without it, the path's suffix tells.
-        force: replace a file that exists; never one that is being read.
+        format_name: one of `formats.WRITABLE`; if not given, chosen by the path's suffix.
+        force: replace an existing file, but never one that is being read.
 
     Raises:
-        ConfigError: no such format, or a suffix of none.
-        RecordingError: a value that the format cannot hold, or that breaks the rules of recordings.
+        ConfigError: unknown format or suffix.
+        RecordingError: a value that the format cannot represent, or that is invalid in a recording.
         OutputError: the file exists, is a recording that is open, or cannot be written.
     """
     path = Path(path)
@@ -308,10 +308,10 @@ def write_recording(recording: Recording, path: Path | str, format_name: str | N
 
 
 def format_for(path: Path | str, name: str | None = None) -> WritableFormat:
-    """The format that a file is written in: the one of that name, else the one of the path's suffix.
+    """The format in which to write a file: by name if one is given, else by the path's suffix.
 
     Raises:
-        ConfigError: there is none.
+        ConfigError: unknown format or suffix.
     """
     if name is not None:
         if name not in WRITABLE:
@@ -321,5 +321,5 @@ def format_for(path: Path | str, name: str | None = None) -> WritableFormat:
     kind = next((kind for kind in WRITABLE.values() if kind.suffix == suffix.lower()), None)
     if kind is None:
         suffixes = ", ".join(dict.fromkeys(kind.suffix for kind in WRITABLE.values()))
-        raise ConfigError(f"{path}: suffix {suffix!r}: must be one of {suffixes}, or a format be named")
+        raise ConfigError(f"{path}: suffix {suffix!r}: must be one of {suffixes}, or the format must be named")
     return kind

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated scenes: events and, beside them, the truth about the objects that cause them."""
+"""Simulated scenes: events, and the ground truth of the objects that cause them."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ __all__ = ["leg_events"]
 
 @njit(cache=True, nogil=True)
 def _inside(pixel, centre, speed, reach):  # type: ignore[no-untyped-def]
-    """When |pixel - (centre + speed t)| <= reach: from, to."""
+    """The interval of times (from, to) with |pixel - (centre + speed t)| <= reach."""
     if speed == 0.0:
         if abs(pixel - centre) <= reach:
             return -1e300, 1e300
@@ -30,7 +30,7 @@ def _inside(pixel, centre, speed, reach):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _pixels(centre, travel, reach, size):  # type: ignore[no-untyped-def]
-    """First and last pixel, on a sensor of `size`, that a side of half length `reach` sweeps."""
+    """First and last pixel, on a sensor of `size`, swept by a side of half length `reach`."""
     low = min(centre, centre + travel) - reach
     high = max(centre, centre + travel) + reach
     return max(0, int(low)), min(size - 1, int(high) + 1)
@@ -40,8 +40,8 @@ def _pixels(centre, travel, reach, size):  # type: ignore[no-untyped-def]
 def leg_events(keys, n, sensor, half, start, speed, from_us, to_us, brighter, steps):  # type: ignore[no-untyped-def]
     """Append the keys of the events in [from_us, to_us) after the first `n` and return the new count.
 
-    `sensor`, `half` (half sides), `start` (centre at from_us) and `speed` (pixels per microsecond) are pairs (x, y). Where
-    `keys` is too short, events are counted and not written.
+    `sensor`, `half` (half sides), `start` (centre at from_us) and `speed` (pixels per microsecond) are pairs (x, y). Events
+    beyond the end of `keys` are counted but not written.
     """
     duration = to_us - from_us
     first_x, last_x = _pixels(start[0], speed[0] * duration, half[0] + 0.5, sensor[0])

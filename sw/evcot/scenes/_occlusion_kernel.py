@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Kernel: how much of each object is hidden, by lines across it.
+"""Kernel: the hidden part of each object, sampled on horizontal lines.
 
-On each of `_LINES` lines the stretches that shapes cover are exact; between the lines nothing is looked at, so each straight
-edge along the lines errs by at most half a line: 0.8 % of the object's height.
+On each of `_LINES` lines the covered intervals are exact; there are no samples between the lines, so the error of each straight
+edge along the lines is at most half a line: 0.8 % of the object's height.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ _LINES = 64
 
 @njit(cache=True, nogil=True)
 def hidden_parts(shapes, objects, width, height):  # type: ignore[no-untyped-def]
-    """Of each object, the part of its area that lies behind later shapes of others, or outside the sensor; 1 where an object
-    has no area."""
+    """For each object, the part of its area that is behind later shapes of other objects, or outside the sensor; 1 for an
+    object without area."""
     hidden = np.ones(len(objects))
     for k in range(len(objects)):
         first, past = 0, 0
@@ -66,7 +66,7 @@ def _hidden_part(shapes, first, past, width, height):  # type: ignore[no-untyped
 
 @njit(cache=True, nogil=True)
 def _covered(stretches, low, high):  # type: ignore[no-untyped-def]
-    """How much from low to high lies in at least one stretch; sorts the stretches."""
+    """Length of the union of the intervals within low to high; sorts the intervals."""
     for i in range(1, len(stretches)):
         begin, end = stretches[i, 0], stretches[i, 1]
         at = i
@@ -85,7 +85,7 @@ def _covered(stretches, low, high):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _stretch(shape, y, stretch):  # type: ignore[no-untyped-def]
-    """Into `stretch`: from where to where a shape covers the line at y; twice the same where it does not."""
+    """Write the interval in which a shape covers the line at y to `stretch`; empty (both ends equal) if it does not."""
     low, high = np.inf, -np.inf
     if shape[KIND] == DISC:
         across = shape[X + 1] ** 2 - (y - shape[Y]) ** 2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events as integers whose order is the order of time, and how they become events."""
+"""Sort keys: events packed into integers that sort by time, and their conversion to events."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["KEY_T_SHIFT", "events_of"]
 KEY_T_SHIFT = 33
 
 _FEW = 512  # below, a comparison sort is faster
-_SHORT = 32  # so many keys of one bucket are left to insertion
+_SHORT = 32  # maximum number of keys in a bucket for insertion sort
 
 
 def events_of(keys: NDArray[np.int64], end_us: int) -> Events:
-    """The events before `end_us`, by time, then x, y and p; from (n,) keys in any order."""
+    """The events before `end_us`, sorted by time, then x, y and p; from (n,) keys in any order."""
     ordered = np.sort(keys) if len(keys) < _FEW else _by_key(keys)
     n = int(np.searchsorted(ordered, end_us << KEY_T_SHIFT))
     events = Events.allocated(n)
@@ -29,7 +29,7 @@ def events_of(keys: NDArray[np.int64], end_us: int) -> Events:
 
 @njit(cache=True, nogil=True)
 def _by_key(keys):  # type: ignore[no-untyped-def]
-    """A sorted copy: keys go to buckets of equal time, one or two to a bucket on average, and then a few places on."""
+    """A sorted copy: bucket sort by time, with one or two keys per bucket on average, followed by insertion sort."""
     base = keys.min() >> KEY_T_SHIFT << KEY_T_SHIFT
     span, shift = keys.max() - base, KEY_T_SHIFT
     while span >> shift > len(keys):
@@ -56,7 +56,7 @@ def _by_key(keys):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _insert(keys):  # type: ignore[no-untyped-def]
-    """Sort keys that are near their places."""
+    """Insertion sort, for keys that are almost in order."""
     for i in range(1, len(keys)):
         key, at = keys[i], i
         while at > 0 and keys[at - 1] > key:

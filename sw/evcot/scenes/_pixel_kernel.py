@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Kernel: what the pixels of an event camera do between two frames.
+"""Kernel: the pixels of an event camera between two frames.
 
-Between the frames a pixel's log intensity runs in a straight line. Its memory is the log intensity at its last event; where the
-line is a threshold away from it, there is an event and the memory moves by that threshold. During the refractory time after an
-event nothing happens, and the memory is the log intensity at its end: a pixel that is held in reset follows the light. An event
-that the pixel makes by itself resets it in the same way.
+Between the frames a pixel's log intensity is interpolated linearly. The pixel stores the log intensity at its last event; when
+the difference to it reaches a threshold, the pixel emits an event and the stored value changes by that threshold. During the
+refractory time after an event the pixel is held in reset, and at its end it stores the current log intensity. A spontaneous
+event resets the pixel in the same way.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ __all__ = ["LOG_INTENSITY_MAX", "NEVER", "pixel_events"]
 NEVER = -np.inf  # in `ready`: the pixel is not in its refractory time
 LOG_INTENSITY_MAX = 100.0
 
-_ROUNDING = 1.0 - 1e-9  # a threshold is reached although the sum of steps towards it is rounded
+_ROUNDING = 1.0 - 1e-9  # tolerance for the rounding of a sum of steps towards a threshold
 
 
 @njit(cache=True, nogil=True)
 def pixel_events(rectangles, frame, pixels, head, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
-    """Keys of the events in (0, span_us] after the last frame, at from_us, in any order; times count from there.
+    """Keys of the events in (0, span_us] after the last frame, which is at from_us, in any order; times are relative to it.
 
-    `rectangles` (n, 4): left, top, right, bottom, half open, of where `frame` (log intensity at span_us) may have changed.
-    `pixels`: (last, memory, ready, on, off), maps of the sensor: log intensity at the last frame, memory, end of the refractory
-    time (not counted from from_us) or `NEVER`, thresholds. `head`: a map of -1. `own`: dtype `OWN`, the events that pixels make
-    by themselves, in time order. All maps but the thresholds are updated. Where a log intensity is not from -LOG_INTENSITY_MAX
-    to LOG_INTENSITY_MAX the answer ends there, and its second part is the pixel's index, else -1.
+    `rectangles` (n, 4): left, top, right, bottom, half open: where `frame` (log intensity at span_us) may have changed.
+    `pixels`: (last, memory, ready, on, off), maps of the sensor: log intensity at the last frame, stored value, end of the
+    refractory time (absolute) or `NEVER`, thresholds. `head`: a map of -1. `own`: dtype `OWN`, spontaneous events in time
+    order. All maps but the thresholds are updated. At a log intensity outside -LOG_INTENSITY_MAX to LOG_INTENSITY_MAX the
+    result ends, and its second part is the pixel's index, else -1.
     """
     last, memory, ready, on, off = pixels
     link = np.empty(len(own), np.int64)
@@ -66,7 +66,7 @@ def pixel_events(rectangles, frame, pixels, head, own, from_us, span_us, refract
 
 @njit(cache=True, nogil=True)
 def _one_pixel(keys, n, x, y, after, pixels, head, link, own, from_us, span_us, refractory_us):  # type: ignore[no-untyped-def]
-    """Append the events of one pixel, whose log intensity is `after` at span_us, and return the new count."""
+    """Append the events of one pixel, whose log intensity at span_us is `after`, and return the new count."""
     last, memories, readies, on, off = pixels
     before, memory, ready = last[y, x], memories[y, x], readies[y, x] - from_us
     slope = (after - before) / span_us

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Kernels: shapes into a frame of log intensity, and where a frame has to be drawn again.
+"""Kernels: render shapes into a frame of log intensity, and find the regions to be redrawn.
 
-A shape covers a part of each pixel on its contour, from 0 at half a pixel outside to 1 at half a pixel inside, measured across
-the edge; intensities mix by that part, before the logarithm.
+Contours are anti-aliased: a pixel's coverage rises from 0 at half a pixel outside to 1 at half a pixel inside, measured across
+the edge; intensities are mixed by coverage, before the logarithm.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def bounds(shape):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _pixels(left, top, right, bottom, width, height):  # type: ignore[no-untyped-def]
-    """The pixels that a contour within these bounds touches: left, top, right, bottom, half open; right < left where none."""
+    """The pixels touched by a contour within these bounds: left, top, right, bottom, half open; right < left if none."""
     left = min(max(left - 0.5, 0.0), float(width))
     top = min(max(top - 0.5, 0.0), float(height))
     right = min(max(right + 0.5, -1.0), float(width) - 1)
@@ -36,10 +36,10 @@ def _pixels(left, top, right, bottom, width, height):  # type: ignore[no-untyped
 
 @njit(cache=True, nogil=True)
 def changes(before, after, width, height):  # type: ignore[no-untyped-def]
-    """Where shapes may have changed the picture, and how far one has moved.
+    """The regions where shapes may have changed the picture, and the largest displacement.
 
     Returns (n, 4) pixel rectangles (left, top, right, bottom, half open), one per object that was or is on the sensor, and the
-    longest way, in pixels, of any side of an object's bounds; objects that appear or vanish are not counted there.
+    largest displacement, in pixels, of any side of an object's bounds, excluding objects that appear or vanish.
     """
     least = min(before[:, OBJECT].min() if len(before) else 0.0, after[:, OBJECT].min() if len(after) else 0.0)
     most = max(before[:, OBJECT].max() if len(before) else 0.0, after[:, OBJECT].max() if len(after) else 0.0)
@@ -68,8 +68,8 @@ def changes(before, after, width, height):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def draw(rectangles, shapes, background, scratch, linear, frame):  # type: ignore[no-untyped-def]
-    """Draw the rectangles of a frame again: `background` (linear) and shapes, the farthest first, into `linear` and its
-    logarithm, `frame`. `scratch`: a map to work in."""
+    """Redraw rectangles of a frame: `background` (linear) and shapes, the farthest first, into `linear` and its logarithm,
+    `frame`. `scratch`: work space of the frame's size."""
     height, width = frame.shape
     places, edges = np.empty((len(shapes), 4), np.int64), np.empty((len(shapes), 4, 3))
     for i in range(len(shapes)):
@@ -94,7 +94,7 @@ def draw(rectangles, shapes, background, scratch, linear, frame):  # type: ignor
 
 @njit(cache=True, nogil=True)
 def _blend(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ignore[no-untyped-def]
-    """Mix a shape into a rectangle of a picture."""
+    """Blend a shape into a rectangle of a picture."""
     if shape[KIND] == DISC:
         for y in range(first_y, past_y):
             for x in range(first_x, past_x):
@@ -115,8 +115,8 @@ def _blend(shape, edges, picture, first_x, first_y, past_x, past_y):  # type: ig
 
 @njit(cache=True, nogil=True)
 def _edges(shape, edges):  # type: ignore[no-untyped-def]
-    """Into `edges`, of each edge a, b, c: a x + b y + c is how far inside the edge a point lies, pixels. Points may go round
-    either way."""
+    """Write (a, b, c) of each edge to `edges`: a x + b y + c is the distance of a point inside the edge, in pixels. Corners may
+    be in either orientation."""
     area = 0.0
     for i in range(4):
         j = (i + 1) % 4
@@ -127,7 +127,7 @@ def _edges(shape, edges):  # type: ignore[no-untyped-def]
         dx, dy = shape[X + j] - shape[X + i], shape[Y + j] - shape[Y + i]
         length = np.hypot(dx, dy)
         if length < 1e-9:
-            edges[i, 0], edges[i, 1], edges[i, 2] = 0.0, 0.0, 1.0  # a corner cuts nothing off
+            edges[i, 0], edges[i, 1], edges[i, 2] = 0.0, 0.0, 1.0  # a degenerate edge clips nothing
             continue
         a, b = -turn * dy / length, turn * dx / length
         edges[i, 0], edges[i, 1], edges[i, 2] = a, b, -a * shape[X + i] - b * shape[Y + i]
@@ -135,7 +135,7 @@ def _edges(shape, edges):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def shift_texture(texture, left, top, picture):  # type: ignore[no-untyped-def]
-    """The part of a texture whose corner is at (left, top), fractions of a pixel included, by bilinear interpolation."""
+    """Copy the part of a texture with its corner at (left, top), which may be fractional, by bilinear interpolation."""
     column, row = int(np.floor(left)), int(np.floor(top))
     u, v = left - column, top - row
     for y in range(picture.shape[0]):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The events that pixels make by themselves: the same ones however time is cut into steps."""
+"""Spontaneous events of pixels, independent of how time is divided into steps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CHUNK = 4096
 
 
 class Spontaneous:
-    """Background activity and leak, Poisson processes over the sensor, and hot pixels, which keep time.
+    """Background activity and leak, which are Poisson processes over the sensor, and hot pixels, which fire periodically.
 
     Attributes:
         hot: (hot_pixels, 2) int64, x and y.
@@ -42,8 +42,8 @@ class Spontaneous:
         self._last_us = 0.0
 
     def between(self, from_us: int, to_us: int) -> NDArray[np.void]:
-        """Those in (from_us, to_us], of dtype `OWN`, by time, with times counted from `from_us`; each call goes on where the
-        last one ended."""
+        """The events in (from_us, to_us], of dtype `OWN`, by time, relative to `from_us`; each call must continue where the
+        previous one ended."""
         own = self._background(to_us)
         if len(self.hot):
             own = np.concatenate((own, self._beats(from_us, to_us)))
@@ -52,7 +52,7 @@ class Spontaneous:
         return own
 
     def _background(self, to_us: int) -> NDArray[np.void]:
-        """Drawn in chunks ahead of time; what is not due yet stays."""
+        """Background events up to `to_us`, drawn ahead in chunks; later ones are kept."""
         chunks = [self._ahead]
         while self._rate_hz and self._last_us <= to_us:
             chunks.append(self._chunk())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What vehicles look like from behind and above: faces of a body and a cabin, as parts of width, height and length."""
+"""Vehicle shapes seen from behind and above: faces of a body and a cabin, in fractions of width, height and length."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 
 __all__ = ["FACES", "SHADOW", "outline"]
 
-SHADOW = 0  # the face that is no part of the vehicle's box
+SHADOW = 0  # the face that is not part of the vehicle's box
 FACES = 10
 
-_GLASS, _DARK, _SHADE = -0.9, -0.7, -0.45  # log intensity, as a part of the contrast
+_GLASS, _DARK, _SHADE = -0.9, -0.7, -0.45  # log intensity, as a fraction of the contrast
 _ROOF_SHINE = 0.25
 
 
 def _across_face(half: float, low: tuple[float, float], half_high: float, high: tuple[float, float]) -> list[list[float]]:
-    """From side to side, between two lines across at (up, along)."""
+    """A face across the vehicle, between two transverse lines at (up, along)."""
     return [[-half, *low], [half, *low], [half_high, *high], [-half_high, *high]]
 
 
@@ -25,7 +25,7 @@ def _side_face(across: float, *points: tuple[float, float]) -> list[list[float]]
 
 
 def _faces(body: float) -> list[list[list[float]]]:
-    """The faces of a vehicle whose body reaches up to this part of its height: those behind come first."""
+    """The faces of a vehicle whose body has this fraction of its height, the farthest first."""
     cabin = (body, 0.12), (body, 0.75), (1.0, 0.65), (1.0, 0.25)
     sides = (0.08, 0.0), (body, 0.0), (body, 1.0), (0.08, 1.0)
     return [

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The box experiment: bright and dark boxes on known paths, seen by an ideal event camera with noise.
 
-Boxes are panes: where two overlap, their changes of log intensity add up, so each keeps its own contour. Boxes at rest from
-the start, or stopped, are silent.
+Boxes are transparent: where two overlap, their changes of log intensity add up, so each keeps its own contour. Boxes at rest
+cause no events.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _LANE_SHARE = 0.28
 
 @dataclass(frozen=True)
 class BoxExperiment:
-    """The box experiment's settings; limits and meanings in `BOX_RANGES`. `speed` picks the paper's slow or fast situation,
+    """The box experiment's settings; limits and meanings in `BOX_RANGES`. `speed` selects the paper's slow or fast situation,
     or, with "both", slow boxes in the upper half and fast ones in the lower.
 
     Raises:
@@ -83,13 +83,13 @@ class BoxExperiment:
 
     @property
     def boxes(self) -> tuple[Box, ...]:
-        """The objects on their paths: known before anything is simulated, and the same for every seed."""
+        """The objects on their paths, which do not depend on the seed."""
         side = self.side_px or round(_LANE_SHARE * self.height / LANES)
         return cast((self.width, self.height), self.duration_us, self.speeds_px_s, side)
 
 
 def simulate(config: BoxExperiment) -> Scene:
-    """Events in [0, duration_us) and truth every `truth_step_us`; equal settings give equal bytes."""
+    """Events in [0, duration_us) and truth every `truth_step_us`; equal settings give identical results."""
     random = np.random.default_rng(config.seed)
     boxes = config.boxes
     keys = [_noise(config, random)]
@@ -118,8 +118,8 @@ def _noise(config: BoxExperiment, random: np.random.Generator) -> NDArray[np.int
 
 
 def _edges(config: BoxExperiment, box: Box) -> NDArray[np.int64]:
-    """Events of a moving contour, free of noise."""
-    # Two contours sweep the area that the path covers; where turns need more room than that, ask again.
+    """Events of a moving contour, without noise."""
+    # Estimate: two contours sweep the area of the path; with turns, more room may be needed, then repeat.
     swept = abs(np.diff(box.x)).sum() * box.height + abs(np.diff(box.y)).sum() * box.width
     keys = np.empty(int(2 * config.contrast_steps * swept), np.int64)
     needed = _fill(config, box, keys)
@@ -147,7 +147,7 @@ def _flicker(config: BoxExperiment, box: Box, random: np.random.Generator) -> ND
     moving = (np.diff(box.x) != 0) | (np.diff(box.y) != 0)
     moving_us = float(np.diff(box.t_us)[moving].sum())
     count = random.poisson(config.flicker_hz_per_px * 2 * (box.width + box.height) * moving_us * 1e-6)
-    # Uniform over the moving legs: one clock that only runs while the box moves.
+    # Uniform over the moving legs: the clock runs only while the box moves.
     clock = np.concatenate(([0.0], np.cumsum(np.diff(box.t_us) * moving)))
     leg = np.searchsorted(clock, elapsed := random.uniform(0, moving_us, count), side="right") - 1
     t_us = (box.t_us[leg] + elapsed - clock[leg]).astype(np.int64)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The actors of the box experiment: six lanes, each with one part of a tracker's life to show.
+"""The boxes of the box experiment: six lanes, each of which tests one aspect of a tracker.
 
-From the top: a box that keeps going (and drifts down: a slanted path), two that meet and cross, one that stops and starts
-again, one that keeps going, two that meet and cross, and one that leaves for good before another enters. With both speeds
-the upper three lanes are slow and the lower three fast.
+From the top: a box in continuous motion (with a downward drift: a slanted path), two that meet and cross, one that stops and
+restarts, one in continuous motion, two that meet and cross, and one that leaves before another enters. With both speeds the
+upper three lanes are slow and the lower three fast.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _Path = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _bounce(x: float, speed_px_s: float, start_us: float, end_us: float, walls: tuple[float, float]) -> _Path:
-    """Times and positions of turns, between two walls at constant speed; from outside a wall the way in is the first leg."""
+    """Times and positions of turns, between two walls at constant speed; a start outside a wall adds the way in as a leg."""
     per_us = speed_px_s * 1e-6
     times, places = [start_us], [x]
     while times[-1] < end_us:
@@ -39,7 +39,7 @@ def _bounce(x: float, speed_px_s: float, start_us: float, end_us: float, walls: 
 
 
 def _with_pause(path: _Path, start_us: float, end_us: float) -> _Path:
-    """The same way, interrupted from `start_us` to `end_us`."""
+    """The same path, interrupted from `start_us` to `end_us`."""
     times, places = path
     before = times < start_us
     stop = float(np.interp(start_us, times, places))
@@ -50,7 +50,7 @@ def _with_pause(path: _Path, start_us: float, end_us: float) -> _Path:
 
 
 def cast(sensor: tuple[int, int], duration_us: int, speeds_px_s: tuple[float, ...], side_px: float) -> tuple[Box, ...]:
-    """The boxes before a sensor of (width, height) pixels, one speed per lane, squares of `side_px` pixels."""
+    """The boxes for a sensor of (width, height) pixels, with one speed per lane, squares of `side_px` pixels."""
     width, height = sensor
     lane = height / LANES
     walls = (side_px / 2 - 0.5, width - 0.5 - side_px / 2)
@@ -64,7 +64,7 @@ def cast(sensor: tuple[int, int], duration_us: int, speeds_px_s: tuple[float, ..
         return Box(side_px, side_px, brighter, times, x, y)
 
     def pair(row: int) -> list[Box]:
-        # Far enough apart to meet half way through, or as far as the walls allow.
+        # Far enough apart to meet at half time, or as far as the walls allow.
         apart = min(walls[1] - middle, speeds_px_s[row] * end * 0.5e-6)
         return [
             box(row, _bounce(middle - apart, speeds_px_s[row], 0.0, end, walls), True),
@@ -73,7 +73,7 @@ def cast(sensor: tuple[int, int], duration_us: int, speeds_px_s: tuple[float, ..
 
     stop_us, go_us = (share * end for share in _STOP)
     stopping = _with_pause(_bounce(walls[0], speeds_px_s[2], 0.0, end - (go_us - stop_us), walls), stop_us, go_us)
-    # The way out, told backwards from the moment when the box has left.
+    # The way out, computed backwards from the time when the box has left.
     backwards, way_out = _bounce(outside[1], -speeds_px_s[5], 0.0, _LEAVES * end, walls)
     leaving = (_LEAVES * end - backwards)[::-1], way_out[::-1]
     return (

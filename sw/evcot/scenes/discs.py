@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Discs that bounce off the walls: crossing each other's ways, the later ones in front, or each in a lane of its own."""
+"""Discs that bounce off the walls: crossing each other, the later ones in front, or each in its own lane."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Discs(StageSettings):
 
 
 def simulate(settings: Discs) -> Scene:
-    """See `stage.film`; object_id is the disc's place from the farthest, 0, to the nearest."""
+    """See `stage.film`; object_id is the disc's depth order, from the farthest, 0, to the nearest."""
     return film(_Stage(settings), settings)
 
 
@@ -78,7 +78,7 @@ class _Stage:
         self._speed = speed * np.stack((np.cos(angle), np.where(angle == np.pi, 0.0, np.sin(angle))))
 
     def _motion(self, t_us: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Centres and velocities, (2, count): straight on, folded back at the walls."""
+        """Centres and velocities, (2, count): straight motion, reflected at the walls."""
         way = (self._start + self._speed * (t_us * 1e-6)) % (2 * self._room)
         back = way > self._room
         return self._low + np.where(back, 2 * self._room - way, way), np.where(back, -self._speed, self._speed)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events from frames: a folder of images or a video file before a `PixelCamera`. What really moved is not known: no truth.
+"""Events from frames: a folder of images or a video file, seen by a `PixelCamera`. There is no ground truth.
 
-Frames are taken for sRGB and turned into linear light by its transfer function (IEC 61966-2-1), then into luminance (ITU-R
-BT.709), and log intensity is log(luminance + offset). Between frames light runs in a straight line, so footage should be fast
-enough for nothing to move much more than a pixel from frame to frame.
+Frames are assumed to be sRGB and converted to linear light by its transfer function (IEC 61966-2-1), then to luminance (ITU-R
+BT.709); log intensity is log(luminance + offset). Between frames it is interpolated linearly, so the frame rate should be high
+enough that nothing moves much more than a pixel per frame.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ TIMES_FILE = "timestamps.txt"
 
 FOOTAGE_RANGES: dict[str, Range] = {
     "fps": (0.0, 1e6, "frames per second; 0 for the file's own times"),
-    "shrink": (1, 64, "so many pixels a side of the frame become one"),
+    "shrink": (1, 64, "binning factor: pixels per side of the frame that are averaged to one"),
     "offset": (1e-4, 1.0, "added to luminance before the logarithm; white is 1"),
     "duration_us": (0, 10**15, "how much of it; 0 for all"),
     "seed": (0, 2**63 - 1, "seed of mismatch and noise"),
@@ -41,7 +41,7 @@ _LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 @dataclass(frozen=True)
 class Footage:
-    """How frames are seen; limits and meanings in `FOOTAGE_RANGES`.
+    """Settings of the conversion from frames; limits and meanings in `FOOTAGE_RANGES`.
 
     Raises:
         ConfigError: a value outside its range.
@@ -59,17 +59,17 @@ class Footage:
 
 
 class Film:
-    """Frames of one size, in turn.
+    """A sequence of frames of one size.
 
     Attributes:
-        width, height: of the sensor that sees them, pixels.
+        width, height: of the sensor, in pixels.
     """
 
     def __init__(self, name: str, frames: Iterator[tuple[float | None, NDArray[np.uint8]]], footage: Footage) -> None:
         """
         Args:
             name: for messages.
-            frames: time in seconds, None where it is not known, and (height, width, 3) sRGB.
+            frames: time in seconds, None if unknown, and (height, width, 3) sRGB.
         """
         self._name = name
         self._frames = frames
@@ -84,10 +84,10 @@ class Film:
             raise ConfigError(f"footage.shrink = {footage.shrink}: must leave a pixel of {self._shape[1]}x{self._shape[0]}")
 
     def events(self) -> Iterator[Events]:
-        """The events between each frame and the next; can be asked for once.
+        """The events between each frame and the next; can be iterated only once.
 
         Raises:
-            RecordingError: a frame cannot be read, is of another size, or has no time or one that does not advance.
+            RecordingError: a frame cannot be read, has another size, or has no time or one that does not advance.
         """
         footage = self._footage
         camera = PixelCamera(footage.pixel, self.width, self.height, footage.seed)
@@ -125,7 +125,7 @@ def open_film(path: Path | str, footage: Footage) -> Film:
 
     Raises:
         ConfigError: PyAV is missing, or the settings leave no pixel.
-        RecordingError: no such file, no images, or the first one cannot be read; names the file and the rule.
+        RecordingError: the file does not exist, there are no images, or the first one cannot be read; names file and rule.
     """
     path = Path(path)
     frames = _images(path, footage) if path.is_dir() else _video(path)
@@ -165,7 +165,7 @@ def _images(folder: Path, footage: Footage) -> Iterator[tuple[float | None, NDAr
 
 def _times(path: Path, count: int) -> list[float]:
     if not path.exists():
-        raise RecordingError(f"{path}: is missing: must hold a time in seconds for each image, or frames per second be given")
+        raise RecordingError(f"{path}: is missing: must hold a time in seconds for each image, or fps must be given")
     try:
         lines = path.read_text(encoding="utf-8").split()
     except (OSError, UnicodeDecodeError) as error:

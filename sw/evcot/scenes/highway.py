@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A motorway from a bridge: cars drive away towards the vanishing point, one comes the wrong way, one stops and drives on.
+"""A motorway seen from a bridge: cars drive towards the vanishing point, one drives the wrong way, one stops and continues.
 
-Lengths are in metres: across the road from the camera to the right, up from the road, and along it from the camera. A pinhole
-camera whose picture plane stands upright projects (across, up, along) to
+Lengths are in metres: across the road to the right of the camera, up from the road, and along it from the camera. A pinhole
+camera with a vertical image plane projects (across, up, along) to
 
     x = vanishing x + focal * across / along,    y = vanishing y + focal * (camera height - up) / along.
 """
@@ -27,11 +27,11 @@ from .truth import TRUTH, Label
 
 __all__ = ["Highway", "simulate"]
 
-_WIDTH = 346  # the sensor for which the next three are given; others see the same at their own scale
+_WIDTH = 346  # sensor width for which the next three are given; scaled for other sensors
 _FOCAL_PX = 1_000.0
 _VANISHING_PX = 150.0, -54.0
-_LEAST_M = 2.0  # nearer, nothing is projected
-_MARGIN_PX = 4.0  # so far off the sensor a vehicle is put on the stage
+_LEAST_M = 2.0  # minimum distance for projection
+_MARGIN_PX = 4.0  # distance outside the sensor at which a vehicle is created
 
 
 def _pixel() -> PixelModel:
@@ -74,12 +74,12 @@ class Highway(StageSettings):
 
 
 def simulate(settings: Highway) -> Scene:
-    """See `stage.film`. The truth has a vehicle while its box is on the sensor. With the story, object_id 0 comes the wrong
-    way, 1 stops on the shoulder, 2 overtakes the lorry 3; then come the planted anomalies, by kind, which have labels; then
+    """See `stage.film`. The truth has a vehicle while its box is on the sensor. With the story, object_id 0 drives the wrong
+    way, 1 stops on the shoulder, 2 overtakes the lorry 3; then follow the planted anomalies, by kind, which have labels; then
     the others in the order in which they enter the road.
 
     Raises:
-        ConfigError: more anomalies than the scene has time for.
+        ConfigError: more anomalies than fit into the duration of the scene.
     """
     stage = _Stage(settings)
     scene = film(stage, settings)
@@ -135,7 +135,7 @@ class _Stage:
         return objects[np.argsort(seen)]
 
     def labels(self, samples: NDArray[np.void]) -> tuple[Label, ...]:
-        """What the planted do while they are visible."""
+        """Labels of the planted anomalies while they are visible."""
         labels = []
         for object_id, planted in enumerate(self._planted, self._first_planted):
             t_us = samples["t_us"][(samples["object_id"] == object_id) & samples["visible"]]
@@ -145,7 +145,7 @@ class _Stage:
         return tuple(labels)
 
     def _project(self, t_us: float) -> tuple[NDArray[Any], ...]:
-        """The vehicles in the picture, the farthest first; places and speeds of their corners there, (n, FACES, 4) each."""
+        """The vehicles in the picture, the farthest first; positions and speeds of their corners in it, (n, FACES, 4) each."""
         now = self._traffic.at(t_us * 1e-6)
         near_m = self._near_m * (1 - self._traffic.height_m / self._height_m) - self._traffic.length_m
         seen = np.flatnonzero((now.along_m > np.maximum(near_m, _LEAST_M)) & (now.along_m < self._far_m))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Insects, small and fast, on random ways, before grass that waves and water that glints."""
+"""Small, fast insects on random paths, in front of waving grass and glinting water."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _WAVE_HZ = (0.5, 1.6)
 
 @dataclass(frozen=True)
 class Insects(StageSettings):
-    """Dark dots that fly straight for a while, then turn; grass and glints are no objects of the truth."""
+    """Dark dots that fly straight for some time, then turn; grass and glints are not objects of the truth."""
 
     NAME: ClassVar[str] = "insects"
     RANGES: ClassVar[dict[str, Range]] = {
@@ -52,7 +52,7 @@ class Insects(StageSettings):
 
 
 def simulate(settings: Insects) -> Scene:
-    """See `stage.film`. Insects fly before the grass; where two meet, the later is in front."""
+    """See `stage.film`. Insects fly in front of the grass; where two overlap, the later is in front."""
     return film(_Stage(settings), settings)
 
 
@@ -68,7 +68,7 @@ class _Stage:
         self._glint_phase = random.uniform(0, 2 * np.pi, settings.glints)
 
     def _fly(self, settings: Insects, random: np.random.Generator) -> None:
-        """Turns of all insects at common moments: times (k,), ways from the start (2, k, count), speeds (2, k - 1, count)."""
+        """Turns of all insects at common times (k,): displacements from the start (2, k, count), speeds (2, k - 1, count)."""
         turns = int(settings.duration_us * 1e-6 / _TURN_S) + 2
         self._turns_s = np.arange(turns + 1) * _TURN_S
         angle = random.uniform(0, 2 * np.pi, settings.count)
@@ -88,7 +88,7 @@ class _Stage:
         self._blade_tone = np.exp(random.uniform(-0.6, 0.3, settings.blades))
 
     def _motion(self, t_us: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Places and velocities, (2, count): straight on from the last turn, folded back at the walls."""
+        """Positions and velocities, (2, count): straight motion since the last turn, reflected at the walls."""
         t_s = t_us * 1e-6
         leg = min(int(np.searchsorted(self._turns_s, t_s, side="right")) - 1, self._speeds.shape[1] - 1)
         speed = self._speeds[:, leg]

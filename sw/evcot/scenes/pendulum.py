@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A damped pendulum: a bob on a rod, hung from the middle of the upper edge.
+"""A damped pendulum: a bob on a rod, suspended from the middle of the upper edge.
 
-The angle from the vertical is that of small swings, angle * exp(-t / damping) * cos(2 pi t / period).
+The angle from the vertical is that of small oscillations, angle * exp(-t / damping) * cos(2 pi t / period).
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class _Stage:
         self.background = texture(settings, np.random.default_rng(settings.seed), 3.0, 0.05)
 
     def _swing(self, t_us: float) -> tuple[float, float]:
-        """Angle and its speed, radians and radians per second."""
+        """Angle and angular velocity, in radians and radians per second."""
         settings, t_s = self._settings, t_us * 1e-6
         turn = 2 * np.pi / settings.period_s
         size = np.radians(settings.angle_deg) * np.exp(-t_s / settings.damping_s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An event camera, pixel by pixel: an event wherever log intensity has moved by a threshold, dI = pK."""
+"""Pixel model of an event camera: a pixel emits an event when log intensity has changed by a threshold, dI = pK."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ _SPAN_MAX_US = 1 << 30
 
 @dataclass(frozen=True)
 class PixelModel:
-    """What every pixel does; limits and meanings in `MODEL_RANGES`.
+    """Settings of the pixels; limits and meanings in `MODEL_RANGES`.
 
     Thresholds of the pixels are normally distributed around the nominal ones, ON and OFF independently, and at least a tenth of
-    them. Background activity and leak are Poisson processes; a hot pixel fires as regularly as a clock, always with one
-    polarity. Every event starts the refractory time and resets the memory: with a refractory time, to the log intensity at its
-    end (what changes meanwhile is lost); without, by one threshold, or, where the pixel fired by itself, to the log intensity.
+    them. Background activity and leak are Poisson processes; a hot pixel fires periodically, always with one polarity. Every
+    event starts the refractory time and resets the stored value: with a refractory time, to the log intensity at its end
+    (changes in between are lost); without, by one threshold, or, for a spontaneous event, to the current log intensity.
 
     Raises:
         ConfigError: a value outside its range.
@@ -58,7 +58,7 @@ class PixelModel:
 
 
 class PixelCamera:
-    """Frames in, events out.
+    """Converts frames to events.
 
     Attributes:
         on_threshold, off_threshold: (height, width) thresholds of the pixels.
@@ -90,16 +90,16 @@ class PixelCamera:
         self._head = np.full(self._shape, -1, np.int64)
 
     def step(self, frame: NDArray[np.float64], t_us: int, changed: NDArray[np.int64] | None = None) -> Events:
-        """The events after the last frame up to this one, in time order; of the first frame, none.
+        """The events after the previous frame up to this one, in time order; none for the first frame.
 
         Args:
             frame: (height, width) float64, log intensity to base e.
-            t_us: time of the frame, later than the last one's.
-            changed: (n, 4) int64 left, top, right, bottom, half open: where the frame may differ from the last one. Nothing
-                else of the frame is looked at, so that the cost follows motion, not the sensor. None: everywhere.
+            t_us: time of the frame, later than that of the previous one.
+            changed: (n, 4) int64 left, top, right, bottom, half open: where the frame may differ from the previous one. The
+                rest of the frame is not read, so that the cost depends on motion, not on sensor size. None: everywhere.
 
         Raises:
-            ConfigError: a frame of another size, a rectangle outside it, time that does not advance or leaps by more than
+            ConfigError: a frame of another size, a rectangle outside it, a time that does not advance or advances by more than
                 2**30 us, or a log intensity that is not a number from -100 to 100.
         """
         if frame.shape != self._shape or frame.dtype != np.float64:
@@ -126,7 +126,7 @@ class PixelCamera:
         return events
 
     def _begin(self, frame: NDArray[np.float64], t_us: int) -> None:
-        """Pixels that have been looking at this frame for ever."""
+        """Initialise the pixels to a steady state on this frame."""
         sound = abs(frame) <= LOG_INTENSITY_MAX
         if not sound.all():
             y, x = np.argwhere(~sound)[0].tolist()

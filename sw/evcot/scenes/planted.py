@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What does not belong on the highway: wrong-way drivers, cars that stop, people and animals that cross, people who loiter on
-the shoulder, speeders. Each has a label that says what it does and when."""
+"""Planted anomalies on the highway: wrong-way drivers, cars that stop, people and animals that cross, people who loiter on the
+shoulder, speeders. Each has a label with its kind and time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _TRIES = 200
 
 
 class Road(NamedTuple):
-    """What is in sight, metres along, and the mean speed there."""
+    """The visible part of the road, in metres along, and the mean speed on it."""
 
     near_m: float
     far_m: float
@@ -28,7 +28,7 @@ class Road(NamedTuple):
 
 
 class Planted(NamedTuple):
-    """One anomaly: who, what kind (of `KINDS`), and from when to when, seconds; it may be out of sight for a part of that."""
+    """One anomaly: vehicle, kind (of `KINDS`), begin and end in seconds; it may be out of sight for a part of that time."""
 
     vehicle: Vehicle
     kind: str
@@ -90,10 +90,10 @@ KINDS: Mapping[str, Callable[[Road, np.random.Generator], Planted]] = {
 def plant(
     counts: Mapping[str, int], road: Road, duration_s: float, others: Sequence[Vehicle], random: np.random.Generator
 ) -> list[Planted]:
-    """So many of each kind, at random times, meeting none of the others; those that take longest come first.
+    """Place `counts` anomalies of each kind at random times so that none meet; the longest are placed first.
 
     Raises:
-        ConfigError: the scene is too short for them.
+        ConfigError: they do not fit into the duration of the scene.
     """
     planted: list[Planted] = []
     for kind in [name for name in KINDS for _ in range(counts[name])]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All scenes by name; what simulates one is imported when it is wanted."""
+"""The registry of scenes by name; a scene's module is imported when it is first used."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class SceneKind:
     """A scene.
 
     Attributes:
-        title: what it shows, in one line.
-        module: of this package; its `simulate` simulates the scene.
-        settings_class: there; its defaults are the scene.
+        title: one-line description.
+        module: module of this package whose `simulate` simulates the scene.
+        settings_class: name of its settings class, whose defaults describe the scene.
     """
 
     title: str
@@ -64,10 +64,10 @@ def simulate_scene(name: str, seed: int = 1, overrides: Mapping[str, Any] | None
 
 
 def scene_settings(name: str, seed: int = 1, overrides: Mapping[str, Any] | None = None) -> Any:
-    """A scene's settings: its defaults, `seed`, and `overrides` as of `adjusted`.
+    """A scene's settings: its defaults with `seed` and `overrides`, see `adjusted`.
 
     Raises:
-        ConfigError: no such scene or setting, or a value outside its range.
+        ConfigError: unknown scene or setting, or a value outside its range.
     """
     if name not in SCENES:
         raise ConfigError(f"scene {name!r}: must be one of {', '.join(SCENES)}")
@@ -75,10 +75,10 @@ def scene_settings(name: str, seed: int = 1, overrides: Mapping[str, Any] | None
 
 
 def adjusted(name: str, settings: Any, overrides: Mapping[str, Any]) -> Any:
-    """Settings with some fields replaced: their own, or those of their pixel model. Text is read as the field's kind of value.
+    """Settings with some fields replaced, including those of the pixel model. Text is parsed as the type of the field.
 
     Raises:
-        ConfigError: no such field, or a value outside its range.
+        ConfigError: unknown field, or a value outside its range.
     """
     pixel = getattr(settings, "pixel", None)
     known = asdict(settings)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every simulated scene is."""
+"""The result of a simulated scene."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Scene"]
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A simulated recording, the truth about it, and the seed that made it."""
+    """A simulated recording, its ground truth, and the seed."""
 
     recording: Recording
     truth: Truth

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A camera that trembles before a textured wall, and boxes that cross it.
+"""A shaking camera in front of a textured wall, and boxes that cross it.
 
-The picture moves by the sum of a few sines of random frequency and phase, across and down independently; everything moves with
-it, so the truth contains it.
+The picture moves by the sum of a few sines of random frequency and phase, independent in x and y; this motion is included in
+the truth.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _SPREAD = 0.5  # of frequencies around the mean
 
 @dataclass(frozen=True)
 class Shake(StageSettings):
-    """Boxes in straight motion that enter again on the other side, seen by a shaken camera.
+    """Boxes in straight motion that re-enter on the other side, seen by a shaking camera.
 
     Raises:
         ConfigError: a value outside its range, or boxes higher than their lanes.
@@ -62,7 +62,7 @@ class Shake(StageSettings):
 
 
 def simulate(settings: Shake) -> Scene:
-    """See `stage.film`; object_id counts the lanes from the top."""
+    """See `stage.film`; object_id is the number of the lane from the top."""
     return film(_Stage(settings), settings)
 
 

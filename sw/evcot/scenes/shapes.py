@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What scenes are drawn with: filled discs and convex quadrangles, each of one brightness.
+"""Shapes of scenes: filled discs and convex quadrangles, each of uniform brightness.
 
 Shapes are rows of an (n, 11) float64 array, the farthest first: KIND, OBJECT, INTENSITY, then four x and four y in event
 coordinates (the centre of pixel (x, y) lies at (x, y)). A disc has its centre in the first point and its radius in the second
-x. OBJECT is the `object_id` of the truth, or negative for what is no object; all rows of one object follow each other.
-INTENSITY is linear, the background's being around 1.
+x. OBJECT is the `object_id` of the truth, or negative for what is not an object; rows of one object must be contiguous.
+INTENSITY is linear; that of the background is around 1.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ DISC, QUADRANGLE = 0.0, 1.0
 
 
 def discs(objects: ArrayLike, x: ArrayLike, y: ArrayLike, radius_px: ArrayLike, intensity: ArrayLike) -> NDArray[np.float64]:
-    """One disc per entry; single values stand for all."""
+    """One disc per entry; scalars are broadcast."""
     columns = np.broadcast_arrays(*(np.atleast_1d(part) for part in (objects, x, y, radius_px, intensity)))
     shapes = np.zeros((len(columns[0]), _COLUMNS))
     shapes[:, KIND] = DISC
@@ -32,7 +32,7 @@ def discs(objects: ArrayLike, x: ArrayLike, y: ArrayLike, radius_px: ArrayLike, 
 def quadrangles(
     objects: ArrayLike, x: NDArray[np.float64], y: NDArray[np.float64], intensity: ArrayLike
 ) -> NDArray[np.float64]:
-    """One convex quadrangle per row of `x` and `y`, (n, 4), its corners in turn."""
+    """One convex quadrangle per row of `x` and `y`, (n, 4), with its corners in order."""
     shapes = np.empty((len(x), _COLUMNS))
     shapes[:, KIND], shapes[:, OBJECT], shapes[:, INTENSITY] = QUADRANGLE, objects, intensity
     shapes[:, X : X + 4], shapes[:, Y : Y + 4] = x, y

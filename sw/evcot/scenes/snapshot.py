@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings side by side, a few milliseconds of each.
+"""Picture of recordings side by side, a few milliseconds of each.
 
     python -m evcot.scenes.snapshot real.aedat4 simulated.aedat4 -o both.png --at 1.0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Filming a stage: shapes that move before a background, drawn as often as their motion needs, seen by a `PixelCamera`."""
+"""Film a stage: shapes moving in front of a background, rendered as often as their motion requires, seen by a `PixelCamera`."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from .truth import TRUTH, Truth, on_sensor
 
 __all__ = ["MARGIN_PX", "Stage", "StageSettings", "film", "texture"]
 
-MARGIN_PX = 16  # of a background, on every side: as far as a camera may shake
+MARGIN_PX = 16  # of a background, on every side: limit of camera shake
 
-_MOVE_PX = 0.5  # the farthest that anything moves between two frames
-_AIM = 0.9  # of that, so that a step seldom has to be taken twice
+_MOVE_PX = 0.5  # maximum displacement between two frames
+_AIM = 0.9  # fraction of that to aim for, so that a step rarely has to be repeated
 _STEP_MAX_US = 5_000
 
 STAGE_RANGES: dict[str, Range] = {
@@ -37,7 +37,7 @@ STAGE_RANGES: dict[str, Range] = {
 
 @dataclass(frozen=True)
 class StageSettings:
-    """What the settings of all filmed scenes share; limits and meanings in `STAGE_RANGES`.
+    """Settings common to all filmed scenes; limits and meanings in `STAGE_RANGES`.
 
     Raises:
         ConfigError: a value outside its range.
@@ -58,22 +58,22 @@ class StageSettings:
 
 
 class Stage(Protocol):
-    """What is filmed. `background`: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity."""
+    """Interface of a scene to be filmed. `background`: (height + 2 MARGIN_PX, width + 2 MARGIN_PX) linear intensity."""
 
     background: NDArray[np.float64]
 
     def shapes(self, t_us: float) -> NDArray[np.float64]:
-        """What stands before the background, the farthest first; see `shapes`."""
+        """The shapes in front of the background, the farthest first; see `shapes`."""
 
     def objects(self, t_us: float) -> NDArray[np.void]:
         """Position, size and velocity of each object, of dtype `TRUTH`, by `object_id`; the other fields are not set."""
 
     def shift(self, t_us: float) -> tuple[float, float]:
-        """How far the background is from its place, pixels right and down, at most MARGIN_PX - 1."""
+        """Displacement of the background, pixels right and down, at most MARGIN_PX - 1."""
 
 
 def film(stage: Stage, settings: StageSettings) -> Scene:
-    """Events in [0, duration_us) and truth every `truth_step_us`; equal settings give equal bytes."""
+    """Events in [0, duration_us) and truth every `truth_step_us`; equal settings give identical results."""
     width, height, end_us = settings.width, settings.height, settings.duration_us
     camera = PixelCamera(settings.pixel, width, height, settings.seed)
     canvas = _Canvas(stage, width, height)
@@ -110,7 +110,7 @@ def _samples(stage: Stage, times_us: Iterable[int], sensor: tuple[int, int]) -> 
 
 
 class _Canvas:
-    """A frame that is drawn again only where something has moved."""
+    """A frame that is redrawn only where something has moved."""
 
     def __init__(self, stage: Stage, width: int, height: int) -> None:
         self._stage = stage
@@ -124,7 +124,7 @@ class _Canvas:
         self.draw(self._everywhere)
 
     def look(self, t_us: int) -> tuple[NDArray[np.int64], float]:
-        """The rectangles that change until `t_us`, and how far anything moves, pixels."""
+        """The rectangles that change until `t_us`, and the largest displacement, in pixels."""
         self._next, self._next_shift = self._stage.shapes(t_us), self._stage.shift(t_us)
         changed, moved_px = changes(self._shapes, self._next, *self._size)
         if self._next_shift != self._shift:
@@ -133,7 +133,7 @@ class _Canvas:
         return changed, moved_px
 
     def draw(self, changed: NDArray[np.int64]) -> None:
-        """Bring the frame to the moment that `look` has looked at."""
+        """Update the frame to the time of the last call of `look`."""
         if self._next_shift != self._shift:
             self._shift = self._next_shift
             self._move_background()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What events of a recording look like as numbers, so that a simulated one can be held against a real one.
+"""Statistics of the events of a recording, to compare simulated with real ones.
 
     python -m evcot.scenes.statistics real.aedat4 simulated.aedat4
 
@@ -30,15 +30,15 @@ HOT_FACTOR = 10.0  # a pixel is hot from this many times the 99.9th percentile o
 
 @dataclass(frozen=True, eq=False)
 class Statistics:
-    """Of one recording.
+    """Statistics of one recording.
 
     Attributes:
         events_per_s: of all pixels together.
-        on_share: part of the events that are ON.
-        hot: (n, 3) int64, x, y and events per second of pixels far above all others; the following leave them out.
+        on_share: share of ON events.
+        hot: (n, 3) int64, x, y and events per second of pixels far above all others; excluded from the following fields.
         pixel_hz: (width * height - n,) events per second of each pixel.
         intervals_us: (m,) times from an event of a pixel to its next.
-        silent_share: part of the pixels without an event.
+        silent_share: share of pixels without events.
     """
 
     events_per_s: float
@@ -53,7 +53,7 @@ class Statistics:
 
 
 def statistics(recording: Recording) -> Statistics:
-    """Of a recording with at least two events at different times; of any other, rates are 0."""
+    """Statistics of a recording; rates are 0 unless it has two events at different times."""
     events, width = recording.events, recording.width
     seconds = recording.duration_us * 1e-6
     pixel = events.y.astype(np.int64) * width + events.x
@@ -72,7 +72,7 @@ def statistics(recording: Recording) -> Statistics:
 
 
 def table(names: Sequence[str], columns: Sequence[Statistics]) -> list[list[str]]:
-    """Rows of text, the first of them the heading."""
+    """Rows of text, beginning with the heading."""
 
     def row(title: str, cells: Sequence[str]) -> list[str]:
         return [title, *cells]

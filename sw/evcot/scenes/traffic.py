@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who drives where on the highway: those with a story, and the others at random, each where it meets nobody."""
+"""Traffic on the highway: vehicles with a story, and random ones, placed so that none collide."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ __all__ = [
 LEFT_M, MIDDLE_M, _RIGHT_M, SHOULDER_M = -3.4, 0.2, 3.8, 7.4  # middles of the lanes, right of the camera
 _LANE_SPEEDS = (1.2, 1.0, 0.85)  # of the mean speed, from the left
 _SPEED_SPREAD = 0.08
-_GAP_M = 5.0  # kept along the road, and a tenth of it across
+_GAP_M = 5.0  # minimum distance along the road, and a tenth of it across
 _BRAKING_M_S2, _STARTING_M_S2 = 6.0, 3.0
 _LANE_CHANGE_S = 2.5
 _CHECK_S = 0.1
-_LATEST = 40  # vehicles that a new one may meet
-_BEFORE_M = 2.0  # so far before the picture begins a vehicle enters the road
+_LATEST = 40  # number of latest vehicles with which a new one may collide
+_BEFORE_M = 2.0  # distance before the visible part at which a vehicle enters the road
 
 
 class Stretch(NamedTuple):
-    """From a moment on: a place along the road, a speed, and a constant acceleration."""
+    """A stretch of motion from a time on: position along the road, speed, and constant acceleration."""
 
     t_s: float
     along_m: float
@@ -46,7 +46,7 @@ class Stretch(NamedTuple):
 
 
 class LaneChange(NamedTuple):
-    """A smooth way across: from when, how long, how far to the right."""
+    """A smooth lateral motion: start time, duration, displacement to the right."""
 
     t_s: float
     lasts_s: float
@@ -55,7 +55,7 @@ class LaneChange(NamedTuple):
 
 @dataclass(frozen=True)
 class Vehicle:
-    """One vehicle: its size, and its way; `along_m` is that of its rear, which always faces the camera."""
+    """One vehicle: size and motion; `along_m` is that of its rear, which always faces the camera."""
 
     is_lorry: bool
     width_m: float
@@ -67,7 +67,7 @@ class Vehicle:
 
 
 class Motion(NamedTuple):
-    """Places and speeds, one per vehicle: middle across, rear along."""
+    """Positions and speeds, one per vehicle: of the middle across, of the rear along."""
 
     across_m: NDArray[np.float64]
     along_m: NDArray[np.float64]
@@ -76,7 +76,7 @@ class Motion(NamedTuple):
 
 
 class Traffic:
-    """All vehicles of a scene; (n,) arrays `is_lorry`, `width_m`, `height_m`, `length_m`, as of `Vehicle`."""
+    """All vehicles of a scene; (n,) arrays `is_lorry`, `width_m`, `height_m`, `length_m`, as in `Vehicle`."""
 
     def __init__(self, vehicles: Sequence[Vehicle]) -> None:
         self.is_lorry = np.array([vehicle.is_lorry for vehicle in vehicles])
@@ -89,7 +89,7 @@ class Traffic:
         self._rows = np.arange(len(vehicles))
 
     def at(self, t_s: float) -> Motion:
-        """Exact places and speeds at a moment."""
+        """Exact positions and speeds at a time."""
         current = np.maximum((self._stretches[:, :, 0] <= t_s).sum(axis=1) - 1, 0)
         begin_s, along_m, speed_m_s, acceleration = self._stretches[self._rows, current].T
         elapsed_s = t_s - begin_s
@@ -104,7 +104,7 @@ class Traffic:
 
 
 def _padded(ways: Sequence[Sequence[tuple[float, ...]]], filler: tuple[float, ...]) -> NDArray[np.float64]:
-    """(n, most, fields), the shorter ones filled up."""
+    """(n, longest, fields), with the shorter ones padded."""
     most = max(1, max(map(len, ways)))
     return np.array([[*way, *[filler] * (most - len(way))] for way in ways])
 
@@ -118,8 +118,8 @@ def traffic(
     road_m: tuple[float, float],
     random: np.random.Generator,
 ) -> Traffic:
-    """Vehicles on a road that is in sight from `road_m` to `road_m` metres along, for `duration_s` from 0 on: first those that
-    are fixed, then others at random."""
+    """Vehicles on a road that is visible over the interval `road_m`, in metres along, for `duration_s` from 0 on: first the
+    given ones, then random ones."""
     vehicles = list(fixed)
     before_s = (road_m[1] - road_m[0]) / speed_m_s
     lasts_s = duration_s + before_s
@@ -138,8 +138,8 @@ def car(across_m: float, *stretches: Stretch, changes: tuple[LaneChange, ...] = 
 
 
 def stopping_car(speed_m_s: float, stop_s: float, go_s: float, stops_at_m: float) -> Vehicle:
-    """A car that brakes in the right lane, stands on the shoulder from `stop_s` to `go_s`, and drives on; `changes` has the way
-    there, which takes as long as braking, and the way back."""
+    """A car that brakes in the right lane, stands on the shoulder from `stop_s` to `go_s`, and drives on; `changes` has the
+    lane change to the shoulder, which takes as long as braking, and the one back."""
     brakes_s, starts_s = 0.8 * speed_m_s / _BRAKING_M_S2, 0.8 * speed_m_s / _STARTING_M_S2
     brakes_at_m = stops_at_m - _BRAKING_M_S2 * brakes_s**2 / 2
     aside = SHOULDER_M - _RIGHT_M
@@ -155,7 +155,7 @@ def stopping_car(speed_m_s: float, stop_s: float, go_s: float, stops_at_m: float
 
 
 def story(duration_s: float, speed_m_s: float) -> list[Vehicle]:
-    """The wrong-way driver, the one that stops, the one that overtakes, and the lorry that is overtaken."""
+    """The wrong-way driver, the car that stops, the car that overtakes, and the lorry that is overtaken."""
     middle_s = 0.5 * duration_s
     overtakes = LaneChange(middle_s - _LANE_CHANGE_S, _LANE_CHANGE_S, MIDDLE_M - _RIGHT_M)
     return [
@@ -178,7 +178,7 @@ def _passer_by(entry_s: float, speed_m_s: float, lorry_share: float, near_m: flo
 
 
 def meets(vehicle: Vehicle, others: Sequence[Vehicle], from_s: float, to_s: float) -> bool:
-    """Whether a vehicle comes too close to one of the others."""
+    """Whether a vehicle gets too close to one of the others."""
     both = Traffic([vehicle, *others])
     half_m, length_m = both.width_m / 2, both.length_m
     for t_s in np.arange(from_s, to_s, _CHECK_S).tolist():

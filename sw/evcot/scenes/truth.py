@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known exactly about a simulated scene; and rectangles on piecewise straight paths.
+"""Exact ground truth of a simulated scene; and rectangles on piecewise linear paths.
 
-Positions are in event coordinates: the centre of pixel (x, y) lies at (x, y), so a truth centre and a tracker's centre of
-mass compare as they are.
+Positions are in event coordinates: the centre of pixel (x, y) is at (x, y), so a truth centre and a tracker's centre of mass
+can be compared directly.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _FORMATS = ("%d", "%d", "%.4f", "%.4f", "%.4f", "%.4f", "%.3f", "%.3f", "%d", "%
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """A rectangle that moves in a straight line from each waypoint to the next, and stands still after the last.
+    """A rectangle that moves in a straight line from each waypoint to the next, and stops at the last.
 
     Attributes:
         width, height: size in pixels.
@@ -60,7 +60,7 @@ class Box:
         return np.interp(t_us, self.t_us, self.x), np.interp(t_us, self.t_us, self.y)
 
     def velocity(self, t_us: NDArray[np.int64] | NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Exact velocity at times of any shape, pixels per second; at a waypoint, that of the stretch after it."""
+        """Exact velocity at times of any shape, pixels per second; at a waypoint, that of the following segment."""
         leg = np.searchsorted(self.t_us, t_us, side="right")
         seconds = np.diff(self.t_us) * 1e-6
         vx, vy = (np.concatenate(([0.0], np.diff(axis) / seconds, [0.0])) for axis in (self.x, self.y))
@@ -68,7 +68,7 @@ class Box:
 
 
 class Label(NamedTuple):
-    """What an object does that does not belong into the scene, and from when to when, both included."""
+    """The anomalous behaviour of an object, with its first and last time, inclusive."""
 
     object_id: int
     kind: str
@@ -93,8 +93,8 @@ class Truth:
     labels: tuple[Label, ...] = ()
 
     def write(self, file: BinaryIO) -> None:
-        """Write the samples as CSV with the columns `TRUTH_COLUMNS`: left and top edge and size of the box, in pixels to 4
-        digits (the sensor begins at -0.5), and velocity, in pixels per second to 3."""
+        """Write the samples as CSV with the columns `TRUTH_COLUMNS`: left and top edge and size of the box, in pixels with 4
+        decimals (the sensor begins at -0.5), and velocity, in pixels per second with 3."""
         samples = self.samples
         left, top = samples["x"] - samples["width"] / 2, samples["y"] - samples["height"] / 2
         columns = (
@@ -105,7 +105,7 @@ class Truth:
         np.savetxt(file, table, _FORMATS, ",", header=",".join(TRUTH_COLUMNS), comments="")
 
     def save(self, path: Path | str, *, force: bool = False) -> None:
-        """`write` to a file, which appears under its name only when it is whole.
+        """`write` to a file, which appears under its name only when it is complete.
 
         Args:
             force: replace a file that exists.
@@ -118,10 +118,10 @@ class Truth:
 
     @classmethod
     def load(cls, path: Path | str) -> Truth:
-        """Samples that `write` has written.
+        """Read samples written by `write`.
 
         Raises:
-            RecordingError: the file is missing, has other columns, or a line that is no sample.
+            RecordingError: the file is missing, has other columns, or an invalid line.
         """
         path = Path(path)
         try:
@@ -150,7 +150,7 @@ class Truth:
 
 
 def sample(boxes: tuple[Box, ...], times_us: NDArray[np.int64], sensor: tuple[int, int]) -> NDArray[np.void]:
-    """`Truth.samples` of boxes, none of which hides another, at (k,) times before a sensor of (width, height) pixels."""
+    """`Truth.samples` of boxes that do not occlude each other, at (k,) times, for a sensor of (width, height) pixels."""
     samples = np.zeros((len(times_us), len(boxes)), TRUTH)
     samples["t_us"] = times_us[:, None]
     samples["object_id"] = np.arange(len(boxes))

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trackers in software, one package each, all of them by name, and named configurations of whole runs."""
+"""Software trackers, one package each; the registry of engines; and named configurations of whole runs."""

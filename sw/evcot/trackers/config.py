@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The configuration of a whole run, hardware, software tracker and filters: frozen, validated, loadable from TOML."""
+"""The configuration of a whole run (hardware, software tracker, filters): frozen, validated, loadable from TOML."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["RunConfig", "load_toml", "load_tracker"]
 
 @dataclass(frozen=True)
 class RunConfig:
-    """What one run needs: the filters' and both trackers' configurations under a name."""
+    """Named configuration of a run: filters and both trackers."""
 
     name: str = "default"
     cot: CotConfig = field(default_factory=CotConfig)
@@ -31,10 +31,10 @@ class RunConfig:
     filters: FilterConfig = field(default_factory=FilterConfig)
 
     def hardware(self, width: int, height: int) -> CotConfig:
-        """What the hardware in front of a sensor is configured with: `cot`, behind `filters`.
+        """The hardware configuration for a sensor: `cot`, behind `filters`.
 
         Raises:
-            ConfigError: a filter's time that ticks cannot count, or a hot pixel outside the sensor.
+            ConfigError: a filter time that cannot be represented in ticks, or a hot pixel outside the sensor.
         """
         if not self.filters.enabled:
             return self.cot
@@ -42,7 +42,7 @@ class RunConfig:
         return replace(self.cot, filters=filters, filter_shape=shape)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, as summary.json stores them; the filters once, in users' units."""
+        """Plain values, as stored in summary.json; the filters only once, in physical units."""
         values = asdict(self)
         for name in ("filters", "filter_shape"):
             del values["cot"][name]
@@ -70,9 +70,9 @@ def _names(cls: type) -> set[str]:
 def load_toml(path: Path, base: RunConfig) -> RunConfig:
     """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[rct]` and `[filters]` override `base`.
 
-    `[cot]` takes `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
-    also takes `hot_pixels_file`, a file of `filters.hot_pixels` beside the TOML file, in place of `hot_pixels`. `[run]`, which
-    says what a run was made of, and `[files]`, which lists what it left, are not read here.
+    `[cot]` has `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
+    may have `hot_pixels_file`, a file of `filters.hot_pixels` relative to the TOML file, instead of `hot_pixels`. `[run]`,
+    which describes the inputs of a run, and `[files]`, which lists its output files, are ignored.
 
     Raises:
         ConfigError: the file cannot be read, is not TOML, has an unknown field, or a value outside its limits; the message
@@ -83,10 +83,10 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
 
 
 def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) -> tuple[Any, FilterConfig]:
-    """Read a TOML file whose table of a tracker's name, and `[filters]`, override its settings and the filters in front.
+    """Read a TOML file whose table with the tracker's name, and `[filters]`, override the tracker's settings and its filters.
 
     Raises:
-        ConfigError: as `load_toml`.
+        ConfigError: as for `load_toml`.
     """
     with _named(path):
         data = _section(_tables(path), {name, "filters"}, "top level")
@@ -96,7 +96,7 @@ def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) ->
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Puts the file's name in front of what is wrong with it."""
+    """Prefix errors with the file's name."""
     try:
         yield
     except ConfigError as error:
@@ -124,7 +124,7 @@ def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConf
     if not isinstance(own, list) or not all(isinstance(entry, Mapping) for entry in own):
         raise ConfigError("[[slot]] must be a list of tables")
     if len(own) > shape.n_slots:
-        raise ConfigError(f"[[slot]] stands {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
+        raise ConfigError(f"[[slot]] occurs {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
     for i, entry in enumerate(own):
         slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
     rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
@@ -137,6 +137,6 @@ def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path) -> Filt
     name = own.pop("hot_pixels_file", None)
     if name is not None:
         if not isinstance(name, str) or "hot_pixels" in own:
-            raise ConfigError(f"[filters]: hot_pixels_file = {name!r}: must be a file's name, and stand without hot_pixels")
+            raise ConfigError(f"[filters]: hot_pixels_file = {name!r}: must be a file name, given without hot_pixels")
         own["hot_pixels"] = load_hot_pixels(folder / name)
     return replace(base, **own)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every tracker by name, with its presets: from a recording and settings to a TrackLog, and nothing else differs.
+"""The registry of trackers by name, with their presets, behind one interface.
 
-A tracker's own modules are imported when it is used.
+A tracker's own modules are imported when it is first used.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ class _Parts(NamedTuple):
 
 @dataclass(frozen=True)
 class Engine:
-    """A tracker.
+    """A registered tracker.
 
     Attributes:
-        title: for people.
+        title: display name.
         load: imports the rest.
     """
 
@@ -63,13 +63,13 @@ class Engine:
 
 
 def _software(make: Callable[[Any, int, int], Tracker]) -> Start:
-    """Filters go in front of a software tracker only where some are on."""
+    """Make the `start` of a software tracker: filters are put in front only if any is enabled."""
     from ..filters.run import filtered
-    from ..tracks.tracking import KeptTracker
+    from ..tracks.tracking import FilteredTracker
 
     def start(settings: Any, filters: FilterConfig, sensor: Sensor) -> Tracker:
         tracker = make(settings, *sensor)
-        return KeptTracker(filtered((), filters, sensor).keep, tracker) if filters.enabled else tracker
+        return FilteredTracker(filtered((), filters, sensor).keep, tracker) if filters.enabled else tracker
 
     return start
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Named configurations: the paper's two situations, one for each common sensor size, and what was tuned for a kind of scene."""
+"""Named configurations: the paper's two situations, one per common sensor size, and some tuned for a kind of scene."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def _paper(name: str, n_ev: int, max_ticks: int) -> RunConfig:
 
 
 def _sensor(name: str, radius_px: int, n_ev: int, lifetime_us: int) -> RunConfig:
-    """Windows of about `radius_px`, ticks of a microsecond.
+    """A configuration with windows of about `radius_px` and ticks of a microsecond.
 
-    A window should reach from one edge of an object to the other, so that a cluster that has caught one edge sees both.
+    A window should reach from one edge of an object to the other, so that a cluster on one edge covers both.
     """
     ring = max(2, radius_px // 4)
     inner = radius_px - ring
@@ -62,9 +62,9 @@ def _sensor(name: str, radius_px: int, n_ev: int, lifetime_us: int) -> RunConfig
 
 
 def _traffic() -> RunConfig:
-    """Cars seen from a bridge, on a sensor of about 346x260; docs/evaluation.md has how it was found and what it reaches.
+    """Cars seen from a bridge, on a sensor of about 346x260; docs/evaluation.md describes the tuning and the results.
 
-    Events of one polarity show a car as one edge instead of two, which a window holds whole.
+    With events of one polarity a car is one edge instead of two, which fits into a window.
     """
     slot = SlotConfig(
         init_radix=19,
@@ -83,7 +83,7 @@ def _traffic() -> RunConfig:
 
 
 def _discs() -> RunConfig:
-    """Things of about 9 px radius that keep their size; N_ev stays, as docs/table2.md advises."""
+    """Objects of about 9 px radius and constant size; N_ev is constant, as recommended in docs/table2.md."""
     slot = SlotConfig(
         init_radix=10,
         radix_th=4,
@@ -113,7 +113,7 @@ PRESETS: dict[str, RunConfig] = {
     )
 }
 
-# Widest sensor that a preset is meant for.
+# Maximum sensor width for each preset.
 _WIDTHS = {"dvs128": 128, "davis346": 346, "vga": 640, "hd": 1280}
 
 
@@ -121,7 +121,7 @@ def preset(name: str) -> RunConfig:
     """The preset of that name.
 
     Raises:
-        ConfigError: there is none; the message lists them.
+        ConfigError: unknown name; the message lists the presets.
     """
     if name not in PRESETS:
         raise ConfigError(f"preset {name!r}: must be one of {', '.join(PRESETS)}")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What trackers give: the TrackLog, the interface of a tracker, timelines, and two logs compared."""
+"""Tracker output: the TrackLog, the interface of a tracker, timelines, and comparison of two logs."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a log is of a recording: the fingerprint of its events where the log has one, and what every log shows.
+"""Check that a log belongs to a recording: by the fingerprint of the events, if the log has one, and by its extent.
 
-That is as many owners as there are events, and no record before, after or beyond them.
+The extent matches if there are as many owners as events, and no record before, after or beyond them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ["Extent", "check_belongs"]
 
 @dataclass(frozen=True)
 class Extent:
-    """What a log must fit: how many events, the first and the last time, and the fingerprint (`digest.digest`)."""
+    """What a log must match: number of events, first and last time, and the fingerprint (`digest.digest`)."""
 
     events: int
     first_us: int
@@ -30,7 +30,7 @@ class Extent:
 
     @classmethod
     def of(cls, blocks: Iterable[Events]) -> Extent:
-        """The extent of events that come in blocks; times are 0 without any."""
+        """The extent of blocks of events; times are 0 without events."""
         count, first_us, last_us, summary = 0, 0, 0, EventsDigest()
         for block in blocks:
             if len(block):
@@ -42,7 +42,7 @@ class Extent:
 
 
 def check_belongs(log: TrackLog, to: Extent) -> None:
-    """Raise TrackLogError for a log that is of other events than these."""
+    """Raise TrackLogError for a log of other events than these."""
     if len(log.owner) != to.events:
         raise TrackLogError(f"owner has {len(log.owner)} entries: must be one for each of the recording's {to.events} events")
     if log.recording and log.recording != to.digest:

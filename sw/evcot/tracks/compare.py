@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two trackers compared by outcome: who lived when, how far apart, which merges and which lifetimes correspond."""
+"""Compare the output of two trackers: numbers of clusters, distances, and matching lifetimes and merges."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LARGEST = 10**12
 
 @dataclass(frozen=True)
 class TrackPair:
-    """A hardware and a software track that followed the same thing; differences are software minus hardware."""
+    """A hardware and a software track of the same object; differences are software minus hardware."""
 
     hardware_id: int
     software_id: int
@@ -35,7 +35,7 @@ class TrackPair:
 
 @dataclass(frozen=True)
 class MergePair:
-    """A merge that both saw, by the absorbed tracks; the difference is software minus hardware."""
+    """A merge that both report, identified by the absorbed tracks; the difference is software minus hardware."""
 
     hardware_id: int
     software_id: int
@@ -45,25 +45,25 @@ class MergePair:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far hardware and software agree. A figure about nothing (no samples, no pairs) is None.
+    """Agreement of hardware and software. A figure without data (no samples, no pairs) is None.
 
     Attributes:
-        begin_us, end_us, step_us: the clock on which both logs were sampled.
-        radius_px: how far apart the centres of a pair may be.
-        tolerance_us: how far apart in time births, ends and merges may be.
-        samples: moments compared.
-        alive_equal_fraction: share of them at which both had the same number of clusters.
-        alive_mean_difference: mean over them of |hardware - software|, clusters.
+        begin_us, end_us, step_us: the times at which both logs were sampled.
+        radius_px: largest distance between the centres of a pair.
+        tolerance_us: largest time difference between births, ends and merges.
+        samples: number of sample times.
+        alive_equal_fraction: share of samples with the same number of clusters in both.
+        alive_mean_difference: mean over the samples of |hardware - software|, clusters.
         alive_mean_hardware, alive_mean_software: mean number of clusters.
-        distance_median_px, distance_p90_px: between the centres of pairs, over all samples.
-        paired_fraction_hardware, paired_fraction_software: share of all cluster-samples that had a partner.
-        tracks_hardware, tracks_software: tracks that lived within the clock's span.
+        distance_median_px, distance_p90_px: distance between the centres of pairs, over all samples.
+        paired_fraction_hardware, paired_fraction_software: share of all cluster-samples that have a partner.
+        tracks_hardware, tracks_software: number of tracks within the sampled span.
         tracks_corresponding: pairs of tracks whose births and ends both agree.
-        tracks: all pairs of tracks, chosen for the longest total time together.
-        tracks_unpaired_hardware, tracks_unpaired_software: ids of tracks that never had a partner, or lost it to another.
-        merges_hardware, merges_software: merges seen by each.
-        merges: those that agree in time and place.
-        merges_unpaired_hardware, merges_unpaired_software: ids of absorbed tracks of all others.
+        tracks: all pairs of tracks, chosen to maximise the total time together.
+        tracks_unpaired_hardware, tracks_unpaired_software: ids of the tracks without a partner.
+        merges_hardware, merges_software: number of merges of each.
+        merges: the merges that agree in time and place.
+        merges_unpaired_hardware, merges_unpaired_software: ids of the absorbed tracks of all other merges.
     """
 
     begin_us: int
@@ -106,18 +106,18 @@ def compare(
     step_us: int | None = None,
     span_us: tuple[int, int] | None = None,
 ) -> Agreement:
-    """Sample both logs on one clock, pair their clusters, tracks and merges, and count what agrees.
+    """Sample both logs at the same times, pair their clusters, tracks and merges, and compute the agreement.
 
-    At each sample as many clusters as possible are paired, at the smallest total distance. Tracks are then paired so that
-    they spend the most time together; one that is too short to be sampled has no partner.
+    At each sample as many clusters as possible are paired, with the smallest total distance. Tracks are then paired to
+    maximise their total time together; a track that is too short to be sampled has no partner.
 
     Args:
         hardware, software: the logs; either may be empty.
-        radius_px: how far apart the centres of a pair, and the places of a merge, may be.
-        tolerance_us: how far apart in time births, ends and merges may be.
-        step_us: from sample to sample; 1 ms if not given, or longer where that would take more than 20 000 steps.
-        span_us: first and last moment, as a rule those of the recording; the first and last record if not given. Tracks that
-            are still alive end with it.
+        radius_px: largest distance between the centres of a pair, and between the places of a merge.
+        tolerance_us: largest time difference between births, ends and merges.
+        step_us: sampling interval; by default 1 ms, or longer if that would take more than 20 000 steps.
+        span_us: first and last time, usually those of the recording; by default those of the first and last record. Tracks
+            that are still alive end with it.
 
     Raises:
         ConfigError: a value outside its range.
@@ -201,8 +201,8 @@ def _distances(a: NDArray[np.void], b: NDArray[np.void]) -> NDArray[np.float64]:
 def _pair_clusters(
     hw: NDArray[np.void], sw: NDArray[np.void], radius_px: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Track ids on both sides and distance, for every pair of every sample."""
-    # Samples side by side along x, too far apart to meet: then one search finds who is near in x at the same time.
+    """Hardware and software track ids, and distance, of every pair of every sample."""
+    # Offset each sample in x by more than any distance: one search then finds all neighbours in x within the same sample.
     xs = np.concatenate((hw["x"], sw["x"]))
     stride = float(np.ptp(xs)) + 2 * radius_px + 1 if len(xs) else 1.0
     hw_x, sw_x = (rows["sample"] * stride + rows["x"] for rows in (hw, sw))
@@ -224,7 +224,7 @@ def _pair_tracks(
     step_us: int,
     tolerance_us: int,
 ) -> tuple[tuple[TrackPair, ...], tuple[int, ...], tuple[int, ...]]:
-    """Pairs of tracks, and the ids left over on both sides, all in order of birth."""
+    """Pairs of tracks, and the unpaired ids of both sides, all in order of birth."""
     hw_row = {int(track_id): row for row, track_id in enumerate(hw["track_id"])}
     sw_row = {int(track_id): row for row, track_id in enumerate(sw["track_id"])}
     met, together = np.unique(np.column_stack((hw_ids, sw_ids)), axis=0, return_counts=True)
@@ -251,7 +251,7 @@ def _pair_tracks(
 def _pair_merges(
     hw: NDArray[np.void], sw: NDArray[np.void], radius_px: float, tolerance_us: int
 ) -> tuple[tuple[MergePair, ...], tuple[int, ...], tuple[int, ...]]:
-    """Merges that correspond, and the absorbed ids of the others on both sides, all in order of time."""
+    """Pairs of merges, and the absorbed ids of the unpaired merges of both sides, all in order of time."""
     i, j = _within(hw["t_us"], sw["t_us"], tolerance_us)
     near = _distances(hw[i], sw[j]) <= radius_px
     i, j = i[near], j[near]

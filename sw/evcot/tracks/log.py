@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TrackLog: what every engine returns, whether it is software, model or hardware."""
+"""TrackLog: the result of every engine, whether software, golden model or hardware."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from ..outputs import note_input, written_aside
 
 __all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
 
-DROPPED = -2  # owner of an event that a filter took out; -1 is one that passed through all trackers
+DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
 
 
 class Kind(IntEnum):
-    """What a record of the TrackLog tells."""
+    """Kinds of records in a TrackLog."""
 
     BORN = 0
     MOVED = 1
@@ -46,7 +46,7 @@ TRACK = np.dtype(
     ]
 )
 
-# What a file holds: array -> its dtype, None for text, and how many dimensions it has.
+# Arrays in a file: name -> dtype, None for text, and number of dimensions.
 _ARRAYS: dict[str, tuple[np.dtype[Any] | None, int]] = {
     "engine": (None, 0),
     "recording": (None, 0),
@@ -59,17 +59,17 @@ _CSV_ROWS = 1 << 16  # formatted at a time
 
 @dataclass(frozen=True, eq=False)
 class TrackLog:
-    """Births, moves, merges and losses of all tracks, and who took each event.
+    """Births, moves, merges and losses of all tracks, and the owner of each event.
 
     Attributes:
         engine: name of the engine that wrote it: "rct", "cot-model" or "cot-rtl".
-        records: (m,) of dtype `TRACK`, in the order in which they happened. `kind` is a `Kind`. `event_index` is
-            the event that caused the record; for LOST, which time causes, the next event, so that "everything with
-            event_index <= i" is the state after event i. `other_id` is the survivor of a MERGED track, else -1.
+        records: (m,) of dtype `TRACK`, in chronological order. `kind` is a `Kind`. `event_index` is
+            the event that caused the record; for LOST, which is caused by a timeout, the next event, so that all records with
+            event_index <= i give the state after event i. `other_id` is the survivor of a MERGED track, else -1.
             `x`, `y`, `radius` in pixels, `t_us` in the recording's microseconds.
-        owner: (n,) int16, one per event: the slot that took it, -1 where it passed through, -2 where a
-            filter took it out.
-        recording: the fingerprint of the events (`digest.digest`); empty where nobody took it.
+        owner: (n,) int16, one per event: the slot that took it, -1 if none did, -2 if a
+            filter dropped it.
+        recording: the fingerprint of the events (`digest.digest`); empty if it was not computed.
     """
 
     engine: str
@@ -79,7 +79,7 @@ class TrackLog:
 
     @classmethod
     def empty(cls, engine: str) -> TrackLog:
-        """The log of an engine that saw nothing."""
+        """A log without events or records."""
         return cls(engine, np.empty(0, TRACK), np.empty(0, np.int16))
 
     def of_kind(self, kind: Kind) -> NDArray[np.void]:
@@ -88,7 +88,7 @@ class TrackLog:
         return chosen
 
     def save_npz(self, path: Path | str, *, force: bool = False) -> None:
-        """Write the log, compressed; the same log gives the same bytes.
+        """Write the log, compressed; equal logs give identical files.
 
         Args:
             force: replace a file that exists.
@@ -104,17 +104,17 @@ class TrackLog:
 
     @classmethod
     def load_npz(cls, path: Path | str) -> TrackLog:
-        """Read what `save_npz` wrote.
+        """Read a log written by `save_npz`.
 
         Raises:
-            TrackLogError: the file is missing, damaged, or no TrackLog.
+            TrackLogError: the file is missing, damaged, or not a TrackLog.
         """
         note_input(path)
         try:
             with open(path, "rb") as file:
                 if not zipfile.is_zipfile(file):
                     raise TrackLogError(f"{path}: is not an npz file, or is cut off")
-                # The array reader trusts what it is given: whether that is whole must be known before.
+                # The array reader trusts its input, so the checksum must be verified before.
                 with zipfile.ZipFile(file) as archive:
                     damaged = archive.testzip()
                 if damaged:
@@ -138,7 +138,7 @@ class TrackLog:
         return cls(str(stored["engine"]), stored["records"], stored["owner"], str(stored["recording"]))
 
     def write_csv(self, path: Path | str, *, force: bool = False) -> None:
-        """Write the records as CSV: a header, kinds by name, every number in the fewest digits that give it back exactly.
+        """Write the records as CSV: a header, kinds by name, every number with the fewest digits that round-trip exactly.
 
         Args:
             force: replace a file that exists.

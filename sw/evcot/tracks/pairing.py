@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Optimal pairing of two sets when few of the possible pairs are allowed."""
+"""Optimal assignment between two sets with a sparse set of allowed pairs."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ __all__ = ["best_pairs", "closest_pairs"]
 
 
 def best_pairs(left: NDArray[np.int64], right: NDArray[np.int64], gain: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Choose pairs, each element in one at most, whose total gain is the largest possible.
+    """Choose pairs, with each element in at most one, that maximise the total gain.
 
-    The pairs fall apart into groups that share no element; each group is solved on its own, so that the cost grows with the
-    size of the groups and not with that of the whole.
+    The pairs are split into connected components, which are solved independently, so that the cost depends on the size of
+    the components and not on the total.
 
     Args:
-        left, right: (n,) the allowed pairs, each once, as non-negative element numbers.
-        gain: (n,) what each is worth, above 0.
+        left, right: (n,) the allowed pairs, each once, as non-negative element indices.
+        gain: (n,) gain of each pair, above 0.
 
     Returns:
         Indices of the chosen pairs, ascending.
@@ -49,17 +49,17 @@ def best_pairs(left: NDArray[np.int64], right: NDArray[np.int64], gain: NDArray[
 
 
 def closest_pairs(left: NDArray[np.int64], right: NDArray[np.int64], cost: NDArray[np.float64]) -> NDArray[np.int64]:
-    """As many pairs as possible and, among all ways to have so many, those of the smallest total cost.
+    """Choose as many pairs as possible and, among all such choices, the one with the smallest total cost.
 
     Args:
         left, right: (n,) the allowed pairs.
-        cost: (n,) what each costs, from 0 up.
+        cost: (n,) cost of each pair, at least 0.
 
     Returns:
         Indices of the chosen pairs, ascending.
     """
     if not len(left):
         return np.empty(0, np.int64)
-    # One pair more must outweigh whatever all others cost together.
+    # The gain of one more pair must exceed the total cost of all others.
     more = (len(left) + 1) * max(float(cost.max()), 1.0)
     return best_pairs(left, right, more - cost)

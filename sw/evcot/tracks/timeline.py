@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a TrackLog says about time: which tracks lived when, where they were at given moments, and which merged.
+"""Time queries on a TrackLog: lifetimes, positions at given times, and merges.
 
-Everything here needs records in time order, as every engine writes them. Of a log that was cut out of a longer one, a track
-that was born before it begins with its first record, and one whose only record is its end has a life of no length.
+All functions need records in time order, as written by every engine. In a log that was cut out of a longer one, a track that
+was born earlier begins with its first record, and a track whose only record is its end has a lifetime of 0.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from .log import Kind, TrackLog
 
 __all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "lifetimes", "merges", "sample"]
 
-OPEN = -1  # `LIFE.ended` of a track that was still alive when the log ends
+OPEN = -1  # `LIFE.ended` of a track that is still alive at the end of the log
 
 LIFE = np.dtype(
     [
         ("track_id", "<i8"),
         ("slot", "<i2"),
         ("birth_us", "<i8"),  # BORN, else the first record
-        ("end_us", "<i8"),  # MERGED or LOST, else the end that the caller gave
+        ("end_us", "<i8"),  # MERGED or LOST, else `until_us`
         ("ended", "i1"),  # Kind.MERGED, Kind.LOST or OPEN
         ("other_id", "<i8"),  # the survivor of a MERGED track, else -1
     ]
@@ -29,7 +29,7 @@ LIFE = np.dtype(
 
 SAMPLE = np.dtype(
     [
-        ("sample", "<i8"),  # index into the times asked for
+        ("sample", "<i8"),  # index into the requested times
         ("track_id", "<i8"),
         ("slot", "<i2"),
         ("x", "<f8"),
@@ -50,7 +50,7 @@ MERGE = np.dtype(
 
 
 def alive(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.int64]:
-    """How many tracks are visible at each time, after all records up to and with that time; (k,) int64."""
+    """The number of visible tracks at each time, after all records up to and including that time; (k,) int64."""
     lives = lifetimes(log, 0)
     ends_us = np.sort(lives["end_us"][lives["ended"] != OPEN])
     return np.asarray(
@@ -61,7 +61,7 @@ def alive(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.int64]:
 def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
     """One row of dtype `LIFE` per track, in order of birth; a track without an end lives until `until_us`.
 
-    An id that is born again, as narrow ones of the hardware are, is another track.
+    An id that is born again, as happens with narrow ids in hardware, is another track.
     """
     records = log.records
     order = np.argsort(records["track_id"], kind="stable")
@@ -85,13 +85,13 @@ def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
 
 
 def sample(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.void]:
-    """The visible tracks at each of the (k,) ascending times, after all records up to and with that time.
+    """The visible tracks at each of the (k,) ascending times, after all records up to and including that time.
 
     Returns:
         Rows of dtype `SAMPLE` in order of sample.
     """
     records = log.records
-    # A record is its track's state until that track's next record.
+    # A record is the state of its track until the track's next record.
     order = np.argsort(records["track_id"], kind="stable")
     track_id, t_us = records["track_id"][order], records["t_us"][order]
     begin = np.searchsorted(times_us, t_us, "left")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every tracker is to the rest: events go in, in runs; what became of its clusters, and who took each event, comes out."""
+"""The interface of a tracker: events are fed in runs; records of its clusters and the owner of each event are returned."""
 
 from __future__ import annotations
 
@@ -16,40 +16,49 @@ from ..errors import RecordingError
 from ..events import Events, Recording
 from .log import DROPPED, TRACK, TrackLog
 
-__all__ = ["KeptTracker", "PacketBegin", "Told", "Tracker", "check_order", "log_of", "signed_log_of", "track_recording"]
+__all__ = [
+    "FilteredTracker",
+    "PacketBegin",
+    "Tracker",
+    "TrackerOutput",
+    "check_order",
+    "log_of",
+    "signed_log_of",
+    "track_recording",
+]
 
 _RUN_EVENTS = 1 << 18
 
 _Whole = TypeVar("_Whole", Events, NDArray[np.bool_])
 
-Told = tuple[NDArray[np.void], NDArray[np.int16]]
-"""(m,) records of dtype `TRACK`, and (n,) owners of the events that were fed."""
+TrackerOutput = tuple[NDArray[np.void], NDArray[np.int16]]
+"""(m,) records of dtype `TRACK`, and (n,) owners of the events fed."""
 
-Keep = Callable[[Events], NDArray[np.bool_]]
+EventSelector = Callable[[Events], NDArray[np.bool_]]
 
 
 class Tracker(Protocol):
-    """A tracker as a stream: the result does not depend on where the runs are cut, and memory does not grow."""
+    """A streaming tracker: the result does not depend on how events are split into runs, and memory does not grow."""
 
-    def feed(self, events: Events) -> Told:
-        """Track a run of events, in time order and not before those that were fed earlier."""
+    def feed(self, events: Events) -> TrackerOutput:
+        """Track a run of events, in time order and not before those fed earlier."""
         ...
 
     def finish(self) -> NDArray[np.void]:
-        """What is still to be told when no more events come."""
+        """End the stream; returns the remaining records, (m,) of dtype `TRACK`."""
         ...
 
     @property
     def settled(self) -> int:
-        """So many of the events that were fed, the first ones, are settled: no record to come has the number of one of them."""
+        """Number of leading events that are settled: no future record refers to one of them by its index."""
         ...
 
 
 class PacketBegin:
-    """Which event is the first of the open packet, in a tracker that tells packet by packet.
+    """Keeps the index of the first event of the open packet, for a tracker that reports packet by packet.
 
     Args:
-        packet_us: how long a packet lasts.
+        packet_us: length of a packet.
     """
 
     def __init__(self, packet_us: int) -> None:
@@ -59,33 +68,33 @@ class PacketBegin:
         self.index = 0
 
     def fed(self, events: Events, end_us: int) -> None:
-        """Note events that were fed, and where the packet that is open after them ends."""
+        """Update with a run of events; `end_us` is the end of the packet that is open after them."""
         if len(events) and end_us != self._end_us:
             self._end_us = end_us
             self.index = self._seen + int(np.searchsorted(events.t_us, end_us - self._packet_us))
         self._seen += len(events)
 
 
-class KeptTracker:
-    """A tracker that sees the events that someone in front lets stay; the log numbers them all. See `Tracker`.
+class FilteredTracker:
+    """A tracker behind an event filter: it sees only the events that pass; the log numbers all events. See `Tracker`.
 
-    Memory holds the numbers of the events that are not settled: those of a packet, for trackers that tell packet by packet.
+    Memory holds the indices of the events that are not settled: those of a packet, for trackers that report packet by packet.
 
     Args:
-        keep: which of the next run of events stay, (n,) bool.
-        tracker: what sees them; it has seen nothing yet.
+        keep: returns the mask of the events of the next run that pass, (n,) bool.
+        tracker: a tracker before its first event.
     """
 
-    def __init__(self, keep: Keep, tracker: Tracker) -> None:
+    def __init__(self, keep: EventSelector, tracker: Tracker) -> None:
         self._keep = keep
         self._tracker = tracker
         self._seen = 0
-        # Numbers of the events that stayed and are not settled, run by run; the first of them stayed as number `_first`.
+        # Indices of the passed events that are not settled, run by run; the tracker's own index of the first is `_first`.
         self._first = 0
         self._kept: deque[NDArray[np.int64]] = deque()
 
-    def feed(self, events: Events) -> Told:
-        """See `Tracker.feed`; the owner of an event that was taken out is `DROPPED`."""
+    def feed(self, events: Events) -> TrackerOutput:
+        """See `Tracker.feed`; the owner of an event that was filtered out is `DROPPED`."""
         keep = self._keep(events)
         if keep.any():
             self._kept.append(self._seen + np.flatnonzero(keep))
@@ -108,13 +117,13 @@ class KeptTracker:
         return int(self._kept[0][0]) if self._kept else self._seen
 
     def _number(self, records: NDArray[np.void]) -> None:
-        """Give records the events' numbers in front; after the last that stayed comes what follows all."""
+        """Map the records' event indices to those before the filter; past the last event that passed, to the end."""
         if len(records):
             numbers = np.concatenate([*self._kept, [self._seen]])
             records["event_index"] = numbers[records["event_index"] - self._first]
 
     def _forget(self) -> None:
-        """Let go of the numbers of settled events."""
+        """Discard the indices of settled events."""
         settled = self._tracker.settled - self._first
         self._first += settled
         while self._kept and len(self._kept[0]) <= settled:
@@ -124,16 +133,16 @@ class KeptTracker:
 
 
 def check_order(events: Events, last_us: int | None, index: int) -> None:
-    """Raise RecordingError for a run that begins before the last event of the one before; `index`: of its first event."""
+    """Raise RecordingError if a run begins before the last event of the previous one; `index`: that of its first event."""
     if len(events) and last_us is not None and events.t_us[0] < last_us:
         raise RecordingError(f"event {index}: t = {events.t_us[0]} us follows t = {last_us} us: time must not run back")
 
 
 def log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> TrackLog:
-    """Feed a recording, block by block, to a tracker that has seen nothing yet."""
-    told = [tracker.feed(block) for block in blocks]
-    records = [np.empty(0, TRACK), *(records for records, _ in told), tracker.finish()]
-    return TrackLog(engine, np.concatenate(records), np.concatenate([np.empty(0, np.int16), *(owner for _, owner in told)]))
+    """Feed a recording, block by block, to a tracker before its first event; returns the log."""
+    outputs = [tracker.feed(block) for block in blocks]
+    records = [np.empty(0, TRACK), *(records for records, _ in outputs), tracker.finish()]
+    return TrackLog(engine, np.concatenate(records), np.concatenate([np.empty(0, np.int16), *(owner for _, owner in outputs)]))
 
 
 def signed_log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> TrackLog:
@@ -150,14 +159,14 @@ def signed_log_of(engine: str, tracker: Tracker, blocks: Iterable[Events]) -> Tr
 
 
 def track_recording(engine: str, tracker: Tracker, recording: Recording, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Feed a recording, or the events in it that someone let stay, to a tracker that has seen nothing yet.
+    """Feed a recording, or a selection of its events, to a tracker before its first event; returns the log.
 
     Args:
-        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+        keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
     """
     if keep is not None:
         runs = _runs(keep)
-        tracker = KeptTracker(lambda _: next(runs), tracker)
+        tracker = FilteredTracker(lambda _: next(runs), tracker)
     return log_of(engine, tracker, _runs(recording.events))
 
 

@@ -171,5 +171,5 @@ def test_what_cannot_be_used_is_named(arguments: list[str], message: str, capsys
 def test_a_field_learned_otherwise_is_refused(capsys: Capture) -> None:
     learned()
     assert error_of(capsys, "today.npz", "--normal", "normal.npz", "--set", "travel_px=8").startswith(
-        "step_us = 25000, window_us = 500000, travel_px = 8: must be as normal motion was learned"
+        "step_us = 25000, window_us = 500000, travel_px = 8: must be as when normal motion was learned"
     )

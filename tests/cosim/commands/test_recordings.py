@@ -128,7 +128,7 @@ def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
         assert main(["info", "a.csv", "--skip-damaged"]) == 0
         printed = capsys.readouterr()
         assert printed.err.splitlines() == [
-            f"evcot: warning: a.csv: all after 4 events left out: {why}",
+            f"evcot: warning: a.csv: everything after 4 events left out: {why}",
             "evcot: warning: a.csv: 1 events left out: outside the sensor, or without a polarity",
             "evcot: warning: a.csv: 1 events left out: time runs back",
         ]

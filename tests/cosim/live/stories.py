@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.tracks.log import TRACK, Kind
-from evcot.tracks.tracking import Told
+from evcot.tracks.tracking import TrackerOutput
 from evcot_cosim.live.waiting import Arrival
 
 SENSOR = (64, 48)
@@ -45,7 +45,7 @@ class EveryTenth:
         self._seen = 0
         self._last_us = 0
 
-    def feed(self, some: Events) -> Told:
+    def feed(self, some: Events) -> TrackerOutput:
         numbers = self._seen + np.arange(len(some))
         tenth = numbers % 10 == 0
         records = np.zeros(np.count_nonzero(tenth), TRACK)

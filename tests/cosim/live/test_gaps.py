@@ -12,7 +12,7 @@ from evcot.scenes.registry import simulate_scene
 from evcot.trackers.rct.presets import PRESETS
 from evcot.trackers.rct.tracker import RctTracker
 from evcot.tracks.log import DROPPED, TRACK, Kind
-from evcot.tracks.tracking import KeptTracker, Told
+from evcot.tracks.tracking import FilteredTracker, TrackerOutput
 from evcot_cosim.live.gaps import GapTracker
 
 from .stories import EveryTenth, random_events, record
@@ -46,7 +46,7 @@ class Late:
     def _records(self) -> NDArray[np.void]:
         return np.concatenate([np.empty(0, TRACK), *(record(Kind.MOVED, 0, i, 1) for i in next(self._told))])
 
-    def feed(self, some: Events) -> Told:
+    def feed(self, some: Events) -> TrackerOutput:
         return self._records(), np.zeros(len(some), np.int16)
 
     def finish(self) -> NDArray[np.void]:
@@ -74,7 +74,7 @@ class Mute:
 
     settled = 0
 
-    def feed(self, some: Events) -> Told:
+    def feed(self, some: Events) -> TrackerOutput:
         self.settled += len(some)
         return np.empty(0, TRACK), np.zeros(len(some), np.int16)
 
@@ -106,7 +106,7 @@ def test_a_real_tracker_numbers_as_one_behind_a_filter_does(seed: int) -> None:
         return RctTracker(config, recording.width, recording.height)
 
     gap = GapTracker(software())
-    kept = KeptTracker(lambda run: next(keeps), software())
+    kept = FilteredTracker(lambda run: next(keeps), software())
     keeps = iter([np.full(len(run), see) for run, see in zip(runs, seen, strict=True)])
     wanted = [kept.feed(run) for run in runs]
     got = [gap.feed(run) if see else (None, gap.skip(len(run))) for run, see in zip(runs, seen, strict=True)]

@@ -13,7 +13,7 @@ from evcot.errors import RecordingError
 from evcot.events import Events
 from evcot.recordings.files import read_recording
 from evcot.tracks.log import DROPPED, Kind, TrackLog
-from evcot.tracks.tracking import Told
+from evcot.tracks.tracking import TrackerOutput
 from evcot_cosim.live.recorder import LogKeeper, Recorder
 from evcot_cosim.live.session import Session
 
@@ -23,7 +23,7 @@ from .stories import SENSOR, EveryTenth, Played, parts_of, random_events, wait_u
 class Slow(EveryTenth):
     """Needs 50 ms for whatever it is fed."""
 
-    def feed(self, some: Events) -> Told:
+    def feed(self, some: Events) -> TrackerOutput:
         time.sleep(0.05)
         return super().feed(some)
 
@@ -108,7 +108,7 @@ def test_what_goes_wrong_on_a_thread_is_raised_where_the_run_is_stopped(tmp_path
             raise RecordingError("here: something")
 
     class Failing(EveryTenth):
-        def feed(self, some: Events) -> Told:
+        def feed(self, some: Events) -> TrackerOutput:
             fail(int(some.t_us[0]))
             return super().feed(some)
 

@@ -53,7 +53,7 @@ def test_polygons_against_a_count_of_windings() -> None:
 
 
 def test_crossings_have_a_direction_and_the_line_itself_is_on_its_left() -> None:
-    """A line to the right of the picture: who walks along it has the lower part of the picture on the right."""
+    """A line that points to the right of the picture has the lower part of the picture on its right side."""
     line = [0, 5, 10, 5]
     assert crossings(line, [3, 3], [4, 6]).tolist() == [1]
     assert crossings(line, [3, 3], [6, 4]).tolist() == [-1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The field of normal motion: what it says, what it forgives, and files of it."""
+"""The field of normal motion: its values, its tolerance of outliers, and its files."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Alarms as tracks grow: each rule on a road on which everything else is normal."""
+"""Online alarms: each rule on a road on which everything else is normal."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_who_brakes_and_stands_has_stopped(normal: NormalMotion) -> None:
 
 
 def test_who_is_lost_while_slow_has_stopped(normal: NormalMotion) -> None:
-    """What stands makes no events: the track ends before it stands, but after it was slow for half a second."""
+    """Standing objects cause no events: the track ends before the car stands, but after it was slow for half a second."""
     lasts_us = 2_300_000
     alarms = alarms_of(track(77, 0, lasts_us, brakes, 0.3), normal=normal)
     stopping = alarms[alarms["kind"] == Anomaly.STOPPING]
@@ -105,7 +105,7 @@ def test_who_is_lost_while_slow_has_stopped(normal: NormalMotion) -> None:
 
 
 def test_who_brakes_and_whose_track_goes_back_has_stopped(normal: NormalMotion) -> None:
-    """The track goes over to the next car, 60 px behind, before it is lost: the alarm is near where it braked."""
+    """The track switches to the next car, 60 px behind, before it is lost: the alarm is near where it braked."""
 
     def goes_back(s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         x, y = brakes(s)
@@ -223,7 +223,7 @@ def test_zones_forbid_stays_and_long_stays() -> None:
 
 
 def test_lines_count_and_tell_the_wrong_direction() -> None:
-    """The way to the right has the lower part of the picture on its right: down is to_right."""
+    """A line that points to the right has the lower part of the picture on its right: down is to_right."""
     gate = Zones(lines=(Line("gate", (50.0, 130.0), (300.0, 130.0), -1),))
     tracks = [
         track(1, 0, 1_000_000, straight(100, 180, 0, -100)),
@@ -299,7 +299,7 @@ def test_settings_and_files_that_contradict_each_other(normal: NormalMotion) -> 
     zones = Zones((Zone("lawn", FIELD),), sensor=(128, 128))
     with pytest.raises(ConfigError, match="zones of 128x128 and normal motion of 346x260 pixels: must be of one sensor"):
         Monitor(None, normal, zones)
-    with pytest.raises(ConfigError, match=r"step_us = 20000, .*: must be as normal motion was learned, step_us = 25000"):
+    with pytest.raises(ConfigError, match=r"step_us = 20000, .*: must be as when normal motion was learned, step_us = 25000"):
         Monitor(AnomalyConfig(step_us=20_000), normal)
     with pytest.raises(ConfigError, match=r"anomalies.hold_us = -1: must be from 0 to 60000000 \(a rule must be broken"):
         AnomalyConfig(hold_us=-1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The decaying weight in integers, held against exp over every age, rate and part of a unit."""
+"""The decaying weight in integers, compared with exp over every age, rate and fraction of a unit."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def test_a_weight_is_within_the_bound_of_exp_at_every_age_in_ticks(rate: int) ->
 @pytest.mark.parametrize("rate", [1 << 24, 12_345_678, 1 << 20, 99_991, 1])
 @pytest.mark.parametrize("start", [0, 1_000_003, 1 << 61])
 def test_the_filter_counts_the_same_units(rate: int, start: int) -> None:
-    """One neighbour, and a support that its weight just reaches: the event stays until the last tick of the unit that the
-    table says, and no longer."""
+    """One neighbour, and a support that its weight just reaches: the event passes until the last tick of the unit given by
+    the table, and no longer."""
     table = weights(0)
     for support in (256, 200, 128, 100, 5, 1):
         last_unit = (start * rate >> 24) + int(np.flatnonzero(table >= support)[-1])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Filters take out noise and leave the signal; and no tracker follows a hot pixel behind them."""
+"""Filters remove noise and keep the signal; and no tracker behind them follows a hot pixel."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Filters in users' units: limits named in full, times in ticks, weights in 1/256, and the table `[filters]`."""
+"""Filters in physical units: limits named in full, times in ticks, weights in 1/256, and the table `[filters]`."""
 
 from __future__ import annotations
 
@@ -194,7 +194,7 @@ class TestToml:
             ("[filters]\nhot_pixels_file = 3", "[filters]: hot_pixels_file = 3: must be a file's name, and stand "),
             (
                 "[filters]\nhot_pixels_file = 'a'\nhot_pixels = []",
-                "[filters]: hot_pixels_file = 'a': must be a file's name, and stand without hot_pixels",
+                "[filters]: hot_pixels_file = 'a': must be a file name, given without hot_pixels",
             ),
         ],
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Each filter decides as docs/filters.md says: against rules in plain Python with a dict of events, on random traffic."""
+"""Each filter follows docs/filters.md: compared with rules in plain Python with a dict of events, on random traffic."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ END = 1 << 62
 
 
 def registers(random: np.random.Generator, width: int, height: int) -> FilterRegisters:
-    """Registers under which each filter lets some events stay and drops others, in traffic of one event every few ticks."""
+    """Registers with which each filter passes some events and drops others, in traffic of one event every few ticks."""
     x0, x1 = sorted(random.integers(0, width, 2).tolist())
     y0, y1 = sorted(random.integers(0, height, 2).tolist())
     return FilterRegisters(
@@ -67,7 +67,7 @@ def neighbours(x: int, y: int) -> Iterator[Pixel]:
 
 
 def rule_of(which: Filter, regs: FilterRegisters, shape: FilterShape) -> Rule:
-    """The page's rule, word for word, with a memory that forgets nothing."""
+    """The rule of docs/filters.md, word for word, with unlimited memory."""
     then: dict[Pixel, int] = {}
     fifo: list[tuple[int, int, int]] = []
 
@@ -162,7 +162,7 @@ def test_what_stays_does_not_depend_on_where_runs_are_cut(which: Filter) -> None
 
 @pytest.mark.parametrize("which", Filter, ids=lambda which: which.name)
 def test_the_first_event_of_all_may_come_at_the_last_tick(which: Filter) -> None:
-    """Nothing that never happened is taken for something recent, or for something in the future."""
+    """An empty memory entry is never taken for a recent event, or for one in the future."""
     regs = FilterRegisters(
         refractory_ticks=(1 << 31) - 1, activity_ticks=(1 << 31) - 1, recent_ticks=(1 << 31) - 1, decay_rate=1 << 24
     )

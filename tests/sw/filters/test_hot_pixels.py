@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hot pixels are found, what is merely busy is not, and their file says what it holds."""
+"""Hot pixels are detected, merely busy pixels are not, and the file of hot pixels is validated."""
 
 from __future__ import annotations
 

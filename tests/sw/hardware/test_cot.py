@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The golden model by itself: a slow model in plain Python, streams cut anywhere, time and units of a TrackLog.
+"""The golden model by itself: compared with a slow model in plain Python, streams split anywhere, units of a TrackLog.
 
 The stories that it shares with the hardware are in tests/hw.
 """
@@ -31,7 +31,7 @@ SLOT = SlotConfig(
 
 @dataclass
 class Slow:
-    """One slot, as docs/algorithm.md has it: exact fractions, no bit of arithmetic shared with the model."""
+    """One slot, following docs/algorithm.md: exact fractions, no arithmetic shared with the model."""
 
     number: int
     config: SlotConfig

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Registers of the golden model change between two events: what a life that goes on does then."""
+"""Registers of the golden model change between two events, while a life continues."""
 
 from __future__ import annotations
 

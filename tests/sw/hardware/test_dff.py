@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flip-flop's twin."""
+"""The model of the flip-flop."""
 
 from __future__ import annotations
 

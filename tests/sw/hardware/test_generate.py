@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The generated files say what contract.py, lfsr.py and the register maps say, and the committed ones are fresh."""
+"""The generated files match contract.py, lfsr.py and the register maps, and the committed ones are up to date."""
 
 from __future__ import annotations
 

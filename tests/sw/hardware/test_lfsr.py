@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every width of the tap table gives the longest period, and the twin walks it."""
+"""Every width of the tap table gives the maximal period, and the model steps through it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The event source's twin: where its events lie, how often, and what it refuses."""
+"""The model of the event source: distribution and rate of its events, and refused parameters."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model of the published tracker against the rules of docs/published.md told event by event, and its own front end.
+"""The model of the published tracker against the rules of docs/published.md applied event by event, and its own interface.
 
-Its oddities, clock by clock and against the hardware, are in tests/hw/published/test_cot_published.py.
+Its quirks, clock by clock and against the hardware, are in tests/hw/published/test_cot_published.py.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ TO_TIMING = 4
 
 
 class Rules:
-    """One life of one tracker, in words that know no clock edge; events far enough apart not to wait for each other."""
+    """One life of one tracker, described without clock edges; events far enough apart not to wait for each other."""
 
     def __init__(self, config: PublishedConfig) -> None:
         self.config = config
@@ -48,7 +48,7 @@ class Rules:
         k = self.config.hist_avg
         return int(np.floor((target + (2**k - 1) * value) / 2**k))
 
-    def tell(self, clock: int, place: tuple[int, int]) -> int | None:
+    def word_of(self, clock: int, place: tuple[int, int]) -> int | None:
         """The output word, or None for an event outside; `clock` since the life began."""
         radius = self.g + self.config.radix_th
         if not all(max(c - radius, 0) < e < min(c + radius, 255) for c, e in zip(self.centre, place, strict=True)):
@@ -109,7 +109,7 @@ def test_events_far_apart_follow_the_rules(seed: int) -> None:
     rules, cascade = Rules(config), PublishedCascade([config])
     told = cascade.play(cascade.clock + clock, high, low)
     expected = [
-        rules.tell(int(t) + TO_TIMING + FROM_CREATION, (int(h), int(v))) for t, h, v in zip(clock, high, low, strict=True)
+        rules.word_of(int(t) + TO_TIMING + FROM_CREATION, (int(h), int(v))) for t, h, v in zip(clock, high, low, strict=True)
     ]
     print(f"seed {seed}: {len(told.word)} inside, {rules.updates} updates, N_ev {rules.n}, g {rules.g}")
     assert told.word.tolist() == [word for word in expected if word is not None]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The register map holds together, and its Python classes speak to any transport."""
+"""The register map is consistent, and its Python classes work with any transport."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words of the streams: packed as documented, and numbers made whole."""
+"""Words of the streams: packed as documented, and event numbers unwrapped."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ def logged(*records: Record, radius: float = 5.0) -> TrackLog:
 
 
 def following(truth: GroundTruth, late_us: int = 0) -> TrackLog:
-    """The truth as its own tracker, later by so much; a track is lost 1 us after its object is there for the last time."""
+    """The truth as its own tracker, with a delay; a track is lost 1 us after the last instant of its object."""
     records = []
     for number in range(len(truth.ids)):
         own = truth.objects[truth.objects["object"] == number]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Truth and tracks side by side: what counts, and how similar it is."""
+"""Alignment of truth and tracks: what is counted, and the similarities."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of place, velocity and time, on a ball that bounces: one whose way does not look like its own past."""
+"""Errors of position, velocity and time, on a bouncing ball, whose path is not similar to a shifted copy of itself."""
 
 from __future__ import annotations
 

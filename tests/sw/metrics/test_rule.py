@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rules are data: shipped ones load, others override them, and what contradicts itself is refused by name."""
+"""Rules are data: built-in ones load, others override them, and contradictions are refused by field name."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_a_sensor_that_nobody_said_is_asked_for() -> None:
     ("text", "message"),
     [
         ("threshold = ", "is not TOML: "),
-        ("threshold = 0.5", "columns: must be there"),
+        ("threshold = 0.5", "columns: must be given"),
         ('base = "drive"', "base = 'drive': must be one of scene, traffic"),
         ('base = ["scene"]', "base = ['scene']: must be one of scene, traffic"),
         ('base = "scene"\nmax_age = 1', "rule: unknown field 'max_age': must be one of columns, title, "),
@@ -92,7 +92,7 @@ def test_columns_say_one_thing(columns: dict[str, str], rule: str) -> None:
 
 
 def test_velocity_needs_both_axes() -> None:
-    with pytest.raises(ConfigError, match=r"^columns vx, vy: must both be there, or none$"):
+    with pytest.raises(ConfigError, match=r"^columns vx, vy: must be given both, or neither$"):
         Rule({**BOXES, "vx": "vx"})
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A truth is read as its rule says, or refused by line and field."""
+"""A ground truth is read according to its rule, or refused with line and field."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_a_scene_is_read_as_it_was_written(tmp_path: Path) -> None:
         (("95,100,a,0,0,1,1",), "line 2: t_begin_us = '95': must hold the instant, t_end_us - 10"),
         (('0,100,a,0,0,1,"1\n2"',), "line 3: height = '1\\n2': must be a number"),
         (("0,100,a,0,0,0,1",), "line 2: width = '0': must be at least 0.001"),
-        (("0,100,a,0,0,1,1", "0,100,b,0,0,1,1", "0,100,a,5,5,1,1"), "line 4: who = 'a': must stand once at a time"),
+        (("0,100,a,0,0,1,1", "0,100,b,0,0,1,1", "0,100,a,5,5,1,1"), "line 4: who = 'a': must not occur twice at one time"),
     ],
 )
 def test_a_line_that_is_wrong_is_named(lines: tuple[str, ...], message: str, tmp_path: Path) -> None:

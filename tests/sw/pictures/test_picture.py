@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of a run: a whole PNG of the right size that shows what the logs hold, and says so when that is nothing."""
+"""The picture of a run: a complete PNG of the right size that shows the logs, and states when they are empty."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The description of a recording is what counting it by hand gives."""
+"""The description of a recording agrees with a direct count."""
 
 from __future__ import annotations
 

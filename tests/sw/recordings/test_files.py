@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings come in whole and as they are, or not at all; and go out so that they come in again."""
+"""Recordings are read completely and unchanged, or refused; and written so that they can be read back."""
 
 from __future__ import annotations
 
@@ -152,7 +152,9 @@ def test_the_suffix_or_a_name_tells_the_format() -> None:
         assert format_for(f"some.where/events{suffix.upper()}").suffix == suffix
     for name, kind in WRITABLE.items():
         assert format_for("events.jpeg", name) is kind
-    with pytest.raises(ConfigError, match=r"^events\.jpeg: suffix '\.jpeg': must be one of \.npz, .*, or a format be named$"):
+    with pytest.raises(
+        ConfigError, match=r"^events\.jpeg: suffix '\.jpeg': must be one of \.npz, .*, or the format must be named$"
+    ):
         format_for("events.jpeg")
     with pytest.raises(ConfigError, match=r"^format 'jpeg': must be one of npz, csv"):
         format_for("events.csv", "jpeg")
@@ -219,7 +221,7 @@ def test_what_follows_a_place_that_cannot_be_read_is_left_out_if_asked_to(tmp_pa
     assert refusal(path) == why
     with pytest.warns(RecordingWarning) as caught:  # once, though finding the sensor takes a pass of its own
         assert read_recording(path, damage="skip").events.t_us.tolist() == [10, 11]
-    assert [str(each.message) for each in caught] == [f"{path}: all after 2 events left out: {why}"]
+    assert [str(each.message) for each in caught] == [f"{path}: everything after 2 events left out: {why}"]
     csv(path, "10,1,1,1,what?", "11", "12")
     with pytest.raises(RecordingError, match=r"line 1: p = '1 x'"):
         read_recording(csv(path, "10,1,1,1 x"), damage="skip")
@@ -237,7 +239,7 @@ def test_a_window_before_the_damage_is_whole(tmp_path: Path, monkeypatch: pytest
     ("content", "message"),
     [
         (b"", "is empty"),
-        (b"\x00\x01\x02\x03", f"is of no known format: must be one of {', '.join(kind.title for kind in FORMATS)}"),
+        (b"\x00\x01\x02\x03", f"has an unknown format: must be one of {', '.join(kind.title for kind in FORMATS)}"),
         (b"t,x,y,p\n", "holds no events"),
     ],
 )

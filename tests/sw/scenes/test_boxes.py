@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The box experiment: what its events are, against the paths that it says its boxes took."""
+"""The box experiment: its events, compared with the paths of the boxes in the truth."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events from images and videos: light, times, sizes, and what is refused."""
+"""Events from images and videos: light, times, sizes, and refused input."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of an object is hidden, against areas worked out by hand."""
+"""The occluded part of an object, compared with areas computed by hand."""
 
 from __future__ import annotations
 

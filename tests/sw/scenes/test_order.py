@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keys become events in one order, however they come."""
+"""Keys are converted to events in a unique order, independent of their input order."""
 
 from __future__ import annotations
 

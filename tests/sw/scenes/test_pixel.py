@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pixel model against what can be worked out by hand: dI = pK, timing, mismatch, refractory time, noise."""
+"""The pixel model against results computed by hand: dI = pK, timing, mismatch, refractory time, noise."""
 
 from __future__ import annotations
 

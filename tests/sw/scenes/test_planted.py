@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Anomalies on the highway: they are there, do what their labels say, and leave the default scene as it was."""
+"""Anomalies on the highway: they are present, behave as labelled, and do not change the default scene."""
 
 from __future__ import annotations
 

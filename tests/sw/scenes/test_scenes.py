@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every filmed scene: what is drawn is where the truth says, moves as the truth says, and makes its events there."""
+"""Every filmed scene: shapes, motion and events agree with the truth."""
 
 from __future__ import annotations
 

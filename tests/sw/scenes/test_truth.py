@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A box is where its waypoints say, and moves as they say."""
+"""A box follows its waypoints."""
 
 from __future__ import annotations
 

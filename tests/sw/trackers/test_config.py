@@ -153,7 +153,7 @@ class TestToml:
             ("[shape]\nw = 3", "[shape]: unknown field 'w': must be one of frac, id_w, "),
             ("[rct]\nw = 3", "[rct]: unknown field 'w': must be one of alpha, "),
             ("[[slot]]\n[[slot]]\nw = 3", "[[slot]] 1: unknown field 'w': must be one of clust_nev, "),
-            ("[[slot]]\n" * 4, "[[slot]] stands 4 times: must be at most shape.n_slots = 3"),
+            ("[[slot]]\n" * 4, "[[slot]] occurs 4 times: must be at most shape.n_slots = 3"),
             ("slot = 3", "[[slot]] must be a list of tables"),
             ("cot = 3", "top level: [cot] must be a table, not 3"),
             ("[cot]\nhist_avg = 9", "cot.slot[0].hist_avg = 9: must be an integer from 0 to 8 "),

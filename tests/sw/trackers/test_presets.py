@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Named configurations: the paper's numbers, one for every sensor, fitted to any."""
+"""Named configurations: the paper's numbers, one per sensor size, and fitting to any sensor."""
 
 from __future__ import annotations
 

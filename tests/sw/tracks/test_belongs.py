@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A log of another recording is known by its digest, and without one by its owners and its records' places and times."""
+"""A log of another recording is detected by its digest, or without one by its owners and its records' positions and times."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_a_stored_log_keeps_the_digest_of_its_recording(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_every_engines_log_belongs(engine: str) -> None:
-    """No record bears a time after the recording's end, wherever the recording is cut."""
+    """No record has a time after the recording's end, wherever the recording is cut."""
     kind = ENGINES[engine]
     preset = "discs" if "discs" in kind.presets else next(iter(kind.presets))
     for count in (1, 997, len(SCENE.events) // 2, len(SCENE.events)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Agreement of hand-made logs whose answers are known."""
+"""Agreement of hand-made logs with known results."""
 
 from __future__ import annotations
 

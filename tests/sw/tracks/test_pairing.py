@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Optimal pairing, against trying everything."""
+"""Optimal pairing, compared with an exhaustive search."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lives, moments and merges of hand-made logs, and against a replay of random ones."""
+"""Lifetimes, samples and merges of hand-made logs, and comparison with a replay of random logs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A log is what a tracker tells, run by run, and then at the end."""
+"""A log is the concatenation of a tracker's output, run by run, and at the end."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.tracks.log import TRACK
-from evcot.tracks.tracking import Told, log_of
+from evcot.tracks.tracking import TrackerOutput, log_of
 
 
 class Parrot:
-    """Tells one record per run, and one at the end; the owner of an event is its column."""
+    """A tracker with one record per run, and one at the end; the owner of an event is its column."""
 
     def __init__(self) -> None:
         self.seen = 0
@@ -22,7 +22,7 @@ class Parrot:
         told["event_index"] = self.seen
         return told
 
-    def feed(self, events: Events) -> Told:
+    def feed(self, events: Events) -> TrackerOutput:
         self.seen += len(events)
         return self._record(), events.x.astype(np.int16)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TrackLog on disk: what goes out comes back, and what is not a log is refused by name."""
+"""TrackLog on disk: logs are read back unchanged, and other files are refused by name."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ __all__ = ["BENCH_FIELDS", "CLOCK", "PASSED", "WORDS", "play"]
 
 Table = NDArray[Any]
 
-# Fields of the test bench around the cascade: what the sender does, then how long each receiver has waited, and for which word.
+# Fields of the test bench around the cascade: state of the sender, then for each receiver the clocks waited and the word count.
 CLOCK, SENT, SENDER, HOLDING, WAITED, WORDS, PASS_WAITED, PASSED = range(8)
 BENCH_FIELDS = 8
 READY, REQUESTS, RELEASED = range(3)
@@ -23,7 +23,7 @@ READY, REQUESTS, RELEASED = range(3)
 
 @njit(cache=True, nogil=True)
 def _rests(c: Table, s: Table) -> bool:
-    """Whether every tracker is idle or held in reset, and the line is free."""
+    """Whether every tracker is idle or held in reset, and the output line is free."""
     for i in range(TRACKERS):
         if s[i, STATE] != IDLE and c[SELECTED] != i:
             return False
@@ -32,7 +32,7 @@ def _rests(c: Table, s: Table) -> bool:
 
 @njit(cache=True, nogil=True)
 def _quiet_clocks(b: Table, c: Table, s: Table, r: Table, clock: Table) -> int:
-    """Clocks from now on in which nothing can happen but that timers run."""
+    """Number of clocks from now on in which only timers advance."""
     if b[SENDER] != READY or not _rests(c, s):
         return 0
     quiet = clock[b[SENT]] - b[CLOCK]
@@ -43,13 +43,13 @@ def _quiet_clocks(b: Table, c: Table, s: Table, r: Table, clock: Table) -> int:
 
 @njit(cache=True, nogil=True, inline="always")
 def _receive(b: Table, req_n: int, delays: Table, waited: int, count: int) -> int:
-    """The acknowledge of a receiver that takes each word after its delay and lets go with the request."""
+    """The acknowledge of a receiver that takes each word after its delay and releases it with the request."""
     return int(req_n or b[waited] < delays[b[count] % len(delays)])
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _received(b: Table, req_n: int, ack_n: int, waited: int, count: int) -> int:
-    """The clock edge of a receiver: whether it took a word."""
+    """A receiver's clock edge; returns whether it took a word."""
     takes = int(not req_n and not ack_n)
     b[waited] = 0 if req_n or takes else b[waited] + 1
     b[count] += takes
@@ -64,27 +64,27 @@ def play(
     r: Table,
     events: tuple[Table, ...],
     delays: tuple[Table, ...],
-    told: tuple[Table, ...],
+    outcome: tuple[Table, ...],
     inputs: Table,
     outputs: Table,
     traces: bool,
 ) -> tuple[bool, int]:
-    """Clocks of the cascade between a sender and two receivers until all events are through, or until the trace is full.
+    """Clock the cascade between a sender and two receivers until all events are processed, or until the trace is full.
 
     Args:
         b, c, s, r: state of the test bench, of the cascade, of its trackers, and their registers.
-        events: clock from which each may be requested, high, low.
-        delays: clocks that the sender keeps a request after it was acknowledged, that the receiver of words takes, and that
-            of passed events takes; each read from the start again at its end.
-        told: clock at which each event was seen acknowledged; of the words, clock and word; of the passed, clock, high, low.
-        inputs, outputs: ports per clock, if `traces`; else one row of each, to work with.
+        events: earliest clock of each request, high, low.
+        delays: delays in clocks of the sender's release after the acknowledge, of the receiver of words, and of the receiver of
+            passed events; each repeats from the start.
+        outcome: output arrays: clock of each event's acknowledge; clock and word of words; clock, high, low of passed events.
+        inputs, outputs: ports per clock, if `traces`; else one row of each, as work space.
 
     Returns:
-        Whether it is finished, and how many rows were traced.
+        Whether it is finished, and the number of rows traced.
     """  # fmt: skip
     clock, high, low = events
     release, ack, pass_ack = delays
-    acknowledged, word_clock, word, pass_clock, pass_high, pass_low = told
+    acknowledged, word_clock, word, pass_clock, pass_high, pass_low = outcome
     wires = np.ones((TRACKERS + 1, 4), np.int64)
     n, rows = len(clock), 0
     while b[SENT] < n or b[SENDER] != READY or not _rests(c, s):

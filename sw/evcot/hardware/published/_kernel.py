@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The compiled inside of the model of the published tracker: what every register does at one clock edge."""
+"""Compiled kernels of the model of the published tracker: the update of every register at a clock edge."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ __all__ = [
 
 Table = NDArray[Any]
 Row = Any
-"""A record of a structured table: a port per field."""
+"""A record of a structured table, with a field per port."""
 
 TRACKERS = 4
 
@@ -36,7 +36,7 @@ TRACKERS = 4
     range(11)
 )
 
-# Fields of one tracker; numba folds plain module-level integers into the code.
+# Fields of one tracker; Numba inlines plain module-level integers as constants.
 (STATE, TAKEN, EV_HIGH, EV_LOW, LO_HIGH, HI_HIGH, LO_LOW, HI_LOW, INSIDE, CM_HIGH, CM_LOW, AV_HIGH, AV_LOW, G, N_EV, COUNT,
  UPDATED, QUIET, TC, TC2, TC2_1, TC2_2, DIFF, LAST_DIFF) = range(24)  # fmt: skip
 TRACKER_FIELDS = 24
@@ -72,7 +72,7 @@ def _ack_n(s: Table, req_n: int) -> int:
 
 @njit(cache=True, nogil=True)
 def _initialise(s: Table, r: Table) -> None:
-    """INIT_CELL: everything but TC and the event starts over."""
+    """INIT_CELL: reset everything but TC and the event."""
     s[CM_HIGH] = s[AV_HIGH] = r[INIT_CM_HIGH]
     s[CM_LOW] = s[AV_LOW] = r[INIT_CM_LOW]
     s[G] = r[INIT_RADIX]
@@ -124,7 +124,7 @@ def _set_n_ev(s: Table) -> None:
 
 @njit(cache=True, nogil=True)
 def _clock(s: Table, r: Table, rst: int, req_n: int, high: int, low: int, pass_ack_n: int, ack_n: int) -> None:
-    """One clock edge of one tracker: its fields, its registers, its inputs just before the edge."""
+    """One clock edge of one tracker, from its fields, its registers and its inputs just before the edge."""
     state = s[STATE]
     tc2 = s[TC2]
     s[TAKEN] = not req_n and (s[TAKEN] or state == REQ_RECEIVED)
@@ -187,7 +187,7 @@ def _clock(s: Table, r: Table, rst: int, req_n: int, high: int, low: int, pass_a
 
 @njit(cache=True, nogil=True)
 def run_one(s: Table, r: Table, inputs: Table, outputs: Table) -> None:
-    """Clocks of a lone tracker: `inputs` and `outputs` have a row per clock; outputs are those just before the edge."""
+    """Clock a single tracker: `inputs` and `outputs` have a row per clock; outputs are those just before the edge."""
     for i in range(len(inputs)):
         at, out = inputs[i], outputs[i]
         state = s[STATE]
@@ -205,7 +205,7 @@ def run_one(s: Table, r: Table, inputs: Table, outputs: Table) -> None:
 
 @njit(cache=True, nogil=True)
 def requests(c: Table, s: Table, r: Table, wires: Table, out: Row) -> None:
-    """What the cascade offers, from what it is offered.
+    """Compute the cascade's requests from its input request.
 
     `wires` has a row per link, tracker i between links i and i + 1: request, high, low, acknowledge. Row 0 holds the request.
     """
@@ -244,7 +244,7 @@ def requests(c: Table, s: Table, r: Table, wires: Table, out: Row) -> None:
 
 @njit(cache=True, nogil=True)
 def acknowledges(s: Table, r: Table, pass_ack_n: int, wires: Table, out: Row) -> None:
-    """What the cascade acknowledges, once its receivers have said what they do."""
+    """Compute the cascade's acknowledges from those of its receivers."""
     wires[TRACKERS, 3] = pass_ack_n
     for i in range(TRACKERS - 1, -1, -1):
         wires[i, 3] = _ack_n(s[i], wires[i, 0]) if r[i, ENABLE] else wires[i + 1, 3]
@@ -274,7 +274,7 @@ def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
 
 @njit(cache=True, nogil=True)
 def _write(r: Table, address: int, data: int) -> None:
-    """A write to a register of one tracker."""
+    """Write to a register of one tracker."""
     for column in range(len(FIRST)):
         if FIRST[column] <= address < FIRST[column] + BYTES[column]:
             if column == ENABLE:
@@ -285,7 +285,7 @@ def _write(r: Table, address: int, data: int) -> None:
 
 @njit(cache=True, nogil=True)
 def run(c: Table, s: Table, r: Table, inputs: Table, outputs: Table) -> None:
-    """Clocks of the cascade: `inputs` and `outputs` have a row per clock; outputs are those just before the edge."""
+    """Clock the cascade: `inputs` and `outputs` have a row per clock; outputs are those just before the edge."""
     wires = np.ones((TRACKERS + 1, 4), np.int64)
     for i in range(len(inputs)):
         at, out = inputs[i], outputs[i]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The published tracker, clock by clock: the golden model of `cot_published.v` and `cot_published_chain.v`.
+"""The published tracker: cycle-exact golden model of `cot_published.v` and `cot_published_chain.v`.
 
-docs/published.md is the contract of all three. For trackers without the published hardware's oddities see `evcot.hardware.cot`.
+docs/published.md is the contract of all three. For trackers without the published hardware's quirks see `evcot.hardware.cot`.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ __all__ = [
 # Register -> first address, bytes (low byte first).
 REGISTERS = {name: (register.address, register.n_bytes) for name, register in MAP.items()}
 
-_CLOCKS = 1 << 48  # more than a run can last: two months at 50 MHz
+_CLOCKS = 1 << 48  # limit of a run: two months at 50 MHz
 
 _RANGES: dict[str, Range] = {
     name: (register.low, register.high, register.meaning) for name, register in MAP.items() if name != "enable"
@@ -73,7 +73,7 @@ class PublishedConfig:
             raise ConfigError(f"published.enable = {self.enable!r}: must be true or false")
 
     def writes(self, tracker: int) -> list[tuple[int, int]]:
-        """(address, data) of every write that sets tracker 0 to 3 up, from its selection on; `SELECT_NONE` lets it go."""
+        """(address, data) of all writes that configure tracker 0 to 3, from its selection on; `SELECT_NONE` deselects it."""
         found = [(SELECT, tracker)]
         for name, (address, n_bytes) in REGISTERS.items():
             value = 255 * self.enable if name == "enable" else int(getattr(self, name))
@@ -81,7 +81,7 @@ class PublishedConfig:
         return found
 
 
-# The ports of cot_published.v and of cot_published_chain.v at one clock; a payload that is not on offer reads 0.
+# The ports of cot_published.v and of cot_published_chain.v at one clock; a payload without a request reads 0.
 TRACKER_INPUT = np.dtype([(name, "u1") for name in ("rst", "s_req_n", "s_high", "s_low", "m_pass_ack_n", "m_ack_n")])
 TRACKER_OUTPUT = np.dtype(
     [(name, "u1") for name in ("s_ack_n", "m_pass_req_n", "m_pass_high", "m_pass_low", "m_req_n", "m_event", "m_high", "m_low")]
@@ -103,12 +103,12 @@ CASCADE_OUTPUT = np.dtype(
     ]
 )
 
-# What an output word says: of which tracker, whether an event of its cluster (else its centre), and where.
+# The fields of an output word: tracker, whether it is an event of the cluster (else its centre), and the address.
 WORD = np.dtype([("tracker", "u1"), ("event", "?"), ("high", "u1"), ("low", "u1")])
 
 
 def decode(words: NDArray[Any]) -> NDArray[np.void]:
-    """25-bit output words, (n,) integers, as (n,) WORD."""
+    """Decode 25-bit output words, (n,) integers, to (n,) WORD."""
     words = np.asarray(words, np.int64)
     decoded = np.zeros(words.shape, WORD)
     decoded["tracker"] = words >> 17 & 3
@@ -119,7 +119,7 @@ def decode(words: NDArray[Any]) -> NDArray[np.void]:
 
 
 def _idle(dtype: np.dtype[np.void], n: int) -> NDArray[np.void]:
-    """n clocks in which nobody requests or acknowledges anything."""
+    """n clocks without any request or acknowledge."""
     rows = np.zeros(n, dtype)
     for name in dtype.names or ():
         if name.endswith("_n"):
@@ -129,12 +129,12 @@ def _idle(dtype: np.dtype[np.void], n: int) -> NDArray[np.void]:
 
 @dataclass(frozen=True)
 class Handshakes:
-    """How long the other side of each port takes, in clocks: (m,) int64 each, read from the start again at the end.
+    """Delays of the other side of each port, in clocks: (m,) int64 each, repeated from the start.
 
     Attributes:
-        release: how long the sender keeps a request after it saw the acknowledge; 0 lets go at the next edge.
-        ack: how long the receiver of words takes to acknowledge; 0 is within the same clock.
-        pass_ack: how long the receiver of passed events takes.
+        release: delay of the sender's release of the request after the acknowledge; 0 is at the next edge.
+        ack: delay of the acknowledge by the receiver of words; 0 is within the same clock.
+        pass_ack: the same for the receiver of passed events.
     """
 
     release: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
@@ -145,18 +145,18 @@ class Handshakes:
         for name in ("release", "ack", "pass_ack"):
             pattern = np.ascontiguousarray(getattr(self, name), np.int64)
             if pattern.ndim != 1 or not len(pattern) or pattern.min() < 0:
-                raise ConfigError(f"handshakes.{name}: must be a row of at least one number of clocks, none below 0")
+                raise ConfigError(f"handshakes.{name}: must be a sequence of at least one number of clocks, none negative")
             object.__setattr__(self, name, pattern)
 
 
 class Played(NamedTuple):
-    """What came of a run of n events; clocks are counted from reset.
+    """The result of a run of n events; clocks are counted from reset.
 
     Attributes:
-        acknowledged: (n,) int64, clock at which the sender saw each acknowledged.
+        acknowledged: (n,) int64, clock at which the sender saw the acknowledge of each event.
         word_clock, word: (m,) int64, clock at which each output word was taken, and the word: see `decode`.
         pass_clock, pass_high, pass_low: (k,) int64, the events that no tracker took.
-        inputs, outputs: CASCADE_INPUT and CASCADE_OUTPUT of every clock, if asked for; else empty.
+        inputs, outputs: CASCADE_INPUT and CASCADE_OUTPUT of every clock, if requested; else empty.
     """
 
     acknowledged: NDArray[np.int64]
@@ -170,10 +170,10 @@ class Played(NamedTuple):
 
 
 class PublishedTracker:
-    """One tracker, `cot_published.v`, clock by clock from reset.
+    """Cycle-exact model of one tracker, `cot_published.v`, from reset.
 
     Args:
-        config: its registers; `enable` does nothing here.
+        config: its registers; `enable` is ignored here.
     """
 
     def __init__(self, config: PublishedConfig) -> None:
@@ -182,20 +182,20 @@ class PublishedTracker:
         self._state = np.zeros(TRACKER_FIELDS, np.int64)
 
     def clocks(self, inputs: NDArray[np.void]) -> NDArray[np.void]:
-        """What the ports show just before each of n edges: (n,) TRACKER_OUTPUT for (n,) TRACKER_INPUT."""
+        """The output ports just before each of n clock edges: (n,) TRACKER_OUTPUT for (n,) TRACKER_INPUT."""
         outputs = np.zeros(len(inputs), TRACKER_OUTPUT)
         run_one(self._state, self._registers, inputs, outputs)
         return outputs
 
 
 class PublishedCascade:
-    """Four trackers with registers and output line, `cot_published_chain.v`, clock by clock from reset.
+    """Cycle-exact model of four trackers with registers and output line, `cot_published_chain.v`, from reset.
 
     Args:
-        configs: registers of up to four trackers, first come first served; the rest stays disabled.
+        configs: registers of up to four trackers, in order; the remaining trackers stay disabled.
 
     Raises:
-        ConfigError: more than four.
+        ConfigError: more than four trackers.
     """
 
     def __init__(self, configs: Sequence[PublishedConfig] = ()) -> None:
@@ -213,14 +213,14 @@ class PublishedCascade:
             self.clocks(_idle(CASCADE_INPUT, 1))  # INIT_CELL
 
     def write(self, writes: Sequence[tuple[int, int]]) -> None:
-        """Register writes, (address, data), one per clock."""
+        """Perform register writes, (address, data), one per clock."""
         inputs = _idle(CASCADE_INPUT, len(writes))
         inputs["cfg_valid"] = 1
         inputs["cfg_addr"], inputs["cfg_data"] = np.array(writes, np.uint8).T
         self.clocks(inputs)
 
     def clocks(self, inputs: NDArray[np.void]) -> NDArray[np.void]:
-        """What the ports show just before each of n edges: (n,) CASCADE_OUTPUT for (n,) CASCADE_INPUT."""
+        """The output ports just before each of n clock edges: (n,) CASCADE_OUTPUT for (n,) CASCADE_INPUT."""
         outputs = np.zeros(len(inputs), CASCADE_OUTPUT)
         run(self._cascade, self._trackers, self._registers, inputs, outputs)
         self._clock += len(inputs)
@@ -240,24 +240,24 @@ class PublishedCascade:
         *,
         trace: bool = False,
     ) -> Played:
-        """Send events through 4-phase handshakes and collect what comes out, until all is quiet.
+        """Send events through 4-phase handshakes and collect the outputs, until the cascade is idle.
 
-        Silence costs no time, so real recordings at a real clock rate are fine. An event that meets an initialisation is
-        acknowledged and appears nowhere.
+        Idle clocks are skipped, so real recordings at real clock rates are feasible. An event that arrives during an
+        initialisation is acknowledged, but appears in no output.
 
         Args:
-            clock: (n,) clock from which each event may be requested, never decreasing; later where the cascade is busy.
+            clock: (n,) earliest clock of each request, never decreasing; later if the cascade is busy.
             high, low: (n,) coordinates, 0 to 255.
             handshakes: delays of sender and receivers (default: none).
-            trace: keep the ports of every clock; silence then costs time.
+            trace: record the ports at every clock; idle clocks are then not skipped.
 
         Raises:
             ConfigError: a tracker is still selected.
-            RecordingError: a coordinate is outside 0 to 255, or a clock lies before the one before it.
+            RecordingError: a coordinate is outside 0 to 255, or the clocks decrease.
         """
         if (selected := int(self._cascade[SELECTED])) < TRACKERS and self._registers[selected, ENABLE]:
             raise ConfigError(
-                f"tracker {selected} is selected: it would acknowledge for ever; write {SELECT_NONE} to {SELECT} first"
+                f"tracker {selected} is selected: it would acknowledge forever; write {SELECT_NONE} to {SELECT} first"
             )
         clock, high, low = (np.ascontiguousarray(column, np.int64) for column in (clock, high, low))
         n = len(clock)
@@ -271,7 +271,7 @@ class PublishedCascade:
         if len(back := np.flatnonzero(np.diff(clock) < 0)):
             raise RecordingError(f"event {back[0] + 1}: clock {clock[back[0] + 1]} lies before that of the event before it")
         delays = handshakes or Handshakes()
-        told = tuple(np.zeros(n + 2 * TRACKERS, np.int64) for _ in range(6))
+        outcome = tuple(np.zeros(n + 2 * TRACKERS, np.int64) for _ in range(6))
         bench = np.zeros(BENCH_FIELDS, np.int64)
         bench[CLOCK] = self._clock
         inputs, outputs = [], []
@@ -281,12 +281,12 @@ class PublishedCascade:
             at, out = _idle(CASCADE_INPUT, rows), np.zeros(rows, CASCADE_OUTPUT)
             finished, traced = play(
                 bench, self._cascade, self._trackers, self._registers, (clock, high, low),
-                (delays.release, delays.ack, delays.pass_ack), told, at, out, trace,
+                (delays.release, delays.ack, delays.pass_ack), outcome, at, out, trace,
             )  # fmt: skip
             inputs.append(at[:traced])
             outputs.append(out[:traced])
         self._clock = int(bench[CLOCK])
-        acknowledged, word_clock, word, *passed = told
+        acknowledged, word_clock, word, *passed = outcome
         n_words, n_passed = int(bench[WORDS]), int(bench[PASSED])
         pass_clock, pass_high, pass_low = (column[:n_passed] for column in passed)
         return Played(

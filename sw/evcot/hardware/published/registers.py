@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The published tracker's register map, as published_registers.toml has it: for the model, and for `published_regs.vh`."""
+"""The published tracker's register map, from published_registers.toml: for the model, and for `published_regs.vh`."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class PublishedRegister:
 
     @property
     def n_bytes(self) -> int:
-        """Addresses that it takes, low byte first."""
+        """Number of byte addresses, low byte first."""
         return -(-self.bits // 8)
 
 
 _DATA = tomllib.loads(files("evcot.hardware.published").joinpath("registers.toml").read_text(encoding="utf-8"))
 
 REGISTERS = {name: PublishedRegister(**entry) for name, entry in _DATA["register"].items()}
-SELECT: int = _DATA["select"]  # the tracker number written here is held in reset and takes the writes to the registers
+SELECT: int = _DATA["select"]  # the tracker whose number is written here is held in reset and receives register writes
 SELECT_NONE: int = _DATA["select_none"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The colours of films: Okabe and Ito's palette, lightened for a dark ground."""
+"""The colours of films: Okabe and Ito's palette, lightened for a dark background."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _EVENT_SHADES, _LINE_SHADES = 96, 12
 
 
 def hexadecimal(rgb: RGB) -> str:
-    """As drawing libraries take it."""
+    """The colour as "#rrggbb"."""
     return "#{:02x}{:02x}{:02x}".format(*rgb)
 
 
 def shades(rgb: RGB, cover: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """(n, 3): a colour over the ground, as strong as each of (n,) `cover` says."""
+    """(n, 3): a colour blended with the background by the opacities `cover`, (n,)."""
     return np.round(cover[:, np.newaxis] * rgb + (1 - cover[:, np.newaxis]) * GROUND).astype(np.uint8)
 
 
 def palette() -> NDArray[np.uint8]:
-    """(256, 3): all that a picture needs, for formats that have no more."""
+    """(256, 3): the colours of a picture, for formats with a palette."""
     events = [shades(rgb, np.linspace(0, 1, _EVENT_SHADES)) for rgb in EVENTS]
     lines = [shades(rgb, np.linspace(1, 0, _LINE_SHADES, endpoint=False)) for rgb in (*SIDES, INK)]
     rows = np.concatenate([*events, *lines])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One picture of a film: events enlarged, trails, windows and ids over them, the time in a corner."""
+"""A frame of a film: enlarged events, with trails, windows and ids drawn over them, and the time in a corner."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MARGIN_PX = 6
 
 
 def size_of(sensor: tuple[int, int], width_px: int) -> tuple[int, int, int]:
-    """(enlargement, width, height) of a picture at least so wide, if the sensor is not wider; sides are even, as films need."""
+    """(scale, width, height) of a picture at least `width_px` wide; sides are even, as required by video codecs."""
     enlarged = max(1, -(-width_px // sensor[0]))
     width, height = (side * enlarged + side * enlarged % 2 for side in sensor)
     return enlarged, width, height
@@ -32,7 +32,7 @@ def size_of(sensor: tuple[int, int], width_px: int) -> tuple[int, int, int]:
 def compose(
     events: NDArray[np.uint8], enlarged: int, size: tuple[int, int], followers: Sequence[Follower], picture: int, caption: str
 ) -> Image.Image:
-    """The picture: (height, width, 3) of the sensor, made larger, with what the followers see drawn over it."""
+    """Compose a picture: the sensor's image, (height, width, 3), enlarged, with the followers' tracks drawn over it."""
     large = events.repeat(enlarged, 0).repeat(enlarged, 1)
     height, width = large.shape[:2]
     if (width, height) != size:
@@ -59,7 +59,7 @@ def _draw_side(draw: ImageDraw.ImageDraw, follower: Follower, picture: int, enla
         left, top = ((centre - radius) * enlarged for centre in (x, y))
         right, bottom = ((centre + radius + 1) * enlarged - 1 for centre in (x, y))
         draw.rectangle((left, top, right, bottom), outline=follower.side.colour, width=pen)
-        # Ids of a second side stand below the window, lest they cover those of the first.
+        # Ids of the second side are drawn below the window, so that they do not cover those of the first.
         above, below = max(top - 2, _FONT_PX), min(bottom + 2 + _FONT_PX, draw.im.size[1] - 2)
         _write(draw, (max(left, 2), below if place % 2 else above), str(track_id), follower.side.colour, "ls")
 
@@ -75,5 +75,5 @@ def _write(draw: ImageDraw.ImageDraw, at: tuple[float, float], text: str, colour
 
 @cache
 def _font() -> ImageFont.FreeTypeFont:
-    """The font that Matplotlib brings along, so that every machine draws the same."""
+    """The font bundled with Matplotlib, so that the result is the same on every machine."""
     return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans-Bold.ttf"), _FONT_PX)

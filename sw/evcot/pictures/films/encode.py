@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures into a film file."""
+"""Encoders of film files."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ __all__ = ["ENCODERS", "GIF_PIXELS_MAX", "Encoder", "check_encoder"]
 
 GIF_PIXELS_MAX = 1 << 29
 
-_CRF = "20"  # quality of H.264: thin lines and single pixels stay
+_CRF = "20"  # quality of H.264: preserves thin lines and single pixels
 
 
 class Encoder(Protocol):
-    """A film that is being written."""
+    """A film being written."""
 
     def __init__(self, file: BinaryIO, size: tuple[int, int], fps: float) -> None: ...
 
     def add(self, image: Image.Image) -> None:
-        """The next picture."""
+        """Append a picture."""
         ...
 
     def close(self) -> None:
-        """End the film; the file itself stays the caller's."""
+        """Finish the film; closing the file itself is up to the caller."""
         ...
 
 
 class Mp4Encoder:
-    """H.264 in MP4, or MPEG-4 where the codec is missing."""
+    """H.264 in MP4, or MPEG-4 if the codec is missing."""
 
     def __init__(self, file: BinaryIO, size: tuple[int, int], fps: float) -> None:
         import av
@@ -60,7 +60,7 @@ class Mp4Encoder:
 
 
 class GifEncoder:
-    """GIF, with one palette for all pictures; its clock has ticks of 10 ms. All of it is in memory until the end."""
+    """GIF, with one palette for all pictures and a time resolution of 10 ms. Held in memory until the end."""
 
     def __init__(self, file: BinaryIO, size: tuple[int, int], fps: float) -> None:
         self._file, self._fps = file, fps
@@ -87,7 +87,7 @@ ENCODERS: dict[str, type[Encoder]] = {MP4: Mp4Encoder, GIF: GifEncoder}
 
 
 def check_encoder(suffix: str) -> None:
-    """Raise ConfigError where films of a suffix cannot be written here."""
+    """Raise ConfigError if films with this suffix cannot be written on this machine."""
     if suffix == MP4:
         try:
             import av  # noqa: F401

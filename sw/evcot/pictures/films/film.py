@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A film of a recording: events fade, tracks move over them."""
+"""A film of a recording: fading events with tracks over them."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ __all__ = ["check_suffix", "picture_times", "render"]
 _PICTURES_MAX = 1_000_000
 
 Progress = Callable[[int, int], None]
-"""Told the pictures done and the time of the recording, in us after its window's start."""
+"""Progress callback: number of pictures done, and time of the recording in us after the start of the window."""
 
 
 def render(
     blocks: Iterable[Events], sensor: Sensor, sides: Sequence[Side], path: Path | str, window: tuple[int, int],
     look: Look | None = None, progress: Progress | None = None, *, force: bool = False,
 ) -> int:  # fmt: skip
-    """Write a film in the format of the path's suffix, one of `SUFFIXES`, and return how many pictures it has.
+    """Write a film in the format of the path's suffix, one of `SUFFIXES`, and return its number of pictures.
 
     Args:
         blocks: the events of the window, in order.
         window: times of the first and the last event.
-        force: replace a file that exists.
+        force: replace an existing file.
 
     Raises:
-        ConfigError: another suffix, a package that is missing, or too many pictures.
+        ConfigError: unknown suffix, missing package, or too many pictures.
         OutputError: the file exists, or cannot be written.
     """
     path, look = Path(path), look or Look()
@@ -68,7 +68,7 @@ def render(
 
 
 def check_suffix(path: Path) -> None:
-    """Raise ConfigError where films of the path's suffix cannot be written here."""
+    """Raise ConfigError if films with the path's suffix cannot be written on this machine."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise ConfigError(f"{path}: must end in {', '.join(SUFFIXES)}")
@@ -79,7 +79,7 @@ def check_suffix(path: Path) -> None:
 
 
 def picture_times(window: tuple[int, int], look: Look) -> NDArray[np.int64]:
-    """(n,) the time that each picture shows; the last one shows the end of the window."""
+    """(n,) the time of each picture; the last is that of the end of the window."""
     step_us = 1e6 * look.speed / look.fps
     count = int(np.ceil((window[1] - window[0]) / step_us)) + 1
     if count > _PICTURES_MAX:
@@ -89,7 +89,7 @@ def picture_times(window: tuple[int, int], look: Look) -> NDArray[np.int64]:
 
 
 def _parts(blocks: Iterable[Events], times_us: NDArray[np.int64]) -> Iterator[list[Events]]:
-    """For each time, the events after the one before and up to it."""
+    """For each time, the events after the previous time up to it."""
     source = iter(blocks)
     rest = Events.empty()
     for now_us in times_us.tolist():

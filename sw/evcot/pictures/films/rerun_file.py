@@ -20,7 +20,7 @@ _POINT_PX = 0.5  # radius
 
 
 def check_rerun() -> None:
-    """Raise ConfigError where Rerun's library is not installed."""
+    """Raise ConfigError if Rerun's library is not installed."""
     try:
         import rerun  # noqa: F401
     except ImportError as error:
@@ -31,7 +31,7 @@ def write_rerun(
     file: BinaryIO, sensor: Sensor, pictures: Iterable[tuple[int, list[Events]]], followers: Sequence[Follower], zero_us: int,
     progress: Callable[[int, int], None] | None,
 ) -> None:  # fmt: skip
-    """Write what happened up to each picture's time; the file is a named one."""
+    """Write events and tracks up to each picture's time; the file must have a name."""
     import rerun
 
     stream = rerun.RecordingStream("evcot", recording_id="evcot", send_properties=False)

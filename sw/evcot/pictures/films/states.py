@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where tracks are at each picture of a film, and where they have been."""
+"""Positions and trails of tracks at each picture of a film."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _TRAIL_PICTURES = 300
 
 @dataclass(frozen=True)
 class Side:
-    """A track log, its name for people and its colour."""
+    """A track log with its display name and colour."""
 
     name: str
     log: TrackLog
@@ -28,15 +28,15 @@ class Side:
 
 
 def side_of(place: int, name: str, log: TrackLog) -> Side:
-    """The log at a place among several."""
+    """The side for the log at index `place` of several."""
     return Side(name, log, SIDES[place % len(SIDES)])
 
 
 class Follower:
-    """The visible tracks of a side, one picture after the other.
+    """The visible tracks of a side, picture by picture.
 
     Args:
-        times_us: (n,) of the pictures, ascending.
+        times_us: (n,) times of the pictures, ascending.
     """
 
     def __init__(self, side: Side, times_us: NDArray[np.int64]) -> None:
@@ -46,7 +46,7 @@ class Follower:
         self._trails: dict[int, deque[tuple[float, float]]] = {}
 
     def at(self, picture: int) -> tuple[NDArray[np.void], dict[int, deque[tuple[float, float]]]]:
-        """(states of dtype `timeline.SAMPLE`, track id -> places up to now); pictures are asked for in turn."""
+        """(states of dtype `timeline.SAMPLE`, track id -> past positions); must be called for the pictures in order."""
         states = self._states[self._begin[picture] : self._begin[picture + 1]]
         trails = {}
         for track_id, x, y in zip(states["track_id"].tolist(), states["x"].tolist(), states["y"].tolist(), strict=True):

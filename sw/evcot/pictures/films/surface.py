@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events as a picture that fades: a pixel shows its latest event, the fainter the older it is."""
+"""Decaying time surface of events: a pixel shows its latest event, faded by age."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from .colours import EVENTS, shades
 __all__ = ["Surface"]
 
 _LEVELS = 256
-_CUT = 5.0  # decay times after which an event shows no more
+_CUT = 5.0  # time constants after which an event is invisible
 _NEVER = np.iinfo(np.int64).min // 2
 
 
 class Surface:
-    """The events of a sensor; see the module.
+    """The time surface of a sensor; see the module.
 
     Args:
-        decay_us: after this time an event shows at 1/e of its strength.
+        decay_us: time constant with which events fade.
     """
 
     def __init__(self, sensor: Sensor, decay_us: float) -> None:
@@ -35,11 +35,11 @@ class Surface:
         self._table = np.array([shades(rgb, cover) for rgb in EVENTS])
 
     def add(self, events: Events) -> None:
-        """Take over events, in order of time."""
+        """Add events, in order of time."""
         _add(events.t_us, events.x, events.y, events.p, self._t_us, self._p)
 
     def picture(self, now_us: int) -> NDArray[np.uint8]:
-        """(height, width, 3): how it looks at a time."""
+        """(height, width, 3): the image at a time."""
         image = np.empty((*self._t_us.shape, 3), np.uint8)
         _paint(self._t_us, self._p, now_us, _LEVELS / (_CUT * self._decay_us), self._table, image)
         return image
@@ -47,7 +47,7 @@ class Surface:
 
 @njit(cache=True, nogil=True)
 def _add(t_us, x, y, p, latest_us, latest_p):  # type: ignore[no-untyped-def]
-    """Each event replaces what its pixel had."""
+    """Store each event as the latest of its pixel."""
     for i in range(len(t_us)):
         latest_us[y[i], x[i]] = t_us[i]
         latest_p[y[i], x[i]] = p[i]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures for a paper: tracks over events, places over time, how many were alive, and their lives."""
+"""Figures for publications: tracks over events, positions over time, number of tracks alive, and lifetimes."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A figure: its panels, one above the other, in millimetres."""
+"""A figure of stacked panels, with sizes in millimetres."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _MM_PER_INCH = 25.4
 _SIDE_MM = (20.0, 1000.0)
 _DPI = (50.0, 1200.0)
 _LEGEND_MM = 5.0
-_ROW_MM = 2.6  # of a life
+_ROW_MM = 2.6  # height of a row in the panel of lives
 
 
 @dataclass(frozen=True)
 class _Panel:
-    """How it is drawn, and how high it is at a width, in mm."""
+    """A panel's drawing function, and its height at a given width, in mm."""
 
     draw: Callable[[Axes, Material], None]
     height_mm: Callable[[Material, float], float]
@@ -59,16 +59,16 @@ def plot(
     material: Material, path: Path | str, kinds: Sequence[str] = ("tracks",), *, width_mm: float = COLUMN_MM[1],
     height_mm: float | None = None, dpi: float = 300, force: bool = False,
 ) -> None:  # fmt: skip
-    """Draw a figure and write it; the path's suffix is .png, .svg or .pdf. The same material gives the same bytes.
+    """Draw a figure and write it; the path's suffix is .png, .svg or .pdf. Equal material gives identical files.
 
     Args:
         kinds: panels, from top to bottom, of `KINDS`.
-        width_mm, height_mm: size; without a height, what the panels need.
-        dpi: of a PNG, and of the image of events in the others.
-        force: replace a file that exists.
+        width_mm, height_mm: size; by default the height required by the panels.
+        dpi: resolution of a PNG, and of the image of events in the other formats.
+        force: replace an existing file.
 
     Raises:
-        ConfigError: an unknown kind or suffix, or a size that cannot be.
+        ConfigError: an unknown kind or suffix, or an invalid size.
         OutputError: the file exists, or cannot be written.
     """
     unknown = next((kind for kind in kinds if kind not in _KINDS), None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a figure is made from: where events fell, and what trackers said about a window of time."""
+"""Input data of a figure: events per pixel, and track logs over a window of time."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from ...tracks.timeline import alive, lifetimes, sample
 
 __all__ = ["Log", "Material", "density"]
 
-_SAMPLES = 2_000  # of a window's time
+_SAMPLES = 2_000  # number of sample times in a window
 
 
 @dataclass(frozen=True)
 class Log:
-    """A track log and its name for people."""
+    """A track log and its display name."""
 
     name: str
     log: TrackLog
@@ -30,13 +30,13 @@ class Log:
 
 @dataclass(frozen=True)
 class Material:
-    """A window of time.
+    """Events and logs in a window of time.
 
     Attributes:
         counts: (height, width) events per pixel.
         logs: one or more.
-        from_us, to_us: times of the recording's clock.
-        zero_us: what the axis of time counts from.
+        from_us, to_us: start and end of the window, in the recording's time.
+        zero_us: origin of the time axis.
     """
 
     counts: NDArray[np.int64]
@@ -47,7 +47,7 @@ class Material:
 
     @cached_property
     def times_us(self) -> NDArray[np.int64]:
-        """Evenly over the window."""
+        """Sample times, evenly spaced over the window."""
         return np.unique(np.linspace(self.from_us, max(self.to_us, self.from_us + 1), _SAMPLES).astype(np.int64))
 
     @property
@@ -60,25 +60,25 @@ class Material:
         return np.asarray((t_us - self.zero_us) / self.unit[1], np.float64)
 
     def paths(self, log: Log) -> dict[int, NDArray[np.void]]:
-        """Track id -> its states in the window, of dtype `timeline.SAMPLE`, in order of time; in order of birth."""
+        """Track id -> states in the window in order of time, of dtype `timeline.SAMPLE`; tracks in order of birth."""
         states = sample(log.log, self.times_us)
         states = states[np.argsort(states["track_id"], kind="stable")]
         ids, begin = np.unique(states["track_id"], return_index=True)
         return dict(zip(ids.tolist(), np.split(states, begin[1:]), strict=False)) if len(ids) else {}
 
     def lives(self, log: Log) -> NDArray[np.void]:
-        """Those that touch the window, of dtype `timeline.LIFE`, in order of birth."""
+        """The lives that overlap the window, of dtype `timeline.LIFE`, in order of birth."""
         lives = lifetimes(log.log, self.to_us)
         touching: NDArray[np.void] = lives[(lives["birth_us"] <= self.to_us) & (lives["end_us"] >= self.from_us)]
         return touching
 
     def alive(self, log: Log) -> NDArray[np.int64]:
-        """How many tracks are visible at each of `times_us`."""
+        """Number of visible tracks at each of `times_us`."""
         return alive(log.log, self.times_us)
 
 
 def density(blocks: Iterable[Events], sensor: Sensor) -> tuple[NDArray[np.int64], int, int]:
-    """(height, width) events per pixel, and the times of the first and the last event; (0, 0) without any."""
+    """(height, width) events per pixel, and the times of the first and the last event; (0, 0) without events."""
     width, height = sensor
     counts = np.zeros(width * height, np.int64)
     first_us: int | None = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The panels of a figure, one function each. With one log a colour is a track, with several it is a log."""
+"""The panels of a figure, one function each. Colours distinguish tracks if there is one log, else logs."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from .style import DASHES, INK, PALETTE
 
 __all__ = ["alive_panel", "lives_panel", "place_panel", "tracks_panel"]
 
-_DARKEST = 0.45  # of a pixel with the most events; paths are to stand out
+_DARKEST = 0.45  # of the pixel with the most events; paths must stand out
 _WIDER = 0.9  # points
-_LABELS_MAX = 24  # of more tracks none is named
+_LABELS_MAX = 24  # with more tracks, no labels are drawn
 _ROW_LABELS_MAX = 40
 
 
 def _styled(material: Material) -> Iterator[tuple[Log, int, dict[str, Any]]]:
-    """Every track as (its log, id, look of its line). Earlier logs have wider lines, so that later ones do not hide them."""
+    """All tracks as (log, id, line style). Earlier logs have wider lines, so that later ones do not hide them."""
     several = len(material.logs) > 1
     for place, log in enumerate(material.logs):
         width = 1.0 + _WIDER * (len(material.logs) - 1 - place)
@@ -37,7 +37,7 @@ def _styled(material: Material) -> Iterator[tuple[Log, int, dict[str, Any]]]:
 
 
 def _lines(ax: Axes, material: Material, curve: tuple[str, str], name_at_end: bool) -> None:
-    """A line per track through two fields of its states; "t" is the time."""
+    """Draw a line per track through two fields of its states; "t" is the time."""
     paths = {log.name: material.paths(log) for log in material.logs}
     few = sum(map(len, paths.values())) <= _LABELS_MAX
     for log, track_id, look in _styled(material):
@@ -55,7 +55,7 @@ def _lines(ax: Axes, material: Material, curve: tuple[str, str], name_at_end: bo
 
 
 def tracks_panel(ax: Axes, material: Material) -> None:
-    """Where events fell, in grey, and the paths of the tracks, each named at its end."""
+    """Draw the events in grey, and the paths of the tracks, each labelled at its end."""
     height, width = material.counts.shape
     full = max(float(np.quantile(some, 0.98)) if len(some := material.counts[material.counts > 0]) else 1.0, 1.0)
     grey = 1 - _DARKEST * np.minimum(np.log1p(material.counts) / np.log1p(full), 1)
@@ -80,7 +80,7 @@ def tracks_panel(ax: Axes, material: Material) -> None:
 
 
 def place_panel(ax: Axes, material: Material, field: str) -> None:
-    """x or y of every track over time; y counts down, as on the sensor."""
+    """Draw x or y of every track over time; the y axis points down, as on the sensor."""
     _lines(ax, material, ("t", field), name_at_end=field == "x")
     height, width = material.counts.shape
     ax.set_ylim((-0.5, width - 0.5) if field == "x" else (height - 0.5, -0.5))
@@ -90,7 +90,7 @@ def place_panel(ax: Axes, material: Material, field: str) -> None:
 
 
 def alive_panel(ax: Axes, material: Material) -> None:
-    """How many tracks are visible over time."""
+    """Draw the number of visible tracks over time."""
     most = 1
     for place, log in enumerate(material.logs):
         counts = material.alive(log)
@@ -106,7 +106,7 @@ def alive_panel(ax: Axes, material: Material) -> None:
 
 
 def lives_panel(ax: Axes, material: Material) -> None:
-    """Every track from birth to end, one log above the other; a merge points to its survivor."""
+    """Draw every track from birth to end, one log above the other; a merge is linked to its survivor."""
     lives = {log.name: material.lives(log) for log in material.logs}
     rows = {
         (name, track_id): row

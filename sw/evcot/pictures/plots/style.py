@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How figures look, and how they are written: the same figure gives the same bytes."""
+"""Style and output of figures: equal figures give identical files."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ RULES: dict[Any, Any] = {
     "xtick.major.size": 2.5,
     "ytick.major.size": 2.5,
     "lines.linewidth": 1.0,
-    "pdf.fonttype": 42,  # whole fonts, which publishers ask for
+    "pdf.fonttype": 42,  # embedded TrueType fonts, as required by publishers
     "svg.fonttype": "path",
     "svg.hashsalt": "evcot",
 }
-# No dates and no versions: what is the same looks the same.
+# No dates or versions, so that files are reproducible.
 _METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
     "pdf": {"CreationDate": None, "ModDate": None, "Creator": None, "Producer": None},
@@ -55,7 +55,7 @@ def save(figure: Figure, path: Path, dpi: float, *, force: bool = False) -> None
     """Write a figure in the format of the path's suffix.
 
     Raises:
-        ConfigError: another suffix than .png, .svg, .pdf.
+        ConfigError: a suffix other than .png, .svg, .pdf.
         OutputError: the file exists, or cannot be written.
     """
     kind = path.suffix.lower().removeprefix(".")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One module per family of event file; `evcot.recordings.files.open_recording` and `write_events` are the way in.
+"""One module per family of event file formats; the entry points are `open_recording` and `write_events` in `..files`.
 
-Each module has `FORMATS`, the kinds it reads, and may have `WRITABLE`, the kinds it writes. Each kind is tried in this order
-on a file's first bytes. What a reader finds wrong it raises as a RecordingError that leaves the file's name out:
-`evcot.recordings.files` puts it in front.
+Each module has `FORMATS`, the formats it reads, and may have `WRITABLE`, the formats it writes. Formats are tried in this
+order on a file's first bytes. A reader reports damage as a RecordingError without the file's name: `evcot.recordings.files`
+prefixes it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The compiled inside of the text formats: lines of bytes to columns of events, and back.
+"""Compiled kernels of the text formats: lines of bytes to columns of events, and back.
 
-Digits are taken eight at a time out of one 64-bit word: found, shifted to its upper end, and added up in pairs.
+Digits are parsed eight at a time in one 64-bit word: located, shifted to its upper end, and combined in pairs.
 """
 
 from __future__ import annotations
@@ -11,17 +11,17 @@ from numba import njit
 
 __all__ = ["LINE_BYTES", "PADDING_BYTES", "SHORTEST_LINE_BYTES", "UNUSED", "P", "T", "X", "Y", "format_lines", "parse_lines"]
 
-# What a column holds; UNUSED ones are passed over.
+# What a column holds; UNUSED columns are skipped.
 T, X, Y, P, UNUSED = 0, 1, 2, 3, -1
 
 LINE_BYTES = len("-9223372036854775808,65535,65535,255\n")
 SHORTEST_LINE_BYTES = len("0 0 0 0\n")
-PADDING_BYTES = 16  # readable behind the text, because it is read in words
+PADDING_BYTES = 16  # readable after the text, because it is read in 8-byte words
 
 _TAB, _NEWLINE, _RETURN, _BLANK, _HASH, _PERCENT, _PLUS, _COMMA, _MINUS, _POINT, _0, _E = (ord(c) for c in "\t\n\r #%+,-.0e")
 _SMALLEST, _LARGEST = int(np.iinfo(np.int64).min), int(np.iinfo(np.int64).max)
 _POWERS = 10 ** np.arange(19, dtype=np.int64)
-_LONGEST = 19  # digits: of more, the sign of an int64 would not tell that they do not fit
+_LONGEST = 19  # digits: with more, the sign of an int64 would not reveal an overflow
 _LARGEST_EXPONENT = 99
 _LIMITS = ((_SMALLEST, _LARGEST), (0, 65535), (0, 65535), (-1, 255))  # of T, X, Y, P
 
@@ -34,7 +34,7 @@ _PAIRS, _FOURS, _EIGHT = _U(10 << 8 | 1), _U(100 << 16 | 1), _U(10_000 << 32 | 1
 
 @njit(cache=True, nogil=True, inline="always")
 def _digits(words, at):  # type: ignore[no-untyped-def]
-    """The number that up to eight digits at byte `at` make, and how many they are."""
+    """The value of up to eight digits at byte `at`, and their number."""
     i, shift = _U(at) >> _U(3), (_U(at) & _U(7)) << _U(3)
     word = (words[i] >> shift | words[i + _U(1)] << _U(1) << (_U(63) - shift)) ^ _ALL_0
     others = (word + _EACH_ABOVE_9 | word) & _EACH_TOP
@@ -50,7 +50,7 @@ def _digits(words, at):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, inline="always")
 def _append_digits(words, at, value):  # type: ignore[no-untyped-def]
-    """All digits from byte `at` on, appended to a value, modulo 2**64; and their end."""
+    """All digits from byte `at` on, appended to a value, modulo 2**64; and the offset after them."""
     part, count = _digits(words, at)
     value = value * _POWERS[count] + part
     at += count
@@ -63,7 +63,7 @@ def _append_digits(words, at, value):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _scaled(mantissa, power, exact):  # type: ignore[no-untyped-def]
-    """mantissa * 10**power for a mantissa from 0, to nearest, halves up; -1 where it does not fit, or is not `exact`."""
+    """mantissa * 10**power for a mantissa >= 0, rounded to nearest, halves up; -1 on overflow, or if `exact` and not whole."""
     if mantissa == 0:
         return np.int64(0)
     if power >= 0:
@@ -82,7 +82,7 @@ def _scaled(mantissa, power, exact):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _decimal(text, words, at, power, exact):  # type: ignore[no-untyped-def]
-    """A number with sign, point and exponent as it may have them, times 10**power; and its end, -1 where it does not fit."""
+    """A number with optional sign, point and exponent, times 10**power; and the offset after it, -1 on overflow."""
     failed = np.int64(0), np.int64(-1)
     sign = -1 if text[at] == _MINUS else 1
     if text[at] == _MINUS or text[at] == _PLUS:
@@ -121,7 +121,7 @@ def _decimal(text, words, at, power, exact):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _line(text, words, at, separator, columns, power, exact, n, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    """Parse any line into entry n: its end, -1 when a cell is at fault, and which."""
+    """Parse any line into entry n; returns the offset after it, -1 if a cell is invalid, and the index of that cell."""
     last = len(columns) - 1
     for k in range(len(columns)):
         column = columns[k]
@@ -167,7 +167,7 @@ def _past_blanks(text, at, separator):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _past_text(text, at):  # type: ignore[no-untyped-def]
-    """The line's newline; -1 where another control character than tab stands before, or a return alone."""
+    """Offset of the line's newline; -1 if a control character other than tab, or a lone carriage return, precedes it."""
     while text[at] >= _BLANK or text[at] == _TAB:
         at += 1
     if text[at] == _RETURN:
@@ -177,29 +177,29 @@ def _past_text(text, at):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def parse_lines(text, length, separator, columns, power, exact, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    """Parse whole lines of numbers; those that are blank, or begin with # or %, are passed over.
+    """Parse whole lines of numbers; blank lines and those that begin with # or % are skipped.
 
     Args:
         text: (m,) uint8, m a multiple of 8 and at least length + PADDING_BYTES; the last of `length` bytes is a newline.
-        separator: byte between cells; a blank stands for any number of blanks and tabs.
-        columns: (k,) int8, what the cells of a line hold: each of T, X, Y, P once.
-        power, exact: times are in units of 10**power us; an exact one must come out whole, another is rounded to nearest.
-        t_us, x, y, p: where the events go, with room for one every SHORTEST_LINE_BYTES.
+        separator: byte between cells; a space stands for any number of spaces and tabs.
+        columns: (k,) int8, the field in each cell of a line: each of T, X, Y, P once.
+        power, exact: times are in units of 10**power us; if `exact` they must be whole, else they are rounded to nearest.
+        t_us, x, y, p: output arrays, with room for one event every SHORTEST_LINE_BYTES.
 
     Returns:
-        Events parsed, lines passed, and which cell of the line after these is at fault, -1 where none is.
+        Events parsed, lines consumed, and the index of the invalid cell in the next line, -1 if there is none.
     """
     words = text.view(np.uint64)
     at, n, lines, last = 0, 0, 0, len(columns) - 1
     while at < length:
-        # First as the usual line: digits, a point in the time at most, one separator between cells. Written out here: as a
-        # function of its own, inlined or not, it runs at half the speed.
+        # Fast path for the common line: digits, at most a point in the time, one separator between cells. Written out here:
+        # as a separate function, inlined or not, it runs at half the speed.
         line, plain = at, False
         for k in range(len(columns)):
             column, scale = columns[k], power
             digit, after = np.int64(text[_U(at)]) - _0, text[_U(at + 1)]
             if after in (separator, _NEWLINE, _RETURN) and 0 <= digit <= 9:
-                value, at = digit, at + 1  # guessed: so the next cell need not wait until this one is measured
+                value, at = digit, at + 1  # speculative: the next cell need not wait for the length of this one
             elif column == P and text[_U(at)] == _MINUS and after == _0 + 1:
                 value, at = np.int64(0), at + 2
             else:
@@ -257,7 +257,7 @@ def parse_lines(text, length, separator, columns, power, exact, t_us, x, y, p): 
 
 @njit(cache=True, nogil=True, inline="always")
 def _write_number(out, at, value):  # type: ignore[no-untyped-def]
-    """Append the digits of a uint64, and say where they end."""
+    """Append the digits of a uint64; returns the offset after them."""
     count = 1
     while count < 19 and value >= _U(_POWERS[count]):
         count += 1
@@ -273,7 +273,7 @@ def _write_number(out, at, value):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def format_lines(t_us, x, y, p, out):  # type: ignore[no-untyped-def]
-    """Write `t,x,y,p` lines into `out`, (LINE_BYTES * events,) uint8; returns how many bytes they take."""
+    """Write `t,x,y,p` lines into `out`, (LINE_BYTES * events,) uint8; returns the number of bytes written."""
     at = 0
     for i in range(len(t_us)):
         t = t_us[i]

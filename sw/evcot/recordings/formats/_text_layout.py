@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the lines of a text file are built, which its first lines tell; and what is wrong with a line that is not."""
+"""The line layout of a text file, detected from its first lines; and error messages for lines that violate it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .source import Sensor
 __all__ = ["LONGEST_LINE_BYTES", "SEPARATORS", "Layout", "is_text", "read_layout"]
 
 LONGEST_LINE_BYTES = 1 << 16
-_MOST_HEADER_BYTES = 1 << 22  # of what stands before the first event
+_MOST_HEADER_BYTES = 1 << 22  # before the first event
 _MOST_HEADER_LINES = 1 << 16
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blanks"}
 
@@ -32,14 +32,14 @@ _SHOWN = 60  # characters of a line in a message
 
 @dataclass(frozen=True)
 class Layout:
-    """How the lines are built.
+    """The layout of the lines.
 
     Attributes:
-        offset, lines: where the first event stands: bytes and lines before it.
-        separator: between cells; a blank stands for any number of blanks and tabs.
-        columns: (k,) int8, what each cell holds: T, X, Y, P or UNUSED.
-        power, exact: times are in units of 10**power us, and must come out whole where `exact`.
-        sensor: (width, height) in pixels, where it is stated.
+        offset, lines: position of the first event: bytes and lines before it.
+        separator: between cells; a space stands for any number of spaces and tabs.
+        columns: (k,) int8, the field in each cell: T, X, Y, P or UNUSED.
+        power, exact: times are in units of 10**power us, and must be whole microseconds if `exact`.
+        sensor: (width, height) in pixels, if stated.
     """
 
     offset: int
@@ -52,11 +52,11 @@ class Layout:
 
     @property
     def needs_newline(self) -> bool:
-        """Whether a line cut off in its last cell could pass for a whole one, as a polarity of one digit could not."""
+        """Whether a line truncated in its last cell could look complete; a one-digit polarity cannot."""
         return int(self.columns[-1]) not in (P, UNUSED)
 
     def fault(self, raw: bytes, cell: int) -> str:
-        """What is wrong with a line of which a cell was found at fault."""
+        """Error message for a line with an invalid cell."""
         what = _no_text(raw)
         if what:
             return what
@@ -73,7 +73,7 @@ class Layout:
 
 
 def is_text(content: bytes) -> bool:
-    """Whether the start of a file is text: UTF-8 without control characters, but for tabs and line ends."""
+    """Whether the start of a file is text: UTF-8 without control characters other than tabs and line ends."""
     try:
         content.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -83,7 +83,7 @@ def is_text(content: bytes) -> bool:
 
 
 def _no_text(raw: bytes) -> str:
-    """Why bytes are no line of text; nothing when they are."""
+    """Why the bytes are not a line of text; empty if they are."""
     plain = raw.replace(b"\r\n", b"\n")
     odd = next((byte for byte in plain if byte < 32 and byte not in b"\t\n"), None)
     return "" if odd is None else f"holds a byte of {odd:#04x}: must be text"
@@ -101,7 +101,7 @@ def read_layout(file: BinaryIO) -> Layout:
     """Read a text file from its start to its first event.
 
     Raises:
-        RecordingError: a line before it that is no header, no size and no comment.
+        RecordingError: a line before the first event that is not a header, sensor size or comment.
     """
     offset = lines = 0
     naming: Naming | None = None
@@ -121,7 +121,7 @@ def read_layout(file: BinaryIO) -> Layout:
                 sensor = stated or sensor
             except RecordingError as error:
                 if not passed:
-                    raise RecordingError(f"line {lines + 1}: {line[:_SHOWN]!r}: is no event, so it {error}") from error
+                    raise RecordingError(f"line {lines + 1}: {line[:_SHOWN]!r}: is not an event: {error}") from error
         elif not passed:
             cells = _cells(line, _separator(line))
             if naming is not None or sensor is not None or len(cells) != 2 or not all(map(str.isdecimal, cells)):
@@ -132,7 +132,7 @@ def read_layout(file: BinaryIO) -> Layout:
 
 
 def _header(line: str) -> tuple[Naming, Sensor | None]:
-    """The fields that a line names, and the sensor if it says `x@346` and `y@260`."""
+    """The fields named in a header line, and the sensor if it has `x@346` and `y@260`."""
     cells = [cell.partition("@") for cell in _cells(line, _separator(line))]
     naming = find_fields([name for name, _, _ in cells])
     width, height = (cells[i][2] for i in naming.columns[1:3])
@@ -145,7 +145,7 @@ def _header(line: str) -> tuple[Naming, Sensor | None]:
 
 
 def _side(digits: str, lines: int) -> int:
-    """A side of the sensor from the line that follows so many."""
+    """A side of the sensor, parsed from the line after `lines` lines."""
     side = whole_number(digits)
     if side is None:
         raise RecordingError(f"line {lines + 1}: a sensor's side of {len(digits)} digits: must be a number up to 65536")

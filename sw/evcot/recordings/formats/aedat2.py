@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """AEDAT 2.0 and 1.0, as jAER writes them.
 
-Layout: iniVation's pages on AEDAT 2.0 and 1.0; the bits of an address, their sense and the origin from jAER's own extractors,
-DVS128.Extractor, DavisChip and DavisBaseCamera. Lines that start with "#", then records of a big-endian address (32 bits; 16 in
+Layout: iniVation's pages on AEDAT 2.0 and 1.0; address bits, polarity convention and origin after jAER's extractors
+(DVS128.Extractor, DavisChip, DavisBaseCamera). Lines that start with "#", then records of a big-endian address (32 bits; 16 in
 1.0) and a 32-bit time in microseconds that wraps around.
 
-- DVS128: bit 0 is 1 where darker, x in bits 1 to 7, y in bits 8 to 14. Bit 15 (sync input) or 31: no event.
-- DAVIS: bit 11 is 1 where brighter, x in bits 12 to 21, y in bits 22 to 30. Bit 31 (frame or IMU sample) or 10 (external
-  input): no event.
+- DVS128: bit 0 is 1 for darker, x in bits 1 to 7, y in bits 8 to 14. With bit 15 (sync input) or 31 set: not an event.
+- DAVIS: bit 11 is 1 for brighter, x in bits 12 to 21, y in bits 22 to 30. With bit 31 (frame or IMU sample) or 10 (external
+  input) set: not an event.
 
-In both, y counts from the bottom; x counts from the right, and jAER turns it around: so does this reader.
+In both, y counts from the bottom and x from the right; this reader mirrors x, as jAER does.
 
-The chip is the one that the line "# AEChip:" names, else "# HardwareInterface:". A file that names none is taken for a DVS128's
-if no address has a bit beyond 15 and 31, else for that of the smallest DAVIS that holds all its events.
+The chip is named by the line "# AEChip:", else by "# HardwareInterface:". Without either, a DVS128 is assumed if no address
+has a bit set in 16 to 30, else the smallest DAVIS that holds all events.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ _KEPT_LINES = 1 << 10
 _CONTROL = re.compile(rb"[\x00-\x08\x0a-\x1f]")
 _KEYS = ("AEChip:", "HardwareInterface:")
 _TURN_US = 1 << 32
-# A time's place is found by halving where these many times, evenly spread over the file, do not run back; a little more is
-# read ahead of it, since records of different kinds may stand a little out of order.
+# A time is located by bisection if this many samples, evenly spread over the file, do not decrease; reading starts a little
+# before it, since records of different kinds may be slightly out of order.
 _PROBES = 257
 _READ_AHEAD = 4096
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where an address keeps what. `other`: bits that mark a record as no event; `spare`: bits that no such chip sets."""
+    """Bit layout of an address. `other`: bits that mark a record as not an event; `spare`: bits that such a chip never sets."""
 
     other: int
     spare: int
@@ -92,7 +92,7 @@ class Aedat2File:
     """The brightness changes of an AEDAT 2.0 or 1.0 file. See `source.Source`.
 
     Raises:
-        RecordingError: the header is cut off, or names a chip of unknown layout.
+        RecordingError: the header is truncated, or names a chip of unknown layout.
     """
 
     def __init__(self, path: Path) -> None:
@@ -111,7 +111,7 @@ class Aedat2File:
         self.details: Mapping[str, str] = {"chip": chip.name}
 
     def _guess_chip(self, file: BinaryIO) -> _Chip:
-        """The chip that the addresses themselves allow, see above."""
+        """The chip inferred from the addresses, see the module docstring."""
         bits = width = height = 0
         for records in self._records(file, 0):
             address = records["address"].astype(np.uint32)
@@ -162,7 +162,7 @@ class Aedat2File:
             )
 
     def _find(self, file: BinaryIO, from_us: int) -> int:
-        """A record before every event from a time on, as late as may be; 0 where times wrap around or run back."""
+        """The latest record that precedes all events from a time on; 0 where times wrap around or decrease."""
 
         def time_of(index: int) -> int:
             file.seek(self._begin + index * self._record.itemsize)
@@ -180,14 +180,14 @@ class Aedat2File:
         return width, height
 
     def close(self) -> None:
-        """Nothing stays open between passes."""
+        """Do nothing: no file stays open between passes."""
 
 
 def _read_header(file: BinaryIO) -> tuple[list[str], int]:
-    """The lines that may name the chip, without their "#", and the offset of the first record.
+    """The header lines that may name the chip, without their "#", and the offset of the first record.
 
-    A first record may start with the code of "#" too, but mostly has a control character before the next newline. jAER's newer
-    files have a last line that says so.
+    The first record may start with the code of "#", too, but usually has a control character before the next newline. jAER's
+    newer files mark the end of the header with a line of its own.
     """
     lines: list[str] = []
     at = 0
@@ -223,7 +223,7 @@ def _named_chip(lines: list[str]) -> _Chip | None:
 
 
 def _unwrapped(t_us: NDArray[np.int64], before: tuple[int, int] | None) -> tuple[NDArray[np.int64], tuple[int, int]]:
-    """Times with the turns of their 32 bits added; `before`: last time and number of turns of the block ahead."""
+    """Unwrap 32-bit times; `before`: last time and wrap-around count of the previous block."""
     last, turns = before or (int(t_us[0]), 0)
     steps = np.diff(t_us, prepend=last)
     turn = turns + np.cumsum((steps < -_TURN_US // 2).astype(np.int64) - (steps > _TURN_US // 2))

@@ -3,7 +3,7 @@
 
 Layout: the AEDAT 3.1 page of iniVation's documentation and libcaer's headers. Lines that start with "#", the last of them
 "#!END-HEADER"; then packets, little-endian throughout: a header of 28 bytes with type, source, event size, offset of the time
-in an event, how often the 31 bits of time have turned over, capacity, number of events, number of valid ones; then the events.
+in an event, overflow count of the 31-bit time, capacity, number of events, number of valid events; then the events.
 A polarity event is 32 bits, valid in bit 0, brighter in bit 1, y in bits 2 to 16, x in bits 17 to 31, and its time. The origin
 is at the top left.
 """
@@ -44,7 +44,7 @@ _MARKED_INVALID = "marked as not valid"
 
 
 class _Packet(NamedTuple):
-    """A packet's header, and the offset of its events."""
+    """A packet header and the offset of its events."""
 
     at: int
     kind: int
@@ -58,7 +58,7 @@ class _Packet(NamedTuple):
 
 
 class _Piece(NamedTuple):
-    """Some of a packet's events: where they stand, what their times count from, and their words, two each."""
+    """Some of a packet's events: their offset, the base of their times, and their words, two each."""
 
     at: int
     base_us: int
@@ -66,7 +66,7 @@ class _Piece(NamedTuple):
 
 
 class Aedat3File:
-    """The brightness changes of an AEDAT 3.1 file, of the source that they first come from. See `source.Source`."""
+    """The brightness changes of an AEDAT 3.1 file, from the first source that has any. See `source.Source`."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -105,7 +105,7 @@ class Aedat3File:
                 yield _Piece(at, packet.turns << _TIME_BITS, np.frombuffer(data, "<u4"))
 
     def _decode(self, read: list[_Piece]) -> tuple[Events, RecordingError | None]:
-        """The events of some pieces up to the first with a negative time, and that as a fault; invalid ones are counted."""
+        """The events of some pieces up to the first with a negative time, and its error; invalid events are counted."""
         events = Events.allocated(sum(len(piece.words) // 2 for piece in read))
         count = 0
         for piece in read:
@@ -120,7 +120,7 @@ class Aedat3File:
         return events[:count], None
 
     def _packets(self, file: BinaryIO) -> Iterator[_Packet]:
-        """Every packet with polarity events."""
+        """All packets with polarity events."""
         at = self._begin
         while at < self._size:
             file.seek(at)
@@ -138,7 +138,7 @@ class Aedat3File:
         if packet.event_bytes <= 0 or not 0 <= packet.valid <= packet.events <= packet.capacity or packet.turns < 0:
             raise RecordingError(
                 f"{place}: {packet.valid} valid events of {packet.events} of at most {packet.capacity}, {packet.event_bytes} "
-                f"bytes each, after {packet.turns} turns of time: must be none below 0, and no number beyond the next"
+                f"bytes each, after {packet.turns} turns of time: must not be negative, and valid <= events <= capacity"
             )
         if packet.at + packet.event_bytes * packet.events > self._size:
             raise RecordingError(f"{place} goes beyond byte {self._size}, the file's end; is it cut off or damaged?")
@@ -161,12 +161,12 @@ class Aedat3File:
         return width, height
 
     def close(self) -> None:
-        """Nothing stays open between passes."""
+        """Do nothing: no file stays open between passes."""
 
 
 @njit(cache=True, nogil=True)
 def _fill(words, base_us, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    """Valid events into the columns from `at` on, up to one with a negative time: how many were looked at, and the new end."""
+    """Decode valid events into the columns from `at` on, up to one with a negative time; returns (events read, new end)."""
     for i in range(len(words) // 2):
         data = words[2 * i]
         time = words[2 * i + 1]
@@ -190,7 +190,7 @@ def _sources(lines: list[str]) -> dict[int, str]:
 
 
 def _read_header(file: BinaryIO) -> list[str]:
-    """The header's lines; the file stands behind the last."""
+    """The header's lines; leaves the file positioned after the last."""
     lines: list[str] = []
     for _ in range(_LINES_MAX):
         at = file.tell()

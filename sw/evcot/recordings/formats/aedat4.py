@@ -2,13 +2,13 @@
 """AEDAT 4.0, read packet by packet.
 
 Layout: the AEDAT 4.0 page of iniVation's documentation, and the FlatBuffers schemas published with DV (IOHeader, EventPacket,
-FileDataTable). After the version line come a length and the header, which names the compression, the table's place (-1 until
-the writer closes the file) and, in XML, the streams. Then packets: stream, length, and a compressed FlatBuffers buffer with
-its length in front. Last, at the table's place and compressed alike, the table: each packet's offset (behind its stream and
-length), stream, length, number of elements, and times.
+FileDataTable). The version line is followed by a length and the header, which has the compression, the table's offset (-1
+until the writer closes the file) and, in XML, the streams. Then packets: stream, length, and a compressed FlatBuffers buffer,
+prefixed by its length. Last, compressed in the same way, the table: for each packet its offset (after stream and length),
+stream, length, number of elements, and times.
 
-Decoded here because faery 0.7 replaces a time that runs back by the latest one seen, ends the process for some damaged headers,
-and cannot find a time's place in the file.
+Decoded here because faery 0.7 replaces a decreasing time by the latest one seen, aborts the process on some damaged headers,
+and cannot seek to a time.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ EVENT = np.dtype(
 )
 
 _USUAL_HEAD = vector_head(b"EVTS")
-_BATCH_BYTES = 4 * BLOCK_EVENTS  # packed, to be decoded at once
-# What is unpacked at once, of a packet and of a batch: 256 thousand events. A larger packet is decoded piece by piece.
+_BATCH_BYTES = 4 * BLOCK_EVENTS  # compressed, decoded at once
+# Limit for decompressing a packet, or a batch, at once: 256 thousand events. A larger packet is decoded in pieces.
 _WHOLE_BYTES_MAX = 1 << 22
-_HEAD_BYTES_MAX = 1 << 12  # of a large packet, ahead of its events
+_HEAD_BYTES_MAX = 1 << 12  # of a large packet, before its events
 _TABLE_BYTES_MAX = 1 << 28  # 4 million packets and more
-_ENTRY_BYTES = 16  # least of a packet's entry: a place in the list, a table, its offset in the file
+_ENTRY_BYTES = 16  # minimum size of a packet's entry: its link in the list, a table, its offset in the file
 # Field of a FileDataDefinition -> (index, bytes into it, type).
 _TABLE_FIELDS = {
     "at": (0, 0, "<i8"),
@@ -60,18 +60,18 @@ _TABLE_FIELDS = {
 
 
 class _Packet(NamedTuple):
-    """A packet's row in the table (-1 without one), the offset behind its stream and length, and that length."""
+    """A packet's row in the table (-1 without a table), the offset after its stream and length fields, and its length."""
 
     row: int
     at: int
     length: int
 
 
-_Read = tuple[_Packet, memoryview | None]  # a packet and its bytes, packed as they are; None: too many to be held
+_Read = tuple[_Packet, memoryview | None]  # a packet and its compressed bytes; None: too many to be held in memory
 
 
 class _Decoded(NamedTuple):
-    """Events, what ends them, and the packets that were left for later: the first of them for being large, or for all."""
+    """Events, the error that ends them, the packets that were deferred, and whether the first of these is too large."""
 
     events: Events
     fault: RecordingError | None
@@ -108,7 +108,7 @@ class Aedat4File:
         }
 
     def _read_table(self, file: io.BufferedReader) -> dict[str, NDArray[np.int64]]:
-        """The table's columns, in the order of the packets' offsets; they cover the packets' bytes without a gap."""
+        """The table's columns, in order of the packets' offsets; the packets must be contiguous."""
         if self._size - self._end > _TABLE_BYTES_MAX:
             raise RecordingError(f"packet table of {self._size - self._end} bytes: must be at most {_TABLE_BYTES_MAX}")
         file.seek(self._end)
@@ -138,7 +138,7 @@ class Aedat4File:
                 yield from self._given(file, decoded)
 
     def _given(self, file: io.BufferedReader, decoded: _Decoded) -> Iterator[Events]:
-        """Decoded events in blocks, then those of the packets left for later, then the fault."""
+        """Decoded events in blocks, then those of the deferred packets, then the error."""
         while True:
             for begin in range(0, len(decoded.events), BLOCK_EVENTS):
                 yield decoded.events[begin : begin + BLOCK_EVENTS]
@@ -155,7 +155,7 @@ class Aedat4File:
             decoded = self._decode(decoded.rest[decoded.large :])
 
     def _packets(self, file: io.BufferedReader, from_us: int | None) -> Iterator[_Packet]:
-        """Every packet of events; with a table, from the first on that ends at `from_us` or later."""
+        """All packets of events; with a table, from the first that ends at `from_us` or later."""
         if self._table is None:
             yield from self._packets_in_turn(file)
             return
@@ -167,7 +167,7 @@ class Aedat4File:
         yield from map(_Packet, *(column.tolist() for column in columns))
 
     def _packets_in_turn(self, file: io.BufferedReader) -> Iterator[_Packet]:
-        """Every packet of events, found by following the lengths."""
+        """All packets of events, found by following the lengths."""
         unpacker = self._new_unpacker()
         at = self._begin
         while at < self._end:
@@ -190,7 +190,7 @@ class Aedat4File:
             at += length
 
     def _read(self, file: io.BufferedReader, packet: _Packet) -> memoryview | None:
-        """A packet's bytes, packed as they are; None where they are many."""
+        """A packet's compressed bytes; None if there are too many."""
         place = f"packet at byte {packet.at - PACKET_HEAD.size}"
         large = packet.length > _WHOLE_BYTES_MAX
         file.seek(packet.at - PACKET_HEAD.size)
@@ -203,7 +203,7 @@ class Aedat4File:
         return None if large else memoryview(data)[PACKET_HEAD.size :]
 
     def _decode(self, read: list[_Read]) -> _Decoded:
-        """The events of some packets, up to the first that is damaged, not what the table says, or too large for now."""
+        """The events of some packets, up to the first that is damaged, contradicts the table, or is too large for here."""
         unpacker = self._new_unpacker()
         parts: list[NDArray[np.int64]] = []
         fault: RecordingError | None = None
@@ -290,11 +290,11 @@ class Aedat4File:
         return width, height
 
     def close(self) -> None:
-        """Nothing stays open between passes."""
+        """Do nothing: no file stays open between passes."""
 
 
 class _Content:
-    """What pieces hold, taken from the front."""
+    """The content of an iterator of pieces, consumed from the front."""
 
     def __init__(self, pieces: Iterator[bytes]) -> None:
         self._pieces = pieces
@@ -302,7 +302,7 @@ class _Content:
         self._taken = 0
 
     def look(self, count: int) -> bytes:
-        """The next so many bytes, or all that are left, which stay."""
+        """The next `count` bytes, or all that are left, without consuming them."""
         parts, held = [self._held], len(self._held)
         while held < count and (piece := next(self._pieces, b"")):
             parts.append(piece)
@@ -311,14 +311,14 @@ class _Content:
         return self._held[:count]
 
     def take(self, count: int) -> bytes:
-        """The same, taken away."""
+        """The next `count` bytes, or all that are left, consumed."""
         data = self.look(count)
         self._held = self._held[count:]
         self._taken += len(data)
         return data
 
     def end(self) -> int:
-        """How many bytes there are in all, once the rest has been passed over."""
+        """Skip the rest; returns the total number of bytes."""
         return self._taken + len(self._held) + sum(map(len, self._pieces))
 
 
@@ -327,12 +327,12 @@ def _held_bytes(read: _Read) -> int:
 
 
 def _begin(unpacker: Unpacker, packed: Section) -> bytes:
-    """The first bytes of a packet."""
+    """The first decompressed bytes of a packet."""
     return next(unpacker.pieces(packed), b"")
 
 
 def _elements(data: bytes) -> NDArray[np.int64]:
-    """The vector of events in an unpacked packet, two words each."""
+    """The vector of events in a decompressed packet, two words each."""
     vector = usual_vector(data, _USUAL_HEAD, EVENT.itemsize)
     if vector is None:
         buffer = size_prefixed(data)
@@ -342,7 +342,7 @@ def _elements(data: bytes) -> NDArray[np.int64]:
 
 
 def events_of(data: bytes) -> Events:
-    """The events of one unpacked packet.
+    """The events of one decompressed packet.
 
     Raises:
         RecordingError: it is damaged.
@@ -355,7 +355,7 @@ def events_of(data: bytes) -> Events:
 
 @njit(cache=True, nogil=True)
 def _fill(words, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    """Events from their two words each: the time; and x, y, polarity from the low bits up, as `EVENT` has them."""
+    """Decode events from two words each: the time; and x, y, polarity from the low bits up, as in `EVENT`."""
     for i in range(len(words) // 2):
         t_us[at + i] = words[2 * i]
         word = words[2 * i + 1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The header of AEDAT 4.0, the same in files and over a network. The layout is told in `aedat4`."""
+"""The header of AEDAT 4.0, the same in files and over a network. The layout is described in `aedat4`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _COMPRESSIONS = ("none", "LZ4", "LZ4", "Zstandard", "Zstandard")
 
 @dataclass(frozen=True)
 class Header:
-    """What stands ahead of the packets; `streams`: id -> what is said about it, its type under "typeIdentifier"."""
+    """The header before the packets; `streams`: id -> attributes, among them the type as "typeIdentifier"."""
 
     end: int
     compression: int
@@ -31,20 +31,20 @@ class Header:
 
     @property
     def compression_name(self) -> str:
-        """For people; RecordingError where there is none of that number."""
+        """Display name of the compression; RecordingError for an unknown number."""
         if not 0 <= self.compression < len(_COMPRESSIONS):
             raise RecordingError(f"header: compression {self.compression}: must be from 0 to {len(_COMPRESSIONS) - 1}")
         return _COMPRESSIONS[self.compression]
 
     @property
     def new_unpacker(self) -> Callable[[], Unpacker]:
-        """A function that makes unpackers of the header's kind of compression."""
+        """A factory of unpackers for the header's compression."""
         kinds: dict[str, Callable[[], Unpacker]] = {"none": PlainUnpacker, "LZ4": Lz4Unpacker, "Zstandard": ZstdUnpacker}
         return kinds[self.compression_name]
 
     @property
     def first_of_events(self) -> int:
-        """The first stream of events; RecordingError where there is none."""
+        """The id of the first stream of events; RecordingError if there is none."""
         found = [stream for stream, said in self.streams.items() if type_of(said) == "EVTS"]
         if not found:
             raise RecordingError(
@@ -53,7 +53,7 @@ class Header:
         return min(found)
 
     def sensor(self, stream: int) -> Sensor | None:
-        """(width, height) of a stream; None where it is not stated."""
+        """(width, height) of a stream in pixels; None if not stated."""
         sides = self.streams[stream].get("sizeX"), self.streams[stream].get("sizeY")
         if sides == (None, None):
             return None
@@ -65,12 +65,12 @@ class Header:
 
 
 def type_of(stream: dict[str, str]) -> str:
-    """Four letters that name what a stream holds."""
+    """The four-letter type of a stream."""
     return stream.get("typeIdentifier", "")
 
 
 def parse_header(data: bytes, end: int) -> Header:
-    """The header in a buffer behind which, at byte `end`, packets follow.
+    """Parse the header in a buffer that is followed, at byte `end` of the file, by packets.
 
     Raises:
         RecordingError: it is damaged.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 4.0, written: one stream of events in LZ4 packets, and the table of them. The layout is told in `aedat4`.
+"""AEDAT 4.0 writer: one stream of events in LZ4 packets, and the table of packets. The layout is described in `aedat4`.
 
-The FlatBuffers are laid out by hand, since each kind has one shape only. Their alignment counts from the length in front of
-them, as FlatBuffers' own builder has it.
+The FlatBuffers are laid out by hand, since each kind has only one shape. Alignment counts from the length prefix, as in
+FlatBuffers' own builder.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from .source import Sensor, WritableFormat
 
 __all__ = ["WRITABLE", "Aedat4Sink"]
 
-# About 10 ms of a busy camera: small enough to find a time's place by, large enough to be packed well.
+# About 10 ms of a busy camera: small enough for seeking to a time, large enough to compress well.
 PACKET_EVENTS = 1 << 14
 
 _STREAM = 0
 _LZ4 = 1
 _ADDRESS_MAX = (1 << 15) - 1
-# Root offset, schema, padding, vtable of three fields; then the table: way back, compression, offset of the text, place of the
-# packet table; then the text's length.
+# Root offset, schema, padding, vtable of three fields; then the table: offset back to its vtable, compression, offset of the
+# text, offset of the packet table; then the text's length.
 _HEADER = struct.Struct("<I4s6x5HiiIqI")
 _TABLE_PLACE_AT = 36
 # A FileDataDefinition, and the vtable that all of them share.
@@ -59,10 +59,10 @@ _STREAMS = """<dv version="2.0">
 
 
 class Aedat4Sink:
-    """An AEDAT4 file that is being written. See `source.Sink`.
+    """An AEDAT4 file being written. See `source.Sink`.
 
     Args:
-        file: can be sought in: the table's place goes into the header last.
+        file: must be seekable: the table's offset is written into the header last.
     """
 
     def __init__(self, file: BinaryIO, sensor: Sensor) -> None:
@@ -92,7 +92,7 @@ class Aedat4Sink:
         self._waiting = waiting[whole:]
 
     def flush(self) -> None:
-        """Write what waits for its packet to fill as a packet of its own."""
+        """Write the pending events as a packet, even if it is not full."""
         if len(self._waiting):
             self._write_packet(self._waiting)
         self._waiting = Events.empty()
@@ -115,7 +115,7 @@ class Aedat4Sink:
         self._file.write(packed)
 
     def _table(self) -> bytes:
-        """A FileDataTable: links to the entries, the vtable of all of them, the entries."""
+        """A FileDataTable: offsets of the entries, the vtable that they share, the entries."""
         count = len(self._entries)
         head = vector_head(b"FTAB") + struct.pack("<I", count)
         links_at = len(head)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """AEDAT 4.0 over TCP, as DV and dv-processing's NetworkWriter send it.
 
-Layout: what dv-processing 2.0 sends, byte by byte: the file's header with its length in front, without the version line (which
-is passed over where it comes), then packets as in a file, for as long as the connection lasts; no table ends them.
+Layout, as sent by dv-processing 2.0: the file's header, prefixed by its length, without the version line (which is skipped
+if present), then packets as in a file for as long as the connection lasts, without a packet table.
 """
 
 from __future__ import annotations
@@ -18,28 +18,29 @@ from .source import Sensor
 
 __all__ = ["Aedat4Stream"]
 
-_ANSWER_S = 5.0  # how long a server may take to answer and to say what it sends
-_LOOK_S = 0.1  # how often a silent connection looks whether it is still wanted
-_PACKET_BYTES_MAX = 1 << 27  # packed or not: 8 million events of 16 bytes: seconds of the fastest camera
+_ANSWER_S = 5.0  # timeout for the connection and for the header
+_LOOK_S = 0.1  # polling interval of `wanted` while nothing is received
+_PACKET_BYTES_MAX = 1 << 27  # compressed or not: 8 million events of 16 bytes, seconds of the fastest camera
 _PIECE_BYTES = 1 << 18
 
 
 class Aedat4Stream:
-    """The first stream of events that a server sends. A context manager.
+    """The first stream of events that a server sends. Use as a context manager.
 
     Args:
-        host, port: where the server listens.
+        host, port: address of the server.
 
     Attributes:
-        sensor: (width, height) in pixels as the server states it; None where it does not.
-        name: what the server calls the camera.
+        sensor: (width, height) in pixels as stated by the server; None if not stated.
+        name: the server's name for the camera.
 
     Raises:
-        RecordingError: nobody listens there, or what comes is no AEDAT 4.0; place, value and rule without the server's address.
+        RecordingError: the connection fails, or the data are not AEDAT 4.0; names place, value and rule, not the server's
+            address.
     """
 
     def __init__(self, host: str, port: int) -> None:
-        self._at = 0  # bytes of the stream that have been taken
+        self._at = 0  # bytes of the stream consumed so far
         self._got = bytearray()
         try:
             self._socket = socket.create_connection((host, port), timeout=_ANSWER_S)
@@ -64,14 +65,14 @@ class Aedat4Stream:
         self.close()
 
     def close(self) -> None:
-        """End the connection."""
+        """Close the connection."""
         self._socket.close()
 
     def packets(self, wanted: Callable[[], bool] = lambda: True) -> Iterator[Events]:
-        """Events as they come, one packet each, until the server ends the connection.
+        """Events as they arrive, one packet at a time, until the server closes the connection.
 
         Args:
-            wanted: asked about ten times a second; when it says no, no more packets are given.
+            wanted: polled about ten times a second; no more packets are returned once it is false.
 
         Raises:
             RecordingError: a packet is damaged, or the connection breaks within one.
@@ -110,14 +111,14 @@ class Aedat4Stream:
             raise RecordingError(f"sends no header within {_ANSWER_S:g} s") from error
 
     def _take_all(self, count: int) -> bytes:
-        """So many bytes of the header; here alone, silence is an error."""
+        """The next `count` bytes of the header; only here is a timeout an error."""
         data = self._take(count, None)
         if data is None:
             raise RecordingError(f"ends within its header, at byte {self._end}")
         return data
 
     def _take(self, count: int, wanted: Callable[[], bool] | None) -> bytes | None:
-        """So many bytes of the stream; None when it ends or is not wanted any more."""
+        """The next `count` bytes of the stream; None when it ends or `wanted` turns false."""
         while len(self._got) < count:
             try:
                 piece = self._socket.recv(_PIECE_BYTES)
@@ -137,5 +138,5 @@ class Aedat4Stream:
 
     @property
     def _end(self) -> int:
-        """How many bytes have come."""
+        """Number of bytes received."""
         return self._at + len(self._got)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Decoding ahead: while a reader's caller is busy with one block, other cores work on the next ones."""
+"""Read-ahead: while the caller processes one block, other threads decode the next ones."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TypeVar
 
 __all__ = ["in_order"]
 
-# A reader of files needs no more to be faster than what follows it.
+# Enough for reading to be faster than what consumes the events.
 _WORKERS = min(2, os.cpu_count() or 1)
 _PIECES_AHEAD = 4
 
@@ -20,10 +20,11 @@ _Result = TypeVar("_Result")
 
 
 def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece], workers: int = _WORKERS) -> Iterator[_Result]:
-    """`map(decode, pieces)` on other threads, a few pieces ahead; `pieces` themselves are made on the caller's.
+    """`map(decode, pieces)` on other threads, a few pieces ahead; `pieces` is iterated on the caller's thread.
 
-    Worth it where `decode` leaves Python: compiled kernels and decompression do. What `pieces` or `decode` raise comes in its
-    turn: after the results of all pieces before it, and none is given after it. With one worker, pieces are decoded one by one.
+    Useful where `decode` releases the GIL, as compiled kernels and decompression do. An exception of `pieces` or `decode` is
+    raised in order, after the results of all pieces before it, and ends the iteration. With one worker, pieces are decoded
+    one by one.
     """
     waiting: deque[Future[_Result]] = deque()
     failure: Exception | None = None

@@ -9,20 +9,20 @@ from .source import Sensor
 
 __all__ = ["chip_sensor"]
 
-# How a chip's name starts, in lower case and without the package that it is in -> (width, height). From jAER and libcaer.
+# Prefix of a chip's name, in lower case and without its Java package -> (width, height). From jAER and libcaer.
 _SENSORS: dict[str, Sensor] = {
     "dvs128": (128, 128),
-    "tmpdiff128": (128, 128),  # the DVS128's own name at first
+    "tmpdiff128": (128, 128),  # early name of the DVS128
     "davis128": (128, 128),
     "davis208": (208, 192),
     "davis240": (240, 180),
-    "sbret": (240, 180),  # the DAVIS240's
+    "sbret": (240, 180),  # of the DAVIS240
     "davis346": (346, 260),
     "davis640": (640, 480),
 }
 
 
 def chip_sensor(name: str) -> Sensor | None:
-    """(width, height) of a chip such as "DAVIS240C" or "eu.seebetter.ini.chips.davis.Davis346blue"; None where unknown."""
+    """(width, height) of a chip such as "DAVIS240C" or "eu.seebetter.ini.chips.davis.Davis346blue"; None if unknown."""
     bare = re.sub(r".*\.|[\s_-]", "", name).lower()
     return next((sensor for start, sensor in _SENSORS.items() if bare.startswith(start)), None)

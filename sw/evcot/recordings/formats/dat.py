@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""DAT: 64-bit words, one event each: 32 bits of time, which wrap around every 71.6 minutes, then x, y and polarity.
+"""DAT: 64-bit words, one event each: a 32-bit time that wraps around every 71.6 minutes, then x, y and polarity.
 
 https://docs.prophesee.ai/stable/data/file_formats/dat.html
 """
@@ -22,7 +22,7 @@ _ADDRESS_BITS = {1: (9, 8), 2: (14, 14)}
 
 
 class _State(NamedTuple):
-    """last: the time of the event before, unwrapped, -1 before the first."""
+    """last: unwrapped time of the previous event, -1 before the first."""
 
     t0_us: int
     x_bits: int

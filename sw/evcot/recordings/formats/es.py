@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Event Stream 2 (.es), DVS and ATIS events.
 
-Layout: the specification of neuromorphic-paris/event_stream. An event is five bytes: time since the one before, with what kind
-of event it is in the low bits, then x and y. Bytes that no event starts with let more time pass, or fill up. The origin is at
-the bottom left, as in the readers and writers of this format, and time starts from 0.
+Layout: the specification of neuromorphic-paris/event_stream. An event is five bytes: time since the previous event, with the
+event's kind in the low bits, then x and y. Bytes with which no event can start add to the time, or are padding. The origin is
+at the bottom left, as in other readers and writers of this format, and time starts from 0.
 
-Decoded here because each event hangs on the ones before it, so that a damaged one must be told by its place; faery 0.7 takes a
-cut event for the end of the recording.
+Decoded here because each event depends on the ones before it, so that damage must be reported with its offset; faery 0.7 takes
+a truncated event for the end of the recording.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _EVENT_BYTES = 5
 
 @njit(cache=True, nogil=True)
 def _decode(data, atis, t_us, t, x, y, p):  # type: ignore[no-untyped-def]
-    """Decode the whole events in `data` into t, x, y, p; returns how many, the offset behind them, and the time reached."""
+    """Decode the complete events in `data` into t, x, y, p; returns their number, the offset after them, and the last time."""
     n, at = 0, 0
     while at < len(data):
         first = np.int64(data[at])
@@ -61,7 +61,7 @@ def _decode(data, atis, t_us, t, x, y, p):  # type: ignore[no-untyped-def]
 
 
 class EsFile:
-    """The brightness changes of an ES file; the exposure times that an ATIS adds are passed over. See `source.Source`."""
+    """The brightness changes of an ES file; the exposure events of an ATIS are skipped. See `source.Source`."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -80,7 +80,7 @@ class EsFile:
         self.left_out: Counter[str] = Counter()
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
-        """See `source.Source`. A time's place is found by reading up to it: every event hangs on the ones before."""
+        """See `source.Source`. A time is found by reading up to it: every event depends on the ones before."""
         _, height = self.sensor or (0, 0)
         t_us, at, rest = 0, _HEADER.size, b""
         with self._path.open("rb") as file:
@@ -101,7 +101,7 @@ class EsFile:
         return width, height
 
     def close(self) -> None:
-        """Nothing stays open between passes."""
+        """Do nothing: no file stays open between passes."""
 
 
 FORMATS = (Format("es", "Event Stream", lambda start, _: start.startswith(MAGIC), EsFile),)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""EVT 2.0 (32-bit words, one event each) and EVT 2.1 (64-bit words, up to 32 events each), after the published word tables.
+"""EVT 2.0 (32-bit words, one event each) and EVT 2.1 (64-bit words, up to 32 events each), by the published word tables.
 
-The four top bits tell what a word is. Of the 64 bits of EVT 2.1 the upper half is as a word of EVT 2.0, and the lower half has
-a set bit for each event, from x on to the right. Time is 34 bits: the last time mark's 28 and the event's own 6.
+The top four bits are the type of a word. In EVT 2.1 the upper 32 bits are laid out like a word of EVT 2.0, and the lower 32
+bits have a set bit for each event, from x on to the right. Time has 34 bits: 28 of the last time mark and 6 of the event.
 https://docs.prophesee.ai/stable/data/encoding_formats/evt2.html and evt21.html
 """
 
@@ -30,7 +30,7 @@ _VECTOR = 32
 
 
 class _State(NamedTuple):
-    """high: the last time mark, unwrapped, -1 before it. upper_at: which half of an EVT 2.1 word's bytes is the upper one."""
+    """high: last time mark, unwrapped, -1 before the first. upper_at: index of an EVT 2.1 word's upper half."""
 
     t0_us: int
     upper_at: int = 0
@@ -52,7 +52,7 @@ def _fill_evt2(words, state, t_us, x, y, p):  # type: ignore[no-untyped-def]
         kind = word >> 28
         if kind == TIME_HIGH:
             high = advance(high, word & (MARK_RANGE - 1), MARK_RANGE)
-        # Written in any case, and kept if it is an event.
+        # Always written, but the index advances only for an event.
         t_us[n] = t0_us + (high << LOW_BITS | word >> 22 & 63)
         x[n] = word >> 11 & 2047
         y[n] = word & 2047
@@ -121,7 +121,7 @@ def evt21_layout(t0_us: int, upper_first: bool) -> Layout:
 
 
 def is_upper_first(words: WordArray) -> bool:
-    """Whether (n,) words of EVT 2.1 look as if their upper half came first: by the time marks, whose lower half is zero."""
+    """Whether the upper half comes first in (n,) words of EVT 2.1, judged by the time marks, whose lower half is zero."""
     halves = words.view(np.uint32).reshape(-1, 2)
     marks = (halves >> 28 == TIME_HIGH) & (halves[:, ::-1] == 0)
     first, second = np.count_nonzero(marks, axis=0)

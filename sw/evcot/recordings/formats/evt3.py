@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""EVT 3.0: 16-bit words, each of which changes one part of what the next event is, after the published word table.
+"""EVT 3.0: 16-bit words, each of which updates one part of the decoder's state, by the published word table.
 
-Bits 15..12 of a word tell what it is. Time is 24 bits, which wrap around every 16.8 s: 12 of the last upper mark, and 12 of the
-last lower one after it.
+Bits 15..12 are the type of a word. Time has 24 bits, which wrap around every 16.8 s: 12 of the last upper time mark, and 12 of
+the last lower time mark after it.
 https://docs.prophesee.ai/stable/data/encoding_formats/evt3.html
 """
 
@@ -19,11 +19,11 @@ from .words import Layout, Words
 
 __all__ = ["evt3_layout"]
 
-Y = 0  # 10..0: row of what follows
-_OTHER_Y = 1  # reserved; once the row of events that are no brightness changes, so what follows has no row
+Y = 0  # 10..0: row of the events that follow
+_OTHER_Y = 1  # reserved; formerly the row of events other than brightness changes, so the row is unknown after it
 X = 2  # 11: polarity, 10..0: one event
 BASE_X = 3  # 11: polarity, 10..0: where the next vector starts
-VECTOR_12 = 4  # 11..0: one event per set bit, to the right of the base, which moves on by 12
+VECTOR_12 = 4  # 11..0: one event per set bit, from the base to the right; then the base advances by 12
 VECTOR_8 = 5  # 7..0: the same with 8
 TIME_LOW = 6  # 11..0: bits 11..0 of the time
 TIME_HIGH = 8  # 11..0: bits 23..12 of the time
@@ -33,13 +33,13 @@ MARK_RANGE = 1 << 12
 _RESERVED = 1 << _OTHER_Y | 1 << 9 | 1 << 11 | 1 << 12 | 1 << 13
 
 _VECTOR = 12
-# A base that vectors move on without end stays here: outside every sensor that these words can address.
+# Upper limit of the base however many vectors follow: outside every sensor that these words can address.
 _FAR = 1 << 15
 _SCAN_WORDS = 1 << 18
 
 
 class _State(NamedTuple):
-    """What the next word changes; `high`, `row` and `base` are -1 until a word sets them."""
+    """State of the decoder; `high`, `row` and `base` are -1 until a word sets them."""
 
     t0_us: int
     high: int = -1
@@ -103,16 +103,16 @@ def _moved(base, length):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _raised(high, low, word):  # type: ignore[no-untyped-def]
-    """Both parts of the time after an upper mark: a new one starts from zero below, until a lower one follows."""
+    """Both parts of the time after an upper mark: a new upper mark resets the lower part to zero."""
     mark = advance(high, word & (MARK_RANGE - 1), MARK_RANGE)
     return mark, low if mark == high else 0
 
 
 @njit(cache=True, nogil=True)
 def _follow(words, state, least):  # type: ignore[no-untyped-def]
-    """Only the state, up to the first upper mark that is at least `least`: (words used, state).
+    """Follow the state, without events, up to the first upper mark >= `least`: (words used, state).
 
-    Noting where each type stood last takes less than a third of the time that decoding takes.
+    Recording only the last position of each word type takes less than a third of the time of decoding.
     """
     t0_us, high, low, row, base, polarity, untimed, strange = state
     last = np.full(16, -1)
@@ -149,7 +149,7 @@ def evt3_layout(t0_us: int) -> Layout:
     start = _State(t0_us)
 
     def seek(words: Words, from_us: int) -> tuple[int, _State]:
-        # How often time has wrapped around by then only the words tell.
+        # The number of wrap-arounds up to there can only be counted from the words.
         least, state = (from_us - t0_us) >> LOW_BITS, start
         for at, piece in words.pieces(0, len(words), _SCAN_WORDS):
             used, state = _follow(piece, state, least)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writing EVT 2.0 and EVT 3.0: every event back with its own time, x, y and p, in its place.
+"""EVT 2.0 and EVT 3.0 writers: every event is read back with the same time, x, y and p, in the same order.
 
-Times that the words cannot hold from the start, such as microseconds since 1970, stand in the header's `t0`, which is added to
-the words' own.
+An offset of times that the words cannot hold, such as microseconds since 1970, goes into the header's `t0`, which readers add
+to the times of the words.
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ _ADDRESSES = 2048
 _EVT2_RANGE_US = evt2.MARK_RANGE << evt2.LOW_BITS
 _EVT3_RANGE_US = evt3.MARK_RANGE << evt3.LOW_BITS
 
-# A silence is written as marks that rise by less than half their range, lest a reader miss a turn; one in 8.4 s. No silence
-# may be longer than this many microseconds, 203 days: 4 MiB of marks.
+# A pause is written as marks that rise by less than half their range, so that a reader sees every wrap-around; one per 8.4 s.
+# No pause may be longer than this many microseconds, 203 days: 4 MiB of marks.
 _LONGEST_SILENCE_US = 1 << 44
 
 _WORDS = 1 << 18  # written at a time
-_ROOM = 8  # words that an event and what it changes may need
-_VECTOR_WORDS = 4  # base, 12, 12 and 8 pixels: cameras send them so, and some decoders know no other order
+_ROOM = 8  # maximum words per event, with all state words that it needs
+_VECTOR_WORDS = 4  # base, 12, 12 and 8 pixels: as sent by cameras, and the only order that some decoders support
 
 
 @njit(cache=True, nogil=True)
 def _encode_evt2(t_us, x, y, p, at, high, low, row, words):  # type: ignore[no-untyped-def]
-    """From event `at` on, times as the words hold them: (events done, words made, high, low, row)."""
+    """Encode from event `at` on, with times as in the words; returns (events done, words written, high, low, row)."""
     n = 0
     while at < len(t_us) and n + _ROOM <= len(words):
         mark = t_us[at] >> evt2.LOW_BITS
@@ -55,7 +55,7 @@ def _encode_evt2(t_us, x, y, p, at, high, low, row, words):  # type: ignore[no-u
 
 @njit(cache=True, nogil=True)
 def _encode_evt3(t_us, x, y, p, at, high, low, row, words):  # type: ignore[no-untyped-def]
-    """As `_encode_evt2`; events of one time, row and polarity whose x rises within 32 aligned pixels become a vector."""
+    """As `_encode_evt2`; events of one time, row and polarity with increasing x within 32 aligned pixels become a vector."""
     n = 0
     while at < len(t_us) and n + _ROOM <= len(words):
         mark, below = t_us[at] >> evt3.LOW_BITS, t_us[at] & (evt3.MARK_RANGE - 1)
@@ -79,7 +79,7 @@ def _encode_evt3(t_us, x, y, p, at, high, low, row, words):  # type: ignore[no-u
         end, mask = at, np.int64(0)
         while end < len(t_us) and t_us[end] == t_us[at] and y[end] == row and p[end] == p[at]:
             bit = np.int64(1) << (np.int64(x[end]) - base) if base <= x[end] < base + 32 else np.int64(0)
-            if bit <= mask:  # to the left of the one before, or outside
+            if bit <= mask:  # not to the right of the previous one, or outside
                 break
             mask |= bit
             end += 1
@@ -98,7 +98,7 @@ def _encode_evt3(t_us, x, y, p, at, high, low, row, words):  # type: ignore[no-u
 
 
 class _WordSink(ABC):
-    """A file of words; the header waits for the first event, whose time it may have to hold."""
+    """A file of words; the header is written with the first event, whose time it may have to hold."""
 
     _number: ClassVar[int]
     _word: ClassVar[type[np.unsignedinteger[Any]]]
@@ -112,7 +112,7 @@ class _WordSink(ABC):
 
     @abstractmethod
     def _t0_for(self, first_us: int) -> int:
-        """What to add to the words' times, for events from `first_us` on."""
+        """The offset to add to the words' times, for events from `first_us` on."""
 
     @abstractmethod
     def _check_times(self, t_us: NDArray[np.int64]) -> None:
@@ -165,7 +165,7 @@ class _WordSink(ABC):
 
 
 class Evt2Sink(_WordSink):
-    """EVT 2.0; its 34 bits of time last for 4.8 hours."""
+    """EVT 2.0 writer; 34-bit times last for 4.8 hours."""
 
     _number = 2
     _word = np.uint32
@@ -181,7 +181,7 @@ class Evt2Sink(_WordSink):
 
 
 class Evt3Sink(_WordSink):
-    """EVT 3.0; its 24 bits of time wrap around as often as it takes."""
+    """EVT 3.0 writer; 24-bit times may wrap around any number of times."""
 
     _number = 3
     _word = np.uint16

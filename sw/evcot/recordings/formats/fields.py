@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What people call the fields of an event, and the unit that a name may state for its time."""
+"""Common names of the fields of an event, and time units stated in them."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _MEANINGS = {
 }
 _POWERS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
 UNITS = {6: "seconds", 3: "milliseconds", 0: "microseconds", -3: "nanoseconds"}  # of 10**power us
-_LONGEST_NAME = 256  # of which a field can be meant: the expression's time grows with the square of the length
+_LONGEST_NAME = 256  # of a field: the regular expression takes quadratic time in the length
 _NAME = re.compile(rf"(.*?)(?:(?:_|\s*[(\[])({'|'.join(_POWERS)})[)\]]?)?")
 
 
 @dataclass(frozen=True)
 class Naming:
-    """Which of some names are t, x, y and p.
+    """Assignment of names to t, x, y and p.
 
     Attributes:
         columns: index of t, x, y, p among the names.
-        power: the time's unit is 10**power us, as its name says (`t_us`, `t_s`, `t[s]`); None where it does not.
+        power: the unit of time is 10**power us, as stated in its name (`t_us`, `t_s`, `t[s]`); None if not stated.
     """
 
     columns: tuple[int, int, int, int]
@@ -37,10 +37,10 @@ class Naming:
 
 
 def find_fields(names: Sequence[str]) -> Naming:
-    """Find t, x, y and p among names of columns, in any case, whatever else is there.
+    """Find t, x, y and p among column names, ignoring case and other columns.
 
     Raises:
-        RecordingError: a field that no name means, or more than one; the message is the rule, and says which field.
+        RecordingError: no name, or more than one, for a field; the message is the rule and names the field.
     """
     found: dict[str, list[int]] = {"t": [], "x": [], "y": [], "p": []}
     power = None

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""FlatBuffers that nobody vouches for: every offset is checked before it is followed.
+"""FlatBuffers from untrusted files: every offset is checked before it is followed.
 
-Layout: flatbuffers.dev, "FlatBuffers internals". A buffer starts with the offset of its root table and four letters that name
-its schema. A table starts with the way back to its vtable: 16-bit vtable size, table size, and one offset per field, 0 or
-missing where the field has its default. Strings, vectors and tables are reached through a 32-bit offset from where it stands.
+Layout: flatbuffers.dev, "FlatBuffers internals". A buffer starts with the offset of its root table and a four-letter schema
+identifier. A table starts with the offset back to its vtable: 16-bit vtable size, table size, and one offset per field, 0 or
+missing where the field has its default. Strings, vectors and tables are referenced by a 32-bit offset, relative to itself.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from ...errors import RecordingError
 __all__ = ["Table", "root_table", "size_prefixed", "table_columns", "usual_vector", "vector_head"]
 
 _PREFIX_BYTES = 4
-_ROWS = 1 << 16  # of which the bytes are picked at once
+_ROWS = 1 << 16  # gathered at once
 _USUAL_VECTOR = struct.Struct("<I24sI")  # the buffer's length, `vector_head`, number of items
 
 
 def size_prefixed(data: bytes) -> memoryview:
-    """The buffer behind its length.
+    """The buffer after its length prefix.
 
     Raises:
-        RecordingError: the length is not that of the data.
+        RecordingError: the length does not match the data.
     """
     if len(data) < _PREFIX_BYTES:
         raise RecordingError(f"{len(data)} bytes: must start with a length")
@@ -38,10 +38,10 @@ def size_prefixed(data: bytes) -> memoryview:
 
 
 def root_table(data: memoryview, identifier: bytes) -> Table:
-    """The table that the buffer is about.
+    """The root table of a buffer.
 
     Raises:
-        RecordingError: the buffer is of another schema, or too short.
+        RecordingError: the buffer has another schema, or is too short.
     """
     found = bytes(data[4:8])
     if found != identifier:
@@ -50,7 +50,7 @@ def root_table(data: memoryview, identifier: bytes) -> Table:
 
 
 class Table:
-    """A table at an offset in a buffer. Every method raises RecordingError for an offset that leads outside the buffer."""
+    """A table at an offset in a buffer. Every method raises RecordingError for an offset outside the buffer."""
 
     def __init__(self, data: memoryview, at: int) -> None:
         self._data = data
@@ -64,15 +64,15 @@ class Table:
         return self._at + offset if offset else None
 
     def number(self, index: int, layout: str, default: int) -> int:
-        """A field's value, of a `struct` layout."""
+        """The value of a field with the given `struct` layout."""
         at = self._field(index)
         return default if at is None else _number(self._data, layout, at)
 
     def vector(self, index: int, item_bytes: int, buffer_bytes: int | None = None) -> tuple[int, int]:
-        """(offset of the first item, number of items) of a vector; (0, 0) where the field is left out.
+        """(offset of the first item, number of items) of a vector; (0, 0) if the field is absent.
 
         Args:
-            buffer_bytes: length of the whole buffer, where this table has only its beginning.
+            buffer_bytes: length of the whole buffer, if this table only has the beginning of it.
         """
         at = self._field(index)
         if at is None:
@@ -97,17 +97,17 @@ class Table:
 def table_columns(
     data: memoryview, vector: tuple[int, int], fields: dict[str, tuple[int, int, str]]
 ) -> dict[str, NDArray[np.int64]]:
-    """Number fields of many tables at once.
+    """Read number fields of many tables at once.
 
     Args:
-        vector: (offset, count) of a vector of tables, as `Table.vector` gives it.
-        fields: name -> (index, bytes into the field, NumPy type). A field that is left out is 0.
+        vector: (offset, count) of a vector of tables, as returned by `Table.vector`.
+        fields: name -> (index, byte offset in the field, NumPy type). An absent field is 0.
 
     Returns:
-        name -> (count,).
+        name -> array of shape (count,).
 
     Raises:
-        RecordingError: an offset that leads outside the buffer.
+        RecordingError: an offset outside the buffer.
     """
     octets = np.frombuffer(data, np.uint8)
 
@@ -147,15 +147,15 @@ def _number(data: memoryview, layout: str, at: int) -> int:
 
 
 def vector_head(identifier: bytes) -> bytes:
-    """A buffer whose root table has one field, a vector, up to that vector's length, as FlatBuffers' builder lays it out:
-    root offset, schema, padding, vtable, way back to it, offset of the vector."""
+    """The head of a buffer whose root table has one field, a vector, up to the vector's length, as laid out by FlatBuffers'
+    builder: root offset, schema, padding, vtable, offset back to the vtable, offset of the vector."""
     return struct.pack("<I4s4HiI", 16, identifier, 0, 6, 8, 4, 6, 4)
 
 
 def usual_vector(data: bytes, head: bytes, item_bytes: int) -> memoryview | None:
-    """The items of a size-prefixed buffer that starts with a `vector_head`; None where it is laid out otherwise, or damaged.
+    """The items of a size-prefixed buffer that starts with a `vector_head`; None for any other layout, or if damaged.
 
-    What the checked way through its tables would give, at a fifth of the cost: most packets of a camera are small.
+    The same result as the checked path through the tables at a fifth of the cost: most packets of a camera are small.
     """
     if len(data) < _USUAL_VECTOR.size:
         return None

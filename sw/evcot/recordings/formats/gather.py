@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a file's own packets to blocks."""
+"""Gather a file's packets into blocks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _Part = TypeVar("_Part")
 
 
 def batches(parts: Iterable[_Part], size: int, size_of: Callable[[_Part], int]) -> Iterator[list[_Part]]:
-    """Parts in lists of about `size` in all; those before a RecordingError are given before it."""
+    """Lists of parts with a total size of about `size`; the parts before a RecordingError are yielded before it is raised."""
     waiting: list[_Part] = []
     held = 0
     try:
@@ -33,5 +33,5 @@ def batches(parts: Iterable[_Part], size: int, size_of: Callable[[_Part], int]) 
 
 
 def gathered(parts: Iterable[Events]) -> Iterator[Events]:
-    """Small parts joined into blocks of `BLOCK_EVENTS` or a little more; those before a RecordingError are given before it."""
+    """Small parts joined into blocks of about `BLOCK_EVENTS`; the parts before a RecordingError are yielded before it."""
     return map(Events.joined, batches(parts, BLOCK_EVENTS, len))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""HDF5 files of events: DSEC, Prophesee, M3ED, MVSEC, and the flat columns of E2VID's packagers.
+"""HDF5 event files: DSEC, Prophesee, M3ED, MVSEC, and the flat columns of E2VID's packagers.
 
-Times that are integers are microseconds; floating ones are seconds, rounded to the nearest microsecond.
+Integer times are microseconds; floating-point times are seconds, rounded to the nearest microsecond.
 https://dsec.ifi.uzh.ch/data-format, https://docs.prophesee.ai/stable/data/file_formats/hdf5.html, https://m3ed.io/data_overview
 """
 
@@ -28,11 +28,11 @@ __all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file", 
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 _ECF = 0x8ECF
-_READ_ROWS = 1 << 17  # at least so many rows are read at once: a call of the library takes long, whatever it reads
+_READ_ROWS = 1 << 17  # minimum rows per read: a call of the library has a high fixed cost
 
 
 class Rows:
-    """A dataset's rows, in slices that follow one another: every chunk is read, and its compression undone, once."""
+    """A dataset's rows, read in consecutive slices: every chunk is read and decompressed only once."""
 
     def __init__(self, dataset: Any, chunk_rows: int, axis: int = 0) -> None:
         self._dataset, self._chunks = dataset, Chunks(dataset, axis)
@@ -44,7 +44,7 @@ class Rows:
         return len(self._chunks)
 
     def __getitem__(self, window: slice) -> NDArray[Any]:
-        """The rows from window.start to below window.stop.
+        """The rows from window.start (inclusive) to window.stop (exclusive).
 
         Raises:
             RecordingError: they cannot be read.
@@ -60,7 +60,7 @@ class Rows:
         return self._held[begin - self._begin : end - self._begin]
 
     def at(self, row: int) -> NDArray[Any]:
-        """One row, as a slice of length 1; what slices hold stays."""
+        """One row, as an array of length 1; does not change the buffer of the slices."""
         return self._read(row, row + 1)
 
     def _read(self, begin: int, end: int) -> NDArray[Any]:
@@ -102,14 +102,14 @@ class Hdf5File:
         """See `source.Source`."""
         first = 0 if from_us is None else self._place_of(from_us - self._t_offset)
         pieces = range(first, self._count, _READ_ROWS)
-        # Columns need little work here while the library reads the next; records want the core that has just read them.
+        # Columns need little work here while the library reads the next; records are best decoded on the core that read them.
         read = map(self._read, pieces) if self._records else in_order(self._read, pieces, workers=1)
         for piece, columns in zip(pieces, read, strict=True):
             for begin in range(0, len(columns[0]), BLOCK_EVENTS):
                 yield self._events([column[begin : begin + BLOCK_EVENTS] for column in columns], piece + begin)
 
     def _read(self, begin: int) -> list[NDArray[Any]]:
-        """The next columns t, x, y, p; or one of whole records."""
+        """The next values of the columns t, x, y, p; or of the one column of records."""
         window = slice(begin, min(begin + _READ_ROWS, self._count))
         if self._records:
             return [self._records[window]]
@@ -138,7 +138,7 @@ class Hdf5File:
         return int(microseconds(_pick(rows.at(i), pick), i)[0])
 
     def _place_of(self, t_us: int) -> int:
-        """Before which event all are earlier than `t_us`, a time without the file's offset."""
+        """An index before which all events are earlier than `t_us`, a time without the file's offset."""
         indexed = self._indexed(t_us)
         if indexed is not None:
             return indexed
@@ -152,7 +152,7 @@ class Hdf5File:
         return low
 
     def _indexed(self, t_us: int) -> int | None:
-        """The same by the file's index, the first event of each millisecond; None where it does not tell, or not the truth."""
+        """The same by the file's index of milliseconds; None where the index has no entry, or a wrong one."""
         ms = t_us // 1000
         if self._index is None or not 0 <= ms < len(self._index):
             return None
@@ -179,7 +179,7 @@ def _sensor(found: Survey) -> Sensor | None:
 
 
 def open_file(path: Path) -> Any:
-    """An HDF5 file for reading.
+    """Open an HDF5 file for reading.
 
     Raises:
         RecordingError: the library cannot open it.
@@ -193,10 +193,10 @@ def open_file(path: Path) -> Any:
 
 
 def open_dataset(file: Any, part: Part) -> Any:
-    """The dataset of a part of a survey.
+    """Open the dataset of a part of a survey.
 
     Raises:
-        RecordingError: it cannot be opened, or its compression needs what is not installed.
+        RecordingError: it cannot be opened, or its compression needs a package that is not installed.
     """
     for code, name in part["filters"]:
         _check_filter(part["dataset"], code, name)
@@ -207,7 +207,7 @@ def open_dataset(file: Any, part: Part) -> Any:
 
 
 def open_rows(file: Any, part: Part) -> Rows:
-    """The rows of a part of a survey; errors as of `open_dataset`."""
+    """The rows of a part of a survey; raises as `open_dataset` does."""
     return Rows(open_dataset(file, part), part["chunk"], part["axis"])
 
 
@@ -220,7 +220,7 @@ def _check_filter(dataset: str, code: int, name: str) -> None:
         need = "Prophesee's plugin hdf5_ecf in $HDF5_PLUGIN_PATH, or the recording as RAW"
     else:
         try:
-            import hdf5plugin  # noqa: F401  (makes its filters known to the library)
+            import hdf5plugin  # noqa: F401  (registers its filters with the library)
         except ImportError:
             need = "pip install 'evcot[hdf5]'"
         else:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compressed chunks of HDF5 datasets, which may give no more than a chunk has.
+"""Compressed chunks of HDF5 datasets, decompressed to no more than the size of a chunk.
 
-The HDF5 library makes room for whatever a deflate stream holds, a thousand times its own length, before it looks how much that
-should have been. So gzip, with or without shuffle in front of it, is undone here; of rarer pipelines with gzip in them the
-stream is measured here before the library is let at it.
+The HDF5 library allocates memory for whatever a deflate stream expands to, up to a thousand times its length, before it checks
+the expected size. So gzip, with or without shuffle, is decompressed here; for rarer filter pipelines with gzip the expanded
+size of the stream is checked here before the library reads it.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from .printable import reason
 __all__ = ["Chunks"]
 
 _DEFLATE, _SHUFFLE = 1, 2
-# Deflate gives up to 1,032 times its own length. The library unpacks faster, and a chunk this small cannot hurt.
+# Deflate expands to at most 1,032 times its length. The library is faster, and a chunk this small cannot exhaust memory.
 _SURE_BYTES = (1 << 27) // 1032
-_SLACK_BYTES = 1 << 16  # what checksums and the heads of other filters may add
+_SLACK_BYTES = 1 << 16  # for checksums and headers of other filters
 
 
 class Chunks:
-    """A dataset's rows along one axis, the only one or one of two; see `Hdf5File` for which datasets come here."""
+    """A dataset's rows along one axis of one or two; see `Hdf5File` for which datasets are read this way."""
 
     def __init__(self, dataset: Any, axis: int = 0) -> None:
         from h5py import h5t
@@ -49,10 +49,10 @@ class Chunks:
         return int(self._dataset.shape[self._axis])
 
     def read(self, begin: int, end: int) -> NDArray[Any]:
-        """The rows from begin to below end.
+        """The rows from begin (inclusive) to end (exclusive).
 
         Raises:
-            RecordingError: they are not what the dataset says.
+            RecordingError: a chunk is damaged, or not of the dataset's chunk size.
         """
         if not self._deflates:
             return self._by_library(begin, end)
@@ -73,18 +73,18 @@ class Chunks:
 
     @property
     def _bytes(self) -> int:
-        """Of a whole chunk."""
+        """Size of a whole chunk, decompressed."""
         return int(math.prod(self._dataset.chunks) * self._dataset.dtype.itemsize)
 
     def _size(self, offset: tuple[int, ...]) -> int:
-        """How many bytes a chunk has in the file."""
+        """Size of a chunk in the file, in bytes."""
         return int(self._dataset.id.get_chunk_info_by_coord(offset).size)
 
     def _packed(self, offset: tuple[int, ...]) -> tuple[int, bytes]:
-        """Which filters a chunk went without, and its bytes as they are in the file."""
+        """Mask of the filters that were skipped for a chunk, and its bytes as stored in the file."""
         size = self._size(offset)
         if size > self._bytes + self._bytes // 16 + _SLACK_BYTES:
-            raise RecordingError(f"chunk of {self._bytes} bytes, {size} when packed: must not be larger for it")
+            raise RecordingError(f"chunk of {self._bytes} bytes, {size} when compressed: must not be larger")
         mask, packed = self._dataset.id.read_direct_chunk(offset)
         return mask, packed
 
@@ -92,7 +92,7 @@ class Chunks:
         return (0, at) if self._axis else (at,) + (0,) * (self._dataset.ndim - 1)
 
     def _chunk(self, at: int) -> NDArray[Any]:
-        """The rows of the chunk that begins at a row, those beyond the dataset's end included."""
+        """The rows of the chunk that begins at a row, including those beyond the dataset's end."""
         mask, packed = self._packed(self._offset(at))
         content: bytes | NDArray[np.uint8] = packed
         for i, (code, _, values, _) in reversed(list(enumerate(self._filters))):
@@ -106,7 +106,7 @@ class Chunks:
         return rows if self._axis or not sides else rows.reshape(-1, *sides)
 
     def _measure(self, at: int) -> None:
-        """Refuse a row of chunks of which one holds more than it should."""
+        """Refuse a row of chunks if one of them expands to more than a chunk."""
         across = 1 - self._axis
         steps = range(0, self._dataset.shape[across], self._dataset.chunks[across]) if self._dataset.ndim == 2 else (0,)
         for step in steps:
@@ -133,7 +133,7 @@ def _inflated(packed: Any, most: int) -> bytes:
 
 
 def _unshuffled(content: bytes | NDArray[np.uint8], item_bytes: int) -> NDArray[np.uint8]:
-    """Bytes that stood first of every item, then second of every item, and so on, as items again."""
+    """Undo the shuffle filter, which stores the first bytes of all items, then the second bytes, and so on."""
     octets = np.frombuffer(content, np.uint8)
     count = len(octets) // item_bytes if item_bytes > 1 else 0
     if not count:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an HDF5 file holds, found in a process of its own.
+"""Survey of an HDF5 file's content, in a separate process.
 
-On damaged tables the HDF5 library may run for ever: it did on two of 4,000 corruptions of a small file. So whatever has to be
-found out before numbers can be read, `survey` lets a child find out, which may be stopped. The child runs this file as a
-script: nothing of the package is imported at its top.
+On damaged metadata the HDF5 library may never return: it hung on two of 4,000 corruptions of a small file. So all metadata
+that are needed before numbers can be read are collected by a child process, which can be killed. The child runs this file as
+a script: nothing of the package is imported at its top.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Survey = dict[str, Any]
 Part = dict[str, Any]
 
 SECONDS = 20.0
-# Where events are found, and the time index that may lie beside them: DSEC and the packagers for E2VID; Prophesee; M3ED; MVSEC.
+# Groups of events, and the time index that may accompany them: DSEC and the packagers for E2VID; Prophesee; M3ED; MVSEC.
 _PLACES: tuple[tuple[str, str], ...] = (
     ("events", "ms_to_idx"),
     ("CD/events", ""),
@@ -38,20 +38,20 @@ _NAMES = {
 }
 # MVSEC: a row per event.
 _MATRIX = {"x": 0, "y": 1, "t": 2, "p": 3}
-# Of a dataset in one compressed chunk, all of it has to be in memory at a time; and so for every column.
+# A dataset in a single compressed chunk has to be in memory as a whole, and so has every other column.
 _MOST_CHUNK_BYTES = 1 << 28
-_MOST_MEMORY_BYTES = 1 << 29  # which the look-over itself may take
+_MOST_MEMORY_BYTES = 1 << 29  # limit for the survey process itself
 
 
 def survey(path: Path, *, matlab: bool = False) -> Survey:
-    """What the file holds: "columns" (of t, x, y, p each the dataset, what to pick of its rows, its rows in a chunk, its
+    """Survey a file: "columns" (for each of t, x, y, p the dataset, the field or column to pick, its rows per chunk, its
     filters), "count", "t_offset", "index", "sensor", "details".
 
     Args:
-        matlab: of any struct with the fields x, y, p, ts, whose columns may be matrices of one row.
+        matlab: accept any struct with the fields x, y, p, ts, whose columns may be matrices of one row.
 
     Raises:
-        RecordingError: the file holds no events in a known layout, or its tables are damaged.
+        RecordingError: the file holds no events in a known layout, or its metadata are damaged.
     """
     from ...errors import RecordingError
     from .printable import printable
@@ -61,20 +61,20 @@ def survey(path: Path, *, matlab: bool = False) -> Survey:
         child = subprocess.run(command, capture_output=True, timeout=SECONDS, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
         raise RecordingError(
-            f"the HDF5 library did not find its way through the file in {SECONDS:g} s: is it damaged?"
+            f"the HDF5 library did not finish reading the file's structure within {SECONDS:g} s: is it damaged?"
         ) from None
     try:
         found: Survey = json.loads(child.stdout)
     except ValueError:
-        told = child.stderr.decode(errors="replace").strip().splitlines()[-1:] or [f"status {child.returncode}"]
-        raise RecordingError(f"the HDF5 library ended its process ({printable(told[0])}): is the file damaged?") from None
+        output = child.stderr.decode(errors="replace").strip().splitlines()[-1:] or [f"status {child.returncode}"]
+        raise RecordingError(f"the HDF5 library crashed ({printable(output[0])}): is the file damaged?") from None
     if "error" in found:
         raise RecordingError(printable(found["error"]))
     return found
 
 
 class _Refusal(Exception):
-    """A file that breaks a rule; the message is for people."""
+    """A file that violates a rule; the message is shown to the user."""
 
 
 def _survey(path: str, matlab: bool) -> Survey:
@@ -107,11 +107,11 @@ def _survey(path: str, matlab: bool) -> Survey:
                     "details": {"events": place} | ({"also holds": ", ".join(others)} if others else {}),
                 }
         found = ", ".join(sorted(file)[:8]) or "nothing"
-        raise _Refusal(f"holds no events in a known layout: has {found} at its top")
+        raise _Refusal(f"holds no events in a known layout: has {found} at its top level")
 
 
 def _is_here(file: Any, name: str) -> bool:
-    """Whether the path leads to something; each step is looked up in the list of its group's members."""
+    """Whether the path exists; each step is looked up in its group's list of members."""
     at = file
     for step in name.strip("/").split("/"):
         if step and (not hasattr(at, "keys") or step not in at):
@@ -121,7 +121,7 @@ def _is_here(file: Any, name: str) -> bool:
 
 
 def _columns(found: Any) -> dict[str, Part]:
-    """Of t, x, y, p each where it is; empty where this is no list of events."""
+    """The location of each of t, x, y, p; empty if this is not a list of events."""
     import h5py
 
     if isinstance(found, h5py.Dataset):
@@ -150,7 +150,7 @@ def _alias(names: tuple[str, ...], present: Any) -> str | None:
 def _part(dataset: Any, pick: str | int | None) -> Part:
     creation = dataset.id.get_create_plist()
     filters = [creation.get_filter(i) for i in range(creation.get_nfilters())]
-    axis = 1 if pick is None and dataset.ndim == 2 and dataset.shape[0] == 1 else 0  # of MATLAB's rows
+    axis = 1 if pick is None and dataset.ndim == 2 and dataset.shape[0] == 1 else 0  # MATLAB's row vectors
     packed = dataset.chunks if filters else None
     chunk_bytes = dataset.dtype.itemsize
     for side in packed or ():
@@ -166,7 +166,7 @@ def _part(dataset: Any, pick: str | int | None) -> Part:
 
 
 def _check(dataset: Any, part: Part, file_bytes: int, matlab: bool) -> int:
-    """How many values the dataset holds, all of which must be in the file."""
+    """The number of values in the dataset; raises unless all of them are stored in the file."""
     name, pick = dataset.name, part["pick"]
     dtype = dataset.dtype[pick] if isinstance(pick, str) else dataset.dtype
     flat = dataset.shape is not None and (
@@ -191,7 +191,7 @@ def _check(dataset: Any, part: Part, file_bytes: int, matlab: bool) -> int:
 
 
 def _index(file: Any, name: str, file_bytes: int) -> Part | None:
-    """The time index, if there is one to be used."""
+    """The time index, if there is a usable one."""
     if not name or not _is_here(file, name) or file[name].shape is None or file[name].ndim != 1:
         return None
     part = _part(file[name], None)
@@ -203,7 +203,7 @@ def _index(file: Any, name: str, file_bytes: int) -> Part | None:
 
 
 def _bound_memory() -> None:
-    """Let this process take only so much more memory, where the system can bound it: a chunk may unpack to anything."""
+    """Limit the memory of this process, where the system supports it: a chunk may expand to any size."""
     try:
         import resource
 
@@ -214,7 +214,7 @@ def _bound_memory() -> None:
 
 
 def _offset(file: Any) -> int:
-    """DSEC: what to add to every time, microseconds."""
+    """DSEC: offset to add to every time, in microseconds."""
     if "t_offset" not in file:
         return 0
     offset = file["t_offset"]
@@ -227,7 +227,7 @@ def _offset(file: Any) -> int:
 
 
 def _sensor(file: Any, place: str) -> list[int] | None:
-    """(width, height), of the attributes of the place or those above it; or beside it, as M3ED has it."""
+    """(width, height) from the attributes of the group or its parents; or from a dataset next to it, as in M3ED."""
     above = [place.rsplit("/", depth)[0] for depth in range(place.count("/") + 1)] if place != "/" else []
     for name in [*above, "/"]:
         attributes = dict(file[name].attrs)
@@ -236,7 +236,7 @@ def _sensor(file: Any, place: str) -> list[int] | None:
         readings: tuple[list[Any], ...] = (
             [attributes.get("width"), attributes.get("height")],
             geometry.split("x"),
-            _listed(attributes.get("sensor_resolution"))[1::-1],  # the one that names the height first
+            _listed(attributes.get("sensor_resolution"))[1::-1],  # has the height first
             _listed(attributes.get("resolution")),
         )
         for sides in readings:
@@ -249,7 +249,7 @@ def _sensor(file: Any, place: str) -> list[int] | None:
 
 
 def _listed(value: Any) -> list[Any]:
-    """Up to three numbers of an array; none of anything else."""
+    """Up to three numbers of an array; an empty list for anything else."""
     return list(value.flat[:3]) if hasattr(value, "flat") else []
 
 
@@ -260,7 +260,7 @@ def _main() -> None:
     except _Refusal as error:
         found = {"error": str(error)}
     except Exception as error:
-        # Whatever h5py raises, it raises because of the file.
+        # Any exception of h5py here is caused by the file.
         found = {"error": f"its HDF5 tables are damaged: {error or type(error).__name__}"}
     print(json.dumps(found))
 

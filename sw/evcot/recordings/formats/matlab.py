@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """MATLAB files with a struct of events, as the tools around the ATIS and N-MNIST write it: TD.x, TD.y, TD.p, TD.ts.
 
-MATLAB counts pixels from 1, and so do these tools; exports by others count from 0. The data tell: where some x or y is 0, both
-are counted from 0, else from 1. A polarity of 2 tells the coding 1 and 2, one of -1 the coding -1 and 1, neither 0 and 1.
+MATLAB counts pixels from 1, and so do these tools; other exporters count from 0. The data decide: if some x or y is 0, both
+are counted from 0, else from 1. A polarity of 2 implies the coding 1 and 2, one of -1 the coding -1 and 1, neither 0 and 1.
 `ts` is in microseconds. Files of version 5 to 7 are decoded here; one of 7.3 is HDF5.
 https://www.mathworks.com/help/pdf_doc/matlab/matfile_format.pdf
 """
@@ -34,21 +34,21 @@ __all__ = ["FORMATS"]
 
 _FIELDS = ("x", "y", "p", "ts")
 _HEADER_BYTES = 128
-# Kinds of element, and what numbers they hold.
+# Element types; those that hold numbers -> dtype.
 _INT8, _INT32, _UINT32, _MATRIX, _COMPRESSED = 1, 5, 6, 14, 15
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 # Classes of matrix; from 6 on, numbers.
 _STRUCT, _DOUBLE, _UINT64 = 2, 6, 15
 _COMPLEX = 0x0800
 _MOST_SIDES = 32
-# A compressed variable up to this size is unpacked once and held; of a larger one, every column is unpacked up to its own end.
+# A compressed variable up to this size is decompressed once and held; of a larger one, each column is decompressed separately.
 _HELD_BYTES_MAX = 1 << 26
 _PIECE_BYTES = 1 << 16
-_SMALL_BYTES_MAX = 1 << 16  # of names, sides and flags
+_SMALL_BYTES_MAX = 1 << 16  # for names, dimensions and flags
 
 
 class _Stream(Protocol):
-    """Bytes, one after another."""
+    """A sequential stream of bytes."""
 
     def read(self, size: int, /) -> bytes: ...
 
@@ -63,13 +63,13 @@ class _Held(io.BytesIO):
 
 
 class _Inflated:
-    """What a deflate stream holds, unpacked as it is asked for."""
+    """The content of a deflate stream, decompressed on demand."""
 
     def __init__(self, packed: Section) -> None:
         self._packed, self._stream, self._waiting = packed, zlib.decompressobj(), b""
 
     def read(self, size: int, /) -> bytes:
-        """The next bytes; fewer only at the end of the stream, whose checksum has been found right by then."""
+        """The next bytes; fewer only at the end of the stream, after its checksum has been verified."""
         parts: list[bytes] = []
         left = size
         while left and not self._stream.eof:
@@ -87,17 +87,17 @@ class _Inflated:
         return b"".join(parts)
 
     def skip(self, size: int, /) -> None:
-        """Pass over so many bytes."""
+        """Skip `size` bytes."""
         while size and (part := self.read(min(size, 1 << 20))):
             size -= len(part)
 
 
 class _Elements:
-    """Elements, one after another: each says what it is and how many bytes it has.
+    """A sequence of elements: each has a tag with its type and its number of bytes.
 
     Attributes:
-        at: the byte of the stream that is next.
-        behind: where the element ends whose tag was read last.
+        at: offset of the next byte in the stream.
+        behind: offset of the end of the element whose tag was read last.
     """
 
     def __init__(self, stream: _Stream, order: str, end: int, first_byte: int = 0) -> None:
@@ -106,11 +106,11 @@ class _Elements:
 
     @property
     def place(self) -> int:
-        """The byte that is next, for messages."""
+        """The offset of the next byte, for messages."""
         return self._first_byte + self.at
 
     def tag(self, *kinds: int) -> tuple[int, int]:
-        """(kind, length) of the next element, which must be of one of `kinds`, if any are given; its content is next then."""
+        """Read the next tag, which must be of one of `kinds`, if any are given: (kind, length). The content follows."""
         place = self.place
         start = self._stream.read(4).ljust(4, b"\0")
         kind = int(np.frombuffer(start, f"{self.order}u4")[0])
@@ -129,16 +129,16 @@ class _Elements:
         return kind, length
 
     def end_at(self, end: int) -> None:
-        """No element may reach beyond here, from now on."""
+        """Set the limit beyond which no further element may reach."""
         self._end = min(self._end, end)
 
     def go_to(self, at: int) -> None:
-        """Pass over what is before a byte."""
+        """Skip to a byte."""
         self._stream.skip(at - self.at)
         self.at = at
 
     def content(self, *kinds: int) -> bytes:
-        """What the next element holds, a small one."""
+        """The content of the next element, which must be small."""
         place = self.place
         _, length = self.tag(*kinds)
         if length > _SMALL_BYTES_MAX:
@@ -164,7 +164,7 @@ _Opener = Callable[[], _Stream]
 
 @dataclass(frozen=True)
 class _Place:
-    """Where the numbers of a column are: the byte of the variable that they begin at."""
+    """Location of the numbers of a column: the offset in the variable at which they begin, their type and count."""
 
     dtype: np.dtype[Any]
     at: int
@@ -172,7 +172,7 @@ class _Place:
 
 
 def _find_struct(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
-    """Name and columns of a struct of events; None for any other variable."""
+    """The name and columns of a struct of events; None for any other variable."""
     kind, _ = elements.tag()
     if kind != _MATRIX:
         return None
@@ -228,7 +228,7 @@ class _Column(Protocol):
     def count(self) -> int: ...
 
     def blocks(self) -> Iterator[NDArray[Any]]:
-        """Its numbers, `BLOCK_EVENTS` at a time."""
+        """The numbers, `BLOCK_EVENTS` at a time."""
         ...
 
 
@@ -300,7 +300,7 @@ def _section_opener(file: io.BufferedReader, begin: int, length: int) -> _Opener
 
 
 def _opener(file: io.BufferedReader, begin: int, length: int, order: str) -> _Opener:
-    """Opens a compressed variable; its checksum is found right first, as far as it can be the struct that is looked for."""
+    """Make a function that opens a compressed variable, after verifying the checksum."""
     stream = _Inflated(Section(file, begin, length))
     content = stream.read(_HELD_BYTES_MAX + 1)
     if len(content) <= _HELD_BYTES_MAX:
@@ -343,7 +343,7 @@ class _MatlabFile:
         self.details: Mapping[str, str] = {"struct": printable(name), "pixels": f"counted from {self._first}"}
 
     def _look_over(self) -> None:
-        """How pixels and polarities are coded."""
+        """Detect the coding of pixels and polarities."""
         lengths = {field: self._columns[field].count for field in _FIELDS}
         if len(set(lengths.values())) > 1:
             held = ", ".join(f"{field} {length}" for field, length in lengths.items())
@@ -353,7 +353,7 @@ class _MatlabFile:
         self._p_first = 1 if any((block == 2).any() for block in self._columns["p"].blocks()) else 0
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
-        """See `source.Source`; from_us changes nothing."""
+        """See `source.Source`; `from_us` is ignored."""
         first = 0
         for ts, x, y, p in zip(*(self._columns[field].blocks() for field in ("ts", "x", "y", "p")), strict=True):
             columns = [whole_numbers(field, values, np.int32, first) for field, values in (("x", x), ("y", y), ("p", p))]

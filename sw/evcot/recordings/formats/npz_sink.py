@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""NumPy's .npz, written: arrays t_us, x, y, p, width, height, not compressed; `numpy.load` reads it.
+"""NumPy .npz writer: arrays t_us, x, y, p, width, height, not compressed, readable with `numpy.load`.
 
-It holds field by field what comes block by block: so the blocks wait in a file without a name, beside the one that is written.
+The format stores field by field what arrives block by block, so blocks are spooled to an unnamed file on the same disk.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class _NpzSink:
         self._spool.close()
 
     def _copy(self, member: IO[bytes], skipped_bytes: int, item_bytes: int) -> None:
-        """One field of every block; each block holds its fields one after another, `skipped_bytes` an event before this one."""
+        """Copy one field of every block; in a block, `skipped_bytes` per event precede this field."""
         at = 0
         for count in self._counts:
             self._spool.seek(at + count * skipped_bytes)

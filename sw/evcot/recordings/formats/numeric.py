@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Columns of numbers as general containers hold them: of any width, often floating, polarity as 0 and 1 or as -1 and 1."""
+"""Columns of numbers as in general containers: of any type, often floating-point, polarity as 0 and 1 or as -1 and 1."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ...events import Events
 __all__ = ["events_from_numbers", "events_from_records", "microseconds", "whole_numbers"]
 
 _Width = TypeVar("_Width", bound=np.integer[Any])
-# From here on, floating numbers are not told apart from their neighbours; and sums of times stay within 64 bits.
+# Above this, floating-point numbers cannot represent every microsecond; and sums of times stay within 64 bits.
 _EXACT = 1 << 53
 _LATEST_US = 1 << 62
 
 
 @njit(cache=True, nogil=True)
 def _fill_whole(values, least, most, signed, out):  # type: ignore[no-untyped-def]
-    """Integers of integers, -1 as 0 if `signed`: the index of the first outside the limits, or how many there are."""
+    """Copy integers, -1 as 0 if `signed`; returns the index of the first outside the limits, or the number of values."""
     for i in range(len(values)):
         value = np.int64(values[i])
         value += signed & (value == -1)
@@ -34,7 +34,7 @@ def _fill_whole(values, least, most, signed, out):  # type: ignore[no-untyped-de
 
 @njit(cache=True, nogil=True)
 def _fill_rounded(values, scale, least, most, signed, out):  # type: ignore[no-untyped-def]
-    """The same of floating numbers times `scale`, rounded; unscaled ones must be whole."""
+    """The same for floating-point numbers times `scale`, rounded; with a scale of 1 they must be whole."""
     for i in range(len(values)):
         value = np.float64(values[i])
         if signed & (value == -1.0):
@@ -49,14 +49,14 @@ def _fill_rounded(values, scale, least, most, signed, out):  # type: ignore[no-u
 def whole_numbers(
     name: str, values: NDArray[Any], dtype: type[_Width], first_index: int = 0, *, signed: bool = False
 ) -> NDArray[_Width]:
-    """(n,) numbers of any type as integers of `dtype`.
+    """Convert (n,) numbers of any type to integers of `dtype`.
 
     Args:
-        first_index: of the first value, for messages.
-        signed: whether -1 stands for 0.
+        first_index: index of the first value, for messages.
+        signed: whether -1 means 0.
 
     Raises:
-        RecordingError: a value that is no whole number, or that the type cannot hold.
+        RecordingError: a value that is not a whole number, or outside the range of the type.
     """
     if not signed and values.dtype.kind in "iub" and np.can_cast(values.dtype, dtype):
         return np.ascontiguousarray(values, dtype)
@@ -65,11 +65,11 @@ def whole_numbers(
 
 
 def microseconds(values: NDArray[Any], first_index: int = 0, t0_us: int = 0) -> NDArray[np.int64]:
-    """(n,) times: integers are microseconds, floating numbers are seconds, rounded to the nearest microsecond; from `t0_us`,
-    which must be below 2^62.
+    """Convert (n,) times: integers are microseconds, floating-point numbers are seconds, rounded to the nearest microsecond;
+    counted from `t0_us`, which must be below 2^62.
 
     Raises:
-        RecordingError: a time that is no number, or not below 2^62.
+        RecordingError: a time that is not a number, or not below 2^62.
     """
     times: NDArray[np.int64]
     if values.dtype.kind in "iub" and values.dtype.itemsize < 8:
@@ -106,7 +106,7 @@ def _filled(
 
 
 def _plain(values: NDArray[Any]) -> NDArray[Any]:
-    """In a type that the kernels know."""
+    """The values in a type that the kernels are compiled for."""
     if values.dtype == np.float16:
         return values.astype(np.float32)
     if values.dtype.kind == "f" and values.dtype.itemsize > 8:
@@ -115,13 +115,13 @@ def _plain(values: NDArray[Any]) -> NDArray[Any]:
     return values if values.dtype.isnative else values.astype(values.dtype.newbyteorder("="))
 
 
-# Prophesee's record in HDF5, as C lays it out: two words, of which `events_from_records` takes the fields in one pass.
+# Prophesee's record in HDF5, laid out as in C: two words, which `events_from_records` decodes in one pass.
 _RECORD = np.dtype({"names": ["x", "y", "p", "t"], "formats": ["<u2", "<u2", "<i2", "<i8"], "offsets": [0, 2, 4, 8]})
 
 
 @njit(cache=True, nogil=True)
 def _fill_records(words, latest_us, t0_us, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    """Fills the four columns; false where some time or polarity is not an ordinary one."""
+    """Fill the four columns; returns False if some time or polarity is out of range."""
     beyond = polarity = np.int64(0)
     for i in range(len(t_us)):
         word, t = words[2 * i], words[2 * i + 1]
@@ -135,8 +135,8 @@ def _fill_records(words, latest_us, t0_us, t_us, x, y, p):  # type: ignore[no-un
 
 
 def events_from_records(records: NDArray[np.void], t0_us: int = 0) -> Events | None:
-    """Prophesee's records as events; None where they are others, or a value is no ordinary one: `events_from_numbers` then says
-    which."""
+    """Decode Prophesee's records; None if they have another layout, or a value is out of range: `events_from_numbers` then
+    reports which."""
     if records.dtype != _RECORD or not records.flags.c_contiguous:
         return None
     events = Events.allocated(len(records))
@@ -147,10 +147,10 @@ def events_from_records(records: NDArray[np.void], t0_us: int = 0) -> Events | N
 def events_from_numbers(
     t: NDArray[Any], x: NDArray[Any], y: NDArray[Any], p: NDArray[Any], first_index: int = 0, t0_us: int = 0
 ) -> Events:
-    """Four (n,) columns of numbers as events: times as in `microseconds`, polarities 0 and 1 or -1 and 1.
+    """Convert four (n,) columns of numbers to events: times as in `microseconds`, polarities 0 and 1 or -1 and 1.
 
     Raises:
-        RecordingError: a value that its field cannot hold.
+        RecordingError: a value outside the range of its field.
     """
     return Events(
         t_us=microseconds(t, first_index, t0_us),

@@ -25,19 +25,19 @@ from .printable import reason, shortened
 
 __all__ = ["StoredArray", "damage_named", "npy_array", "npz_arrays"]
 
-# Version -> how the length of its header is written, and what reads the header.
+# Version -> struct format of the header length, and the function that reads the header.
 _HEADERS = {
     (1, 0): (struct.Struct("<H"), np.lib.format.read_array_header_1_0),
     (2, 0): (struct.Struct("<I"), np.lib.format.read_array_header_2_0),
 }
-_HEADER_BYTES_MAX = 1 << 16  # what version 1.0 can have; NumPy itself reads no more than 10,000 characters
-_ARRAY_BYTES_MAX = 1 << 60  # beyond, places in the array do not fit into 64 bits
+_HEADER_BYTES_MAX = 1 << 16  # limit of version 1.0; NumPy itself reads at most 10,000 characters
+_ARRAY_BYTES_MAX = 1 << 60  # beyond this, offsets in the array do not fit into 64 bits
 _DIRECTORY_BYTES_MAX = 1 << 20  # of a zip: thousands of arrays
 _ARRAYS_MAX = 256
 _SKIPPED_BYTES = 1 << 20  # at once
 _LONGEST_ROW_BYTES = 256
 _FAR_BYTES = 1 << 20
-_LOCAL_HEADER = struct.Struct("<26xHH")  # of a zip's member: ends in the lengths of its name and of what else precedes the data
+_LOCAL_HEADER = struct.Struct("<26xHH")  # of a zip member: ends with the lengths of its name and extra field
 _DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, tokenize.TokenError, EOFError, LookupError, MemoryError),
     *(ArithmeticError, RuntimeError, SyntaxError, TypeError, ValueError),
@@ -46,7 +46,7 @@ _DAMAGE = (
 
 @contextmanager
 def damage_named(what: str) -> Iterator[None]:
-    """Whatever zipfile and NumPy raise about a damaged file, as a RecordingError."""
+    """Convert exceptions of zipfile and NumPy about a damaged file to a RecordingError."""
     try:
         yield
     except RecordingError:
@@ -61,11 +61,11 @@ class StoredArray:
 
     Attributes:
         name: for messages.
-        dtype, shape, fortran_order: as its header has them.
-        header_bytes: where its values begin in the stream that `open` gives.
-        open: gives a stream of header and values, which stands at a byte of it.
-        seekable: whether `open` finds its place without reading what is before it.
-        following_bytes: how many stand behind the values in the stream, as part of the same array.
+        dtype, shape, fortran_order: from its header.
+        header_bytes: offset of the values in the stream returned by `open`.
+        open: returns a stream of header and values, positioned at a given byte.
+        seekable: whether `open` gets to a position without reading what is before it.
+        following_bytes: number of bytes after the values in the stream that belong to the same array.
     """
 
     name: str
@@ -78,7 +78,7 @@ class StoredArray:
     following_bytes: int = 0
 
     def columns(self) -> list[StoredArray]:
-        """The columns of a 2-D array in Fortran order, which stand one after another; the file must not end before the last."""
+        """The columns of a 2-D array in Fortran order, stored one after another; the file must hold all of them."""
         n, count = self.shape
         column_bytes = n * self.dtype.itemsize
         return [
@@ -88,25 +88,25 @@ class StoredArray:
         ]  # fmt: skip
 
     def rows_as_records(self) -> StoredArray:
-        """A 2-D array in C order as records of one field per column."""
+        """A 2-D array in C order as records with one field per column."""
         n, count = self.shape
         return replace(self, shape=(n,), dtype=np.dtype([(f"column {i}", self.dtype) for i in range(count)]))
 
     def rows(self, first: int) -> IO[bytes]:
-        """A stream of the values from a row on."""
+        """A stream of the values, starting at a row."""
         return self.open(self.header_bytes + first * self.dtype.itemsize)
 
     def read(self, stream: IO[bytes], count: int) -> NDArray[Any]:
-        """The next `count` rows of a stream, or as many as there are."""
+        """The next `count` rows of a stream, or all that are left."""
         with damage_named(f"{self.name} is damaged"):
             content = stream.read(count * self.dtype.itemsize)
             return np.frombuffer(content, self.dtype, len(content) // self.dtype.itemsize)
 
     def check_end(self, stream: IO[bytes]) -> None:
-        """When all rows have been read: refuse a file that goes on, and one whose checksum tells of damage."""
+        """After all rows have been read: raise if data follow, or if the checksum is wrong."""
         with damage_named(f"{self.name} is damaged"):
             if not self.following_bytes and stream.read(1):
-                raise RecordingError(f"{self.name}: goes on after {self.shape[0]} rows: its header must tell of all")
+                raise RecordingError(f"{self.name}: goes on after {self.shape[0]} rows: its header must count all of them")
 
 
 def _array(name: str, open_at: Callable[[int], IO[bytes]], seekable: bool) -> StoredArray:
@@ -143,13 +143,13 @@ def npy_array(path: Path) -> StoredArray:
 
 
 class _Directory(io.FileIO):
-    """A file of which zipfile reads the list of members, in one piece and as long as the file says."""
+    """A zip file with a bounded read: zipfile reads the list of members in one piece, of the length that the file states."""
 
     def read(self, size: int | None = -1, /) -> bytes:
         """The next bytes.
 
         Raises:
-            RecordingError: they would be more than a list of members has.
+            RecordingError: more than the limit for a list of members.
         """
         if size is not None and size > _DIRECTORY_BYTES_MAX:
             raise RecordingError(f"is a zip whose list of members has {size} bytes: must be at most {_DIRECTORY_BYTES_MAX}")
@@ -157,7 +157,7 @@ class _Directory(io.FileIO):
 
 
 def npz_arrays(path: Path) -> dict[str, StoredArray]:
-    """The arrays of an .npz file by their names; of a compressed one, only a stream from its start is checked for damage."""
+    """The arrays of an .npz file by name; a compressed array is checked for damage only when read from its start."""
     with damage_named("is a damaged npz"), _Directory(path) as file, zipfile.ZipFile(file) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
     if len(members) > _ARRAYS_MAX:
@@ -173,7 +173,8 @@ def npz_arrays(path: Path) -> dict[str, StoredArray]:
 
 
 def _member_opener(path: Path, info: zipfile.ZipInfo) -> Callable[[int], IO[bytes]]:
-    """Opens a member through zipfile, which finds damage when all is read; far into what is stored plainly, without it."""
+    """Make a function that opens a member: through zipfile, which verifies the checksum at the end; directly, for a position
+    far into uncompressed data."""
 
     def open_at(byte: int) -> IO[bytes]:
         if info.compress_type == zipfile.ZIP_STORED and byte >= _FAR_BYTES:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""NumPy's own files: .npz with an array per field, and .npy of records or of rows t, x, y, p.
+"""NumPy files: .npz with an array per field, and .npy of records or of rows t, x, y, p.
 
-Fields may have any of the names in `fields`. Times are in the unit that their name states (`t_us`, `t_s`), else integers are
-microseconds; floating ones are seconds, unless those of the first block are all whole: then they are microseconds too. They
-are rounded to the nearest microsecond. Polarity is 1 or true where the pixel became brighter, 0, -1 or false where darker.
+Fields may have any of the names in `fields`. Times are in the unit stated in their name (`t_us`, `t_s`); else integers are
+microseconds, and floating-point numbers are seconds, or microseconds if those of the first block are all whole. They are
+rounded to the nearest microsecond. Polarity is 1 or true where the pixel became brighter, 0, -1 or false where darker.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _LATEST_US = 1 << 62
 
 @dataclass(frozen=True)
 class _Column:
-    """A field of an event: all of an array, or a field of its records."""
+    """A field of an event: a whole array, or a field of its records."""
 
     array: StoredArray
     field: str | None = None
@@ -51,7 +51,7 @@ class _NumpySource:
 
     Args:
         columns: t, x, y, p.
-        power: times are in units of 10**power us; None where no name says it.
+        power: times are in units of 10**power us; None if not stated in a name.
     """
 
     def __init__(self, columns: Sequence[_Column], power: int | None, sensor: Sensor | None = None) -> None:
@@ -68,7 +68,7 @@ class _NumpySource:
         return self._columns[0].type
 
     def _power_of_floats(self) -> int | None:
-        """The unit of floating times: seconds, or, as None, microseconds that are all whole numbers."""
+        """The unit of floating-point times: seconds, or None for microseconds that are all whole numbers."""
         t = self._columns[0]
         with t.array.rows(0) as stream:
             first = t.of(t.array.read(stream, min(BLOCK_EVENTS, self._count)))
@@ -108,7 +108,7 @@ class _NumpySource:
         def time_of(i: int) -> int:
             with t.array.rows(i) as stream:
                 found = t.of(t.array.read(stream, 1))
-            # Of a file cut short, the end is for the reading to find.
+            # A truncated file is detected while reading, not here.
             return int(_microseconds(found, self._power, i)[0]) if len(found) else _LATEST_US
 
         return bisect_left(range(self._count), from_us, key=time_of)
@@ -118,11 +118,11 @@ class _NumpySource:
         return width, height
 
     def close(self) -> None:
-        """Nothing stays open."""
+        """Do nothing: no file stays open between passes."""
 
 
 def _microseconds(values: NDArray[Any], power: int | None, first_index: int) -> NDArray[np.int64]:
-    """Times in units of 10**power us; as they are, and whole, for None."""
+    """Convert times in units of 10**power us; for None, whole microseconds."""
     if values.dtype.kind == "f":
         if power == 6:
             return microseconds(values, first_index)
@@ -142,7 +142,7 @@ def _microseconds(values: NDArray[Any], power: int | None, first_index: int) -> 
 
 
 def _common_count(columns: Sequence[_Column]) -> int:
-    """How many events there are, once every column is sure to hold one number for each."""
+    """The number of events; raises unless every column holds one number for each."""
     for name, column in zip("txyp", columns, strict=True):
         if len(column.array.shape) != 1 or column.type.kind not in "iubf":
             raise RecordingError(f"{name}: is {len(column.array.shape)}-D of {column.type}: must be a list of numbers")

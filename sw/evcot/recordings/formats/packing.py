@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""LZ4 and Zstandard frames that nobody vouches for: what they say of their size is not believed, what they give is bounded.
+"""LZ4 and Zstandard frames from untrusted files: their stated size is not trusted, and the output is bounded.
 
-A small frame is unpacked at once, up to a limit that the caller sets; one of any size is unpacked piece by piece, so that a
-frame of a few kilobytes that holds gigabytes costs time, as its content must, but no memory.
+A small frame is decompressed at once, up to a limit set by the caller; a frame of any size is decompressed in pieces, so that
+a few kilobytes that expand to gigabytes take time, but no memory.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from ...errors import RecordingError
 
 __all__ = ["Lz4Unpacker", "PlainUnpacker", "Readable", "Section", "TooLarge", "Unpacker", "ZstdUnpacker"]
 
-_PIECE_BYTES = 1 << 20  # most that is unpacked, or read from a file, at once
+_PIECE_BYTES = 1 << 20  # maximum to decompress, or to read from a file, at once
 _FILE_BYTES = 1 << 16
 _ZSTD_WINDOW_BYTES_MAX = 1 << 27
 
 
 class TooLarge(RecordingError):
-    """A frame that gives more than the caller has set for unpacking at once."""
+    """A frame that expands to more than the caller's limit."""
 
 
 class Readable(Protocol):
-    """Packed bytes, from a file or from memory."""
+    """Compressed bytes, from a file or from memory."""
 
     def read(self, size: int = ..., /) -> bytes:
         """The next bytes, at most `size`; none at the end."""
@@ -36,24 +36,24 @@ class Readable(Protocol):
 
 
 class Unpacker(Protocol):
-    """How frames of one kind are unpacked; for one thread."""
+    """Decompressor for one kind of frame; not thread-safe."""
 
     def whole(self, packed: bytes | memoryview, most: int) -> bytes:
         """The content of one frame.
 
         Raises:
-            TooLarge: it is more than `most` bytes.
-            RecordingError: not one whole frame.
+            TooLarge: it expands to more than `most` bytes.
+            RecordingError: not exactly one complete frame.
         """
         ...
 
     def pieces(self, packed: Readable) -> Iterator[bytes]:
-        """The same of any size, in pieces of bounded size. One frame at a time."""
+        """The content of one frame of any size, in pieces of bounded size. Only one frame at a time."""
         ...
 
 
 class Section:
-    """Some bytes of a file, which others may move in meanwhile."""
+    """A section of a file; the file's position may be changed by others between reads."""
 
     def __init__(self, file: io.BufferedReader, at: int, length: int) -> None:
         self._file, self._at, self._end = file, at, at + length
@@ -67,12 +67,12 @@ class Section:
         return data
 
     def skip(self, size: int, /) -> None:
-        """Pass over so many bytes."""
+        """Skip `size` bytes."""
         self._at = min(self._at + size, self._end)
 
 
 class PlainUnpacker:
-    """Of what is not packed."""
+    """Passes uncompressed data through."""
 
     def whole(self, packed: bytes | memoryview, most: int) -> bytes:
         """See `Unpacker`."""
@@ -87,7 +87,7 @@ class PlainUnpacker:
 
 
 class Lz4Unpacker:
-    """Of LZ4 frames."""
+    """Decompresses LZ4 frames."""
 
     def __init__(self) -> None:
         self._context = lz4.frame.create_decompression_context()
@@ -126,7 +126,7 @@ class Lz4Unpacker:
 
 
 class ZstdUnpacker:
-    """Of Zstandard frames; a cut is not seen."""
+    """Decompresses Zstandard frames; truncation is not detected."""
 
     def __init__(self) -> None:
         self._decompressor = zstandard.ZstdDecompressor(max_window_size=_ZSTD_WINDOW_BYTES_MAX)
@@ -141,7 +141,7 @@ class ZstdUnpacker:
 
     def _read(self, packed: bytes | memoryview | Readable, step: int) -> Iterator[bytes]:
         try:
-            source = cast("IO[bytes] | bytes", packed)  # of which it asks no more than to read
+            source = cast("IO[bytes] | bytes", packed)  # only its `read` is used
             reader = self._decompressor.stream_reader(source, read_size=_FILE_BYTES, read_across_frames=False)
             while piece := reader.read(step):
                 yield piece
@@ -150,7 +150,7 @@ class ZstdUnpacker:
 
 
 def _step(packed: bytes | memoryview, most: int) -> int:
-    """How much to ask for at once: in most cases all of it."""
+    """Bytes to decompress per step: usually all of them."""
     return min(8 * len(packed) + (1 << 16), most + 1)
 
 

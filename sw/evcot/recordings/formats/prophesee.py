@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prophesee's files: a header, then the words of EVT 2.0, EVT 2.1, EVT 3.0 or DAT; the header tells which.
+"""Prophesee files: a header, then words of EVT 2.0, EVT 2.1, EVT 3.0 or DAT, as stated in the header.
 
-Every event keeps the time that its own words give. The words are decoded here because faery 0.7 replaces a time that
-runs backwards by the latest one seen: that hides a damaged file, and moves events of a good EVT 3 file, where a camera's
-periodic time mark may run a few microseconds ahead of the events after it.
+Every event keeps the time encoded in its words. The words are decoded here because faery 0.7 replaces a decreasing time by
+the latest one seen: that hides a damaged file, and shifts events of a valid EVT 3 file, in which a camera's periodic time
+mark may be a few microseconds ahead of the events after it.
 
 A camera's stream may start between two time marks. Events before the first one have no time: they are left out and counted.
 """
@@ -25,7 +25,7 @@ from .words import Layout, WordFile, Words
 
 __all__ = ["FORMATS", "PROPHESEE_SENSORS", "WRITABLE"]
 
-# Where a header leaves the size out: the smallest of these that holds every event is taken.
+# If a header does not state the size, the smallest of these that holds every event is assumed.
 PROPHESEE_SENSORS: tuple[Sensor, ...] = ((304, 240), (320, 320), (480, 360), (640, 480), (1280, 720))
 
 # The second byte of a DAT payload's preamble; the first is the kind of event: 0 and 12 are brightness changes.
@@ -46,7 +46,7 @@ def _read_header(path: Path) -> Header:
 
 
 def _is(name: str, start: bytes, path: Path) -> bool:
-    """Whether the file is of that format; one whose header is damaged is taken for DAT, whose opening says what is wrong."""
+    """Whether the file is of that format; a damaged header counts as DAT, whose reader then reports the damage."""
     if not start.startswith(b"% "):
         return False
     try:
@@ -122,7 +122,7 @@ FORMATS = (
     Format("evt3", "Prophesee RAW, EVT 3.0", partial(_is, "evt3"), _open_evt3),
     Format("dat", "Prophesee DAT", partial(_is, "dat"), _open_dat),
 )
-# The first is what the suffix .raw means.
+# The first is the default for the suffix .raw.
 WRITABLE = (
     WritableFormat("evt3", "Prophesee RAW, EVT 3.0", ".raw", Evt3Sink),
     WritableFormat("evt2", "Prophesee RAW, EVT 2.0", ".raw", Evt2Sink),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The header of Prophesee's files: ASCII lines `% key value`, up to `% end` or to the first line that starts otherwise.
+"""The header of Prophesee files: ASCII lines `% key value`, up to `% end` or to the first line that does not start with `%`.
 
 https://docs.prophesee.ai/stable/data/file_formats/raw.html and dat.html
 """
@@ -16,9 +16,9 @@ from .source import Sensor
 
 __all__ = ["HEADER_BYTES", "T0_LIMIT_US", "Header", "parse_header"]
 
-# A header must end within so many bytes.
+# Maximum size of a header in bytes.
 HEADER_BYTES = 1 << 16
-# The `t0` that a header may state is below this: times after it still fit into 63 bits.
+# Upper limit of a header's `t0`: times after it still fit into 63 bits.
 T0_LIMIT_US = 1 << 62
 
 _DETAILS = {"camera": ("plugin_name", "integrator_name"), "serial": ("serial_number",), "date": ("date",)}
@@ -26,7 +26,7 @@ _DETAILS = {"camera": ("plugin_name", "integrator_name"), "serial": ("serial_num
 
 @dataclass(frozen=True)
 class Header:
-    """The lines, keys in lower case, and the offset in bytes of what follows them."""
+    """The header lines, keys in lower case, and the byte offset of the data after them."""
 
     fields: Mapping[str, str]
     length: int
@@ -39,7 +39,7 @@ class Header:
 
     @property
     def evt_version(self) -> str | None:
-        """`2`, `2.1` or `3`, as `evt` and `format` say; None in the header of a DAT file.
+        """`2`, `2.1` or `3`, as stated by `evt` and `format`; None in the header of a DAT file.
 
         Raises:
             RecordingError: they say different things.
@@ -52,7 +52,7 @@ class Header:
 
     @property
     def endianness(self) -> str | None:
-        """In which order EVT 2.1 has the bytes of a word: `little`, `legacy`, or None where nothing says it."""
+        """Byte order of EVT 2.1 words: `little`, `legacy`, or None if not stated."""
         stated = self._format[1].get("endianness", "") or self.fields.get("endianness", "").lower()
         if stated not in ("", "little", "legacy"):
             raise RecordingError(f"header: endianness = {stated}: must be little or legacy")
@@ -60,7 +60,7 @@ class Header:
 
     @property
     def sensor(self) -> Sensor | None:
-        """(width, height) from `geometry`, `format`, or `Width` and `Height`; None where nothing says it.
+        """(width, height) from `geometry`, `format`, or `Width` and `Height`; None if not stated.
 
         Raises:
             RecordingError: they say different things.
@@ -82,7 +82,7 @@ class Header:
 
     @property
     def t0_us(self) -> int:
-        """What to add to every time, microseconds."""
+        """Offset to add to every time, in microseconds."""
         t0 = self.fields.get("t0", "0")
         if not _is_number(t0) or int(t0) >= T0_LIMIT_US:
             raise RecordingError(f"header: t0 = {t0[:40]}: must be a whole number of microseconds below 2^62")
@@ -90,7 +90,7 @@ class Header:
 
     @property
     def details(self) -> dict[str, str]:
-        """What else it says, for people."""
+        """Other entries, for display."""
         found = {name: next((self.fields[key] for key in keys if self.fields.get(key)), "") for name, keys in _DETAILS.items()}
         return {name: value for name, value in found.items() if value}
 
@@ -100,10 +100,10 @@ def _is_number(text: str) -> bool:
 
 
 def parse_header(content: bytes) -> Header:
-    """Read the header at the start of `content`: the first `HEADER_BYTES` of a file.
+    """Parse the header at the start of `content`, the first `HEADER_BYTES` of a file.
 
     Raises:
-        RecordingError: no end of the header is in sight.
+        RecordingError: the header does not end within `content`.
     """
     fields: dict[str, str] = {}
     at = 0

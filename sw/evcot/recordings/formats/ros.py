@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS bags: the first topic that has events is the recording."""
+"""ROS bags: reads the first topic that has events."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["FORMATS", "RosBag"]
 
 
 class Bag(Protocol):
-    """What a bag of either generation is to this module."""
+    """Common interface of ROS 1 and ROS 2 bags."""
 
     is_cdr: bool
     topics: dict[str, str]
@@ -57,8 +57,8 @@ class RosBag:
         )
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
-        """See `source.Source`. Messages of stamped events that end before `from_us` are passed over; other encodings are not:
-        their time is known only when all before it has been decoded."""
+        """See `source.Source`. Messages of stamped events that end before `from_us` are skipped; other encodings are not: their
+        times are known only once everything before has been decoded."""
         self.left_out = Counter()
         if self._encoding == STAMPED_ENCODING:
             yield from self._stamped_blocks(from_us)
@@ -80,7 +80,7 @@ class RosBag:
         return [topic for topic, kind in self._bag.topics.items() if kind in STAMPED + PACKETS]
 
     def _choose(self) -> tuple[str, Stamped | Packet]:
-        """The first topic with events, and the first message with any."""
+        """The first topic with events, and its first message with any."""
         topics = self._event_topics()
         if not topics:
             held = ", ".join(sorted(set(self._bag.topics.values()))[:8]) or "nothing"
@@ -93,7 +93,7 @@ class RosBag:
         raise RecordingError(f"holds no events in {printable(', '.join(topics))}")
 
     def _messages(self, topic: str, read: Callable[[memoryview, bool], Any]) -> Iterator[Any]:
-        """A topic's messages, taken apart; all with events must be of one sensor and encoding."""
+        """A topic's messages, parsed; all messages with events must have the same sensor and encoding."""
         first = None
         for number, data in enumerate(self._bag.messages(topic)):
             try:
@@ -117,7 +117,7 @@ class RosBag:
                 raise RecordingError(fault)
 
     def _evt3_blocks(self) -> Iterator[Events]:
-        """Packets decoded as the one stream that they were cut from."""
+        """Decode the packets as the continuous stream from which they were cut."""
         layout = evt3_layout(0)
         state = layout.start
         packets = (packet.words("u2") for packet in self._messages(self._topic, read_packet))
@@ -161,7 +161,7 @@ def _decode_libcaer(packet: Packet) -> Events:
 
 
 def _after(base_ns: int, since_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Times in microseconds, rounded down; neither part alone may overflow."""
+    """The sum of both in microseconds, rounded down, without overflow."""
     base_us, rest_ns = divmod(base_ns, 1000)
     return base_us + (since_ns + rest_ns) // 1000
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS messages that hold events, taken apart from their bytes: no object is made per event.
+"""ROS messages with events, parsed from their bytes without creating an object per event.
 
 Two kinds: arrays of stamped events (dvs_msgs/EventArray, prophesee_event_msgs/EventArray) and packets in a camera's own
-encoding (event_camera_msgs/EventPacket, event_array_msgs/EventArray). ROS 1 packs fields without gaps; ROS 2 (CDR) puts each
-number at a multiple of its own size, counted from behind the four bytes that name the encoding.
+encoding (event_camera_msgs/EventPacket, event_array_msgs/EventArray). ROS 1 packs fields without gaps; ROS 2 (CDR) aligns each
+number to a multiple of its size, counted from after the four bytes that name the encoding.
 https://github.com/uzh-rpg/rpg_dvs_ros, https://github.com/ros-event-camera/event_camera_msgs
 """
 
@@ -33,14 +33,14 @@ _LITTLE_ENDIAN_CDR = 1
 _POINT = Struct("<HH")
 _NAMES = ["x", "y", "seconds", "nanoseconds", "p"]
 _ROS1_EVENT = np.dtype({"names": _NAMES, "formats": ["<u2", "<u2", "<u4", "<u4", "u1"]})
-# In CDR, an event ends at an odd byte. The next one's x follows at the next even byte: two before the multiple of 16 that its y
-# is at. Only the first x has no such gap before it, and so that event's x and y are two bytes behind.
+# In CDR, an event ends at an odd byte. The next event's x is at the next even byte, two before the multiple of 16 at which its
+# y is. Only the first event has no such gap before its x, so its x and y are stored two bytes later.
 _CDR_EVENT = np.dtype({"names": _NAMES, "formats": ["<u2", "<u2", "<i4", "<u4", "u1"], "offsets": [0, 2, 6, 10, 14]})
 _CDR_STEP, _CDR_EARLY = 16, 2
 
 
 class _Fields:
-    """The fields of a message, one after another."""
+    """Sequential reader of a message's fields."""
 
     def __init__(self, data: memoryview, is_cdr: bool) -> None:
         self.data, self.is_cdr = data, is_cdr
@@ -66,15 +66,15 @@ class _Fields:
         return self.data[self.at - count : self.at]
 
     def sensor(self) -> Sensor:
-        """(width, height), behind the header that every such message starts with."""
+        """(width, height), after skipping the header with which every such message starts."""
         if not self.is_cdr:
             self.number(4)  # a sequence number
-        self.number(4), self.number(4), self.text()  # when and where from
+        self.number(4), self.number(4), self.text()  # time stamp and frame id
         height, width = self.number(4), self.number(4)
         return width, height
 
     def end(self) -> None:
-        """The message must end here, but for what CDR fills up with."""
+        """Raise unless the message ends here, apart from CDR padding."""
         left = len(self.data) - self.at
         if left > (3 if self.is_cdr else 0):
             raise RecordingError(f"of {len(self.data)} bytes ends {left} bytes early: is it another version of this message?")
@@ -87,7 +87,7 @@ class Stamped:
     Attributes:
         sensor: (width, height) in pixels.
         rows: (n,) view into its bytes, with the fields x, y, seconds, nanoseconds, p.
-        first: x and y of the first event, where they are out of step with the others.
+        first: x and y of the first event, if its layout differs from that of the others.
     """
 
     sensor: Sensor
@@ -101,16 +101,16 @@ class Stamped:
 
     @property
     def last_us(self) -> int:
-        """Time of the last event; there must be one."""
+        """Time of the last event, in microseconds; the message must not be empty."""
         last = self.rows[-1]
         return int(last["seconds"]) * 1_000_000 + int(last["nanoseconds"]) // 1000
 
 
 def read_stamped(data: bytes | memoryview, is_cdr: bool) -> Stamped:
-    """Take apart a message of `STAMPED`.
+    """Parse a message of a type in `STAMPED`.
 
     Raises:
-        RecordingError: it is shorter or longer than its fields say.
+        RecordingError: its length does not match its fields.
     """
     fields = _Fields(memoryview(data), is_cdr)
     sensor = fields.sensor()
@@ -127,7 +127,7 @@ def read_stamped(data: bytes | memoryview, is_cdr: bool) -> Stamped:
 
 @njit(cache=True, nogil=True)
 def _fill(rows, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    """One message's events into the columns from `at` on; the index of the first impossible time, or how many there are."""
+    """Decode one message into the columns from `at` on; returns the index of the first invalid time, or the event count."""
     for i in range(len(rows)):
         row = rows[i]
         if row.nanoseconds >= _NS:
@@ -140,7 +140,7 @@ def _fill(rows, at, t_us, x, y, p):  # type: ignore[no-untyped-def]
 
 
 def events_of(messages: list[Stamped]) -> tuple[Events, str | None]:
-    """The events of messages, one after another, up to the first that has an impossible time; and what is wrong with that one.
+    """The events of consecutive messages, up to the first with an invalid time; and the error message for that one.
 
     Nanoseconds are rounded down to microseconds.
     """
@@ -163,9 +163,9 @@ class Packet:
 
     Attributes:
         sensor: (width, height) in pixels.
-        encoding: its name.
-        order: of the bytes in a word, "<" or ">".
-        time_base_ns: what some encodings count from.
+        encoding: name of the encoding.
+        order: byte order in a word, "<" or ">".
+        time_base_ns: time from which some encodings count.
         payload: the encoded events.
     """
 
@@ -179,7 +179,7 @@ class Packet:
         return len(self.payload)
 
     def words(self, dtype: str) -> NDArray[Any]:
-        """The payload as words of an unsigned dtype, in the machine's order.
+        """The payload as words of an unsigned dtype, in native byte order.
 
         Raises:
             RecordingError: the payload ends within a word.
@@ -192,10 +192,10 @@ class Packet:
 
 
 def read_packet(data: bytes | memoryview, is_cdr: bool) -> Packet:
-    """Take apart a message of `PACKETS`.
+    """Parse a message of a type in `PACKETS`.
 
     Raises:
-        RecordingError: it is shorter or longer than its fields say.
+        RecordingError: its length does not match its fields.
     """
     fields = _Fields(memoryview(data), is_cdr)
     sensor = fields.sensor()

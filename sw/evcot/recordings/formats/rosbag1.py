@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 1 bags, version 2.0, read from the front: what lies before a damaged place is had, with or without an index.
+"""ROS 1 bags, version 2.0, read sequentially: everything before a damaged place is recovered, with or without an index.
 
-A bag is records: a header of `name=value` fields, then data, each behind its length. Messages lie in chunks, which may be
-compressed; an index behind the chunks says how many messages there must be.
+A bag is a sequence of records: a header of `name=value` fields, then data, each prefixed by its length. Messages are stored in
+chunks, which may be compressed; an index after the chunks has the number of messages.
 http://wiki.ros.org/Bags/Format/2.0
 """
 
@@ -21,9 +21,9 @@ __all__ = ["MAGIC", "Bag1"]
 
 MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _BAG, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
-# Far above any real header: names and a few numbers, or the text of a message definition.
+# Far above the size of any real header: names and a few numbers, or the text of a message definition.
 _MOST_HEADER_BYTES = 1 << 20
-# A chunk is unpacked at once: 300 times what rosbag fills one to.
+# A chunk is decompressed at once: 300 times the default chunk size of rosbag.
 _MOST_CHUNK_BYTES = 1 << 28
 _LZ4_RATIO_MAX = 256
 
@@ -36,7 +36,7 @@ class _Connection(NamedTuple):
 
 
 class _Record(NamedTuple):
-    """`place` is the byte that it starts at, in the file or in its chunk; `data` begins at byte `data_at` of the file."""
+    """A record. `place`: its offset in the file or in its chunk, for messages; its data begin at byte `data_at` of the file."""
 
     place: str
     header: _Header
@@ -58,7 +58,7 @@ class Bag1:
     """An open bag.
 
     Attributes:
-        topics: name -> kind of message, of all topics.
+        topics: name -> message type, of all topics.
     """
 
     is_cdr = False
@@ -76,10 +76,10 @@ class Bag1:
         self.topics = dict(self._connections.values())
 
     def messages(self, topic: str) -> Iterator[memoryview]:
-        """The messages of a topic, in the file's order.
+        """The messages of a topic, in file order.
 
         Raises:
-            RecordingError: at a damaged place; or at the end, when the index counts another number of messages.
+            RecordingError: at a damaged place; or at the end, if the index has a different number of messages.
         """
         seen = 0
         counted: Counter[int] = Counter()
@@ -102,14 +102,14 @@ class Bag1:
 
     def _topic_of(self, number: int) -> str:
         if number not in self._connections:
-            raise RecordingError(f"connection {number}: is described nowhere; is it damaged?")
+            raise RecordingError(f"connection {number}: has no description; is it damaged?")
         return self._connections[number].topic
 
     def _find_index(self) -> int:
-        """Where the index starts; 0 in a bag that was never closed.
+        """Offset of the index; 0 in a bag that was never closed.
 
         Raises:
-            RecordingError: the bag does not start as one must, or is encrypted.
+            RecordingError: the bag header is missing, or the bag is encrypted.
         """
         first = next(self._records(len(MAGIC)), None)
         if first is None or first.op != _BAG:
@@ -119,7 +119,7 @@ class Bag1:
         return first.number(b"index_pos", 8)
 
     def _find_connections(self) -> None:
-        """Note all connections of the index; without one, those of the chunks as far as they can be read."""
+        """Collect all connections from the index; without one, those of the chunks as far as they can be read."""
         for start in (self._index_at or self._size, len(MAGIC)):
             try:
                 for record in self._records(start):
@@ -131,7 +131,7 @@ class Bag1:
                 break
 
     def _records(self, at: int) -> Iterator[_Record]:
-        """The file's records from byte `at` on; their data stay unread."""
+        """The file's records from byte `at` on, without reading their data."""
         while at < self._size:
             place = f"byte {at}"
             header_bytes = int.from_bytes(self._read(at, 4, place), "little")
@@ -151,7 +151,7 @@ class Bag1:
         return content
 
     def _note_connections(self, record: _Record) -> None:
-        """Keep the connection that a record describes, or those in a chunk."""
+        """Store the connection that a record describes, or those in a chunk."""
         if record.op == _CONNECTION:
             self._connect(record, self._read(record.data_at, record.data_bytes, record.place))
         elif record.op == _CHUNK:
@@ -164,7 +164,7 @@ class Bag1:
         topic = record.header.get(b"topic", b"")
         found = _Connection(_text(topic), _text(kind))
         if self._connections.setdefault(record.number(b"conn", 4), found) != found:
-            raise RecordingError(f"{record.place}: connection {record.number(b'conn', 4)}: is described in two ways")
+            raise RecordingError(f"{record.place}: connection {record.number(b'conn', 4)}: has two different descriptions")
 
     def _chunk_messages(self, chunk: _Record, topic: str) -> Iterator[memoryview]:
         for record, data in self._inner_records(chunk):
@@ -210,14 +210,14 @@ class Bag1:
         return content
 
     def _counts(self, record: _Record) -> dict[int, int]:
-        """Messages in a chunk by connection, as the index has it."""
+        """Number of messages in a chunk by connection, from the index."""
         data = self._read(record.data_at, record.data_bytes, record.place)
         numbers = [int.from_bytes(data[at : at + 4], "little") for at in range(0, len(data), 4)]
         return dict(zip(numbers[::2], numbers[1::2], strict=False))
 
 
 def _unpack(kind: bytes, packed: bytes, size: int) -> bytes | None:
-    """The content of a chunk, no more than one byte beyond `size` of it; None for an unknown compression."""
+    """The content of a chunk, at most `size` + 1 bytes of it; None for an unknown compression."""
     if kind == b"none":
         return packed
     if kind == b"bz2":
@@ -225,7 +225,7 @@ def _unpack(kind: bytes, packed: bytes, size: int) -> bytes | None:
     if kind == b"lz4":
         import lz4.frame
 
-        most = min(size + 1, _LZ4_RATIO_MAX * len(packed))  # for which the library makes room
+        most = min(size + 1, _LZ4_RATIO_MAX * len(packed))  # the library allocates this much
         content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(packed, most)
         return content
     return None
@@ -239,7 +239,7 @@ def _parse(header: bytes, place: str) -> _Header:
     """The fields of a header.
 
     Raises:
-        RecordingError: it has none, or one that reaches beyond its end.
+        RecordingError: it has no fields, or one that extends beyond its end.
     """
     fields: _Header = {}
     at = 0

@@ -17,7 +17,7 @@ __all__ = ["MCAP_MAGIC", "METADATA", "SQLITE_MAGIC", "Bag2"]
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
 METADATA = "metadata.yaml"
-# Chunks and messages are held whole by the library; a bag in one packed file is unpacked to disk.
+# The library holds chunks and messages in memory; a bag in one compressed file is decompressed to disk.
 _UNPACKED_BYTES_MAX = 1 << 28
 _RATIO_MAX = 200
 _METADATA_BYTES_MAX = 1 << 20
@@ -27,13 +27,13 @@ class Bag2:
     """An open bag.
 
     Attributes:
-        topics: name -> kind of message, of all topics.
+        topics: name -> message type, of all topics.
     """
 
     is_cdr = True
 
     def __init__(self, path: Path) -> None:
-        with _damage_told("cannot be opened as a ROS 2 bag"):
+        with _damage_named("cannot be opened as a ROS 2 bag"):
             self._reader = _reader(path)(path)
             self._reader.open()
             self._connections = [each for each in self._reader.connections if isinstance(each.topic, str)]
@@ -43,16 +43,16 @@ class Bag2:
         """The messages of a topic, in the order of the times at which they were recorded.
 
         Raises:
-            RecordingError: at a damaged place; or at the end, when the bag counts another number of messages.
+            RecordingError: at a damaged place; or at the end, if the bag's metadata have a different number of messages.
         """
         chosen = [each for each in self._connections if each.topic == topic]
         seen = 0
-        with _damage_told("is damaged"):
+        with _damage_named("is damaged"):
             messages = iter(self._reader.messages(chosen))
         while True:
-            with _damage_told(f"topic {printable(topic)}: is damaged after message {seen}"):
+            with _damage_named(f"topic {printable(topic)}: is damaged after message {seen}"):
                 message = next(messages, None)
-                data = message and memoryview(message[2])  # in a table, it need not be bytes
+                data = message and memoryview(message[2])  # in SQLite, a column need not be bytes
             if data is None:
                 break
             seen += 1
@@ -69,8 +69,8 @@ class Bag2:
 
 
 @contextmanager
-def _damage_told(what: str) -> Iterator[None]:
-    """A RecordingError for whatever the library makes of damage: it checks little, and so raises errors of every kind."""
+def _damage_named(what: str) -> Iterator[None]:
+    """Convert any exception of the library to a RecordingError: it checks little, so damage raises exceptions of every kind."""
     try:
         yield
     except PermissionError:
@@ -80,21 +80,21 @@ def _damage_told(what: str) -> Iterator[None]:
 
 
 class _BoundedZstd:
-    """What the library uses of Python's module zstd, with bounds to what it gives."""
+    """The part of Python's module zstd that the library uses, with bounded output."""
 
     @staticmethod
     def decompress(data: bytes) -> bytes:
-        """One frame's content."""
+        """The content of one frame."""
         return ZstdUnpacker().whole(data, _UNPACKED_BYTES_MAX)
 
     @staticmethod
     def open(file: Any, _: str) -> Any:
-        """A packed file, to be read unpacked."""
+        """Open a compressed file for reading its content."""
         return _BoundedFile(file)
 
 
 class _BoundedFile:
-    """A file that unpacks to no more than so many times its size. A context manager."""
+    """A compressed file whose content is limited to a multiple of its size. Use as a context manager."""
 
     def __init__(self, file: Any) -> None:
         size = file.seek(0, 2)
@@ -118,7 +118,7 @@ class _BoundedFile:
 
 
 def _bound_library() -> None:
-    """The library unpacks whatever it is given, as far as memory goes: from now on, as far as here."""
+    """Patch the library, which decompresses without any limit, to use the bounded decompressor."""
     from rosbags.rosbag2 import reader, storage_mcap
 
     storage_mcap.DECOMPRESSORS["lz4"] = lambda data, _: Lz4Unpacker().whole(data, _UNPACKED_BYTES_MAX)
@@ -127,7 +127,7 @@ def _bound_library() -> None:
 
 
 def _reader(path: Path) -> Callable[[Path], Any]:
-    """The library's reader for a file, by its content."""
+    """The library's reader for a file, chosen by its content."""
     _bound_library()
     if path.is_dir():
         size = (path / METADATA).stat().st_size

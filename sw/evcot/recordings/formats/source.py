@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every reader and writer of event files is to the rest: a source of blocks, a sink of blocks, and how to tell a file."""
+"""Interfaces of readers and writers of event files: source of blocks, sink of blocks, and format detection."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...events import Events
 
 __all__ = ["BLOCK_EVENTS", "Format", "Sensor", "Sink", "Source", "WritableFormat"]
 
-# About how many events a block holds: a fixed cost of a block spread over many, and little enough to stay in a core's cache.
+# Approximate number of events per block: enough to amortise the fixed cost of a block, few enough for a core's cache.
 BLOCK_EVENTS = 1 << 15
 
 Sensor = tuple[int, int]  # width, height in pixels
@@ -22,9 +22,9 @@ class Source(Protocol):
     """An open event file.
 
     Attributes:
-        sensor: (width, height) in pixels as the file states it; None where it does not.
-        details: what else the file says about itself, for `evcot info`: short name -> short value.
-        left_out: why events could not be given -> how many, of the pass that `blocks` last began; complete when it has ended.
+        sensor: (width, height) in pixels as stated in the file; None if not stated.
+        details: other metadata of the file, for `evcot info`: short name -> short value.
+        left_out: reason -> number of events left out in the most recent pass of `blocks`; complete when the pass has ended.
     """
 
     @property
@@ -37,26 +37,26 @@ class Source(Protocol):
     def left_out(self) -> Mapping[str, int]: ...
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
-        """Every event, in the file's order and with the file's own time, in blocks of about `BLOCK_EVENTS`.
+        """All events, in file order and with the file's times, in blocks of about `BLOCK_EVENTS`.
 
         May be called again for another pass. Memory does not grow with the file's length.
 
         Args:
-            from_us: absolute time; a format that can find its place leaves out events before it without reading them, as
-                far as that is easy. The caller drops the rest.
+            from_us: absolute time; a format that supports seeking skips most events before it without reading them. The
+                caller drops the rest.
 
         Raises:
-            RecordingError: at the place where the file is damaged, after the blocks before it. The message gives place,
-                value and rule, without the file's name.
+            RecordingError: where the file is damaged, after the blocks before it. The message names place, value and rule,
+                but not the file.
         """
         ...
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
-        """The sensor to assume where none is stated and every event lies below (width, height)."""
+        """The sensor to assume if none is stated and all events lie below (width, height)."""
         ...
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         ...
 
 
@@ -65,10 +65,10 @@ class Format:
     """A kind of event file that can be read.
 
     Attributes:
-        name: short, lower case: "evt3".
-        title: for people: "Prophesee RAW, EVT 3.0".
-        matches: whether the path, whose first bytes (up to 1024; none of a directory) are given, is such a file.
-        open: opens it; raises RecordingError, without the file's name, where its header is damaged.
+        name: identifier, lower case: "evt3".
+        title: display name: "Prophesee RAW, EVT 3.0".
+        matches: whether the path, with its first bytes (up to 1024; empty for a directory), is such a file.
+        open: opens it; raises RecordingError, without the file's name, if its header is damaged.
     """
 
     name: str
@@ -78,24 +78,24 @@ class Format:
 
 
 class Sink(Protocol):
-    """An event file that is being written."""
+    """An event file being written."""
 
     def write(self, events: Events) -> None:
-        """Append events that follow those before in time.
+        """Append events; times must not decrease.
 
         Raises:
-            RecordingError: a value that the format cannot hold; names event index, value and rule.
+            RecordingError: a value that the format cannot represent; names event index, value and rule.
         """
         ...
 
     def close(self) -> None:
-        """Write what the format needs at its end; the file itself stays the caller's."""
+        """Write the end of the format; closing the file itself is up to the caller."""
         ...
 
 
 @dataclass(frozen=True)
 class WritableFormat:
-    """A kind of event file that can be written: name, title for people, suffix, and how to begin one."""
+    """A kind of event file that can be written: identifier, display name, suffix, and constructor of its sink."""
 
     name: str
     title: str

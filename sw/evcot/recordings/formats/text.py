@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """One event per line: CSV as tools and spreadsheets write it, and the `t x y p` text of event-camera data sets.
 
-Cells are separated by comma, semicolon, tab or blanks. They hold t, x, y, p in that order, or in the order that a first line
-names (`x;y;polarity;t_us`); other columns are passed over, and so are blank lines and those that begin with # or %. Every line
-has as many cells as the first event. p is 1 where the pixel became brighter, 0 or -1 where darker.
+Cells are separated by comma, semicolon, tab or spaces. They hold t, x, y, p in that order, or in the order of a header line
+(`x;y;polarity;t_us`); other columns are skipped, and so are blank lines and those that begin with # or %. Every line must have
+as many cells as the first event. p is 1 where the pixel became brighter, 0 or -1 where darker.
 
-The unit of time is what the header says (`t_us`, `t_s`, `t[s]`), else seconds if the first event's t has a decimal point or an
-exponent, else whole microseconds. Times are rounded to the nearest microsecond, halves away from zero.
+The unit of time is stated in the header (`t_us`, `t_s`, `t[s]`), else it is seconds if the first event's t has a decimal point
+or an exponent, else whole microseconds. Times are rounded to the nearest microsecond, halves away from zero.
 
-The sensor is what the header says (`t,x@346,y@260,p`), or a line of two numbers before the first event (`346 260`).
+The sensor is stated in the header (`t,x@346,y@260,p`), or by a line of two numbers before the first event (`346 260`).
 
-Text is always read from its start: a time in it is found by reading.
+Text is always read from its start: seeking to a time is not supported.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _NEWLINE = ord("\n")
 
 
 class _Parsed(NamedTuple):
-    """The events of some lines, how many lines those are, and what is wrong with the next; None if nothing is."""
+    """The events of some lines, the number of these lines, and the error in the next line, None if there is none."""
 
     events: Events
     lines: int
@@ -47,7 +47,7 @@ class _Parsed(NamedTuple):
 
 
 class _TextSource:
-    """See `source.Source`. The file is opened for each pass, so that passes do not disturb each other."""
+    """See `source.Source`. The file is opened anew for each pass, so that passes are independent."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -59,7 +59,7 @@ class _TextSource:
         self.left_out: Counter[str] = Counter()
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
-        """See `source.Source`; from_us changes nothing."""
+        """See `source.Source`; `from_us` is ignored."""
         line = self._layout.lines + 1
         with self._path.open("rb") as file:
             file.seek(self._layout.offset)
@@ -70,9 +70,9 @@ class _TextSource:
                     raise RecordingError(f"line {line}: {parsed.fault}")
 
     def _whole_lines(self, file: BufferedReader) -> Iterator[tuple[NDArray[np.uint8], int]]:
-        """The rest of a file as pieces that end in a newline, with room behind them, and their lengths."""
+        """The rest of a file as pieces that end in a newline, with padding after them, and their lengths."""
         room = min(_CHUNK_BYTES, self._size + 1)
-        begun = b""  # of a line that does not end in the piece before
+        begun = b""  # start of a line that did not end in the previous piece
         while True:
             text = np.empty((room // 8 + 1) * 8 + PADDING_BYTES, np.uint8)
             view = text.data
@@ -99,7 +99,7 @@ class _TextSource:
             yield text, len(begun) + 1
 
     def _parse(self, piece: tuple[NDArray[np.uint8], int]) -> _Parsed:
-        """The events of a piece up to the first line at fault."""
+        """The events of a piece up to the first invalid line."""
         text, length = piece
         layout = self._layout
         events = Events.allocated(length // SHORTEST_LINE_BYTES + 1)
@@ -117,7 +117,7 @@ class _TextSource:
         return width, height
 
     def close(self) -> None:
-        """Nothing stays open."""
+        """Do nothing: no file stays open between passes."""
 
 
 class _CsvSink:
@@ -133,7 +133,7 @@ class _CsvSink:
         self._file.write(text[:length].data)
 
     def close(self) -> None:
-        """Nothing stands at the end."""
+        """Do nothing: the format has no trailer."""
 
 
 FORMATS = (Format("text", "CSV or text", lambda start, _: is_text(start), _TextSource),)

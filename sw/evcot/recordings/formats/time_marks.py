@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Times that are cut to a few bits: where they have wrapped around, and where in a file a time stands."""
+"""Truncated time marks: unwrapping, and locating a time in a file."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from .words import Words
 
 __all__ = ["FirstMark", "advance", "place_of_mark"]
 
-# A kernel (words, least) -> (index, mark) of the first time mark that is at least `least`; len(words) when there is none.
+# A kernel (words, least) -> (index, mark) of the first time mark >= `least`; the index is len(words) if there is none.
 FirstMark = Callable[[NDArray[Any], int], tuple[int, int]]
 
 _PLACES = 256
-_ROUNDS = 2  # what is left then of a file of 4 GiB is read in a millisecond
+_ROUNDS = 2  # the range that is then left of a file of 4 GiB is read in a millisecond
 _PIECE_WORDS = 512
 
 
 @njit(cache=True, nogil=True, inline="always")
 def advance(high, mark, mark_range):  # type: ignore[no-untyped-def]
-    """Unwrap a mark that follows the unwrapped one `high` (< 0: none yet): one that falls by more than half has wrapped."""
+    """Unwrap a mark that follows the unwrapped mark `high` (< 0: none yet): a drop by more than half is a wrap-around."""
     if high < 0:
         return mark
     turns = high // mark_range
@@ -35,10 +35,10 @@ def advance(high, mark, mark_range):  # type: ignore[no-untyped-def]
 
 
 def place_of_mark(words: Words, first_mark: FirstMark, least: int) -> int:
-    """Where the first mark at or above `least` stands, found without reading all; 0 where marks fall or none is that high.
+    """Index of the first mark >= `least`, found without reading all words; 0 if marks decrease or none is that high.
 
-    Marks that fall have wrapped around: then only reading through tells the turn. Marks are looked at in 256 places, so that a
-    file which falls in between, and is back before the next place, is taken for one that rises.
+    Decreasing marks have wrapped around: then only a sequential read can count the wrap-arounds. Marks are sampled at 256
+    places, so a decrease that is made up for before the next sample goes unnoticed.
     """
     begin, end = 0, len(words)
     for _ in range(_ROUNDS):

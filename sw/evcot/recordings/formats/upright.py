@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From an origin at the bottom, or at the right, to the origin at the top left."""
+"""Mirror addresses from an origin at the bottom, or at the right, to the origin at the top left."""
 
 from __future__ import annotations
 
@@ -12,5 +12,5 @@ __all__ = ["mirrored"]
 
 
 def mirrored(address: NDArray[Any], size: int) -> NDArray[np.uint16]:
-    """(n,) addresses counted from the other side; one beyond `size` stays as it is, for whoever refuses it."""
+    """Mirror (n,) addresses; one beyond `size` is returned unchanged, and refused by the later validation."""
     return np.where(address < size, size - 1 - address, address).astype(np.uint16)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Vector words: neighbouring pixels of a row as the set bits of a mask, the lowest to the left."""
+"""Vector words: neighbouring pixels of a row as the set bits of a mask, leftmost pixel in the lowest bit."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LOWEST[[(_DE_BRUIJN << i & 0xFFFFFFFF) >> 27 for i in range(32)]] = np.arange(3
 
 @njit(cache=True, nogil=True)
 def put_vector(n, mask, time_us, left, row, polarity, t_us, x, y, p):  # type: ignore[no-untyped-def]
-    """Write an event at `n` and on for each set bit of `mask`, an int64 below 2^32; returns the `n` after them."""
+    """Write an event for each set bit of `mask`, an int64 below 2^32, from index `n` on; returns the index after the last."""
     while mask:
         lowest = mask & -mask
         t_us[n] = time_us

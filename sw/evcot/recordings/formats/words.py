@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that are a header and then words of one width: read piece by piece, decoded with what the pieces before left open."""
+"""Files with a header and words of one width: read in pieces, decoded with the state carried over from piece to piece."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .source import BLOCK_EVENTS, Sensor
 __all__ = ["Layout", "State", "WordArray", "WordFile", "Words"]
 
 WordArray: TypeAlias = NDArray[np.unsignedinteger[Any]]
-# What a decoder knows between two words: a NamedTuple of integers.
+# State of a decoder between two words: a NamedTuple of integers.
 State: TypeAlias = Any
 
 
 class Words:
-    """The words after a header, little-endian; a slice reads them. `len` counts the whole ones."""
+    """The little-endian words after a header; slicing reads them. `len` is the number of complete words."""
 
     def __init__(self, path: Path, offset: int, dtype: np.dtype[Any]) -> None:
         self._file = path.open("rb", buffering=0)
@@ -40,16 +40,16 @@ class Words:
         self._file.seek(self._offset + begin * size)
         got = self._file.readinto(words.view(np.uint8).data) if len(words) else 0
         if got != words.nbytes:
-            raise RecordingError(f"ends at byte {self._offset + begin * size + got}, sooner than when it was opened")
+            raise RecordingError(f"ends at byte {self._offset + begin * size + got}, earlier than when it was opened")
         return words
 
     def pieces(self, begin: int, end: int, length: int) -> Iterator[tuple[int, WordArray]]:
-        """The words from `begin` on and below `end`, up to `length` at a time, each piece behind its place."""
+        """The words from `begin` to `end` (exclusive), up to `length` at a time: (index, piece)."""
         for at in range(begin, end, length):
             yield at, self[at : min(at + length, end)]
 
     def check_end(self) -> None:
-        """Raise RecordingError for a file that ends within a word."""
+        """Raise RecordingError if the file ends within a word."""
         if self._odd_bytes:
             size = self._dtype.itemsize
             at = self._offset + self._count * size + self._odd_bytes
@@ -62,16 +62,16 @@ class Words:
 
 @dataclass(frozen=True)
 class Layout:
-    """How words become events.
+    """How words are decoded to events.
 
     Attributes:
-        dtype: a word.
-        most_events: in one word.
+        dtype: type of a word.
+        most_events: maximum events per word.
         start: the state before the first word.
-        fill: a kernel (words, state, t_us, x, y, p) -> (words used, events made, state): decodes until the words end, or
-            the next one might not find room.
-        seek: (words, from_us) -> the place to go on from, and the state there; all events before it are earlier than `from_us`.
-        lost: why events are left out -> the field of the state that counts them.
+        fill: a kernel (words, state, t_us, x, y, p) -> (words used, events decoded, state): decodes until the words end, or
+            the output arrays might overflow.
+        seek: (words, from_us) -> the index to start from, and the state there; all events before it are earlier than `from_us`.
+        lost: reason for which events are left out -> the field of the state that counts them.
     """
 
     dtype: np.dtype[Any]
@@ -83,11 +83,11 @@ class Layout:
 
 
 class WordFile:
-    """A file of words as a `source.Source`.
+    """A file of words. See `source.Source`.
 
     Args:
         smallest_sensor: see `source.Source`.
-        piece_words: how many words to read at a time; no event depends on it.
+        piece_words: number of words to read at a time; does not affect the result.
     """
 
     def __init__(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of the frame pipeline, and those of identities, which the clustering of events shares."""
+"""Settings of the frame pipeline, and of the track management that it shares with mean shift clustering."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FRAME_RANGES: dict[str, Range] = {
 
 @dataclass(frozen=True)
 class IdentityConfig:
-    """How detections become tracks; limits in `IDENTITY_RANGES`."""
+    """Settings of track management: from detections to tracks; limits in `IDENTITY_RANGES`."""
 
     max_tracks: int = 64
     gate_px: float = 20.0
@@ -44,7 +44,7 @@ class IdentityConfig:
 
 @dataclass(frozen=True)
 class FrameConfig(IdentityConfig):
-    """The frame pipeline; limits in `FRAME_RANGES`.
+    """Settings of the frame pipeline; limits in `FRAME_RANGES`.
 
     Raises:
         ConfigError: a value outside its range, a median filter of even side, or a smallest area above the largest.

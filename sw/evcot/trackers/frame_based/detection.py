@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Objects in one frame: the pixels that fired, a median filter, connected components, their boxes."""
+"""Object detection in one frame: image of the pixels with events, median filter, connected components, bounding boxes."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Image = NDArray[np.bool_]
 
 
 def fired(events: Events, margin_px: int) -> tuple[Image, int, int]:
-    """The pixels that fired, as an image that just holds them and a margin; and x, y of its first pixel.
+    """The pixels with events, as the smallest image that holds them and a margin; and x, y of its first pixel.
 
     Raises:
-        RecordingError: they lie so far apart that the image would have more than 2^26 pixels.
+        RecordingError: the image would have more than 2^26 pixels.
     """
     left, top = int(events.x.min()) - margin_px, int(events.y.min()) - margin_px
     width, height = int(events.x.max()) + margin_px + 1 - left, int(events.y.max()) + margin_px + 1 - top
@@ -36,10 +36,11 @@ def fired(events: Events, margin_px: int) -> tuple[Image, int, int]:
 
 
 def detect(events: Events, config: FrameConfig) -> NDArray[np.void]:
-    """The objects in a frame's events, one or more: (k,) of dtype `DETECTION`.
+    """Detect the objects in one or more events of a frame: (k,) of dtype `DETECTION`.
 
-    A pixel stays where most of the square around it fired. Components are 8-connected, and pieces at most `link_px` apart
-    in x and in y are one. An object's centre is the middle of its box, its radius half the mean side; `n` counts pixels.
+    The median filter keeps a pixel if most of the square around it is set. Components are 8-connected, and pieces at most
+    `link_px` apart in x and in y are joined. An object's centre is that of its box, its radius half the mean side; `n` is
+    its number of pixels.
     """
     image, left, top = fired(events, config.median_px // 2 + config.link_px)
     clean = _median(image, config.median_px)
@@ -65,7 +66,7 @@ def detect(events: Events, config: FrameConfig) -> NDArray[np.void]:
 
 
 def _median(image: Image, side_px: int) -> Image:
-    """The median over a square: of two values it is that of the majority, so a count decides, and sums are faster."""
+    """Median filter over a square; for a binary image, a majority vote, computed from running sums."""
     if side_px == 1:
         return image
     kernel = np.ones(side_px, np.int32)
@@ -75,8 +76,8 @@ def _median(image: Image, side_px: int) -> Image:
 
 
 def _grown(image: Image, gap_px: int) -> Image:
-    """Pieces at most so many pixels apart touch."""
+    """Dilate the image so that pieces at most `gap_px` apart touch."""
     if gap_px == 0:
         return image
-    # Each piece grows to the right and down alone by half the gap, to the other sides by the rest: the gap closes once.
+    # Each piece grows right and down by half the gap, left and up by the rest, so that exactly the gap is closed.
     return np.asarray(ndimage.maximum_filter(image.view(np.uint8), gap_px + 1, mode="constant").view(np.bool_))

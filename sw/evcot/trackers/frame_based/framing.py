@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events cut into frames: every so many microseconds from the first event on, or packets of so many events."""
+"""Split a stream of events into frames: of fixed length in microseconds, or packets with a maximum number of events."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _NONE_US = np.iinfo(np.int64).max
 
 
 class Framing:
-    """Where frames end in a stream that comes in runs.
+    """Finds the ends of frames in a stream that is fed in runs.
 
     Args:
-        length_us: a frame holds less than so much time.
-        events: and at most so many events; None for a fixed grid in time, whose cells count from the first event and of which
-            the silent ones are no frames. A packet counts its time from its own first event.
+        length_us: length of a frame, exclusive.
+        events: maximum number of events in a packet, whose time counts from its own first event. None for a fixed time grid
+            from the first event of the stream on, in which empty cells are not frames.
     """
 
     def __init__(self, length_us: int, events: int | None = None) -> None:
@@ -28,9 +28,9 @@ class Framing:
         self._until_us = _NONE_US  # its end, exclusive
 
     def cut(self, t_us: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Take the next (n,) events and say before which of them, or after the last, frames end: (f,) from 0 to n, ascending.
+        """Process the next (n,) event times; returns the event indices at which frames end: (f,) from 0 to n, ascending.
 
-        An end at 0 closes a frame of earlier events alone.
+        An end at 0 closes a frame with events of earlier runs only.
         """
         if not len(t_us):
             return np.empty(0, np.int64)

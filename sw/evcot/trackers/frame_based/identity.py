@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Identities across frames: detections become tracks by optimal assignment to where each track is expected.
+"""Track management across frames: detections are assigned to the predicted positions of tracks by optimal assignment.
 
-- A track is expected where its constant velocity takes it. The pairs of tracks and detections are as many as the gate allows,
-  and of those ways the one with the least sum of distances (`scipy.optimize.linear_sum_assignment`); visible tracks choose
-  before those that are not yet visible.
+- Tracks are predicted with constant velocity. Tracks and detections are paired to give as many pairs within the gate as
+  possible and, among those, the smallest sum of distances (`scipy.optimize.linear_sum_assignment`); visible tracks take
+  precedence over those that are not yet visible.
 - A detection without a track starts one. With its `visible_hits`-th detection it becomes visible (BORN).
-- Each visible track that was detected reports where it is expected at the frame's last event (MOVED). One that was not goes on
-  with its velocity, silent, and may be found again until `lifetime_us` have passed (LOST). Tracks never merge.
-- An event belongs to the nearest visible track whose window holds it, as known before the event's frame is complete.
+- Each visible track that was detected reports its predicted position at the frame's last event (MOVED). One that was not
+  coasts with its velocity, without records, until it is detected again or `lifetime_us` have passed (LOST). Tracks never merge.
+- An event is assigned to the nearest visible track whose window holds it, by the state before the event's frame is complete.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["Identities"]
 
 
 class Identities:
-    """Tracks, as far as frames have been seen."""
+    """The tracks of a stream of frames."""
 
     def __init__(self, config: IdentityConfig) -> None:
         self._rules = Rules(
@@ -43,13 +43,13 @@ class Identities:
     def follow(
         self, events: Events, owned: int, frames: NDArray[np.void], found: NDArray[np.void]
     ) -> tuple[NDArray[np.void], NDArray[np.int16]]:
-        """Follow tracks through complete frames.
+        """Update the tracks with complete frames.
 
         Args:
-            events: (n,) those of the frames, and after them those of a frame that is not yet complete.
-            owned: how many of the events have their owner from an earlier call.
-            frames: (f,) of dtype `kernel.FRAME`, one after the other from the first event on.
-            found: (d,) of dtype `kernel.DETECTION`.
+            events: (n,) events of the frames, followed by those of a frame that is not yet complete.
+            owned: number of leading events whose owner was returned by an earlier call.
+            frames: (f,) of dtype `kernel.FRAME`, contiguous from the first event on.
+            found: (d,) detections of dtype `kernel.DETECTION`.
 
         Returns:
             (m,) records of dtype `TRACK`, and (n - owned,) int16 owners.
@@ -71,12 +71,12 @@ class Identities:
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner[owned:]
 
     def tracks(self) -> NDArray[np.void]:
-        """The live tracks, started first first: (k,) of dtype `kernel.TRACKED`."""
+        """The live tracks, oldest first: (k,) of dtype `kernel.TRACKED`."""
         return self._tracks[: int(self._cursor["live"][0])].copy()
 
     @property
     def seen(self) -> int:
-        """Events in frames so far."""
+        """Number of events in frames so far."""
         return int(self._cursor["index"][0])
 
     def _choose(self, t_us: NDArray[np.int64], frame: np.void, found: NDArray[np.void]) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The compiled inside of identities: where a track is expected, who may be whom, and what a frame changes.
+"""Compiled kernels of the track management: prediction, assignment costs, and the update with a frame.
 
-A frame, here, is some events and what was detected in them: the pixels of some milliseconds, or a packet of events.
+A frame, here, is a set of events and the detections in it: the pixels of some milliseconds, or a packet of events.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ TRACKED = np.dtype(
         ("velocity_y", "<f8"),
         ("radius", "<f8"),
         ("before_us", "<f8"),
-        ("last_us", "<i8"),  # the last event of the frame in which it was last detected
+        ("last_us", "<i8"),  # last event of the frame in which it was last detected
         ("n", "<i8"),  # points in that frame
         ("support", "<i8"),  # points in all frames
         ("hits", "<i8"),  # frames in which it was detected
@@ -65,7 +65,7 @@ CURSOR = np.dtype(
 
 
 class Rules(NamedTuple):
-    """`config.IdentityConfig` as the kernel takes it."""
+    """`config.IdentityConfig` in the form used by the kernel."""
 
     gate_px: float
     smoothing_us: float
@@ -74,14 +74,14 @@ class Rules(NamedTuple):
     lifetime_us: int
 
 
-RECORDS_PER_TRACK = 2  # and frame: a life may end before the frame and another begin in it
+RECORDS_PER_TRACK = 2  # per frame: a life may end before the frame and another begin in it
 BORN, MOVED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.LOST)
-_OUTSIDE = 1e3  # gates that a pair outside the gate costs
+_OUTSIDE = 1e3  # cost of a pair outside the gate, in gates
 
 
 @njit(cache=True, nogil=True)
 def _write(row: Any, kind: int, index: int, t_us: int, track: Any) -> None:
-    """A record of where a track is expected at the end of the frame in which it was last detected."""
+    """Write a record with a track's predicted position at the end of the frame in which it was last detected."""
     ahead_s = 1e-6 * track.before_us
     row.t_us = t_us
     row.event_index = index
@@ -105,7 +105,7 @@ def _end_of_life_us(rules: Rules, track: Any) -> int:
 def _end_lives(
     rules: Rules, cur: Any, tracks: Table, slot_taken: Table, until_us: int, ts: Table, frame: Any, out: Table
 ) -> None:
-    """Take out tracks whose life has ended by `until_us`, the losses in order of time."""
+    """Remove the tracks whose life has ended by `until_us`, with LOST records in order of time."""
     first = cur.records
     kept = 0
     for i in range(cur.live):
@@ -129,14 +129,14 @@ def _end_lives(
 
 @njit(cache=True, nogil=True, inline="always")
 def _elapsed_us(track: Any, seen: Any, first_us: int) -> float:
-    """From a track's state to a detection of the frame that begins at `first_us`."""
+    """Time from a track's state to a detection in the frame that begins at `first_us`."""
     return (first_us - track.last_us) + seen.after_us + track.before_us  # type: ignore[no-any-return]
 
 
 @njit(cache=True, nogil=True)
 def distances(rules: Rules, cursor: Table, tracks: Table, found: Table, first_us: int) -> Table:
-    """(live, k) what it costs that a track is a detection: pixels from where it is expected; a gate more for one not yet
-    visible, so that it gets what visible tracks leave; and outside the gate more than all other pairs together."""
+    """(live, k) assignment costs: distance of a detection from a track's prediction, in pixels; plus one gate for a track that
+    is not yet visible, so that visible tracks take precedence; outside the gate more than all other pairs together."""
     live = cursor[0].live
     cost = np.empty((live, len(found)))
     for i in range(live):
@@ -153,7 +153,7 @@ def distances(rules: Rules, cursor: Table, tracks: Table, found: Table, first_us
 
 @njit(cache=True, nogil=True)
 def _pair_without_choice(rules: Rules, cost: Table, partner: Table) -> bool:
-    """Pair all who are inside a gate, and say whether nobody could have been paired otherwise."""
+    """Pair all that are within a gate; returns whether the assignment is unambiguous."""
     partner[:] = -1
     for i in range(cost.shape[0]):
         chosen = -1
@@ -168,10 +168,10 @@ def _pair_without_choice(rules: Rules, cost: Table, partner: Table) -> bool:
 
 @njit(cache=True, nogil=True)
 def _correct(rules: Rules, track: Any, seen: Any, first_us: int, last_us: int) -> None:
-    """A critically damped g-h filter: memory fades with one time constant, however far apart the frames are.
+    """A critically damped g-h filter: memory fades with one time constant, independent of the frame rate.
 
     E. Brookner, "Tracking and Kalman Filtering Made Easy", 1998, section 1.2.6: g = 1 - theta^2, h = (1 - theta)^2. Until the
-    memory is filled the place is the mean of the detections.
+    memory is filled, the position is the mean of the detections.
     """
     elapsed_us = _elapsed_us(track, seen, first_us)
     elapsed_s = 1e-6 * elapsed_us
@@ -225,7 +225,7 @@ def settle(
     rules: Rules, cursor: Table, tracks: Table, slot_taken: Table, ts: Table, frame: Any, found: Table, partner: Table,
     out: Table,
 ) -> None:  # fmt: skip
-    """Give each detection of a frame to its partner, a track's index, or where that is -1 to a new track."""
+    """Update each detection's partner, given as the index of a track, or start a new track where it is -1."""
     cur = cursor[0]
     first_us, last_us = ts[frame.begin], ts[frame.end - 1]
     for k in range(len(found)):
@@ -253,7 +253,7 @@ def settle(
 def own(
     rules: Rules, cursor: Table, tracks: Table, ts: Table, xs: Table, ys: Table, begin: int, end: int, owner: Table
 ) -> None:
-    """Each event belongs to the nearest visible track whose window holds it, where the track is expected at that time."""
+    """Assign each event to the nearest visible track whose window, at its predicted position, holds it."""
     live = cursor[0].live
     for e in range(begin, end):
         owner[e] = -1
@@ -277,11 +277,11 @@ def follow(
     ts: Table, xs: Table, ys: Table, owned: int, owner: Table,
     frames: Table, found: Table, frame: int, out: Table,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Follow tracks through frames from `frame` on, events before `owned` having an owner already.
+    """Update the tracks with frames from `frame` on; events before `owned` already have an owner.
 
     Returns:
-        The frame at which it stopped, and whether there is a choice to make: `settle` has to be called for it. Else all frames
-        are done, or `out` could overflow.
+        The frame at which it stopped, and whether that frame's assignment is ambiguous, so that `settle` must be called for
+        it; otherwise all frames are done, or `out` could overflow.
     """
     cur = cursor[0]
     partner = np.empty(len(found), np.int64)

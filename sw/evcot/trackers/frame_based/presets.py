@@ -8,7 +8,7 @@ from .config import FrameConfig
 __all__ = ["PRESETS"]
 
 PRESETS: dict[str, FrameConfig] = {
-    # Contours one or two pixels wide, which a median filter would take out.
+    # Contours are one or two pixels wide, which a median filter would remove.
     "discs": FrameConfig(
         frame_us=5_000,
         median_px=1,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tracking by detection as a stream: events are cut into frames, objects detected in each, and followed across them."""
+"""Streaming tracking by detection: events are split into frames, objects are detected in each and tracked across frames."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from .kernel import DETECTION, FRAME
 __all__ = ["Detect", "DetectionTracker"]
 
 Detect = Callable[[Events, NDArray[np.void]], NDArray[np.void]]
-"""Events and (f,) frames of dtype `kernel.FRAME` in, of which `begin` and `end` are set; sets `found` and `found_end` and
-returns (d,) detections of dtype `kernel.DETECTION`."""
+"""Takes events and (f,) frames of dtype `kernel.FRAME` with `begin` and `end` set; sets `found` and `found_end` and returns
+(d,) detections of dtype `kernel.DETECTION`."""
 
 
 class DetectionTracker:
-    """A stream: feed events in runs of any length, the result does not depend on where they are cut.
+    """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
 
-    Memory is that of one frame's events, beyond the arrays that are returned.
+    Besides the returned arrays, memory holds the events of one frame.
 
     Attributes:
-        detect: what finds the objects; may be wrapped, to look at what is found.
+        detect: the detection function; may be wrapped to inspect detections.
     """
 
     def __init__(self, config: IdentityConfig, framing: Framing, detect: Detect) -> None:
@@ -44,14 +44,14 @@ class DetectionTracker:
         """Track a run of events.
 
         Args:
-            events: (n,) events in time order, none before an event that was fed earlier.
+            events: (n,) events in time order, none before an event fed earlier.
 
         Returns:
             (m,) records of dtype `TRACK`, of the frames that these events completed, and (n,) int16 owners: the slot of the
             visible track that took each event, -1 for none.
 
         Raises:
-            RecordingError: the run starts before the last event of the previous one, or a frame cannot be detected in.
+            RecordingError: the run starts before the last event of the previous one, or detection fails for a frame.
         """
         if not len(events):
             return np.empty(0, TRACK), np.empty(0, np.int16)
@@ -69,7 +69,7 @@ class DetectionTracker:
         return self._follow(together, owned, ends)
 
     def finish(self) -> NDArray[np.void]:
-        """Complete the last frame when no more events come; (m,) records of dtype `TRACK`.
+        """Complete the last frame at the end of the stream; (m,) records of dtype `TRACK`.
 
         A track whose life would end after the last event is still alive.
         """
@@ -85,11 +85,11 @@ class DetectionTracker:
         return self._identities.seen
 
     def tracks(self) -> NDArray[np.void]:
-        """The live tracks, started first first: (k,) of dtype `kernel.TRACKED`; velocities in px/s."""
+        """The live tracks, oldest first: (k,) of dtype `kernel.TRACKED`; velocities in px/s."""
         return self._identities.tracks()
 
     def _hold(self, events: Events) -> None:
-        """Keep a copy: the caller may fill its arrays anew, and a slice would keep all of them alive."""
+        """Keep a copy: the caller may reuse its arrays, and a slice would keep the whole arrays in memory."""
         self._open.append(events.where(np.ones(len(events), np.bool_)))
         self._held += len(events)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The classical tracker of objects in frames: events of `frame_us` are accumulated, filtered, grouped and followed.
+"""The classical frame-based tracker: events of `frame_us` are accumulated, filtered, grouped and tracked.
 
-`detection` says what an object in a frame is, `identity` which objects of several frames are one.
+`detection` finds the objects in a frame, `identity` tracks them across frames.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ class FrameTracker(DetectionTracker):
 
 
 def track(recording: Recording, config: FrameConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Run the frame pipeline over a recording, or over the events in it that filters let stay.
+    """Run the frame pipeline over a recording, or over a selection of its events.
 
     Args:
-        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+        keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
 
     In the log `radius` is half the mean side of the object's box, `n_ev` its pixels in the frame, and `support` those in all
     frames.

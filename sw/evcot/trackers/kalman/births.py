@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""New objects: neighbouring cells in which enough different pixels sent events that belong to nobody.
+"""New objects: groups of neighbouring cells with enough different pixels that have unassigned events.
 
-Pixels are counted, not events: a hot pixel is one pixel.
+Pixels are counted, not events, so that a hot pixel counts once.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ Table = NDArray[Any]
 
 _CELL_PIXELS = 2.0  # fewer in a cell are noise
 _ABOVE_NOISE = 4.0
-_NEAR = 2.0  # gates: what is so near an object is a part that it will reach
+_NEAR = 2.0  # in gates: anything closer to an object is a part of it that its gate will reach
 _CLUTTER_MIX = 0.1
-_PLACE_PX = 3.0  # how well a new object's sides are known
+_PLACE_PX = 3.0  # standard deviation of a new object's sides
 _EDGE_PX = 8.0
-_GROWTH = 0.3  # of the speed: how fast a half side may change
+_GROWTH = 0.3  # growth of a half side, as a fraction of the speed
 
 
 @njit(cache=True, nogil=True)
 def _count(word: Any) -> int:
-    """Bits that are set in a word of 64."""
+    """Number of set bits in a 64-bit word."""
     n = 0
     while word != np.uint64(0):
         word &= word - np.uint64(1)
@@ -47,7 +47,7 @@ def _free_slot(world: World) -> int:
 
 @njit(cache=True, nogil=True)
 def _gather(world: World, row: int, column: int, box: Table, least: float) -> int:
-    """Take the group of cells that a cell belongs to away; its pixels, and in `box` the outermost of them."""
+    """Remove the connected group of cells that contains a cell; returns its pixel count, and its bounds in `box`."""
     rows, columns = world.pixels.shape
     box[:] = (1e9, -1e9, 1e9, -1e9)
     n, done = 1, 0
@@ -82,7 +82,7 @@ def _gather(world: World, row: int, column: int, box: Table, least: float) -> in
 
 @njit(cache=True, nogil=True)
 def _touches(rules: Rules, world: World, box: Table) -> bool:
-    """Whether a box lies at an object: then it is a part of it that its gate will reach."""
+    """Whether a box lies close to an object: it is then a part of it that the object's gate will reach."""
     for i in range(len(world.objects)):
         if world.objects[i].alive:
             s = world.state[i]
@@ -98,7 +98,7 @@ def _touches(rules: Rules, world: World, box: Table) -> bool:
 
 @njit(cache=True, nogil=True)
 def _edge(rules: Rules, box: Table) -> int:
-    """At which edge of the sensor a box ends; of several, the one along which it is longest."""
+    """The edge of the sensor that a box touches; if several, the one along which it is longest."""
     edge, most = -1, -1.0
     for k, near, along in (
         (0, box[0] < _EDGE_PX, box[3] - box[2]),
@@ -142,7 +142,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
 
 @njit(cache=True, nogil=True)
 def find_births(rules: Rules, world: World, t_us: int) -> None:
-    """Start an object in each group of cells that has the pixels for one, and forget the pixels of all."""
+    """Start an object in each group of cells with enough pixels, and clear all cells."""
     run = world.run[0]
     rows, columns = world.pixels.shape
     box = np.empty(4)

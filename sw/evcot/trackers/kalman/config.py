@@ -14,15 +14,15 @@ __all__ = ["KALMAN_RANGES", "KalmanConfig"]
 KALMAN_RANGES: dict[str, Range] = {
     "max_objects": (1, 256, "objects alive at once"),
     "packet_us": (100, 1_000_000, "time between two corrections"),
-    "refractory_us": (0, 1_000_000, "time for which a pixel is not heard again"),
+    "refractory_us": (0, 1_000_000, "time after an event for which its pixel is ignored"),
     "quantile": (0.001, 0.4, "share of an object's events that lie beyond each of its sides"),
     "afterglow": (0.0, 0.4, "share of an object's events that pixels send behind it, when it has passed"),
     "gate_px": (0.5, 1000.0, "how far outside a box events still belong to it"),
     "gate_share": (0.0, 10.0, "the same as a part of the mean half side; the greater counts"),
-    "events_per_sample": (0.1, 1e6, "events that say as much as one independent one"),
-    "velocity_walk": (0.001, 1e4, "how far a centre's velocity wanders in a second, half sides per second"),
-    "growth_walk": (0.0001, 1e4, "how far a half side's growth wanders in a second, half sides per second"),
-    "meeting_walk": (0.0, 1.0, "both walks while a box touches another, as a part of what they are otherwise"),
+    "events_per_sample": (0.1, 1e6, "events that carry as much information as one independent event"),
+    "velocity_walk": (0.001, 1e4, "random walk of a centre's velocity in a second, half sides per second"),
+    "growth_walk": (0.0001, 1e4, "random walk of a half side's growth in a second, half sides per second"),
+    "meeting_walk": (0.0, 1.0, "factor of both walks while a box touches another"),
     "speed": (0.0, 1e4, "typical speed of a new object, half sides per second"),
     "birth_us": (100, 10_000_000, "time over which events outside all boxes are collected for births"),
     "birth_pixels": (2, 1_000_000, "different pixels in that time that make an object"),
@@ -34,10 +34,10 @@ KALMAN_RANGES: dict[str, Range] = {
 
 @dataclass(frozen=True)
 class KalmanConfig:
-    """The Kalman tracker; limits in `KALMAN_RANGES`, named ones in `presets.PRESETS`.
+    """Settings of the Kalman tracker; limits in `KALMAN_RANGES`, presets in `presets.PRESETS`.
 
     Attributes:
-        walls: objects bounce off the sensor's edges, and are predicted to.
+        walls: whether objects bounce off the sensor's edges, and are predicted accordingly.
 
     Raises:
         ConfigError: a value outside its range.

@@ -19,7 +19,7 @@ Table = NDArray[Any]
 
 @njit(cache=True, nogil=True)
 def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int, owner: Table, out: Table) -> int:
-    """Track events from `begin` on until all are done or `out` could overflow; returns how many are done."""
+    """Track events from `begin` on until all are done or `out` could overflow; returns the number done."""
     run = world.run[0]
     most = RECORDS_PER_PACKET * len(world.objects)
     for e in range(begin, len(ts)):
@@ -32,8 +32,8 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
         x = int(xs[e])
         y = int(ys[e])
         owner[e] = NOBODY
-        if t_us - world.heard_us[y, x] >= rules.refractory_us:
-            world.heard_us[y, x] = t_us
+        if t_us - world.accepted_us[y, x] >= rules.refractory_us:
+            world.accepted_us[y, x] = t_us
             owner[e] = share(world, x, y)
         run.last_us = t_us
         run.index += 1

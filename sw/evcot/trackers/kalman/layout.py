@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the compiled parts share: settings as they take them, the objects, the cells, and where the run stands."""
+"""Data shared by the compiled parts: settings, objects, cells, and the state of the stream."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ OBJECT = np.dtype(
         ("alive", "?"),
         ("track_id", "<i8"),
         ("born_us", "<i8"),
-        ("enters", "<i8"),  # over which edge of the sensor: 0 left, 1 right, 2 top, 3 bottom; -1 when it is in
+        ("enters", "<i8"),  # edge of the sensor over which it enters: 0 left, 1 right, 2 top, 3 bottom; -1 once inside
         ("edge", "<i8"),  # the edge at which it was born, or -1
-        ("alone_us", "<i8"),  # for how long it has touched no other, in all
+        ("alone_us", "<i8"),  # total time without touching another object
         ("meets", "?"),  # whether its box touches another object's
-        ("supported_us", "<i8"),  # end of the last packet in which it had the events that it should have
+        ("supported_us", "<i8"),  # end of the last packet in which it had the expected events
         ("support", "<i8"),  # events so far
         ("packet_events", "<i8"),
         ("rate", "<f8"),  # events per packet, a mean over the recent past
-        ("weight", "<f8"),  # of the open packet's events, shares counted
-        ("x", "<f8"),  # the box in which the open packet's events are looked for: centre and half sides
+        ("weight", "<f8"),  # weight of the open packet's events, shared events counted by share
+        ("x", "<f8"),  # the box used to assign the open packet's events: centre and half sides
         ("y", "<f8"),
         ("half_x", "<f8"),
         ("half_y", "<f8"),
-        ("gate", "<f8"),  # how far outside it
+        ("gate", "<f8"),  # width of the gate around the box
         ("left", "<f8"),  # the box and the gate
         ("right", "<f8"),
         ("top", "<f8"),
@@ -52,7 +52,7 @@ RUN = np.dtype(
         ("packet_end_us", "<i8"),  # exclusive; UNSET_US before the first event
         ("birth_end_us", "<i8"),
         ("births", "<i8"),  # the next track id
-        ("clutter", "<f8"),  # events per pixel and packet that belong to nothing
+        ("clutter", "<f8"),  # unassigned events per pixel and packet
         ("live", "<i8"),
         ("records", "<i8"),  # in the buffer
     ]
@@ -60,7 +60,7 @@ RUN = np.dtype(
 
 
 class Rules(NamedTuple):
-    """`config.KalmanConfig` as the kernel takes it, and the sensor."""
+    """`config.KalmanConfig` in the form used by the kernel, and the sensor."""
 
     width: int
     height: int
@@ -84,7 +84,7 @@ class Rules(NamedTuple):
 
 
 class World(NamedTuple):
-    """All that a tracker remembers.
+    """The complete state of a tracker.
 
     n objects by slot; c cells of 8 x 8 pixels by row; axis 0 is x, 1 is y.
     """
@@ -97,9 +97,9 @@ class World(NamedTuple):
     abreast: Table  # (n, 2): weight of the events between the other axis's sides
     profile: Table  # (n, PROFILE * PROFILE): events in each part of the box, fading
     total: Table  # (n,) of all parts
-    heard_us: Table  # (height, width): when each pixel was last heard
+    accepted_us: Table  # (height, width): time of each pixel's last accepted event
     near: Table  # (rows, columns): the object near each cell, or NOBODY or MANY
-    pixels: Table  # (rows, columns) uint64: pixels of each cell that sent events that belong to nobody
+    pixels: Table  # (rows, columns) uint64: pixels of each cell with unassigned events
     bits: Table  # (8, 8) uint64: the bit of each pixel of a cell
     queue: Table  # (cells,) the cells of a group
     group: Table  # (cells,) uint64: their pixels
@@ -115,7 +115,7 @@ def make_rules(config: KalmanConfig, width: int, height: int) -> Rules:
 
 
 def make_world(n_objects: int, width: int, height: int) -> World:
-    """A world in which nothing has happened."""
+    """The state before the first event."""
     rows, columns = (height + 7) >> CELL_BITS, (width + 7) >> CELL_BITS
     run = np.zeros(1, RUN)
     run["packet_end_us"] = run["last_us"] = UNSET_US

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The end of a packet: correct every object, end those without support, make one of two that are one, report."""
+"""End of a packet: correct every object, end those without support, merge parts of one object, report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...tracks.log import Kind
 from .births import find_births
 from .layout import UNSET_US, Rules, World
 from .motion import correct, predict, turn_back
-from .sharing import look_out
+from .sharing import prepare_packet
 from .splits import split
 from .unity import are_one
 
@@ -24,7 +24,7 @@ Table = NDArray[Any]
 RECORDS_PER_PACKET = 3  # an object is born or moves, and ends
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 _MIN_HALF_PX = 1.0
-_COVERED_PATIENCE = 5  # how many times as long an object behind another is waited for
+_COVERED_PATIENCE = 5  # factor of the coasting time of an object hidden behind another
 _RATE_MEAN_US = 30_000.0
 _LEAST_SUPPORT = 0.5  # of the rate at which an object is born
 _ENTERED = 0.8
@@ -54,7 +54,7 @@ def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int
 
 @njit(cache=True, nogil=True)
 def _seen(s: Table, size: int) -> tuple[float, float]:
-    """Centre and half side of the part on the sensor."""
+    """Centre and half side of the part of a box that lies on the sensor, along one axis."""
     low = min(max(s[0] - s[2], -0.5), size - 0.5)
     high = min(max(s[0] + s[2], -0.5), size - 0.5)
     return 0.5 * (low + high), 0.5 * (high - low)
@@ -62,7 +62,7 @@ def _seen(s: Table, size: int) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True)
 def _hidden(world: World, i: int, axis: int, high: int) -> bool:
-    """Whether the middle of a side lies in another object's box: what is beyond it cannot be told."""
+    """Whether the middle of a side lies in another object's box, so that events beyond the side are ambiguous."""
     o = world.objects[i]
     sign = 1.0 if high else -1.0
     x = o.x + (sign * o.half_x if axis == 0 else 0.0)
@@ -76,7 +76,7 @@ def _hidden(world: World, i: int, axis: int, high: int) -> bool:
 
 @njit(cache=True, nogil=True)
 def _predict(rules: Rules, world: World, i: int, lasted_us: int) -> None:
-    """Move an object on by the packet. What meets another keeps its course, since events may be the other's."""
+    """Predict an object over the packet. One that touches another keeps its course, since events may be the other's."""
     walk = 0.5 * (world.state[i, 0, 2] + world.state[i, 1, 2])
     if world.objects[i].meets:
         walk *= rules.meeting_walk
@@ -145,7 +145,7 @@ def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, o
 
 @njit(cache=True, nogil=True)
 def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
-    """What enters reaches to the edge until it is about as long as it is wide."""
+    """Extend an entering object to the edge until it is about as long as it is wide."""
     o = world.objects[i]
     axis = o.enters >> 1
     s, p = world.state[i, axis], world.cov[i, axis]
@@ -161,7 +161,7 @@ def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
 
 @njit(cache=True, nogil=True)
 def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
-    """Of two objects that are one, the one that was born first stays, around both."""
+    """Merge pairs of objects that are one: the first born survives, with a box around both."""
     n = len(world.objects)
     for i in range(n):
         for k in range(n):
@@ -185,7 +185,7 @@ def _outside(rules: Rules, world: World, i: int) -> bool:
 
 @njit(cache=True, nogil=True)
 def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Table) -> None:
-    """Do at `t_us`, the end of a packet that lasted so long, what follows from its events."""
+    """Process the events of a packet of length `lasted_us` at its end, `t_us`."""
     run = world.run[0]
     n = len(world.objects)
     mix = min(rules.packet_us / _RATE_MEAN_US, 1.0)
@@ -241,7 +241,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
 
 @njit(cache=True, nogil=True)
 def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
-    """Close the open packet and open the next; True when that holds `t_us`."""
+    """Close the open packet and open the next; returns whether that one holds `t_us`."""
     run = world.run[0]
     if run.packet_end_us == UNSET_US:
         run.packet_end_us = t_us + rules.packet_us
@@ -251,5 +251,5 @@ def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
         run.packet_end_us += rules.packet_us
         if run.live == 0 and t_us >= run.packet_end_us:
             run.packet_end_us += (t_us - run.packet_end_us) // rules.packet_us * rules.packet_us + rules.packet_us
-    look_out(rules, world)
+    prepare_packet(rules, world)
     return bool(t_us < run.packet_end_us)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Kalman filter of one axis of a box: centre, velocity, half side, growth; corrected by how many events lie beyond a side.
+"""Kalman filter of one axis of a box: centre, velocity, half side, growth; corrected by the number of events beyond a side.
 
-A side stands where a share `quantile` of the object's events lies beyond it. Of N events, n beyond: the side is off by
-(n / N - quantile) / f, if f is the density of events at it, with variance quantile (1 - quantile) / (N f^2). This holds
-for any N, where the quantile of few events would lie too far inside.
+A side is defined by a share `quantile` of the object's events lying beyond it. With n of N events beyond, the side is off by
+(n / N - quantile) / f, where f is the density of events at the side, with variance quantile (1 - quantile) / (N f^2). This
+holds for any N, whereas the sample quantile of few events would lie too far inside.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Table = NDArray[Any]
 
 @njit(cache=True, nogil=True)
 def predict(s: Table, p: Table, dt: float, velocity_walk: float, growth_walk: float) -> None:
-    """Move one axis' state (4,) and covariance (4, 4) on by dt seconds: velocity and growth are random walks."""
+    """Predict one axis' state (4,) and covariance (4, 4) by dt seconds: velocity and growth are random walks."""
     s[0] += dt * s[1]
     s[2] += dt * s[3]
     for k in range(4):
@@ -40,7 +40,7 @@ def predict(s: Table, p: Table, dt: float, velocity_walk: float, growth_walk: fl
 
 @njit(cache=True, nogil=True)
 def correct(s: Table, p: Table, sign: float, off_px: float, variance: float) -> None:
-    """Take in that the side centre + sign * half was seen `off_px` higher than it stands."""
+    """Update with a measurement of the side centre + sign * half that is `off_px` above the estimate."""
     gain = np.empty(4)
     total = p[0, 0] + 2.0 * sign * p[0, 2] + p[2, 2] + variance
     for k in range(4):

@@ -8,10 +8,10 @@ from .config import KalmanConfig
 __all__ = ["PRESETS"]
 
 PRESETS: dict[str, KalmanConfig] = {
-    # Cars that drive away: they enter in part, shrink, and leave an afterglow.
+    # Cars driving away: they enter partially, shrink, and leave trailing events behind them.
     "traffic": KalmanConfig(),
-    # Rigid things whose whole contour sends events, which cross and bounce off the sensor's edges: they neither grow nor become
-    # one, and keep their course while they cross.
+    # Rigid objects with events on the whole contour, which cross and bounce off the sensor's edges: they do not grow or merge,
+    # and keep their course while they cross.
     "discs": KalmanConfig(
         packet_us=1_000,
         refractory_us=0,
@@ -25,6 +25,6 @@ PRESETS: dict[str, KalmanConfig] = {
         merge_velocity=0.0,
         walls=True,
     ),
-    # Cars and people on one road: people are slow and make few events, so births may take longer, and silences too.
+    # Cars and people on one road: people are slow and cause few events, so births and gaps may take longer.
     "road": KalmanConfig(packet_us=4_000, birth_us=30_000, birth_pixels=10, coast_us=250_000, speed=12.0),
 }

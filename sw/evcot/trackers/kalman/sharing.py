@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whose event is it? One object near: its gate decides. Several: each gets the share that its density there bears to all."""
+"""Assignment of events: with one object nearby, by its gate; with several, shared in proportion to their event densities."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from .layout import CELL_BITS, MANY, NOBODY, PROFILE, Rules, World
 
-__all__ = ["look_out", "share"]
+__all__ = ["prepare_packet", "share"]
 
 Table = NDArray[Any]
 
 _OUTSIDE = 0.1  # density in the gate around a box, as a part of that inside
-_PRIOR = 1.0  # events that each part of a profile is taken to have had
+_PRIOR = 1.0  # prior event count of each part of a profile
 
 
 @njit(cache=True, nogil=True)
-def look_out(rules: Rules, world: World) -> None:
-    """Note where the open packet's events are looked for: each object's box in the middle of it, and its cells."""
+def prepare_packet(rules: Rules, world: World) -> None:
+    """Prepare the assignment of the open packet's events: each object's predicted box in mid-packet, and its cells."""
     world.near[:] = NOBODY
     middle_s = 0.5e-6 * rules.packet_us
     for i in range(len(world.objects)):
@@ -45,7 +45,7 @@ def look_out(rules: Rules, world: World) -> None:
 
 @njit(cache=True, nogil=True)
 def _open_gate(o: Any, width: int, height: int) -> None:
-    """The gate around a box; of an object that enters, up to the edge."""
+    """Set the gate around a box; for an entering object, up to the edge."""
     o.left, o.right = o.x - o.half_x - o.gate, o.x + o.half_x + o.gate
     o.top, o.bottom = o.y - o.half_y - o.gate, o.y + o.half_y + o.gate
     if o.enters == 0:
@@ -60,13 +60,13 @@ def _open_gate(o: Any, width: int, height: int) -> None:
 
 @njit(cache=True, nogil=True, inline="always")
 def _part(u: float, half: float) -> int:
-    """Which part of a side holds the place u from its middle."""
+    """Index of the part of a side at offset u from its middle."""
     return max(min(int((u + half) * (0.5 * PROFILE / half)), PROFILE - 1), 0)
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _density(world: World, i: int, x: float, y: float) -> float:
-    """How many events of object i a packet is expected to have at a place, per pixel."""
+    """Expected number of events of object i per packet and pixel at a position."""
     o = world.objects[i]
     dx, dy = x - o.x, y - o.y
     if x < o.left or x > o.right or y < o.top or y > o.bottom:
@@ -78,7 +78,7 @@ def _density(world: World, i: int, x: float, y: float) -> float:
 
 @njit(cache=True, nogil=True, inline="always")
 def _take(world: World, i: int, x: float, y: float, weight: float) -> bool:
-    """Give an object a share of an event; False where it lies outside its gate."""
+    """Assign a share of an event to an object; returns False if the event lies outside its gate."""
     o = world.objects[i]
     dx, dy = x - o.x, y - o.y
     if x < o.left or x > o.right or y < o.top or y > o.bottom:
@@ -101,13 +101,13 @@ def _take(world: World, i: int, x: float, y: float, weight: float) -> bool:
 
 @njit(cache=True, nogil=True, inline="always")
 def share(world: World, x: int, y: int) -> int:
-    """Share an event out; returns the slot with the greatest share, or NOBODY and leaves the pixel for births."""
+    """Assign an event; returns the slot with the largest share, or NOBODY after marking the pixel for births."""
     row, column = y >> CELL_BITS, x >> CELL_BITS
     near = world.near[row, column]
     if near >= 0 and _take(world, near, x, y, 1.0):
         o = world.objects[near]
         o.packet_events += 1
-        if not o.meets:  # else it would be learned without the parts that others hide
+        if not o.meets:  # otherwise the profile would lack the parts that others hide
             world.profile[near, PROFILE * _part(y - o.y, o.half_y) + _part(x - o.x, o.half_x)] += 1.0
             world.total[near] += 1.0
         return int(near)

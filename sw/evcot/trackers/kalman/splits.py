@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A box around two objects: its profile has a gap, and what lies on either side of it does not belong together."""
+"""Split a box around two objects: its profile has a gap, and the two sides of the gap are not parts of one object."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Table = NDArray[Any]
 
 _EMPTY = 0.1  # events in a part of a side that is empty, of the mean
 _GAP = 2  # parts that must be empty
-_SLACK = 1.5  # so much farther apart than what makes two one
-_ENOUGH = 200.0  # events in a profile that tells
+_SLACK = 1.5  # factor of the merging distance from which on two parts are split
+_ENOUGH = 200.0  # minimum number of events in a profile
 
 
 @njit(cache=True, nogil=True)
@@ -30,7 +30,7 @@ def _cell(world: World, i: int, axis: int, along: int, across: int) -> float:
 
 @njit(cache=True, nogil=True)
 def _sums(world: World, i: int, axis: int, begin: int, end: int, sums: Table) -> None:
-    """Events in each part along the other axis, of those in parts `begin` to `end` along this."""
+    """Sum the profile's parts `begin` to `end` along this axis, for each part along the other."""
     sums[:] = 0.0
     for along in range(begin, end):
         for across in range(PROFILE):
@@ -39,7 +39,7 @@ def _sums(world: World, i: int, axis: int, begin: int, end: int, sums: Table) ->
 
 @njit(cache=True, nogil=True)
 def _extent(sums: Table, level: float) -> tuple[int, int]:
-    """The first part that is not empty, and the one after the last."""
+    """The first non-empty part, and the one after the last."""
     begin, end = 0, PROFILE
     while begin < end - 1 and sums[begin] < level:
         begin += 1
@@ -50,7 +50,7 @@ def _extent(sums: Table, level: float) -> tuple[int, int]:
 
 @njit(cache=True, nogil=True)
 def _bounds(world: World, i: int, axis: int, begin: int, end: int, box: Table) -> float:
-    """Centre and half side, by axis, of what lies in parts `begin` to `end` along an axis; its events."""
+    """Compute centre and half side, by axis, of the parts `begin` to `end` along an axis; returns the number of events."""
     sums = np.empty(PROFILE)
     _sums(world, i, axis, begin, end, sums)
     first, after = _extent(sums, _EMPTY * sums.sum() / PROFILE)
@@ -63,7 +63,7 @@ def _bounds(world: World, i: int, axis: int, begin: int, end: int, box: Table) -
 
 @njit(cache=True, nogil=True)
 def split(rules: Rules, world: World, i: int) -> bool:
-    """If a box holds two objects, leave it to the greater of them."""
+    """If a box holds two objects, shrink it to the larger of them."""
     sums, a, b = np.empty(PROFILE), np.empty((2, 2)), np.empty((2, 2))
     for axis in range(2):
         _sums(world, i, 1 - axis, 0, PROFILE, sums)

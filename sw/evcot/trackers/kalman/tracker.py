@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Kalman tracker, for events that come in runs and for recordings. See docs/kalman.md for the algorithm."""
+"""The Kalman tracker, for streams of events and for recordings. See docs/kalman.md for the algorithm."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ __all__ = ["KalmanTracker", "track"]
 
 
 class KalmanTracker:
-    """Tracks events in runs of any length, the result does not depend on where they are cut.
+    """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
 
-    Memory is constant beyond the arrays that are returned.
+    Besides the returned arrays, memory is constant.
     """
 
     def __init__(self, config: KalmanConfig, width: int, height: int) -> None:
@@ -35,11 +35,11 @@ class KalmanTracker:
         """Track a run of events.
 
         Args:
-            events: (n,) events in time order, none before an event that was fed earlier, all on the sensor.
+            events: (n,) events in time order, none before an event fed earlier, all on the sensor.
 
         Returns:
-            (m,) records of dtype `TRACK`, of the packets that these events closed, and (n,) int16 owners: the slot that has
-            the greatest share in each event, -1 where none has one.
+            (m,) records of dtype `TRACK`, of the packets that these events closed, and (n,) int16 owners: the slot with the
+            largest share of each event, -1 if unassigned.
 
         Raises:
             RecordingError: the run starts before the last event of the previous one, or an event is not on the sensor.
@@ -61,9 +61,9 @@ class KalmanTracker:
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 
     def finish(self) -> NDArray[np.void]:
-        """Close the last packet when no more events come; (m,) records of dtype `TRACK`.
+        """Close the last packet at the end of the stream; (m,) records of dtype `TRACK`.
 
-        It ends with the last event: time has passed until then and no further.
+        It ends with the last event: time does not advance beyond it.
         """
         run = self._world.run
         if run["packet_end_us"][0] != UNSET_US:
@@ -84,10 +84,10 @@ class KalmanTracker:
 
 
 def track(recording: Recording, config: KalmanConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Run the Kalman tracker over a recording, or over the events in it that filters let stay.
+    """Run the Kalman tracker over a recording, or over a selection of its events.
 
     Args:
-        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+        keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
 
     In the log `radius` is the mean of the box's half sides on the sensor, `support` the events that the object accumulated,
     and `n_ev` those in the packet.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When are two boxes parts of one object?"""
+"""Decide whether two boxes are parts of one object."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ __all__ = ["are_one", "are_parts"]
 Table = NDArray[Any]
 
 _NEW_US = 200_000
-_ALONE_US = 500_000  # who has been alone for so long, and is as slow as people are, is no part of another that has
+_ALONE_US = 500_000  # two slow objects (people) that have both been alone for this long are not parts of one
 _SLOW = 7.0  # half sides per second
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
-_WITHIN = 0.7  # of the smaller box, in the greater
-_ABREAST = 0.6  # of the wider, covered by the other
-_ELONGATED = 2.3  # length of an object by its width, at most
+_WITHIN = 0.7  # share of the smaller box that lies in the larger
+_ABREAST = 0.6  # share of the wider box that is covered by the other
+_ELONGATED = 2.3  # maximum ratio of length to width of an object
 
 
 @njit(cache=True, nogil=True)
 def _within(a: Table, b: Table) -> bool:
-    """Whether the smaller box lies in the greater for the most part along both axes."""
+    """Whether most of the smaller box lies in the larger, along both axes."""
     for axis in range(2):
         overlap = a[axis, 1] + b[axis, 1] - abs(a[axis, 0] - b[axis, 0])
         if overlap < 2.0 * _WITHIN * min(a[axis, 1], b[axis, 1]):
@@ -36,8 +36,8 @@ def _within(a: Table, b: Table) -> bool:
 
 @njit(cache=True, nogil=True)
 def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
-    """Whether two boxes (2, 2) of centre and half side by axis lie so that they can be parts of one object: one in the other
-    for the most part; or one behind the other, as wide as each other, and together no longer than an object is."""
+    """Whether the positions of two boxes, (2, 2) centre and half side by axis, allow them to be parts of one object: one mostly
+    inside the other; or one behind the other, of equal width, and together no longer than an object can be."""
     overlap, together = np.empty(2), np.empty(2)
     for axis in range(2):
         low_a, high_a = a[axis, 0] - a[axis, 1], a[axis, 0] + a[axis, 1]
@@ -59,7 +59,7 @@ def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
 
 @njit(cache=True, nogil=True)
 def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
-    """Whether two objects are one: parts of one by place, and with one motion; or both entering over one edge, side by side."""
+    """Whether two objects are one: by position and with equal motion; or both entering over the same edge, side by side."""
     a, b = world.state[i], world.state[k]
     one, other = world.objects[i], world.objects[k]
     new_us = world.run[0].packet_end_us - _NEW_US

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From frames of events to clusters, compiled: points, their modes, and the modes that are one cluster."""
+"""Compiled clustering of a frame's events: points, their modes, and fusion of modes to clusters."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WINDOW = 1.5  # half a cluster's side, in standard deviations of its points: fr
 
 
 class Coordinates(NamedTuple):
-    """The settings of `config.MeanShiftConfig` that say what a point is, and what a cluster."""
+    """The settings of `config.MeanShiftConfig` that define points and clusters."""
 
     polarity_px: float
     time_px: float
@@ -31,7 +31,7 @@ class Coordinates(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def event_points(ts: Table, xs: Table, ys: Table, ps: Table, scale: Coordinates) -> tuple[Table, Table]:
-    """Of n events: (4, n) x, y, p, f in pixels, f by the time before the last event; and (n,) microseconds after the first."""
+    """Points of n events: (4, n) x, y, p, f in pixels, f by the time before the last event; and (n,) us after the first."""
     n = len(ts)
     points, after_us = np.empty((4, n)), np.empty(n)
     for e in range(n):
@@ -45,8 +45,8 @@ def event_points(ts: Table, xs: Table, ys: Table, ps: Table, scale: Coordinates)
 
 @njit(cache=True, nogil=True)
 def pixel_points(ts: Table, xs: Table, ys: Table, ps: Table, scale: Coordinates) -> tuple[Table, Table]:
-    """Of the n pixels that fired: (4, n) x, y, mean polarity, 0; and (n,) the mean time of all events after the first: a frame
-    does not tell more."""
+    """Points of n pixels with events: (4, n) x, y, mean polarity, 0; and (n,) the mean time of all events after the first,
+    since a frame has no finer timing."""
     address = np.empty(len(ts), np.int64)
     mean_us = 0.0
     for e in range(len(ts)):
@@ -70,10 +70,10 @@ def pixel_points(ts: Table, xs: Table, ys: Table, ps: Table, scale: Coordinates)
 
 @njit(cache=True, nogil=True)
 def fuse(mode_of: Table, modes: Table, fuse_px: float) -> tuple[Table, int]:
-    """The cluster of each of n points, and how many there are.
+    """The cluster of each of n points, and the number of clusters.
 
-    The mode of the most points is the middle of a cluster, and takes in all modes at most `fuse_px` from it in place; then the
-    one of the most points among those that are left, and so on.
+    The mode with the most points is the centre of a cluster and absorbs all modes at a distance of at most `fuse_px`; this is
+    repeated with the remaining modes.
     """
     m = modes.shape[1]
     points = np.zeros(m, np.int64)
@@ -98,7 +98,7 @@ def fuse(mode_of: Table, modes: Table, fuse_px: float) -> tuple[Table, int]:
 
 @njit(cache=True, nogil=True)
 def _describe(points: Table, after_us: Table, cluster: Table, n: int, points_min: int, out: Table, at: int) -> int:
-    """Write the clusters of enough points to `out` from `at` on; returns where they end."""
+    """Write the clusters with enough points to `out` from index `at` on; returns the index after the last."""
     sums = np.zeros((n, 5))
     for i in range(len(cluster)):
         row = sums[cluster[i]]
@@ -127,7 +127,7 @@ def _describe(points: Table, after_us: Table, cluster: Table, n: int, points_min
 def group(
     rules: Iteration, scale: Coordinates, of_pixels: bool, ts: Table, xs: Table, ys: Table, ps: Table, frames: Table,
 ) -> tuple[Table, Cost]:  # fmt: skip
-    """Cluster each frame on its own, and note in `frames` which clusters are whose; returns (d,) `DETECTION` and the cost."""
+    """Cluster each frame independently, and set its range of clusters in `frames`; returns (d,) `DETECTION` and the cost."""
     out = np.zeros(64, DETECTION)
     at = points_all = shifts = iterations = evaluations = pairs = 0
     for frame in frames:

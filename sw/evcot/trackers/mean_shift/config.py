@@ -17,31 +17,31 @@ Source = Literal["events", "frames"]
 # field -> (lowest, highest, meaning)
 MEAN_SHIFT_RANGES: dict[str, Range] = {
     **IDENTITY_RANGES,
-    "packet_events": (1, 1_000_000, "most events in a packet"),
+    "packet_events": (1, 1_000_000, "maximum number of events in a packet"),
     "packet_us": (1, 10**9, "longest packet"),
     "frame_us": (1, 10**9, "length of a frame"),
     "bandwidth_px": (0.1, 1000.0, "h, the kernel's standard deviation"),
-    "polarity_px": (0.0, 10_000.0, "pixels that the two polarities are apart"),
-    "time_px": (0.0, 10_000.0, "pixels that an event of now and one long ago are apart"),
+    "polarity_px": (0.0, 10_000.0, "distance of the two polarities, in pixels"),
+    "time_px": (0.0, 10_000.0, "distance of a current and a very old event, in pixels"),
     "tau_us": (1.0, 1e12, "time constant with which an event's weight f decays"),
-    "cutoff": (1.0, 6.0, "bandwidths past which the kernel counts as 0"),
-    "tolerance_px": (0.0, 1000.0, "a point that moves no farther in an iteration has arrived"),
-    "max_iterations": (1, 10_000, "iterations after which all points have"),
-    "fold_px": (0.0, 1000.0, "side of the cells in which points become one; 0 for never"),
-    "fuse_px": (0.0, 10_000.0, "modes no farther apart are one cluster"),
-    "points_min": (1, 1_000_000, "fewest points of a cluster"),
+    "cutoff": (1.0, 6.0, "distance in bandwidths beyond which the kernel is 0"),
+    "tolerance_px": (0.0, 1000.0, "a point that moves no farther in an iteration has converged"),
+    "max_iterations": (1, 10_000, "maximum number of iterations"),
+    "fold_px": (0.0, 1000.0, "side of the cells in which points are joined; 0 for never"),
+    "fuse_px": (0.0, 10_000.0, "maximum distance of the modes of one cluster"),
+    "points_min": (1, 1_000_000, "minimum number of points of a cluster"),
 }
 
 
 @dataclass(frozen=True)
 class MeanShiftConfig(IdentityConfig):
-    """Mean shift; limits in `MEAN_SHIFT_RANGES`.
+    """Settings of mean shift clustering; limits in `MEAN_SHIFT_RANGES`.
 
-    `source` says what is clustered: "events", packets of `packet_events` events or of `packet_us`, whichever is complete first
-    (points of x, y, polarity, time); or "frames", the pixels that fired within `frame_us` (points of x, y, mean polarity).
+    `source` selects what is clustered: "events", packets of `packet_events` events or of `packet_us`, whichever is complete
+    first (points of x, y, polarity, time); or "frames", the pixels with events in `frame_us` (points of x, y, mean polarity).
 
     Raises:
-        ConfigError: a value outside its range, or no such source.
+        ConfigError: a value outside its range, or an unknown source.
     """
 
     source: Source = "events"

@@ -6,16 +6,16 @@ A point i is z_i = [x, y, p, f], in pixels, f(t) = exp(-dt / tau). In every iter
     w_ij = w_j K(|[x_i, y_i] - [x_j0, y_j0]|^2 + |[p_i, f_i] - [p_j, f_j]|^2),    K(d^2) = exp(-d^2 / (2 h^2)),
     [x_i, y_i] <- sum_j w_ij [x_j0, y_j0] / sum_j w_ij,    [p_i, f_i] <- sum_j w_ij [p_j, f_j] / sum_j w_ij,
 
-all points at once: places are compared with the original ones, polarity and time with those of the previous iteration.
+all points at once: positions are compared with the original ones, polarity and time with those of the previous iteration.
 
-What makes it fast:
+Optimisations:
 
-- K is 0 past `cutoff` bandwidths. Points are kept in strips of that height, by x within a strip, so that those within reach of
-  a place are in three runs. What each sum leaves out is below exp(-cutoff^2 / 2) a point.
-- K within reach is a polynomial: off by less than 1e-13.
-- A point that moves no farther than the tolerance has arrived and is not computed again.
-- Points in one cell of the four-dimensional grid of `fold_px` are one trajectory from then on, at their mean: events of one
-  pixel before the first iteration, and whatever meets on its way.
+- K is 0 beyond `cutoff` bandwidths. Points are stored in strips of that height, sorted by x within a strip, so that the
+  neighbours of a position are in three runs. Each sum omits less than exp(-cutoff^2 / 2) per point.
+- K within the cutoff is a polynomial with an error below 1e-13.
+- A point that moves no farther than the tolerance has converged and is not computed again.
+- Points in one cell of the four-dimensional grid of `fold_px` are joined to one trajectory at their mean: events of one pixel
+  before the first iteration, and later all points that meet.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Table = NDArray[Any]
 
 
 class Iteration(NamedTuple):
-    """The settings of `config.MeanShiftConfig` that say how points move."""
+    """The settings of `config.MeanShiftConfig` for the iteration."""
 
     bandwidth_px: float
     cutoff: float
@@ -42,14 +42,14 @@ class Iteration(NamedTuple):
 
 
 class Cost(NamedTuple):
-    """What a clustering took.
+    """Computational cost of a clustering.
 
     Attributes:
-        points: that were clustered.
-        shifts: a trajectory's moves; iterations, summed over trajectories.
-        iterations: until the last trajectory of a packet had arrived, summed over packets.
-        evaluations: of the kernel, as made.
-        pairs: evaluations without a cutoff: of every shift with every original point.
+        points: number of points clustered.
+        shifts: moves of trajectories: iterations, summed over trajectories.
+        iterations: iterations until the last trajectory of a packet converged, summed over packets.
+        evaluations: kernel evaluations made.
+        pairs: evaluations without a cutoff: every shift with every original point.
     """
 
     points: int
@@ -66,14 +66,14 @@ def _sums(
 ) -> Any:  # fmt: skip
     """Sums of weight and of weighted coordinates over a run of points; `narrow` = 1 / (2 h^2), `reach` the squared cutoff."""
     s_w = s_x = s_y = s_p = s_f = 0.0
-    first: Any = np.uint64(begin)  # unsigned, so that no index counts from the end
+    first: Any = np.uint64(begin)  # unsigned: avoids the check for negative indices
     for j in range(first, np.uint64(end)):
         dx = x[j] - at_x
         dy = y[j] - at_y
         dp = p[j] - at_p
         df = f[j] - at_f
         d2 = dx * dx + dy * dy + dp * dp + df * df
-        # exp(-u) = exp(-u / 64)^64; u / 64 is at most 0.29, where eight terms of the series do.
+        # exp(-u) = exp(-u / 64)^64; u / 64 is at most 0.29, for which eight terms of the series suffice.
         v = d2 * (-narrow / 64.0)
         e = 1.0 + v * (1 / 7)
         e = 1.0 + v * (1 / 6) * e
@@ -99,9 +99,9 @@ def _sums(
 
 @njit(cache=True, nogil=True)
 def _fold(z: Table, weight: Table, moving: Table, side: float, into: Table) -> int:
-    """Make one of the m trajectories that share a cell, in place, and note in `into` what became of each; returns how many.
+    """Join those of the m trajectories that share a cell, in place; `into` gets the new index of each; returns their number.
 
-    z: (4, m), weight: (m,), moving: (m,) whether it has not yet arrived, into: (m,).
+    z: (4, m), weight: (m,), moving: (m,) whether it has not yet converged, into: (m,).
     """
     m = len(weight)
     size = 16
@@ -139,7 +139,7 @@ def _fold(z: Table, weight: Table, moving: Table, side: float, into: Table) -> i
 
 @njit(cache=True, nogil=True)
 def _in_strips(z: Table, top: float, height_px: float) -> tuple[Table, Table]:
-    """The order of points by strip of y and then by x, and where each strip begins in it."""
+    """The order of points by strip of y and then by x, and the index at which each strip begins."""
     n = z.shape[1]
     strip = np.empty(n, np.int64)
     for i in range(n):
@@ -161,7 +161,7 @@ def _in_strips(z: Table, top: float, height_px: float) -> tuple[Table, Table]:
 
 @njit(cache=True, nogil=True)
 def _after(x: Table, begin: int, end: int, limit: float) -> int:
-    """The first of x[begin:end], ascending, that is not below a limit."""
+    """Index of the first of x[begin:end], ascending, that is not below a limit."""
     while begin < end:
         middle = (begin + end) >> 1
         if x[middle] < limit:
@@ -180,7 +180,7 @@ def converge(rules: Iteration, points: Table, weights: Table) -> tuple[Table, Ta
         weights: (n,) above 0.
 
     Returns:
-        (n,) int64, the trajectory that each point ended in; (4, m) where these ended; and the cost.
+        (n,) int64, the trajectory of each point; (4, m) the final positions of the trajectories; and the cost.
     """
     n = len(weights)
     z, weight = points.copy(), weights.copy()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Named settings: two situations, each clustered in packets of events and in frames."""
+"""Named settings of mean shift: two situations, each clustered in packets of events and in frames."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .config import MeanShiftConfig
 
 __all__ = ["PRESETS"]
 
-# A contour of about 20 px: from a bandwidth of 0.7 of its radius on, its middle is one mode.
+# A contour of about 20 px: from a bandwidth of 0.7 of its radius on, its centre is a single mode.
 _DISCS = MeanShiftConfig(
     bandwidth_px=8.0,
     fold_px=2.0,

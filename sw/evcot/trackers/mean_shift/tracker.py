@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clusters of events by mean shift, followed across packets; or of the pixels of frames.
+"""Mean shift clustering of events in packets, or of pixels in frames, with tracking across them.
 
-Each packet is clustered on its own (`kernel` moves its points to their modes, `clusters` makes clusters of the modes), and
-clusters become tracks by optimal assignment (`evcot.trackers.frame_based.identity`).
+Each packet is clustered independently (`kernel` moves its points to their modes, `clusters` fuses the modes to clusters), and
+clusters are tracked by optimal assignment (`evcot.trackers.frame_based.identity`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ["MeanShiftTracker", "track"]
 
 
 class MeanShiftTracker(DetectionTracker):
-    """Mean shift as a stream."""
+    """Streaming tracker by mean shift clustering."""
 
     def __init__(self, config: MeanShiftConfig) -> None:
         self.config = config
@@ -49,12 +49,12 @@ class MeanShiftTracker(DetectionTracker):
 
     @property
     def cost(self) -> Cost:
-        """What the clustering has taken so far."""
+        """Computational cost of the clustering so far."""
         return self._cost
 
     @property
     def packets(self) -> int:
-        """Packets, or frames, so far."""
+        """Number of packets, or frames, so far."""
         return self._frames
 
     def _clusters(self, events: Events, frames: NDArray[np.void]) -> NDArray[np.void]:
@@ -66,10 +66,10 @@ class MeanShiftTracker(DetectionTracker):
 
 
 def track(recording: Recording, config: MeanShiftConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Cluster and follow the events of a recording, or those in it that filters let stay.
+    """Cluster and track the events of a recording, or a selection of them.
 
     Args:
-        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+        keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
 
     In the log `radius` is half the side of the cluster's window, `n_ev` its points in the packet, and `support` those in all
     packets.

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The software tracker that the field knows: the Rectangular Cluster Tracker, in float arithmetic."""
+"""The Rectangular Cluster Tracker, the established software tracker, in floating-point arithmetic."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prediction: between packets, clusters go on with the velocity that they have shown, whether events come or not."""
+"""Prediction: between packets, clusters advance with their estimated velocity, with or without events."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["advance", "shift"]
 
 @step
 def shift(cluster: Any, dx: float, dy: float) -> None:
-    """Put a cluster elsewhere, with its box."""
+    """Shift a cluster and its box."""
     cluster.x += dx
     cluster.y += dy
     cluster.left += dx
@@ -25,7 +25,7 @@ def shift(cluster: Any, dx: float, dy: float) -> None:
 
 @step
 def advance(state: State, begin_us: int, end_us: int) -> None:
-    """Carry every cluster whose velocity is trusted over the time from `begin_us` to `end_us`, within the sensor.
+    """Advance every cluster with a reliable velocity from `begin_us` to `end_us`, within the sensor.
 
     With friction the velocity decays, v exp(-silence / tau), from the cluster's last event on.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clusters whose windows leave the sensor, or that have too few events left, end before they fall silent."""
+"""Removal of clusters whose windows leave the sensor, or whose event rate is too low, before their lifetime has passed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["remove_failing"]
 
 @step
 def _share_outside(rules: Any, cluster: Any) -> Any:
-    """Of the window, the part outside the sensor, whose first pixel begins at -0.5."""
+    """Share of the window outside the sensor, whose first pixel begins at -0.5."""
     left, right = max(cluster.x - cluster.reach_x, -0.5), min(cluster.x + cluster.reach_x, rules.width - 0.5)
     top, bottom = max(cluster.y - cluster.reach_y, -0.5), min(cluster.y + cluster.reach_y, rules.height - 0.5)
     inside = max(0.0, right - left) * max(0.0, bottom - top)
@@ -24,7 +24,7 @@ def _share_outside(rules: Any, cluster: Any) -> Any:
 
 @step
 def remove_failing(state: State, begin_us: int, end_us: int) -> None:
-    """In the silence from `begin_us`, the end of a packet, to `end_us`."""
+    """Remove such clusters in the silence from `begin_us`, the end of a packet, to `end_us`."""
     rules = state.rules[0]
     i = 0
     while i < state.cursor[0].live:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of the Rectangular Cluster Tracker. `docs/rct.md` says what each does, by which equation, and what it costs."""
+"""Settings of the Rectangular Cluster Tracker. `docs/rct.md` describes each option, its equation and its cost."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ RCT_RANGES: dict[str, Range] = {
     "reference_y_px": (-1e5, 1e5, "where radius_px holds"),
 }
 
-# field -> what it can be
+# field -> allowed values
 RCT_CHOICES: dict[str, tuple[str, ...]] = {
     "assign": ("nearest", "first"),
     "distance": ("chebyshev", "manhattan", "euclidean"),
@@ -71,9 +71,9 @@ _SWITCHES = ("seeding", "free_aspect", "angle", "merging", "merge_grow")
 
 @dataclass(frozen=True)
 class RctConfig:
-    """The software Rectangular Cluster Tracker; limits in `RCT_RANGES`, names in `RCT_CHOICES`.
+    """Settings of the Rectangular Cluster Tracker; limits in `RCT_RANGES`, choices in `RCT_CHOICES`.
 
-    What stands after `packet_us` is off by default: the defaults are the paper's tracker.
+    All options after `packet_us` are off by default: the defaults are the paper's tracker.
 
     Raises:
         ConfigError: a value outside its range, or values that contradict each other.
@@ -160,7 +160,7 @@ class RctConfig:
             limits = f"radius_min_px = {self.radius_min_px:g} to radius_max_px = {self.radius_max_px:g}"
             raise ConfigError(f"rct.radius_px = {self.radius_px:g}: must lie from {limits} when size is {self.size!r}")
         if self.angle and (self.size == "quantile" or self.centre == "box"):
-            raise ConfigError("rct.angle = True: must not stand with size 'quantile' or centre 'box', whose sides do not turn")
+            raise ConfigError("rct.angle = True: must not be combined with size 'quantile' or centre 'box', which never turn")
         if self.perspective != "none" and self._depth_px() < 1.0:
             raise ConfigError(f"rct.perspective = {self.perspective!r}: reference must lie at least 1 px from vanishing")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which cluster takes an event: by the paper's rule, and with all options."""
+"""Find the cluster that takes an event: by the paper's rule, and with all options."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _SEPARATE = choice("polarity", "separate")
 
 @njit(cache=True, nogil=True, inline="always")
 def find_nearest(clusters: Table, cells: Table, ex: Any, ey: Any, x: float, y: float) -> Any:
-    """The seat of the cluster whose centre is nearest by Chebyshev's distance, and that distance; infinite where none is near.
+    """The seat of the cluster with the nearest centre by Chebyshev distance, and that distance; infinite if none is near.
 
-    A window of radius R holds exactly the points at most R away. Of two equally near, the older takes the event. The first is
-    taken before it is compared with others: mostly there are none, and nothing need wait for a distance.
+    A window of radius R holds exactly the points at most R away. Of two equally near, the older takes the event. The first one
+    is taken without a comparison: usually there is only one, and no distance delays the loop.
     """
     cell = cell_of(ex, ey)
     nearest = np.uint64(0)
@@ -49,7 +49,7 @@ def find_nearest(clusters: Table, cells: Table, ex: Any, ey: Any, x: float, y: f
 
 @njit(cache=True, nogil=True, inline="always")
 def _remoteness(rules: Any, dx: float, dy: float) -> Any:
-    """What the cluster that takes the event has least of."""
+    """The measure of distance that the cluster that takes the event minimises."""
     if rules.distance == _CHEBYSHEV:
         return max(abs(dx), abs(dy))
     if rules.distance == _MANHATTAN:
@@ -61,9 +61,9 @@ def _remoteness(rules: Any, dx: float, dy: float) -> Any:
 def find_by_options(
     rules: Any, clusters: Table, cells: Table, times: float, cell: Any, x: float, y: float, polarity: Any
 ) -> Any:
-    """The seat of the cluster whose window, so many times as large, holds the event: the nearest or first of such, or `NOBODY`.
+    """The seat of the cluster whose scaled window holds the event: the nearest or first such cluster, or `NOBODY`.
 
-    And where the event lies in it: dx, dy from the centre along the sensor's axes, and how far along the window's.
+    Also returns the event's offset from the centre: dx, dy along the sensor's axes, and along the window's axes.
     """
     holder = np.uint64(NOBODY)
     held = 0.0, 0.0, 0.0, 0.0

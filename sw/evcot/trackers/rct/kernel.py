@@ -24,7 +24,7 @@ _ON, _OFF = choice("polarity", "on"), choice("polarity", "off")
 
 @step
 def _at_times(state: State, t_us: int) -> Any:
-    """What time brings before an event; returns when to come again."""
+    """Process what is due before an event; returns the time of the next call."""
     cur = state.cursor[0]
     if t_us >= cur.packet_end_us:
         open_packet(state, t_us)
@@ -37,9 +37,9 @@ def _at_times(state: State, t_us: int) -> Any:
 def feed(
     state: State, rules: EventRules, ts: Table, xs: Table, ys: Table, ps: Table | None, owner: Table
 ) -> int:  # fmt: skip
-    """Track events until all are done or the buffer could overflow; returns how many are done.
+    """Track events until all are done or the buffer could overflow; returns the number done.
 
-    Without polarities, `ps` None, it is the paper's tracker: Numba then leaves out all that belongs to options.
+    Without polarities (`ps` None) it is the paper's tracker: Numba then compiles it without the code of the options.
     """
     _, cursor, clusters, live, _, cells, around, _, alphas, out = state
     cur = cursor[0]
@@ -110,7 +110,7 @@ def feed(
 
 @njit(cache=True, nogil=True)
 def close_last_packet(state: State) -> None:
-    """Close the open packet when no more events come: time has passed until the last event and no further."""
+    """Close the open packet at the end of the stream: time does not advance beyond the last event."""
     cur = state.cursor[0]
     if cur.packet_end_us != -NEVER_US:
         close_packet(state, cur.last_us)
@@ -119,7 +119,7 @@ def close_last_packet(state: State) -> None:
 
 @njit(cache=True, nogil=True)
 def place(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
-    """Set a cluster up by hand, as if an event had seeded it; returns its slot, -1 where none is free."""
+    """Create a cluster explicitly, as if seeded by an event; returns its slot, -1 if none is free."""
     cur = state.cursor[0]
     if cur.live == len(state.live):
         return -1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How clusters begin and end."""
+"""Creation and removal of clusters."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SEPARATE = choice("polarity", "separate")
 
 @step
 def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
-    """A new cluster at an event; it takes the lowest slot that is free. Returns its seat."""
+    """Create a cluster at an event, in the lowest free slot. Returns its seat."""
     cur = state.cursor[0]
     seat = take_seat(state)
     slot = 0
@@ -55,7 +55,7 @@ def seed(state: State, x: float, y: float, t_us: int, polarity: int) -> Any:
 
 @step
 def check(state: State, seat: int, index: int, t_us: int) -> None:
-    """What need not be asked with every event: is the cluster visible by now, is it still where it was registered?"""
+    """Checks not needed for every event: whether the cluster has become visible, and whether it must be re-registered."""
     cluster = state.clusters[seat]
     again = registered_for(state, seat)
     if cluster.track_id < 0:
@@ -71,7 +71,7 @@ def check(state: State, seat: int, index: int, t_us: int) -> None:
 
 @step
 def drop(state: State, i: int) -> None:
-    """The i-th live cluster is gone."""
+    """Remove the i-th live cluster."""
     cur = state.cursor[0]
     seat = state.live[i]
     unregister(state, seat)
@@ -83,7 +83,7 @@ def drop(state: State, i: int) -> None:
 
 @step
 def lose(state: State, i: int, now_us: int) -> None:
-    """The i-th live cluster ends before its time."""
+    """End the i-th live cluster before its lifetime has passed."""
     cur = state.cursor[0]
     seat = state.live[i]
     if state.clusters[seat].track_id >= 0:
@@ -98,10 +98,10 @@ def _end_us(rules: Any, cluster: Any) -> Any:
 
 @step
 def note_ends_of_life(state: State, t_us: int) -> None:
-    """Remember, for clusters whose life has ended by now, that the coming event is the first that finds them gone."""
+    """Record, for clusters whose lifetime has passed, the next event as the first one after their end."""
     cur = state.cursor[0]
     rules = state.rules[0]
-    cur.next_due_us = t_us + rules.lifetime_us  # of those that take an event from now on
+    cur.next_due_us = t_us + rules.lifetime_us  # for clusters that take an event from now on
     for i in range(cur.live):
         cluster = state.clusters[state.live[i]]
         if cluster.due_us != cluster.last_us:
@@ -115,7 +115,7 @@ def note_ends_of_life(state: State, t_us: int) -> None:
 
 @step
 def remove_silent(state: State, now_us: int) -> None:
-    """Clusters without an event for a lifetime end; visible ones may coast for a while before."""
+    """Remove clusters without an event for a lifetime; visible ones may coast for some time before."""
     cur = state.cursor[0]
     rules = state.rules[0]
     i = 0

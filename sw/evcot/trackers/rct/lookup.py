@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which clusters an event can belong to: the plane in cells of 8x8 pixels, and per cell the set of clusters that may reach it.
+"""Spatial lookup of candidate clusters: a grid of 8x8-pixel cells, with the set of clusters that may reach each cell.
 
-A cluster is registered in every cell that its window touches, widened by a slack; as long as it has moved no farther than
-that, the sets hold every window that holds an event, and an event is compared with the few clusters of its cell. Surrounds
-have sets of their own, which only an event in no window asks for. The cells wrap around after 512 pixels either way, so that
-no sensor size need be known: pixels so far apart share their sets, which only means more comparisons.
+A cluster is registered in every cell that its window, widened by a slack, touches; as long as it moves no farther than the
+slack, a cell's set includes every cluster whose window holds an event in the cell, and an event is compared with only these.
+Surrounds have separate sets, used only for events in no window. The cells wrap around after 512 pixels in x and y, so that
+the sensor size need not be known: pixels that far apart share a set, which only costs more comparisons.
 
-Sets are bits, 64 to a word: a cluster's bit is its seat. Seats are taken in the order of seeding, so that whoever looks at the
-clusters of a cell sees the older ones first.
+Sets are bit masks of 64-bit words: a cluster's bit is its seat. Seats are assigned in the order of seeding, so that iterating
+over a set visits older clusters first.
 """
 
 from __future__ import annotations
@@ -47,26 +47,26 @@ def cell_of(x: Any, y: Any) -> Any:
 
 @njit(cache=True, nogil=True, inline="always")
 def lowest(word: Any) -> Any:
-    """Number of the lowest bit that is set."""
+    """Index of the lowest set bit."""
     return np.uint64(trailing_zeros(word))  # type: ignore[call-arg]
 
 
 @njit(cache=True, nogil=True, inline="always")
 def without_lowest(word: Any) -> Any:
-    """The word without that bit."""
+    """The word with its lowest set bit cleared."""
     return word & (word - np.uint64(1))
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _slack_px(reach_px: float) -> float:
-    """How much wider than its window a cluster is registered: rarely moved, and in few cells in vain."""
+    """Slack of the registration: a compromise between few registrations and few unnecessary cells."""
     return max(2.0, 0.25 * reach_px)
 
 
 @step
 def _flip(cells: Table, seat: int, cluster: Any, times: float) -> None:
-    """Put a cluster into the sets of the cells that its window, so many times as large, may touch, or take it out of them:
-    the same bits change."""
+    """Toggle a cluster's bit in the sets of all cells that its window, scaled by `times`, may touch: adds it to these sets, or
+    removes it."""
     sets = cells[seat // _WORD]
     bit = np.uint64(1) << np.uint64(seat % _WORD)
     reach_x, reach_y = times * cluster.cells_reach_x, times * cluster.cells_reach_y
@@ -94,13 +94,13 @@ def _flip_all(state: State, seat: int) -> None:
 
 @step
 def unregister(state: State, seat: int) -> None:
-    """Take a cluster out of all sets."""
+    """Remove a cluster from all sets."""
     _flip_all(state, seat)
 
 
 @step
 def take_seat(state: State) -> Any:
-    """A seat for a new cluster, behind all others; where none is left there, all move up."""
+    """A seat for a new cluster, after all others; if none is left, the seats are compacted first."""
     cur = state.cursor[0]
     if cur.seated == len(state.clusters):
         state.cells[:] = 0
@@ -116,7 +116,7 @@ def take_seat(state: State) -> Any:
 
 @step
 def register(state: State, seat: int) -> None:
-    """Put a cluster into the sets of the cells around it."""
+    """Add a cluster to the sets of the cells around it."""
     cluster = state.clusters[seat]
     slack = _slack_px(max(cluster.reach_x, cluster.reach_y))
     cluster.cells_x = cluster.x
@@ -129,10 +129,10 @@ def register(state: State, seat: int) -> None:
 
 @njit(cache=True, nogil=True, inline="always")
 def events_within(rules: Any, cluster: Any) -> Any:
-    """How many events a cluster can take before it could leave the cells where it is registered; 0: it must move now.
+    """Number of events a cluster can take before it could leave its registered cells; 0: it must be re-registered now.
 
-    An event moves the paper's cluster by at most the mixing factor's share of the window's reach; with options, each event
-    looks for itself whether there is `room` left.
+    An event moves the paper's cluster by at most the mixing factor times the window's reach; with options, `room` is checked
+    at each event.
     """
     step_px = 0.0 if rules.whole > 0 else rules.alpha * rules.radius_px
     left_px = cluster.room - max(abs(cluster.x - cluster.cells_x), abs(cluster.y - cluster.cells_y))
@@ -143,13 +143,13 @@ def events_within(rules: Any, cluster: Any) -> Any:
 
 @njit(cache=True, nogil=True, inline="always")
 def set_room(cluster: Any) -> None:
-    """The window's size has changed, and with it the slack that is left."""
+    """Update the remaining slack after a change of the window's size."""
     cluster.room = min(cluster.cells_reach_x - cluster.reach_x, cluster.cells_reach_y - cluster.reach_y)
 
 
 @step
 def registered_for(state: State, seat: int) -> Any:
-    """Register a cluster anew where it must be; returns after how many events to ask again."""
+    """Re-register a cluster if necessary; returns the number of events until the next check."""
     rules = state.rules[0]
     cluster = state.clusters[seat]
     again = events_within(rules, cluster)

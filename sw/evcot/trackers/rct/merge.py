@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clusters that overlap become one."""
+"""Merging of overlapping clusters."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _HEAVIER = choice("merge_into", "heavier")
 
 @step
 def _grow(rules: Any, into: Any, gone: Any) -> None:
-    """The window of the one that stays, at its new centre, covers both windows; so does its box."""
+    """Grow the survivor's window, at its new centre, to cover both windows; likewise its box."""
     most = rules.radius_max_px
     wide = max(abs(into.x - gone.x) + gone.half_width, into.half_width)
     high = max(abs(into.y - gone.y) + gone.half_height, into.half_height)
@@ -37,7 +37,7 @@ def _grow(rules: Any, into: Any, gone: Any) -> None:
 
 @step
 def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
-    """Means weighted by the events of each; or, where the heavier stays, by mass, which old events do not count for."""
+    """Average the two clusters, weighted by their events; or, if the heavier survives, by mass, in which old events fade."""
     own = float(into.before + into.packet_events)
     other = float(gone.before + gone.packet_events)
     if rules.merge_into == _HEAVIER and into.mass + gone.mass > 0.0:
@@ -64,9 +64,9 @@ def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
 
 
 @step
-def _stays_second(rules: Any, first: Any, second: Any) -> Any:
-    """Whether of two the one seeded later stays: the one that became visible first does, or has more mass; of two invisible
-    ones, the one seeded first."""
+def _second_survives(rules: Any, first: Any, second: Any) -> Any:
+    """Whether the cluster that was seeded later survives: it does if it became visible first, or has more mass; of two
+    invisible clusters, the one seeded first survives."""
     if first.track_id < 0 or second.track_id < 0:
         return second.track_id > first.track_id
     if rules.merge_into == _HEAVIER:
@@ -78,11 +78,11 @@ def _stays_second(rules: Any, first: Any, second: Any) -> Any:
 def _merge(state: State, i: int, j: int) -> Any:
     """Merge the live clusters i < j into one.
 
-    Returns where the one that stays then stands among the live ones, or -1 if others have gone too.
+    Returns the index of the survivor among the live clusters, or -1 if others were removed, too.
     """
     cur = state.cursor[0]
     rules = state.rules[0]
-    swap = _stays_second(rules, state.clusters[state.live[i]], state.clusters[state.live[j]])
+    swap = _second_survives(rules, state.clusters[state.live[i]], state.clusters[state.live[j]])
     stays, goes = (j, i) if swap else (i, j)
     seat = state.live[stays]
     into = state.clusters[seat]
@@ -102,13 +102,13 @@ def _merge(state: State, i: int, j: int) -> Any:
 
 @step
 def _may_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
-    """Whether two windows that touch share enough, and nothing speaks against it."""
+    """Whether two touching windows overlap enough, and no option prevents the merge."""
     if now_us < a.apart_us and now_us < b.apart_us:
         return False
     if a.polarity != b.polarity:
         return False
     if rules.coast_us > 0 and now_us - min(a.last_us, b.last_us) >= rules.lifetime_us:
-        return False  # who coasts may be behind the other
+        return False  # a coasting cluster may be behind the other
     wide = min(a.reach_x + b.reach_x - abs(a.x - b.x), 2.0 * min(a.reach_x, b.reach_x))
     high = min(a.reach_y + b.reach_y - abs(a.y - b.y), 2.0 * min(a.reach_y, b.reach_y))
     smaller = 4.0 * min(a.reach_x * a.reach_y, b.reach_x * b.reach_y)
@@ -128,25 +128,25 @@ def _touch(a: Any, b: Any) -> Any:
 
 
 @step
-def _shall_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
-    """Two that touch. The paper's did not after the last packet, so that one must have had events since."""
+def _should_merge(rules: Any, a: Any, b: Any, now_us: int) -> Any:
+    """Whether to merge two clusters. Those of the paper did not touch after the last packet, so one must have new events."""
     return _may_merge(rules, a, b, now_us) if rules.whole > 0 else a.packet_events + b.packet_events > 0
 
 
 @step
 def _partner(rules: Any, clusters: Table, live: Table, i: int, begin: int, end: int, now_us: int) -> Any:
-    """The first of the live clusters from `begin` to `end` that shall merge with the i-th, or -1."""
+    """Index of the first live cluster from `begin` to `end` to merge with the i-th, or -1."""
     a = clusters[live[i]]
     for j in range(begin, end):
         b = clusters[live[j]]
-        if _touch(a, b) and _shall_merge(rules, a, b, now_us):
+        if _touch(a, b) and _should_merge(rules, a, b, now_us):
             return j
     return -1
 
 
 @step
 def merge_overlapping(state: State) -> None:
-    """Merge until no two shall, always the two that were seeded first."""
+    """Merge pairs until none is left to merge, always the pair that was seeded first."""
     cur = state.cursor[0]
     rules, clusters, live = state.rules[0], state.clusters, state.live
     now_us = cur.packet_end_us
@@ -157,6 +157,6 @@ def merge_overlapping(state: State) -> None:
             i += 1
             continue
         survivor = _merge(state, i, j)
-        # Of the clusters before these two, which had no partner, one may have one in what came of them.
+        # A cluster before these two, which had no partner, may have one in the merged cluster.
         first = _partner(rules, clusters, live, survivor, 0, i, now_us) if survivor >= 0 else 0
         i = first if first >= 0 else i

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an event does to its cluster where options are on."""
+"""Update of a cluster by an event, with options."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _mixing(rules: Any, alphas: Table, elapsed_us: Any) -> Any:
 
 @njit(cache=True, nogil=True, inline="always")
 def pull_size(rules: Any, cluster: Any, x: float, y: float, where: Any) -> None:
-    """An event in the window or its surround tells of the cluster's size, direction and spread."""
+    """Update the cluster's size, direction and spread with an event in the window or its surround."""
     if rules.shaped > 0:
         dx, dy, u, v = where
         in_middle_x = 1.0 if 2.0 * u < cluster.deviation_x else 0.0
@@ -42,7 +42,7 @@ def pull_size(rules: Any, cluster: Any, x: float, y: float, where: Any) -> None:
         cluster.middle_y = keep * cluster.middle_y + mix * in_middle_y
         cluster.moment_xy = keep * cluster.moment_xy + mix * (dx * dy)
     if rules.boxed > 0:
-        # A side steps outwards for an event beyond it and inwards for any other, so far that both balance at its quantile.
+        # A side steps outwards for an event beyond it and inwards for any other; the steps balance at its quantile.
         low = rules.box_quantile
         high = 1.0 - low
         cluster.left += cluster.step_x * (low - (1.0 if x < cluster.left else 0.0))
@@ -53,7 +53,7 @@ def pull_size(rules: Any, cluster: Any, x: float, y: float, where: Any) -> None:
 
 @njit(cache=True, nogil=True, inline="always")
 def move(rules: Any, alphas: Table, cluster: Any, x: float, y: float, where: Any, elapsed_us: Any) -> None:
-    """An event in the window moves the centre: to the mixed mean, or to the middle of the box."""
+    """Move the centre with an event in the window: to the mixed mean, or to the middle of the box."""
     pull_size(rules, cluster, x, y, where)
     if rules.centre == _BOX:
         cluster.x = 0.5 * (cluster.left + cluster.right)

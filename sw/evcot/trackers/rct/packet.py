@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the algorithm does after the events of a packet."""
+"""Processing at the end of a packet."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["close_packet", "open_packet"]
 
 @step
 def close_packet(state: State, now_us: int) -> None:
-    """Close the open packet; time has passed until `now_us`."""
+    """Close the open packet at `now_us`."""
     cur = state.cursor[0]
     rules = state.rules[0]
     remove_silent(state, now_us)
@@ -32,23 +32,23 @@ def close_packet(state: State, now_us: int) -> None:
         if state.clusters[seat].packet_events > 0:
             measure_velocity(state, seat, cur.packet_end_us)
     if rules.whole > 0:
-        _look(state, now_us)
+        _update_clusters(state, now_us)
     if rules.merging > 0:
         merge_overlapping(state)
     if rules.whole > 0:
-        _judge(state, now_us)
+        _update_tracks(state, now_us)
     for i in range(cur.live):
         seat = state.live[i]
         cluster = state.clusters[seat]
         coasts = rules.coast_us > 0 and now_us - cluster.last_us >= rules.lifetime_us
         if cluster.track_id >= 0 and (cluster.packet_events > 0 or coasts):
             record(state, MOVED, cur.index - 1, cur.last_us, seat, -1)
-    _settle(state)
+    _finish_packet(state)
 
 
 @step
-def _look(state: State, now_us: int) -> None:
-    """Options: mass, and what size and number of clusters the events of the packet want."""
+def _update_clusters(state: State, now_us: int) -> None:
+    """Options: update mass, size and number of clusters from the events of the packet."""
     rules = state.rules[0]
     decay = math.exp(-rules.packet_us / rules.mass_tau_us)
     for i in range(state.cursor[0].live):
@@ -60,8 +60,8 @@ def _look(state: State, now_us: int) -> None:
 
 
 @step
-def _judge(state: State, now_us: int) -> None:
-    """Options: who is gone, who is no track any more, who has become one."""
+def _update_tracks(state: State, now_us: int) -> None:
+    """Options: remove clusters, hide weak tracks, and show new ones."""
     cur = state.cursor[0]
     rules = state.rules[0]
     remove_failing(state, now_us, now_us)
@@ -82,8 +82,8 @@ def _judge(state: State, now_us: int) -> None:
 
 
 @step
-def _settle(state: State) -> None:
-    """The packet's events become the past; where prediction is on, clusters go on to where they will be."""
+def _finish_packet(state: State) -> None:
+    """Account for the packet's events; with prediction, advance the clusters."""
     cur = state.cursor[0]
     rules = state.rules[0]
     moves = rules.whole > 0
@@ -108,7 +108,7 @@ def _settle(state: State) -> None:
 
 @step
 def open_packet(state: State, t_us: int) -> None:
-    """Close the packets before the one that holds `t_us`: in the silent ones among them, clusters can only end or go on."""
+    """Close the packets before the one that holds `t_us`; in silent packets, clusters can only end or coast."""
     cur = state.cursor[0]
     rules = state.rules[0]
     if cur.packet_end_us == -NEVER_US:
@@ -120,17 +120,17 @@ def open_packet(state: State, t_us: int) -> None:
         begin_us = cur.packet_end_us
         cur.packet_end_us += silent * rules.packet_us
         if rules.whole > 0:
-            _fade(state, begin_us)
+            _remove_weak(state, begin_us)
         remove_silent(state, cur.packet_end_us)
         if rules.whole > 0:
-            _go_on(state, begin_us)
+            _coast(state, begin_us)
     cur.packet_end_us += rules.packet_us
     cur.closed = cur.records
 
 
 @step
-def _fade(state: State, begin_us: int) -> None:
-    """Options, in the silent packets from `begin_us` on: clusters become too weak."""
+def _remove_weak(state: State, begin_us: int) -> None:
+    """Options: remove or hide clusters that become too weak in the silent packets from `begin_us` on."""
     cur = state.cursor[0]
     rules = state.rules[0]
     remove_failing(state, begin_us, cur.packet_end_us)
@@ -141,8 +141,8 @@ def _fade(state: State, begin_us: int) -> None:
 
 
 @step
-def _go_on(state: State, begin_us: int) -> None:
-    """Options: where prediction is on, clusters have moved in those packets, and will in the next."""
+def _coast(state: State, begin_us: int) -> None:
+    """Options: with prediction, advance the clusters over the silent packets and the next one."""
     cur = state.cursor[0]
     advance(state, begin_us + state.rules[0].packet_us, cur.packet_end_us + state.rules[0].packet_us)
     for i in range(cur.live):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of the Rectangular Cluster Tracker by name: the paper's, and one per kind of scene; and the filters they want."""
+"""Named settings of the Rectangular Cluster Tracker: the paper's, and one per kind of scene; and their filters."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ __all__ = ["FILTERS", "PRESETS"]
 
 PRESETS: dict[str, RctConfig] = {
     "plain": RctConfig(),
-    # A road that leads away from the camera, 346x260: cars shrink towards a row above the picture. docs/evaluation.md has what
-    # it reaches, and on what it was tuned.
+    # A road that leads away from the camera, 346x260: cars shrink towards a row above the image. docs/evaluation.md has the
+    # results, and the data used for tuning.
     "traffic": RctConfig(
         radius_px=44.0,
         aspect=1.3,
@@ -36,8 +36,8 @@ PRESETS: dict[str, RctConfig] = {
         merge_into="heavier",
         merge_overlap=0.45,
     ),
-    # Round objects of one size, about 20 px wide, whose whole contour sends events. Where two cross, the older takes all events
-    # that it can reach, and the younger goes on unseen with the velocity that it had.
+    # Round objects of one size, about 20 px wide, with events on the whole contour. Where two cross, the older takes all events
+    # within its reach, and the younger coasts with its last velocity.
     "discs": RctConfig(
         radius_px=11.5,
         assign="first",
@@ -60,7 +60,7 @@ PRESETS: dict[str, RctConfig] = {
     ),
 }
 
-# Preset -> what stands in front of the tracker.
+# Preset -> filters in front of the tracker.
 FILTERS: dict[str, FilterConfig] = {
     "traffic": FilterConfig(activity_us=5_000),
 }

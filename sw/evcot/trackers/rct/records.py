@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Records go into a buffer whose tail belongs to the packet that is still open."""
+"""The buffer of records, whose tail belongs to the open packet."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _BOX = choice("centre", "box")
 
 @step
 def record(state: State, kind: int, index: int, t_us: int, seat: int, other_id: int) -> None:
-    """Write one record where its event index puts it; a loss stands before what the event itself causes."""
+    """Insert a record in order of its event index; a loss precedes the records caused by the event itself."""
     cur = state.cursor[0]
     out = state.out
     at = cur.records

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Windows: how large, of which shape and direction. Sizes change between packets, never in one."""
+"""Size, shape and direction of windows. They change between packets only."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _YOUNG_MIX, _YOUNG_STEP = 0.2, 0.1  # of the first events
 
 @step
 def _scale(rules: Any, x: float, y: float) -> Any:
-    """Of sizes, at a place: its distance from where things vanish over that of the reference."""
+    """Scale of sizes at a position: its distance from the vanishing point over that of the reference."""
     across, down = x - rules.vanishing_x_px, y - rules.vanishing_y_px
     whole_across, whole_down = rules.reference_x_px - rules.vanishing_x_px, rules.reference_y_px - rules.vanishing_y_px
     if rules.perspective == _ROW:
@@ -34,7 +34,7 @@ def _scale(rules: Any, x: float, y: float) -> Any:
 
 @step
 def set_reach(rules: Any, cluster: Any) -> None:
-    """Half the extent of the turned window along the sensor's axes."""
+    """Compute half the extent of the rotated window along the sensor's axes."""
     cos, sin = abs(cluster.cos), abs(cluster.sin)
     cluster.reach_x = cos * cluster.half_width + sin * cluster.half_height
     cluster.reach_y = sin * cluster.half_width + cos * cluster.half_height
@@ -47,7 +47,7 @@ def set_reach(rules: Any, cluster: Any) -> None:
 
 @step
 def start_size(rules: Any, cluster: Any) -> None:
-    """A new cluster's window, and events of which nothing is known but one."""
+    """Initialise a new cluster's window and event statistics."""
     scale = _scale(rules, cluster.x, cluster.y)
     cluster.half_width = rules.radius_px * scale
     cluster.half_height = rules.radius_px * scale * rules.aspect
@@ -67,7 +67,7 @@ def start_size(rules: Any, cluster: Any) -> None:
 
 @step
 def follow_size(rules: Any, cluster: Any) -> None:
-    """After a packet: the window as perspective and, once the cluster is visible, its events want it."""
+    """Update the window after a packet: by perspective and, once the cluster is visible, by its events."""
     scale = _scale(rules, cluster.x, cluster.y) if rules.perspective > 0 else 1.0
     if rules.size == _FIXED:
         if rules.perspective > 0:
@@ -91,7 +91,7 @@ def follow_size(rules: Any, cluster: Any) -> None:
 
 @step
 def _turn(cluster: Any) -> None:
-    """Along the axis in which the second moment is largest, where there is one."""
+    """Turn the window to the principal axis of the second moments, if there is a distinct one."""
     apart, across = cluster.moment_xx - cluster.moment_yy, 2.0 * cluster.moment_xy
     if math.hypot(apart, across) > _ROUND * (cluster.moment_xx + cluster.moment_yy):
         angle = 0.5 * math.atan2(across, apart)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A cluster whose events have become two groups becomes two."""
+"""Split a cluster whose events form two groups."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["split_apart"]
 
 @step
 def _halve(rules: Any, cluster: Any, along_x: bool, now_us: int) -> None:
-    """A window as wide as half the distance between the groups, events to match, and no merging back for a lifetime."""
+    """Halve a cluster's window and event statistics along an axis, and prevent merging back for a lifetime."""
     if along_x:
         cluster.half_width = max(rules.radius_min_px, 0.95 * cluster.deviation_x)
         cluster.deviation_x = cluster.half_width / rules.size_ratio
@@ -41,7 +41,8 @@ def _halve(rules: Any, cluster: Any, along_x: bool, now_us: int) -> None:
 
 @step
 def _split(state: State, i: int, along_x: bool, now_us: int) -> None:
-    """Two groups, each a mean deviation from the centre: the older keeps the one ahead, of two at rest the right or lower."""
+    """Split into two groups, each a mean deviation from the centre: the older cluster keeps the one ahead in the direction of
+    motion or, at rest, the right or lower one."""
     rules = state.rules[0]
     old = state.clusters[state.live[i]]
     away = old.deviation_x if along_x else old.deviation_y
@@ -50,7 +51,7 @@ def _split(state: State, i: int, along_x: bool, now_us: int) -> None:
     if dx * old.velocity_x + dy * old.velocity_y < 0.0:
         dx, dy = -dx, -dy
     new_seat = seed(state, old.x - dx, old.y - dy, old.last_us, old.polarity)
-    old = state.clusters[state.live[i]]  # which may have moved up
+    old = state.clusters[state.live[i]]  # whose seat may have changed
     new = state.clusters[new_seat]
     for twin in (new, old):
         twin.half_width, twin.half_height = old.half_width, old.half_height
@@ -69,7 +70,7 @@ def _split(state: State, i: int, along_x: bool, now_us: int) -> None:
 
 @step
 def split_apart(state: State, now_us: int) -> None:
-    """After a packet: for so many packets, few events fell into the middle half of a visible cluster, along its longer axis."""
+    """After a packet: split visible clusters that had few events in the middle half of their longer axis for enough packets."""
     rules = state.rules[0]
     cur = state.cursor[0]
     if rules.split_share == 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the compiled tracker knows: its settings, and what it remembers between two events, as plain arrays of records."""
+"""The state of the compiled tracker: settings and everything kept between two events, as plain structured arrays."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ __all__ = [
 Table = NDArray[Any]
 
 NEVER_US = 1 << 62
-# A cluster is born, and ends or moves, in one packet, and may be lost in the silence after it; then the next packet's births.
+# In one packet a cluster is born, and ends or moves; it may be lost in the silence after; then the next packet's births.
 RECORDS_PER_PACKET = 4
 CELLS = 64  # to a side of the lookup
 _LINE = 64  # bytes
 _WORD = 64  # bits
 ALPHAS = 4096  # intervals in us whose mixing factor stands in a table
 
-# The settings by their names; choices as numbers; and what follows from them.
+# The settings by name, with choices as numbers; and values derived from them.
 RULES = np.dtype(
     [(f.name, "<f8" if isinstance(f.default, float) else "<i8") for f in fields(RctConfig)]
     + [
@@ -53,7 +53,7 @@ RULES = np.dtype(
 
 
 class EventRules(NamedTuple):
-    """The rules that every event asks for, as values: no store can change them, so that the loop need not load them again."""
+    """The rules needed for every event, by value: no store can alias them, so that the loop need not reload them."""
 
     whole: int
     radius_px: float
@@ -70,14 +70,14 @@ class EventRules(NamedTuple):
     alpha_tau_us: float
 
 
-# What is known of a cluster. What every event touches stands first, eight to a line of the cache.
+# A cluster's fields. Those used for every event come first, eight per cache line.
 _CLUSTER_FIELDS = (
     ("x", "<f8"),  # centre, pixels
     ("y", "<f8"),
     ("last_us", "<i8"),  # its last event
     ("packet_events", "<i8"),  # events in the open packet
-    ("check_at", "<i8"),  # at so many of these it is looked at: visible by now? far from where it was registered?
-    ("slot", "<i8"),  # its number for the outside
+    ("check_at", "<i8"),  # value of `packet_events` at the next `life.check`
+    ("slot", "<i8"),  # public slot number
     ("cells_x", "<f8"),  # where it is registered in the lookup
     ("cells_y", "<f8"),
     # Options: the window, half its sides and its direction.
@@ -87,9 +87,9 @@ _CLUSTER_FIELDS = (
     ("sin", "<f8"),
     ("room", "<f8"),  # how far it may move before it is registered anew
     ("polarity", "<i8"),  # of the event that seeded it
-    ("mix", "<f8"),  # mixing factor of the means, larger in youth
+    ("mix", "<f8"),  # mixing factor of the means, larger for young clusters
     ("track_id", "<i8"),  # -1 until it is visible
-    # Options: what its events look like, as means, seen from the centre.
+    # Options: statistics of its events relative to the centre, as running means.
     ("deviation_x", "<f8"),  # absolute, along the window's axes
     ("deviation_y", "<f8"),
     ("moment_xx", "<f8"),  # second moments, along the sensor's
@@ -110,20 +110,20 @@ _CLUSTER_FIELDS = (
     ("from_x", "<f8"),  # where and when velocity was last measured
     ("from_y", "<f8"),
     ("from_us", "<i8"),  # NEVER_US before the end of its first packet
-    ("places", "<i8"),  # in the path so far
-    ("measured", "<i8"),  # of which since it last jumped
+    ("places", "<i8"),  # number of positions in the path so far
+    ("measured", "<i8"),  # number of these since it last jumped
     ("mass", "<f8"),  # at the end of the last packet
-    ("two", "<i8"),  # packets for which it has looked like two
-    ("apart_us", "<i8"),  # until then it does not merge with others of which the same is true
+    ("two", "<i8"),  # packets for which its events have formed two groups
+    ("apart_us", "<i8"),  # until then it does not merge with clusters for which the same holds
     ("reach_x", "<f8"),  # half the extent of the window along the sensor's axes
     ("reach_y", "<f8"),
-    ("due_index", "<i8"),  # first event at or after the end of its life, as of
-    ("due_us", "<i8"),  # the `last_us` for which that was found
-    ("cells_reach_x", "<f8"),  # how far around it is registered in the lookup
+    ("due_index", "<i8"),  # first event at or after the end of its life, for
+    ("due_us", "<i8"),  # the `last_us` for which it was determined
+    ("cells_reach_x", "<f8"),  # extent of its registration in the lookup
     ("cells_reach_y", "<f8"),
 )
 
-# Each on its own lines of the cache.
+# Padded to whole cache lines.
 CLUSTER = np.dtype(
     {
         "names": [name for name, _ in _CLUSTER_FIELDS],
@@ -132,24 +132,24 @@ CLUSTER = np.dtype(
     }
 )
 
-# A place on a path.
+# A position on a path.
 PLACE = np.dtype([("t_us", "<i8"), ("x", "<f8"), ("y", "<f8")])
 
 CURSOR = np.dtype(
     [
         ("live", "<i8"),  # clusters
-        ("seated", "<i8"),  # seats of the lookup that were given away
+        ("seated", "<i8"),  # seats of the lookup that were assigned
         ("births", "<i8"),  # clusters that became visible so far: the next track id
         ("index", "<i8"),  # events so far
         ("last_us", "<i8"),  # the last event
         ("packet_end_us", "<i8"),  # exclusive; -NEVER_US before the first event
-        ("next_due_us", "<i8"),  # no life whose end is not yet noted ends before it
+        ("next_due_us", "<i8"),  # lower bound of the ends of life not yet noted
         ("records", "<i8"),  # in the buffer
-        ("closed", "<i8"),  # of which in packets that are closed
+        ("closed", "<i8"),  # of which in closed packets
     ]
 )
 
-# What the outside sees of a cluster.
+# The public fields of a cluster.
 SUMMARY = np.dtype(
     [
         ("x", "<f8"),
@@ -169,19 +169,19 @@ SUMMARY = np.dtype(
 
 
 class State(NamedTuple):
-    """All that a tracker carries along.
+    """The complete state of a tracker.
 
     Attributes:
         rules: (1,) of `RULES`.
         cursor: (1,) of `CURSOR`.
         clusters: (max_clusters,) of `CLUSTER`, by slot.
-        live: (max_clusters,) int64: the slots in use, seeded first first.
+        live: (max_clusters,) int64: the slots in use, in order of seeding.
         taken: (max_clusters,) int64: 1 where a slot is in use.
         cells: (words, CELLS * CELLS) uint64: the sets of `lookup`, by windows.
-        around: the same by surrounds; without surrounds no words.
+        around: the same by surrounds; empty without surrounds.
         paths: (max_clusters, path_points) of `PLACE`, rings by slot.
-        alphas: (ALPHAS,) the mixing factor by the time in us since a cluster's last event, where it depends on that.
-        out: the records that were not yet taken, of dtype `TRACK`.
+        alphas: (ALPHAS,) the mixing factor by the time in us since a cluster's last event, if it depends on that.
+        out: the records that were not yet returned, of dtype `TRACK`.
     """
 
     rules: Table
@@ -197,7 +197,7 @@ class State(NamedTuple):
 
 
 def choice(field: str, name: str) -> int:
-    """The number that stands for a choice in the rules."""
+    """The integer code of a choice in the rules."""
     return RCT_CHOICES[field].index(name)
 
 
@@ -207,7 +207,7 @@ def event_rules(state: State) -> EventRules:
 
 
 def new_state(config: RctConfig, width: int, height: int) -> State:
-    """Before the first event."""
+    """The state before the first event."""
     n = config.max_clusters
     words = -(-(n + n // 4) // _WORD)
     cursor = np.zeros(1, CURSOR)
@@ -228,7 +228,7 @@ def new_state(config: RctConfig, width: int, height: int) -> State:
 
 
 def _on_lines(n: int, dtype: np.dtype[Any]) -> Table:
-    """n zeros that begin with a line of the cache."""
+    """n zeros, aligned to a cache line."""
     raw = np.zeros(n * dtype.itemsize + _LINE, np.uint8)
     begin = -raw.ctypes.data % _LINE
     return raw[begin : begin + n * dtype.itemsize].view(dtype)
@@ -248,7 +248,7 @@ def _rules(config: RctConfig, width: int, height: int) -> Table:
 
 
 def summary(clusters: NDArray[np.void]) -> NDArray[np.void]:
-    """What `RctTracker.clusters` shows of them, (k,) of dtype `SUMMARY`."""
+    """The public fields of clusters, as in `RctTracker.clusters`: (k,) of dtype `SUMMARY`."""
     shown = np.zeros(len(clusters), SUMMARY)
     for name in set(SUMMARY.names or ()) & set(CLUSTER.names or ()):
         shown[name] = clusters[name]

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The software tracker: the Rectangular Cluster Tracker of the paper's SOFTWARE section, in float arithmetic.
+"""The Rectangular Cluster Tracker of the paper's SOFTWARE section, in floating-point arithmetic.
 
-Events are taken one by one, in packets of `packet_us` that count from the first event.
+Events are processed one by one, in packets of `packet_us` counted from the first event.
 
-- An event belongs to the nearest cluster whose window holds it. Distance is Chebyshev, max(|dx|, |dy|), from the event to the
-  centre: a square window of radius R holds just the points at most R away, so one number decides both questions. Of two
+- An event is assigned to the nearest cluster whose window holds it. Distance is Chebyshev, max(|dx|, |dy|), from the event to
+  the centre: a square window of radius R holds exactly the points at most R away, so one number is sufficient. Of two
   equally near, the cluster seeded first takes it. The centre moves by equation (7), x <- (1 - alpha) x + alpha e.
-- An event in no window seeds a cluster, if fewer than `max_clusters` live. The cluster becomes visible (BORN) and gets its
+- An event in no window seeds a cluster, if there are fewer than `max_clusters`. The cluster becomes visible (BORN) and gets its
   track id with its `visible_events`-th event.
 - After each packet: clusters without an event for `lifetime_us` are removed (LOST, at last event + lifetime). Clusters whose
-  windows share a point merge at the mean of their centres weighted by events: the one that became visible first stays, of
+  windows share a point merge at the mean of their centres weighted by events: the one that became visible first survives, of
   two invisible ones the one seeded first (MERGED). Each visible cluster that took events reports its centre once (MOVED).
 - Velocity is the displacement from packet end to packet end, mixed by `velocity_alpha`.
 """
@@ -31,19 +31,19 @@ __all__ = ["RctTracker", "track"]
 
 
 class RctTracker:
-    """The tracker as a stream: feed events in runs of any length, the result does not depend on where they are cut.
+    """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
 
-    Memory is constant beyond the arrays that are returned.
+    Besides the returned arrays, memory is constant.
     """
 
     def __init__(self, config: RctConfig, width: int = 0, height: int = 0) -> None:
         """A tracker before its first event.
 
         Args:
-            width, height: of the sensor, px; 0: not known. Only `border_share` needs it, and prediction stays within it.
+            width, height: of the sensor, px; 0 if unknown. Required by `border_share`; limits prediction.
 
         Raises:
-            ConfigError: `border_share` without a size.
+            ConfigError: `border_share` without a sensor size.
         """
         if config.border_share < 1.0 and not (width > 0 and height > 0):
             raise ConfigError(f"rct.border_share = {config.border_share:g}: needs the sensor's width and height")
@@ -57,11 +57,11 @@ class RctTracker:
         """Track a run of events.
 
         Args:
-            events: (n,) events in time order, none before an event that was fed earlier.
+            events: (n,) events in time order, none before an event fed earlier.
 
         Returns:
             (m,) records of dtype `TRACK`, of the packets that these events closed, and (n,) int16 owners: the slot that took
-            each event, -1 where every slot was in use elsewhere.
+            each event, -1 if it is in no window and no slot is free.
 
         Raises:
             RecordingError: the run starts before the last event of the previous one.
@@ -79,7 +79,7 @@ class RctTracker:
         return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
 
     def finish(self) -> NDArray[np.void]:
-        """Close the last packet when no more events come; (m,) records of dtype `TRACK`.
+        """Close the last packet at the end of the stream; (m,) records of dtype `TRACK`.
 
         A cluster whose life would end after the last event is still alive.
         """
@@ -92,7 +92,7 @@ class RctTracker:
         return self._packet.index
 
     def place(self, x: float, y: float, t_us: int, polarity: int = 1) -> int:
-        """Set up a cluster at (x, y) px and at t_us, the time of the events so far or later, as seeding does at an event.
+        """Create a cluster at (x, y) px and time t_us, not before the last event, as if seeded by an event.
 
         Returns its slot.
 
@@ -108,13 +108,13 @@ class RctTracker:
         return slot
 
     def clusters(self) -> NDArray[np.void]:
-        """The live clusters, seeded first first: (k,) with x, y, half_width, half_height (px), velocity_x, velocity_y (px/s),
+        """The live clusters, in order of seeding: (k,) with x, y, half_width, half_height (px), velocity_x, velocity_y (px/s),
         angle (rad, of the width's side), mass, events, last_us, track_id (-1 while invisible) and slot."""
         return summary(self._live())
 
     def paths(self) -> list[NDArray[np.void]]:
-        """Where the live clusters have been, in the order of `clusters`: per cluster (m,) with t_us, x, y (px), oldest first,
-        a place per packet that brought it events, the last `path_points` of them."""
+        """The paths of the live clusters, in the order of `clusters`: per cluster (m,) with t_us, x, y (px), oldest first, one
+        position per packet in which it took events, the last `path_points` of them."""
         paths = []
         for cluster in self._live():
             places, size = int(cluster["places"]), self.config.path_points
@@ -126,7 +126,7 @@ class RctTracker:
         return live
 
     def _take_closed(self) -> NDArray[np.void]:
-        """Records of closed packets leave the buffer, those of the open packet move to its front."""
+        """Take the records of closed packets from the buffer; move those of the open packet to its front."""
         closed, records = int(self._cursor["closed"][0]), int(self._cursor["records"][0])
         out = self._state.out
         taken: NDArray[np.void] = out[:closed].copy()
@@ -137,10 +137,10 @@ class RctTracker:
 
 
 def track(recording: Recording, config: RctConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:
-    """Run the Rectangular Cluster Tracker over a recording, or over the events in it that filters let stay.
+    """Run the Rectangular Cluster Tracker over a recording, or over a selection of its events.
 
     Args:
-        keep: (n,) bool, which events the tracker sees; None: all. The log numbers events as the recording does.
+        keep: (n,) bool, mask of the events that the tracker sees; None for all. Event indices in the log are the recording's.
 
     In the log `radius` is the constant `radius_px`, `support` the events that the cluster accumulated, and `n_ev` those that it
     took in the packet.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Velocity, from the places at the ends of packets: event times are too close together to divide by."""
+"""Velocity estimation from the positions at the ends of packets: event times are too close together to divide by."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .state import NEVER_US, State, choice
 __all__ = ["jump", "measure_velocity"]
 
 _REGRESSION = choice("velocity", "regression")
-_FEW = 3  # places that say nothing about velocity yet
+_FEW = 3  # positions that are too few for a velocity
 
 
 @step
 def measure_velocity(state: State, seat: int, now_us: int) -> None:
-    """After a packet that brought the cluster events."""
+    """Update the velocity after a packet in which the cluster took events."""
     rules = state.rules[0]
     cluster = state.clusters[seat]
     if rules.path_points > 0:
@@ -43,7 +43,7 @@ def measure_velocity(state: State, seat: int, now_us: int) -> None:
 
 @step
 def _filter(rules: Any, cluster: Any, now_us: int) -> None:
-    """Displacement since the last packet that brought events, mixed like a location."""
+    """Displacement since the last packet with events, low-pass filtered like a location."""
     if cluster.from_us != NEVER_US:
         elapsed_s = 1e-6 * (now_us - cluster.from_us)
         keep = 1.0 - rules.velocity_alpha
@@ -53,7 +53,7 @@ def _filter(rules: Any, cluster: Any, now_us: int) -> None:
 
 @step
 def _regress(state: State, seat: int) -> None:
-    """The slope of the line through the last places that fits best: sum dt dx / sum dt dt, about their means."""
+    """Slope of the least-squares line through the last positions: sum dt dx / sum dt dt, about their means."""
     cluster = state.clusters[seat]
     size = state.paths.shape[1]
     n = min(cluster.measured, size)
@@ -82,7 +82,7 @@ def _regress(state: State, seat: int) -> None:
 
 @step
 def jump(cluster: Any, now_us: int) -> None:
-    """The cluster was put elsewhere: no velocity can be told from before to after."""
+    """Restart the velocity estimation after the cluster was moved by other means than events."""
     cluster.from_x = cluster.x
     cluster.from_y = cluster.y
     cluster.from_us = now_us

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a cluster becomes a track, and when it is one no more."""
+"""Visibility: when a cluster becomes a track, and when it ceases to be one."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ _LONG = 1 << 40  # events
 
 @njit(cache=True, nogil=True, inline="always")
 def missing_events(rules: Any, cluster: Any) -> Any:
-    """How many more a cluster needs to be visible; with rates and masses, which only packets tell, very many."""
+    """Number of events a cluster needs to become visible; very large with rates and masses, which are checked per packet."""
     return rules.visible_events - cluster.before - cluster.packet_events if rules.visibility == _EVENTS else _LONG
 
 
 @step
 def grow_mass(rules: Any, cluster: Any, decay: float) -> None:
-    """Mass decays over the packet, and each of its events adds 1."""
+    """Update the mass after a packet: it decays, and each event adds 1."""
     cluster.mass = cluster.mass * decay + cluster.packet_events
 
 
 @step
 def rate_hz(rules: Any, cluster: Any) -> Any:
-    """Events per second: a steady rate builds up a mass of rate times time constant."""
+    """Event rate in events/s: a constant rate gives a mass of rate times time constant."""
     return cluster.mass * 1e6 / rules.mass_tau_us
 
 
 @step
 def _weight(rules: Any, cluster: Any) -> Any:
-    """What makes it visible, as a multiple of what is asked for."""
+    """The quantity that makes a cluster visible, as a multiple of its threshold."""
     if rules.visibility == _EVENTS:
         return (cluster.before + cluster.packet_events) / rules.visible_events
     if rules.visibility == _RATE:
@@ -49,21 +49,21 @@ def _weight(rules: Any, cluster: Any) -> Any:
 
 @step
 def is_due(rules: Any, cluster: Any) -> Any:
-    """Whether a cluster has what it takes to be visible."""
+    """Whether a cluster meets the conditions to become visible."""
     return _weight(rules, cluster) >= 1.0 and cluster.deviation_x + cluster.deviation_y >= rules.birth_spread_px
 
 
 @step
 def is_weak(rules: Any, cluster: Any) -> Any:
-    """Whether a track has no longer what it takes to be one."""
+    """Whether a track no longer meets the conditions to stay visible."""
     return rules.visibility != _EVENTS and cluster.track_id >= 0 and _weight(rules, cluster) < rules.hidden_share
 
 
 @step
 def show_if_due(state: State, seat: int, index: int, t_us: int) -> Any:
-    """An invisible cluster that has what it takes becomes a track: a new one, or one that coasted nearby.
+    """Make an invisible cluster that meets the conditions a track: a new one, or one that coasted nearby.
 
-    Returns where among the live clusters the one stands whose track this one took over and which must now be dropped, or -1.
+    Returns the index among the live clusters of the one whose track was taken over and which must now be dropped, or -1.
     """
     rules = state.rules[0]
     cluster = state.clusters[seat]
@@ -86,7 +86,7 @@ def show_if_due(state: State, seat: int, index: int, t_us: int) -> Any:
 
 @step
 def _coasting_nearby(state: State, seat: int, now_us: int) -> Any:
-    """The nearest visible cluster that has been silent for a lifetime, within the reach of its predicted place."""
+    """The nearest visible cluster without events for a lifetime whose predicted position is within reach, or -1."""
     rules = state.rules[0]
     cluster = state.clusters[seat]
     nearest = -1
@@ -103,9 +103,9 @@ def _coasting_nearby(state: State, seat: int, now_us: int) -> Any:
 
 @step
 def falls_at(rules: Any, level: float, least: float, begin_us: int, end_us: int) -> Any:
-    """The end of the packet in which a level that decays like mass falls below the least, if that is not after `end_us`.
+    """The end of the packet in which a level that decays like mass falls below a limit, if that is not after `end_us`.
 
-    `begin_us` if it is there already.
+    `begin_us` if it is already below.
     """
     if level < least:
         return begin_us
@@ -117,9 +117,9 @@ def falls_at(rules: Any, level: float, least: float, begin_us: int, end_us: int)
 
 @step
 def hide_weak(state: State, seat: int, begin_us: int, end_us: int) -> None:
-    """A track whose rate or mass falls below its share of what is asked for, in the silence from `begin_us` to `end_us`, ends.
+    """End a track whose rate or mass falls below its share of the threshold in the silence from `begin_us` to `end_us`.
 
-    Its cluster lives on, invisible.
+    Its cluster continues to exist, invisible.
     """
     rules = state.rules[0]
     cluster = state.clusters[seat]

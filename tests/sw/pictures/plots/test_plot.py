@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures for a paper: what is drawn, how large, and the same bytes every time."""
+"""Figures for publications: content, size, and reproducible files."""
 
 from __future__ import annotations
 

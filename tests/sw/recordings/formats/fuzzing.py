@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Damage to a small file, of every kind and many times over: what a reader may answer, and nothing else."""
+"""Fuzzing of readers: a small file is damaged in many ways, and every result of the reader is checked."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["Outcomes", "cut_lengths", "fuzz", "sample_of"]
 # `make fuzz` leaves nothing out where the usual tests take a sample, because each damaged file takes long to read.
 _THOROUGH = bool(os.environ.get("EVCOT_FUZZ"))
 
-_LOSS = re.compile(r": (\d+ events left out: |all after \d+ events left out: )")
+_LOSS = re.compile(r": (\d+ events left out: |everything after \d+ events left out: )")
 
 
 def sample_of(corruptions: int, usual: int) -> int:
@@ -55,8 +55,8 @@ def fuzz(
 ) -> Outcomes:
     """Damage `content`, read it from `path` each time, and check every answer.
 
-    A reader may refuse the file by a RecordingError of one line that starts with the path; or give events inside the sensor and
-    in time order, with a RecordingWarning for every loss. What a file cut short gives must be a prefix of what it gave whole.
+    A reader may refuse the file with a one-line RecordingError that starts with the path; or return events inside the sensor
+    and in time order, with a RecordingWarning for every loss. The events of a truncated file must be a prefix of the file's.
 
     Args:
         path: where to write; its suffix is the format's, if that matters.

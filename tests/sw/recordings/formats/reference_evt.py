@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The published word tables of EVT 2.0, EVT 2.1, EVT 3.0 and DAT, read word by word with nothing but integers.
+"""Reference decoders of EVT 2.0, EVT 2.1, EVT 3.0 and DAT, word by word from the published tables, with plain integers.
 
-Written from the tables alone, for the decoders to be held against: slow, plain, and with no line in common with them. It also
-makes words, and files of them.
+Written from the tables alone, to be compared with evcot's decoders: slow, simple, and sharing no code with them. Also makes
+words, and files of words.
 """
 
 from __future__ import annotations
@@ -198,7 +198,7 @@ def write(path: Path, kind: str, words: Sequence[int], header: bytes | None = No
 
 
 def reference(kind: str, words: Sequence[int], t0_us: int = 0) -> Read:
-    """What the tables say about these words."""
+    """The result of the tables for these words."""
     match kind:
         case "evt2":
             return read_evt2(words, t0_us)

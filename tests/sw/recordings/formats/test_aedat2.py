@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 2.0 and 1.0: the bits of each chip, the picture upright, time beyond its 32 bits, and what is no event."""
+"""AEDAT 2.0 and 1.0: address bits of each chip, orientation, wrap-around of time, and records that are not events."""
 
 from __future__ import annotations
 
@@ -242,7 +242,7 @@ def test_what_is_no_whole_recording_is_refused_by_rule(path: Path, content: byte
 
 def test_the_events_before_a_cut_are_given(path: Path) -> None:
     expected = make_rows(5, 128, 128)
-    with pytest.warns(RecordingWarning, match="all after 4 events left out: 7 bytes behind the last record"):
+    with pytest.warns(RecordingWarning, match="everything after 4 events left out: 7 bytes behind the last record"):
         assert read(path, dvs128_file(expected)[:-1], damage="skip") == expected[:4]
 
 

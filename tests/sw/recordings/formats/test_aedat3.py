@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 3.1, packet by packet, from files laid out here as the specification has it."""
+"""AEDAT 3.1, packet by packet, from files laid out here according to the specification."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def test_small_packets_come_in_blocks_and_a_large_one_too(path: Path) -> None:
 def test_the_packets_before_a_damaged_one_are_given(path: Path) -> None:
     expected = make_rows(30)
     content = header() + polarity(expected[:10]) + polarity(expected[10:20]) + polarity(expected[20:])
-    with pytest.warns(RecordingWarning, match=r"all after 20 events left out: packet at byte \d+ goes beyond byte"):
+    with pytest.warns(RecordingWarning, match=r"everything after 20 events left out: packet at byte \d+ goes beyond byte"):
         assert read(path, content[:-1], damage="skip") == expected[:20]
 
 
@@ -183,12 +183,12 @@ START = len(header())
         (
             header() + struct.pack("<hh6i", 1, 1, 8, 4, 0, 1, -1, 1),
             f"packet at byte {START}: 1 valid events of -1 of at most 1, 8 bytes each, after 0 turns of time: "
-            "must be none below 0, and no number beyond the next",
+            "must not be negative, and valid <= events <= capacity",
         ),
         (
             header() + struct.pack("<hh6i", 1, 1, 0, 4, 0, 1, 1, 1),
             f"packet at byte {START}: 1 valid events of 1 of at most 1, 0 bytes each, after 0 turns of time: "
-            "must be none below 0, and no number beyond the next",
+            "must not be negative, and valid <= events <= capacity",
         ),
         (
             header() + polarity([(1, 1, 1, 1)], source=5),

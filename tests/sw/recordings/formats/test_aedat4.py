@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 4.0: every event of every packet, the place of every time, and whatever a damaged file may say of itself."""
+"""AEDAT 4.0: every event of every packet, seeking to every time, and the claims of damaged files."""
 
 from __future__ import annotations
 
@@ -224,7 +224,7 @@ def test_a_file_that_was_never_closed_is_read_to_its_end(tmp_path: Path) -> None
     path.write_bytes(content[:-1])
     assert refusal(path).endswith(f"goes beyond byte {len(content) - 1}, their end; is it cut off or damaged?")
     with pytest.warns(
-        RecordingWarning, match=rf"all after {2 * PACKET_EVENTS} events left out: packet at byte \d+ goes beyond"
+        RecordingWarning, match=rf"everything after {2 * PACKET_EVENTS} events left out: packet at byte \d+ goes beyond"
     ):
         assert_same(read_recording(path, damage="skip").events, events[: 2 * PACKET_EVENTS])
 
@@ -334,7 +334,7 @@ def test_what_comes_before_a_packet_unlike_the_table_is_given(tmp_path: Path) ->
     at = content.index(last, len(content) // 3)
     path = tmp_path / "changed.aedat4"
     path.write_bytes(content[:at] + struct.pack("<q", 10**6) + content[at + 8 :])
-    with pytest.warns(RecordingWarning, match="all after 4096 events left out: packet at byte"):
+    with pytest.warns(RecordingWarning, match="everything after 4096 events left out: packet at byte"):
         assert_same(read_recording(path, damage="skip").events, events[:4096])
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""AEDAT 4.0 over TCP: a server of our own that can misbehave, and dv-processing's."""
+"""AEDAT 4.0 over TCP: from a test server that can misbehave, and from dv-processing's."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def sent(events: Events, packets: int = 4) -> bytes:
 
 @contextmanager
 def server(data: bytes, *, then_stay: bool = False) -> Iterator[int]:
-    """A port on which the first who comes gets the data, in small pieces; then the connection ends, or stays silent."""
+    """A port on which the first client gets the data, in small pieces; then the connection is closed, or stays idle."""
     done = threading.Event()
     with socket.create_server(("127.0.0.1", 0)) as listening:
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results come in the order of their pieces, and what goes wrong comes in its turn."""
+"""Results are returned in the order of their pieces, and exceptions are raised in order, too."""
 
 from __future__ import annotations
 

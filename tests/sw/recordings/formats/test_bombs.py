@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files made to break readers: packed so that kilobytes become gigabytes, or claiming what is not there.
+"""Malicious files: kilobytes that decompress to gigabytes, or claims of data that are not in the file.
 
-Each is read in a process of its own, from its first event to its last, and what that process held at most is measured. It gives
-the events that are really in the file, or one line of refusal; never a traceback, never the file's size in memory.
+Each is read in a separate process, from its first event to its last, and the peak memory of that process is measured. The
+events that are really in the file are returned, or the file is refused in one line; never a traceback, never the claimed size
+in memory.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ print(json.dumps([seen, longest, what, resource.getrusage(resource.RUSAGE_SELF).
 
 @dataclass(frozen=True)
 class Answer:
-    """What reading a file gave."""
+    """The result of reading a file."""
 
     events: int
     longest_block: int
@@ -59,7 +60,7 @@ class Answer:
 
 
 def answer_to(path: Path) -> Answer:
-    """Read a file elsewhere; its memory is bounded, and it may refuse in one line but not break."""
+    """Read a file in another process with bounded memory, which may refuse the file in one line but not crash."""
     done = subprocess.run([sys.executable, "-c", _READER, str(path)], capture_output=True, text=True, timeout=_HUNG_S)
     assert done.returncode == 0, done.stderr[-2000:]
     events, longest, refusal, peak_mb = json.loads(done.stdout)

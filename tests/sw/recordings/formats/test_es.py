@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Event Stream 2: byte by byte, against faery, and cut anywhere."""
+"""Event Stream 2: byte by byte, against faery, and truncated anywhere."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def test_the_events_before_a_cut_are_given(path: Path, rest: int) -> None:
     content = header() + bytes([1]) + place(1, 1) + (bytes([3]) + place(2, 2))[:rest]
     message = f"ends within an event, at byte {len(content)}; is it cut off?"
     assert refusal(path, content) == message
-    with pytest.warns(RecordingWarning, match=f"all after 1 events left out: {message}"):
+    with pytest.warns(RecordingWarning, match=f"everything after 1 events left out: {message}"):
         assert read(path, content, damage="skip") == [(0, 1, 1, 1)]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""EVT 2.0, EVT 2.1, EVT 3.0 and DAT, word by word: every event has the time that its own words give."""
+"""EVT 2.0, EVT 2.1, EVT 3.0 and DAT, word by word: every event has the time encoded in its words."""
 
 from __future__ import annotations
 

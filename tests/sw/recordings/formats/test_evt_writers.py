@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is written as EVT 2.0 or EVT 3.0 is read back event by event, by evcot, by the tables, and by other decoders."""
+"""Events written as EVT 2.0 or EVT 3.0 are read back unchanged by evcot, by the reference tables, and by other decoders."""
 
 from __future__ import annotations
 

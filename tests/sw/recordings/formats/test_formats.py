@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all formats have in common: they refuse by rule, and find a sensor; and real recordings are read as they are."""
+"""Common behaviour of all formats: refusal by rule, detection of the sensor; and real recordings are read unchanged."""
 
 from __future__ import annotations
 

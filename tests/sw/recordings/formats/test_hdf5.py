@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""HDF5 recordings are what h5py finds in them, whichever layout they have; damage is told in one line."""
+"""HDF5 recordings are read as by h5py, in every layout; damage is reported in one line."""
 
 from __future__ import annotations
 
@@ -255,7 +255,7 @@ def test_numbers_that_break_a_rule_are_named(tmp_path: Path, column: str, values
 
 def test_a_file_without_events_is_refused(tmp_path: Path) -> None:
     assert refusal(make(tmp_path / "a.h5", lambda file: file.create_group("frames"))) == (
-        "holds no events in a known layout: has frames at its top"
+        "holds no events in a known layout: has frames at its top level"
     )
     empty = {name: np.empty(0, "u4") for name in "txyp"}
     assert refusal(make(tmp_path / "b.h5", lambda file: put(file.create_group("events"), empty))) == "holds no events"
@@ -307,10 +307,10 @@ def test_a_library_that_hangs_or_dies_is_a_refusal(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(hdf5, "survey", hdf5_survey.survey)
     assert_events(read_recording(path).events, offset_us=OFFSET_US)
     monkeypatch.setattr(hdf5_survey, "SECONDS", 0.001)
-    assert refusal(path) == "the HDF5 library did not find its way through the file in 0.001 s: is it damaged?"
+    assert refusal(path) == "the HDF5 library did not finish reading the file's structure within 0.001 s: is it damaged?"
     monkeypatch.setattr(hdf5_survey, "SECONDS", 20.0)
     monkeypatch.setattr(hdf5_survey.sys, "executable", "/bin/false")
-    assert refusal(path) == "the HDF5 library ended its process (status 1): is the file damaged?"
+    assert refusal(path) == "the HDF5 library crashed (status 1): is the file damaged?"
 
 
 @pytest.mark.parametrize("write", [write_dsec, write_prophesee], ids=["dsec", "prophesee"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""MATLAB structs of events are what scipy and h5py write, in every coding of pixels and polarity."""
+"""MATLAB structs of events, as written by scipy and h5py, in every coding of pixels and polarity."""
 
 from __future__ import annotations
 

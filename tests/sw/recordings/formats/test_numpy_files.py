@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events in NumPy's files, under whatever names and in whatever types they are kept."""
+"""Events in NumPy files, with different field names and types."""
 
 from __future__ import annotations
 
@@ -209,7 +209,7 @@ def test_a_file_cut_short_gives_what_there_is_if_asked_to(tmp_path: Path) -> Non
     np.save(path, records(EVENTS.t_us))
     path.write_bytes(path.read_bytes()[:-20])
     assert refusal(path) == "ends after event 57 of 60; is it cut off?"
-    with pytest.warns(RecordingWarning, match="all after 58 events left out: ends after event 57"):
+    with pytest.warns(RecordingWarning, match="everything after 58 events left out: ends after event 57"):
         assert_same(read_recording(path, damage="skip").events, EVENTS[:58])
 
 
@@ -222,7 +222,7 @@ def test_a_file_that_goes_on_or_shrinks_is_refused(tmp_path: Path) -> None:
             file.read()
     np.save(path, records(EVENTS.t_us))
     path.write_bytes(path.read_bytes() + b"1")
-    assert refusal(path) == "array: goes on after 60 rows: its header must tell of all"
+    assert refusal(path) == "array: goes on after 60 rows: its header must count all of them"
 
 
 @pytest.mark.parametrize("sizes", [[1], [3, 1, 5], [300_000, 2]])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A damaged RAW or DAT file is refused, or what it lost is counted; no event outside the sensor or back in time comes out."""
+"""A damaged RAW or DAT file is refused, or its losses are counted; no event is outside the sensor or back in time."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_what_stands_before_a_word_that_is_cut_off_can_be_had(tmp_path: Path) ->
     content = packed("evt2", [evt2_high(1), evt2_event(1, 2, 3, 4), evt2_event(1, 2, 4, 4)])[:-1]
     rule = f"ends within a word of 4 bytes, at byte {len(content)}; is it cut off?"
     assert answer(path, content) == rule
-    with pytest.warns(RecordingWarning, match="all after 1 events left out: ends within a word of 4 bytes"):
+    with pytest.warns(RecordingWarning, match="everything after 1 events left out: ends within a word of 4 bytes"):
         assert len(read_recording(path, damage="skip").events) == 1
 
 
@@ -93,7 +93,7 @@ def test_a_file_that_shrinks_while_it_is_read_is_refused(tmp_path: Path) -> None
     path.write_bytes(content)
     with open_recording(path, (2, 2)) as file:
         path.write_bytes(content[:-20])
-        with pytest.raises(RecordingError, match=f"ends at byte {len(content) - 20}, sooner than when it was opened"):
+        with pytest.raises(RecordingError, match=f"ends at byte {len(content) - 20}, earlier than when it was opened"):
             file.read()
 
 

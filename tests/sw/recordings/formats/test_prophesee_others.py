@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""evcot's decoders beside those of other packages: where they agree event by event, and where they are known not to."""
+"""evcot's decoders compared with those of other packages: where they agree event by event, and the known differences."""
 
 from __future__ import annotations
 

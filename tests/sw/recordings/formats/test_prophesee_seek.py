@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A window of a RAW or DAT file is what a full read has in it, and most of the file stays unread, or at least undecoded."""
+"""A window of a RAW or DAT file has the events of a full read, and most of the file is not read, or at least not decoded."""
 
 from __future__ import annotations
 

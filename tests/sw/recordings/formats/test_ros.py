@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS bags are what the library rosbags, which writes them here, finds in them event by event."""
+"""ROS bags, written here with the library rosbags, are read event by event as by that library."""
 
 from __future__ import annotations
 
@@ -272,7 +272,7 @@ def test_a_bag_that_was_cut_off_gives_what_is_before_the_cut(tmp_path: Path) -> 
     index_at = int.from_bytes(content[content.index(b"index_pos=") + 10 :][:8], "little")
     path.write_bytes(content[: index_at - 1])
     assert refusal(path).endswith("is it cut off?")
-    with pytest.warns(RecordingWarning, match=f"all after {COUNT} events left out"):
+    with pytest.warns(RecordingWarning, match=f"everything after {COUNT} events left out"):
         assert_events(read_recording(path, damage="skip").events)
 
 

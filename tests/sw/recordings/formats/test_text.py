@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events in text, as people and tools write it."""
+"""Events in text files, as written by people and tools."""
 
 from __future__ import annotations
 
@@ -151,9 +151,9 @@ WHOLE_US = "must be a whole number of microseconds, below 2^63 us"
         ("10,1,2,1,a\n11,1,2,1,a" + 2000 * "b" + "\x01\n", "line 2: holds a byte of 0x01: must be text"),
         ("t,x,y,p\n", "holds no events"),
         ("# all, of, it\n# comment", "holds no events"),
-        ("t,x,y\n1,2,3\n", "line 1: 't,x,y': is no event, so it must name each of t, x, y, p once; p is not"),
-        ("t,x,x,y,p\n1,2,3,4,1\n", "line 1: 't,x,x,y,p': is no event, so it must name each of t, x, y, p once; x is not"),
-        ("# Title\n\nSome prose.\n", "line 3: 'Some prose.': is no event, so it must name each of t, x, y, p once; t is not"),
+        ("t,x,y\n1,2,3\n", "line 1: 't,x,y': is not an event: must name each of t, x, y, p once; p is not"),
+        ("t,x,x,y,p\n1,2,3,4,1\n", "line 1: 't,x,x,y,p': is not an event: must name each of t, x, y, p once; x is not"),
+        ("# Title\n\nSome prose.\n", "line 3: 'Some prose.': is not an event: must name each of t, x, y, p once; t is not"),
         ("p,x,y,t\n1,2,3,1000", "the last line must end in a newline; is it cut off?"),
         ("10,1,2,1\n" + "1" * 70_000, "byte 70009: no line ends in the 65536 bytes before: must be text"),
         ("99999 99999\n10 1 2 1\n", "sensor 99999x99999: each side must be from 1 to 65536 pixels"),

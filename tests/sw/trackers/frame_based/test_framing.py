@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames on a grid in time, packets by count or by time, wherever the stream is cut."""
+"""Frames on a time grid, packets by count or by time, independent of how the stream is split into runs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Detections become tracks: the story of a life, and record for record what a naive reading of the rules gives."""
+"""Detections become tracks: the story of a life, and comparison with a naive implementation, record for record."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def staged(moments: list[Moment]) -> tuple[Events, np.ndarray, np.ndarray]:  # t
     return events, frames, found
 
 
-def told(identities: Identities, moments: list[Moment]) -> list[tuple[str, int, int, float, float]]:
+def records_of(identities: Identities, moments: list[Moment]) -> list[tuple[str, int, int, float, float]]:
     """(kind, t_us, track id, x, y) of every record."""
     events, frames, found = staged(moments)
     records, _ = identities.follow(events, 0, frames, found)
@@ -43,7 +43,7 @@ def told(identities: Identities, moments: list[Moment]) -> list[tuple[str, int, 
 
 
 def test_a_life() -> None:
-    story = told(
+    story = records_of(
         Identities(QUICK),
         [(0, [(5, 5)]), (1_000, [(6, 5)]), (2_000, [(7, 5)]), (3_000, []), (4_000, [(9, 5)]), (8_999, []), (9_500, [])],
     )
@@ -63,13 +63,13 @@ def test_a_loss_is_stamped_with_the_next_event() -> None:
 
 
 def test_what_is_not_seen_again_soon_never_becomes_visible() -> None:
-    assert told(Identities(QUICK), [(0, [(5, 5)]), (1_600, [(5, 5)]), (3_200, [(5, 5)])]) == []
+    assert records_of(Identities(QUICK), [(0, [(5, 5)]), (1_600, [(5, 5)]), (3_200, [(5, 5)])]) == []
 
 
 def test_velocity_is_in_pixels_per_second() -> None:
     config = IdentityConfig(gate_px=10.0, smoothing_us=3_000)
     identities = Identities(config)
-    told(identities, [(1_000 * k, [(10 + 0.25 * k, 80 - 0.5 * k)]) for k in range(60)])
+    records_of(identities, [(1_000 * k, [(10 + 0.25 * k, 80 - 0.5 * k)]) for k in range(60)])
     (track,) = identities.tracks()
     assert track["velocity_x"] == pytest.approx(250.0, rel=1e-3)
     assert track["velocity_y"] == pytest.approx(-500.0, rel=1e-3)
@@ -94,7 +94,7 @@ def test_a_record_tells_the_place_at_the_frames_end() -> None:
 def test_the_assignment_is_optimal_where_the_nearest_first_would_lose_a_pair() -> None:
     """Track 0 is nearest to the detection that is the only one within track 1's gate."""
     start: list[Moment] = [(t, [(20.0, 5.0), (28.0, 5.0)]) for t in (0, 1_000)]
-    story = told(Identities(QUICK), [*start, (2_000, [(22.0, 5.0), (11.0, 5.0)])])
+    story = records_of(Identities(QUICK), [*start, (2_000, [(22.0, 5.0), (11.0, 5.0)])])
     assert story[2:] == [("MOVED", 2_000, 0, 11.0, 5.0), ("MOVED", 2_000, 1, 22.0, 5.0)]
 
 
@@ -105,17 +105,17 @@ def test_visible_tracks_choose_first() -> None:
         (2_000, [(20.0, 5.0), (27.0, 5.0)]),
         (3_000, [(24.5, 5.0)]),
     ]
-    assert told(Identities(QUICK), moments)[-1] == ("MOVED", 3_000, 0, 24.5, 5.0)
+    assert records_of(Identities(QUICK), moments)[-1] == ("MOVED", 3_000, 0, 24.5, 5.0)
 
 
 def test_no_more_tracks_than_allowed() -> None:
     places = [(20.0 * k, 5.0) for k in range(6)]
-    assert len({row[2] for row in told(Identities(QUICK), [(t, places) for t in range(0, 5_000, 1_000)])}) == 4
+    assert len({row[2] for row in records_of(Identities(QUICK), [(t, places) for t in range(0, 5_000, 1_000)])}) == 4
 
 
 def test_an_event_belongs_to_the_nearest_visible_window_as_known_before_its_frame() -> None:
     identities = Identities(QUICK)
-    told(identities, [(t, [(20.0, 20.0), (25.0, 20.0)]) for t in (0, 1_000)])
+    records_of(identities, [(t, [(20.0, 20.0), (25.0, 20.0)]) for t in (0, 1_000)])
     x = np.array([17, 22, 23, 28, 29, 20], np.uint16)
     y = np.array([20, 20, 20, 23, 20, 24], np.uint16)
     later = Events(np.full(6, 2_000, np.int64), x, y, np.zeros(6, np.uint8))

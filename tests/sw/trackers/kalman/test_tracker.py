@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Kalman tracker tells where extended objects are, keeps them apart when they cross, and keeps quiet about noise."""
+"""The Kalman tracker locates extended objects, keeps them apart when they cross, and does not report noise."""
 
 from __future__ import annotations
 

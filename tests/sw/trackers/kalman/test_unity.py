@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When two boxes, one over the other, are one object."""
+"""When two overlapping boxes are one object."""
 
 from __future__ import annotations
 

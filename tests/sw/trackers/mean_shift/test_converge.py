@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hybrid mean shift against its equations, written out in NumPy; and what its shortcuts cost in exactness."""
+"""The hybrid mean shift against its equations, written out in NumPy; and the error of its optimisations."""
 
 from __future__ import annotations
 

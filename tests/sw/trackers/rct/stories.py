@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Streams whose truth is known, and the tracker run over them."""
+"""Streams with known truth, and helpers to run the tracker on them."""
 
 from __future__ import annotations
 

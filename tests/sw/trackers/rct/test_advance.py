@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Between packets clusters go on with their velocity, as long as it is to be trusted."""
+"""Between packets clusters advance with their velocity, as long as it is reliable."""
 
 from __future__ import annotations
 

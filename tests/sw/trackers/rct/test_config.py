@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings: the paper's tracker by default, and what cannot be."""
+"""Settings: the paper's tracker by default, and invalid combinations."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_switch_is_on_or_off(name: str) -> None:
         ),
         (
             {"angle": True, "centre": "box"},
-            "rct.angle = True: must not stand with size 'quantile' or centre 'box', whose sides do not turn",
+            "rct.angle = True: must not be combined with size 'quantile' or centre 'box', which never turn",
         ),
         (
             {"perspective": "row", "vanishing_y_px": 7.0, "reference_y_px": 7.5},

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which cluster takes an event, with options: against a naive reading, and as stories."""
+"""Which cluster takes an event, with options: against a naive implementation, and as stories."""
 
 from __future__ import annotations
 

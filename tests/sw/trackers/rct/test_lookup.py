@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sets of clusters by cell: seats in them run out, again and again, and nobody notices."""
+"""The sets of clusters by cell: seats run out repeatedly, without any effect on the result."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CONFIG = RctConfig(max_clusters=8, radius_px=10.0, lifetime_us=1_500, surround=1
 
 
 def strays(n: int) -> list[tuple[int, int, int]]:
-    """Single events, a millisecond apart, at places far from each other: each takes a seat and is soon gone."""
+    """Single events, a millisecond apart, at distant positions: each takes a seat and is soon removed."""
     return [(1_000 * k, 700, 90 * (k % 11)) for k in range(n)]
 
 

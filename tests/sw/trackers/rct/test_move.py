@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What events do to their cluster's place."""
+"""The effect of events on their cluster's position."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Rectangular Cluster Tracker against a naive reading of its rules, record for record, on random traffic."""
+"""The Rectangular Cluster Tracker against a naive implementation of its rules, record for record, on random traffic."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The presets do what they are for."""
+"""The presets serve their purpose."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Windows follow the size and shape of what they hold."""
+"""Windows follow the size and shape of their objects."""
 
 from __future__ import annotations
 

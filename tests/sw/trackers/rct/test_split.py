@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A cluster whose events become two groups becomes two."""
+"""A cluster whose events form two groups is split."""
 
 from __future__ import annotations
 

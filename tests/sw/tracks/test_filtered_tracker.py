@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A tracker behind filters sees what they let stay; the log numbers every event."""
+"""A tracker behind filters sees only the events that pass; event indices in the log are the recording's."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from evcot.trackers.mean_shift.config import MeanShiftConfig
 from evcot.trackers.rct.config import RctConfig
 from evcot.trackers.rct.tracker import RctTracker
 from evcot.tracks.log import DROPPED, TRACK, Kind, TrackLog
-from evcot.tracks.tracking import KeptTracker, Told, log_of
+from evcot.tracks.tracking import FilteredTracker, TrackerOutput, log_of
 
 SENSOR = (346, 260)
 FILTERS = FilterConfig(activity_us=3_000)
@@ -37,7 +37,7 @@ RCT = RctConfig(visible_events=40, lifetime_us=20_000)
 
 def behind(size: int) -> TrackLog:
     """The scene, in runs of `size` events."""
-    tracker = KeptTracker(filtered((), FILTERS, SENSOR).keep, RctTracker(RCT))
+    tracker = FilteredTracker(filtered((), FILTERS, SENSOR).keep, RctTracker(RCT))
     events = SCENE.events
     return log_of("rct", tracker, (events[begin : begin + size] for begin in range(0, len(events), size)))
 
@@ -64,7 +64,7 @@ def test_where_runs_are_cut_changes_nothing(size: int) -> None:
 
 
 def test_a_run_of_which_nothing_stays() -> None:
-    tracker = KeptTracker(filtered((), FilterConfig(polarity="on"), SENSOR).keep, Silent())
+    tracker = FilteredTracker(filtered((), FilterConfig(polarity="on"), SENSOR).keep, Silent())
     off = Events(np.arange(5), *(np.zeros(5, np.uint16),) * 2, np.zeros(5, np.uint8))
     records, owner = tracker.feed(off)
     assert (len(records), owner.tolist()) == (0, 5 * [DROPPED])
@@ -93,7 +93,7 @@ def test_no_record_is_of_a_settled_event_and_packets_settle(engine: str) -> None
 def test_memory_does_not_grow_with_the_recording_though_no_record_comes(engine: str) -> None:
     """Noise, of which every second event stays, for 10 s and longer: no tracker sees an object in it."""
     random = np.random.default_rng(5)
-    tracker = KeptTracker(lambda run: run.p > 0, ENGINES[engine].start(QUIET[engine], FilterConfig(), SENSOR))
+    tracker = FilteredTracker(lambda run: run.p > 0, ENGINES[engine].start(QUIET[engine], FilterConfig(), SENSOR))
     held: list[int] = []
     for second in range(20):
         n = 2_000
@@ -111,9 +111,9 @@ def test_memory_does_not_grow_with_the_recording_though_no_record_comes(engine: 
 
 
 class Silent:
-    """Tells at the end of an event that follows all."""
+    """A tracker whose only record, at the end, refers to the event after all others."""
 
-    def feed(self, events: Events) -> Told:
+    def feed(self, events: Events) -> TrackerOutput:
         assert not len(events)
         return np.empty(0, TRACK), np.empty(0, np.int16)
 
