@@ -58,7 +58,7 @@ def _main() -> int:
     for path in FILES:
         text = stale(path, root)
         if text is not None:
-            with written_aside(root / path) as file:
+            with written_aside(root / path, force=True) as file:
                 file.write(text.encode())
             print(f"{path}: written")
     return 0

@@ -125,7 +125,7 @@ class Register:
         low: smallest legal value.
         high: largest legal value, or None for all ones.
         paper: the symbol in the published parameter table, if it has one.
-        meaning: one line for people.
+        meaning: one line for the documentation.
     """
 
     address: int
@@ -151,11 +151,11 @@ REGISTERS: dict[str, Register] = {
     "init_cm_y": Register(2, "y_w", 0, None, "InitCMy", "y of the initial centre"),
     "init_radix": Register(3, "radix_w", 0, None, "InitRadix", "initial inner radius g"),
     "radix_th": Register(4, "radix_w", 0, None, "RadixTH", "width of the ring: R = g + radix_th"),
-    "radix_step": Register(5, "radix_w", 0, None, "RadixStep", "how far g grows or shrinks at a centre update"),
+    "radix_step": Register(5, "radix_w", 0, None, "RadixStep", "step by which g grows or shrinks at a centre update"),
     "radix_min": Register(6, "radix_w", 0, None, "RadixMin", "smallest g"),
     "radix_max": Register(7, "radix_w", 0, None, "RadixMax", "largest g"),
     "hist_avg": Register(8, 4, 0, 8, "HistAvg", "k in alpha = 2^-k, for the average and for the centre"),
-    "max_ticks": Register(9, "tc_w", 1, None, "Max, RSTimer", "ticks of silence that end an active cluster"),
+    "max_ticks": Register(9, "tc_w", 1, None, "Max, RSTimer", "ticks without an event after which an active cluster ends"),
     "clust_nev": Register(10, "nev_w", 1, None, "ClustNev", "N_ev at the start of a life"),
     "nev_min": Register(11, "nev_w", 1, None, "", "smallest N_ev"),
     "nev_max": Register(12, "nev_w", 1, None, "", "largest N_ev"),
