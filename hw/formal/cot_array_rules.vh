@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Included at the end of cot_array.v under `ifdef FORMAL: the rules that hold in every reachable state, whatever the input,
-// the registers and the stalls. Proven by k-induction with cot_array.sby.
+// Included at the end of cot_array.v under `ifdef FORMAL: properties of every reachable state, for all inputs, register values
+// and stalls. Proven by k-induction with cot_array.sby.
 //
 // 1  While events are decided, no two active windows share a pixel.
 // 2  While a merge is under way, at most one window may overlap others: the one that moved, later the one that stays.
 // 3  A slot is free, or has a window, or is off; an active one has a window and a deadline.
 // 4  An output that waits keeps its value.
-// 5  Every slot stands once in the order of births.
+// 5  Every slot appears exactly once in the list in order of birth.
 
 reg f_past = 1'b0;
 always @(posedge clk) f_past <= 1'b1;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every board carries: evcot_top with the LFSR as its source (or board_small.v, a part of it), which tests itself and talks
-// to a host over a serial line.
+// The design that all boards share: evcot_top with the LFSR as its source (or board_small.v, a part of it), with a self-test and a
+// serial line to a host.
 //
 // After reset board_boot.v writes the settings of the test. Pseudo-random events then go in without end, as fast as the line
 // takes the records; the first RECORDS of them are folded into a signature, rotated by one bit and exclusive-ored with each
-// 32-bit word. `passed` or `failed` then says whether it is the one that the golden model gives (evcot_cosim/fpga/board.py).
-// The host (evcot_cosim/fpga/serial_host.py) sees every record, and reads and writes all registers, of which docs/registers.md
-// tells, once the boot is over: what it changes after the test changes the test no more.
+// 32-bit word. `passed` or `failed` is then asserted by comparison with the golden model's signature (evcot_cosim/fpga/board.py).
+// The host (evcot_cosim/fpga/serial_host.py) receives every record, and can read and write all registers (docs/registers.md) once
+// board_boot.v has finished; changes after the test do not affect its result.
 //
-// alive: changes with every 256th record.
+// alive: toggles with every 256th record.
 `default_nettype none
 `include "evcot_regs.vh"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A part of evcot_top.v that the smallest board holds: LFSR source, cot_array, records, and a part of the registers.
+// A subset of evcot_top.v that fits on the smallest board: LFSR source, cot_array, records, and some of the registers.
 //
 // Same addresses as in docs/registers.md. Read: id, version, shape0 to shape2, build, sensor, and the counters `events`, `owned`,
 // `passed` and `records`; all other words read 0. Write: control.enable, control.latch, and the registers of a slot, which act at
-// once, one by one; all other writes are taken and do nothing. The LFSR's settings are those of the self-test.
+// once, one by one; all other writes are accepted and ignored. The LFSR's settings are those of the self-test.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tracker that tests itself: pseudo-random events, a known setting, three numbers that say whether every answer was right.
+// A tracker with a built-in self-test: pseudo-random events, fixed settings, and three signatures of all results.
 //
 // After reset the registers of all slots are written, then events of lfsr_event_source.v go in, one tick each. Records, owned
 // and passed events are folded into a signature each: rotated by one bit, then the word's 32-bit pieces exclusive-ored in.
 // What they hold depends on the order of the events alone, so the signatures are the same for cot_array and cot_engine, at
 // any clock, and those of the Python twin, evcot_cosim/fpga/selftest.py.
 //
-// done rises for good when all is quiet; passed then says whether the signatures are as expected. Reset starts over.
+// done is asserted once everything is idle and stays high; passed is then high if the signatures are as expected. Reset restarts.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the self-test with the array and with the engine; says PASS or FAIL, and ends with an error on FAIL.
+// Runs the self-test with the array and with the engine; prints PASS or FAIL, and ends with an error on FAIL.
 `default_nettype none
 `timescale 1ns / 1ns
 

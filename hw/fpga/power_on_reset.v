@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reset that lasts 256 clocks after the device has been configured, and after a button has been let go.
+// A reset that lasts 256 clocks after the device has been configured, and after a button has been released.
 `default_nettype none
 
 module power_on_reset (

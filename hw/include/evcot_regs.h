@@ -22,9 +22,9 @@
 /* version of this map */
 #define EVCOT_VERSION 0x004u
 #define EVCOT_VERSION_MINOR_SHIFT 0u
-#define EVCOT_VERSION_MINOR_MASK 0x0000FFFFu /* ro: grows with additions */
+#define EVCOT_VERSION_MINOR_MASK 0x0000FFFFu /* ro: incremented with compatible additions */
 #define EVCOT_VERSION_MAJOR_SHIFT 16u
-#define EVCOT_VERSION_MAJOR_MASK 0xFFFF0000u /* ro: grows when software must change */
+#define EVCOT_VERSION_MAJOR_MASK 0xFFFF0000u /* ro: incremented with incompatible changes */
 
 /* shape of the trackers */
 #define EVCOT_SHAPE0 0x008u
@@ -59,7 +59,7 @@
 #define EVCOT_SHAPE2_TIME_W_SHIFT 24u
 #define EVCOT_SHAPE2_TIME_W_MASK 0x3F000000u /* ro: bits of the tick count */
 
-/* what was built */
+/* build options of the hardware */
 #define EVCOT_BUILD 0x014u
 #define EVCOT_BUILD_FILTERS_SHIFT 0u
 #define EVCOT_BUILD_FILTERS_MASK 0x0000007Fu /* ro: a bit for each filter, in their order */
@@ -87,18 +87,18 @@
 /* control */
 #define EVCOT_CONTROL 0x020u
 #define EVCOT_CONTROL_ENABLE_SHIFT 0u
-#define EVCOT_CONTROL_ENABLE_MASK 0x00000001u /* rw: let tokens into filters and trackers; 0: they wait in the input FIFO */
+#define EVCOT_CONTROL_ENABLE_MASK 0x00000001u /* rw: 1: pass tokens to filters and trackers; 0: they wait in the input FIFO */
 #define EVCOT_CONTROL_DROP_SHIFT 1u
-#define EVCOT_CONTROL_DROP_MASK 0x00000002u /* rw: a full input FIFO drops events and keeps time; 0: it holds the source up */
+#define EVCOT_CONTROL_DROP_MASK 0x00000002u /* rw: 1: a full input FIFO drops events and keeps their time; 0: it stalls the source */
 #define EVCOT_CONTROL_LATCH_SHIFT 8u
-#define EVCOT_CONTROL_LATCH_MASK 0x00000100u /* pulse: copy all counters at one clock, to be read */
+#define EVCOT_CONTROL_LATCH_MASK 0x00000100u /* pulse: copy all counters in one clock to the registers in which they are read */
 #define EVCOT_CONTROL_SOFT_RESET_SHIFT 9u
-#define EVCOT_CONTROL_SOFT_RESET_MASK 0x00000200u /* pulse: reset everything but the registers and what has reached an output, at once; `source`, `tick_us`, `prescale` and `lfsr_*` take effect */
+#define EVCOT_CONTROL_SOFT_RESET_MASK 0x00000200u /* pulse: at once reset everything except the registers and the data that has reached an output; `source`, `tick_us`, `prescale` and `lfsr_*` take effect */
 
-/* where events come from; takes effect with `soft_reset` */
+/* source of events; takes effect with `soft_reset` */
 #define EVCOT_SOURCE 0x024u
 #define EVCOT_SOURCE_SELECT_SHIFT 0u
-#define EVCOT_SOURCE_SELECT_MASK 0x00000007u /* rw: 0 events, 1 LFSR, 2 AER, 3 EVT 2.0, 4 EVT 2.1, 5 EVT 3.0; only one that was built */
+#define EVCOT_SOURCE_SELECT_MASK 0x00000007u /* rw: 0 events, 1 LFSR, 2 AER, 3 EVT 2.0, 4 EVT 2.1, 5 EVT 3.0; it must have been built */
 #define EVCOT_SOURCE_CLOCK_TIME_SHIFT 8u
 #define EVCOT_SOURCE_CLOCK_TIME_MASK 0x00000100u /* rw: 1: ticks come from the clock; 0: from the events' own time */
 #define EVCOT_SOURCE_SWAP_BYTES_SHIFT 16u
@@ -108,22 +108,22 @@
 #define EVCOT_SOURCE_ACTIVE_LOW_SHIFT 24u
 #define EVCOT_SOURCE_ACTIVE_LOW_MASK 0x01000000u /* rw: AER: request and acknowledge are active low */
 #define EVCOT_SOURCE_WORD_SERIAL_SHIFT 25u
-#define EVCOT_SOURCE_WORD_SERIAL_MASK 0x02000000u /* rw: AER: rows and columns are words of their own */
+#define EVCOT_SOURCE_WORD_SERIAL_MASK 0x02000000u /* rw: AER: rows and columns are sent as separate words */
 
 /* length of a tick of the events' own time; takes effect with `soft_reset` */
 #define EVCOT_TICK_US 0x028u
 
-/* length of a tick, and of a microsecond, of the clock; takes effect with `soft_reset` */
+/* length of a tick and of a microsecond in clocks; takes effect with `soft_reset` */
 #define EVCOT_PRESCALE 0x02Cu
 #define EVCOT_PRESCALE_TICK_SHIFT 0u
-#define EVCOT_PRESCALE_TICK_MASK 0x0000FFFFu /* rw: clocks of a tick, with `source_clock_time` */
+#define EVCOT_PRESCALE_TICK_MASK 0x0000FFFFu /* rw: clocks per tick, with `source_clock_time` */
 #define EVCOT_PRESCALE_US_SHIFT 16u
-#define EVCOT_PRESCALE_US_MASK 0xFFFF0000u /* rw: clocks of a microsecond, for the time of AER events */
+#define EVCOT_PRESCALE_US_MASK 0xFFFF0000u /* rw: clocks per microsecond, for the time of AER events */
 
 /* self-test source: seed; takes effect with `soft_reset` */
 #define EVCOT_LFSR_SEED 0x030u
 
-/* self-test source: how dense */
+/* self-test source: distance of events */
 #define EVCOT_LFSR_GAP 0x034u
 
 /* self-test source: columns */
@@ -140,18 +140,18 @@
 #define EVCOT_LFSR_Y_SPAN_SHIFT 16u
 #define EVCOT_LFSR_Y_SPAN_MASK 0xFFFF0000u /* rw: last row less the first */
 
-/* how it stands */
+/* state of the hardware */
 #define EVCOT_STATUS 0x040u
 #define EVCOT_STATUS_IDLE_SHIFT 0u
-#define EVCOT_STATUS_IDLE_MASK 0x00000001u /* ro: nothing under way from the source to the outputs, and no commit; with `clock_time` ticks are under way, too */
+#define EVCOT_STATUS_IDLE_MASK 0x00000001u /* ro: no data between the source and the outputs, and no commit pending; with `clock_time`, ticks count as data */
 #define EVCOT_STATUS_PENDING_SHIFT 1u
-#define EVCOT_STATUS_PENDING_MASK 0x00000002u /* ro: a commit waits or is being applied */
+#define EVCOT_STATUS_PENDING_MASK 0x00000002u /* ro: a commit is waiting or being applied */
 #define EVCOT_STATUS_OPEN_SHIFT 2u
-#define EVCOT_STATUS_OPEN_MASK 0x00000004u /* ro: tokens may enter filters and trackers */
+#define EVCOT_STATUS_OPEN_MASK 0x00000004u /* ro: the gate to filters and trackers is open */
 #define EVCOT_STATUS_HELD_SHIFT 16u
 #define EVCOT_STATUS_HELD_MASK 0xFFFF0000u /* ro: tokens in the input FIFO */
 
-/* writes that did not do what they said */
+/* accesses that were clamped or refused */
 #define EVCOT_FAULT 0x044u
 #define EVCOT_FAULT_CLAMPED_SHIFT 0u
 #define EVCOT_FAULT_CLAMPED_MASK 0x00000001u /* w1c: a value was clamped */
@@ -162,9 +162,9 @@
 #define EVCOT_FAULT_UNMAPPED_SHIFT 3u
 #define EVCOT_FAULT_UNMAPPED_MASK 0x00000008u /* w1c: a write to a read-only address, or any access to one that does not exist */
 #define EVCOT_FAULT_ADDRESS_SHIFT 16u
-#define EVCOT_FAULT_ADDRESS_MASK 0x3FFF0000u /* ro: where the last one of them was */
+#define EVCOT_FAULT_ADDRESS_MASK 0x3FFF0000u /* ro: address of the last of these accesses */
 
-/* what has happened since it was cleared */
+/* interrupt events since they were last cleared */
 #define EVCOT_IRQ_STATUS 0x048u
 #define EVCOT_IRQ_STATUS_BIRTH_SHIFT 0u
 #define EVCOT_IRQ_STATUS_BIRTH_MASK 0x00000001u /* ro: a track was born */
@@ -177,10 +177,10 @@
 #define EVCOT_IRQ_STATUS_COMMIT_SHIFT 4u
 #define EVCOT_IRQ_STATUS_COMMIT_MASK 0x00000010u /* ro: a commit took effect */
 
-/* which of them raise `irq` */
+/* interrupt events that assert `irq` */
 #define EVCOT_IRQ_ENABLE 0x04Cu
 
-/* clears what is written as 1 */
+/* writing 1 clears a bit of `irq_status` */
 #define EVCOT_IRQ_CLEAR 0x050u
 
 /* number of the first event after the last commit */
@@ -192,10 +192,10 @@
 /* commits applied since reset */
 #define EVCOT_COMMITS 0x05Cu
 
-/* events that came from the source: = events_dropped + events + those in the input FIFO */
+/* events received from the source: = events_dropped + events + those in the input FIFO */
 #define EVCOT_EVENTS_IN 0x080u
 
-/* events that found the input FIFO full */
+/* events dropped because the input FIFO was full */
 #define EVCOT_EVENTS_DROPPED 0x084u
 
 /* input words that were skipped, and events outside the sensor */
@@ -204,13 +204,13 @@
 /* events that entered filters and trackers: = filtered + owned + passed, when idle */
 #define EVCOT_EVENTS 0x08Cu
 
-/* events that a filter took out */
+/* events dropped by a filter */
 #define EVCOT_FILTERED 0x090u
 
-/* events that a slot took */
+/* events owned by a slot */
 #define EVCOT_OWNED 0x094u
 
-/* events that no slot took */
+/* events without an owner */
 #define EVCOT_PASSED 0x098u
 
 /* records */
@@ -219,21 +219,21 @@
 /* clocks in which a token waited for filters, trackers, outputs or a commit, while enabled */
 #define EVCOT_STALLS 0x0A0u
 
-/* events whose own time lay before that of an earlier one: they stand still; many say that a time mark was damaged */
+/* events with an earlier time than a previous one, which get the latest time instead; many indicate a damaged time mark */
 #define EVCOT_BACKWARD 0x0A4u
 
-/* Registers of slot i: written into a shadow, in effect after any write to the slot's EVCOT_SLOT_COMMIT. */
+/* Registers of slot i: shadow registers that take effect after any write to the slot's EVCOT_SLOT_COMMIT. */
 #define EVCOT_SLOT(i, reg) (0x2000u + 128u * (uint32_t)(i) + (reg))
 #define EVCOT_SLOT_MODE 0x00u /* 0 off, 1 fixed start, 2 seeded start; a write restarts the slot */
 #define EVCOT_SLOT_INIT_CM_X 0x04u /* x of the initial centre */
 #define EVCOT_SLOT_INIT_CM_Y 0x08u /* y of the initial centre */
 #define EVCOT_SLOT_INIT_RADIX 0x0Cu /* initial inner radius g */
 #define EVCOT_SLOT_RADIX_TH 0x10u /* width of the ring: R = g + radix_th */
-#define EVCOT_SLOT_RADIX_STEP 0x14u /* how far g grows or shrinks at a centre update */
+#define EVCOT_SLOT_RADIX_STEP 0x14u /* step by which g grows or shrinks at a centre update */
 #define EVCOT_SLOT_RADIX_MIN 0x18u /* smallest g */
 #define EVCOT_SLOT_RADIX_MAX 0x1Cu /* largest g */
 #define EVCOT_SLOT_HIST_AVG 0x20u /* k in alpha = 2^-k, for the average and for the centre */
-#define EVCOT_SLOT_MAX_TICKS 0x24u /* ticks of silence that end an active cluster */
+#define EVCOT_SLOT_MAX_TICKS 0x24u /* ticks without an event after which an active cluster ends */
 #define EVCOT_SLOT_CLUST_NEV 0x28u /* N_ev at the start of a life */
 #define EVCOT_SLOT_NEV_MIN 0x2Cu /* smallest N_ev */
 #define EVCOT_SLOT_NEV_MAX 0x30u /* largest N_ev */
@@ -274,7 +274,7 @@
 #define EVCOT_KIND_MERGED 2u
 #define EVCOT_KIND_LOST 3u
 
-/* A record as it comes out, little-endian. */
+/* A record on the stream, little-endian. */
 struct evcot_record {
     uint64_t seq;
     uint64_t time;
@@ -292,20 +292,20 @@ struct evcot_record {
 };
 #define EVCOT_RECORD_BYTES 48u
 
-/* an event that goes in: 64 bits */
+/* an input event: 64 bits */
 #define EVCOT_EVENT_T(word) ((uint32_t)((uint64_t)(word) >> 0 & 0xFFFFFFFFu))
 #define EVCOT_EVENT_X(word) ((uint32_t)((uint64_t)(word) >> 32 & 0x7FFFu))
 #define EVCOT_EVENT_Y(word) ((uint32_t)((uint64_t)(word) >> 47 & 0x7FFFu))
 #define EVCOT_EVENT_P(word) ((uint32_t)((uint64_t)(word) >> 62 & 0x1u))
 
-/* an event that a slot took; tuser is the slot, too: 64 bits */
+/* an event owned by a slot; tuser is the slot, too: 64 bits */
 #define EVCOT_OWNED_X(word) ((uint32_t)((uint64_t)(word) >> 0 & 0x3FFFu))
 #define EVCOT_OWNED_Y(word) ((uint32_t)((uint64_t)(word) >> 14 & 0x3FFFu))
 #define EVCOT_OWNED_SLOT(word) ((uint32_t)((uint64_t)(word) >> 28 & 0x3Fu))
 #define EVCOT_OWNED_P(word) ((uint32_t)((uint64_t)(word) >> 34 & 0x1u))
 #define EVCOT_OWNED_SEQ(word) ((uint32_t)((uint64_t)(word) >> 35 & 0x1FFFFFFFu))
 
-/* an event that no slot took: 64 bits */
+/* an event without an owner: 64 bits */
 #define EVCOT_PASSED_X(word) ((uint32_t)((uint64_t)(word) >> 0 & 0xFFFFu))
 #define EVCOT_PASSED_Y(word) ((uint32_t)((uint64_t)(word) >> 16 & 0xFFFFu))
 #define EVCOT_PASSED_P(word) ((uint32_t)((uint64_t)(word) >> 34 & 0x1u))

@@ -19,9 +19,9 @@ _SUBJECT = re.compile(r"^([A-Z][A-Za-z ]{2,24}: +|[a-z]\w*: {2,})(?=\S)")
 _HEAD = """# Modules
 
 Made from `hw/verilog` and `hw/fpga/figures.json` by `python -m evcot_cosim.pages`, in the order of `manifest.txt`: each after
-those that it needs. The text is each file's header comment. A bundle of ports has valid, ready and what it carries; `clk`,
-`rst` and ports whose name says all are left out. Cost as in [fpga.md](fpga.md), at N = 8 where there is an N; a module without
-such a table is measured as a part of others only.
+the modules that it instantiates. The text is each file's header comment. A stream is listed as one bundle of ports: valid,
+ready and its data; `clk`, `rst` and self-explanatory ports are left out. Cost as in [fpga.md](fpga.md), at N = 8 where there
+is an N; a module without such a table is only measured as a part of others.
 
 """
 

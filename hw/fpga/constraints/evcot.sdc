@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# Timing of evcot_top in Quartus, Radiant, Diamond and other readers of SDC, its ports as pins of the device. Set the period of your
-# clock, twice. As a part of a larger design: the clock is there already, and the AER ports are pins with names of yours. Without AER
-# (SOURCES) nothing is needed but the clock.
+# Timing of evcot_top for Quartus, Radiant, Diamond and other tools that read SDC, with its ports as pins of the device. Set the period
+# of your clock, in two places. In a larger design the clock is constrained already, and the AER pins have names of your own. Without
+# AER (SOURCES) only the clock is needed.
 
 create_clock -name clk -period 8.000 [get_ports {clk}]
 
 # AER: the chip has no clock in common. Only the first stage of a synchroniser sees the request.
 set_false_path -from [get_ports {aer_req}]
 
-# The word is stable from the request on and is read two clocks or more after it: one period is the delay that it may have.
+# The word is stable from the request on and is sampled two clocks or more after it: a delay of one period is allowed.
 set_max_delay -from [get_ports {aer_row}] 8.000
 set_max_delay -from [get_ports {aer_data*}] 8.000
 
-# The acknowledge is awaited by a handshake.
+# The acknowledge is part of an asynchronous handshake.
 set_false_path -to [get_ports {aer_ack}]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// hw/verilog/tracker/engine/engine_sum.v in the carry chain of an ECP5: the look-up table before each carry chooses.
+// hw/verilog/tracker/engine/engine_sum.v in the carry chain of an ECP5: the look-up table before each carry selects the operand.
 `default_nettype none
 
 (* keep_hierarchy *)

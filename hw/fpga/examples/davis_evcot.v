@@ -2,8 +2,8 @@
 // evcot behind the AER bus of a DAVIS240C: word-serial addresses in, records out on AXI4-Stream of 32 bits (docs/hardware.md).
 //
 // The chip's word has 10 bits. The highest is 0 for a row, whose address is in the low 8, and 1 for a column: polarity lowest,
-// the address above it. Request and acknowledge are active low. A chip that counts its rows from below gives a picture that
-// stands on its head: turn the row around here if that matters.
+// the address above it. Request and acknowledge are active low. If a chip counts its rows from below, the picture is upside down:
+// invert the row address here if that matters.
 `default_nettype none
 `include "evcot_regs.vh"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // evcot in Prophesee's KV260 design: EVT 2.1 in, records out, both AXI4-Stream of 64 bits (docs/hardware.md).
 //
-// It stands between the Event Stream Smart Tracker and the PS Host Interface, on their clock. The ports have Vivado's names, so a
-// block design infers the buses. The IMX636 has 1280 x 720 pixels.
+// It is placed between the Event Stream Smart Tracker and the PS Host Interface, on their clock. The ports follow Vivado's naming
+// convention, so a block design infers the buses. The IMX636 has 1280 x 720 pixels.
 `default_nettype none
 `include "evcot_regs.vh"
 
@@ -97,7 +97,7 @@ module kv260_evcot (
         .m_axis_records_tkeep (m_axis_tkeep),
         .m_axis_records_tlast (m_axis_tlast),
         .m_axis_owned_tvalid  (),
-        .m_axis_owned_tready  (1'b1),  // nobody listens: without this the trackers would wait
+        .m_axis_owned_tready  (1'b1),  // not connected: without this the trackers would stall
         .m_axis_owned_tdata   (),
         .m_axis_owned_tkeep   (),
         .m_axis_owned_tuser   (),

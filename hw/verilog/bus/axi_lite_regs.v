@@ -2,15 +2,15 @@
 // All registers of evcot_top.v on AXI4-Lite: docs/registers.md.
 //
 // The words outside the banks are axi_lite_words.v. The registers of slots and filters stand in a shadow, one memory; writing
-// a bank's `commit` marks it as pending, which raises `busy`. Once `apply` says that nothing is under way, the bank is copied
-// to its tracker or filter word by word, `mode` last and only if it was written. All banks pending by then are copied before
-// busy falls.
+// a bank's `commit` marks it as pending, which asserts `busy`. Once `apply` is high, that is, filters and trackers are idle, the bank
+// is copied to its tracker or filter word by word, `mode` last and only if it was written. All banks pending by then are copied
+// before busy is de-asserted.
 //
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 2 more for each
 //             bank that is copied, and 32 N + 32 after reset, while the shadow is filled. A write of `mask` waits until the
-//             filters are cleared after a reset: they would lose it.
-// Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears what has happened,
-//             and every mode counts as written.
+//             filters are cleared after a reset, since it would be lost.
+// Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
+//             and marks every mode as written.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"
@@ -253,7 +253,7 @@ module axi_lite_regs #(
 
     // ---- the shadow --------------------------------------------------------------------------------------------------
 
-    // Nobody uses what is read in the clock in which the same word is written. In the place of a bank's commit is the number of
+    // Data read in the clock in which the same word is written is not used. The word of a bank's commit holds the number of
     // the first event after it.
     (* no_rw_check *) reg [31:0] shadow [0:(N+1)*(1<<REG_W)-1];
     reg [BANK_W+REG_W-1:0] fill;

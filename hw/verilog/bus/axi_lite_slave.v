@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// AXI4-Lite slave: turns the five channels into one access at a time, which whoever owns the registers answers.
+// AXI4-Lite slave: converts the five channels into one access at a time, which the module with the registers answers.
 //
-// Address and data of a write may come in any order. Reads and writes that both wait take turns: the kind that was answered has
-// its next address a clock later. An access stands on request_* until the clock in which `answer` is high; answer_data (of a
-// read) and answer_error (SLVERR) count in that clock.
+// Address and data of a write may arrive in any order. Waiting reads and writes alternate: after an access, the next address of the
+// same kind is accepted a clock later. An access is held on request_* until the clock in which `answer` is high; answer_data (of a
+// read) and answer_error (SLVERR) are sampled in that clock.
 //
 // Latency:    1 clock from the last of an access's handshakes to request_valid, 1 from `answer` to the response.
-// Throughput: an access in 2 clocks and what the answer takes.
-// Stall:      a response that is not taken holds up the next access of its kind only.
+// Throughput: an access in 2 clocks plus the time until the answer.
+// Stall:      a response that is not accepted delays the next access of its kind only.
 // Reset:      no access, no response.
 // Combinational paths: none from AXI to AXI; the outputs to AXI are registers, or the inverse of one.
 `default_nettype none

@@ -2,11 +2,11 @@
 // The words of evcot_top.v outside the banks: one port for each field, and what an access to each address does.
 // Generated from sw/evcot/hardware/registers.toml by `python -m evcot.hardware.generate`: edit there.
 //
-// Two clocks after `word` (an address without its two low bits) come `known`, `writable`, `value`, and `kept`, those bits of
-// the value that a byte-wise write of the others must give back; a clock after `data` come `refused`, and `clamped`, should a
-// field have to be. With `write` from there on, word and data still the same, data takes effect at the next clock, unless
-// refused. A pulse lasts one clock.
-// Reset gives every field its reset value.
+// Two clocks after `word` (an address without its two low bits) `known`, `writable`, `value` and `kept` are valid; `kept` has those
+// bits of the value that a write of single bytes must preserve. A clock after `data`, `refused` is valid, and `clamped`, which is high
+// if a field was out of range. `write` may be asserted from then on, with word and data unchanged: data takes effect at the next
+// clock, unless refused. A pulse lasts one clock.
+// Reset sets every field to its reset value.
 `default_nettype none
 
 module axi_lite_words #(
@@ -53,7 +53,7 @@ module axi_lite_words #(
     input  wire [5:0]  shape2_seq_w,
     input  wire [5:0]  shape2_time_w,
 
-    // 014: what was built
+    // 014: build options of the hardware
     input  wire [6:0]  build_filters,
     input  wire [5:0]  build_sources,
     input  wire [1:0]  build_tracker,
@@ -73,7 +73,7 @@ module axi_lite_words #(
     output reg         control_latch,
     output reg         control_soft_reset,
 
-    // 024: where events come from; takes effect with `soft_reset`
+    // 024: source of events; takes effect with `soft_reset`
     output reg  [2:0]  source_select,
     output reg         source_clock_time,
     output reg         source_swap_bytes,
@@ -84,14 +84,14 @@ module axi_lite_words #(
     // 028: length of a tick of the events' own time; takes effect with `soft_reset`
     output reg  [19:0] tick_us,
 
-    // 02c: length of a tick, and of a microsecond, of the clock; takes effect with `soft_reset`
+    // 02c: length of a tick and of a microsecond in clocks; takes effect with `soft_reset`
     output reg  [15:0] prescale_tick,
     output reg  [15:0] prescale_us,
 
     // 030: self-test source: seed; takes effect with `soft_reset`
     output reg  [31:0] lfsr_seed,
 
-    // 034: self-test source: how dense
+    // 034: self-test source: distance of events
     output reg  [15:0] lfsr_gap,
 
     // 038: self-test source: columns
@@ -102,13 +102,13 @@ module axi_lite_words #(
     output reg  [15:0] lfsr_y_min,
     output reg  [15:0] lfsr_y_span,
 
-    // 040: how it stands
+    // 040: state of the hardware
     input  wire        status_idle,
     input  wire        status_pending,
     input  wire        status_open,
     input  wire [15:0] status_held,
 
-    // 044: writes that did not do what they said
+    // 044: accesses that were clamped or refused
     input  wire        fault_clamped,
     output reg         fault_clamped_clear,
     input  wire        fault_refused,
@@ -119,17 +119,17 @@ module axi_lite_words #(
     output reg         fault_unmapped_clear,
     input  wire [13:0] fault_address,
 
-    // 048: what has happened since it was cleared
+    // 048: interrupt events since they were last cleared
     input  wire        irq_status_birth,
     input  wire        irq_status_loss,
     input  wire        irq_status_merge,
     input  wire        irq_status_overflow,
     input  wire        irq_status_commit,
 
-    // 04c: which of them raise `irq`
+    // 04c: interrupt events that assert `irq`
     output reg  [4:0]  irq_enable,
 
-    // 050: clears what is written as 1
+    // 050: writing 1 clears a bit of `irq_status`
     output reg  [4:0]  irq_clear,
 
     // 054: number of the first event after the last commit
@@ -141,10 +141,10 @@ module axi_lite_words #(
     // 05c: commits applied since reset
     input  wire [31:0] commits,
 
-    // 080: events that came from the source: = events_dropped + events + those in the input FIFO
+    // 080: events received from the source: = events_dropped + events + those in the input FIFO
     input  wire [31:0] events_in,
 
-    // 084: events that found the input FIFO full
+    // 084: events dropped because the input FIFO was full
     input  wire [31:0] events_dropped,
 
     // 088: input words that were skipped, and events outside the sensor
@@ -153,13 +153,13 @@ module axi_lite_words #(
     // 08c: events that entered filters and trackers: = filtered + owned + passed, when idle
     input  wire [31:0] events,
 
-    // 090: events that a filter took out
+    // 090: events dropped by a filter
     input  wire [31:0] filtered,
 
-    // 094: events that a slot took
+    // 094: events owned by a slot
     input  wire [31:0] owned,
 
-    // 098: events that no slot took
+    // 098: events without an owner
     input  wire [31:0] passed,
 
     // 09c: records
@@ -168,13 +168,13 @@ module axi_lite_words #(
     // 0a0: clocks in which a token waited for filters, trackers, outputs or a commit, while enabled
     input  wire [31:0] stalls,
 
-    // 0a4: events whose own time lay before that of an earlier one: they stand still; many say that a time mark was damaged
+    // 0a4: events with an earlier time than a previous one, which get the latest time instead; many indicate a damaged time mark
     input  wire [31:0] backward
 );
 
     parameter_check #(.OK(((SOURCES >> SOURCE) & 1) == 1)) SOURCE_must_be_one_of_SOURCES ();
 
-    // ---- which word --------------------------------------------------------------------------------------------------
+    // ---- address decoding --------------------------------------------------------------------------------------------
 
     reg at_id;
     reg at_version;
@@ -314,7 +314,7 @@ module axi_lite_words #(
                      over_lfsr_y_min ||
                      over_lfsr_y_span;
 
-    // ---- what it holds -----------------------------------------------------------------------------------------------
+    // ---- read data ---------------------------------------------------------------------------------------------------
 
     reg [31:0] held, stays;
 
@@ -459,7 +459,7 @@ module axi_lite_words #(
                     at_irq_clear;
     end
 
-    // ---- what a write does -------------------------------------------------------------------------------------------
+    // ---- writes ------------------------------------------------------------------------------------------------------
 
     always @(posedge clk) begin
         control_latch <= 1'd0;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Events from AXI4-Stream, one per beat of 64 bits: EVCOT_EVENT_* in evcot_regs.vh, docs/registers.md.
 //
-// The beat has the low 32 bits of the time. Where they fall by half their range or more they have wrapped, so m_t goes on for
-// as long as T_W bits last; a smaller fall is a time that ran back, and is handed on as it is. A beat whose tkeep is not all
-// ones, or whose pixel lies beyond WIDTH x HEIGHT, is skipped and counted. tlast means nothing.
+// The beat has the low 32 bits of the time. If they decrease by half their range or more they have wrapped, and m_t continues, up to
+// T_W bits; a smaller decrease is a time that runs backwards, and is passed on unchanged. A beat whose tkeep is not all
+// ones, or whose pixel lies beyond WIDTH x HEIGHT, is skipped and counted. tlast is ignored.
 //
 // Latency:    3 clocks. Throughput: an event per clock.
-// Stall:      an event on offer holds until taken.
+// Stall:      an event is held until accepted.
 // Reset:      empty, counter 0, time starts at the first event's 32 bits.
 // Combinational paths: none; s_axis_tready is a register.
 `default_nettype none

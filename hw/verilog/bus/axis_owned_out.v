@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Owned events to AXI4-Stream, one per beat of 64 bits: EVCOT_OWNED_* in evcot_regs.vh, docs/registers.md.
 //
-// tuser is the slot, for a switch that gives each slot a classifier of its own. Each event is a packet: tlast is 1.
+// tuser is the slot, so that a switch can route each slot to its own classifier. Each event is a packet: tlast is 1.
 //
-// Latency: 1 clock. Throughput: an event per clock. Stall: a beat on offer holds until taken. Reset: empty.
+// Latency: 1 clock. Throughput: an event per clock. Stall: a beat is held until accepted. Reset: empty.
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_regs.vh"

@@ -3,7 +3,7 @@
 //
 // Each event is a packet: tlast is 1.
 //
-// Latency: 1 clock. Throughput: an event per clock. Stall: a beat on offer holds until taken. Reset: empty.
+// Latency: 1 clock. Throughput: an event per clock. Stall: a beat is held until accepted. Reset: empty.
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_regs.vh"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Records to AXI4-Stream: EVCOT_RECORD_* in evcot_regs.vh, which is contract.RECORD byte for byte, little-endian.
 //
-// A record takes EVCOT_RECORD_W / DATA_W beats, rounded up; tlast marks the last one, in which tkeep leaves out what lies
-// beyond the record. Fields are filled up with zeros.
+// A record takes EVCOT_RECORD_W / DATA_W beats, rounded up; tlast marks the last one, in which tkeep is 0 for the bytes
+// beyond the record. Fields are padded with zeros.
 //
 // Latency:    2 clocks to the first beat. Throughput: a beat per clock.
-// Stall:      DEPTH records wait here while the output stalls; then m_cm_ready falls.
-// Reset:      empty; a record that was going out is cut.
+// Stall:      up to DEPTH records are queued while the output stalls; then m_cm_ready is de-asserted.
+// Reset:      empty; a record that is being sent is truncated.
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_regs.vh"

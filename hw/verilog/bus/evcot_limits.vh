@@ -2,7 +2,7 @@
 // Legal values of the registers of a slot and of the filters, for a module with the parameters that give their widths.
 // Generated from sw/evcot/hardware/contract.py and registers.toml by `python -m evcot.hardware.generate`: edit there.
 
-// What there is: a register, or the word that commits.
+// Words that exist: the registers, and the word that commits.
 function slot_has(input [`EVCOT_REG_W-1:0] word);
     case (word)
         `EVCOT_REG_MODE,
@@ -62,7 +62,7 @@ function slot_refuses(input [`EVCOT_REG_W-1:0] word);
     slot_refuses = word == `EVCOT_REG_MODE;
 endfunction
 
-// What there is: a register, or the word that commits.
+// Words that exist: the registers, and the word that commits.
 function filter_has(input [`EVCOT_FREG_W-1:0] word);
     case (word)
         `EVCOT_FREG_ENABLE,

@@ -9,7 +9,7 @@
 `define EVCOT_CSR_MINOR   16'd0
 `define EVCOT_CSR_ADDR_W  14
 
-// Banks: where the first of a kind begins; in each, the word that commits and the last one that is a register.
+// Banks: base address of the first of each kind; in each bank, the word that commits and the last register.
 `define EVCOT_BANK_FILTER 14'h200
 `define EVCOT_BANK_SLOT 14'h2000
 `define EVCOT_BANK_COMMIT 5'd31

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything between standard buses: events in, records, owned and passed events out, registers on AXI4-Lite, an interrupt.
+// The complete tracker with standard buses: events in; records, owned and passed events out; registers on AXI4-Lite; an interrupt.
 //
 //     source -> input FIFO -> gate -> filters -> trackers -> records, owned events, passed events: AXI4-Stream
 //                              |         |           |
 //              AXI4-Lite: axi_lite_regs, which closes the gate to change registers between two events
 //
-// Registers and the words of all streams: docs/registers.md. After reset nothing is selected but SOURCE, everything is off and
-// the gate is closed: write a slot, commit it, set control.enable.
+// Registers and the words of all streams: docs/registers.md. After reset SOURCE is selected, slots and filters are off and
+// the gate is closed: write the registers of a slot, commit them, set control.enable.
 //
 // Latency, unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 16 clocks,
 // those of the filters that are built, and those of the tracker: 2 in cot_array, 5 in the first of cot_chain, cot_engine's.
 // Throughput: an event per clock, where source, filters and trackers keep up.
-// Stall:   an output that is not taken stops the trackers, then the gate, then the source; with control.drop events are
-//          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 where
-//          nobody listens.
+// Stall:   back-pressure of an output stalls the trackers, then the gate, then the source; with control.drop events are
+//          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 if
+//          the output is not used.
 // Reset:   synchronous, active high, at least 2 clocks. Written registers are lost; control.soft_reset keeps them, but
-//          slots and filters are off after it until they are committed. It breaks no handshake: what has reached an output goes
-//          out whole, and an AER chip is answered to the end.
+//          slots and filters are off after it until they are committed. It violates no handshake: data that has reached an
+//          output is sent completely, and a handshake with an AER chip is completed.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A host at the other end of a serial line: it reads and writes registers over AXI4-Lite, and records go to it.
+// Interface to a host on a serial line: the host reads and writes registers over AXI4-Lite, and records are sent to it.
 //
-// A request has 7 bytes: 'R' or 'W'; the address, 2 bytes; the data, 4 bytes (of a read they say nothing); lowest byte first.
-// Any other first byte is left out, and so is a request in which no byte comes for TIMEOUT bits. The host waits for the answer
-// before it asks again.
+// A request has 7 bytes: 'R' or 'W'; the address, 2 bytes; the data, 4 bytes (ignored for a read); lowest byte first.
+// Any other first byte is ignored, and so is a request in which no byte arrives for TIMEOUT bits. The host must wait for the answer
+// before the next request.
 //
-// Frames to the host: an answer is 'r' or 'w', the response of AXI (0: all is well), 4 bytes of data; a record is 'c' and its
-// bytes as they lie in the beats of s_axis. Each ends with the sum of all its bytes, modulo 256. An answer waits for a record
-// that is going out, and for no other.
+// Frames to the host: an answer is 'r' or 'w', the response of AXI (0: OKAY), 4 bytes of data; a record is 'c' and its
+// bytes in the order of the beats of s_axis. Each ends with a checksum, the sum of all its bytes modulo 256. An answer waits for the
+// record that is being sent, but for no further one.
 //
 // Stall:      while the line is busy s_axis_tready is low.
-// Reset:      nothing is under way; a byte that was going out is cut.
+// Reset:      idle; a byte that is being sent is truncated.
 `default_nettype none
 `include "evcot_regs.vh"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes from a serial line: 8 data bits, no parity, 1 stop bit, lowest bit first.
 //
-// The line is synchronised, and each bit is looked at in its middle. A byte whose stop bit is low is no byte: a break, or a
-// wrong rate; the next one begins when the line has been high again.
+// The line is synchronised, and each bit is sampled in its middle. A byte whose stop bit is low (a break, or a wrong baud rate) is
+// discarded; the next one can begin once the line has been high again.
 //
 // Latency:    from the middle of the stop bit to m_valid, 3 clocks.
-// Stall:      there is none: m_valid shows for one clock.
+// Stall:      none: m_valid is high for one clock.
 // Reset:      waits for a start bit.
 `default_nettype none
 

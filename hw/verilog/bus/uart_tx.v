@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes to a serial line: 8 data bits, no parity, 1 stop bit, lowest bit first.
 //
-// Latency:    the start bit begins 1 clock after the byte is taken.
+// Latency:    the start bit begins 1 clock after the byte is accepted.
 // Throughput: a byte per 10 bits.
 // Reset:      the line is high.
 `default_nettype none

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What RTL and software share: states, record kinds, modes, register addresses, parameter ranges.
+// Definitions shared by RTL and software: states, record kinds, modes, register addresses, parameter ranges.
 // Generated from sw/evcot/hardware/contract.py by `python -m evcot.hardware.generate`: edit there.
 `ifndef EVCOT_DEFS_VH
 `define EVCOT_DEFS_VH

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A signal from outside the clock, through a row of flip-flops in which a metastable one has time to settle.
+// Synchronises an asynchronous signal with a chain of flip-flops, which gives a metastable one time to settle.
 //
 // Latency:    STAGES clocks, one more when d changes too close to the clock edge.
-// Reset:      q and all before it become RESET.
+// Reset:      q and all flip-flops before it become RESET.
 `default_nettype none
 
 module synchronizer #(

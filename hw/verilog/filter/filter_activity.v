@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets an event stay when enough of its 8 neighbours had an event a short while ago (docs/filters.md).
+// Keeps an event when enough of its 8 neighbours had an event a short while ago (docs/filters.md).
 //
-// All neighbours are asked at once: see stamp_memory.v, which also says why stamps of STAMP_W bits are exact.
+// All neighbours are read at once: see stamp_memory.v, which also explains why stamps of STAMP_W bits are exact.
 //
 // Latency:    8 clocks from s_ to m_: 6 of the memory, comparison, count and decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
-// Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events: ceil(WIDTH/4) * ceil(HEIGHT/4) + 6 clocks with idle and s_ready low.
+// Stall:      while the output is full, the pipeline stalls.
+// Reset:      becomes empty and clears the memory: ceil(WIDTH/4) * ceil(HEIGHT/4) + 6 clocks with idle and s_ready low.
 // RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * STAMP_W bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none

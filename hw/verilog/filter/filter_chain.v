@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seven filters in a row, in the order of docs/filters.md: each sees only the events that those before it let stay.
+// The seven filters in series, in the order of docs/filters.md: each sees only the events that the previous ones kept.
 //
-// HAS says which filters are built; one that is not hands on its tokens by wire, and its bit in `enable` does nothing.
+// HAS says which filters are built; one that is not passes its tokens on by wire, and its bit in `enable` has no effect.
 //
 // Latency:    the sum of those of the filters that are built, enabled or not: 38 clocks from s_ to m_ for all seven.
 // Throughput: that of the slowest filter: 1 token per clock, with the rare stalls of stamp_walk.v and a clock for each mark.
-// Stall:      a token once given holds until taken; filters behind one another fill up one by one.
+// Stall:      a token is held until accepted; back-pressure fills the filters one by one.
 // Reset:      disables all filters and empties all memories, pixel by pixel. Until that is done idle is low, tokens wait
 //             in front of the filter concerned, and marks of hot pixels are lost.
 // Combinational paths: those of the filters, and with HAS = 0 everything.

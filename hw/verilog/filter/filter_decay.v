@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets an event stay when the last events of its 8 neighbours, each with a weight that decays as exp(-age / tau), add up to
+// Keeps an event when the last events of its 8 neighbours, each with a weight that decays as exp(-age / tau), add up to
 // enough (docs/filters.md): the paper's activity memory with decaying weights.
 //
-// Time runs in units of 1/32 of a half-life, and the memory holds units. A weight is halved once per 32 units, so after 257
-// nothing is left of it, and stamps of 9 bits, exact below an age of 384, do for any rate: see stamp_walk.v.
+// Time is measured in units of 1/32 of a half-life, in which the stamps are stored. A weight is halved once per 32 units, so after 257
+// it is 0, and stamps of 9 bits, exact below an age of 384, are sufficient for any rate: see stamp_walk.v.
 //
 // Latency:    13 clocks from s_ to m_: products and sum of the clock, 6 of the memory, table, halving, sums, sum, decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
-// Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events: ceil(WIDTH/4) * ceil(HEIGHT/4) + 6 clocks with idle low, in which two
+// Stall:      while the output is full, the pipeline stalls.
+// Reset:      becomes empty and clears the memory: ceil(WIDTH/4) * ceil(HEIGHT/4) + 6 clocks with idle low, in which two
 //             tokens at most are taken.
 // RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * 9 bits. Two multipliers, TICK_W x 13 and TICK_W x 12 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drops the events of pixels that software has marked as hot (docs/filters.md): one bit per pixel in block RAM.
 //
-// The RAM has one port, so a read never meets a write: a mark holds the tokens up for a clock. It counts for every token that
-// is taken in its own clock or later; for a token inside, it may. Marks beyond WIDTH x HEIGHT are ignored.
+// The RAM has one port, so reads and writes never collide: a mark stalls the tokens for a clock. It applies to every token that
+// is accepted in the same clock or later; for a token inside, it may apply. Marks beyond WIDTH x HEIGHT are ignored.
 //
 // Latency:    4 clocks from s_ to m_: the pixel's address, the RAM, which of its blocks, the decision.
-// Throughput: 1 token per clock, but for the clock after a mark.
-// Stall:      while the output is full, nothing moves.
+// Throughput: 1 token per clock, except for the clock after a mark.
+// Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty, then unmarks every pixel, one a clock. Meanwhile idle and s_ready are low and marks are lost.
 // Combinational paths: none through s_ready and m_; mask_valid -> idle.
 `default_nettype none

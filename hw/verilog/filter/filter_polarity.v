@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets the events of one polarity stay: p = polarity (docs/filters.md).
+// Keeps the events of one polarity: p = polarity (docs/filters.md).
 //
 // Latency:    1 clock from s_ to m_.
 // Throughput: 1 token per clock.

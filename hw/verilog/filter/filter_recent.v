@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets an event stay when enough of the last DEPTH events lie near it in space and time (docs/filters.md): the paper's
+// Keeps an event when enough of the last DEPTH events are near it in space and time (docs/filters.md): the paper's
 // activity memory with binary weights.
 //
-// An event is compared with all DEPTH entries at once and pushed in the same clock, so it finds every event before it and
-// not itself, whatever is still under way behind the comparison. What the memory holds does not depend on the registers: an
-// entry counts or not by recent_ticks as it is when an event is compared, and is forgotten only at an age that no legal
+// An event is compared with all DEPTH entries at once and pushed in the same clock, so it is compared with every event before it and
+// not with itself, independent of the later pipeline stages. The contents of the memory do not depend on the registers: whether an
+// entry counts is decided with the recent_ticks at the time of the comparison, and it is removed only at an age that no legal
 // recent_ticks reaches.
 //
 // Ages are exact. Let H = 2^(STAMP_W-1): recent_ticks is less. Time is counted modulo 4H, in quarters of H ticks. An entry is
 // kept while it lies in the present quarter or in the one before. A token of fewer than H ticks enters at most one further
-// quarter, so an entry kept until then lies at most two back: told apart, and forgotten there, being more than H ticks old.
-// A token of H ticks or more forgets all. So an entry that is kept is less than 2H ticks old, recent_ticks less its age lies
-// between -2H and H, and modulo 4H its sign tells whether the entry counts.
+// quarter, so an entry kept until then lies at most two back: this is detected, and it is removed, being more than H ticks old.
+// A token of H ticks or more removes all. So an entry that is kept is less than 2H ticks old, recent_ticks less its age lies
+// between -2H and H, and modulo 4H its sign says whether the entry counts.
 //
 // Latency:    4 clocks from s_ to m_: time, comparison, count, decision.
 // Throughput: 1 token per clock.
-// Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events.
+// Stall:      while the output is full, the pipeline stalls.
+// Reset:      becomes empty and clears the memory.
 // Combinational paths: none; s_ready and all m_ outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"

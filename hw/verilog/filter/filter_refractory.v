@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Silences each pixel for a while after an event that stayed (docs/filters.md).
+// Drops the events of each pixel for a while after a kept event (docs/filters.md).
 //
-// One bank of block RAM holds when each pixel's last event stayed; stamp_walk.v keeps stamps of STAMP_W bits exact while they
-// wrap. A pixel is read four clocks before the decision and written with it, as only events that stay are remembered. So an
-// event whose pixel is decided upon in between gets the new stamp passed on; a visit of the walk, which is decided and written
-// in the same place, does too. A read never counts on what it finds at the address that is written in the same clock.
+// One bank of block RAM holds the time of each pixel's last kept event; stamp_walk.v keeps stamps of STAMP_W bits exact while they
+// wrap. A pixel is read four clocks before the decision and written with it, as only kept events are stored. If the same pixel is
+// written in between, the new stamp is forwarded; likewise for a visit of the walk, which is decided and written at the same
+// stage. Data read from the address that is written in the same clock is never used.
 //
 // Latency:    7 clocks from s_ to m_: time and address, address, RAM, its output, stamp, age, decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
-// Stall:      while the output is full, nothing moves.
-// Reset:      becomes empty and forgets all events: WIDTH * HEIGHT + 6 clocks with idle and s_ready low.
+// Stall:      while the output is full, the pipeline stalls.
+// Reset:      becomes empty and clears the memory: WIDTH * HEIGHT + 6 clocks with idle and s_ready low.
 // RAM:        WIDTH * HEIGHT * STAMP_W bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets the events of one rectangle stay: region_x0 <= x <= region_x1 and region_y0 <= y <= region_y1 (docs/filters.md).
+// Keeps the events inside one rectangle: region_x0 <= x <= region_x1 and region_y0 <= y <= region_y1 (docs/filters.md).
 //
 // Latency:    1 clock from s_ to m_.
 // Throughput: 1 token per clock.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The software-written registers of a filter chain: one write port, every value shown.
+// The software-written registers of a filter chain: one write port, every value on an output.
 //
 // Writes take effect on the next clock. Reset disables all filters and leaves the other registers as they are. Addresses and
-// meanings: evcot_defs.vh, docs/filters.md. Values are stored as they come: legal ranges are the host's to check. Bits of
-// cfg_data above a register's width are ignored. Register `mask` is no value but a command: it shows for one clock.
+// meanings: evcot_defs.vh, docs/filters.md. Values are stored unchecked: the host must check legal ranges. Bits of
+// cfg_data above a register's width are ignored. Register `mask` is not a value but a command: it is output for one clock.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// When each pixel last had an event, asked for all 8 neighbours of a pixel at once: 16 banks of block RAM, by the low two bits
+// Stores the time of each pixel's last event, and reads all 8 neighbours of a pixel at once: 16 banks of block RAM, by the low two bits
 // of x and of y, so that the pixels of any 3 x 3 square lie in nine different ones.
 //
-// An event asks the banks of its neighbours and is written into its own in the same clock, so it finds every event before it
+// An event reads the banks of its neighbours and is written to its own in the same clock, so it sees every event before it
 // and not itself. stamp_walk.v keeps stamps exact while they wrap: m_age is exact below KEEP = 2^STAMP_W - 2^(SEGMENT_W+1);
-// KEEP or more says that the pixel had no event, or none of an age that matters.
-// A visit reads a row of all banks and writes it back three clocks later. Where an event wants the port in that clock, or has
-// written into the row in between, the visit is done again. So no cell is ever read and written in one clock, but for
-// the own bank of an event, whose answer is not used.
+// KEEP or more means that the pixel had no event, or none of an age that matters.
+// A visit reads a row of all banks and writes it back three clocks later. If an event needs the port in that clock, or has
+// written to the row in between, the visit is repeated. So no cell is ever read and written in one clock, except in
+// the own bank of an event, whose read data is not used.
 //
 // Latency:    6 clocks from s_ to m_: address, time, addresses of the banks, RAM, its output, ages.
 // Throughput: 1 token per clock; for stalls by the walk, which are rare, see stamp_walk.v.
-// Stall:      while advance is low nothing moves; m_ outputs hold.
-// Reset:      no token inside; then all cells are emptied, which takes as many clocks as a bank has cells, and 5 more.
+// Stall:      while advance is low the pipeline stalls; m_ outputs are held.
+// Reset:      no token inside; then all cells are cleared, which takes as many clocks as a bank has cells, and 5 more.
 //             Meanwhile idle and s_ready are low.
 // RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * STAMP_W bits. One read and one write port per bank, contents not reset.
 // Combinational paths: advance -> s_ready.

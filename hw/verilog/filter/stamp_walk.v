@@ -4,18 +4,18 @@
 // A stamp is the low W bits of a clock that counts steps. Ages below KEEP = 2^W - 2^(SEGMENT_W+1) matter; a stamp that is
 // older, or of a cell that was never written, may read as any age from KEEP to 2^W - 1: none.
 //
-// Why no stamp is ever taken for a newer one. Time is cut into segments of S = 2^SEGMENT_W steps. In each, the walk visits
+// Why no stamp is ever mistaken for a newer one: time is divided into segments of S = 2^SEGMENT_W steps. In each, the walk visits
 // every cell once, and sets a stamp of age KEEP or more to age KEEP. A token goes on to the next segment when the walk of
 // this one has come to its end, and it enters at most one segment at a time. So at any time each cell has been visited at
 // most 2S - 1 steps ago, when its age was KEEP at most (or it was written since): its age is at most
-// KEEP + 2S - 1 = 2^W - 1, which W bits tell. Of one token at most KEEP steps count: after so many everything is none,
-// whatever was stored, and later stamps are compared with later ones only.
+// KEEP + 2S - 1 = 2^W - 1, which W bits can represent. Of one token at most KEEP steps are counted: after that every age counts as
+// none, whatever was stored, and later stamps are compared with later ones only.
 //
 // The walk takes a slot of the pipeline, one cell (or row of cells in banks) per slot, whenever no event needs it. So a token
 // waits only where a segment ends before the walk does: after jumps of S steps or more, or when a segment has so many events
 // that fewer slots than ROWS were left.
 //
-// Reset: time 0, no token held; then a first walk, told by `clearing`, to be used to write every cell. No token meanwhile.
+// Reset: time 0, no token held; then a first walk, during which `clearing` is high, to write every cell. No token is accepted meanwhile.
 // Combinational paths: advance -> s_ready.
 `default_nettype none
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings N active-low 4-phase senders onto one line.
+// Merges N active-low 4-phase senders onto one bus.
 //
-// Among those that request, the lowest-numbered goes first; a word under way is never taken back. A word passes without
-// delay when the line is free, that is when the receiver's acknowledge was seen released after the word before: a receiver
+// The lowest-numbered sender with a request goes first; a word that is being sent is never withdrawn. A word passes without
+// delay when the bus is free, that is, after the receiver has de-asserted its acknowledge of the previous word: a receiver
 // that ties its acknowledge low gets one word only. Senders must hold request and word until acknowledged.
 `default_nettype none
 

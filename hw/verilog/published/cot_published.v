@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The published tracker: one cluster, 4-phase handshakes, and the arithmetic of the hardware that the paper was measured on,
-// oddities included. docs/published.md is its contract; cot.v is the tracker to use where nothing must match that hardware.
+// with all its deviations from the paper. docs/published.md is its contract; use cot.v unless you need to match that hardware.
 //
 // Clocks from the one before the edge that first sees the request, every output acknowledged at once: acknowledge 1, event
 // out (owned or rejected) 3, centre out 7, idle again 4, or 8 after a centre. An output waits until it is acknowledged, and
 // the tracker with it.
-// Reset, and every new life, goes through INIT_CELL, which acknowledges whatever is requested and forgets it.
+// Reset, and every new life, goes through INIT_CELL, which acknowledges every request and drops the event.
 // Registers must not change except under reset. s_ack_n depends combinationally on s_req_n where the request is released late.
 `default_nettype none
 

@@ -3,8 +3,8 @@
 //
 // A tracker sees what those before it rejected; one that is not enabled is a pair of wires. Centres and events of all four
 // leave on one line as 25-bit words, {tag, high, low, event}: tag 0x00 to 0x03 a centre of tracker 0 to 3, with event = 0;
-// 0x10 to 0x13 an event of that cluster, with event = 1. Where two have a word at once, the lower tracker goes first.
-// What all four reject leaves on the pass-through port.
+// 0x10 to 0x13 an event of that cluster, with event = 1. If two have a word at once, the lower tracker goes first.
+// Events that all four reject leave on the pass-through port.
 //
 // Clocks from a request, every output acknowledged at once: as cot_published.v, plus 3 for each enabled tracker upstream.
 // Reset gives every register its default; no tracker is enabled then and none selected.

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Address events from a chip: 4-phase request and acknowledge, asynchronous to the clock, each stamped with its arrival.
 //
-// The sender puts a word, requests, waits for the acknowledge, takes the request back, and waits until the acknowledge is gone.
-// The request passes a synchronizer; the word must be stable from the request to the acknowledge (bundled data), and is read
-// when the request comes out of the synchronizer, STAGES clocks later. The acknowledge is given when the event has found room
-// in the output, so that a sender waits and nothing is lost.
+// The sender drives a word, asserts the request, waits for the acknowledge, de-asserts the request, and waits until the acknowledge is
+// de-asserted. The request passes a synchronizer; the word must be stable from the request to the acknowledge (bundled data), and is
+// sampled when the request leaves the synchronizer, STAGES clocks later. The acknowledge is asserted when there is room for the event
+// in the output, so that the sender waits and nothing is lost.
 //
 // Plain words: {y, x, p}. Word-serial: with aer_row, a row address y in the low bits, for all columns until the next one;
-// without, a column {x, p} in the low bits. Columns before any row, and events beyond the sensor, are left out and counted.
+// without, a column {x, p} in the low bits. Columns before any row, and events beyond the sensor, are dropped and counted.
 //
 // Latency:    SYNC + 2 to SYNC + 3 clocks from the request to m_.
-// Throughput: with a sender that answers at once, an event in 2 * SYNC + 3 clocks, one more now and then.
-// Stall:      an event stays until taken; the next one is stamped when it comes, and acknowledged when there is room.
-// Reset:      no acknowledge, no row is known; a request that is already there is taken for a new one.
-// Flush:      an event inside is dropped and counters begin anew, but the handshake goes on: what has not been acknowledged is
-//             read when the flush is over, what has been is not read again, and the row stays.
+// Throughput: with a sender that answers at once, an event in 2 * SYNC + 3 clocks, occasionally one more.
+// Stall:      an event is held until accepted; the next one is stamped when it arrives, and acknowledged when there is room.
+// Reset:      no acknowledge, no row is known; a request that is already asserted counts as a new one.
+// Flush:      an event inside is dropped and counters are cleared, but the handshake continues: a word that has not been acknowledged
+//             is sampled after the flush, one that has been is not sampled again, and the row is kept.
 `default_nettype none
 
 module aer_in #(

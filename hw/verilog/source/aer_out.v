@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tagged address events to a chip: 4-phase request and acknowledge, the acknowledge asynchronous to the clock.
 //
-// A word is {kind, slot, y, x, p}. It stands SETUP clocks before the request and stays until the next word, thus beyond the
-// acknowledge. The request goes when the acknowledge has come, and the next word waits until the acknowledge is gone.
+// A word is {kind, slot, y, x, p}. It is driven SETUP clocks before the request and until the next word, thus beyond the
+// acknowledge. The request is de-asserted after the acknowledge, and the next word waits until the acknowledge is de-asserted.
 //
 // Latency:    SETUP + 1 clocks from s_ to the request.
-// Throughput: with a receiver that answers at once, a word in SETUP + 2 * SYNC + 3 clocks, one more now and then.
-// Stall:      a receiver that does not acknowledge, or does not take its acknowledge back, holds s_ready low.
-// Reset:      no request; s_ready rises when the acknowledge is seen to be gone.
+// Throughput: with a receiver that answers at once, a word in SETUP + 2 * SYNC + 3 clocks, occasionally one more.
+// Stall:      a receiver that does not acknowledge, or does not de-assert its acknowledge, holds s_ready low.
+// Reset:      no request; s_ready rises once the acknowledge is de-asserted.
 `default_nettype none
 
 module aer_out #(

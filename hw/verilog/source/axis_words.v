@@ -2,12 +2,12 @@
 // AXI4-Stream beats as words of one width, the lowest lane first.
 //
 // A beat may hold several words, or half of one: then the first beat is the lower half, and tlast ends a word that has no
-// second one. Lanes that tkeep leaves out whole are no words; words of which tkeep or tlast leave out a part are skipped and
-// counted. With swap_bytes the bytes of each word, or of each half of 64 bits, come with the high one first.
+// second one. Lanes without any byte in tkeep hold no word; words of which tkeep or tlast leave out a part are skipped and
+// counted. With swap_bytes the bytes of each word, or of each half of 64 bits, are in big-endian order.
 //
 // Latency:    2 clocks from s_axis_ to m_.
 // Throughput: 1 word per clock; a beat without any word takes 1 clock.
-// Stall:      a word stays until taken; s_axis_tready is low until the last word of a beat is being taken.
+// Stall:      a word is held until accepted; s_axis_tready is low until the last word of a beat is being accepted.
 // Reset:      becomes empty. Words are not reset.
 // Combinational paths: m_ready -> s_axis_tready.
 `default_nettype none

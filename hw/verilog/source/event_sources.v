@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sources of events that were built, the selected one of them as tokens behind the input FIFO.
+// All sources of events that are built; outputs the events of the selected one as tokens, behind the input FIFO.
 //
 //     events, EVT 2.0, 2.1, 3.0 on one AXI4-Stream; AER; LFSR  ->  the selected one  ->  ticks  ->  overload_fifo
 //
-// Behind the choice of a source and behind that of its ticks stands a skid buffer: neither choice is in a path to the other.
+// Each of the two multiplexers, for the source and for its ticks, is followed by a skid buffer, so that they share no path.
 //
 // Ticks come from the events' own time (stamp_ticks) or from the clock (tick_prescaler). The time of an event of the LFSR is
-// that of its twin, sw/evcot/hardware/lfsr_event_source.py: a microsecond for each step. Settings must stand still but under reset.
+// that of its software model, sw/evcot/hardware/lfsr_event_source.py: a microsecond per step. Settings may change under reset only.
 //
-// Latency, throughput, stalls, reset: those of the parts. What is not selected takes nothing.
+// Latency, throughput, stalls, reset: those of the parts. A source that is not selected accepts nothing.
 `default_nettype none
 `include "evcot_regs.vh"
 

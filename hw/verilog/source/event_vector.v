@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Events of one row and time as the set bits of a mask, the lowest to the left: one by one, those on the sensor.
+// Unpacks a vector of events of one row and time, given as the set bits of a mask, the lowest to the left: outputs them one by one.
 //
-// An event that has no time or no address, as s_known tells, or that lies beyond the sensor, is left out and counted.
+// An event without time or address (s_known low), or one that lies beyond the sensor, is dropped and counted.
 //
 // Latency:    4 clocks from s_ to the first event on m_.
-// Throughput: 1 event per clock, those left out included; a vector without events takes 1 clock.
-// Stall:      an event stays until taken.
+// Throughput: 1 event per clock, including dropped ones; a vector without events takes 1 clock.
+// Stall:      an event is held until accepted.
 // Reset:      becomes empty, counts from 0.
 // Combinational paths: none; s_ready comes from registers, m_ are registers.
 `default_nettype none

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prophesee's EVT 2.1, 64-bit words of up to 32 events each, from AXI4-Stream to events: decides as
+// Decodes Prophesee's EVT 2.1, 64-bit words of up to 32 events each, from AXI4-Stream to events, as
 // sw/evcot/recordings/formats/evt2.py does.
 //
-// The upper half of a word is as a word of EVT 2.0 (evt2_decoder.v); the lower half has a set bit for each event, from x on to
-// the right. https://docs.prophesee.ai/stable/data/encoding_formats/evt21.html
+// The upper half of a word has the format of a word of EVT 2.0 (evt2_decoder.v); the lower half has a set bit for each event, from
+// column x to the right. https://docs.prophesee.ai/stable/data/encoding_formats/evt21.html
 //
 // Latency:    6 clocks from s_axis_ to m_.
 // Throughput: 1 event per clock between marks; a word of marks, or without events, takes 1 clock. At DATA_W = 32 a word takes
 //             2 clocks at least.
-// Stall:      an event stays until taken.
-// Reset:      becomes empty, forgets the time, counts from 0.
+// Stall:      an event is held until accepted.
+// Reset:      becomes empty, time unknown, counters 0.
 // Combinational paths: none; m_ are registers, s_axis_tready comes from registers.
 `default_nettype none
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prophesee's EVT 2.0, 32-bit words of one event each, from AXI4-Stream to events: decides as sw/evcot/recordings/formats/evt2.py does.
+// Decodes Prophesee's EVT 2.0, 32-bit words of one event each, from AXI4-Stream to events, as sw/evcot/recordings/formats/evt2.py does.
 //
-// Bits 31..28 tell what a word is: 0, 1: an event, darker or brighter, its time's low bits 27..22, x 21..11, y 10..0;
+// Bits 31..28 are the type of a word: 0, 1: an event, darker or brighter, its time's low bits 27..22, x 21..11, y 10..0;
 // 8: a time mark, bits 33..6 of the time (time_mark.v extends it to T_W bits). Triggers and vendors' words (10, 14, 15) are
 // skipped; all other types are reserved: skipped and counted.
 // https://docs.prophesee.ai/stable/data/encoding_formats/evt2.html
 //
 // Latency:    6 clocks from s_axis_ to m_.
 // Throughput: 1 word per clock, so 1 event per clock between marks.
-// Stall:      an event stays until taken.
-// Reset:      becomes empty, forgets the time, counts from 0.
+// Stall:      an event is held until accepted.
+// Reset:      becomes empty, time unknown, counters 0.
 // Combinational paths: none; m_ are registers, s_axis_tready comes from registers.
 `default_nettype none
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prophesee's EVT 3.0, 16-bit words that each change a part of what the next event is, from AXI4-Stream to events: decides as
+// Decodes Prophesee's EVT 3.0, 16-bit words that each set a part of the next event, from AXI4-Stream to events, as
 // sw/evcot/recordings/formats/evt3.py does.
 //
-// Bits 15..12 tell what a word is: 0: row; 2: one event, polarity 11, x 10..0; 3: polarity and x where the next vector starts;
-// 4, 5: a vector of 12 or 8 pixels, one event per set bit, to the right of that x, which moves on by as many; 6: bits 11..0 of
+// Bits 15..12 are the type of a word: 0: row; 2: one event, polarity 11, x 10..0; 3: polarity and base x of the next vector;
+// 4, 5: a vector of 12 or 8 pixels, one event per set bit, to the right of the base, which advances by as many; 6: bits 11..0 of
 // the time; 8: a time mark, bits 23..12 (time_mark.v extends it to T_W bits), which sets those below to 0 if it is a new one.
-// Triggers and vendors' words (7, 10, 14, 15) are skipped; other types are reserved: skipped and counted. After type 1 there
-// is no row: events are left out until the next one.
+// Triggers and vendors' words (7, 10, 14, 15) are skipped; other types are reserved: skipped and counted. Type 1 invalidates
+// the row: events are dropped until the next one.
 // https://docs.prophesee.ai/stable/data/encoding_formats/evt3.html
 //
 // Latency:    6 clocks from s_axis_ to m_.
 // Throughput: 1 word per clock, and 1 more for each further event of a vector.
-// Stall:      an event stays until taken.
-// Reset:      becomes empty, forgets the time, counts from 0.
+// Stall:      an event is held until accepted.
+// Reset:      becomes empty, time unknown, counters 0.
 // Combinational paths: none; m_ are registers, s_axis_tready comes from registers.
 `default_nettype none
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One of Prophesee's streams on 64-bit beats as events: EVT 2.0, 2.1 or 3.0, behind one set of ports.
+// Decoder for one of Prophesee's formats on 64-bit beats, EVT 2.0, 2.1 or 3.0, with the same ports for each.
 //
 // Latency, throughput, stalls, reset: those of evt2_decoder.v, evt21_decoder.v and evt3_decoder.v.
 `default_nettype none

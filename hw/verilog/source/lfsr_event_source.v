@@ -5,16 +5,16 @@
 //     x offset = state[X_W-1:0], y offset = state[X_W+Y_W-1:X_W], polarity = state[X_W+Y_W]
 // Each offset is masked to the bits that its span needs. A candidate with both offsets inside the spans is an event at
 // (x_min + x offset, y_min + y offset), which is uniform over the window x_min..x_min+x_span, y_min..y_min+y_span;
-// others are dropped (at most 3 of 4). The window must lie on the sensor: sums wrap. With gap < X_W + Y_W neighbouring
-// events share LFSR bits and so look alike; with more they do not.
+// others are dropped (at most 3 of 4). The window must lie on the sensor, since sums wrap. With gap < X_W + Y_W consecutive
+// events share LFSR bits and are correlated; with a larger gap they do not.
 //
 // Latency:    1 clock from a candidate to m_valid.
 // Throughput: 1 event per gap + 1 clocks in a window with power-of-two sides.
 // Stall:      a waiting event stops the LFSR, so the sequence of events depends on seed, gap and window alone.
-//             enable low stops it as well, and leaves a waiting event on offer.
-// Load:       the LFSR takes the seed and the gap starts over; an event on offer stays. A refused seed costs that clock
-//             and nothing else. See lfsr.v for seed_error and done.
-// Reset:      no event on offer; the LFSR starts from zero.
+//             enable low stops it as well; a waiting event stays valid.
+// Load:       the LFSR is set to the seed and the gap starts over; a waiting event stays valid. A refused seed has no other effect than
+//             the loss of that clock. See lfsr.v for seed_error and done.
+// Reset:      no event waits; the LFSR starts from zero.
 // Combinational paths: load, seed -> seed_error.
 `default_nettype none
 

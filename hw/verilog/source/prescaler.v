@@ -2,7 +2,7 @@
 // A pulse of one clock every `period` clocks; none while period is 0.
 //
 // Latency:    the first pulse is in the clock `period` - 1 clocks after reset has ended.
-// A new period counts at once, from the last pulse on: where more clocks have passed already, the pulse comes now.
+// A new period takes effect at once, counted from the last pulse: if more clocks have passed already, the pulse is output now.
 // Reset:      the period starts over.
 // Combinational paths: period -> pulse.
 `default_nettype none

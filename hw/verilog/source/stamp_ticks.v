@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ticks from the events' own times: each event carries floor((t - t0) / tick_us) ticks, less those before it.
 //
-// t0 is the time of the first event since reset. An event whose time runs back stays, at the latest time so far, and is
-// counted. Ticks that do not fit into one token go ahead in tokens of ticks alone.
+// t0 is the time of the first event since reset. An event whose time runs backwards is kept, with the latest time so far, and
+// counted. Ticks that do not fit into one token are sent ahead in tokens without event.
 //
 // Latency:    4 clocks from s_ to m_.
 // Throughput: 1 event per clock if tick_us is 1, or while less than a tick passes between events; T_W + 3 clocks for an event
-//             after a longer time (a division), and 1 for each token of ticks alone.
-// Stall:      a token stays until taken.
+//             after a longer time (a division), and 1 for each token without event.
+// Stall:      a token is held until accepted.
 // Reset:      becomes empty; the next event sets t0.
 // Combinational paths: none; m_ and s_ready come from registers.
 `default_nettype none

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ticks from a prescaler: one every `prescale` clocks, put among the events in the order of their arrival.
+// Ticks from a prescaler: one every `prescale` clocks, merged with the events in the order of their arrival.
 //
-// An event carries the ticks of all clocks before the one that takes it, less those that went ahead of it. Ticks go out as
-// soon as they can, with or without an event, and add up while the output stalls: none is lost within 2^48.
+// An event carries the ticks of all clocks before the one in which it is accepted, less those already sent. Ticks are sent as
+// soon as possible, with or without an event, and accumulate while the output stalls: none is lost within 2^48.
 //
 // Latency:    2 clocks from s_ to m_, 3 from a tick.
 // Throughput: 1 token per clock; ticks that do not fit into one token take one more for every 2^TICK_W - 1.
-// Stall:      a token stays until taken. An event that must wait takes the time at which it is taken.
+// Stall:      a token is held until accepted. An event that has to wait gets the time at which it is accepted.
 // Reset:      becomes empty, the prescaler starts over.
 // Combinational paths: prescale feeds registers; m_ and s_ready come from registers.
 `default_nettype none

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tokens with wide ticks as tokens of TICK_W bits: what does not fit goes ahead in tokens of ticks alone, as many as it takes.
+// Converts tokens with wide ticks to ticks of TICK_W bits: ticks that do not fit are sent ahead in as many tokens without event as needed.
 //
 // Latency:    2 clocks from s_ to m_.
-// Throughput: 1 token given per clock.
-// Stall:      a token stays until taken.
+// Throughput: 1 output token per clock.
+// Stall:      a token is held until accepted.
 // Reset:      becomes empty.
 // Combinational paths: none; m_ and s_ready come from registers.
 `default_nettype none

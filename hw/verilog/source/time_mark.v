@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The upper part of a time whose marks wrap around: a mark that falls by more than half of its range has begun a new turn.
+// Extends time marks that wrap around: a mark that decreases by more than half of its range has wrapped, and the upper part is incremented.
 //
-// Any other mark stays in its turn, also one that falls a little: then time runs back, as the stream says.
+// With any other mark the upper part is kept, also if the mark decreases a little: then time runs backwards, as in the stream.
 //
 // Latency:    1 clock from set to high and known.
 // Throughput: a mark every clock.

@@ -2,9 +2,9 @@
 // First-in first-out queue, first word falls through.
 //
 // Latency:    1 clock from s_ to m_ when empty, 3 with BLOCK = 1.
-// Throughput: 1 word per clock; with DEPTH = 1, one word in two clocks, with BLOCK = 1 in three, since a full queue takes
-//             nothing until the clock after it gave a word.
-// Stall:      s_ready is low while DEPTH words are held; with BLOCK = 1 there is one more on offer.
+// Throughput: 1 word per clock; with DEPTH = 1, one word in two clocks, with BLOCK = 1 in three, since a full queue accepts
+//             nothing until the clock after a word has left.
+// Stall:      s_ready is low while DEPTH words are held; with BLOCK = 1 there is one more in the output register.
 // Reset:      becomes empty. The memory is not reset.
 // Combinational paths: none from port to port. m_data is a memory read, with BLOCK = 1 a register.
 `default_nettype none

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bounded queue of tokens for sources that cannot wait: an event that finds it full is dropped, its time is not.
+// A bounded queue of tokens for sources that cannot wait: an event that arrives while it is full is dropped, its time is not.
 //
-// What is dropped is the newest event: its ticks go to the next token that is kept, so every event that stays keeps its own
-// time, and tokens on offer never change. (To drop the oldest would take back a token that is on offer, and would let a burst
-// push out the history that the trackers need to follow it.) Ticks alone take no place while an event waits: they add up, and
-// go with the next event, or as soon as the queue is empty. Dropped events get no number.
+// The newest event is dropped: its ticks are added to the next token that is kept, so every kept event has its correct
+// time, and a waiting output token never changes. (Dropping the oldest would withdraw a waiting token, and a burst would
+// displace the history that the trackers need to follow it.) Ticks without event use no entry while an event waits: they accumulate,
+// and leave with the next event, or as soon as the queue is empty. Dropped events get no number.
 // With drop_enable low the queue is a plain one: s_ready falls while it is full.
 //
 // Latency:    5 clocks from s_ to m_ when empty.
 // Throughput: 1 token per clock; with DEPTH = 1, one in three clocks.
-// Stall:      a token stays until taken; s_ready stays high while drop_enable is.
+// Stall:      a token is held until accepted; s_ready stays high while drop_enable is.
 // Reset:      becomes empty, counts from 0.
 // Counters:   n_in = n_out + n_dropped + held, at every clock. They count events, skipped ones included, and wrap around.
 // Combinational paths: drop_enable -> s_ready.

@@ -3,7 +3,7 @@
 //
 // Latency:    1 clock from s_ to m_.
 // Throughput: 1 word per clock.
-// Stall:      a word that arrives in the clock in which the output stalls is kept aside; then s_ready falls.
+// Stall:      a word that arrives in the clock in which the output stalls is stored in a second register; then s_ready falls.
 // Reset:      becomes empty; s_ready rises one clock after reset. Payload is not reset.
 // Combinational paths: none; s_ready, m_valid and m_data are registers.
 `default_nettype none

@@ -3,7 +3,7 @@
 //
 // Latency:    1 clock from s_ to m_.
 // Throughput: 1 word per clock. A stream that waits is served after at most N - 1 words of others.
-// Stall:      the presented word stays until taken. Nothing is lost or repeated, and each stream keeps its order.
+// Stall:      the output word is held until accepted. Nothing is lost or repeated, and each stream keeps its order.
 // Reset:      becomes empty, stream 0 first. Payload is not reset.
 // Combinational paths: m_ready, s_valid -> s_ready. A skid_buffer behind m_ or before s_ cuts them.
 `default_nettype none

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one place where tokens can be held back, so that registers change between two events: closes, says when nothing is under
-// way behind it, and opens again when what was written has settled. Numbers the events that go through.
+// Holds tokens back while registers change, so that they change between two events: it closes, signals when filters and trackers behind
+// it are idle, and opens again when the registers have been written. It also numbers the events that pass.
 //
-// A token on offer behind the gate is never taken back: the gate closes when it has been taken. After reset it stays closed until
-// all behind it has been idle once: memories that begin empty take their time for that.
+// A valid token at the output is never withdrawn: the gate closes once it has been accepted. After reset it stays closed until
+// everything behind it has been idle once, since memories take some time to clear.
 //
 // Latency:    none, by wire. Throughput: a token per clock.
 // Stall:      while closed, s_ready is low.

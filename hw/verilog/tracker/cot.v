@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cluster Object Tracker: follows one cluster of events with the six-state FSM of the paper.
 //
-// Input: tokens in order. A token says that s_tick ticks have passed and then, if s_event is 1, carries an event. What comes
-// out depends on the order of tokens alone, never on when they are taken.
+// Input: tokens in order. A token first advances the time by s_tick ticks and then, if s_event is 1, carries an event. The
+// output depends on the order of tokens alone, never on when they are accepted.
 // Outputs: the centre-of-mass stream (births, moves, losses), the owned events with their address in the window, and the
 // pass-through of everything else. Time travels down the pass-through port in order with the events: an event that is owned
 // here leaves its ticks there as a token without event.
 //
 // Latency, unstalled, counted from the clock edge that takes the event: passed or owned event out after 2, centre out after 3.
 // Throughput: an event every 3 clocks, every 4 at a centre update, a token without event every 2.
-// Every output holds its value until taken, and the FSM waits for all of them. Reset turns the tracker off.
+// Every output is held until accepted, and the FSM waits for all of them. Reset turns the tracker off.
 // s_ready depends combinationally on s_tick: put a skid_buffer in front where that path is too long.
 `default_nettype none
 `include "evcot_defs.vh"

@@ -2,16 +2,16 @@
 // N cluster trackers that see every event at once and whose active windows never overlap: the specification, in Verilog.
 //
 // Input: tokens in order, as in cot.v; events are numbered here, from 0.
-// An event belongs to the active slot whose window holds it, else to the lowest candidate whose window holds it, else it
+// An event belongs to the active slot whose window contains it, else to the lowest candidate whose window contains it, else it
 // starts a life in the lowest free seeded slot, else it passes through. When a window is born, moves or grows and then shares
-// a pixel with another active one, the two merge: the first born stays, at the average of both centres weighted by support
-// and with the larger g; the other goes back to its start. This repeats until no active windows overlap.
+// a pixel with another active one, the two merge: the first born survives, at the mean of both centres weighted by support
+// and with the larger g; the other returns to INIT_CELL. This repeats until no active windows overlap.
 //
 // That no two active windows overlap is proven: hw/formal.
 //
 // Latency, unstalled, from the clock edge that takes the event: every output after 2, for any N.
 // Throughput: a token every clock. More clocks only for the end of a life (1 each) and for a merge (divider + 4).
-// Every output holds its value until taken; nothing advances while one is not. Reset turns all slots off.
+// Every output is held until accepted; the array stalls while one is not. Reset turns all slots off.
 // s_ready is a register; the m_*_ready inputs gate the core combinationally.
 `default_nettype none
 `include "evcot_defs.vh"

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's cascade: N trackers in a row, each of which sees what the one before it let pass.
+// The paper's cascade: N trackers in series, each of which receives the events that the previous one passed on.
 //
-// Ownership is exclusive by order. Time travels down the row in order with the events, so every tracker decides each event
-// at the tick at which it happened, however late it arrives. Events are numbered at the entrance; the records and the owned
+// The first tracker whose window contains an event owns it. Ticks are passed on in order with the events, so every tracker decides
+// each event at the tick at which it happened, however late it arrives. Events are numbered at the input; the records and the owned
 // events of all trackers are merged round robin, and each tracker's own stay in order.
 //
-// Latency, unstalled: as cot.v, plus 1 clock at the entrance, 2 per upstream tracker, and 1 where records and owned events
+// Latency, unstalled: as cot.v, plus 1 clock at the input, 2 per upstream tracker, and 1 where records and owned events
 // are merged.
 // Throughput: that of cot.v, an event every 3 to 4 clocks, in every tracker at once.
-// Every output holds its value until taken. Reset turns all trackers off. s_ready is a register.
+// Every output is held until accepted. Reset turns all trackers off. s_ready is a register.
 `default_nettype none
 `include "evcot_defs.vh"
 

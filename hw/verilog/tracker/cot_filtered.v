@@ -2,12 +2,12 @@
 // A filter chain in front of N trackers: the array, the chain or the engine.
 //
 // Ports and behaviour are those of the trackers, and filter_cfg_* writes the registers of filter_chain.v. An event that a
-// filter takes out is reported nowhere, but it counts: every record and every event that comes out carries the number that its
+// filter drops is not output, but it is numbered: every record and every output event carries the number that its
 // event had at the input.
 //
 // Latency: that of the filters that HAS builds, plus that of the trackers. Throughput: that of the slower one.
-// Every output holds its value until taken. Reset disables all filters and turns all slots off; idle rises when the filters'
-// memories are empty.
+// Every output is held until accepted. Reset disables all filters and turns all slots off; idle rises when the filters'
+// memories have been cleared.
 `default_nettype none
 `include "evcot_defs.vh"
 

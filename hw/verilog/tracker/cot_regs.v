@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The software-written registers of N tracker slots: one write port, one read port that shows all registers of one slot.
+// The software-written registers of N tracker slots: one write port, one read port with all registers of one slot.
 //
 // Writes take effect on the next clock; reads are combinational, so the bank maps to distributed RAM. Reset turns every slot
 // off and leaves the other registers as they are. Addresses and meanings: evcot_defs.vh, docs/algorithm.md. Values are
-// stored as they come: legal ranges are the host's to check. Bits of cfg_data above a register's width are ignored.
+// stored unchecked: the host must check legal ranges. Bits of cfg_data above a register's width are ignored.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N trackers behind one set of ports: the array, the chain or the engine. Everything else is theirs to say.
+// Instantiates the array, the chain or the engine, with one set of ports for all. Latency and behaviour: see those modules.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"

@@ -59,7 +59,7 @@ class _Shape2(Group):
 
 
 class _Build(Group):
-    """What was built."""
+    """Build options of the hardware."""
 
     __slots__ = ()
     filters = Bits("build", "filters")
@@ -95,7 +95,7 @@ class _Control(Group):
 
 
 class _Source(Group):
-    """Where events come from; takes effect with `soft_reset`."""
+    """Source of events; takes effect with `soft_reset`."""
 
     __slots__ = ()
     select = Bits("source", "select")
@@ -107,7 +107,7 @@ class _Source(Group):
 
 
 class _Prescale(Group):
-    """Length of a tick, and of a microsecond, of the clock; takes effect with `soft_reset`."""
+    """Length of a tick and of a microsecond in clocks; takes effect with `soft_reset`."""
 
     __slots__ = ()
     tick = Bits("prescale", "tick")
@@ -131,7 +131,7 @@ class _LfsrY(Group):
 
 
 class _Status(Group):
-    """How it stands."""
+    """State of the hardware."""
 
     __slots__ = ()
     idle = Bits("status", "idle")
@@ -141,7 +141,7 @@ class _Status(Group):
 
 
 class _Fault(Group):
-    """Writes that did not do what they said."""
+    """Accesses that were clamped or refused."""
 
     __slots__ = ()
     clamped = Bits("fault", "clamped")
@@ -152,7 +152,7 @@ class _Fault(Group):
 
 
 class _IrqStatus(Group):
-    """What has happened since it was cleared."""
+    """Interrupt events since they were last cleared."""
 
     __slots__ = ()
     birth = Bits("irq_status", "birth")
@@ -183,7 +183,7 @@ class _Slot(Group):
     detect_ticks = BankRegister("slot", "detect_ticks")
 
     def commit(self) -> None:
-        """Let all that was written to this slot take effect, at one point between two events.
+        """Make all values written to this slot take effect, at one point between two events.
 
         Its life goes on unless `mode` was written.
         """
@@ -191,7 +191,7 @@ class _Slot(Group):
 
     @property
     def commit_seq(self) -> int:
-        """Low 32 bits of the number of the first event that met what was committed last."""
+        """Low 32 bits of the number of the first event processed with the values committed last."""
         return self._read(124)
 
 
@@ -217,17 +217,17 @@ class _Filters(Group):
     mask = BankRegister("filter", "mask")
 
     def commit(self) -> None:
-        """Let all that was written take effect, at one point between two events."""
+        """Make all values written take effect, at one point between two events."""
         self._write(124, 1)
 
     @property
     def commit_seq(self) -> int:
-        """Low 32 bits of the number of the first event that met what was committed last."""
+        """Low 32 bits of the number of the first event processed with the values committed last."""
         return self._read(124)
 
 
 class Registers(Group):
-    """All registers. `shape`, `filter_shape` and the number of slots are what the hardware says of itself.
+    """All registers. `shape`, `filter_shape` and the number of slots are read from the hardware.
 
     Raises:
         ConfigError: what answers is no evcot_top, or has a map of another major version.
@@ -328,7 +328,7 @@ class Registers(Group):
 
     @property
     def commit_seq(self) -> int:
-        """Number of the first event that met the last commit."""
+        """Number of the first event processed after the last commit."""
         return self.commit_seq_high << 32 | self.commit_seq_low
 
     def counters(self) -> dict[str, int]:

@@ -5,7 +5,7 @@
 // Throughput: a token every clock. More clocks, where N > 16 those in brackets: 6 (7) after an event that moves a centre or
 // starts a life, 2 N + 40 (2 N + 45) for the end of a life, about 4 (X_W + FRAC) + 35 (2 (X_W + FRAC) + 40) for a merge, and
 // N + 12 every max_ticks or detect_ticks, whichever is less.
-// Every output holds its value until taken. Reset turns all slots off; about 12 N clocks later the engine is idle.
+// Every output is held until accepted. Reset turns all slots off; about 12 N clocks later the engine is idle.
 // All outputs are registers; no path leads from an input to an output.
 `default_nettype none
 `include "evcot_defs.vh"

@@ -2,16 +2,16 @@
 // One axis of a slot's average and centre, an event per clock, even where events of one slot follow each other.
 //
 // av <- av + (event - av) * 2^-k and, where the centre moves, cm <- cm + (av - cm) * 2^-k, rounded as in approach.v: the bit
-// below the shifted value is the carry into the adder. Instead of the average of the event before, the event behind it
-// is given its own distance to that average, in the same clock: it is further off by as much as the events are apart, and
-// closer by the step. The former is summed while the step is shifted.
+// below the shifted value is the carry into the adder. Not the average is forwarded to the next event, but that event's distance
+// to the average, in the same clock: it is larger by the difference of the two events, and smaller by the step. The difference
+// is added while the step is shifted.
 //
-// That loop limits the clock, so nothing but one shift and one addition is in it: what comes from the memory and what
-// comes round are registers of which all but one hold a distance of zero, and engine_shift takes their sum. Those two hold
-// complements: so all that is done with a step is to add it.
+// This loop limits the clock frequency, so it contains only one shift and one addition: the distance read from memory and the
+// forwarded one are registers, all but one of which hold zero, and engine_shift takes their bitwise or. These two are stored as
+// complements, so that a step only has to be added.
 //
-// The centre takes the same shifter and adder one clock later (`again`): nothing else is in U then. Its distance is formed
-// beside the loop, in a third register.
+// The centre uses the same shifter and adder one clock later (`again`): nothing else is in U then. Its distance is computed
+// outside the loop, in a third register.
 //
 // Latency: C in; u_ in U, one clock later; the average in V, two clocks later, the centre in W, three.
 `default_nettype none

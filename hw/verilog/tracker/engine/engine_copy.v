@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A register that synthesis keeps apart from others of the same value: each has fewer readers, and may lie beside them.
+// A register that synthesis does not merge with others of the same value: each has a smaller fan-out, and can be placed near its loads.
 //
 // Latency:    1 clock.
 // Throughput: a value per clock.

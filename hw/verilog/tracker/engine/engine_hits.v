@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where four comparisons hold and the slot counts: one level of logic each, of five inputs.
+// The slots for which all four comparisons hold and that are enabled: one level of logic for each, of five inputs.
 //
-// Combinational. Synthesised on its own: two that share their comparisons would share the first of two levels.
+// Combinational. Synthesised separately: instances with common comparisons would otherwise share the first of two levels.
 `default_nettype none
 
 (* keep_hierarchy *)

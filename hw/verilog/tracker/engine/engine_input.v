@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engine's tokens on their way in: stamped with their time and kept until committed, so that they can be issued more than
+// The input buffer of the engine: tokens are stamped with their time and kept until committed, so that they can be issued more than
 // once.
 //
 // Latency:    3 clocks from s_ to m_ when all before is issued.
 // Throughput: 1 token per clock.
 // Stall:      s_ready is low while 15 tokens are not committed yet.
-// Rewind:     the clock after `rewind` nothing on m_ may be taken; 3 clocks after it the first token that is not committed is
+// Rewind:     in the clock after `rewind` nothing on m_ may be accepted; 3 clocks after it the first token that is not committed is
 //             the next on m_ (one that commits in the same clock is committed).
 // Reset:      becomes empty, time 0.
 // Combinational paths: none from port to port; m_ is a register.

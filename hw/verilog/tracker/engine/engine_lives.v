@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// When lives end: a bound before which none does, and walks over all slots for what to do at it.
+// Finds the ends of lives: a bound before which no life ends, and walks over all slots when it is reached.
 //
-// The bound is the least of all deadlines and, for every slot that is on, of the times now + max_ticks and now + detect_ticks
-// which a later event would exceed or reach. So it holds until the next walk, whatever is decided in between.
+// The bound is the minimum of all deadlines and, for every slot that is on, of the times now + max_ticks and now + detect_ticks; a
+// deadline set by a later event is not before these. So it is valid until the next walk, whatever is decided in between.
 //
 // A walk takes a slot every clock in ascending order with `step`, and is complete 5 clocks after the last one. After
-// registers were written, two walks survey max_ticks and detect_ticks; what they find stays. Every other walk looks at
+// registers were written, two walks find the minima of max_ticks and detect_ticks, which are stored. Every other walk reads the
 // deadlines.
-// If a life has ended by `now`, `ended` and the slot with the earliest deadline (then the lowest) are there: clear it and
-// walk again. Otherwise the bound is new.
+// If a life has ended by `now`, `ended` is high with the slot that has the earliest deadline (then the lowest slot): clear it and
+// walk again. Otherwise the bound has been updated.
 // Times are compared by their low LIFE_W bits: they are less than half that range apart.
 `default_nettype none
 

@@ -8,7 +8,7 @@ module engine_lowest #(
     parameter N      = 8,
     parameter SLOT_W = 3   // bits of its number
 ) (
-    input  wire              asked,  // else nobody looks at the answer: simulators skip it
+    input  wire              asked,  // low if the result is not used, so that a simulator can skip it
     input  wire [N-1:0]      among,
     output wire              any,
     output reg  [SLOT_W-1:0] lowest  // any if there is none

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The windows of all slots and whose an event is: stages M (compare), E (encode) and, if FAR, D (choose) of the engine.
+// Stores the windows of all slots and finds the owner of an event: stages M (compare), E (encode) and, if FAR, D (choose) of the engine.
 //
 // A probe is a rectangle. That of an event is its pixel: the active slot that holds it owns it, else the lowest candidate
 // that does, else the lowest free slot. That of a check is a window: is there another active slot that shares a pixel
 // with it, and which is the lowest? No two active windows overlap, so an event has at most one active owner.
 //
-// Lower bounds come and are kept as complements (_not): a comparison then is a sum, without an inverter in it.
+// Lower bounds are passed and stored as complements (_not): a comparison is then an addition without an inverter.
 //
-// Latency:    1 clock from the probe to the answer, 1 + FAR to whose an event is. A window that is written in one clock is
-//             there in the next, a change of which slots are free two clocks later for an event in E.
+// Latency:    1 clock from the probe to the result, 1 + FAR to the owner. A window that is written in one clock is
+//             used in the next, a change of the free slots two clocks later for an event in E.
 // Throughput: 1 probe per clock.
 // Reset:      no slot has a window or is free.
 `default_nettype none

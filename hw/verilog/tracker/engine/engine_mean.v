@@ -2,9 +2,9 @@
 // The mean of two values, each with a weight: (a * weight_a + b * weight_b) / weight, without a multiplier.
 //
 // With weight = weight_a + weight_b: mean = a + (b - a) * weight_b / weight, the quotient rounded to nearest, halves up, when
-// ROUND is 1; else down. The product is made bit by bit from the lowest, the sign of b - a last. The quotient is made from the
-// highest bit without restoring: a remainder below zero has the weight added in the next clock, every other one has it taken
-// away, and its sign is the bit. That is so for products below zero, too.
+// ROUND is 1; else down. The product is computed bit by bit from the lowest, the sign of b - a last. The quotient is computed by
+// non-restoring division from the highest bit: the weight is added to a negative remainder in the next clock, and subtracted from
+// any other; the sign is the quotient bit. This also holds for negative products.
 //
 // Latency: 2 W + 3 clocks from the edge that takes `start` to `done`, which stays until the next start. `b` must be there with
 // `start`, the others until `done`, `weight` from W clocks after `start` on. It must not be zero.

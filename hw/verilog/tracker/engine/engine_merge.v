@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two tracks that merge: which one stays, and where both are then. The first born stays, at the mean of both centres weighted
-// by support, with the larger g and both supports.
+// Merges two tracks: finds the survivor and its new state. The first born survives, at the mean of both centres weighted
+// by support, with the larger g and the sum of both supports.
 //
-// Latency: 5 clocks from take_b to stays, goes, join_g and join_support; `done` says that join_x and join_y are there too, after
+// Latency: 5 clocks from take_b to stays, goes, join_g and join_support; `done` is high once join_x and join_y are valid too, after
 //          2 W + 5 clocks where MEANS is 2 and 4 W + 10 where it is 1, W the bits of a centre (of the wider axis).
 `default_nettype none
 

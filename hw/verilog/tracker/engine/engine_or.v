@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Five words, or: one level of logic, of five inputs, for each bit.
+// The bitwise or of five words: one level of logic, of five inputs, for each bit.
 //
-// Combinational. Synthesised on its own: it would rather make two levels where it thinks that there is time.
+// Combinational. Synthesised separately: otherwise synthesis uses two levels where it estimates enough slack.
 `default_nettype none
 
 (* keep_hierarchy *)

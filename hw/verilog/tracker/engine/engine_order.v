@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which of two slots was born first, however many births ago.
 //
-// All slots stand in a row, the first born first. A birth moves its slot to the end, and those that were behind it up by one;
-// so nothing is counted that could wrap. Slots that were never born stand before all others, in any order.
+// All slots are kept in a list, the first born first. A birth moves its slot to the end, and those behind it up by one;
+// so there is no counter that could wrap. Slots without a birth so far come before all others, in any order.
 //
-// A slot that is named while `asked` is found a clock later (else nothing is worked out). `born` then says that it is born. Of
-// two that are named in two clocks, `second_first` says in the clock after them whether the second was born before the first.
+// A slot that is given while `asked` is high is located a clock later (otherwise nothing is computed). `born` then registers its
+// birth. Of two slots given in two clocks, `second_first` says in the clock after them whether the second was born before the first.
 //
-// Latency:    2 clocks from `born` until the row is in order: until then nothing may be asked.
-// Reset:      the row begins as the slots are numbered.
+// Latency:    2 clocks from `born` until the list is updated: until then `asked` must be low.
+// Reset:      the list is in the order of slot numbers.
 `default_nettype none
 
 module engine_order #(

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engine's decided events on their way out: one FIFO in the order of the events, and behind it one register, which is that
-// of the output that its event goes to.
+// The output buffer of the engine for decided events: one FIFO in the order of the events, and behind it one register, shared by the
+// outputs for owned and passed events.
 //
 // Latency:    3 clocks from s_ to m_.
 // Throughput: 1 event per clock.
-// Stall:      an event is held until taken; those behind it wait, those of the other output too.
-//             `room` is low while fewer than eight places are free, a clock late: no more than eight events may follow.
+// Stall:      an event is held until accepted; those behind it wait, including those of the other output.
+//             `room` is low while fewer than eight entries are free, delayed by a clock: at most eight events may follow.
 // Reset:      becomes empty.
 // Combinational paths: none from port to port.
 `default_nettype none

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The arithmetic right shift of ~a_not | ~b_not | c by BY, or 0: one look-up table for each bit.
 //
-// Combinational. Synthesised on its own: it would rather share the sum between several shifts, which costs a level of logic.
+// Combinational. Synthesised separately: otherwise synthesis shares the or between several shifts, which costs a level of logic.
 `default_nettype none
 
 (* keep_hierarchy *)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The registers of N tracker slots as cot_regs.v has them, but shown of two slots at once: of the slot in C what every event may
-// need, of the slot in U what only its timer or a special event needs.
+// The registers of N tracker slots as in cot_regs.v, but with two slots read at once: for the slot in C the registers that every event
+// may need, for the slot in U those that only its timer or a special event needs.
 //
-// Writes take effect on the next clock, that of a mode on the one after; reads are combinational. Reset turns every slot off and
-// leaves the rest as it is.
+// Writes take effect on the next clock, those of a mode one clock later; reads are combinational. Reset turns every slot off and
+// leaves the other registers as they are.
 `default_nettype none
 `include "evcot_defs.vh"
 

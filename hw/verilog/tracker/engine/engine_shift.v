@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arithmetic right shift of ~a_not | ~b_not | c by a k of the clock before, 0 to 8, in few levels of logic, but for its last place.
+// The arithmetic right shift of ~a_not | ~b_not | c by k, 0 to 8, in few levels of logic; the last shift by one is left to the reader.
 //
-// k is decoded while it is loaded: one register for each even number up to it, one that says whether it is odd. `evenly` is the
-// sum of the products with the first ones; who wants the result shifts that by one more if `odd`.
+// k is decoded while it is loaded: a one-hot register for the even shifts, and `odd` for the lowest bit. `evenly` is the
+// result of the even shift; the reader must shift it by one more if `odd` is high.
 //
-// Latency: k a clock before a_not, b_not and c, which are combinational.
+// Latency: k is loaded a clock before a_not, b_not and c, from which the path is combinational.
 `default_nettype none
 
 module engine_shift #(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// a + one or a + other, rounded: the bit below their last one is the carry into the sum.
+// a + one or a + other, rounded: the bit below the last bit of the addend is the carry into the sum.
 //
-// Combinational. A carry chain with a look-up table before it, as in hw/fpga/ecp5/engine_sum.v, makes the choice by itself.
+// Combinational. On an ECP5, the look-up tables before the carry chain can make the selection: hw/fpga/ecp5/engine_sum.v.
 `default_nettype none
 
 module engine_sum #(

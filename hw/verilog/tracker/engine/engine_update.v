@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The context of all slots and the one datapath that changes it: stages C (read), U (take), V (centre) and W (window).
+// The context (state) of all slots and the one datapath that changes it: stages C (read), U (take), V (centre) and W (window).
 //
-// What enters C with a slot's number is an event that the slot takes, or an operation: REPORT puts out a record of the slot as
-// it is, CLEAR takes it back to INIT_CELL, JOIN puts it where a merge says. What U commits is written at its end: average,
-// ring, support, timer. What changes a window is written at the end of W. What only a special event or an operation needs of
-// the context is read in U, once there is one; N_ev of the next window follows from it in X, the record with it.
+// The input of C is a slot's number with an event that the slot owns, or with an operation: REPORT outputs a record of the slot as
+// it is, CLEAR returns it to INIT_CELL, JOIN sets it to the result of a merge. The state that U commits is written at its end: average,
+// ring, support, timer. State that changes a window is written at the end of W. State that only a special event or an operation needs
+// is read in U, if there is one; N_ev of the next window and the record are computed from it in X.
 //
 // Latency:    5 clocks from C to the record, 2 to the recentred address.
 // Throughput: an event per clock. After a special one (the first of a life, or the last of its window of events) or an
-//             operation, nothing that counts may be in C before it is through X and one clock more: 6 clocks later. What
-//             is thrown out there may be, right behind it. An operation comes when U and V are empty.
+//             operation, no valid event may be in C until it has left X and one more clock has passed: 6 clocks later.
+//             Events that are flushed may be, directly behind it. An operation is issued when U and V are empty.
 // Reset:      no record; ids from 0. The context is not reset: clear every slot.
 `default_nettype none
 `include "evcot_defs.vh"

@@ -15,7 +15,7 @@ module engine_window #(
     parameter R_W  = 9,  // bits of a radius
     parameter AT_W = (W > R_W ? W : R_W) + 2  // derived: leave it alone
 ) (
-    input  wire              asked,   // else nobody looks at the answer: simulators skip it
+    input  wire              asked,   // low if the result is not used, so that a simulator can skip it
     input  wire [W+FRAC-1:0] centre,
     input  wire [R_W-1:0]    radius,
     input  wire [R_W:0]      inset,   // radius - 1, signed
