@@ -24,6 +24,7 @@ from pathlib import Path
 from pyverilator import PyVerilator
 
 from evcot.errors import ToolchainError
+
 from .rtl import rtl_files, verilog_dir
 from .toolchain import Toolchain, find_toolchain
 

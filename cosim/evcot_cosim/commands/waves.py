@@ -44,7 +44,7 @@ evcot assert boxes --to 20                       # that every stream holds what 
 
 properties.py holds functions whose names begin with property_; each takes the signals and asserts on them:
 
-  from evcot_cosim.waveform import *
+  from evcot_cosim.waves import *
   def property_a_cluster_waits_for_events(s):
       return always(s["TOP.m_cm_n_ev"] > 0, where=s["TOP.m_cm_valid"])
 
