@@ -61,7 +61,7 @@ print(f"{len(clean.events):,} of {len(recording.events):,} events stay ({keep.me
 # %% [markdown]
 # ## Track
 #
-# Every tracker has presets; `discs` suits round objects of one size that cross. `evcot presets` lists them all.
+# Every tracker has presets; `discs` suits round objects of one size that cross. `list(engine.presets)` has the names.
 
 # %%
 logs = {}
