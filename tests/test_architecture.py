@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import ast
+import subprocess
 from collections.abc import Iterator
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
@@ -89,3 +91,18 @@ def test_software_imports_nothing_of_the_co_simulation() -> None:
 def test_nothing_but_wings_and_doors_imports_a_wing() -> None:
     for module in (module for module in SOURCES if not within(module, WINGS + DOORS)):
         assert [name for name in imports(module) if within(name, WINGS)] == [], module
+
+
+def test_git_ignores_no_source() -> None:
+    """A room may be called like a folder that is thrown away: it is there on the disk of its author, and in no clone."""
+    command = ["git", "ls-files", "--others", "--ignored", "--exclude-standard", "sw", "cosim", "hw", "tests"]
+    listed = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
+    if listed.returncode:
+        pytest.skip("no git checkout")
+    assert [path for path in listed.stdout.splitlines() if "__pycache__" not in path] == []
+
+
+def test_pytest_looks_into_every_folder_of_tests(pytestconfig: pytest.Config) -> None:
+    folders = {part for path in REPOSITORY.glob("tests/**/test_*.py") for part in path.relative_to(REPOSITORY).parts[:-1]}
+    passed_by = pytestconfig.getini("norecursedirs")
+    assert [folder for folder in folders if any(fnmatch(folder, pattern) for pattern in passed_by)] == []

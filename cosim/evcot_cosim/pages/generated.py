@@ -23,6 +23,7 @@ from ..fpga.headers import HEADERS
 from ..rtl.files import verilog_dir
 from .__main__ import source_text, title
 from .drawing import svg
+from .guides import alike, guide, pictures, scripts
 from .interfaces import DIAGRAMS
 from .modules import page
 from .trace import Diagram
@@ -39,6 +40,7 @@ FILES: Mapping[str, Callable[[], str]] = MappingProxyType(
     | {f"docs/timing/{name}.json": partial(lambda name: source_text(_diagram(name)), name) for name in DIAGRAMS}
     | {f"docs/images/timing_{name}.svg": partial(lambda name: svg(_diagram(name), title(name)), name) for name in DIAGRAMS}
     | {"docs/modules.md": page}
+    | {f"docs/guides/{script.stem}.md": partial(lambda script: guide(script).page, script) for script in scripts()}
 )
 """Path in the source tree -> what gives its text."""
 
@@ -66,6 +68,11 @@ def write_stale(root: Path) -> list[str]:
         if text is not None:
             with written_aside(root / path, force=True) as file:
                 file.write(text.encode())
+            written.append(path)
+    for path, png in pictures().items():
+        if not alike(png, root / path):
+            with written_aside(root / path, force=True) as file:
+                file.write(png)
             written.append(path)
     return written
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from evcot_cosim.pages import generated
-from evcot_cosim.pages.generated import FILES, stale
+from evcot_cosim.pages.generated import FILES, _main, stale
+from evcot_cosim.pages.guides import alike, guide, scripts
 
 ROOT = Path(__file__).parents[3]
 AGAIN = "make generate"
@@ -21,6 +22,23 @@ def test_a_generated_file_is_what_would_be_generated(path: str) -> None:
     if path.endswith(".svg") and importlib.util.find_spec("wavedrom") is None:
         pytest.skip("wavedrom is not installed: pip install 'evcot[docs]'")
     assert stale(path, ROOT) is None, AGAIN
+
+
+@pytest.mark.parametrize("script", scripts(), ids=lambda path: path.stem)
+def test_the_pictures_of_a_guide_are_what_it_draws(script: Path) -> None:
+    for name, png in guide(script).pictures.items():
+        assert alike(png, ROOT / "docs" / "images" / name), AGAIN
+
+
+def test_a_stale_file_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "hw" / "evcot.core"
+    path.parent.mkdir()
+    path.write_text("stale\n")
+    monkeypatch.setattr("evcot_cosim.pages.generated.FILES", {"hw/evcot.core": lambda: "new\n"})
+    monkeypatch.setattr("evcot_cosim.pages.generated.pictures", dict)
+    monkeypatch.setattr("evcot_cosim.pages.generated.verilog_dir", lambda: tmp_path / "hw" / "verilog")
+    assert _main() == 0
+    assert path.read_text() == "new\n"
 
 
 def test_a_stale_file_and_a_missing_one_are_seen(tmp_path: Path) -> None:
