@@ -31,8 +31,8 @@ __all__ = [
     "COMMAND",
     "Command",
     "Pace",
-    "Told",
     "TopDevice",
+    "TopRun",
     "address_of",
     "configuration",
     "filter_address",
@@ -180,7 +180,7 @@ class Pace:
         return cls({name: int(rng.integers(40, 257)) for name in _GOES}, int(rng.integers(1, 1 << 62)))
 
 
-class Told(NamedTuple):
+class TopRun(NamedTuple):
     """What a run gave.
 
     Attributes:
@@ -276,8 +276,8 @@ class TopDevice:
         clocks: int = 0,
         quiet_clocks: int = 10_000,
         most: int | None = None,
-        listens: bool = True,
-    ) -> Told:
+        take_outputs: bool = True,
+    ) -> TopRun:
         """Words in, accesses to the registers on the way, until nothing has moved for `quiet_clocks`, or for `clocks`.
 
         Args:
@@ -286,7 +286,7 @@ class TopDevice:
             keeps: tkeep of each word; all ones if None.
             quiet_clocks: more than a filter needs to go through its memory, if one is to be waited for.
             most: events that may come out (default: as many as words go in).
-            listens: take what comes out; else it waits for the next run.
+            take_outputs: take what comes out; else it waits for the next run.
 
         Raises:
             HardwareError: the hardware broke the rules of a channel, or stands still.
@@ -308,19 +308,19 @@ class TopDevice:
             owned=pointer(owned), user=pointer(user), passed=pointer(passed), event_capacity=len(owned),
             clocks=clocks, quiet_clocks=quiet_clocks, random=self._random, clock=self.clock, irq_clock=-1,
             **{f"go_{name}": self.pace.goes.get(name, 256) for name in ("in", "bus")},
-            **{f"go_{name}": listens * self.pace.goes.get(name, 256) for name in ("records", "owned", "passed")},
+            **{f"go_{name}": take_outputs * self.pace.goes.get(name, 256) for name in ("records", "owned", "passed")},
         )  # fmt: skip
         status = _DRIVE.call(self.sim, job)
         self.clock, self._random = job.clock, job.random
         if status != _Status.DONE:
             raise HardwareError(f"evcot_top {status.fault} (clock {job.fault}, word {job.next})", job.next)
-        return Told(
+        return TopRun(
             records[: job.n_records], owned[: job.n_owned], passed[: job.n_passed], user[: job.n_owned],
             table[: len(commands)], accepted[: len(words)], recorded[: job.n_records], job.irq_clock,
         )  # fmt: skip
 
     def _access(self, command: Command) -> int:
-        done = self.run(commands=[command], quiet_clocks=1, listens=False).commands[0]
+        done = self.run(commands=[command], quiet_clocks=1, take_outputs=False).commands[0]
         if done["response"]:
             kind = "write" if command[1] == _Op.WRITE else "read"
             raise BusError(f"{kind} at {command[2]:#06x}: the hardware answers with an error")

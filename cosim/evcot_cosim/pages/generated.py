@@ -2,7 +2,7 @@
 """Every file in the tree that a program makes and that costs seconds: which it is, and what gives its text.
 
 `python -m evcot_cosim.pages.generated` writes what is stale. What follows from the register map, and so what this module
-imports, must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures that take synthesis or a
+imports, must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures from synthesis or a
 benchmark (hw/fpga/figures.json, docs/fpga.md, docs/mutations.md) are not among them.
 """
 

@@ -214,7 +214,7 @@ class TestDumpWindow:
         events, stalls = busy(300), Stalls.random(np.random.default_rng(4))
         dump_window(events, LIVELY, tmp_path / "w.vcd", 100, 120, stalls=stalls)
         ticks = tick_times(events.t_us, int(events.t_us[0]), 1)
-        told, times = Device(LIVELY, stalls=stalls).stream_timed(ticks, events.x, events.y, events.p)
+        result, times = Device(LIVELY, stalls=stalls).stream_timed(ticks, events.x, events.y, events.p)
         wave = parse(tmp_path / "w.vcd")
         named = {name.split("cot_array.")[-1]: name for name in wave.signals}
         clock = [time for time, _ in wave[named["clk"]].tv]
@@ -223,7 +223,7 @@ class TestDumpWindow:
         shown = [i for i, at_clock in enumerate(times.recorded) if times.accepted[99] < at_clock <= times.accepted[120]]
         assert len(shown) >= 3
         for i in shown:
-            assert int(kinds[10 * int(times.recorded[i])], 2) == told.records["kind"][i]
+            assert int(kinds[10 * int(times.recorded[i])], 2) == result.records["kind"][i]
 
     def test_it_stops_with_the_window(self, tmp_path: Path) -> None:
         seen: list[int] = []

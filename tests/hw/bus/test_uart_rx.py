@@ -21,13 +21,13 @@ def heard(divisor: int, line: Iterable[int]) -> bytes:
     sim = load(TOP, {"DIVISOR": divisor})
     sim.io.rx = 1
     reset(sim)
-    told = bytearray()
+    result = bytearray()
     for level in [1] * 20 + list(line) + [1] * 12 * divisor:
         sim.io.rx = level
         sim.clock.tick()
         if sim.io.m_valid:
-            told.append(int(sim.io.m_data))
-    return bytes(told)
+            result.append(int(sim.io.m_data))
+    return bytes(result)
 
 
 @pytest.mark.parametrize("divisor", [4, 65535])
