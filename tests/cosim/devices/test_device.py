@@ -218,7 +218,7 @@ class TestFaults:
             ("m_pass_x <= x;", "m_pass_x <= x + 1'b1;", "changed the address or polarity of passed event 7", 7),
             ("m_pass_seq <= seq;", "m_pass_seq <= seq + 9;", "gave twice, or out of order, passed event", None),
             ("wire space =", "wire space = seq != 6 &&", "stands still", 8),
-            ("if (m_cm_ready) m_cm_valid <= 1'b0;", "", "gives more records than 14 events can cause", None),
+            ("if (m_cm_ready) m_cm_valid <= 1'b0;", "", "sends more records than 14 events can cause", None),
         ],
         ids=["lost", "repeated", "polarity", "address", "unknown", "stuck", "endless"],
     )
