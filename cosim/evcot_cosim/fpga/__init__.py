@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the RTL costs on an FPGA and how fast it is there; netlists, releases and descriptions made from the RTL."""
+"""Area and speed of the RTL on FPGAs; netlists, releases and descriptions generated from the RTL."""

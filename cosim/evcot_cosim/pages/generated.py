@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every file in the tree that a program makes and that costs seconds: which it is, and what gives its text.
+"""List of the generated files in the tree that take seconds to make, with the functions that return their text.
 
 `python -m evcot_cosim.pages.generated` writes what is stale. What follows from the register map, and so what this module
 imports, must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures from synthesis or a
@@ -40,7 +40,7 @@ FILES: Mapping[str, Callable[[], str]] = MappingProxyType(
     | {f"docs/images/timing_{name}.svg": partial(lambda name: svg(_diagram(name), title(name)), name) for name in DIAGRAMS}
     | {"docs/modules.md": page}
 )
-"""Path in the source tree -> what gives its text."""
+"""Path in the source tree -> function that returns its text."""
 
 
 def stale(path: str, root: Path) -> str | None:

@@ -11,7 +11,7 @@ import pytest
 
 from evcot_cosim.build.model import load
 from evcot_cosim.devices.base import reset
-from evcot_cosim.fpga.uart_line import BYTE_BITS, Ear, levels, request
+from evcot_cosim.fpga.uart_line import BYTE_BITS, Receiver, levels, request
 from support.testing import PATTERNS, Word, always, lint, sometimes
 
 TOP = "uart_host"
@@ -34,7 +34,7 @@ class Desk:
 
     Attributes:
         words: what has been written, by address.
-        ear: what the host hears.
+        receiver: the bytes that the host receives.
         beat: the next of the records' that the hardware has not taken, None at the end.
     """
 
@@ -43,7 +43,7 @@ class Desk:
         self.sim.io.rx = 1
         reset(self.sim)
         self.words: dict[int, int] = {}
-        self.ear = Ear(DIVISOR)
+        self.receiver = Receiver(DIVISOR)
         self._beats = iter(beats)
         self.beat = next(self._beats, None)
         self._pattern, self._beat_pattern = pattern, beat_pattern or always()
@@ -55,7 +55,7 @@ class Desk:
         io = self.sim.io
         io.rx = level
         self._drive()
-        self.ear.listen(int(io.tx))
+        self.receiver.sample(int(io.tx))
         asks = {bundle: int(io[bundle + field]) for bundle, field in ASKS.items() if io[f"{bundle}valid"]}
         assert asks | self._waits == asks  # nothing on offer has changed or gone
         moves = {bundle for bundle in BUNDLES if io[f"{bundle}valid"] and io[f"{bundle}ready"]}
@@ -99,11 +99,11 @@ class Desk:
 
     def exchange(self, *said: bytes, rest: int = 20 * BYTE) -> bytes:
         """What the host hears when it says this, each a while after the one before."""
-        before = len(self.ear.heard)
+        before = len(self.receiver.received)
         for data in said:
             self.say(data)
             self.rest(rest)
-        return bytes(self.ear.heard[before:])
+        return bytes(self.receiver.received[before:])
 
 
 def with_sum(frame: bytes) -> bytes:
@@ -171,8 +171,8 @@ class TestRecords:
 
     def test_an_answer_waits_for_the_record_that_goes_out_and_for_no_other(self) -> None:
         desk = Desk(always(), self.BEATS * 4)
-        heard = desk.exchange(request("R", 4), rest=40 * BYTE)
-        assert heard == record(*self.BEATS) + answer("r") + record(*self.BEATS) * 3
+        received = desk.exchange(request("R", 4), rest=40 * BYTE)
+        assert received == record(*self.BEATS) + answer("r") + record(*self.BEATS) * 3
 
     def test_an_answer_goes_first_where_a_record_comes_at_the_same_clock(self) -> None:
         whole = {answer("r") + record(*self.BEATS), record(*self.BEATS) + answer("r")}
@@ -204,10 +204,10 @@ def test_random_requests_and_records_at_any_pace(pace: str) -> None:
         assert kind == "R" or address & 0x8000 or desk.words[address] == value
     desk.rest(100 * BYTE)
     assert desk.beat is None
-    heard, frames = bytes(desk.ear.heard), []
-    while heard:
-        length = 14 if heard[:1] == b"c" else 7
-        frames.append(heard[:length])
-        heard = heard[length:]
+    received, frames = bytes(desk.receiver.received), []
+    while received:
+        length = 14 if received[:1] == b"c" else 7
+        frames.append(received[:length])
+        received = received[length:]
     assert [frame for frame in frames if frame[:1] != b"c"] == wanted
     assert [frame for frame in frames if frame[:1] == b"c"] == [record(*each) for each in records]

@@ -82,10 +82,10 @@ def test_events_come_at_the_tick_of_their_clock_and_no_tick_is_lost(tick_w: int,
         device.set(prescale=0)  # nothing is added any more
         device.stalls = {}
         rest = device.run({"s_": []}, clocks=50_000)
-        heard = decode_tokens(joined(first, rest))
-        assert np.array_equal(heard.events[:, 2:], events[:taken])
-        assert np.array_equal(heard.at, first.accepted["s_"] // prescale)
-        assert heard.ticks == 20_000 // prescale
+        decoded = decode_tokens(joined(first, rest))
+        assert np.array_equal(decoded.events[:, 2:], events[:taken])
+        assert np.array_equal(decoded.at, first.accepted["s_"] // prescale)
+        assert decoded.ticks == 20_000 // prescale
         assert taken > 500
         alone = joined(first, rest)
         assert (alone[alone[:, 1] == 0, 0] > 0).all()  # no token says nothing

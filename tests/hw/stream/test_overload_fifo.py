@@ -109,18 +109,18 @@ def test_every_event_that_stays_keeps_its_time(shape: tuple[int, int, int], drop
         device.stalls = {} if run == 0 else random_stalls(rng, ("s_", "m_"))
         tokens = random_tokens(rng, 25_000, tick_w)
         done = device.run({"s_": tokens})
-        sent, heard = decode_tokens(tokens), decode_tokens(done.words["m_"])
-        number = heard.events[:, 2].astype(np.int64) | heard.events[:, 3].astype(np.int64) << 16
+        sent, decoded = decode_tokens(tokens), decode_tokens(done.words["m_"])
+        number = decoded.events[:, 2].astype(np.int64) | decoded.events[:, 3].astype(np.int64) << 16
         assert (np.diff(number) > 0).all()  # in order, none twice
-        assert np.array_equal(tokens[number, 1:], heard.events)
-        assert np.array_equal(np.cumsum(tokens[:, 0].astype(np.int64))[number], heard.at)
-        assert heard.ticks == sent.ticks
+        assert np.array_equal(tokens[number, 1:], decoded.events)
+        assert np.array_equal(np.cumsum(tokens[:, 0].astype(np.int64))[number], decoded.at)
+        assert decoded.ticks == sent.ticks
 
         stays = np.zeros(len(tokens), np.bool_)
         stays[number] = True
         dropped = (tokens[:, 1] | tokens[:, 2]).astype(np.bool_) & ~stays
         n_in, io = len(sent.at), device.sim.io
-        assert (io.n_in, io.n_out, io.n_dropped, io.held) == (n_in, len(heard.at), n_in - len(heard.at), 0)
+        assert (io.n_in, io.n_out, io.n_dropped, io.held) == (n_in, len(decoded.at), n_in - len(decoded.at), 0)
         assert drop_enable or not dropped.any()
 
         # Nothing is dropped while there is room: at that clock the queue is full, of events or of ticks that wait alone.
