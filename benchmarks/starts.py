@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long until the first event is simulated: with nothing built, and with everything built."""
+"""Start-up time until the first event is simulated, with an empty and with a filled model cache."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _GOAL_S = 3.0
 
 _BUILD = """
 import streams
-from evcot_cosim.device import build_device
+from evcot_cosim.devices.device import build_device
 print(build_device(streams.config().cot, waves=False).build_s)
 """
 
@@ -28,7 +28,7 @@ print(build_device(streams.config().cot, waves=False).build_s)
 _FIRST_EVENT = """
 import os, time
 from evcot_cosim.cli import main
-from evcot_cosim.device import Device
+from evcot_cosim.devices.device import Device
 stream = Device.stream_timed
 def first(device, *columns):
     stream(device, *(column[:1] for column in columns))
