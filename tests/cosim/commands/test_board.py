@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot board`: a simulated board is told from a broken one, over its serial line."""
+"""`evcot board`: distinguishes a working simulated board from a broken one, over its serial line."""
 
 from __future__ import annotations
 

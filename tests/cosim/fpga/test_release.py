@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a user takes away: one file that is the RTL, IP-XACT that agrees with it, a FuseSoC core that runs."""
+"""The release: a single file equal to the RTL, IP-XACT that agrees with it, a FuseSoC core that runs."""
 
 from __future__ import annotations
 

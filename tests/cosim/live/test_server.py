@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page's server, asked by a client that is no browser: who may look, what they get, and that slow ones cost nothing."""
+"""The page's server, tested with a WebSocket client: access control, messages, and isolation from slow clients."""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A live run: all that comes is kept, what is too much for the tracker is given up and counted, nothing stops the source."""
+"""A live run: all received events are recorded, those beyond the tracker's rate are dropped and counted, and nothing blocks
+the source."""
 
 from __future__ import annotations
 

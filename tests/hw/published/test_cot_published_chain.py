@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cot_published_chain.v against the model at every clock: who goes first, registers, tags, what stands in the way of whom."""
+"""cot_published_chain.v against the model at every clock: arbitration, registers, tags, and back-pressure between trackers."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""overload_fifo.v: what is dropped and why, time that passes all the same, counters that add up."""
+"""overload_fifo.v: which events are dropped, ticks that are preserved all the same, counters that add up."""
 
 from __future__ import annotations
 

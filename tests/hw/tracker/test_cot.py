@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One tracker, as a story: the same events told to cot.v, to an array of one slot and to the golden model of both.
+"""One tracker, tested with stories: the same events run through cot.v, an array of one slot and the golden model of both.
 
 Ticks, places and arithmetic are worked out by hand in the comments.
 """

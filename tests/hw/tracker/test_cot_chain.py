@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The chain of trackers, as stories told to cot_chain.v and to the golden model, and as random traffic through both."""
+"""The chain of trackers: stories and random traffic through both cot_chain.v and the golden model."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""engine_update.v against the golden model's own functions: what an event or an operation makes of its slot, stage by stage."""
+"""engine_update.v against the golden model's own functions: the effect of an event or operation on its slot, by stage."""
 
 from __future__ import annotations
 
