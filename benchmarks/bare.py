@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bare C++ main on the same Verilated model.
+"""Baseline for the streaming drive: a bare C++ main on the same Verilated model.
 
 RTL, parameters, flags of Verilator and of the compiler, events, and the work for each event are the same.
 """
@@ -31,7 +31,7 @@ _MAIN = Path(__file__).with_name("bare_main.cpp")
 
 
 class Outcome(NamedTuple):
-    """What a pass found, enough to see that it did the same as another drive."""
+    """Summary of a pass, enough to check that it did the same as another drive."""
 
     records: int
     owner_sum: int

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a lean hand-written Verilator main makes of cot_array: the yardstick for the streaming drive.
+// A lean hand-written Verilator main for cot_array: the baseline for the streaming drive.
 // bare EVENTS: reads events and register writes from a file, then runs a pass for every line on standard input and prints
 // "wall_s cpu_s records owner_sum" for it. Only the drive is timed.
 #include <chrono>

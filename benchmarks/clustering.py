@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What clustering costs and how good it is: mean shift on packets of events, the same on frames, and the classical pipeline.
+"""Cost and quality of clustering: mean shift on packets of events and on frames, and the classical pipeline.
 
 Run on its own it prints tables and draws docs/images/clustering.png. Each method is run with a range of packet or frame sizes.
 At equal quality means: the target is the lower of the two best HOTA that mean shift reaches on events and on frames, less

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `clustering` compares: recordings with their truth, each method with a range of sizes on each, and what came of it."""
+"""Cases of `clustering`: recordings with their truth, each method with a range of sizes, and the results."""
 
 from __future__ import annotations
 

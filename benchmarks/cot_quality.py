@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How good the hardware tracker's tracks are: its presets for traffic and for discs, in hardware and golden model, bit for bit.
+"""Quality of the hardware tracker's tracks with its presets for traffic and discs; hardware and golden model must be equal.
 
 On the real motorway (whole, and both halves apart: the preset was tuned on the first) and on simulated motorways and discs of
 seeds that it was not tuned on; beside the preset for the sensor, which nobody tuned, and the software tracker.

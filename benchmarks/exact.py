@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A recording through hardware and golden model in lock-step: one log, which both wrote bit for bit."""
+"""Runs a recording through hardware and golden model in lock-step and returns their common log."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["cot_log"]
 
 
 def cot_log(recording: Recording, config: RunConfig, *, rtl: bool = True) -> TrackLog:
-    """What the hardware tracker does with a recording of at least one event; without `rtl`, by the model's word alone.
+    """The hardware tracker's log of a recording of at least one event; without `rtl`, that of the golden model alone.
 
     Raises:
         MismatchError: hardware and model differ.

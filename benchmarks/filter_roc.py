@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What filters do to noise: a table on the terminal, and docs/images/filters_roc.png.
+"""ROC curves of the noise filters: a table on the terminal, and docs/images/filters_roc.png.
 
 The box experiment without background activity is the signal (the flicker of moving contours belongs to it); noise of known
 rate is added to it; each filter is swept over its window.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How fast filters decide, on one thread, beside those of eventcv and dv-processing where these are installed.
+"""Event rates of the filters on one thread, compared with those of eventcv and dv-processing if installed.
 
 All get the same events in the form that each likes best, made beforehand, and a window of 2 ms; ours give a mask, theirs a
 stream of the events that stay. A fresh filter in every turn.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well tracks follow the boxes of the box experiment, whose places and velocities are known exactly.
+"""Tracking error and lag on the box experiment, whose positions and velocities are known exactly.
 
 Every few milliseconds tracks and moving boxes are matched as CLEAR does it. A track is on a box while its centre lies within
 half the box's diagonal of the box's centre. The lag is how far it lies behind, along the box's motion: a track that is ahead
@@ -29,7 +29,7 @@ __all__ = ["Following", "follow", "moving_boxes"]
 
 @dataclass(frozen=True, eq=False)
 class Following:
-    """What `follow` finds.
+    """Results of `follow`.
 
     Attributes:
         error_px, lag_px, lag_ms: (n,) one per pair of a moving box and its track, at each instant.
@@ -63,7 +63,7 @@ def moving_boxes(scene: Scene) -> GroundTruth:
 
 
 def follow(log: TrackLog, scene: Scene, lifetime_us: int) -> Following:
-    """Hold tracks, whose lives end after `lifetime_us` of silence, against the boxes of a scene."""
+    """Compare tracks, which end after `lifetime_us` without events, with the boxes of a scene."""
     truth, boxes = moving_boxes(scene), scene.truth.boxes
     rule = load_rule("scene")
     states = expiring(log, rule.max_age_us)
@@ -101,7 +101,7 @@ def _relative(
 
 
 def _lost_on_the_way(log: TrackLog, scene: Scene, lifetime_us: int) -> int:
-    """How many LOST records say that a track ended on a box which was on the sensor and moved, from its last event on."""
+    """Number of LOST records of tracks that ended on a box which was on the sensor and moving since their last event."""
     lost = log.of_kind(Kind.LOST)
     on_the_way = np.zeros(len(lost), bool)
     for box in scene.truth.boxes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How fast the Kalman tracker is on one thread, on the synthetic stream of crossing discs."""
+"""Event rate of the Kalman tracker on one thread, on the synthetic stream of crossing discs."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The live view: how many events a second it takes without dropping any, and how long an event takes to be tracked and drawn.
+"""The live view: its maximum event rate without drops, and the latency until an event is tracked and drawn.
 
-Discs of `streams`, played again and again at growing speed, with nobody looking, with a client on the WebSocket that answers
-at once, and with the page in a browser. A rate is sustained when nothing is dropped before the tracker, for the whole run, and
+Discs of `streams`, played repeatedly at increasing speed: without a viewer, with a client on the WebSocket that acknowledges
+at once, and with the page in a browser. A rate is sustained if nothing is dropped before the tracker during the whole run and
 playback does not fall behind.
 """
 
@@ -51,7 +51,7 @@ _HELLO = {
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """live_rate_*, live_cores_*, live_tracked_*, live_drawn_* with nobody, a client and a browser looking."""
+    """live_rate_*, live_cores_*, live_tracked_*, live_drawn_* without a viewer, with a client and with a browser."""
     events = streams.joined(_ROUND_EVENTS)
     seconds = 2.0 if quick else 5.0
     _run(events, 1.0, 1.0, _nobody)  # everything is compiled
@@ -63,8 +63,8 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
 
 
 @dataclass(frozen=True)
-class _Told:
-    """What a run said at its end."""
+class _Run:
+    """Results of a run."""
 
     rate_m: float
     cores: float
@@ -86,23 +86,23 @@ def _looked_at(name: str, events: Events, seconds: float, looking: Looking) -> I
     best, cores, first_lost = 0.0, 0.0, ""
     for rate_m in _RATES_M:
         tries = (_run(events, rate_m, seconds, looking) for _ in range(_TRIES))
-        told = next((told for told in tries if told.sustained), None) or _run(events, rate_m, seconds, looking)
-        if not told.sustained:
-            first_lost = f"; at {rate_m:g} M events/s {told.dropped:,} were dropped, {told.slipped_s:.1f} s late"
+        run = next((run for run in tries if run.sustained), None) or _run(events, rate_m, seconds, looking)
+        if not run.sustained:
+            first_lost = f"; at {rate_m:g} M events/s {run.dropped:,} were dropped, {run.slipped_s:.1f} s late"
             break
-        best, cores = told.rate_m, told.cores
+        best, cores = run.rate_m, run.cores
     how = f"without a drop for {seconds:g} s, on {cores:.2f} cores; {name} looks{first_lost}"
     yield Result(f"live_rate_{name}", best, "M events/s", how=how)
-    told = _run(events, _LATENCY_RATE_M, 2 * seconds, looking)
-    yield Result(f"live_cores_{name}", told.cores, "cores", how=f"CPU time of evcot itself at {_LATENCY_RATE_M:g} M events/s")
-    for what, quantiles in (("tracked", told.tracked_ms), ("drawn", told.drawn_ms)):
+    run = _run(events, _LATENCY_RATE_M, 2 * seconds, looking)
+    yield Result(f"live_cores_{name}", run.cores, "cores", how=f"CPU time of evcot itself at {_LATENCY_RATE_M:g} M events/s")
+    for what, quantiles in (("tracked", run.tracked_ms), ("drawn", run.drawn_ms)):
         for share, ms in quantiles.items():
             if ms is not None:
                 how = f"from a packet's first event, at {_LATENCY_RATE_M:g} M events/s in packets of {1e3 * _PACKET_S:g} ms"
                 yield Result(f"live_{what}_{name}_{share}", ms, "ms", how=how)
 
 
-def _run(events: Events, rate_m: float, seconds: float, looking: Looking) -> _Told:
+def _run(events: Events, rate_m: float, seconds: float, looking: Looking) -> _Run:
     """One run at a rate of so many million events a second."""
     sensor = streams.WIDTH, streams.HEIGHT
     engine = ENGINES["rct"]
@@ -119,7 +119,7 @@ def _run(events: Events, rate_m: float, seconds: float, looking: Looking) -> _To
         summary = session.summary()
         session.stop()
     rate = summary["events_per_s"] / 1e6
-    return _Told(rate, cores, summary["dropped"], source.slipped_s, summary["tracked_ms"], summary["drawn_ms"])
+    return _Run(rate, cores, summary["dropped"], source.slipped_s, summary["tracked_ms"], summary["drawn_ms"])
 
 
 def _again_and_again(events: Events) -> Any:
@@ -145,7 +145,7 @@ def _nobody(_server: Server) -> Any:
 
 @contextmanager
 def _client(server: Server) -> Iterator[None]:
-    """Takes every frame, and says at once that it is drawn."""
+    """Receives every frame and acknowledges it at once."""
     try:
         from websockets.exceptions import ConnectionClosed
         from websockets.sync.client import connect
@@ -155,14 +155,14 @@ def _client(server: Server) -> Iterator[None]:
         server.url.replace("http", "ws") + "events", origin=cast(Any, server.url.rstrip("/")), compression=None
     ) as client:
 
-        def look() -> None:
+        def receive() -> None:
             with suppress(ConnectionClosed):
                 for message in client:
                     if not isinstance(message, bytes):
                         continue
                     client.send(struct.pack("<B3xI", 2, int(np.frombuffer(message, "<u4", 1, 4)[0])))
 
-        thread = threading.Thread(target=look, daemon=True)
+        thread = threading.Thread(target=receive, daemon=True)
         thread.start()
         yield
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every benchmark shares: results, skips, and timings that survive a busy machine.
+"""Common parts of the benchmarks: results, skips, and timings that are robust on a busy machine.
 
 Runs that are compared take turns (A B A B ...), and the figure is the median over the turns: whatever slows the machine down
 for a while hits both. Work on one thread is timed in CPU time, so that others on the machine do not count; work on two
@@ -37,7 +37,7 @@ class Timing(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """What a result's ratio shall be."""
+    """The required ratio of a result."""
 
     ratio: float
     at_most: bool = False
@@ -57,7 +57,7 @@ class Result:
     Attributes:
         name, value, unit: the figure.
         reference: what it is held against, in the same unit, or None.
-        against: what the reference is.
+        against: description of the reference.
         ratio: value / reference, or None. Of runs that took turns: the median over the turns.
         goal: what the ratio shall be, or None.
         how: how it was measured, where the name does not say it.

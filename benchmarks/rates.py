@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How fast the golden model and the software tracker take events, on one thread."""
+"""Event rates of the golden model and the software tracker, on one thread."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How fast the Rectangular Cluster Tracker takes events, beside what bounds it and beside others' trackers.
+"""Event rate of the Rectangular Cluster Tracker, compared with its upper bounds and with other libraries' trackers.
 
 All see the same discs. The others work on windows of 10 ms: eventcv follows connected components from image to image,
 dv-processing's mean shift moves its tracks over a time surface.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How fast files are read and written, beside the libraries that read the same files; wall time, for ours decodes ahead.
+"""Speed of reading and writing files, compared with libraries for the same formats; wall time, since evcot decodes ahead.
 
 One stream in every format, in the page cache. Ours gives checked blocks of events, theirs what they make of the file: h5py the
 columns as they are stored, rosbags an object of every event (of a few messages only); raw_mcap is rosbags without decoding.

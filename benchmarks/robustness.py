@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much a preset depends on its numbers: each of `rct`'s `traffic` changed alone, on real traffic.
+"""Sensitivity of a preset to its parameters: each one of `rct`'s `traffic` varied separately, on real traffic.
 
 `python benchmarks/robustness.py` prints the range that docs/evaluation.md quotes. What is changed is what the preset sets.
 """

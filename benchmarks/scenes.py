@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How fast scenes are simulated, and what the pixel model alone takes, on one thread."""
+"""Speed of the simulation of scenes, and of the pixel model alone, on one thread."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the real recordings are, if they are at hand: in a folder beside the checkout."""
+"""The folder of the real recordings, beside the checkout; it may be missing."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long until the first event is simulated: with nothing built, and with everything built."""
+"""Start-up time until the first event is simulated, with an empty and with a filled model cache."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The box experiment with the settings of the paper's Table 2: one setting on one recording, and what comes of it."""
+"""The box experiment with the settings of the paper's Table 2: runs one setting on one recording."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Speed = Literal["slow", "fast"]
 
 SPEEDS: tuple[Speed, ...] = ("slow", "fast")
 _SLOTS = 16  # more than boxes: no track is missing for want of a slot
-# Between two looks. Fast boxes move 1.6 px in it and not a whole number of pixels: events come at certain phases of a pixel.
+# Sampling interval. Fast boxes move 1.6 px in it and not a whole number of pixels: events come at certain phases of a pixel.
 _STEP_US = 4_007
 
 
@@ -70,7 +70,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one setting does to one recording.
+    """Results of one setting on one recording.
 
     Attributes:
         updates: CM updates.

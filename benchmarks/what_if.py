@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What limits a tracker: its HOTA if one kind of mistake were made good and all others stayed.
+"""Limits of a tracker: its HOTA if one kind of error were corrected and all others remained.
 
 Pairs are those that CLEAR matches at HOTA's lowest threshold. Each figure bounds what mending that one thing could bring.
 """

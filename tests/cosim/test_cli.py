@@ -289,5 +289,5 @@ def test_an_interrupt_while_the_program_loads_is_one_line_too(in_empty_folder: P
         os.kill(run.pid, signal.SIGINT)
         out, err = run.communicate(timeout=60)
     assert (run.returncode, out) == (2, "")
-    told = [line for line in err.splitlines() if not line.startswith("import time:")]
-    assert told == ["evcot: interrupted: nothing was written"]
+    result = [line for line in err.splitlines() if not line.startswith("import time:")]
+    assert result == ["evcot: interrupted: nothing was written"]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of several modules share: stories and random traffic, devices that only tests drive, streams with stalls."""
+"""Support shared by several tests: stories and random traffic, devices that only tests drive, streams with stalls."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A compiled AER port and a chip at it whose times are its own: delays below a clock, skewed wires, flip-flops in doubt."""
+"""A compiled AER port and an asynchronous chip on it: delays below a clock, skewed wires, metastable flip-flops."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ _DRIVE = Drive(
         "words": "const uint64_t*",
         "n": "int64_t",
         "next": "int64_t",
-        # the chip, in steps; a delay is at most this
+        # the chip: maximum delays in steps
         "gap": "int64_t",
         "react": "int64_t",
         "skew": "int64_t",
-        "setup": "int64_t",  # of a receiver: in clocks, that the word must stand before the request
+        "setup": "int64_t",  # for a receiver in clocks: how long the word must be stable before the request
         "window": "int64_t",
         "active_low": "int64_t",
-        **pattern_fields("go"),  # for the stream on the clock's side
-        # what came of it
+        **pattern_fields("go"),  # for the stream on the clocked side
+        # results
         "events": "uint64_t*",
         "n_out": "int64_t",
         "request_at": "int64_t*",
@@ -63,14 +63,14 @@ _DRIVE = Drive(
 
 @dataclass(frozen=True)
 class Chip:
-    """How the other side behaves. Delays are random and at most so long, in steps of a thousandth of a clock.
+    """Timing of the other side of the port: maximum random delays, in steps of a thousandth of a clock.
 
     Attributes:
         gap: from the end of a handshake to the next word.
-        react: from a signal seen to the answer.
+        react: from a signal's edge to the response.
         skew: between the wires of a word.
-        setup: of a sender, from the last wire of a word to the request; of a receiver, the clocks that a word must have stood.
-        window: a flip-flop that looks at a wire closer than this to its change sees either value.
+        setup: for a sender, from the last wire of a word to the request; for a receiver, the clocks a word must be stable.
+        window: a flip-flop that samples a wire closer than this to its change gets either value.
     """
 
     gap: int = 0
@@ -81,12 +81,12 @@ class Chip:
 
 
 class AerRun(NamedTuple):
-    """What came of a run.
+    """Results of a run.
 
     Attributes:
-        out: of a sender's words: the events (t, x, y, p), (n, 4) uint64, t in clocks; of a receiver: the words it took, (n,).
-        request_at: (n,) int64, the step at which a sender requested, or the clock at which a word for a receiver was taken.
-        clocks: how many it took.
+        out: with a sender, the events (t, x, y, p), (n, 4) uint64, t in clocks; with a receiver, the words it received, (n,).
+        request_at: (n,) int64, the step of each request of a sender, or the clock at which each word to send was accepted.
+        clocks: duration of the run.
     """
 
     out: NDArray[np.uint64]
@@ -121,7 +121,7 @@ class AerDevice:
         self.cycle = 0
 
     def _rest(self) -> None:
-        """The chip is silent."""
+        """Put the chip's signal to its idle level."""
         self.sim.io["aer_req" if self.sends else "aer_ack"] = int(self.sim.io.active_low)
 
     def reset(self, **ports: int) -> None:
@@ -132,14 +132,14 @@ class AerDevice:
         reset(self.sim)
 
     def run(self, words: ArrayLike, chip: Chip, seed: int, pattern: NDArray[np.uint8] | None = None) -> AerRun:
-        """Pass words on, all of them, and wait until nothing moves any more.
+        """Transfer all words and wait until there is no more activity.
 
         Args:
             words: for a sender (data, row), (n, 2); for a receiver (kind, slot, x, y, p), (n, 5).
-            pattern: stalls of the stream on the clock's side, one byte per clock: 1 goes, 0 stalls.
+            pattern: stalls of the stream on the clocked side, one byte per clock: 1 goes, 0 stalls.
 
         Raises:
-            HardwareError: it broke the protocol, or nothing moves any more.
+            HardwareError: it broke the protocol, or made no progress.
         """
         table = np.ascontiguousarray(np.asarray(words, np.uint64).reshape(-1, self._words_are))
         n = len(table)

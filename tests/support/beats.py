@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of axis_owned_out.v and axis_passed_out.v share: random events go in, and stand in their beats as the map says."""
+"""Support for tests of axis_owned_out.v and axis_passed_out.v: random events must be packed as the register map defines."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ __all__ = ["event_beats"]
 
 
 def event_beats(stream: str, prefix: str, widths: Mapping[str, int], parameters: Mapping[str, int], user: str = "") -> None:
-    """Streams random events through `axis_<stream>_out` without stalls and at random paces.
+    """Stream random events through `axis_<stream>_out`, first without stalls and then with random ones.
 
     Args:
         stream: the layout's name in the register map.
-        prefix: of the events' ports.
-        widths: bits of each port; what a field of the beat has less of them, its high ones, is left out.
-        parameters: of the module.
-        user: the field that tuser repeats, where there is one.
+        prefix: prefix of the event ports.
+        widths: bits of each port; a narrower field of the beat drops the high bits.
+        parameters: Verilog parameters of the module.
+        user: the field that tuser repeats, if any.
 
     Raises:
-        AssertionError: a field is not where the map has it, or an event is not a packet of its own a clock later.
+        AssertionError: a field is not where the map puts it, or an event is not sent as one packet a clock later.
     """
     output = Bundle("m_axis_t", ("data", "keep", "last", *(["user"] if user else [])))
     device = StreamDevice(f"axis_{stream}_out", parameters, inputs=[Bundle(prefix, tuple(widths))], outputs=[output])

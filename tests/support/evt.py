@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of the EVT decoders share: words as AXI4-Stream beats, the software decoder's answer, and an exact comparison."""
+"""Support for tests of the EVT decoders: words as AXI4-Stream beats, the software decoder's result, and an exact comparison."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ __all__ = [
     "STREAMS",
     "Decoded",
     "axis_beats",
+    "compare_with_software",
     "corrupted",
     "decode",
+    "decode_in_hardware",
     "event_rows",
     "evt2_words",
     "evt_device",
-    "exact",
     "payload",
     "random_events",
-    "tell",
 ]
 
 COUNTERS = ("n_events", "n_untimed", "n_outside", "n_reserved", "n_cut")
@@ -55,7 +55,7 @@ def payload(path: Path, dtype: type[np.unsignedinteger[Any]]) -> WordArray:
 
 
 def decode(layout: Layout, words: WordArray, width: int, height: int, time_w: int = 48) -> Decoded:
-    """What the software decoder makes of the words, on a sensor of this size and with times of so many bits."""
+    """Decode the words in software, for a sensor of this size and times of `time_w` bits."""
     state, parts = layout.start, [Events.empty()]
     while len(words):
         room = Events.allocated(len(words) + layout.most_events)
@@ -70,16 +70,16 @@ def decode(layout: Layout, words: WordArray, width: int, height: int, time_w: in
 
 
 def event_rows(events: Events, time_w: int = 48) -> NDArray[np.uint64]:
-    """Events as rows (t, x, y, p), (n, 4), with times of so many bits."""
+    """Events as rows (t, x, y, p), (n, 4), with times truncated to `time_w` bits."""
     columns = (column.astype(np.uint64) for column in (events.t_us, events.x, events.y, events.p))
     return np.stack(list(columns), axis=1) & np.array([(1 << time_w) - 1, *[(1 << 64) - 1] * 3], np.uint64)
 
 
 def axis_beats(words: WordArray, data_w: int, rng: np.random.Generator | None = None) -> NDArray[np.uint64]:
-    """Words as beats (data, keep, last), (n, 3), the lowest lane first; keep leaves out what the last beat has no word for.
+    """Words as beats (data, keep, last), (n, 3), lowest lane first; keep is 0 for lanes of the last beat without a word.
 
     Args:
-        rng: leaves out other lanes, too, a whole word at a time, and ends a packet here and there. None: beats are full.
+        rng: also leaves other lanes empty, a whole word at a time, and ends packets at random beats. None: all beats are full.
     """
     word_bytes, beat_bytes = words.dtype.itemsize, data_w // 8
     lanes, beats_per_word = max(1, beat_bytes // word_bytes), max(1, word_bytes // beat_bytes)
@@ -99,18 +99,18 @@ def axis_beats(words: WordArray, data_w: int, rng: np.random.Generator | None = 
 
 
 def corrupted(words: WordArray, rng: np.random.Generator, chance: float) -> WordArray:
-    """A copy in which this part of the words has a bit turned, and as many each are noise, left out or doubled."""
+    """A copy of the words: a fraction `chance` has one bit flipped, and as many each are noise, missing or repeated."""
     bits = 8 * words.dtype.itemsize
     damaged = words.copy()
-    turned = np.flatnonzero(rng.random(len(words)) < chance)
-    damaged[turned] ^= np.left_shift(words.dtype.type(1), rng.integers(0, bits, len(turned)).astype(words.dtype))
+    flipped = np.flatnonzero(rng.random(len(words)) < chance)
+    damaged[flipped] ^= np.left_shift(words.dtype.type(1), rng.integers(0, bits, len(flipped)).astype(words.dtype))
     noisy = np.flatnonzero(rng.random(len(words)) < chance)
     damaged[noisy] = rng.integers(0, np.iinfo(words.dtype).max, len(noisy), words.dtype, endpoint=True)
     return np.repeat(damaged, rng.choice(3, len(words), p=[chance, 1 - 2 * chance, chance]))
 
 
 def random_events(rng: np.random.Generator, n: int, width: int, height: int, longest_gap_us: int) -> Events:
-    """About n events that give vectors work: runs to the right in one row at one time, single ones, silences of any length."""
+    """About n events that exercise vectors: runs to the right in one row at one time, single events, gaps of any length."""
     begins = rng.random(n) < 0.2
     begins[:1] = True
     run = np.cumsum(begins) - 1
@@ -127,7 +127,7 @@ def random_events(rng: np.random.Generator, n: int, width: int, height: int, lon
 
 
 def evt2_words(events: Events, vectors: bool) -> WordArray:
-    """Events as words of EVT 2.0, or 2.1 with as many in a vector as stand together; a mark goes before each new one."""
+    """Events as words of EVT 2.0, or 2.1 with adjacent events in one vector; a time word precedes each new high part."""
     t_us, x, y, p = (column.astype(np.int64) for column in (events.t_us, events.x, events.y, events.p))
     begins = np.ones(len(x), np.bool_)
     begins[1:] = (np.diff(np.stack([t_us, x >> 5, y, p])) != 0).any(axis=0) | (np.diff(x) <= 0) | (not vectors)
@@ -150,19 +150,19 @@ def evt_device(top: str, width: int, height: int, **parameters: int) -> StreamDe
     )  # fmt: skip
 
 
-def exact(
+def compare_with_software(
     device: StreamDevice, layout: Layout, words: WordArray, beats: NDArray[np.uint64] | None = None
 ) -> tuple[Decoded, int]:
-    """Resets the hardware, streams the words through it and through the software decoder alike.
+    """Reset the hardware, stream the words through it and decode them in software, and compare the results.
 
     Args:
-        beats: the same words as the hardware gets them, where that is not `axis_beats`.
+        beats: the hardware's input beats for the same words (default: `axis_beats` of them).
 
     Returns:
-        what both decoded, and how many clocks the hardware took.
+        what both decoded, and the number of clocks the hardware took.
 
     Raises:
-        AssertionError: they differ; the message names the first event, or the counter.
+        AssertionError: they differ; the message names the first differing event, or the counters.
     """
     parameters = device.model.parameters
     data_w = int(device.sim.io.s_axis_tdata.signal.width)
@@ -183,8 +183,8 @@ def exact(
     return expected, run.clocks
 
 
-def tell(device: StreamDevice, words: WordArray) -> tuple[list[list[int]], dict[str, int]]:
-    """A short story, from reset: the events [t, x, y, p] that come of it, and the counters that are not 0."""
+def decode_in_hardware(device: StreamDevice, words: WordArray) -> tuple[list[list[int]], dict[str, int]]:
+    """Decode words in hardware, from reset: the decoded events [t, x, y, p], and the counters that are not 0."""
     device.reset()
     run = device.run({_INPUT.prefix: axis_beats(words, int(device.sim.io.s_axis_tdata.signal.width))})
     counters = {name: int(device.sim.io[name]) for name in COUNTERS}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of the filters share: random traffic that looks for trouble, and a comparison that names the first difference."""
+"""Support for tests of the filters: random traffic that stresses them, and a comparison that reports the first difference."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from evcot_cosim.devices.filter_device import FilterDevice
 
 from .ticked import ticked
 
-__all__ = ["FilterTraffic", "exact", "filter_traffic", "parameters", "tell"]
+__all__ = ["FilterTraffic", "compare_with_reference", "filter_traffic", "parameters", "run_story"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,27 +38,27 @@ def filter_traffic(
     beyond: int = 0,
     first_tick: int = 0,
 ) -> FilterTraffic:
-    """Events that crowd where filters can go wrong: on neighbouring and equal pixels in a row, at equal ticks, at borders.
+    """Random events concentrated on a filter's corner cases: neighbouring and equal pixels, equal ticks, sensor borders.
 
     Args:
-        rng: where all chance comes from.
+        rng: the only source of randomness.
         n: events.
         width, height: pixels of the sensor.
         ticks_per_event: about how many ticks pass from one event to the next.
-        longest_gap: now and then as many ticks pass as any number up to this, of any length in bits.
-        gaps: how often, per event.
-        skips: how often an event comes in dropped already.
-        beyond: up to how many pixels beyond the sensor an event may lie, now and then.
+        longest_gap: maximum length in ticks of an occasional gap; its bit length is uniformly distributed.
+        gaps: probability of such a gap before an event.
+        skips: probability that an event has already been dropped when it arrives.
+        beyond: an occasional event lies up to this many pixels outside the sensor.
         first_tick: tick before the first event.
     """
-    hot = rng.integers(0, [width, height], (4, 2))  # pixels that fire on and on
+    hot = rng.integers(0, [width, height], (4, 2))  # pixels that fire continually
     axes = []
-    kind = rng.choice(4, n, p=[0.35, 0.35, 0.15, 0.15])  # near the one before, anywhere, a hot pixel, a border
+    kind = rng.choice(4, n, p=[0.35, 0.35, 0.15, 0.15])  # near the previous event, anywhere, a hot pixel, a border
     at_hot = rng.integers(0, 4, n)
-    on_x = rng.random(n) < 0.5  # which axis is at its border
+    on_x = rng.random(n) < 0.5  # the axis whose coordinate is on the border
     for axis, size in enumerate((width, height)):
         anywhere = rng.integers(0, size, n)
-        # A walk of short steps restarts wherever an event is of another kind.
+        # A random walk of short steps, restarted at every event of another kind.
         start = np.where(kind == 2, hot[at_hot, axis], anywhere)
         border = rng.choice([0, size - 1], n)
         start = np.where((kind == 3) & (on_x == (axis == 0)), border, start)
@@ -83,28 +83,28 @@ def parameters(width: int, height: int, *, tick_w: int, **others: int) -> dict[s
     return {"X_W": width.bit_length(), "Y_W": height.bit_length(), "WIDTH": width, "HEIGHT": height, "TICK_W": tick_w, **others}
 
 
-def tell(device: FilterDevice, events: Iterable[tuple[int, int, int]]) -> list[bool]:
-    """A short story, from reset: which of the events (tick, x, y) stay."""
+def run_story(device: FilterDevice, events: Iterable[tuple[int, int, int]]) -> list[bool]:
+    """Run a short story from reset; returns which of the events (tick, x, y) are kept."""
     device.reset()
     ticks, x, y = np.array(list(events), np.int64).reshape(-1, 3).T
     return [bool(stays) for stays in device.stream(ticked(ticks, x, y, np.arange(len(ticks)) % 2))]
 
 
-def exact(
-    device: FilterDevice, traffic: FilterTraffic, oracle: Callable[[FilterTraffic], NDArray[np.bool_]], parts: int = 1
+def compare_with_reference(
+    device: FilterDevice, traffic: FilterTraffic, reference: Callable[[FilterTraffic], NDArray[np.bool_]], parts: int = 1
 ) -> float:
-    """Streams the traffic through hardware and oracle alike and returns which part of the events stays.
+    """Stream the traffic through both hardware and reference and return the fraction of events kept.
 
     Args:
-        oracle: which of the events stay, (n,), given all of them; what it says of skipped ones is not asked.
-        parts: how many runs the hardware gets the events in; it becomes idle in between.
+        reference: returns which of all events are kept, (n,); its result for skipped events is ignored.
+        parts: number of parts in which the hardware gets the events; it becomes idle in between.
 
     Raises:
-        AssertionError: they differ; the message names the first event.
+        AssertionError: they differ; the message names the first differing event.
     """
     cuts = np.linspace(0, len(traffic), parts + 1).astype(int)
     keep = np.concatenate([device.stream(traffic[a:b], traffic.keep[a:b]) for a, b in pairwise(cuts)])
-    differ = np.flatnonzero(keep != (oracle(traffic) & traffic.keep))
+    differ = np.flatnonzero(keep != (reference(traffic) & traffic.keep))
     if len(differ):
         i = int(differ[0])
         raise AssertionError(

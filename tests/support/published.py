@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of the published tracker and its cascade share: stories, what comes of them, random registers and lines."""
+"""Support for tests of the published tracker and its cascade: stories and their results, random registers and port values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from evcot_cosim.devices.published_device import TRACKER, Event, at, quiet, rtl,
 
 __all__ = ["CONFIG", "centres", "every", "n_evs", "noise", "reset_tracker", "some_registers", "wandering"]
 
-# A window from 91 to 109 around (100, 100), its ends not counted, that never expires; every fourth event moves the centre.
+# A window from 91 to 109 (exclusive) around (100, 100) that never expires; every fourth event moves the centre.
 CONFIG = PublishedConfig(
     init_cm_low=100, init_cm_high=100, radix_th=2, init_radix=7, radix_step=1, radix_max=9, radix_min=5,
     nev_th=4, hist_avg=1, max_time=10_000_000,
@@ -23,20 +23,20 @@ def every(gap: int, n: int, high: int = 100, low: int = 100, first: int = 0) -> 
     return at(range(first, first + n * gap, gap), high, low)
 
 
-def centres(told: Played) -> list[tuple[int, int]]:
-    """(high, low) of every centre that came out."""
-    words = decode(told.word)
+def centres(result: Played) -> list[tuple[int, int]]:
+    """(high, low) of every centre that the cascade sent."""
+    words = decode(result.word)
     return [(int(word["high"]), int(word["low"])) for word in words[~words["event"]]]
 
 
-def n_evs(told: Played) -> list[int]:
-    """How many events each centre took, where nothing was rejected."""
-    is_centre = np.flatnonzero(~decode(told.word)["event"])
+def n_evs(result: Played) -> list[int]:
+    """Number of events behind each centre, where no event was rejected."""
+    is_centre = np.flatnonzero(~decode(result.word)["event"])
     return [int(n) for n in np.diff(is_centre, prepend=-1)]
 
 
 def reset_tracker(config: PublishedConfig) -> None:
-    """Sets the register ports of the lone tracker and resets it."""
+    """Set the register ports of the single tracker and reset it."""
     for name in REGISTERS.keys() - {"enable"}:
         simulation(TRACKER).io[name] = int(getattr(config, name))
     rows = quiet(TRACKER, 1)
@@ -45,7 +45,7 @@ def reset_tracker(config: PublishedConfig) -> None:
 
 
 def some_registers(rng: np.random.Generator) -> PublishedConfig:
-    """Anything legal, the ends of ranges often; small numbers often, so that much happens."""
+    """Random legal register values: often the limits of their ranges, and often small, which makes more happen."""
 
     def value(top: int) -> int:
         return int(rng.choice(np.array([0, 1, top, rng.integers(top + 1), min(top, int(rng.integers(24)))])))
@@ -59,11 +59,11 @@ def some_registers(rng: np.random.Generator) -> PublishedConfig:
 
 
 def wandering(rng: np.random.Generator, n: int, start: int) -> NDArray[np.int64]:
-    """A coordinate around a place that wanders, or jumps."""
+    """(n,) coordinates around a centre that drifts and sometimes jumps."""
     steps = rng.integers(-1, 2, n) + (rng.random(n) < 0.01) * rng.integers(-40, 41, n)
     return np.clip(start + np.cumsum(steps) + rng.integers(-12, 13, n), 0, 255)
 
 
 def noise(rng: np.random.Generator, n: int) -> NDArray[np.uint8]:
-    """A line that changes now and then, whatever the protocol says."""
+    """(n,) values of a port that toggles at random, ignoring the protocol."""
     return (np.cumsum(rng.random(n) < rng.choice([0.05, 0.3, 0.7])) & 1).astype(np.uint8)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A compiled module of ready/valid streams as one Python object: arrays of words go in and come out, stalls at random."""
+"""A compiled module with ready/valid streams as a Python object: arrays of words in and out, with optional stalls."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _INPUT: Layout = {
     "n": "int64_t",
     "next": "int64_t",
     "holding": "int64_t",
-    "clock": "int64_t*",  # at which each word was taken
+    "clock": "int64_t*",  # at which each word was accepted
     **pattern_fields("go"),
 }
 _OUTPUT: Layout = {
@@ -52,7 +52,7 @@ _OUTPUT: Layout = {
     "capacity": "int64_t",
     "n": "int64_t",
     "waits": "int64_t",
-    "clock": "int64_t*",  # at which each word was given
+    "clock": "int64_t*",  # at which each word was sent
     **pattern_fields("go"),
 }
 _DRIVE = Drive(
@@ -61,7 +61,7 @@ _DRIVE = Drive(
     {
         "inputs": "Input*",
         "outputs": "Output*",
-        "clocks": "int64_t",  # run for so many; -1: until all is through
+        "clocks": "int64_t",  # length of the run; -1: until all words have been processed
         "clocks_done": "int64_t",
         "quiet_clocks": "int64_t",
         "cycle": "int64_t",
@@ -77,13 +77,13 @@ _Input, _Output = structure(_INPUT), structure(_OUTPUT)
 
 @dataclass(frozen=True)
 class StreamRun:
-    """What came of one run, by stream.
+    """Results of one run, by stream.
 
     Attributes:
         words: output prefix -> (n, fields) uint64.
-        given: output prefix -> (n,) int64, the clock at which each word was taken from the module.
-        accepted: input prefix -> (n,) int64, the clock at which the module took each word.
-        clocks: how many the run lasted.
+        given: output prefix -> (n,) int64, the clock at which the module sent each word.
+        accepted: input prefix -> (n,) int64, the clock at which the module accepted each word.
+        clocks: duration of the run.
     """
 
     words: Mapping[str, NDArray[np.uint64]]
@@ -93,7 +93,7 @@ class StreamRun:
 
 
 def random_pattern(rng: np.random.Generator, chance: float | None = None) -> Pattern:
-    """A stall pattern that goes with this chance at every clock (default: a random one from 0.15 to 1)."""
+    """A stall pattern that is 1 with this probability at every clock (default: a random one from 0.15 to 1)."""
     goes = rng.random(rng.integers(4000, 4100)) < (rng.uniform(0.15, 1) if chance is None else chance)
     pattern = goes.astype(np.uint8)
     pattern[rng.integers(len(pattern))] = 1
@@ -101,22 +101,22 @@ def random_pattern(rng: np.random.Generator, chance: float | None = None) -> Pat
 
 
 def random_stalls(rng: np.random.Generator, prefixes: Iterable[str]) -> dict[str, Pattern]:
-    """A random pattern for each stream; every fourth stream or so never stalls."""
+    """A random pattern for each stream; about every fourth stream never stalls."""
     return {prefix: random_pattern(rng) for prefix in prefixes if rng.random() < 0.75}
 
 
 class StreamDevice:
-    """One simulated module of ready/valid streams, with a `clk` and a synchronous `rst`.
+    """One simulated module with ready/valid streams, a `clk` and a synchronous `rst`.
 
-    Every word on offer at an output must stay as it is until taken. While no word is on offer at an input, its fields are
-    noise. `device.sim.io.<port>` reads and writes all other ports; what is written stays.
+    A valid word at an output must stay unchanged until it is accepted. While no word is valid at an input, its fields are
+    random. `device.sim.io.<port>` reads and writes all other ports; written values stay.
 
     Args:
-        top: which module.
+        top: name of the module.
         parameters: values for its Verilog parameters; the rest keep their defaults.
         inputs, outputs: its streams; either may be empty.
         ports: values of its other inputs.
-        has_idle: whether a run ends by the output `idle`, or after `quiet_clocks` clocks in which nothing moves.
+        has_idle: whether a run ends when the output `idle` is high, or after `quiet_clocks` clocks without a handshake.
         verilog: folder of the sources (default: evcot's own).
 
     Attributes:
@@ -150,25 +150,25 @@ class StreamDevice:
         self.reset()
 
     def set(self, **ports: int) -> None:
-        """Put values on inputs that belong to no stream; they stay."""
+        """Set inputs that belong to no stream; the values stay."""
         for port, value in ports.items():
             self.sim.io[port] = value
 
     def reset(self) -> None:
-        """Reset the hardware; clocks count from here."""
+        """Reset the hardware and the clock count."""
         reset(self.sim)
         self.cycle = 0
 
     def run(self, words: Mapping[str, ArrayLike] | None = None, *, clocks: int | None = None) -> StreamRun:
-        """Drive words through the hardware until all is through, or for so many clocks.
+        """Drive words through the hardware until all have been processed, or for a number of clocks.
 
         Args:
             words: input prefix -> (n, fields) or, for one field, (n,) unsigned integers. Other inputs offer nothing.
-            clocks: how long; None: until the inputs are exhausted and nothing is inside any more. What an output offers when
-                the clocks end stays on offer; what an input offers then is withdrawn.
+            clocks: length of the run; None: until the inputs are exhausted and the module is empty. A word that is valid at
+                an output when the clocks end stays valid; one at an input is withdrawn.
 
         Raises:
-            HardwareError: a word was withdrawn or changed while it waited, or nothing moves any more.
+            HardwareError: a waiting word was withdrawn or changed, or there was no progress.
         """
         tables = {b.prefix: self._table(b, (words or {}).get(b.prefix, [])) for b in self.inputs}
         accepted = {prefix: np.full(len(table), -1, np.int64) for prefix, table in tables.items()}

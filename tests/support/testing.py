@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of single modules share: lint, and ready/valid streams with stalls on a pyverilator simulation.
+"""Support for tests of single modules: lint, and ready/valid streams with stalls on a pyverilator simulation.
 
 A stall pattern is any iterator of bools, one per clock: True lets a source offer its next word or a sink take one.
 """
@@ -45,13 +45,13 @@ def always() -> Iterator[bool]:
 
 
 def sometimes(rng: np.random.Generator, probability: float) -> Iterator[bool]:
-    """Goes with this probability at every clock, independently."""
+    """True with this probability at every clock, independently."""
     while True:
         yield from (rng.random(256) < probability).tolist()
 
 
 def bursts(rng: np.random.Generator, longest: int) -> Iterator[bool]:
-    """Goes and stalls in turns, each for 1 to `longest` clocks."""
+    """Alternates between True and False, each for 1 to `longest` clocks."""
     while True:
         yield from repeat(True, int(rng.integers(1, longest, endpoint=True)))
         yield from repeat(False, int(rng.integers(1, longest, endpoint=True)))
@@ -67,7 +67,7 @@ PATTERNS: dict[str, Callable[[np.random.Generator], Iterator[bool]]] = {
 
 
 def lint(top: str, **parameters: int) -> tuple[int, str]:
-    """Returns Verilator's exit code and its complaints about one module with these parameters."""
+    """Return Verilator's exit code and warnings for one module with these parameters."""
     tools = _tools()
     overrides = [f"-G{name}={value}" for name, value in parameters.items()]
     done = subprocess.run(
@@ -88,17 +88,17 @@ def _tools() -> Toolchain:
 def evaluate(
     top: str, parameters: Mapping[str, int], inputs: Mapping[str, ArrayLike], outputs: Sequence[str]
 ) -> dict[str, NDArray[np.int64]]:
-    """What a combinational module of unsigned ports up to 64 bits answers to many input values at once.
+    """Evaluate a combinational module with unsigned ports of up to 64 bits for many input values at once.
 
     Args:
         top, parameters: the module.
         inputs: values of every input port, arrays that broadcast to one length.
-        outputs: the output ports wanted.
+        outputs: the output ports to return.
     """
     columns = np.broadcast_arrays(*(np.asarray(values, np.int64) for values in inputs.values()))
     n = columns[0].size
     asked = np.stack([column.ravel() for column in columns], axis=1)
-    told = np.empty((n, len(outputs)), np.int64)
+    result = np.empty((n, len(outputs)), np.int64)
     sets = "".join(f"top->{port} = in[i * {len(inputs)} + {k}];" for k, port in enumerate(inputs))
     gets = "".join(f"out[i * {len(outputs)} + {k}] = top->{port};" for k, port in enumerate(outputs))
     drive = f"""#include "V{top}.h"
@@ -107,13 +107,13 @@ extern "C" void evcot_evaluate(V{top}* top, int64_t n, const int64_t* in, int64_
 }}
 """
     sim = load(top, parameters, {"evaluate.cpp": drive})
-    pointers = (ctypes.c_void_p(array.ctypes.data) for array in (asked, told))
+    pointers = (ctypes.c_void_p(array.ctypes.data) for array in (asked, result))
     sim.lib.evcot_evaluate(ctypes.c_void_p(sim.model), ctypes.c_int64(n), *pointers)
-    return {port: told[:, k] for k, port in enumerate(outputs)}
+    return {port: result[:, k] for k, port in enumerate(outputs)}
 
 
 def broken_copy(folder: Path, file: str, right: str, wrong: str) -> Path:
-    """Copies the RTL into a folder and replaces one piece of one file, spaces aside; returns the folder.
+    """Copy the RTL into a folder and replace one piece of one file, ignoring white space; return the folder.
 
     Raises:
         ValueError: the file does not hold `right` exactly once.
@@ -128,9 +128,9 @@ def broken_copy(folder: Path, file: str, right: str, wrong: str) -> Path:
 
 
 class Source:
-    """Offers words to the bundle `<prefix>_valid`, `<prefix>_ready`, `<prefix>_<field>`, holding each until taken.
+    """Driver of the bundle `<prefix>_valid`, `<prefix>_ready`, `<prefix>_<field>` that holds each word until it is accepted.
 
-    While nothing is offered the payload is noise, so that a design that reads it then is found out.
+    While valid is low the payload is random, which exposes a design that reads it then.
     """
 
     def __init__(
@@ -154,28 +154,28 @@ class Source:
 
     @property
     def exhausted(self) -> bool:
-        """Whether every word has been taken."""
+        """Whether every word has been accepted."""
         return self._next is None
 
     def drive(self) -> None:
-        """Sets the inputs for the next clock edge."""
+        """Set the inputs for the next clock edge."""
         if not self.offering:
             self.offering = self._next is not None and next(self._pattern)
             self.put(self.offering, self._next if self.offering else None)
 
     def clocked(self, ready: bool) -> None:
-        """Notes whether the clock edge took the offered word."""
+        """Record whether the clock edge accepted the offered word."""
         if self.offering and ready:
             self.offering = False
             self._next = next(self._words, None)
             self.taken += 1
 
     def ready(self) -> bool:
-        """Whether the design takes the word that is on offer."""
+        """Whether the design accepts the offered word."""
         return bool(self.sim.io[f"{self.prefix}_ready"])
 
     def put(self, valid: bool, word: Word | None) -> None:
-        """Writes valid and the payload; no word: noise."""
+        """Write valid and the payload; a random payload without a word."""
         self.sim.io[f"{self.prefix}_valid"] = int(valid)
         for i, port in enumerate(self.ports):
             self.sim.io[port] = word[i] if word is not None else self.random_bits(port)
@@ -187,7 +187,7 @@ class Source:
 
 
 class Sink:
-    """Takes words from a bundle and checks that a word once offered stays, unchanged, until taken."""
+    """Receiver of a bundle that checks that an offered word stays, unchanged, until it is accepted."""
 
     def __init__(self, sim: PyVerilator, prefix: str, fields: Sequence[str], pattern: Iterator[bool]) -> None:
         self.sim = sim
@@ -200,15 +200,15 @@ class Sink:
         self._waiting: Word | None = None
 
     def drive(self) -> None:
-        """Sets ready for the next clock edge."""
+        """Set ready for the next clock edge."""
         self._ready = next(self._pattern)
         self.sim.io[f"{self.prefix}_ready"] = int(self._ready)
 
     def offered(self) -> Word | None:
-        """The word on offer, or None.
+        """The offered word, or None.
 
         Raises:
-            AssertionError: a word that waited has changed or gone.
+            AssertionError: a waiting word has changed or disappeared.
         """
         io = self.sim.io
         word = tuple(int(io[port]) for port in self.ports) if io[f"{self.prefix}_valid"] else None
@@ -217,7 +217,7 @@ class Sink:
         return word
 
     def clocked(self, word: Word | None, clock: int) -> None:
-        """Notes what the clock edge did with the word on offer."""
+        """Record whether the clock edge transferred the offered word."""
         self._waiting = None if self._ready else word
         if self._ready and word is not None:
             self.words.append(word)
@@ -233,10 +233,10 @@ def run_streams(
     max_clocks: int = 1_000_000,
     on_clock: Callable[[int], None] | None = None,
 ) -> int:
-    """Clocks until every source is exhausted and no sink has been offered a word for `quiet_clocks` clocks.
+    """Clock until every source is exhausted and no sink has been offered a word for `quiet_clocks` clocks.
 
-    `on_clock` is called with the clock's number before each edge, after all streams have been driven: a place for
-    further inputs and checks. Returns the number of clocks.
+    `on_clock` is called with the clock's number before each edge, after all streams have been driven, and may set further
+    inputs and check outputs. Returns the number of clocks.
 
     Raises:
         AssertionError: a waiting word changed, or `max_clocks` have passed.

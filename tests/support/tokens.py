@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of modules that make tokens share: tokens from events as the streaming drives make them, and what tokens say."""
+"""Support for tests of modules with token ports: events encoded as tokens, as the streaming drives do, and decoded again."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from evcot.ticks import TickedEvents
 
 from .stream_device import Bundle
 
-__all__ = ["TOKENS_IN", "TOKENS_OUT", "Heard", "hear", "make_tokens"]
+__all__ = ["TOKENS_IN", "TOKENS_OUT", "TokenEvents", "decode_tokens", "make_tokens"]
 
 _FIELDS = ("tick", "event", "skip", "x", "y", "p")
 TOKENS_IN = Bundle("s_", _FIELDS)
 TOKENS_OUT = Bundle("m_", _FIELDS)
 
 
-class Heard(NamedTuple):
-    """What a stream of tokens says: when each event is, the events, and how long all of it lasts.
+class TokenEvents(NamedTuple):
+    """A decoded stream of tokens: the time of each event, the events, and the total duration.
 
     Attributes:
         at: (n,) int64, ticks from the start to each event.
         events: (n, 5) uint64, rows (event, skip, x, y, p).
-        ticks: of all tokens together.
+        ticks: duration of the whole stream.
     """
 
     at: NDArray[np.int64]
@@ -33,17 +33,17 @@ class Heard(NamedTuple):
     ticks: int
 
 
-def hear(tokens: NDArray[np.uint64]) -> Heard:
-    """Reads (n, 6) tokens (tick, event, skip, x, y, p)."""
+def decode_tokens(tokens: NDArray[np.uint64]) -> TokenEvents:
+    """Decode (n, 6) tokens (tick, event, skip, x, y, p)."""
     now = np.cumsum(tokens[:, 0].astype(np.int64))
     is_event = (tokens[:, 1] | tokens[:, 2]) == 1
-    return Heard(now[is_event], tokens[is_event, 1:], int(now[-1]) if len(now) else 0)
+    return TokenEvents(now[is_event], tokens[is_event, 1:], int(now[-1]) if len(now) else 0)
 
 
 def make_tokens(events: TickedEvents, tick_w: int) -> NDArray[np.uint64]:
     """Events as tokens of `tick_w` bits, (m, 6): ticks that do not fit go ahead in full tokens.
 
-    Tokens of ticks alone show the event that they go ahead of.
+    A tick-only token carries the fields of the event that follows it.
     """
     most = (1 << tick_w) - 1
     wait = np.diff(events.ticks, prepend=0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of `evcot_top` share: a few elaborations of it, each of which takes a minute to compile, and traffic for them."""
+"""Support for tests of `evcot_top`: a few elaborations of it, each of which takes a minute to compile, and traffic for them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ DVS128 = fit(PRESETS["dvs128"], 128, 128)
 
 
 class Build(NamedTuple):
-    """One elaboration of the top; few, for each takes a minute to compile."""
+    """One elaboration of the top; each takes a minute to compile."""
 
     shape: Shape
     filter_shape: FilterShape
@@ -55,7 +55,7 @@ BUILDS = {
 
 
 def device_of(name: str, config: CotConfig | None = None, *, pace: Pace | None = None) -> TopDevice:
-    """A device of one of the builds; of the configuration the slots and filters count."""
+    """A device of one of the builds; `config` supplies the slots and filters, the build the shapes."""
     build = BUILDS[name]
     config = replace(config or CotConfig.uniform(build.shape, EVERY), filter_shape=build.filter_shape)
     return TopDevice(config, build.parameters, pace=pace)

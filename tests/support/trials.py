@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests of the trackers share: short stories told to hardware and model alike, and random traffic with random registers.
+"""Support for tests of the trackers: short stories run through both hardware and model, and random traffic and registers.
 
-A story is a list of events (tick, x, y). Random registers come from their whole legal ranges, small values as often as large
-ones; random traffic has bursts around moving targets, noise, equal ticks and long silences.
+A story is a list of events (tick, x, y). Random register values cover their whole legal ranges, small values as often as
+large ones; random traffic has bursts around moving targets, noise, equal ticks and long gaps.
 """
 
 from __future__ import annotations
@@ -25,27 +25,36 @@ from evcot_cosim.names import Top
 
 from .ticked import ticked
 
-__all__ = ["ENGINES", "OLD_AND_YOUNG", "Engine", "Told", "exact", "random_config", "random_traffic", "tell"]
+__all__ = [
+    "ENGINES",
+    "OLD_AND_YOUNG",
+    "Engine",
+    "Outcome",
+    "compare_random_runs",
+    "random_config",
+    "random_traffic",
+    "run_story",
+]
 
 Engine = Literal["model", "rtl"]
 ENGINES: tuple[Engine, ...] = ("model", "rtl")
 
 
 @dataclass(frozen=True)
-class Told:
-    """What an engine made of a story, in words that a test can compare: one tuple per record, one owner per event."""
+class Outcome:
+    """An engine's decisions on a story in a form that tests can compare: one tuple per record, one owner per event."""
 
     config: CotConfig
     decisions: Decisions
 
     @property
     def owners(self) -> list[int]:
-        """The slot that took each event, -1 where it passed."""
+        """The slot that owns each event, -1 for events that were passed on."""
         return [int(slot) for slot in self.decisions.owner]
 
     @property
     def rel(self) -> list[tuple[int, int]]:
-        """Each event's address in its owner's window."""
+        """Each event's address relative to its owner's window."""
         return [(int(x), int(y)) for x, y in zip(self.decisions.rel_x, self.decisions.rel_y, strict=True)]
 
     def records(self, *fields: str) -> list[tuple[object, ...]]:
@@ -69,18 +78,20 @@ class Told:
         return [Kind(kind) for kind in self.decisions.records["kind"]]
 
 
-def tell(story: Iterable[tuple[int, int, int]], config: CotConfig, top: Top = "cot_array", engine: Engine = "rtl") -> Told:
-    """Tell a story to the hardware `top`, or to the golden model in the same arrangement."""
+def run_story(
+    story: Iterable[tuple[int, int, int]], config: CotConfig, top: Top = "cot_array", engine: Engine = "rtl"
+) -> Outcome:
+    """Run a story through the hardware `top`, or through the golden model in the same arrangement."""
     ticks, x, y = np.array(list(story), np.int64).reshape(-1, 3).T
     events = ticked(ticks, x, y, (x ^ y) & 1)
     if engine == "model":
         arrangement = Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
-        return Told(config, CotModel(config, arrangement).feed(events))
-    return Told(config, Device(config, top).stream(events))
+        return Outcome(config, CotModel(config, arrangement).feed(events))
+    return Outcome(config, Device(config, top).stream(events))
 
 
-# Slot 1 is born as track 1 and stays; slot 0 is born again and again, at last as track 8, which three bits call 0. Then slot 0
-# moves into the window of slot 1, which is the older in spite of its id.
+# Slot 1 starts track 1 and keeps it; slot 0 starts one track after another, the last of them track 8, whose id in three bits
+# is 0. Then slot 0 moves into the window of slot 1, whose track is older although its id is larger.
 _LIVES = SlotConfig(
     mode=Mode.SEEDED, init_radix=4, radix_th=2, radix_step=0, radix_min=4, radix_max=4, hist_avg=0,
     max_ticks=4000, clust_nev=1, nev_min=1, nev_max=8, nev_th=4000, detect_ticks=100,
@@ -92,11 +103,11 @@ OLD_AND_YOUNG: tuple[list[tuple[int, int, int]], CotConfig] = (
         (replace(_LIVES, max_ticks=100), _LIVES),
     ),
 )
-"""A story and a configuration in which ids wrap within a life."""
+"""A story and a configuration in which ids wrap around during a track's life."""
 
 
 def random_config(rng: np.random.Generator, shape: Shape) -> CotConfig:
-    """Random registers over their whole legal ranges, every slot with its own."""
+    """Random register values over their whole legal ranges, drawn separately for each slot."""
     return CotConfig(shape, tuple(_random_slot(rng, shape) for _ in range(shape.n_slots)))
 
 
@@ -111,7 +122,7 @@ def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
 
 
 def _draw(rng: np.random.Generator, low: int, high: int) -> int:
-    """An integer from low to high: sometimes a limit, else as likely of any length in bits, often of a few only."""
+    """An integer from low to high: sometimes a limit, else with a uniformly distributed bit length, often a short one."""
     if rng.random() < 0.08:
         return int(rng.choice([low, high]))
     bits = rng.uniform(0, math.log2(high - low + 2))
@@ -124,7 +135,7 @@ def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_eve
     """Bursts around moving targets, noise between them, equal ticks, pauses and long silences.
 
     Args:
-        rng: where all chance comes from.
+        rng: the only source of randomness.
         shape: address widths, and how long a timer can run.
         n: events.
         ticks_per_event: about how many ticks pass from one event to the next within a burst.
@@ -153,7 +164,7 @@ def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_eve
     return TickedEvents(first_tick + np.cumsum(steps), axes[0], axes[1], rng.integers(0, 2, n, np.uint8))
 
 
-def exact(
+def compare_random_runs(
     shape: Shape,
     top: Top,
     seed: int,
@@ -163,9 +174,9 @@ def exact(
     parts: int = 2,
     rates: tuple[float, ...] = (0.3, 2, 10),
 ) -> dict[Kind, int]:
-    """Random registers, traffic and stalls through hardware and model: `runs` times, all decisions compared bit for bit.
+    """Run random registers, traffic and stalls through hardware and model `runs` times, comparing all decisions bit for bit.
 
-    Returns how many records of each kind there were.
+    Returns the number of records of each kind.
 
     Raises:
         AssertionError: they differ; the message names run and seed.

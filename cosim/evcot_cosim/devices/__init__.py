@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiled RTL as Python objects: events or words stream in and answers come out; or pins and clocks, by hand."""
+"""Compiled RTL as Python objects, driven by streams of events or words, or interactively by ports and clocks."""

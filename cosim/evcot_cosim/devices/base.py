@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The base of every streaming drive: a C++ loop inside the shared object of a model, called with one structure of pointers.
+"""Base of the streaming drives: C++ loops in the shared object of a model, each called with one structure of pointers.
 
-A drive says once which fields that structure has and how a call may end; the C++ side is rendered from the same tables.
+A drive defines the fields of that structure and the return codes of a call; the C++ side is rendered from the same tables.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from evcot.templating import templates
 __all__ = ["Drive", "Ending", "HardwareError", "Layout", "Pattern", "Stalls", "pattern_fields", "pointer", "reset", "structure"]
 
 Pattern = NDArray[np.uint8]
-"""A stall pattern: one byte per clock, from the start again at the end; 1 goes, 0 stalls; an empty one never stalls."""
+"""A stall pattern, repeated periodically: one byte per clock, 1 lets the stream go, 0 stalls it; empty never stalls."""
 
 Layout = Mapping[str, str]
 """The fields of a structure that Python and C++ share, in order: name -> C type."""
@@ -33,10 +33,10 @@ _NO_STALL = np.zeros(0, np.uint8)
 
 
 class HardwareError(EvcotError, RuntimeError):
-    """The hardware broke the rules of its streams: an event lost, repeated, reordered or changed, or no progress.
+    """The hardware violated its stream protocol: it lost, repeated, reordered or changed an event, or made no progress.
 
     Attributes:
-        seq: number of the event or word.
+        seq: sequence number of the event or word.
     """
 
     def __init__(self, message: str, seq: int) -> None:
@@ -45,9 +45,9 @@ class HardwareError(EvcotError, RuntimeError):
 
 
 class Ending(IntEnum):
-    """How a call of a drive ended: each member is numbered in order, and carries what a fault means, for people.
+    """Return codes of a drive, numbered in order; `fault` describes the fault in messages.
 
-    The first member is how a call ends well.
+    The first member means success.
     """
 
     fault: str
@@ -60,7 +60,7 @@ class Ending(IntEnum):
 
 
 def structure(layout: Layout) -> type[ctypes.Structure]:
-    """The structure as ctypes has it."""
+    """The ctypes structure of a layout."""
 
     class Shared(ctypes.Structure):
         _fields_ = [(name, ctypes.c_void_p if ctype.endswith("*") else _INTEGERS[ctype]) for name, ctype in layout.items()]
@@ -69,7 +69,7 @@ def structure(layout: Layout) -> type[ctypes.Structure]:
 
 
 def pattern_fields(*streams: str) -> dict[str, str]:
-    """The fields of stall patterns: of each stream a pattern, and its length in clocks."""
+    """The fields for stall patterns: for each stream the pattern and its length in clocks."""
     return {
         f"{stream}_{name}": ctype
         for stream in streams
@@ -86,15 +86,15 @@ E = TypeVar("E", bound=Ending)
 
 
 class Drive(Generic[E]):
-    """One streaming drive: its C++ function and what is handed to it.
+    """One streaming drive: its C++ function and the structure passed to it.
 
     Args:
-        function: name of the C++ function, which takes the model and the structure `Job`, and returns how it ended.
-        template: the file in `templates/` that it is rendered from.
-        job: fields of `Job`.
-        endings: how a call may end.
-        structures: more structures that C++ and Python share, each by its name in C++.
-        package: whose `templates/` it is.
+        function: name of the C++ function, which takes the model and the structure `Job` and returns one of `endings`.
+        template: the template in `templates/` from which it is rendered.
+        job: fields of `Job`, the arguments and results of a call.
+        endings: return codes.
+        structures: further structures shared by C++ and Python, by their names in C++.
+        package: the package whose `templates/` holds the template.
     """
 
     def __init__(
@@ -115,12 +115,12 @@ class Drive(Generic[E]):
         self.job = structure(job)
 
     def source(self, top: str, **values: Any) -> str:
-        """C++ text of the drive for one top module; `values` are more that its template uses."""
+        """C++ text of the drive for one top module; `values` are further variables of its template."""
         template = templates(self._package, _PACKAGE).get_template(self._template)
         return template.render(top=top, structures=self._structures, endings=list(self._endings), **values)
 
     def call(self, sim: PyVerilator, job: ctypes.Structure) -> E:
-        """Call the drive, with the GIL released; returns how it ended."""
+        """Call the drive with the GIL released; returns its return code."""
         function = sim.lib[self._function]
         function.argtypes = (ctypes.c_void_p, ctypes.c_void_p)
         function.restype = ctypes.c_int
@@ -129,7 +129,7 @@ class Drive(Generic[E]):
 
 @dataclass(frozen=True)
 class Stalls:
-    """Stall patterns, one per stream; every one that is not empty must have a 1 somewhere."""
+    """Stall patterns, one per stream; each is empty or holds at least one 1."""
 
     source: Pattern = field(default_factory=lambda: _NO_STALL)
     cm: Pattern = field(default_factory=lambda: _NO_STALL)
@@ -145,7 +145,7 @@ class Stalls:
 
     @classmethod
     def random(cls, rng: np.random.Generator, go: tuple[float, float, float, float] | None = None) -> Stalls:
-        """Independent patterns of different lengths; `go` is how often each stream goes (default: random, 0.15 to 1)."""
+        """Independent patterns of different lengths; `go` is each stream's probability of a 1 (default: random, 0.15 to 1)."""
         chances = rng.uniform(0.15, 1.0, 4) if go is None else go
         patterns = []
         for chance, length in zip(chances, (4093, 4091, 4079, 4073), strict=True):
@@ -156,7 +156,7 @@ class Stalls:
 
 
 def reset(sim: PyVerilator, clocks: int = 2) -> None:
-    """Hold rst high for some clocks."""
+    """Hold rst high for a number of clocks."""
     sim.io.rst = 1
     for _ in range(clocks):
         sim.clock.tick()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The compiled hardware as one Python object with two speeds: interactive, cycle by cycle, and streaming."""
+"""The compiled tracker as a Python object, driven interactively cycle by cycle, or by streams of events."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from .silence import check_waits
 
 __all__ = ["Device", "StreamTimes", "arrangement_of", "build_device"]
 
-_FILTERED = "cot_filtered"  # the module that has filters in front of a tracker
+_FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
 
 
 class StreamTimes(NamedTuple):
-    """Clocks at which events went in, (n,) int64, and records came out, (m,) int64."""
+    """Clocks at which events were accepted, (n,) int64, and records were sent, (m,) int64."""
 
     accepted: NDArray[np.int64]
     recorded: NDArray[np.int64]
@@ -54,7 +54,7 @@ def build_device(
     verilog: Path | None = None,
     on_miss: Callable[[], None] | None = None,
 ) -> BuiltModel:
-    """Build (or find) the model of `top` in the shape that `config` asks for, with the streaming drive inside.
+    """Build the model of `top` in the shape given by `config`, with its streaming drive, or find it in the cache.
 
     Without `waves` a waveform has the signals of `top` itself alone: Verilator need not keep what lies
     below, which takes time.
@@ -75,7 +75,7 @@ def build_device(
         if shape.n_slots != 1:
             raise ConfigError(f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker")
         if config.filtered:
-            raise ConfigError("a single `cot` has no filters in front: take cot_array with one slot")
+            raise ConfigError("a single `cot` has no filters in front: use cot_array with one slot")
         del parameters["N"]
     elif config.filtered:
         module = _FILTERED
@@ -90,15 +90,15 @@ def build_device(
 class Device:
     """One simulated tracker: `cot`, `cot_chain`, `cot_array` or `cot_engine`.
 
-    Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` is a clock, about 10^4 per second.
-    Streaming: `stream` takes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
+    Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` runs one clock, about 10^4 per second.
+    Streaming: `stream` passes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
     the same decisions.
 
     Args:
         config: shape and registers; written to the hardware on construction.
-        top: which module.
+        top: name of the module.
         stalls: patterns for the streaming drive.
-        model: what `build_device` returned for the same config, to save the look-up.
+        model: a model that `build_device` returned for the same config, to avoid the look-up.
 
     Raises:
         ConfigError, ToolchainError.
@@ -179,10 +179,10 @@ class Device:
 
     @contextmanager
     def dumping(self, path: Path, first_event: int = 0, last_event: int = _FOREVER, *, force: bool = False) -> Iterator[None]:
-        """While the block runs, the streaming drive dumps the clocks around events `first_event` to `last_event` to a VCD.
+        """Context in which the streaming drive dumps the clocks around events `first_event` to `last_event` to a VCD.
 
-        10 time units a clock, the rising edge at 5. The file appears under its name when it is whole; one that exists is
-        replaced only with `force`.
+        A clock is 10 time units, with the rising edge at 5. The file appears under its name when it is complete; an existing
+        file is replaced only with `force`.
         """
         library, handle = self.sim.lib, ctypes.c_void_p()
         with path_written_aside(path, force=force) as aside:
@@ -206,8 +206,8 @@ class Device:
             keep: (n,) bool, for a chain or an array: what a filter in front let stay. None: all.
 
         Raises:
-            HardwareError: an event was lost, repeated, reordered or changed, or nothing moves any more.
-            RecordingError: a wait between two of them would take too many clocks: see `silence`. Nothing was driven.
+            HardwareError: an event was lost, repeated, reordered or changed, or there was no progress.
+            RecordingError: a wait between two events would take too many clocks: see `silence`. Nothing was driven.
         """
         return self._stream(events, None, keep)[0]
 
@@ -225,7 +225,7 @@ class Device:
         check_waits(ticked.ticks, self.now, (1 << self.shape.tick_w) - 1, self.seq)
         keep = None if keep is None else ticked.mask(keep)
         owner = np.full(n, UNDECIDED, np.int16)
-        rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # and stay so where a filter took the event out
+        rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # stay 0 for events dropped by a filter
         patterns = self.stalls
         job = DRIVE.job(
             n=n, ticks=pointer(ticked.ticks), x=pointer(ticked.x), y=pointer(ticked.y), p=pointer(ticked.p), keep=pointer(keep),
@@ -241,11 +241,11 @@ class Device:
         records: list[NDArray[np.void]] = []
         recorded: list[NDArray[np.int64]] = []
         status = Status.RECORDS_FULL
-        # An event is born or moves one track; a track ends once, by a merge (two records) or by its lifetime (one).
+        # An event starts or moves one track; a track ends once, by a merge (two records) or by its lifetime (one).
         most = 3 * n + 2 * self.shape.n_slots
         while status == Status.RECORDS_FULL:
             if sum(map(len, records)) > most:
-                raise HardwareError(f"{self.top} gives more records than {n} events can cause", self.seq + job.next)
+                raise HardwareError(f"{self.top} sends more records than {n} events can cause", self.seq + job.next)
             room = np.zeros(max(1024, n // 4), RECORD)
             clocks = None if accepted is None else np.zeros(len(room), np.int64)
             job.records, job.record_capacity, job.n_records = pointer(room), len(room), 0
@@ -264,18 +264,18 @@ class Device:
 
     @property
     def arrangement(self) -> Arrangement:
-        """What the golden model must be to match this hardware."""
+        """The golden model's arrangement that matches this hardware."""
         return arrangement_of(self.top)
 
 
 def arrangement_of(top: Top) -> Arrangement:
-    """What the golden model must be to match a module."""
+    """The golden model's arrangement that matches a module."""
     return Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
 
 
 def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:
-    """The order in which things happened, whatever the interleaving of a chain's trackers.
+    """Indices that sort records chronologically, however a chain's trackers are interleaved.
 
-    Before an event come the lives that ended on the way to it, by time, then by slot.
+    LOST records come before the record of the event that follows them, sorted by time, then by slot.
     """
     return np.lexsort((records["slot"], records["time"], records["kind"] != Kind.LOST, records["seq"]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C++ side of a simulation: generated from the contract, compiled into the shared object that pyverilator builds."""
+"""The streaming drive of a tracker: C++ generated from the contract and compiled into the model's shared object."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .base import Drive, Ending, pattern_fields
 
 __all__ = ["DRIVE", "PARAMETERS", "UNDECIDED", "Status", "source"]
 
-UNDECIDED = DROPPED  # owner of an event that the hardware has not reported: behind filters, one that was taken out
+UNDECIDED = DROPPED  # owner of an event that the hardware has not reported: behind filters, a dropped one
 
 # Shape field -> Verilog parameter.
 PARAMETERS = {
@@ -32,7 +32,7 @@ PARAMETERS = {
 
 
 class Status(Ending):
-    """How a streaming call ended."""
+    """Return codes of a streaming call."""
 
     DONE = ""
     RECORDS_FULL = ""  # call again with room for more records
@@ -62,7 +62,7 @@ DRIVE = Drive(
         "x": "const uint16_t*",
         "y": "const uint16_t*",
         "p": "const uint8_t*",
-        "keep": "const uint8_t*",  # 0: the event was taken out before and only counts; null: none was
+        "keep": "const uint8_t*",  # 0: a filter dropped the event, which is only counted; null: none was dropped
         "first_seq": "uint64_t",
         **pattern_fields("in", "cm", "own", "pass"),
         # decisions out
@@ -72,10 +72,10 @@ DRIVE = Drive(
         "records": "Record*",
         "record_capacity": "int64_t",
         "n_records": "int64_t",
-        # when things happened, or null
+        # clocks of handshakes, or null
         "accept_cycle": "int64_t*",
         "record_cycle": "int64_t*",
-        # where the drive stands
+        # state of the drive
         "now": "int64_t",
         "cycle": "int64_t",
         "next": "int64_t",
@@ -84,7 +84,7 @@ DRIVE = Drive(
         "held_tick": "int64_t",
         "fault_seq": "int64_t",
         "began": "int64_t",  # tick of the last event before this call
-        # waveform: clocks from the one after event vcd_from - 1 was taken to the one that takes event vcd_to
+        # waveform: clocks from the one after event vcd_from - 1 was accepted to the one that accepts event vcd_to
         "vcd": "void*",
         "vcd_from": "int64_t",
         "vcd_to": "int64_t",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A compiled filter, or a chain of them, as one Python object: tokens stream through it and the kept events come back."""
+"""A compiled filter, or a chain of filters, as a Python object: streams tokens through it and returns the kept events."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SETTLED_WITHIN = 1 << 33  # clocks: more than the memory of the largest sensor 
 
 
 class _Status(Ending):
-    """How a streaming call ended."""
+    """Return codes of a streaming call."""
 
     DONE = ""
     STUCK = "stands still: no handshake for a million clocks, waiting at event"
@@ -48,10 +48,10 @@ _DRIVE = Drive(
         **pattern_fields("in", "out"),
         # decisions out
         "keep": "uint8_t*",
-        # when things happened, or null
+        # clocks of handshakes, or null
         "accept_cycle": "int64_t*",
         "give_cycle": "int64_t*",
-        # where the drive stands
+        # state of the drive
         "tick_max": "int64_t",
         "now": "int64_t",
         "cycle": "int64_t",
@@ -62,7 +62,7 @@ _DRIVE = Drive(
 
 
 class FilterTimes(NamedTuple):
-    """Clocks at which events went in and came out, (n,) int64 each."""
+    """Clocks at which events were accepted and sent on, (n,) int64 each."""
 
     accepted: NDArray[np.int64]
     given: NDArray[np.int64]
@@ -71,13 +71,13 @@ class FilterTimes(NamedTuple):
 class FilterDevice:
     """One simulated module with the token ports of a filter.
 
-    Every token that comes out is compared with the one that went in: as many, in order, with their own ticks, an event as it
-    was or dropped, a skipped one still skipped, and each held until taken.
+    Every output token is checked against the input: the same number of tokens in the same order with the same ticks, an
+    event unchanged or dropped, a skipped event still skipped, and each token held until accepted.
 
     Args:
-        top: which module.
+        top: name of the module.
         parameters: values for its Verilog parameters; the rest keep their defaults.
-        ports: values of its configuration inputs, such as `enable`; they may be changed with `set`.
+        ports: values of its configuration inputs, such as `enable`; `set` changes them.
         stalls: patterns of the streaming drive: `source` for the input, `passed` for the output.
         verilog: folder of the sources (default: evcot's own).
 
@@ -106,12 +106,12 @@ class FilterDevice:
         self.reset()
 
     def set(self, **ports: int) -> None:
-        """Put values on configuration inputs; they stay."""
+        """Set configuration inputs; the values stay."""
         for port, value in ports.items():
             self.sim.io[port] = value
 
     def reset(self) -> None:
-        """Reset the hardware, tick 0, and wait until it is idle; `settled_after` says how many clocks that took."""
+        """Reset the hardware to tick 0 and wait until it is idle; `settled_after` is the number of clocks that took."""
         io = self.sim.io
         io.rst = 1
         self.sim.clock.tick()
@@ -147,7 +147,7 @@ class FilterDevice:
             keep: (n,) bool, what filters in front let stay; the others go in as skipped events. None: all.
 
         Raises:
-            HardwareError: a token was lost, invented, changed or withdrawn, or nothing moves any more.
+            HardwareError: a token was lost, invented, changed or withdrawn, or there was no progress.
             RecordingError: a wait between two events would take too many clocks: see `silence`. Nothing was driven.
         """
         return self._stream(events, keep, None)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The published tracker and its cascade in hardware, clock by clock: stories played to them and to the model alike.
+"""The published tracker and its cascade in hardware, clock by clock: plays stories to both hardware and model.
 
-A story is a list of events, clocks counted from when all is ready; it must give the same in both at every clock.
+A story is a list of events, with clocks counted from the end of initialisation; both must match at every clock.
 """
 
 from __future__ import annotations
@@ -37,25 +37,25 @@ Event = tuple[int, int, int]  # clock, high, low
 TRACKER, CHAIN = "cot_published", "cot_published_chain"
 IO = {TRACKER: (TRACKER_INPUT, TRACKER_OUTPUT), CHAIN: (CASCADE_INPUT, CASCADE_OUTPUT)}
 
-# What is on offer only while its request is low.
-OFFERS = {"m_pass_high": "m_pass_req_n", "m_pass_low": "m_pass_req_n"} | dict.fromkeys(
+# Ports that are valid only while their request is low.
+VALID_WITH = {"m_pass_high": "m_pass_req_n", "m_pass_low": "m_pass_req_n"} | dict.fromkeys(
     ("m_event", "m_high", "m_low", "m_word"), "m_req_n"
 )
 
 
 @cache
 def simulation(top: str) -> PyVerilator:
-    """The module, with a loop inside that plays rows of ports."""
-    given, told = IO[top]
+    """The compiled module with a C++ loop that plays one row of port values per clock."""
+    given, read = IO[top]
     sets = "".join(f"top->{name} = in[{offset}];" for name, (_, offset, *_) in (given.fields or {}).items())
     gets = ""
-    for name, (kind, offset, *_) in (told.fields or {}).items():
-        value = f"top->{OFFERS[name]} ? 0 : top->{name}" if name in OFFERS else f"top->{name}"
+    for name, (kind, offset, *_) in (read.fields or {}).items():
+        value = f"top->{VALID_WITH[name]} ? 0 : top->{name}" if name in VALID_WITH else f"top->{name}"
         gets += f"{{ uint32_t v = {value}; memcpy(out + {offset}, &v, {kind.itemsize}); }}"
     drive = f"""#include <cstring>
 #include "V{top}.h"
 extern "C" void evcot_clocks(V{top}* top, int64_t n, const uint8_t* in, uint8_t* out) {{
-    for (; n; --n, in += {given.itemsize}, out += {told.itemsize}) {{
+    for (; n; --n, in += {given.itemsize}, out += {read.itemsize}) {{
         top->clk = 0; {sets} top->eval(); {gets} top->clk = 1; top->eval();
     }}
 }}
@@ -64,7 +64,7 @@ extern "C" void evcot_clocks(V{top}* top, int64_t n, const uint8_t* in, uint8_t*
 
 
 def rtl(top: str, inputs: Ports) -> Ports:
-    """What the hardware's ports show just before each edge."""
+    """The hardware's output ports just before each clock edge."""
     sim = simulation(top)
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(len(inputs), IO[top][1])
     pointers = (ctypes.c_void_p(array.ctypes.data) for array in (inputs, outputs))
@@ -73,7 +73,7 @@ def rtl(top: str, inputs: Ports) -> Ports:
 
 
 def quiet(top: str, n: int) -> Ports:
-    """n clocks in which nobody requests or acknowledges anything."""
+    """Inputs for n clocks without a request or an acknowledge."""
     rows = np.zeros(n, IO[top][0])
     for name in rows.dtype.names or ():
         if name.endswith("_n"):
@@ -82,14 +82,14 @@ def quiet(top: str, n: int) -> Ports:
 
 
 def equal(found: Ports, expected: Ports, inputs: Ports, seed: object = None) -> None:
-    """Names the first clock at which two traces differ."""
+    """Raise AssertionError with the first clock at which two traces differ."""
     if len(differing := np.flatnonzero(found != expected)):
         at = differing[0]
         raise AssertionError(f"seed {seed}, clock {at}, {inputs[at]}: hardware {found[at]}, model {expected[at]}")
 
 
 def reset_chain(configs: Sequence[PublishedConfig]) -> None:
-    """Resets the hardware and writes its registers, as the model's constructor does."""
+    """Reset the hardware and write its registers, as the model's constructor does."""
     rows = quiet(CHAIN, 1)
     rows["rst"] = 1
     writes = [write for i, config in enumerate(configs) for write in config.writes(i)]
@@ -102,19 +102,19 @@ def reset_chain(configs: Sequence[PublishedConfig]) -> None:
 
 
 def play(events: Iterable[Event], *configs: PublishedConfig, **patterns: list[int]) -> Played:
-    """Plays a story, clocks counted from when all is ready, to a new cascade; the hardware must do the same at every clock."""
+    """Play a story to a new cascade in hardware and model, which must match at every clock; returns the model's trace."""
     model = PublishedCascade(configs)
     reset_chain(configs)
     ready = model.clock
     clock, high, low = np.array(list(events), np.int64).reshape(-1, 3).T
     handshakes = Handshakes(**{name: np.array(pattern) for name, pattern in patterns.items()})
-    told = model.play(ready + clock, high, low, handshakes, trace=True)
-    equal(rtl(CHAIN, told.inputs), told.outputs, told.inputs)
-    return told._replace(
-        acknowledged=told.acknowledged - ready, word_clock=told.word_clock - ready, pass_clock=told.pass_clock - ready
+    played = model.play(ready + clock, high, low, handshakes, trace=True)
+    equal(rtl(CHAIN, played.inputs), played.outputs, played.inputs)
+    return played._replace(
+        acknowledged=played.acknowledged - ready, word_clock=played.word_clock - ready, pass_clock=played.pass_clock - ready
     )
 
 
 def at(clocks: Iterable[int], high: int = 100, low: int = 100) -> list[Event]:
-    """Events at one place."""
+    """Events at one pixel at these clocks."""
     return [(clock, high, low) for clock in clocks]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long a recording may be silent before hardware: ticks alone cost clocks, and none may be left out.
+"""Limit on gaps between events for hardware: ticks without events cost clocks, and none of them may be left out.
 
-A token holds up to 2^TICK_W - 1 ticks, and a longer wait is driven as many tokens as it takes, a clock each. What comes out is
-a function of every tick, and records carry their count, so a wait cannot be shortened without changing the results: one that
-would cost more than `SILENT_CLOCKS_MAX` clocks is refused before it is driven.
+A token holds up to 2^TICK_W - 1 ticks, and a longer wait is driven as several tokens of one clock each. The results depend on
+every tick, and records carry the tick count, so a wait cannot be shortened without changing them: a wait of more than
+`SILENT_CLOCKS_MAX` clocks is refused before anything is driven.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SILENT_CLOCKS_MAX = 1 << 24  # seconds of simulation; 203 days of silence where 
 
 
 def _longest(times: NDArray[np.int64], before: int) -> tuple[int, int, int]:
-    """Which of some times, one or more, follows the one before it most late; that one, and the gap."""
+    """The longest gap before one of at least one time: the index of the time after it, the time before it, its length."""
     steps = np.diff(times)
     at = int(steps.argmax()) + 1 if len(steps) else 0
     if not at or int(times[0]) - before >= int(steps[at - 1]):
@@ -35,9 +35,9 @@ def check_silence(t_us: NDArray[np.int64], config: CotConfig, first_index: int =
 
     Args:
         t_us: (n,) their times.
-        config: says how long a tick is, and how many a token holds.
-        first_index: number of the first of them.
-        before_us: time of the event before them, if there is one.
+        config: gives the length of a tick and the number of ticks per token.
+        first_index: number of the first event.
+        before_us: time of the event before the first, if there is one.
     """
     if not len(t_us):
         return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A compiled `evcot_top` as one Python object: words stream through it while its registers are read and written."""
+"""A compiled `evcot_top` as a Python object: streams words through it while its registers are read and written."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ __all__ = [
     "COMMAND",
     "Command",
     "Pace",
-    "Told",
     "TopDevice",
+    "TopRun",
     "address_of",
     "configuration",
     "filter_address",
@@ -50,22 +50,22 @@ class _Op(IntEnum):
 
 
 class _Status(Ending):
-    """How a run ended."""
+    """Return codes of a run."""
 
     DONE = ""
-    UNFINISHED = "was in the middle of something when its clocks were over"
+    UNFINISHED = "was in the middle of a transfer when its clocks were over"
     STUCK = "stands still: no handshake for a million clocks"
     RECORDS_CHANGED = "withdrew or changed a beat of m_axis_records that waited"
     RECORD_CUT = "gave a record of another length, or a tkeep with holes"
     OWNED_CHANGED = "withdrew or changed a beat of m_axis_owned that waited, or set its tkeep or tlast wrong"
     PASSED_CHANGED = "withdrew or changed a beat of m_axis_passed that waited, or set its tkeep or tlast wrong"
     BUS_CHANGED = "withdrew or changed a response that waited"
-    BUS_INVENTED = "gave a response before it had been asked"
+    BUS_INVENTED = "gave a response without a request"
     TOO_MANY_RECORDS = "gave more records than its events can cause"
     TOO_MANY_EVENTS = "gave more events than went in"
 
 
-# An access to the registers: it begins when the one before is over and `after` words of the input have been taken.
+# An access to the registers: it begins when the previous one is complete and `after` input words have been accepted.
 COMMAND = np.dtype(
     [
         ("after", "<i8"), ("began", "<i8"), ("ended", "<i8"), ("op", "<u4"), ("address", "<u4"), ("data", "<u4"),
@@ -148,7 +148,7 @@ _DRIVE = Drive(
         "passed": "uint64_t*",
         "n_passed": "int64_t",
         "event_capacity": "int64_t",
-        "clocks": "int64_t",  # run for so many; 0: until all is through
+        "clocks": "int64_t",  # length of the run; 0: until everything has been processed
         "quiet_clocks": "int64_t",
         **{f"go_{name}": "int64_t" for name in _GOES},  # of 256
         "random": "uint64_t",
@@ -169,28 +169,28 @@ def _source(data_w: int) -> str:
 
 @dataclass(frozen=True)
 class Pace:
-    """How often each channel goes at a clock, in 256ths: the input, the three outputs, and the channels of the bus."""
+    """Probability in 256ths that each channel goes at a clock: the input, the three outputs, and the channels of the bus."""
 
     goes: Mapping[str, int] = field(default_factory=dict)
     seed: int = 1
 
     @classmethod
     def random(cls, rng: np.random.Generator) -> Pace:
-        """Another chance for each channel, at least 0.15."""
+        """A random probability of at least 0.15 for each channel."""
         return cls({name: int(rng.integers(40, 257)) for name in _GOES}, int(rng.integers(1, 1 << 62)))
 
 
-class Told(NamedTuple):
-    """What a run gave.
+class TopRun(NamedTuple):
+    """Results of a run.
 
     Attributes:
-        records: (m,) RECORD, as they came.
+        records: (m,) RECORD, in the order received.
         owned, passed: words, uint64: see `evcot.hardware.streams`.
         user: (k,) uint8, tuser of each owned event.
         commands: (c,) COMMAND, with result and response.
-        accepted: clock at which each input word was taken.
+        accepted: clock at which each input word was accepted.
         recorded: clock of each record's first beat.
-        irq_clock: clock at which the interrupt was first seen, or -1.
+        irq_clock: clock at which the interrupt was first high, or -1.
     """
 
     records: NDArray[np.void]
@@ -203,19 +203,19 @@ class Told(NamedTuple):
     irq_clock: int
 
     def decisions(self, first: int, n: int, chain: bool = False) -> Decisions:
-        """What became of events `first` to `first + n - 1`, which must be those of this run, in the model's terms.
+        """Decisions on events `first` to `first + n - 1`, which must be those of this run, in the model's format.
 
-        The records of a chain are put into the order in which things happened.
+        The records of a chain are sorted chronologically.
 
         Raises:
-            HardwareError: an event came out twice, or in an order that its stream does not have.
+            HardwareError: an event was sent twice or out of order.
         """
         owner, rel = np.full(n, DROPPED, np.int16), np.zeros((2, n), np.uint16)
         for stream, words in (("owned", self.owned), ("passed", self.passed)):
             found = unpack(stream, words)
             index = whole_numbers(found["seq"], _SEQ_BITS, first) - first
             if len(index) and (index.min() < 0 or index.max() >= n or np.any(owner[index] != DROPPED)):
-                raise HardwareError(f"evcot_top gave {stream} events twice, or such as never went in", first)
+                raise HardwareError(f"evcot_top gave {stream} events twice, or events that never went in", first)
             if len(np.unique(index)) < len(index) or (not chain and np.any(np.diff(index) < 0)):
                 raise HardwareError(f"evcot_top gave {stream} events twice, or out of order", first)
             owner[index] = found["slot"] if stream == "owned" else -1
@@ -227,12 +227,12 @@ class Told(NamedTuple):
 class TopDevice:
     """One simulated `evcot_top`; a transport for `evcot.hardware.register_access.Registers`.
 
-    Every output is checked to hold what it offers until taken, at whatever pace it is taken.
+    Every output is checked to hold its word until accepted, whatever the back-pressure.
 
     Args:
-        config: gives the shapes; what is to be written is written over the bus.
+        config: gives the shapes; its registers are written over the bus by `configure`.
         parameters: values for other Verilog parameters, such as SOURCES or TRACKER.
-        pace: how the other ends of all channels stall.
+        pace: stalls at the other end of every channel.
 
     Raises:
         ToolchainError: it cannot be built.
@@ -262,7 +262,7 @@ class TopDevice:
         self._random = self.pace.seed
 
     def configure(self, config: CotConfig | None = None) -> None:
-        """Write all registers of a configuration of the same shape, commit them, and let events in."""
+        """Write all registers of a configuration of the same shape, commit them, and enable the event input."""
         self.run(
             commands=[*configuration(config or self.config), poll(address_of("status"), 2, 0), write(address_of("control"), 1)]
         )
@@ -276,20 +276,20 @@ class TopDevice:
         clocks: int = 0,
         quiet_clocks: int = 10_000,
         most: int | None = None,
-        listens: bool = True,
-    ) -> Told:
-        """Words in, accesses to the registers on the way, until nothing has moved for `quiet_clocks`, or for `clocks`.
+        take_outputs: bool = True,
+    ) -> TopRun:
+        """Stream words and access registers until there was no handshake for `quiet_clocks`, or for `clocks` clocks.
 
         Args:
-            words: of the input stream.
-            commands: made by `read`, `write` and `poll`; each begins when the one before it is over.
+            words: input words.
+            commands: made by `read`, `write` and `poll`; each begins when the previous one is complete.
             keeps: tkeep of each word; all ones if None.
-            quiet_clocks: more than a filter needs to go through its memory, if one is to be waited for.
-            most: events that may come out (default: as many as words go in).
-            listens: take what comes out; else it waits for the next run.
+            quiet_clocks: must exceed the time a filter needs to clear its memory, if the run shall wait for that.
+            most: maximum number of output events (default: the number of input words).
+            take_outputs: accept outputs; otherwise they wait for the next run.
 
         Raises:
-            HardwareError: the hardware broke the rules of a channel, or stands still.
+            HardwareError: the hardware violated the protocol of a channel, or made no progress.
         """
         words = np.ascontiguousarray(np.empty(0) if words is None else words, np.uint64)
         keeps = None if keeps is None else np.ascontiguousarray(keeps, np.uint8)
@@ -308,19 +308,19 @@ class TopDevice:
             owned=pointer(owned), user=pointer(user), passed=pointer(passed), event_capacity=len(owned),
             clocks=clocks, quiet_clocks=quiet_clocks, random=self._random, clock=self.clock, irq_clock=-1,
             **{f"go_{name}": self.pace.goes.get(name, 256) for name in ("in", "bus")},
-            **{f"go_{name}": listens * self.pace.goes.get(name, 256) for name in ("records", "owned", "passed")},
+            **{f"go_{name}": take_outputs * self.pace.goes.get(name, 256) for name in ("records", "owned", "passed")},
         )  # fmt: skip
         status = _DRIVE.call(self.sim, job)
         self.clock, self._random = job.clock, job.random
         if status != _Status.DONE:
             raise HardwareError(f"evcot_top {status.fault} (clock {job.fault}, word {job.next})", job.next)
-        return Told(
+        return TopRun(
             records[: job.n_records], owned[: job.n_owned], passed[: job.n_passed], user[: job.n_owned],
             table[: len(commands)], accepted[: len(words)], recorded[: job.n_records], job.irq_clock,
         )  # fmt: skip
 
     def _access(self, command: Command) -> int:
-        done = self.run(commands=[command], quiet_clocks=1, listens=False).commands[0]
+        done = self.run(commands=[command], quiet_clocks=1, take_outputs=False).commands[0]
         if done["response"]:
             kind = "write" if command[1] == _Op.WRITE else "read"
             raise BusError(f"{kind} at {command[2]:#06x}: the hardware answers with an error")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`python -m evcot_cosim.fpga`: what the RTL costs on an FPGA."""
+"""`python -m evcot_cosim.fpga`: area and speed of the RTL on FPGAs."""
 
 import sys
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make bitstream BOARD=name`: from the RTL to the file that a board is configured with."""
+"""`make bitstream BOARD=name`: build a board's configuration file from the RTL."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SIZES = ("12k", "25k", "45k", "85k")  # of a ULX3S
 
 
 class Bitstream(NamedTuple):
-    """What came of it: the file, and by clock Fmax and what the board has, both in MHz."""
+    """The result: the file, and for each clock the Fmax and the board's frequency, both in MHz."""
 
     path: Path
     clocks: dict[str, tuple[float, float]]
@@ -34,11 +34,11 @@ def make_bitstream(board: Board, folder: Path, *, size: str = "85k", seed: int =
     """Synthesise, place, route and pack a board's top into `<folder>/<board>.bit` (ECP5) or `.bin` (iCE40).
 
     Args:
-        size: of the ECP5 on a ULX3S.
-        seed: of the placement.
+        size: size of the ECP5 on a ULX3S.
+        seed: seed of the placement.
 
     Raises:
-        ToolchainError: a tool is missing or fails, or the clock is too fast for the result; the message says by how much.
+        ToolchainError: a tool is missing or fails, or the result does not reach the clock frequency; the message gives both.
     """
     ice40 = board.device == "up5k"
     folder.mkdir(parents=True, exist_ok=True)
@@ -71,7 +71,7 @@ def _clock_name(net: str) -> str:
 
 
 def _modules(folder: Path) -> list[str]:
-    """The sources, without those that only a simulator reads."""
+    """The sources, without simulation-only ones."""
     return sorted(path.name for path in folder.glob("*.v") if not path.stem.endswith("_tb"))
 
 

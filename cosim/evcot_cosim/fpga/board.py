@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exact twin of hw/fpga/board_core.v: the settings of a board's self-test, and the signature that its records must give."""
+"""Bit-exact model of hw/fpga/board_core.v: the settings of a board's self-test, and the expected signature of its records."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ _SLOT = replace(SLOT, init_radix=12, radix_min=6, max_ticks=1200, nev_th=500, de
 
 
 def board_dir() -> Path:
-    """The folder of what is for boards: hw/fpga of a checkout."""
+    """The folder of the board files: hw/fpga of a checkout."""
     return verilog_dir().parent / "fpga"
 
 
 def shape(n: int) -> Shape:
-    """The widths of a board's trackers: small, so that the smallest board holds one."""
+    """The shape of a board's trackers: small enough for the smallest board."""
     return Shape(n_slots=n, x_w=7, y_w=7, frac=4, tick_w=8, radix_w=6, nev_w=5, tc_w=13, sup_w=8, id_w=8, seq_w=16, time_w=20)
 
 
 def expected_records(n: int, count: int | None = None, events: int = _EVENTS) -> NDArray[np.void]:
-    """The first records of a board with so many slots after reset, (count,) of dtype `contract.RECORD`; None: all that so many
-    events make. Numbers that the board has fewer bits for begin again at 0."""
+    """The first records of a board with `n` slots after reset, (count,) of dtype `contract.RECORD`; None: all records of
+    `events` events. Numbers wrap at the board's bit widths."""
     noise, small = _SOURCE.events(events), shape(n)
     model = CotModel(CotConfig(small, (_SLOT,) * n))
     records = model.feed(TickedEvents.of(noise)).records[:count]
@@ -67,24 +67,24 @@ def _address(name: str) -> int:
 
 
 def _packed(name: str, **values: int) -> int:
-    """What a word of the map holds with these values of its fields, 0 in the others."""
+    """The value of a register-map word with these values of its fields, 0 in the others."""
     lsb = {field.name: field.lsb for field in register_map().word(name).fields}
     return sum(value << lsb[field] for field, value in values.items())
 
 
 def _constants() -> dict[str, int]:
-    """What board_small.v tells of itself, but for the number of slots."""
+    """The constant information words of board_small.v, without the number of slots."""
     sizes = asdict(shape(1)) | {"n_slots": 0}
     shapes = (register_map().word(f"shape{i}") for i in range(3))
-    told = {word.name: {field.name: sizes[field.name] for field in word.fields} for word in shapes}
-    told["build"] = {"sources": 1 << register_map().sources.index("lfsr")}
-    told["sensor"] = {"last_x": SIZE - 1, "last_y": SIZE - 1}
-    told["memory"] = {"stamp_w": FILTER_SHAPE_RANGES["stamp_w"][0]}  # there is none: the least that software takes
-    return {name: _packed(name, **values) for name, values in told.items()}
+    words = {word.name: {field.name: sizes[field.name] for field in word.fields} for word in shapes}
+    words["build"] = {"sources": 1 << register_map().sources.index("lfsr")}
+    words["sensor"] = {"last_x": SIZE - 1, "last_y": SIZE - 1}
+    words["memory"] = {"stamp_w": FILTER_SHAPE_RANGES["stamp_w"][0]}  # there is none: the smallest legal value
+    return {name: _packed(name, **values) for name, values in words.items()}
 
 
 def _before() -> list[tuple[str, int, int]]:
-    """What is written before the slots: the LFSR's settings, which a soft reset lets in."""
+    """The writes before those of the slots: the LFSR's settings, which take effect with a soft reset."""
     return [
         ("lfsr_seed", _address("lfsr_seed"), _SOURCE.seed),
         ("lfsr_gap", _address("lfsr_gap"), _SOURCE.gap),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A whole board in simulation, its serial line on a pseudo-terminal: what talks to the board talks to this too."""
+"""Simulation of a whole board, with its serial line on a pseudo-terminal, so that host software can talk to it."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from .serial_host import BAUD
 
 __all__ = ["BOARDS", "Board", "SimulatedBoard", "sources"]
 
-_CLOCKS = 20_000  # between two looks at the line
+_CLOCKS = 20_000  # between two polls of the line
 
 
 class Board(NamedTuple):
-    """A board: its clock, names of its pins, how many slots its tracker has, and its device.
+    """A board: its clock, names of its pins, number of tracker slots, and device.
 
     Attributes:
-        leds: of port, and mask and value of it when the self-test has passed.
+        leds: port of the LEDs, and its mask and value when the self-test has passed.
     """
 
     name: str
@@ -65,7 +65,7 @@ BOARDS = {board.name: board for board in _TABLE}
 
 
 def sources(folder: Path) -> Path:
-    """Copy all Verilog that a board may need into a folder, and return it."""
+    """Copy all Verilog sources of the boards to a folder, and return it."""
     copy_rtl(folder)
     for origin in (board_dir(), board_dir() / "boards"):
         for path in origin.glob("*.v*"):
@@ -74,10 +74,10 @@ def sources(folder: Path) -> Path:
 
 
 class SimulatedBoard:
-    """A board whose clock runs while the block does.
+    """A context manager that runs the clock of a simulated board.
 
     Attributes:
-        port: of its serial line, for `SerialHost`.
+        port: device of its serial line, for `SerialHost`.
 
     Raises:
         ToolchainError: it cannot be built.
@@ -121,12 +121,12 @@ class SimulatedBoard:
 
     @property
     def passed(self) -> bool:
-        """Whether the LEDs say that the self-test has passed, and nothing else."""
+        """Whether the LEDs show exactly that the self-test has passed."""
         port, mask, value = self.board.leds
         return int(getattr(self.sim.io, port)) & mask == value
 
     def _run(self) -> None:
-        """The clock: bytes from the line to the board and back, until the block ends."""
+        """Run the clock and transfer bytes in both directions until the context is left."""
         waiting, taken = b"", ctypes.c_int64()
         out = ctypes.create_string_buffer(4096)
         while not self._stop.is_set():
@@ -139,7 +139,7 @@ class SimulatedBoard:
             self._send(out.raw[:given])
 
     def _send(self, data: bytes) -> None:
-        """To the line, which may be full for a while; what nobody reads holds the board's clock up."""
+        """Write to the line; while it is full, the board's clock stops."""
         while data and not self._stop.is_set():
             with contextlib.suppress(BlockingIOError):
                 data = data[os.write(self._ours, data) :]

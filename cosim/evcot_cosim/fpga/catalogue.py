@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The modules that are measured: to add one, add a line.
+"""Catalogue of the measured modules, one line each.
 
-Everything has its default parameters but for those given here. Time enters as one pulse of a prescaler, TICK_W = 1.
+Parameters not given here have their defaults. Time enters as single pulses of a prescaler, TICK_W = 1.
 Filters with a memory are measured for two sensors: 128 x 128, and 346 x 260 where the name says so.
 """
 
@@ -17,11 +17,11 @@ from evcot.errors import ConfigError
 __all__ = ["MODULES", "Answer", "Module", "chosen"]
 
 Answer = Literal["record", "centre", "beat", "token", "event", "aer_event", "aer_request"]
-"""What latency is counted to.
+"""The output to which latency is counted.
 
-record, centre, beat: those of the event that moves the centre of the last of all trackers, counted from the token, from the
-request, from the event's beat to the first beat of the record. token: the one that went in. event: that of a word. aer_event:
-that of a request. aer_request: that for an event.
+record, centre, beat: the output for the event that moves the centre of the last of all trackers, counted from the token, from
+the request, and from the event's beat to the first beat of the record. token: the same token. event: the decoded event of a
+word. aer_event: the event of a request. aer_request: the request for an event.
 """
 
 
@@ -30,12 +30,12 @@ class Module:
     """One line of the table.
 
     Attributes:
-        name: on the command line and in the figures.
-        top: the Verilog module.
-        parameters: those that are not left at their defaults.
+        name: name on the command line and in the figures.
+        top: name of the Verilog module.
+        parameters: parameters that differ from their defaults.
         sizes: values of N to measure; empty for a module without N.
-        usual: those of `sizes` that are measured when nothing else is asked for.
-        answer: what its latency is counted to; None: there is nothing that it answers.
+        usual: those of `sizes` that are measured by default.
+        answer: the output to which its latency is counted; None if it has no such output.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Module:
     answer: Answer | None = None
 
     def at(self, n: int | None) -> dict[str, int]:
-        """All parameters, at one size."""
+        """All parameters for one size."""
         return {**self.parameters, **({} if n is None else {"N": n})}
 
 
@@ -91,7 +91,7 @@ MODULES: Mapping[str, Module] = MappingProxyType({module.name: module for module
 
 
 def chosen(names: list[str]) -> list[Module]:
-    """The modules of these names, all for an empty list.
+    """The modules with these names; all for an empty list.
 
     Raises:
         ConfigError: there is no such module.

@@ -37,7 +37,7 @@ def _parser() -> argparse.ArgumentParser:
         "--seeds", type=int, help=f"of place and route (default: {_USUAL_SEEDS}; with --all {_ALL_SEEDS}; 0: synthesis alone)"
     )
     parser.add_argument("--all", action="store_true", help="every size on every device: hours")
-    parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="cases at once (default: 2)")
+    parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="parallel cases (default: 2)")
     parser.add_argument(
         "--patience", type=float, default=PATIENCE_MIN, metavar="MINUTES", help="that a seed may take (default: %(default)g)"
     )
@@ -113,10 +113,10 @@ def _document(figures: Figures) -> None:
     known = {(figure.module, figure.n) for figure in figures.values() if figure.median_mhz}
     cases = sorted(known, key=lambda case: (modules.index(case[0]), case[1] or 0))
     measured = {latency_name(name, n): clocks(MODULES[name], n) for name, n in cases}
-    told = {name: count for name, count in measured.items() if count is not None}
+    latencies = {name: count for name, count in measured.items() if count is not None}
     docs = verilog_dir().parents[1] / "docs"
-    draw(figures, told, docs / "images" / "fpga_scaling.png")
-    write_tables(docs / "fpga.md", figures, told)
+    draw(figures, latencies, docs / "images" / "fpga_scaling.png")
+    write_tables(docs / "fpga.md", figures, latencies)
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The FuseSoC core: hw/evcot.core, whose list of files is the manifest. As a program it writes it."""
+"""Generator of the FuseSoC core hw/evcot.core, with the files of the manifest. Run as a program, it writes the file."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of docs/fpga.md: what a tracker more costs, how fast the whole still is, how long an event takes."""
+"""The picture of docs/fpga.md: LUTs, Fmax and latency over the number of slots."""
 
 from __future__ import annotations
 

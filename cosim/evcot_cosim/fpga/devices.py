@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The FPGAs that are measured: how they are synthesised, placed and routed, and what their cells count as."""
+"""The measured FPGAs: their synthesis, placement and routing commands, and the resources of their cells."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ __all__ = ["DEVICES", "Device", "Resources"]
 
 @dataclass(frozen=True)
 class Resources:
-    """What a design takes of a device.
+    """Resources of a device that a design uses.
 
     Attributes:
-        luts: look-up tables, those that carry chains and distributed RAM occupy included.
+        luts: look-up tables, including those of carry chains and distributed RAM.
         ffs: flip-flops.
         block_rams: in the device's own unit, see `Device.block_ram`.
-        lut_rams: those of the LUTs that are RAM.
+        lut_rams: LUTs used as RAM.
         multipliers: hard multipliers, whatever their width.
     """
 
@@ -40,12 +40,12 @@ class Device:
     """One FPGA.
 
     Attributes:
-        synthesis: Yosys' command, without -top.
-        cells: by the name's beginning, what a cell counts as; the longest beginning that fits holds.
-        capacity: what the device has; None where it is only synthesised for.
-        block_ram: what one block RAM holds.
-        placement: the nextpnr command and its options; empty where there is none.
-        own: folder of hw/fpga with modules made of its cells, each in place of the plain one; empty where there is none.
+        synthesis: Yosys command, without -top.
+        cells: name prefix -> resources of a cell; the longest matching prefix applies.
+        capacity: resources of the device; None if it is a synthesis target only.
+        block_ram: capacity of one block RAM.
+        placement: the nextpnr command and its options; empty if there is none.
+        own: folder of hw/fpga with device-specific modules that replace the generic ones; empty if there is none.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Device:
     own: str = ""
 
     def count(self, cells: Mapping[str, int]) -> Resources:
-        """The resources behind a number of cells of each type; types that the table does not know cost nothing."""
+        """The resources of a number of cells of each type; types that are not in the table count as nothing."""
         total = Resources()
         for cell, count in cells.items():
             beginnings = [beginning for beginning in self.cells if cell.startswith(beginning)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The figures as a table, its file in the repository, and what has become worse since."""
+"""The table of figures, its file in the repository, and the detection of regressions."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from evcot.outputs import written_aside
 __all__ = ["LIMIT", "Figure", "Figures", "Growth", "growths", "load", "save", "seed_noise", "smallest_loss"]
 
 LIMIT = 0.05
-"""What may get worse without a word, as a fraction."""
+"""Tolerated growth, as a fraction."""
 
 _FEW = {"luts": 8, "ffs": 8, "lut_rams": 8, "block_rams": 0, "multipliers": 0}
-"""Growth that is no growth in a small module, in pieces: a rename may cost a few."""
+"""Tolerated growth of a small module, in units: renaming a signal may cost a few."""
 
 _MEDIAN = 1.2533  # standard error of a median over that of a mean, normal distribution
 _SURE = 2.0  # standard errors
@@ -30,11 +30,11 @@ class Figure:
     """One row: a module at one size on one device.
 
     Attributes:
-        key: hash of all that went into the synthesis.
-        luts, ffs, block_rams, lut_rams, multipliers: of the module alone, see `devices.Resources`.
-        seeds: how many were tried, from 1 up.
-        fmax_mhz: for each that was placed and routed; register to register.
-        misfit: what the device is short of, or why a seed failed; empty when all went well.
+        key: hash of all inputs of the synthesis.
+        luts, ffs, block_rams, lut_rams, multipliers: resources of the module alone, see `devices.Resources`.
+        seeds: number of seeds tried, from 1 up.
+        fmax_mhz: register-to-register Fmax for each seed that was placed and routed.
+        misfit: the resource of which the device has too few, or the reason why a seed failed; empty on success.
     """
 
     module: str
@@ -68,7 +68,7 @@ Figures = dict[str, Figure]
 
 
 def load(path: Path) -> Figures:
-    """The figures in a file; none where there is no file.
+    """Read the figures in a file; none if there is no file.
 
     Raises:
         ConfigError: the file holds something else.
@@ -83,7 +83,7 @@ def load(path: Path) -> Figures:
 
 
 def save(path: Path, figures: Figures, versions: Mapping[str, str]) -> None:
-    """Write figures, one row a line, with the versions of the tools."""
+    """Write figures, one row per line, with the versions of the tools."""
     rows = [json.dumps(asdict(figure), ensure_ascii=False) for figure in figures.values()]
     text = f'{{\n"tools": {json.dumps(dict(versions), indent=1)},\n"figures": [\n' + ",\n".join(rows) + "\n]\n}\n"
     with written_aside(path, force=True) as file:
@@ -101,7 +101,7 @@ def seed_noise(figures: Iterable[Figure]) -> float:
 
 @dataclass(frozen=True)
 class Growth:
-    """One figure that has become worse."""
+    """One regression."""
 
     name: str
     what: str
@@ -111,12 +111,12 @@ class Growth:
 
 
 def smallest_loss(noise: float, seeds: int, seeds_now: int | None = None) -> float:
-    """How much lower a median over so many seeds must be to be no chance, as a fraction, and no less than `LIMIT`."""
+    """The smallest significant decrease of a median over this number of seeds, as a fraction; at least `LIMIT`."""
     return max(LIMIT, _SURE * _MEDIAN * noise * sqrt(1 / seeds + 1 / (seeds_now or seeds)))
 
 
 def growths(before: Figure, now: Figure, noise: float) -> list[Growth]:
-    """What has become more than `LIMIT` worse.
+    """Figures that are worse by more than `LIMIT`.
 
     A median Fmax must have fallen by more than the limit and by more than two standard errors of the difference of two
     medians, which chance exceeds in 1 of 40: any change of the netlist is like another set of seeds.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""RTL and its synthesised netlist side by side: one module that behaves as the RTL and notes any difference.
+"""RTL and its synthesised netlist side by side: a module that behaves as the RTL and records any difference.
 
-The netlist is made of the device's cells; each is then replaced by the model that the synthesis tool ships, so that what
-comes out is plain Verilog for any simulator.
+The netlist consists of the device's cells; each is then replaced by the model that is part of the synthesis tool, which gives
+plain Verilog for any simulator.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Netlist = dict[str, Any]
 """A module of cells as it stands in Yosys' JSON."""
 
 DIFFERENT = "different"
-"""Output of the pair: one bit per output port, in order, set for good at the first clock at which both differ."""
+"""Output of the pair: one sticky bit per output port, in order, set at the first clock at which both differ."""
 
 _MODELS = {"ecp5": "+/ecp5/cells_sim.v", "ice40": "+/ice40/cells_sim.v"}
 _SYNTHESIS = {"ecp5": "synth_ecp5 -nodsp", "ice40": "synth_ice40"}  # of the ECP5 multiplier no model is shipped
@@ -54,10 +54,10 @@ def side_by_side(
     """Fill a folder with RTL in which `top` is a pair: the RTL, which drives the outputs, and beside it its netlist.
 
     Args:
-        folder: is made; can stand for the RTL's own wherever one is asked for.
+        folder: the folder to create; it can be used as the `verilog` folder of a build.
         top, parameters: the module.
         family: `ecp5` or `ice40`, whose cells the netlist is made of.
-        broken: changes the netlist in place, to see that this is noticed.
+        broken: modifies the netlist in place, to test that a difference is detected.
 
     Returns:
         The names of the outputs, in the order of the bits of `DIFFERENT`.

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stands around a module while it is measured: two pins, and registers at every port.
+"""Measurement harness around a module: two pins, and registers at every port.
 
-All inputs are one shift register behind pin d. All outputs are registered and folded into pin q by a tree of exclusive
-ors with a register at each level. So each path of the module begins and ends at a register, and no pin limits it. The
-module keeps its boundary in synthesis: its cells are counted without the harness, and nothing is optimised across.
+All inputs come from one shift register at pin d. All outputs are registered and reduced to pin q by a tree of exclusive ors
+with a register at each level. So each path of the module begins and ends at a register, and no pin limits Fmax. The module's
+hierarchy is kept in synthesis: its cells are counted without the harness, and there is no optimisation across its boundary.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def render(top: str, parameters: Mapping[str, int], ports: Sequence[Port]) -> st
 
 
 def _placed(ports: Sequence[Port]) -> list[tuple[Port, int, int]]:
-    """Each port with its highest and lowest bit among all of them in a row."""
+    """Each port with its highest and lowest bit in the concatenation of all."""
     placed, low = [], 0
     for port in ports:
         placed.append((port, low + port.width - 1, low))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The headers of the self-tests in hardware. As a program it writes them to hw/fpga."""
+"""The headers of the hardware self-tests. Run as a program, it writes them to hw/fpga."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from . import board, selftest
 __all__ = ["HEADERS"]
 
 HEADERS = {"evcot_selftest.vh": selftest.header, "board_selftest.vh": board.header}
-"""File in hw/fpga -> what gives its text."""
+"""File in hw/fpga -> function that returns its text."""
 
 
 def _main() -> int:

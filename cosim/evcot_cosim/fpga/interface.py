@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ports and parameters of a module as Yosys reads them."""
+"""Ports and parameters of a module, as elaborated by Yosys."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Port", "elaborate", "instance", "ports"]
 
 @dataclass(frozen=True)
 class Port:
-    """One port: `width` bits; `vector` says that it is declared with a range, even of one bit."""
+    """One port of `width` bits; `vector`: whether it is declared with a range, even of one bit."""
 
     name: str
     direction: Literal["input", "output"]
@@ -26,7 +26,7 @@ class Port:
 
 
 def instance(top: str, parameters: Mapping[str, int]) -> list[str]:
-    """Yosys commands that make `top` with these parameters the top of a design that was read with -defer."""
+    """Yosys commands that elaborate `top` with these parameters from a design that was read with -defer."""
     chosen = [f"chparam -set {name} {value} $abstract\\{top}" for name, value in parameters.items()]
     return [*chosen, f"hierarchy -check -top {top}"]
 
@@ -48,7 +48,7 @@ def elaborate(top: str, parameters: Mapping[str, int], verilog: Path | None = No
 
 
 def ports(top: str, parameters: Mapping[str, int], verilog: Path | None = None) -> list[Port]:
-    """The ports of a module with these parameters, in their order."""
+    """The ports of a module with these parameters, in order of declaration."""
     found = elaborate(top, parameters, verilog)["ports"]
     assert isinstance(found, dict)
     return [Port(name, port["direction"], len(port["bits"])) for name, port in found.items()]

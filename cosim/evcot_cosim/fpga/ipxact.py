@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A module described for Vivado's IP catalogue: IP-XACT 1685-2009 with Xilinx' bus types, beside the single-file release.
+"""IP-XACT 1685-2009 description of a module for Vivado's IP catalogue, with Xilinx bus types, for the single-file release.
 
-A folder of it holds component.xml, and the dialogue in which a user sets the parameters: Vivado takes them from nowhere else.
+Its folder holds component.xml, and the parameter dialogue, which Vivado requires.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _SIGNALS = {
     ),
 }
 _MARK = {"axis": "tvalid", "aximm": "awvalid"}
-_ALWAYS = ("clk", "rst")  # inputs that nobody leaves open
+_ALWAYS = ("clk", "rst")  # inputs that are always connected
 
 LIMITS: Mapping[str, tuple[int, int]] = {
     **{PARAMETERS[name]: (low, high) for name, (low, high, _) in SHAPE_RANGES.items()},
@@ -48,12 +48,12 @@ CHOICES: Mapping[str, Mapping[int, str]] = {
     "SOURCE": dict(enumerate(register_map().sources)),
     "DATA_W": {bits: f"{bits} bits" for bits in (32, 64, 128, 256)},
 }
-"""The only values of a parameter, and what they are called."""
+"""The legal values of an enumerated parameter, and their labels."""
 
 
 @dataclass(frozen=True)
 class Bus:
-    """Ports that are one bus: signal to port."""
+    """One bus: signal -> port."""
 
     name: str
     kind: Literal["axis", "aximm"]
@@ -62,7 +62,7 @@ class Bus:
 
 
 def buses(header: Header) -> list[Bus]:
-    """The AXI4-Stream and AXI4-Lite buses among a module's ports, told by the ends of their names."""
+    """The AXI4-Stream and AXI4-Lite buses among a module's ports, recognised by the suffixes of their names."""
     directions = {port.name: port.direction for port in header.ports}
     found = []
     kinds: tuple[Literal["axis", "aximm"], ...] = ("axis", "aximm")
@@ -76,7 +76,7 @@ def buses(header: Header) -> list[Bus]:
 
 
 def component(top: str, file: str, verilog: Path | None = None) -> str:
-    """The text of component.xml for a module that stands in `file`, a path relative to it.
+    """The text of component.xml for a module in `file`, a path relative to it.
 
     Raises:
         ConfigError: there is no such module.
@@ -102,12 +102,12 @@ def component(top: str, file: str, verilog: Path | None = None) -> str:
 
 
 def dialogue_file(top: str) -> str:
-    """Where the dialogue stands, relative to component.xml."""
+    """Path of the dialogue, relative to component.xml."""
     return f"xgui/{top}_v{_version().replace('.', '_')}.tcl"
 
 
 def dialogue(top: str, verilog: Path | None = None) -> str:
-    """The Tcl of the dialogue: every parameter that a user sets, handed to the module.
+    """The Tcl of the dialogue, which passes every user parameter to the module.
 
     Raises:
         ConfigError: there is no such module.
@@ -125,14 +125,14 @@ def _rendered(template: str, **values: Any) -> str:
 
 
 def _tied(port: DeclaredPort, lefts: Mapping[str, int]) -> int:
-    """What an input is that a block design leaves open: outputs are taken, whole beats come, no chip requests."""
+    """Default of an input left open in a block design: outputs are accepted, beats are full, no chip requests."""
     if port.name.endswith("_tkeep"):
         return (2 << lefts[port.name]) - 1
     return int(port.name.endswith("ready") or port.name == "aer_req")
 
 
 def _dependency(expression: str, kind: Literal["MODELPARAM_VALUE", "PARAM_VALUE"]) -> str:
-    """A Verilog expression as the XPath that Vivado evaluates; the derived width of a slot number is its only function."""
+    """Translate a Verilog expression to the XPath that Vivado evaluates; of functions, only a slot number's width is known."""
     steps = " + ".join(rf"(\1 > {1 << bit})" for bit in range(1, (LIMITS["N"][1] - 1).bit_length()))
     text = re.sub(r"\(?(\w+) > 1\)? \? \$clog2\(\1\) : 1", f"1 + {steps}", expression).replace("/", " div ")
     return re.sub(r"\b[A-Z]\w*\b", lambda found: f"spirit:decode(id('{kind}.{found[0]}'))", text)

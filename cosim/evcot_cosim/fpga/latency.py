@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How many clocks pass from an event to the answer, measured on the RTL with nothing else under way."""
+"""Latency of an idle module in clocks, from an event to the corresponding output, measured on the RTL."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ _EVT_BEATS = {
 
 
 def clocks(module: Module, n: int | None) -> int | None:
-    """From the clock edge that takes an event to the one that hands over the answer; None where no answer is defined.
+    """Clocks from the edge that accepts an event to the edge that transfers the output; None if no output is defined.
 
-    What takes an event, and what the answer is, stands beside `catalogue.Answer`.
+    `catalogue.Answer` defines both.
     """
     return None if module.answer is None else _MEASURES[module.answer](module, n)
 
@@ -66,7 +66,7 @@ def _to_record(module: Module, n: int | None) -> int:
 
 
 def _last_of(n_slots: int, **shape: int) -> CotConfig:
-    """All slots off but the last one."""
+    """Register settings with only the last slot enabled."""
     off = replace(_SLOT, mode=Mode.OFF)
     return CotConfig(Shape(n_slots=n_slots, **shape), (*(off,) * (n_slots - 1), _SLOT))
 
@@ -76,16 +76,16 @@ def _to_beat(module: Module, n: int | None) -> int:
     device.configure()
     found = []
     for t_us in range(_EVENTS):
-        told = device.run(pack_events(*(np.array([value]) for value in (t_us, _PLACE, _PLACE, 0))), quiet_clocks=_APART)
-        found += (told.recorded - told.accepted).tolist()
+        run = device.run(pack_events(*(np.array([value]) for value in (t_us, _PLACE, _PLACE, 0))), quiet_clocks=_APART)
+        found += (run.recorded - run.accepted).tolist()
     return int(np.median(found))
 
 
 def _to_centre(module: Module, n: int | None) -> int:
     elsewhere = replace(_PUBLISHED, init_cm_low=2 * _PLACE)
     requested = _APART
-    told = play(at([requested], _PLACE, _PLACE), elsewhere, elsewhere, elsewhere, _PUBLISHED)
-    return int(told.word_clock[0]) - requested
+    played = play(at([requested], _PLACE, _PLACE), elsewhere, elsewhere, elsewhere, _PUBLISHED)
+    return int(played.word_clock[0]) - requested
 
 
 def _to_token(module: Module, n: int | None) -> int:
@@ -114,7 +114,7 @@ def _to_aer_request(module: Module, n: int | None) -> int:
 
 
 def _fresh(module: Module, **ports: int) -> PyVerilator:
-    """The module after reset, all inputs 0 but these, when it is idle."""
+    """The module after reset, idle, with all other inputs 0."""
     sim = load(module.top, module.parameters)
     for port, value in ports.items():
         sim.io[port] = value
@@ -124,7 +124,7 @@ def _fresh(module: Module, **ports: int) -> PyVerilator:
 
 
 def _offer(sim: PyVerilator, prefix: str, words: Sequence[Mapping[str, int]]) -> None:
-    """Offer words, values of ports, one after the other; ends with the clock edge that takes the last."""
+    """Offer words, values of ports, one after the other, until the clock edge that accepts the last."""
     for word in words:
         for port, value in {f"{prefix}valid": 1, **word}.items():
             sim.io[port] = value
@@ -134,7 +134,7 @@ def _offer(sim: PyVerilator, prefix: str, words: Sequence[Mapping[str, int]]) ->
 
 
 def _wait(sim: PyVerilator, port: str, value: int) -> int:
-    """Clock until a port has this value; how many clocks that took."""
+    """Clock until a port has this value; returns the number of clocks."""
     for passed in range(_PATIENCE):
         if sim.io[port] == value:
             return passed

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One case of the figures: a module at one size on one device, synthesised once, placed and routed once per seed.
+"""Measurement of one case: a module at one size on one device, synthesised once, placed and routed once per seed.
 
-Every step is kept under a hash of all that goes into it: sources without comments, parameters, harness, commands, versions.
-Both tools are deterministic, so a figure can be had again anywhere.
+Every step is cached under a hash of its inputs: sources without comments, parameters, harness, commands, versions. Both tools
+are deterministic, so figures are reproducible.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _UNITS = {"luts": "LUTs", "ffs": "flip-flops", "block_rams": "block RAMs", "mult
 
 @dataclass(frozen=True)
 class Case:
-    """What is measured."""
+    """One case to measure."""
 
     module: Module
     n: int | None
@@ -46,7 +46,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Synthesis:
-    """A synthesised case: what the module takes, what the harness around it takes, and the netlist of both."""
+    """A synthesised case: resources of the module and of the harness around it, and the netlist of both."""
 
     case: Case
     key: str
@@ -55,7 +55,7 @@ class Synthesis:
     folder: Path
 
     def misfit(self) -> str:
-        """What does not fit the device; empty when all does."""
+        """The resources that exceed the device; empty if the design fits."""
         capacity, taken = self.case.device.capacity, asdict(self.module + self.harness)
         if capacity is None:
             return ""
@@ -107,7 +107,7 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
 
 
 def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = True) -> Resources:
-    """What a module takes, with all that is kept apart from it as often as it stands in it, or alone."""
+    """Resources of a module, including its kept submodules for each instance, or without them."""
     counted = cells[name]["num_cells_by_type"]
     total = device.count(counted)
     for part, times in counted.items():
@@ -117,16 +117,16 @@ def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = Tr
 
 
 PATIENCE_MIN = 30.0
-"""Minutes that a seed may take: a full device may be routed for ever."""
+"""Time limit per seed in minutes: routing a full device may never end."""
 
 
 def place(done: Synthesis, seed: int, patience_min: float = PATIENCE_MIN) -> tuple[float | None, str]:
     """Place and route with one seed: Fmax in MHz, or None and what went wrong.
 
-    A seed that was given up earlier than after `patience_min` minutes is tried again.
+    A seed that was aborted after less than `patience_min` minutes is tried again.
 
     Raises:
-        ToolchainError: nextpnr is missing, or somebody stopped it.
+        ToolchainError: nextpnr is missing, or was stopped by a signal.
     """
     command = [*done.case.device.placement, "--json", "netlist.json", "--seed", str(seed)]
     name = _hash([command, tools.version(command[0])])
@@ -141,7 +141,7 @@ def place(done: Synthesis, seed: int, patience_min: float = PATIENCE_MIN) -> tup
             if ran.returncode < 0:  # it says nothing of the design
                 raise ToolchainError(f"{done.case.name}, seed {seed}: {command[0]} was stopped by signal {-ran.returncode}")
             if ran.returncode:
-                report.write_text(json.dumps({"error": f"does not fit: {_telling(ran.stderr)}"}))
+                report.write_text(json.dumps({"error": f"does not fit: {_failure(ran.stderr)}"}))
         os.replace(report, kept)
     answer = json.loads(kept.read_text())
     if "error" in answer:
@@ -150,11 +150,11 @@ def place(done: Synthesis, seed: int, patience_min: float = PATIENCE_MIN) -> tup
 
 
 _CELLS = {"ICESTORM_LC": "logic cells", "ICESTORM_RAM": "block RAMs"}
-"""What nextpnr calls a device's places."""
+"""nextpnr's cell type -> name of the resource."""
 
 
-def _telling(log: str) -> str:
-    """The line in which nextpnr gives up, or what it means where that is known."""
+def _failure(log: str) -> str:
+    """nextpnr's error message, or the missing resource if it can be derived."""
     if needed := re.search(r"Failed to expand region .* of (\d+) ICESTORM_LCs", log):
         return f"{int(needed[1]):,} logic cells"
     if lacking := re.search(r"no BELs remaining to implement cell type '(\w+)'", log):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the self-tests in hardware share: noise that keeps trackers busy, the order of their registers, the signature."""
+"""Common parts of the hardware self-tests: a noise source that keeps trackers busy, the register writes, the signature."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["SIZE", "SLOT", "rendered", "signature", "source", "writes"]
 
 SIZE = 128  # pixels of the noise, across and down
 
-# At a tick an event, windows are born, move, meet and die all the time.
+# With an event per tick, tracks start, move, merge and end all the time.
 SLOT = SlotConfig(
     mode=Mode.SEEDED, init_cm_x=0, init_cm_y=0, init_radix=8, radix_th=4, radix_step=1, radix_min=4, radix_max=20, hist_avg=1,
     max_ticks=60, clust_nev=3, nev_min=2, nev_max=16, nev_th=20, detect_ticks=100,
@@ -26,7 +26,7 @@ SLOT = SlotConfig(
 
 
 def source(first: int, address_w: int) -> LfsrEventSource:
-    """Noise over `SIZE` x `SIZE` pixels from (first, first) on, addresses of so many bits."""
+    """Noise source over `SIZE` x `SIZE` pixels from (first, first) on, with addresses of `address_w` bits."""
     last = SIZE - 1
     return LfsrEventSource(
         x_min=first, x_span=last, y_min=first, y_span=last, gap=24, seed=2026, x_w=address_w, y_w=address_w, gap_w=6
@@ -34,12 +34,12 @@ def source(first: int, address_w: int) -> LfsrEventSource:
 
 
 def writes(slot: SlotConfig) -> list[tuple[str, int, int]]:
-    """A slot's registers in the order in which they are written, the mode last: name, number, value."""
+    """A slot's register writes in order, the mode last: name, number, value."""
     return [(name, REGISTERS[name].address, int(getattr(slot, name))) for name in sorted(REGISTERS, key="mode".__eq__)]
 
 
 def signature(words: NDArray[np.uint64]) -> int:
-    """Words folded into 32 bits: rotated by one bit and exclusive-ored, word after word."""
+    """Signature of words in 32 bits: rotate by one bit and exclusive-or, word by word."""
     return int(_fold(words))
 
 

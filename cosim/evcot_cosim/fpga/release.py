@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a user takes away: the whole RTL as one file, IP-XACT for each top, timing constraints, bodies of cells."""
+"""Generator of the release: the whole RTL as one file, IP-XACT for each top, timing constraints, device-specific modules."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def release_text(verilog: Path | None = None) -> str:
 
 
 def _papers(root: Path) -> tuple[Path, ...]:
-    """What a user of the registers needs besides the RTL."""
+    """Files for users of the registers, besides the RTL."""
     return root / "LICENSE", root / "docs" / "registers.md", root / "hw" / "include" / "evcot_regs.h"
 
 
 def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
-    """Write the release into a folder, which is made: evcot.v, the constraints, ecp5/ and ip/TOP/ with a copy of evcot.v.
+    """Write the release to a new folder: evcot.v, the constraints, ecp5/ and ip/TOP/ with a copy of evcot.v.
 
     Raises:
         OutputError: a file cannot be written.

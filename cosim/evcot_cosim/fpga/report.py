@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of docs/fpga.md, made from the figures: what stands there between two marks is written by a program."""
+"""The generated tables of docs/fpga.md, between pairs of marks."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ PUBLISHED_NS = (
     ("published tracker, alone", "7 at 50 MHz", "140"),
     ("published tracker, behind three others", "16 at 50 MHz", "320"),
 )
-"""What the literature states: name, clocks, nanoseconds."""
+"""Latencies stated in the literature: name, clocks, nanoseconds."""
 
 
 def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int]) -> None:
-    """Write all tables into their places.
+    """Write all tables between their marks.
 
     Args:
         path: docs/fpga.md.
-        figures: all that is recorded.
+        figures: all recorded figures.
         clocks: latency by `latency_name`.
 
     Raises:
@@ -95,11 +95,11 @@ def _scaling(figures: Iterable[Figure]) -> str:
     for module in dict.fromkeys(figure.module for figure in scaled):
         if len({row.n for row in scaled if row.module == module}) == 1:
             continue
-        told = set()
+        done = set()
         for name, device in DEVICES.items():
             here = {row.n: row for row in scaled if row.module == module and row.device == name}
-            if here and device.synthesis not in told:
-                told.add(device.synthesis)
+            if here and device.synthesis not in done:
+                done.add(device.synthesis)
                 family = "ecp5" if device.synthesis == "synth_ecp5" else name
                 rows.append([f"{module}, LUTs, {family}", *(f"{here[n].luts:,}" if n in here else "" for n in sizes)])
             if device.placement and any(row.median_mhz for row in here.values()):

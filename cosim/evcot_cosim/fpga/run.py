@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Many cases at once, with a line that says how far they are; silent in pipes."""
+"""Parallel measurement of many cases with a progress bar, which is shown on terminals only."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ def _bars() -> Progress:
 
 
 def _unpack(names: Iterable[str]) -> None:
-    """Run each tool once, alone: at its first run one from PyPI is compiled into a file, and a second one doing the same at
-    that time would cut the file short under the first.
+    """Run each tool once before parallel use: a tool from PyPI is compiled into a file at its first run, and a second process
+    doing the same would truncate that file.
     """
     for name in names:
         tools.version(name)
 
 
 def synthesised(cases: Sequence[Case], cache: Path, jobs: int) -> tuple[list[Synthesis], list[str]]:
-    """Synthesise all cases; those that worked, in their order, and a line for each that did not.
+    """Synthesise all cases; returns the successful ones, in order, and an error message for each of the others.
 
-    Devices that share a netlist go one behind the other: the first one makes it, the others find it.
+    Devices that share a netlist are processed one after the other: the first synthesises it, the others find it in the cache.
     """
     alike: dict[tuple[str, int | None, str], list[int]] = {}
     for number, case in enumerate(cases):
@@ -68,7 +68,7 @@ def synthesised(cases: Sequence[Case], cache: Path, jobs: int) -> tuple[list[Syn
 
 
 def figures_of(syntheses: Sequence[tuple[Synthesis, int]], jobs: int, patience_min: float = PATIENCE_MIN) -> list[Figure]:
-    """Place and route each, on as many seeds from 1 up, where it fits and the device has a tool for that."""
+    """Place and route each case with seeds from 1 up, if it fits and there is a tool for the device."""
     placed = [(one, seeds) for one, seeds in syntheses if one.case.device.placement and not one.misfit()]
     _unpack({one.case.device.placement[0] for one, seeds in placed if seeds})
     with _bars() as bars, ThreadPoolExecutor(jobs) as pool:

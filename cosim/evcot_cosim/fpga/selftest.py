@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exact twin of hw/fpga/evcot_selftest.v: which signatures its streams must give."""
+"""Bit-exact model of hw/fpga/evcot_selftest.v: the expected signatures of its streams."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def header() -> str:
 
 
 def _at(values: NDArray[np.generic], bit: int = 0) -> NDArray[np.uint64]:
-    """Values as 32-bit words with their lowest bit at `bit`; none of these words needs more."""
+    """Values as 32-bit words with their lowest bit at `bit`, which suffices for all of these words."""
     return values.astype(np.uint64) << np.uint64(bit) & np.uint64(0xFFFFFFFF)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The host's end of a board's serial line: registers are read and written, records come in. uart_host.v has the rules."""
+"""Host side of a board's serial line: register accesses, and reception of records. uart_host.v defines the protocol."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from evcot.hardware.registers import BusError
 __all__ = ["BAUD", "LinkError", "SerialHost"]
 
 BAUD = 1_000_000
-_SILENCE_S = 0.02  # more than ends a request that is not whole
+_SILENCE_S = 0.02  # longer than the timeout of an incomplete request
 _LONGEST_SEARCH = 400  # bytes, more than four frames have
 _PAYLOAD = {b"r": 5, b"w": 5, b"c": RECORD.itemsize}  # bytes between the kind of a frame and its sum
 
 
 class LinkError(EvcotError, OSError):
-    """The line to a board cannot be opened, says nothing, or says what no board says."""
+    """The line to a board cannot be opened, is silent, or carries invalid data."""
 
 
 class SerialHost:
@@ -34,7 +34,7 @@ class SerialHost:
 
     Args:
         port: device of the line, such as /dev/ttyUSB1, or any URL of pyserial.
-        timeout_s: how long an answer may take.
+        timeout_s: time limit of a response.
 
     Raises:
         LinkError: pyserial is not installed, or the port cannot be opened.
@@ -63,7 +63,7 @@ class SerialHost:
         self.close()
 
     def close(self) -> None:
-        """Let go of the port."""
+        """Close the port."""
         self._line.close()
 
     def read(self, address: int) -> int:
@@ -71,26 +71,26 @@ class SerialHost:
 
         Raises:
             BusError: there is none.
-            LinkError: no answer, or a broken one.
+            LinkError: no response, or an invalid one.
         """
         return self._ask(b"R", address, 0)
 
     def write(self, address: int, value: int) -> None:
-        """Write the register at a byte address; errors as of `read`, and where the hardware refuses the value."""
+        """Write the register at a byte address; errors as `read`, and BusError if the hardware refuses the value."""
         self._ask(b"W", address, value)
 
     def records(self, count: int) -> NDArray[np.void]:
-        """The next records, (count,) of dtype `contract.RECORD`, those that came between answers first.
+        """The next records, (count,) of dtype `contract.RECORD`, beginning with those received between responses.
 
         Raises:
-            LinkError: the line stays silent, or a frame is broken.
+            LinkError: the line is silent, or a frame is invalid.
         """
         while len(self._records) < count:
             self._records.append(self._frame(b"c"))
         return np.frombuffer(b"".join(self._records.popleft() for _ in range(count)), RECORD)
 
     def __iter__(self) -> Iterator[NDArray[np.void]]:
-        """Records without end, one by one, each of shape (1,)."""
+        """Endless iterator over single records, each of shape (1,)."""
         while True:
             yield self.records(1)
 
@@ -104,7 +104,7 @@ class SerialHost:
         return int(data)
 
     def _frame(self, wanted: bytes) -> bytes:
-        """The payload of the next frame of a kind; records before an answer are kept."""
+        """The payload of the next frame of a kind; records before a response are stored."""
         deadline = time.monotonic() + self._timeout_s
         while True:
             kind, payload = self._next()
@@ -113,11 +113,11 @@ class SerialHost:
             if kind == b"c":
                 self._records.append(payload)
             elif time.monotonic() > deadline:
-                raise LinkError(f"{self._port}: answers to questions that nobody asked")
+                raise LinkError(f"{self._port}: responses without a request")
 
     def _next(self) -> tuple[bytes, bytes]:
-        """The next frame: kind and payload. A port may be opened in the middle of one: up to the first whole frame, bytes are
-        passed over."""
+        """The next frame: kind and payload. A port may be opened in the middle of a frame: bytes before the first valid frame
+        are skipped."""
         for _ in range(_LONGEST_SEARCH):
             kind = self._bytes(1)
             length = _PAYLOAD.get(kind, 0)
@@ -133,7 +133,7 @@ class SerialHost:
         raise LinkError(f"{self._port}: no frame in {_LONGEST_SEARCH} bytes: is that a board, at {BAUD} baud?")
 
     def _bytes(self, end: int) -> bytes:
-        """The first bytes of what has not been understood yet; waits for them."""
+        """The first bytes that have not been decoded yet; waits for them."""
         if len(self._seen) < end:
             self._seen += self._line.read(end - len(self._seen))
         if len(self._seen) < end:

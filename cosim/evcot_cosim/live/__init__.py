@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A recording, a network stream or a camera tracked while it happens, and shown while it is tracked.
+"""Live view: tracks a recording, a network stream or a camera in real time and displays the result.
 
-Source -> `waiting` (bounded, newest wins) -> tracker -> an `Inbox` for each who looks -> `frame` -> page or terminal.
+Source -> `waiting` (bounded; the oldest are dropped) -> tracker -> a queue per subscriber -> `frame` -> page or terminal.
 """
 
 __all__ = ["PORT"]

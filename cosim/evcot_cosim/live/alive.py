@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The clusters that are visible now, from records as they come."""
+"""The set of currently visible clusters, updated from records."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ __all__ = ["Alive", "Clusters"]
 
 @dataclass(frozen=True)
 class Clusters:
-    """Visible clusters at one moment: `states`, (k,) of dtype `TRACK`, each its last record; `birth_us`, (k,) int64."""
+    """Clusters visible at one moment: `states`, (k,) of dtype `TRACK`, the last record of each; `birth_us`, (k,) int64."""
 
     states: NDArray[np.void] = field(default_factory=lambda: np.empty(0, TRACK))
     birth_us: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
 
 
 class Alive:
-    """Follows records; `clusters` is replaced as a whole, so that another thread may take it at any time.
+    """Applies records; `clusters` is replaced as a whole, so that another thread may read it at any time.
 
     Attributes:
-        clusters: what is visible, in order of track id.
-        count: how many records of each kind have come.
+        clusters: the visible clusters, in order of track id.
+        count: number of records of each kind so far.
     """
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class Alive:
         self.count: Counter[Kind] = Counter()
 
     def apply(self, records: NDArray[np.void]) -> None:
-        """Take over records, in order."""
+        """Apply records, in order."""
         if not len(records):
             return
         kinds = np.bincount(records["kind"], minlength=len(Kind))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A camera at the USB port, through dv-processing (the extra `camera`)."""
+"""USB cameras, through dv-processing (the extra `camera`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NAP_S = 0.001
 
 
 class CameraSource(StreamSource):
-    """The first camera found, or the one of a serial number. See `sources.LiveSource`.
+    """The first camera found, or the one with a given serial number. See `sources.LiveSource`.
 
     Raises:
         ConfigError: dv-processing is not installed.
@@ -46,7 +46,7 @@ class CameraSource(StreamSource):
 
 
 def _batches(capture: Any, wanted: Callable[[], bool]) -> Iterator[Events]:
-    """What the camera's driver has gathered, until the camera is gone."""
+    """Batches of events from the camera's driver, until the camera is disconnected."""
     while wanted() and capture.isRunning():
         batch = capture.getNextEventBatch()
         if batch is None or not len(batch):

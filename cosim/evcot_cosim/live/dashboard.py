@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The live view in a terminal: a small picture, the figures, the oldest clusters."""
+"""The live view in a terminal: a small picture, figures, and the oldest clusters."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _CLUSTERS_MAX = 20
 
 
 class _Picture:
-    """The newest frame, as large as its place in the terminal."""
+    """The newest frame, scaled to its place in the terminal."""
 
     def __init__(self, glance: Glance) -> None:
         self._glance = glance
@@ -41,8 +41,8 @@ class _Picture:
 
 
 def show(session: Session, title: str, url: str | None, console: Console) -> None:
-    """Show a session until it ends; an interrupt is the caller's."""
-    inbox = session.look()
+    """Display a session until it ends; KeyboardInterrupt is left to the caller."""
+    inbox = session.subscribe()
     maker, picture = FrameMaker(session.source.sensor), _Picture(Glance(session.source.sensor))
     drawn_here = url is None  # with a page, its drawing is what is measured
     layout = Layout()
@@ -62,7 +62,7 @@ def show(session: Session, title: str, url: str | None, console: Console) -> Non
                     session.drawn.add(time.perf_counter() - picture.frame.arrived_s)
                 time.sleep(1 / _PICTURES_HZ)
     finally:
-        session.look_away(inbox)
+        session.unsubscribe(inbox)
 
 
 def _side(session: Session, clusters: Clusters, undrawn: int, url: str | None) -> RenderableType:
@@ -87,7 +87,7 @@ def _side(session: Session, clusters: Clusters, undrawn: int, url: str | None) -
 
 
 def rows_of(figures: dict[str, Any]) -> list[tuple[str, str]]:
-    """Figures of a session as (what, value), for people."""
+    """Figures of a session as text, (label, value)."""
     rows = [
         ("events", f"{figures['events']:,}"),
         ("rate", f"{figures['events_per_s'] / 1e6:.3f} M events/s"),
@@ -109,4 +109,4 @@ def rows_of(figures: dict[str, Any]) -> list[tuple[str, str]]:
 
 def _milliseconds(quantiles: dict[str, float | None]) -> str:
     p50, p99 = quantiles["p50"], quantiles["p99"]
-    return "nobody looks" if p50 is None or p99 is None else f"{p50:.1f} ms, p99 {p99:.1f}"
+    return "no viewer" if p50 is None or p99 is None else f"{p50:.1f} ms, p99 {p99:.1f}"

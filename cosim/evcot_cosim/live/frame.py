@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is drawn at once: the newest event of every pixel that had one, and the clusters."""
+"""Frames of the live view: the newest event of every active pixel, and the clusters."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ __all__ = ["Frame", "FrameMaker"]
 
 @dataclass(frozen=True)
 class Frame:
-    """Events since the frame before, one per pixel, and the clusters.
+    """Events since the previous frame, one per pixel, and the clusters.
 
     Attributes:
         number: from 0 on.
         t_us: time of the newest event.
         events_t_us, x, y: (n,) times and places, in time order.
-        on, filtered: (n,) bool, polarity, and whether a filter took the event out.
-        hidden: events that others of the same pixel hide.
-        clusters: what is visible.
-        arrived_s: (k,) when the packets came that are in it.
+        on, filtered: (n,) bool, polarity, and whether a filter removed the event.
+        hidden: number of events hidden by newer ones of the same pixel.
+        clusters: the visible clusters.
+        arrived_s: (k,) arrival times of its packets.
     """
 
     number: int
@@ -46,7 +46,7 @@ class Frame:
 
 
 class FrameMaker:
-    """Makes frames for one who looks."""
+    """Makes the frames for one subscriber."""
 
     def __init__(self, sensor: Sensor) -> None:
         self._width = sensor[0]
@@ -54,7 +54,7 @@ class FrameMaker:
         self._number = -1
 
     def make(self, steps: Sequence[Step], clusters: Clusters) -> Frame:
-        """The next frame, of at least one step."""
+        """The next frame, from at least one step."""
         self._number += 1
         t_us, x, y, p = (np.concatenate([getattr(step.events, name) for step in steps]) for name in ("t_us", "x", "y", "p"))
         owner = np.concatenate([step.owner for step in steps])
@@ -69,7 +69,7 @@ class FrameMaker:
 
 @njit(cache=True, nogil=True)
 def _mark_newest(x, y, width, number, seen, newest):  # type: ignore[no-untyped-def]
-    """Which events are the last of their pixel; `seen`: number of the frame that last had one there."""
+    """Mark events that are the last of their pixel; `seen`: per pixel, number of the last frame with an event there."""
     for back in range(len(x)):
         i = len(x) - 1 - back
         cell = np.int64(y[i]) * width + np.int64(x[i])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A tracker of a stream of which it does not see every part."""
+"""Tracker for a stream from which parts have been dropped."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ __all__ = ["GapTracker"]
 
 
 class GapTracker:
-    """A tracker whose records number the events of the whole stream, those too that it was too late to see. See `Tracker`.
+    """Wraps a tracker so that its records number the events of the whole stream, dropped ones included. See `Tracker`.
 
     Args:
-        tracker: what sees the rest; it has seen nothing yet.
+        tracker: a new tracker, which gets the events that were not dropped.
     """
 
     def __init__(self, tracker: Tracker) -> None:
@@ -28,7 +28,7 @@ class GapTracker:
         self._gaps = [(0, 0)]
 
     def skip(self, count: int) -> NDArray[np.int16]:
-        """So many events are not seen; their owners."""
+        """Count dropped events; returns their owners."""
         if count:
             fed, missing = self._gaps[-1]
             if fed == self._fed:
@@ -56,13 +56,13 @@ class GapTracker:
         return self._tracker.settled + self._gaps[0][1]
 
     def _number(self, records: NDArray[np.void]) -> None:
-        """Give records the stream's numbers."""
+        """Convert the event numbers of records to those of the stream."""
         if len(records):
             fed, missing = (np.array(column) for column in zip(*self._gaps, strict=True))
             records["event_index"] += missing[np.searchsorted(fed, records["event_index"], "right") - 1]
 
     def _forget(self) -> None:
-        """Let go of gaps that no record to come lies behind."""
+        """Discard gaps that no future record can refer to."""
         settled = self._tracker.settled
         while len(self._gaps) > 1 and self._gaps[1][0] <= settled:
             self._gaps.pop(0)

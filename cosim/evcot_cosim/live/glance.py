@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture of events and clusters in characters, two pixels each."""
+"""Renderer of events and clusters as terminal characters, two pixels each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _HALF = "▀"
 
 
 class Glance:
-    """Draws the frames of a sensor into a field of characters, as large as fits."""
+    """Draws the frames of a sensor into a grid of characters, as large as fits."""
 
     def __init__(self, sensor: Sensor) -> None:
         self._sensor = sensor
@@ -32,7 +32,7 @@ class Glance:
         self._styles = [[Style(color=top, bgcolor=bottom) for bottom in parsed] for top in parsed]
 
     def lines(self, frame: Frame | None, columns: int, rows: int) -> list[list[Segment]]:
-        """Rows of segments, at most so many columns and rows."""
+        """Rows of segments, at most `columns` wide and `rows` high."""
         width, height = self._sensor
         scale = max(width / columns, height / (2 * rows))
         shape = max(1, int(height / scale / 2)) * 2, max(1, int(width / scale))
@@ -48,7 +48,7 @@ class Glance:
         return [self._line(field[row], field[row + 1]) for row in range(0, shape[0], 2)]
 
     def _line(self, top: NDArray[np.uint8], bottom: NDArray[np.uint8]) -> list[Segment]:
-        """One row of characters; neighbours of one look are one segment."""
+        """One row of characters; neighbours of the same style form one segment."""
         look = top.astype(np.int64) * len(_COLOURS) + bottom
         cuts = [0, *(np.flatnonzero(np.diff(look)) + 1).tolist(), len(look)]
         return [Segment(_HALF * (end - begin), self._styles[top[begin]][bottom[begin]]) for begin, end in pairwise(cuts)]

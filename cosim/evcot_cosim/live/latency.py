@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long things took: the last ones exactly, all of them in a histogram that does not grow."""
+"""Statistics of durations: exact for the most recent ones, by a histogram of constant size for all."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BINS = int(_BINS_PER_DECADE * np.log10(_MOST_S / _LEAST_S))
 
 
 class Latency:
-    """Durations, from any thread."""
+    """Thread-safe statistics of durations."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -26,20 +26,20 @@ class Latency:
         self._counts = np.zeros(_BINS + 1, np.int64)
 
     def add(self, durations_s: NDArray[np.float64]) -> None:
-        """Note (k,) durations in seconds."""
+        """Add (k,) durations in seconds."""
         place = np.log10(np.clip(durations_s, _LEAST_S, _MOST_S) / _LEAST_S) * _BINS_PER_DECADE
         with self._lock:
             self._recent.extend(durations_s.tolist())
             np.add.at(self._counts, place.astype(np.int64), 1)
 
     def recent_ms(self, share: float) -> float | None:
-        """The duration that this share of the last ones did not exceed; None before the first."""
+        """Quantile of the most recent durations in ms; None before the first."""
         with self._lock:
             recent = list(self._recent)
         return float(np.quantile(recent, share)) * 1e3 if recent else None
 
     def overall_ms(self, share: float) -> float | None:
-        """The same of all so far, to 1.2 %."""
+        """Quantile of all durations so far in ms, to 1.2 %; None before the first."""
         with self._lock:
             upto = np.cumsum(self._counts)
         if not upto[-1]:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What server and page say to each other. All numbers are little-endian; every array begins at a multiple of 4 bytes.
+"""Messages between server and page. All numbers are little-endian; every array begins at a multiple of 4 bytes.
 
-Text messages are JSON objects with a `type`: `hello` (once, first: what is shown) and `figures` (twice a second).
-Binary messages begin with a byte that tells their kind.
+Text messages are JSON objects with a `type`: `hello` (the first message, describing the run) and `figures` (twice a second).
+The first byte of a binary message is its kind.
 
 FRAME (1), server to page: 32 bytes, then arrays.
 
@@ -18,7 +18,7 @@ FRAME (1), server to page: 32 bytes, then arrays.
     28      u32   0
     then    k times: u32 track id (its low 32 bits), f32 x, f32 y, f32 radius (px), f32 time since birth (s), i32 slot
             u16[n] x, u16[n] y, u16[n] age: the event happened age * u before the newest one
-            u8[n]  bit 0: polarity; bit 1: a filter took the event out
+            u8[n]  bit 0: polarity; bit 1: a filter removed the event
 
 DRAWN (2), page to server: u8 2, three bytes 0, u32 number of the frame that has been drawn.
 """
@@ -43,7 +43,7 @@ _CLUSTERS_MAX = (1 << 16) - 1
 
 
 def pack_frame(frame: Frame, first_us: int) -> bytes:
-    """A frame as a message; `first_us`: time of the run's first event."""
+    """Encode a frame as a message; `first_us`: time of the run's first event."""
     states = frame.clusters.states[:_CLUSTERS_MAX]
     clusters = np.empty(len(states), _CLUSTER)
     clusters["id"] = states["track_id"] & 0xFFFFFFFF
@@ -61,7 +61,7 @@ def pack_frame(frame: Frame, first_us: int) -> bytes:
 
 
 def drawn_number(message: bytes | str) -> int | None:
-    """The frame that a message of the page says has been drawn; None for any other message."""
+    """The number of the frame in a DRAWN message; None for any other message."""
     if isinstance(message, str) or len(message) != _DRAWN_MESSAGE.size or message[0] != _DRAWN:
         return None
     number: int = _DRAWN_MESSAGE.unpack(message)[1]

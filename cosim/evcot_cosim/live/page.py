@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The live page: one document, nothing in it that a browser would fetch but its own socket."""
+"""The live page: one self-contained document that opens only its own WebSocket."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _OWN = ("protocol", "trails", "figures", "main")
 
 @dataclass(frozen=True)
 class Page:
-    """What a browser is answered."""
+    """The HTTP response for a browser."""
 
     body: bytes
     headers: Mapping[str, str]
 
 
 def page() -> Page:
-    """The page; its headers allow no other script than its own, and no other connection than to where it came from."""
+    """The page; its headers allow only its own script, and connections only to its own origin."""
     script = "\n".join([inline_modules(_SHARED), *(_source(f"{name}.js") for name in _OWN)])
     environment = templates("evcot_cosim.live", autoescape=True, trim_blocks=True, lstrip_blocks=True)
     body = environment.get_template("live.html.j2").render(style=_source("style.css"), script=script).encode()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a live run leaves on disk, written while it runs: a kill loses less than a second."""
+"""Files of a live run, written while it runs: if the process is killed, less than a second is lost."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _BUFFER_BYTES = 1 << 22
 
 
 class Recorder:
-    """Events into a file that can be read whenever the process ends.
+    """Writes events to a file that is readable whenever the process ends.
 
     Args:
         path: `.aedat4` or `.raw` (EVT 3.0).
         force: replace a file that exists.
 
     Attributes:
-        events: how many have been written.
+        events: number of events written.
 
     Raises:
         ConfigError: another suffix.
@@ -53,7 +53,7 @@ class Recorder:
         self._flushed_s = time.monotonic()
 
     def write(self, events: Events) -> None:
-        """Append events; what has waited for `FLUSH_S` goes to the system."""
+        """Append events; those older than `FLUSH_S` are flushed."""
         try:
             self._sink.write(events)
             self.events += len(events)
@@ -64,7 +64,7 @@ class Recorder:
             raise _unwritable(self.path, error) from error
 
     def flush_if_due(self) -> None:
-        """Give the system what has waited long enough."""
+        """Flush events that have been buffered for `FLUSH_S`."""
         now_s = time.monotonic()
         if now_s - self._flushed_s >= FLUSH_S:
             if isinstance(self._sink, Aedat4Sink):
@@ -73,7 +73,7 @@ class Recorder:
             self._flushed_s = now_s
 
     def close(self) -> None:
-        """End the file as its format wants it; once is enough."""
+        """Complete the file as its format requires; further calls have no effect."""
         if self._file.closed:
             return
         try:
@@ -83,7 +83,7 @@ class Recorder:
             raise _unwritable(self.path, error) from error
 
     def drop(self) -> None:
-        """End the file where nobody has; one in which nothing was recorded does not stay."""
+        """Complete the file if that has not been done; a file without events is removed."""
         if not self._file.closed:
             self.close()
             if not self.events and self.path.is_file():
@@ -91,7 +91,7 @@ class Recorder:
 
 
 class LogKeeper:
-    """Records and owners, kept in files without names until the run ends: memory does not grow.
+    """Collects records and owners in temporary files until the run ends, so that memory does not grow.
 
     Args:
         force: replace a file that exists.
@@ -110,7 +110,7 @@ class LogKeeper:
         self._owner = _Spool(path, np.dtype(np.int16))
 
     def add(self, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:
-        """Append what a tracker told."""
+        """Append a tracker's records and owners."""
         self._records.add(records)
         self._owner.add(owner)
 
@@ -120,13 +120,13 @@ class LogKeeper:
         self.drop()
 
     def drop(self) -> None:
-        """Forget what has not been written."""
+        """Discard everything not yet written."""
         self._records.close()
         self._owner.close()
 
 
 class _Spool:
-    """An array that grows on disk."""
+    """An append-only array on disk."""
 
     def __init__(self, path: Path, dtype: np.dtype[Any]) -> None:
         self._path, self._dtype = path, dtype

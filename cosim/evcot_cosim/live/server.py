@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page and its WebSocket: who looks gets frames as fast as they say that they have drawn them, and no faster."""
+"""Server of the live page and its WebSocket. A page acknowledges each drawn frame, which gives back-pressure."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ __all__ = ["Server"]
 
 
 _FRAMES_HZ = 60
-_UNDRAWN_MAX = 2  # frames on their way to one who looks
+_UNDRAWN_MAX = 2  # frames sent to a viewer but not yet drawn
 _FIGURES_S = 0.5
-_LOOKERS_MAX = 8
+_VIEWERS_MAX = 8
 _MESSAGE_BYTES_MAX = 64  # of what a page may say
 _START_S = 10.0
 _SOCKET_PATH = "/events"
@@ -44,16 +44,16 @@ class Server:
     """Shows a session on a page of its own, to browsers on this machine. A context manager.
 
     Args:
-        hello: what the page is told first: name, sensor and more.
-        port: 0 for any that is free.
-        bind: address to listen at. Only pages from there, and from this machine's own names, may connect.
+        hello: content of the first message to a page: name, sensor and more.
+        port: 0 for any free port.
+        bind: address to listen on. Only pages from this address, and from this machine's own names, may connect.
 
     Attributes:
-        url: of the page.
+        url: URL of the page.
 
     Raises:
         ConfigError: the extra `live` is not installed, or an address that no browser can name.
-        OutputError: the address cannot be had.
+        OutputError: the address is not available.
     """
 
     def __init__(self, session: Session, hello: Mapping[str, Any], port: int = PORT, bind: str = "127.0.0.1") -> None:
@@ -65,7 +65,7 @@ class Server:
         self.url = f"http://{host}:{self._port}/"
         self._origins: list[Any] = [f"http://{name}:{self._port}" for name in dict.fromkeys((host, "127.0.0.1", "localhost"))]
         self._page = page()
-        self._lookers = 0
+        self._viewers = 0
         self._loop = asyncio.new_event_loop()
         self._ended = asyncio.Event()
         self._ready = threading.Event()
@@ -92,7 +92,7 @@ class Server:
         from websockets.asyncio.server import serve
 
         async with serve(
-            self._look, sock=self._listening, origins=self._origins, process_request=self._answer,
+            self._serve_viewer, sock=self._listening, origins=self._origins, process_request=self._answer,
             logger=_quiet_log(),
             compression=None, max_size=_MESSAGE_BYTES_MAX, server_header=None, close_timeout=1,
         ):  # fmt: skip
@@ -100,7 +100,7 @@ class Server:
             await self._ended.wait()
 
     def _answer(self, connection: Any, request: Any) -> Any:
-        """The page; None lets a WebSocket's handshake go on."""
+        """The response to an HTTP request: the page, or None to continue with a WebSocket handshake."""
         if request.path == _SOCKET_PATH:
             return None
         if request.path != "/":
@@ -112,14 +112,14 @@ class Server:
         response.body = self._page.body
         return response
 
-    async def _look(self, connection: Any) -> None:
-        """One who looks, from the first message to the last."""
+    async def _serve_viewer(self, connection: Any) -> None:
+        """Serve one page from connection to disconnection."""
         from websockets.exceptions import ConnectionClosed
 
-        if self._lookers >= _LOOKERS_MAX:
-            await connection.close(1013, f"{_LOOKERS_MAX} pages are open already")
+        if self._viewers >= _VIEWERS_MAX:
+            await connection.close(1013, f"{_VIEWERS_MAX} pages are open already")
             return
-        async with self._looking() as inbox:
+        async with self._subscription() as inbox:
             undrawn = _Undrawn(self._session)
             await connection.send(json.dumps(self._hello))
             work = [
@@ -138,14 +138,14 @@ class Server:
                         await task
 
     @asynccontextmanager
-    async def _looking(self) -> AsyncIterator[Waiting[Step]]:
-        inbox = self._session.look()
-        self._lookers += 1
+    async def _subscription(self) -> AsyncIterator[Waiting[Step]]:
+        inbox = self._session.subscribe()
+        self._viewers += 1
         try:
             yield inbox
         finally:
-            self._lookers -= 1
-            self._session.look_away(inbox)
+            self._viewers -= 1
+            self._session.unsubscribe(inbox)
 
     async def _send_frames(self, connection: Any, inbox: Waiting[Step], undrawn: _Undrawn) -> None:
         maker = FrameMaker(self._session.source.sensor)
@@ -164,13 +164,13 @@ class Server:
 
     async def _send_figures(self, connection: Any, inbox: Waiting[Step]) -> None:
         while True:
-            told = {"type": "figures", **self._session.figures(), "undrawn": inbox.lost, "running": self._session.running}
-            await connection.send(json.dumps(told))
+            figures = {"type": "figures", **self._session.figures(), "undrawn": inbox.lost, "running": self._session.running}
+            await connection.send(json.dumps(figures))
             await asyncio.sleep(_FIGURES_S)
 
 
 class _Undrawn:
-    """Frames that are on their way to one who looks."""
+    """Frames sent to a viewer but not yet drawn."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -181,13 +181,13 @@ class _Undrawn:
         self._arrived_s[number] = arrived_s
 
     async def wait(self) -> None:
-        """Until another frame may be sent."""
+        """Wait until another frame may be sent."""
         while len(self._arrived_s) >= _UNDRAWN_MAX:
             self._fewer.clear()
             await self._fewer.wait()
 
     async def read(self, connection: Any) -> None:
-        """Take what the page says, until it goes."""
+        """Process the page's DRAWN messages until it disconnects."""
         async for message in connection:
             number = drawn_number(message)
             if number in self._arrived_s:
@@ -196,7 +196,7 @@ class _Undrawn:
 
 
 def _quiet_log() -> logging.Logger:
-    """Whoever knocks and goes away again is not worth a line."""
+    """A logger that discards the messages of websockets about failed connections."""
     log = logging.getLogger(__name__)
     log.addHandler(logging.NullHandler())
     log.propagate = False

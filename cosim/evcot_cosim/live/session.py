@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A live run: one thread receives, one tracks, whoever looks takes what is new since they last did."""
+"""A live run: one thread receives, one tracks, and each subscriber takes the steps since its last call."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ __all__ = ["WAIT_S", "Session", "Step"]
 
 WAIT_S = 0.25  # events that have waited longer for the tracker are given up
 _WAITING_EVENTS = 1 << 23  # 100 MB: enough for `WAIT_S` of any camera
-_LOOK_S = 1.0  # of what waits to be drawn, this much
-_LOOK_EVENTS = 1 << 21
+_INBOX_S = 1.0  # of what waits to be drawn, this much
+_INBOX_EVENTS = 1 << 21
 _RATE_S = 1.0  # over which rates are taken
 
 
 @dataclass(frozen=True)
 class Step:
-    """Events that were tracked together, their owners, and when the first of them arrived."""
+    """Events that were tracked together, their owners, and the arrival time of the first of them."""
 
     events: Events
     owner: NDArray[np.int16]
@@ -42,14 +42,14 @@ class Step:
 
 
 class Session:
-    """A source, a tracker and those who look.
+    """A source, a tracker and its subscribers.
 
     Args:
-        tracker: it has seen nothing yet.
-        recorder, log: where the events that come, all of them, and what became of them are kept, if anywhere.
+        tracker: a new tracker.
+        recorder, log: optional files for all received events, and for the tracker's records and owners.
 
     Attributes:
-        tracked, drawn: how long after its first event came a packet was tracked, and drawn for somebody to see.
+        tracked, drawn: durations from the arrival of a packet's first event until it was tracked, and until it was drawn.
     """
 
     def __init__(
@@ -74,25 +74,25 @@ class Session:
         self._threads = [threading.Thread(target=self._guarded, args=(work,)) for work in (self._receive, self._track)]
 
     def start(self) -> None:
-        """Begin to receive."""
+        """Start receiving."""
         self._begin_s = time.perf_counter()
         for thread in self._threads:
             thread.start()
 
     @property
     def running(self) -> bool:
-        """Whether events may still come, or wait."""
+        """Whether events may still arrive or are waiting."""
         return any(thread.is_alive() for thread in self._threads)
 
     def end(self) -> None:
-        """Receive no more; what waits is still tracked. From any thread."""
+        """Stop receiving; waiting events are still tracked. Thread-safe."""
         self._stopped.set()
 
     def stop(self) -> None:
-        """End the run and write what is to be kept.
+        """End the run and complete its files.
 
         Raises:
-            RecordingError, OutputError: what ended the run before, or keeps the files from being written.
+            RecordingError, OutputError: the error that ended the run early, or prevents the files from being written.
         """
         self._stopped.set()
         for thread in self._threads:
@@ -105,19 +105,19 @@ class Session:
         if self._error is not None:
             raise self._error
 
-    def look(self) -> Waiting[Step]:
-        """From now on, steps for somebody who draws them; as long as nobody takes them the oldest are given up."""
-        inbox: Waiting[Step] = Waiting(_LOOK_S, _LOOK_EVENTS)
+    def subscribe(self) -> Waiting[Step]:
+        """A queue of all steps from now on; if the subscriber does not keep up, the oldest are dropped."""
+        inbox: Waiting[Step] = Waiting(_INBOX_S, _INBOX_EVENTS)
         self._inboxes = [*self._inboxes, inbox]
         return inbox
 
-    def look_away(self, inbox: Waiting[Step]) -> None:
-        """No more steps for this one."""
+    def unsubscribe(self, inbox: Waiting[Step]) -> None:
+        """End a subscription."""
         self._inboxes = [each for each in self._inboxes if each is not inbox]
 
     @property
     def clusters(self) -> Clusters:
-        """What is visible now."""
+        """The clusters that are visible now."""
         return self._alive.clusters
 
     @property
@@ -144,7 +144,7 @@ class Session:
             self._waiting.put(arrival)
 
     def _is_wanted(self) -> bool:
-        """Asked by the source many times a second, when events come and when they do not."""
+        """Whether to continue; the source calls this many times a second, with or without events."""
         if self._recorder is not None:
             self._recorder.flush_if_due()
         return not self._stopped.is_set()
@@ -175,7 +175,7 @@ class Session:
             self._log.add(records, owner)
 
     def figures(self) -> dict[str, Any]:
-        """All figures as plain values; one about nothing is None. Rates are of the last second: ask at least as often."""
+        """All figures as plain values; undefined ones are None. Rates cover the last second: call at least that often."""
         now_s = time.perf_counter()
         count, clusters = self._alive.count, len(self._alive.clusters.states)
         received_hz, tracked_hz = self._rates(now_s)

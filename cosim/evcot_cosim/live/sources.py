@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where live events come from: a file at real speed, or a server on the network. (`camera` has the third.)"""
+"""Sources of live events: a file played at real speed, or a server on the network. (`camera` has the third.)"""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ Wanted = Callable[[], bool]
 
 
 class LiveSource(Protocol):
-    """Events as they happen.
+    """Interface of a source of live events.
 
     Attributes:
-        name: for people.
+        name: name for display.
         sensor: (width, height) in pixels.
-        left_out: why events were left out -> how many.
+        left_out: reason -> number of events left out for it.
     """
 
     @property
@@ -49,20 +49,20 @@ class LiveSource(Protocol):
     def left_out(self) -> Counter[str]: ...
 
     def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
-        """What comes, in time order and on the sensor, until nothing more does or `wanted` says no.
+        """Received events, in time order and on the sensor, until the source ends or `wanted` returns False.
 
         Raises:
-            RecordingError: what comes cannot be used.
+            RecordingError: the received data is invalid.
         """
         ...
 
     def close(self) -> None:
-        """Let go of where the events come from."""
+        """Close the file or connection."""
         ...
 
 
 class FileSource:
-    """A file, played. See `LiveSource`.
+    """Plays a file. See `LiveSource`.
 
     Args:
         file: an open recording; closed with this.
@@ -81,8 +81,8 @@ class FileSource:
         self._file, self._window, self._speed = file, window, speed
 
     def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
-        """See `LiveSource`; a packet arrives when its first event is due, and is given when its last one is. A minute is
-        the longest wait."""
+        """See `LiveSource`; a packet's arrival is when its first event is due, and it is yielded when its last one is. The
+        longest wait is a minute."""
         slice_us = max(1, round(_SLICE_S * self._speed * 1e6))
         first_us = self._file.t0_us + self._window[0]
         start_s = time.perf_counter()
@@ -116,10 +116,10 @@ class FileSource:
 
 
 class StreamSource:
-    """Packets from somebody who does not wait. See `LiveSource`.
+    """Packets from a sender without flow control. See `LiveSource`.
 
     Args:
-        packets: gives them as they come; what breaks the rules of recordings is left out and counted.
+        packets: iterator of packets as received; events that violate the rules of recordings are left out and counted.
         sensor: (width, height) in pixels.
         close: ends the connection.
     """
@@ -132,7 +132,7 @@ class StreamSource:
         self._packets, self._close = packets, close
 
     def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
-        """See `LiveSource`; a packet arrives when it is whole."""
+        """See `LiveSource`; a packet's arrival is when it is complete."""
         width, height = self.sensor
         last_us = np.iinfo(np.int64).min
         for events in self._packets(wanted):
@@ -158,11 +158,11 @@ class NetworkSource(StreamSource):
 
     Args:
         address: host:port.
-        sensor: (width, height) in pixels, in place of what the server says.
+        sensor: (width, height) in pixels, overriding the server's.
 
     Raises:
-        ConfigError: an address that is none, or nobody says what the sensor is.
-        RecordingError: nobody listens there, or what comes is no such stream.
+        ConfigError: an invalid address, or the sensor is unknown.
+        RecordingError: no server there, or it does not send such a stream.
     """
 
     def __init__(self, address: str, sensor: Sensor | None = None) -> None:
@@ -184,7 +184,7 @@ class NetworkSource(StreamSource):
 
 
 def _placed(packets: Iterable[Events], place: str) -> Iterator[Events]:
-    """The packets, with the server's address in front of whatever goes wrong."""
+    """The packets, with the server's address prefixed to error messages."""
     try:
         yield from packets
     except RecordingError as error:

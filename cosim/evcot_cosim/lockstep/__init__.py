@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hardware and golden model in lock-step, and a whole run: hardware, model and software tracker on one recording."""
+"""Hardware and golden model in lock-step, and whole runs: hardware, model and software tracker on one recording."""

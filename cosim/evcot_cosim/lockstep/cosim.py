@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The main job: hardware, golden model and software tracker on one recording, checked and compared."""
+"""Co-simulation of a recording: hardware, golden model and software tracker, checked and compared."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ __all__ = ["CosimRun", "check_addresses", "rerun", "run_cosim", "stalls_from"]
 
 @dataclass(frozen=True)
 class CosimRun:
-    """All that one run found.
+    """Results of one run.
 
     Attributes:
-        recording, config, top: what ran.
+        recording, config, top: input, configuration and hardware module of the run.
         hardware, model, software: one TrackLog per engine.
         agreement: hardware against software, by outcome.
-        cycles: clocks of the hardware, reset and register writes left out.
-        latency: records by clocks since their event, as of `Lockstep`.
+        cycles: clocks of the hardware, without reset and register writes.
+        latency: histogram of records by clocks since their event, see `Lockstep`.
         wall_s: duration of the lock-step alone.
         software_s: duration of the software tracker.
         build: the simulated model.
@@ -144,9 +144,9 @@ def run_cosim(
 
 
 def rerun(recording: Recording, config: RunConfig, found: Mismatch) -> tuple[TrackLog, TrackLog]:
-    """Logs of hardware and model once more, unchecked, up to the end of the run of events in which they part.
+    """Logs of hardware and model from a second, unchecked run, up to the end of the chunk with their first difference.
 
-    Where the hardware broke the rules of its streams there, its log has nothing of that run, and -1 for the owners.
+    If the hardware violated its stream protocol in that chunk, its log has no records of it, and -1 for the owners.
     """
     cot, t0_us = config.hardware(recording.width, recording.height), int(recording.events.t_us[0])
     clock = TickCounter(cot.tick_us)
@@ -176,7 +176,7 @@ def stalls_from(seed: int | None) -> Stalls:
 
 
 def _compile_kernels(recording: Recording, config: RunConfig) -> None:
-    """Have Numba compile model and tracker, which it does at first use, once per machine, before anything is timed."""
+    """Make Numba compile model and tracker (at first use, once per machine) before anything is timed."""
     first = recording.events[:1]
     model = CotModel(config.hardware(recording.width, recording.height))
     model.feed(TickedEvents.of(first))
@@ -184,7 +184,7 @@ def _compile_kernels(recording: Recording, config: RunConfig) -> None:
 
 
 def _software(recording: Recording, config: RunConfig) -> Tracker:
-    """The software tracker, behind the same filters in the same ticks."""
+    """The software tracker, with the same filters in front, in the same ticks."""
     sensor = recording.width, recording.height
     tracker = RctTracker(config.rct, *sensor)
     if not config.filters.enabled:
@@ -193,7 +193,7 @@ def _software(recording: Recording, config: RunConfig) -> Tracker:
 
 
 class _LogParts:
-    """One engine's decisions, gathered run by run."""
+    """One engine's decisions, collected chunk by chunk."""
 
     def __init__(self, config: CotConfig, t0_us: int) -> None:
         self._config = config

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hardware and golden model side by side on the same events, compared while the run goes on."""
+"""Lock-step simulation: hardware and golden model on the same events, compared chunk by chunk during the run."""
 
 from __future__ import annotations
 
@@ -28,39 +28,39 @@ from .mismatch import Mismatch, MismatchError
 
 __all__ = ["CHUNK", "Clocks", "Lockstep", "Step", "chunks", "dump_window"]
 
-LATENCY_MAX = 4_095  # clocks that are told apart
-CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough that starting a run costs nothing
+LATENCY_MAX = 4_095  # clocks; longer latencies share the last bin
+CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough to make the cost of a call negligible
 
 
 class Step(NamedTuple):
-    """What both made of one run of events; `model` is None where the hardware ran alone."""
+    """Decisions of both on one chunk of events; `model` is None if the hardware ran alone."""
 
     hardware: Decisions
     model: Decisions | None
 
 
 def chunks(events: Events, size: int = CHUNK) -> Iterator[Events]:
-    """Events in runs of `size`; a view, no copy."""
+    """Split events into chunks of `size`; views, no copies."""
     for begin in range(0, len(events), size):
         yield events[begin : begin + size]
 
 
 class Lockstep:
-    """Feeds events to the hardware and to the model at once, the model in a second thread, and compares each run.
+    """Feeds events to hardware and model in parallel, the model in a second thread, and compares the results of each chunk.
 
     Args:
-        config: what both are configured with.
+        config: configuration of both.
         top: the hardware module.
         stalls: stall patterns; decisions must not depend on them.
-        seed: what the patterns were made from, for the mismatch record.
-        check: False drives the hardware alone.
-        model: a built model, to save the look-up.
+        seed: seed of the patterns, for the mismatch record.
+        check: False runs the hardware alone.
+        model: a built model, to avoid the look-up.
 
     Attributes:
         device: the hardware.
         events, records, wall_s: totals so far.
-        latency: (k,) int64, how many records came 0, 1, 2, … clocks after their event was taken, the last one and all later
-            ones together; what time caused is left out.
+        latency: (k,) int64, number of records sent 0, 1, 2, … clocks after their event was accepted; the last bin includes all
+            longer latencies. Records caused by time, not by an event, are left out.
     """
 
     def __init__(
@@ -87,10 +87,10 @@ class Lockstep:
         self._second = ThreadPoolExecutor(1) if check else None
 
     def feed(self, events: Events) -> Step:
-        """Drive one run of events, at least one, and return what became of them.
+        """Drive one chunk of at least one event and return the decisions.
 
         Raises:
-            MismatchError: hardware and model differ, or the hardware broke the rules of its streams.
+            MismatchError: hardware and model differ, or the hardware violated its stream protocol.
             RecordingError: the events have a gap that would take too many clocks: see `silence`. Nothing was driven.
         """
         check_silence(events.t_us, self.config, self.events, self._last_us)
@@ -184,7 +184,7 @@ def dump_window(
     progress: Callable[[int], None] | None = None,
     force: bool = False,
 ) -> Clocks:
-    """Run the hardware again over the same runs of events and dump the clocks around a window of them to a VCD.
+    """Run the hardware again on the same chunks of events and dump the clocks around a window of events to a VCD.
 
     Clock for clock what a `Lockstep` with the same arguments did, up to the end of the window. Returns when what happened.
 
@@ -206,7 +206,7 @@ def dump_window(
             try:
                 decided, times = device.stream_timed(chunk)
             except HardwareError:
-                break  # the fault that the window shall show
+                break  # the waveform up to the fault is kept
             parts.append(Clocks(times.accepted, decided.records, times.recorded))
             if progress is not None:
                 progress(device.seq)
@@ -214,8 +214,8 @@ def dump_window(
 
 
 class Clocks(NamedTuple):
-    """When the hardware did what: (n,) clocks at which events 0, 1, … were taken; (m,) records of dtype `contract.RECORD` and
-    the clocks at which they were handed over."""
+    """Clocks of handshakes: (n,) clocks at which events 0, 1, … were accepted; (m,) records of dtype `contract.RECORD` and
+    the clocks at which they were sent."""
 
     accepted: NDArray[np.int64]
     records: NDArray[np.void]
@@ -223,5 +223,5 @@ class Clocks(NamedTuple):
 
     @classmethod
     def none(cls) -> Clocks:
-        """Of no event."""
+        """Empty, for no events."""
         return cls(np.empty(0, np.int64), np.empty(0, RECORD), np.empty(0, np.int64))

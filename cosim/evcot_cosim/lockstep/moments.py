@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A moment of a run as a person names it: the third merge, a time, an event, the place where hardware and model part."""
+"""Named moments of a run: the third merge, a time, an event, the first difference between hardware and model."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _KINDS = {"birth": Kind.BORN, "move": Kind.MOVED, "merge": Kind.MERGED, "loss": 
 
 @dataclass(frozen=True)
 class Moment:
-    """Where to look.
+    """One moment of a run.
 
     Attributes:
-        event_index: the event that causes it; of a loss, which time causes, the next one.
-        name: for people and for markers.
-        kind: of the record that it is, else None.
-        track_id: whose record it is.
+        event_index: the event that causes it; for a loss, which is caused by time, the next event.
+        name: text for messages and markers.
+        kind: kind of its record, or None.
+        track_id: track of its record, or -1.
     """
 
     event_index: int
@@ -42,14 +42,14 @@ class Moment:
 
 
 def find_moment(text: str, recording: Recording, config: CotConfig, top: Top, folder: Path | None = None) -> Moment:
-    """The moment that a text names: one of `MOMENTS`. Records are the golden model's, which the hardware's are too.
+    """The moment named by a text, in the syntax of `MOMENTS`. Records are the golden model's, which equal the hardware's.
 
     Args:
-        config, top: what the hardware is.
-        folder: of the run; only a mismatch asks for it.
+        config, top: configuration and module of the hardware.
+        folder: folder of the run; needed only for a mismatch.
 
     Raises:
-        ConfigError: no such moment; the message says which there are.
+        ConfigError: no such moment; the message lists the valid ones.
     """
     what, colon, number = text.partition(":")
     events = recording.events
@@ -92,7 +92,7 @@ def _at(text: str, number: str, recording: Recording) -> Moment:
 
 
 def _mismatch(folder: Path | None) -> int:
-    """The event at which hardware and model parted in the run of this folder."""
+    """The event of the first difference between hardware and model in the run of this folder."""
     if folder is None:
         raise ConfigError("--around mismatch: needs the folder of a run, whose summary says where it is")
     found = read_summary(folder / SUMMARY).get("mismatch")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""run.toml: all that a run of the hardware is made from, so that it can be made again, bit for bit.
+"""run.toml: everything that determines a run of the hardware, so that it can be repeated bit for bit.
 
-Its table `[run]` says which events and which module; the others are a whole configuration (`evcot.trackers.config.load_toml`).
+Its table `[run]` names the events and the module; the other tables are a complete configuration (see
+`evcot.trackers.config.load_toml`).
 """
 
 from __future__ import annotations
@@ -32,15 +33,15 @@ _HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] say
 
 @dataclass(frozen=True)
 class Source:
-    """Where events come from.
+    """The source of a run's events.
 
     Attributes:
         recording: a file, or a scene's name.
-        is_scene: whether it is a scene and no file.
-        seed: of a scene.
-        from_us, to_us: the part that is taken, after the first event; to_us None for all.
-        width, height: the sensor, where the file does not say it or says another; 0 for the file's.
-        skip_damaged: leave out what is damaged.
+        is_scene: whether `recording` names a scene instead of a file.
+        seed: seed of a scene.
+        from_us, to_us: the part to use, relative to the first event; to_us None for all.
+        width, height: sensor size, overriding the file's; 0 for the file's.
+        skip_damaged: leave out damaged parts of the file.
     """
 
     recording: str
@@ -54,17 +55,17 @@ class Source:
 
     @classmethod
     def named(cls, name: str) -> Source:
-        """What a person means by a name on the command line: a file if there is one, else a scene if one is called so."""
+        """The source for a name on the command line: a file if it exists, else a scene of that name."""
         return cls(name, is_scene=name in SCENES and not Path(name).exists())
 
     @property
     def name(self) -> str:
-        """For what is made of the events."""
+        """Name for files and titles made from the events."""
         return self.recording if self.is_scene else Path(self.recording).stem
 
     @property
     def truth_file(self) -> Path | None:
-        """Where `evcot simulate` writes the truth of a recording; None for a scene."""
+        """The file to which `evcot simulate` writes the truth of a recording; None for a scene."""
         path = Path(self.recording)
         return None if self.is_scene else path.with_name(f"{path.stem}.truth.csv")
 
@@ -72,7 +73,7 @@ class Source:
         """The events.
 
         Raises:
-            ConfigError: no such scene's seed.
+            ConfigError: invalid seed of the scene.
             RecordingError: as `open_recording`.
         """
         if self.is_scene:
@@ -82,29 +83,29 @@ class Source:
             return file.read(self.from_us, self.to_us)
 
     def scene_truth(self) -> Truth | None:
-        """What is known about a scene, all of it; None for a file."""
+        """The complete ground truth of a scene; None for a file."""
         return _scene(self.recording, self.seed).truth if self.is_scene else None
 
     def absolute(self) -> Source:
-        """The same from any folder."""
+        """The same source, independent of the current folder."""
         return self if self.is_scene else replace(self, recording=str(Path(self.recording).absolute()))
 
 
 @lru_cache(maxsize=1)
 def _scene(name: str, seed: int) -> Scene:
-    """A scene, simulated once for its events and its truth."""
+    """Simulate a scene, once for both its events and its truth."""
     return simulate_scene(name, seed)
 
 
 @dataclass(frozen=True)
 class RunFile:
-    """What run.toml says.
+    """Contents of run.toml.
 
     Attributes:
-        source: where the events come from.
-        hardware: the module.
+        source: source of the events.
+        hardware: name of the module.
         stalls: seed of the stall patterns; None never stalls.
-        digest: of the events, as `evcot.digest` makes it; empty where nobody looked.
+        digest: digest of the events, see `evcot.digest`; empty if not computed.
         config: both trackers' configurations.
     """
 
@@ -115,7 +116,7 @@ class RunFile:
     config: RunConfig
 
     def check(self, path: Path, events: Events) -> None:
-        """Raise ConfigError, in the name of the file, where these are not the events that the run was made of."""
+        """Raise ConfigError, naming the file, if these are not the events of the run."""
         if self.digest and digest(events) != self.digest:
             changed = f"must be that of {self.source.recording}, which has changed since: {digest(events)!r}"
             raise ConfigError(f"{path}: run.digest = {self.digest!r}: {changed}")
@@ -155,11 +156,11 @@ def write_run_file(path: Path, run: RunFile) -> None:
 def read_run_file(path: Path) -> RunFile | None:
     """Read run.toml, or None where a configuration has no table `[run]`.
 
-    The table names a `scene`, or a `recording`: a file whose path, unless absolute, counts from the folder of run.toml. The
-    current folder does not matter.
+    The table names a `scene`, or a `recording`: a file whose path is relative to the folder of run.toml, not to the current
+    folder.
 
     Raises:
-        ConfigError: as `load_toml`, or a table `[run]` that cannot be used; the message starts with the file's name.
+        ConfigError: as `load_toml`, or an invalid table `[run]`; the message starts with the file's name.
     """
     config = load_toml(path, RunConfig())
     run = tomllib.loads(path.read_text(encoding="utf-8")).get("run")
@@ -192,7 +193,7 @@ _MEANING = {"str": "text", "int": "a whole number, not negative", "bool": "true 
 
 
 def _without_none(value: Any) -> Any:
-    """TOML knows no null: what is None is left out, and so is its default."""
+    """Remove entries that are None, which TOML cannot represent; their defaults are None."""
     if isinstance(value, dict):
         return {key: _without_none(entry) for key, entry in value.items() if entry is not None}
     return [_without_none(entry) for entry in value] if isinstance(value, list | tuple) else value

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""summary.json and the short table: every figure of a run, and what is needed to repeat it."""
+"""summary.json and the short table: all figures of a run, and everything needed to repeat it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SUMMARY = "summary.json"  # its name in the folder of a run
 
 
 def summarise(run: CosimRun, command: str) -> dict[str, Any]:
-    """All figures of a run as plain values; a figure about nothing is None."""
+    """All figures of a run as plain values; undefined ones are None."""
     recording, events = run.recording, len(run.recording.events)
     recording_s = recording.duration_us / 1e6
     logs = (run.hardware, run.model, run.software)
@@ -66,7 +66,7 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
 
 
 def summarise_mismatch(found: Mismatch, recording: Recording, config: RunConfig, command: str) -> dict[str, Any]:
-    """What summary.json says of a run that a mismatch ended: not exact, where, and how to repeat it."""
+    """The summary of a run that ended with a mismatch: not exact, its location, and how to repeat it."""
     return {
         "name": recording.name,
         "exact": False,
@@ -97,7 +97,7 @@ def _identical(a: TrackLog, b: TrackLog) -> bool:
 
 
 def _latency(counts: NDArray[np.int64]) -> dict[str, Any]:
-    """Clocks from an event's acceptance to its records: quantiles, and [clocks, records] of each that came up."""
+    """Clocks from an event's acceptance to its records: quantiles, and a histogram of [clocks, records]."""
     clocks = np.flatnonzero(counts)
     so_far = np.cumsum(counts[clocks])
     median, p99 = (int(clocks[np.searchsorted(so_far, share * so_far[-1])]) if len(clocks) else None for share in (0.5, 0.99))
@@ -121,7 +121,7 @@ def _lifetimes(log: TrackLog, end_us: int) -> dict[str, Any]:
 
 
 def write_summary(summary: dict[str, Any], path: Path) -> None:
-    """Write the summary as JSON; numbers that JSON does not know are refused."""
+    """Write the summary as JSON; NaN and infinity are refused."""
     with written_aside(path) as file:
         file.write((json.dumps(summary, indent=2, allow_nan=False) + "\n").encode())
 
@@ -130,7 +130,7 @@ def read_summary(path: Path) -> dict[str, Any]:
     """Read what `write_summary` wrote.
 
     Raises:
-        ConfigError: it cannot be read, or is no summary.
+        ConfigError: it cannot be read, or is not a summary.
     """
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
@@ -144,7 +144,7 @@ def read_summary(path: Path) -> dict[str, Any]:
 
 
 def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """The short table that a run prints: (what, value)."""
+    """The short table printed after a run, as (label, value)."""
     agreement = summary["agreement"]
     hardware, software = "cot-rtl", "rct"
     filters = [("filtered out", f"{_percent(summary['filtered_fraction'])} of the events, by {', '.join(summary['filters'])}")]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages and pictures for those who build hardware with the RTL, made from the RTL: `python -m evcot_cosim.pages`."""
+"""Generator of the hardware documentation's pages and pictures from the RTL: `python -m evcot_cosim.pages`."""

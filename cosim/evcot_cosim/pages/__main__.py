@@ -25,18 +25,18 @@ def _write(path: Path, text: str) -> None:
 
 
 def source_text(diagram: Diagram) -> str:
-    """A diagram as it is kept: one lane a line."""
+    """The JSON source of a diagram, with one lane per line."""
     lines = ",\n  ".join(json.dumps(lane, ensure_ascii=False) for lane in diagram["signal"])
     return f'{{"signal": [\n  {lines}\n],\n"config": {json.dumps(diagram["config"])}}}\n'
 
 
 def title(name: str) -> str:
-    """What a diagram shows."""
+    """Title of a diagram."""
     return (DIAGRAMS[name].__doc__ or "").splitlines()[0]
 
 
 def main() -> int:
-    """Write what has changed; with names of diagrams, those alone."""
+    """Write the files that have changed; with names of diagrams, only those."""
     docs = verilog_dir().parents[1] / "docs"
     for name in sys.argv[1:] or DIAGRAMS:
         diagram = DIAGRAMS[name]()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""WaveDrom descriptions as SVG that can be read on a light and on a dark page."""
+"""Renders WaveDrom descriptions to SVG for light and dark pages."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _HREF = "{http://www.w3.org/1999/xlink}href"
 
 
 def svg(diagram: Diagram, title: str) -> str:
-    """The picture, with its own paper under it, and without the bricks that it does not use.
+    """The SVG text of a diagram, with its own background, and without unused symbols.
 
     Raises:
         ToolchainError: the package wavedrom is not installed.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every file in the tree that a program makes and that costs seconds: which it is, and what gives its text.
+"""List of the generated files in the tree that take seconds to make, with the functions that return their text.
 
 `python -m evcot_cosim.pages.generated` writes what is stale. What follows from the register map, and so what this module
 imports, must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures that take synthesis
@@ -42,7 +42,7 @@ FILES: Mapping[str, Callable[[], str]] = MappingProxyType(
     | {"docs/modules.md": page}
     | {f"docs/guides/{script.stem}.md": partial(lambda script: guide(script).page, script) for script in scripts()}
 )
-"""Path in the source tree -> what gives its text."""
+"""Path in the source tree -> function that returns its text."""
 
 
 def stale(path: str, root: Path) -> str | None:

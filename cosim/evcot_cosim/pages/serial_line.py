@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The serial line of a board: one byte bit by bit, and a request with its answer byte by byte."""
+"""Timing diagrams of a board's serial line: one byte bit by bit, and a request with its response byte by byte."""
 
 from __future__ import annotations
 
 from evcot.hardware.registers import register_map
 
 from ..devices.base import reset
-from ..fpga.uart_line import BYTE_BITS, Ear, levels, request
+from ..fpga.uart_line import BYTE_BITS, Receiver, levels, request
 from ..rtl.build import load
 from .trace import Diagram, wave
 
@@ -42,23 +42,23 @@ def uart_frames() -> Diagram:
     io.m_axil_rdata = int.from_bytes(b"EVCT", "big")
     question = request("R", identity.address)
     line = [1] * _DIVISOR + levels(question, _DIVISOR)
-    ear, asked = Ear(_DIVISOR), False
+    receiver, asked = Receiver(_DIVISOR), False
     for level in line + [1] * (16 * BYTE_BITS * _DIVISOR - len(line)):
         io.rx = level
         io.m_axil_rvalid = int(asked)
         asked = bool(int(io.m_axil_arvalid)) or (asked and not int(io.m_axil_rready))
-        ear.listen(int(io.tx))
+        receiver.sample(int(io.tx))
         sim.clock.tick()
-    columns = 1 + len(question) + len(ear.heard) + 1
+    columns = 1 + len(question) + len(receiver.received) + 1
     rx, tx = ["1"] * columns, ["1"] * columns
     for i, value in enumerate(question):
         rx[1 + i] = "=" + _shown(i, value)
-    first = 1 + ear.began[0] // (BYTE_BITS * _DIVISOR)
-    for i, value in enumerate(ear.heard):
+    first = 1 + receiver.began[0] // (BYTE_BITS * _DIVISOR)
+    for i, value in enumerate(receiver.received):
         tx[first + i] = "=" + _shown(i, value)
     meaning = ["x", "=read", "=address", "=address", *["=data"] * 4]
-    told = ["=read", "=resp", *["=data"] * 4, "=sum"]
-    meaning += ["x"] * (first - len(meaning)) + told + ["x"] * (columns - first - len(told))
+    response = ["=read", "=resp", *["=data"] * 4, "=sum"]
+    meaning += ["x"] * (first - len(meaning)) + response + ["x"] * (columns - first - len(response))
     lanes = [("rx", rx), ("tx", tx), ("", meaning)]
     return {"signal": [{"name": name, **wave(states)} for name, states in lanes], "config": {"hscale": 1}}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happens at the inputs while a diagram is recorded: few words, and stalls at chosen clocks."""
+"""Stimulus for the recording of a diagram: a few words, and stalls at chosen clocks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Offer", "play"]
 
 
 class Offer:
-    """Offers words to `<prefix>valid`, `<prefix>ready`, `<prefix><field>`, each until taken.
+    """Driver that offers words on `<prefix>valid`, `<prefix>ready`, `<prefix><field>`, each until accepted.
 
     Args:
         pauses: clocks at which no new word is offered.
@@ -40,7 +40,7 @@ class Offer:
             self._sim.io[self._prefix + name] = value
 
     def note(self) -> None:
-        """See whether the coming edge takes the word."""
+        """Check whether the coming edge accepts the word."""
         if self._offering and int(self._sim.io[f"{self._prefix}ready"]):
             self._offering = False
             self._words.pop(0)
@@ -53,11 +53,11 @@ def play(
     stalls: Mapping[str, Collection[int]] | None = None,
     also: Callable[[int], None] | None = None,
 ) -> None:
-    """Clock the simulation and note each clock.
+    """Clock the simulation and record each clock.
 
     Args:
-        trace: what is noted.
-        clocks: how many.
+        trace: the trace to record.
+        clocks: number of clocks.
         offers: words that go in.
         stalls: ready inputs, each with the clocks at which it is low.
         also: sets further inputs at each clock.

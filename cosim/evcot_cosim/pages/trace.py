@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Signals of a simulation, clock by clock, as a WaveDrom description."""
+"""Records signals of a simulation, clock by clock, as a WaveDrom description."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pyverilator import PyVerilator
 __all__ = ["Diagram", "Lane", "Trace"]
 
 Diagram = dict[str, Any]
-"""What WaveDrom draws: https://wavedrom.com/tutorial.html"""
+"""A WaveDrom description: https://wavedrom.com/tutorial.html"""
 
 
 @dataclass(frozen=True)
@@ -20,12 +20,12 @@ class Lane:
     """One line of a diagram.
 
     Attributes:
-        name: what is written beside it.
-        ports: one port; or several, which `label` puts into words.
-        label: their values in words, empty where they mean nothing; None: a wire that is 0 or 1.
-        when: a port that says when they mean anything; empty: always.
-        outside: changes between two edges, with a clock of its own.
-        of: the simulation that it belongs to, if not the trace's.
+        name: its label.
+        ports: one port, or several that `label` formats.
+        label: formats their values, empty if meaningless; None for a wire that is 0 or 1.
+        when: a port that is high while the values are valid; empty: always.
+        outside: asynchronous: changes between two edges.
+        of: the simulation to which it belongs, if not the trace's.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Lane:
     of: PyVerilator | None = None
 
     def state(self, sim: PyVerilator) -> str:
-        """What stands on the line: 0, 1, = and a label, or x."""
+        """State of the lane: 0, 1, = and a label, or x."""
         io = (self.of or sim).io
         if self.when and not int(io[self.when]):
             return "x"
@@ -48,12 +48,12 @@ class Lane:
 
 
 def wire(port: str, *, outside: bool = False, of: PyVerilator | None = None) -> Lane:
-    """A wire that carries the name of its port."""
+    """A wire with the name of its port."""
     return Lane(port, (port,), outside=outside, of=of)
 
 
 def wave(states: Sequence[str]) -> dict[str, Any]:
-    """States, one for each clock, as WaveDrom writes them."""
+    """Encode states, one per clock, in WaveDrom's syntax."""
     text, data = "", []
     for before, now in zip(["", *states], states, strict=False):
         if now == before:
@@ -67,7 +67,7 @@ def wave(states: Sequence[str]) -> dict[str, Any]:
 
 @dataclass
 class Trace:
-    """Notes the lanes' states; `sample` is called once a clock, when all inputs are set and before the edge.
+    """Records the lanes' states; `sample` is called once a clock, when all inputs are set and before the edge.
 
     Attributes:
         groups: name and lanes of each group of lines.
@@ -78,11 +78,11 @@ class Trace:
     states: list[list[str]] = field(default_factory=list)
 
     def sample(self, _clock: int = 0) -> None:
-        """Note what all lanes show now."""
+        """Record the current state of all lanes."""
         self.states.append([lane.state(self.sim) for _, lanes in self.groups for lane in lanes])
 
     def diagram(self, clocks: int | None = None) -> Diagram:
-        """The first `clocks` of what was noted; all if None."""
+        """The diagram of the first `clocks` recorded clocks; all if None."""
         columns = iter(list(zip(*self.states[:clocks], strict=True)))
         signal: list[Any] = [{"name": "clk", "wave": "p" + "." * (len(self.states[:clocks]) - 1)}]
         for name, lanes in self.groups:

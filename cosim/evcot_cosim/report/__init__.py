@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report of a run: one HTML file that a person opens and explores, without a network.
+"""The report of a run: a self-contained, interactive HTML file.
 
-Data flows one way: `Material` (what ran) → `collect` (columns of numbers) → `pack` (one text) → `page` (the file).
+Data flows one way: `Material` (logs and figures) → `collect` (columns of numbers) → `pack` (one text) → `page` (the file).
 """
 
 from .material import Material, Side

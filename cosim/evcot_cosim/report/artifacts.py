@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run leaves behind: a folder with summary, logs, picture and waveform, whole or not there."""
+"""Output folder of a run: summary, logs, picture, report and waveform, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MISMATCH_EVENTS = 50  # the same, around a mismatch
 
 
 def run_names() -> list[str]:
-    """What `write_run` and `write_mismatch` may write."""
+    """Names of the files that `write_run` and `write_mismatch` may write."""
     logs = [f"{name}.{suffix}" for name in ("hardware", "model", "software") for suffix in ("npz", "csv")]
     return [RUN_FILE, SUMMARY, REPORT, "picture.png", *logs, *wave_names("waves"), *wave_names("mismatch")]
 
@@ -35,14 +35,14 @@ def run_names() -> list[str]:
 def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, waves: bool = True) -> dict[str, Any]:
     """Write run.toml, summary.json, the logs, picture, report and waveform of a run; returns the summary.
 
-    They take the place of an older run's only when all of them are written; other files in the folder stay.
+    They replace those of an older run only when all of them are written; other files in the folder are kept.
 
     Args:
-        made_of: what repeats it.
-        waves: whether to write a waveform: the surroundings of the first merge, else of the first birth.
+        made_of: contents of run.toml.
+        waves: whether to write a waveform, of a window around the first merge, else around the first birth.
 
     Raises:
-        OutputError: something cannot be written.
+        OutputError: a file cannot be written.
     """
     summary = summarise(run, command)
     with folder_written_aside(folder) as aside:
@@ -65,11 +65,11 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
 
 
 def write_mismatch(error: MismatchError, recording: Recording, made_of: RunFile, folder: Path, *, command: str) -> None:
-    """Write what a mismatch leaves: run.toml, summary.json with its record, the logs up to it, the report, and a waveform
+    """Write the files of a run with a mismatch: run.toml, summary.json, the logs up to it, the report, and a waveform
     of the events around it with its view.
 
     Raises:
-        OutputError: something cannot be written.
+        OutputError: a file cannot be written.
     """
     found, config = error.mismatch, made_of.config
     with folder_written_aside(folder) as aside:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Everything that the page draws, as columns of integers and a few facts about them."""
+"""The page's data, as columns of integers and a few facts about them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _CELLS_MAX = 2_048  # per side: of larger sensors several pixels are drawn as on
 
 @dataclass(frozen=True)
 class Collected:
-    """`columns`: to be packed; `facts`: plain values; `paths`: each side's and the truth's, by name; `shown`: events kept."""
+    """`columns`: data to pack; `facts`: plain values; `paths`: those of each side and of the truth; `shown`: events kept."""
 
     columns: dict[str, Column]
     facts: dict[str, Any]
@@ -38,7 +38,7 @@ class Collected:
 
 
 def collect(material: Material, events_max: int) -> Collected:
-    """Gather what the page draws, with at most `events_max` events."""
+    """Collect the page's data, with at most `events_max` events."""
     begin_us, end_us = material.span_us
     paths = {side.name: log_paths(side.log, end_us) for side in material.sides}
     if material.truth is not None:
@@ -85,14 +85,14 @@ def _names(name: str, paths: Paths) -> dict[str, Any]:
 
 
 def _ring(name: str, summary: Mapping[str, Any]) -> list[int] | None:
-    """Per slot, by how much a window is larger than its inner radius; only the hardware's algorithm has one."""
+    """Per slot, the difference of window and inner radius; only the hardware's algorithm has an inner radius."""
     if name == "software" or "config" not in summary:
         return None
     return [slot["radix_th"] for slot in summary["config"]["cot"]["slots"]]
 
 
 def _events(material: Material, events_max: int) -> tuple[dict[str, Column], list[list[int]]]:
-    """Columns of the events that are shown, and the owners, one of each side, that each code stands for."""
+    """Columns of the events to show, and a table of owner codes: one owner per side for each code."""
     events, cell = material.events, _cell(material)
     kept = thinned_events(len(events), events_max)
     if len(kept) == len(events):
@@ -110,7 +110,7 @@ def _events(material: Material, events_max: int) -> tuple[dict[str, Column], lis
 
 
 def _joint(owners: list[NDArray[np.int16]], n: int) -> tuple[NDArray[np.int64], list[list[int]]]:
-    """What the sides say of an event as one number, the commonest answers the smallest: they mostly say the same."""
+    """The owners of an event on all sides as one code; the most frequent combinations get the smallest codes."""
     if not owners or not n:
         return np.zeros(n, np.int64), [[-1] * len(owners)]
     joint = np.zeros(n, np.int64)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a report: rows of words and figures, worded for people; what is unknown is said to be."""
+"""The tables of a report: rows of labels and formatted figures; unknown figures are marked as such."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _UNKNOWN = "–"
 
 @dataclass(frozen=True)
 class Place:
-    """A moment worth a look: microseconds after the first event, the side and the track to look at, and what is there."""
+    """A link into the playback: microseconds after the first event, the side and track to select, and a description."""
 
     at_us: int
     side: str
@@ -31,7 +31,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Differences:
-    """Where hardware and software saw different things: merges and lifetimes without a partner; and where they agreed."""
+    """Differences of hardware and software, that is merges and lifetimes without a partner; and merges of both."""
 
     merges: list[Place]
     lives: list[Place]
@@ -39,7 +39,7 @@ class Differences:
 
 
 def differences(material: Material) -> Differences | None:
-    """The places that the agreement lists; None without one."""
+    """The differences listed in the agreement section; None without an agreement."""
     agreement = material.summary.get("agreement")
     if not agreement:
         return None
@@ -78,7 +78,7 @@ def _births(material: Material, name: str) -> dict[int, int]:
 
 
 def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """(what, hardware, software, how they agree)."""
+    """Rows of (label, hardware, software, agreement)."""
     a = summary.get("agreement")
     if not a:
         return []
@@ -110,17 +110,17 @@ _SCORES = (
     ("Position error, median (px)", "position_error_px_median", ""),
     ("Position error, 90 % (px)", "position_error_px_p90", ""),
     ("Velocity error, median (px/s)", "velocity_error_median", ""),
-    ("Latency (ms)", "latency_ms", "from being there to being followed"),
+    ("Latency (ms)", "latency_ms", "from an object's appearance to its track"),
 )
 
 
 def score_rows(scores: Sequence[Scores]) -> list[tuple[str, str, list[str]]]:
-    """(score, meaning, one figure per side)."""
+    """Rows of (score, meaning, one figure per side)."""
     return [(title, meaning, [figure(getattr(of, name), 3) for of in scores]) for title, name, meaning in _SCORES]
 
 
 def run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """What ran and how fast: (what, value)."""
+    """Setup and speed of the run, as rows of (label, value)."""
     rows: list[tuple[str, str]] = []
     for title, name, form in (
         ("Hardware module", "hardware", "{}"),
@@ -136,13 +136,13 @@ def run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
             rows.append((title, "none" if summary[name] is None else form.format(summary[name])))
     if summary.get("filters"):
         rows.append(
-            ("Filters", f"{', '.join(summary['filters'])}: {percent(summary['filtered_fraction'])} of the events taken out")
+            ("Filters", f"{', '.join(summary['filters'])}: {percent(summary['filtered_fraction'])} of the events removed")
         )
     return rows
 
 
 def flat(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Nested settings as (dotted name, value); slots that are all alike once."""
+    """Nested settings as (dotted name, value); identical slots are listed once."""
     rows: list[tuple[str, str]] = []
     for name, value in values.items():
         if isinstance(value, Mapping):
@@ -157,7 +157,7 @@ def flat(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
 
 
 def _text(value: Any) -> str:
-    """A setting for a table; what JSON has changed in kind looks the same."""
+    """A setting as text, the same before and after a conversion through JSON."""
     if value is None:
         return "none"
     if isinstance(value, bool):
@@ -169,7 +169,7 @@ def _text(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Bars:
-    """A histogram: what each bar stands for, its height, and figures in words."""
+    """A histogram: label and height of each bar, and its quantiles as text."""
 
     bars: list[tuple[str, int]]
     most: int
@@ -177,7 +177,7 @@ class Bars:
 
 
 def latency_bars(summary: Mapping[str, Any], most_bars: int = 24) -> Bars | None:
-    """Clocks from an event's acceptance to its record, at most so many bars; None where nobody measured."""
+    """Clocks from an event's acceptance to its record, in at most `most_bars` bars; None if not measured."""
     latency = summary.get("latency_clocks")
     if not latency or not latency["histogram"]:
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Heat maps: how many events fell on each pixel, as small pictures."""
+"""Heat maps: small pictures of the number of events per pixel."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Heat:
 
     Attributes:
         title: what is counted.
-        events: how many there are in all; most: on the busiest cell.
+        events: total number of events; most: number on the busiest cell.
         width, height: in cells; cell_px: pixels to a cell, per side.
         source: the picture as a data URL, brightness logarithmic.
     """
@@ -44,11 +44,11 @@ class Heat:
 
 
 def heat_maps(material: Material) -> list[Heat]:
-    """All events; those that a filter took out, if there was one; and what passed through each side's clusters."""
+    """Maps of all events, of those removed by a filter if there was one, and of those that no cluster of a side took."""
     maps = [_heat(material, "All events", None)]
     for side in material.sides[:1]:
         if (side.log.owner == DROPPED).any():
-            maps.append(_heat(material, "Taken out by filters", side.log.owner == DROPPED))
+            maps.append(_heat(material, "Removed by filters", side.log.owner == DROPPED))
     maps += [_heat(material, f"Passed through: {side.name}", side.log.owner == -1) for side in material.sides]
     return maps
 

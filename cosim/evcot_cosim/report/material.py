@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a report tells about: a recording, what each engine made of it, the truth, and the figures of the run."""
+"""Input of a report: a recording, the log of each engine, the ground truth, and the figures of the run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Material", "Side"]
 
 @dataclass(frozen=True)
 class Side:
-    """One engine's share: its name in the report (hardware, model or software) and its log."""
+    """One engine: its name in the report (hardware, model or software) and its log."""
 
     name: str
     log: TrackLog
@@ -26,13 +26,13 @@ class Side:
 
 @dataclass(frozen=True)
 class Material:
-    """All that a report is made of.
+    """Input of a report.
 
     Attributes:
-        recording: what ran; of a run that a mismatch ended, the part that was decided is shown.
-        summary: as of `summary.json`; every part of it may be missing.
-        sides: one, two or none.
-        truth: None where nobody knows it; only what lies within the events' time is kept.
+        recording: the recording; if a mismatch ended the run, only its decided part is shown.
+        summary: contents of `summary.json`; every part of it may be missing.
+        sides: at most two engines.
+        truth: the ground truth within the events' time, or None if unknown.
     """
 
     recording: Recording

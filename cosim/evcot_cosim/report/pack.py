@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Columns of integers as one short text that a browser unpacks: differences, planes of bytes, deflate, base64."""
+"""Compression of integer columns to one text for browsers: differences, byte planes, deflate, base64."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ __all__ = ["Column", "Packed", "pack"]
 
 @dataclass(frozen=True)
 class Column:
-    """Integers, (n,), and how they are best packed.
+    """Integers, (n,), and how to compress them.
 
     Attributes:
         values: of magnitude below 2^52, so that a browser's numbers hold them.
         delta: pack the differences from one to the next.
-        scale: what one unit stands for; the browser multiplies.
-        noise: hardly anything repeats: do not look for it.
+        scale: value of one unit, by which the browser multiplies.
+        noise: incompressible by matching: use entropy coding only.
     """
 
     values: NDArray[Any]
@@ -35,7 +35,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Packed:
-    """`directory`: how to unpack each column; `text`: all of them, in base64, which means nothing in HTML."""
+    """`directory`: how to unpack each column; `text`: all columns in base64, which needs no escaping in HTML."""
 
     directory: dict[str, dict[str, Any]]
     text: str

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The file itself: templates filled, style and modules put in, and nothing that a browser would fetch."""
+"""The HTML file: rendered templates with inlined style sheet and modules, without external resources."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ _EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULT
 
 
 def write_report(material: Material, path: Path, *, force: bool = False) -> None:
-    """Write the report; the file appears under its name only when it is whole.
+    """Write the report; the file appears under its name only when it is complete.
 
     Raises:
         OutputError: the file exists (without `force`), or cannot be written.
-        TrackLogError: a log and a truth of different clocks.
+        TrackLogError: log and truth have different time bases.
     """
     text = render(material)
     with written_aside(path, force=force) as file:
@@ -81,7 +81,7 @@ def render(material: Material) -> str:
         begin_us=material.span_us[0],
         duration_s=_duration_us(material) / 1e6,
         mismatch_us=_mismatch_us(material),
-        speed=_telling_speed(_duration_us(material)),
+        speed=_default_speed(_duration_us(material)),
         decay=round(math.log10(_DECAY_US), 2),
         trail=round(math.log10(min(max(0.1 * _duration_us(material), 1e3), 1e6)), 2),
         heights=_HEIGHTS | {"lives": _lives_height(collected)},
@@ -109,7 +109,7 @@ def render(material: Material) -> str:
 
 
 def inline_modules(names: tuple[str, ...]) -> str:
-    """Modules as one text in one scope, without their imports and exports; in the order in which they need each other."""
+    """Concatenate modules in one scope, without their imports and exports, in order of their dependencies."""
     return "\n".join(_EXPORT.sub("", _IMPORT.sub("", _source(f"{name}.js"))) for name in names)
 
 
@@ -118,7 +118,7 @@ def _source(name: str) -> str:
 
 
 def _fitting(material: Material) -> tuple[Collected, Packed]:
-    """Columns and their text, with as many events as fit."""
+    """The collected data and its packed text, with as many events as fit."""
     events_max = EVENTS_MAX
     while True:
         collected = collect(material, events_max)
@@ -129,7 +129,7 @@ def _fitting(material: Material) -> tuple[Collected, Packed]:
 
 
 def _notes(material: Material, collected: Collected) -> list[str]:
-    """What the page does not show, in words."""
+    """Notes about data that the page leaves out."""
     notes = []
     if collected.shown < len(material.events):
         notes.append(
@@ -148,7 +148,7 @@ def _notes(material: Material, collected: Collected) -> list[str]:
 
 
 def _start_us(material: Material) -> int:
-    """Where the playback stands at first: at the mismatch, else at a merge, else a birth, when things have got going."""
+    """Start time of the playback: the mismatch, else a merge, else a birth, after the start of the recording."""
     mismatch_us = _mismatch_us(material)
     if mismatch_us is not None:
         return mismatch_us
@@ -170,7 +170,7 @@ def _mismatch_us(material: Material) -> int | None:
 
 
 def _lives_height(collected: Collected) -> int:
-    """Height of the panel of lifetimes: all lanes, and a little room between the sides."""
+    """Height of the lifetimes panel: all lanes, and a gap between the sides."""
     lanes = sum(max(int(paths.lanes.max(initial=-1)) + 1, _LANES_LEAST) for paths in collected.paths.values())
     return max(lanes, _LANES_LEAST) * min(max(_LANES_HEIGHT // max(lanes, 1), _LANE[0]), _LANE[1]) + 10 * len(collected.paths)
 
@@ -179,8 +179,8 @@ def _duration_us(material: Material) -> int:
     return material.span_us[1] - material.span_us[0]
 
 
-def _telling_speed(duration_us: int) -> float:
-    """The fastest speed at which playing it all takes long enough to see something."""
+def _default_speed(duration_us: int) -> float:
+    """The fastest speed at which the whole playback still takes long enough to follow."""
     return max((speed for speed in _SPEEDS if duration_us / 1e6 / speed >= _PLAYING_S), default=_SPEEDS[0])
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who lived when and where, one life after the other: the form in which a report keeps tracks and true objects alike."""
+"""Lifetimes and positions of tracks and true objects, in the common format of a report."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ POINT = np.dtype(
 
 @dataclass(frozen=True)
 class Paths:
-    """Lives and their points.
+    """Lives of tracks or objects, and their points.
 
     Attributes:
         lives: (k,) of dtype `timeline.LIFE`, in order of birth.
-        lanes: (k,) where to draw each: lives of one lane do not overlap. The hardware's are its slots.
-        names: what each is called.
-        counts: (k,) points of each life.
-        points: of dtype `POINT`, life after life, each in order of time.
-        all_lives, all_points: how many there were before the longest were chosen and moves left out.
+        lanes: (k,) lane in which to draw each; lives in one lane do not overlap. The hardware's lanes are its slots.
+        names: name of each life.
+        counts: (k,) number of points of each life.
+        points: of dtype `POINT`, sorted by life, then by time.
+        all_lives, all_points: numbers before short lives and some moves were left out.
     """
 
     lives: NDArray[np.void]
@@ -53,7 +53,7 @@ class Paths:
     all_points: int
 
     def columns(self, name: str, origin_us: int) -> dict[str, Column]:
-        """To pack, under names that begin with this one; times from `origin_us` on."""
+        """Columns to pack, with names prefixed by `name`; times relative to `origin_us`."""
         lives, points = self.lives, self.points
         row = {int(track_id): i for i, track_id in enumerate(lives["track_id"])}
         columns = {
@@ -93,7 +93,7 @@ def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_ma
 
 
 def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
-    """True objects; one that is gone for an instant or more lives again."""
+    """True objects; one that is absent for an instant or more starts a new life."""
     objects = truth.objects[np.argsort(truth.objects["object"], kind="stable")]  # within an object by time
     begins = np.diff(objects["object"], prepend=-1) != 0
     begins |= np.diff(objects["frame"], prepend=-2) != 1
@@ -126,12 +126,12 @@ def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
 
 
 def _used(slots: NDArray[np.int16]) -> NDArray[np.int64]:
-    """Slots by rank among those that anybody lived in."""
+    """Slots numbered by rank among those in use."""
     return np.asarray(np.unique(slots, return_inverse=True)[1], np.int64)
 
 
 def _lanes(lives: NDArray[np.void]) -> NDArray[np.int64]:
-    """The lowest lane for each life in which nobody lives at the time; lives in order of birth."""
+    """The lowest lane that is free during each life; lives in order of birth."""
     free_at: list[int] = []
     lanes = np.empty(len(lives), np.int64)
     for i, (birth_us, end_us) in enumerate(zip(lives["birth_us"].tolist(), lives["end_us"].tolist(), strict=True)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TC over time: how long a cluster has been waiting for its next event."""
+"""TC over time: the time since a cluster's last event."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ _BORN, _MERGED, _LOST = int(Kind.BORN), int(Kind.MERGED), int(Kind.LOST)
 
 
 class QuietPeaks(NamedTuple):
-    """`peaks_us`: (slots, stretches) int64, the longest silence of the slot's cluster that ended in the stretch, -1 where none
-    did; `stretch_us`: length of a stretch."""
+    """`peaks_us`: (slots, intervals) int64, the longest gap of the slot's cluster that ended in the interval, -1 if none did;
+    `stretch_us`: length of an interval."""
 
     peaks_us: NDArray[np.int64]
     stretch_us: int
 
 
 def quiet_peaks(log: TrackLog, t_us: NDArray[np.int64]) -> QuietPeaks:
-    """Longest silences of visible clusters, over equal stretches of the recording.
+    """Longest gaps between events of visible clusters, over equal intervals of the recording.
 
-    A silence goes from one event of a cluster to its next, or to its loss.
+    A gap extends from one event of a cluster to its next, or to its loss.
 
     Args:
-        log: its owners belong to the events at (n,) `t_us`.
+        log: log of the events at (n,) `t_us`.
     """
     slots = int(max(log.records["slot"].max(initial=0), log.owner.max(initial=0))) + 1
     stretches = max(1, min(_STRETCHES_MAX, _CELLS_MAX // slots))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of a long run a report shows: what is left out, evenly, so that the file stays small."""
+"""Subsampling of long runs, so that a report stays small."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SEED = 1
 
 
 def thinned_events(n: int, most: int) -> NDArray[np.int64]:
-    """At most `most` of the numbers 0 to n - 1, ascending: one at random out of each of as many equal stretches."""
+    """At most `most` of the numbers 0 to n - 1, ascending: one random number from each of `most` equal intervals."""
     if n <= most:
         return np.arange(n)
     edges = np.linspace(0, n, most + 1).astype(np.int64)
@@ -36,7 +36,7 @@ def longest_lives(lives: NDArray[np.void], most: int = LIVES_MAX) -> NDArray[np.
 
 
 def thinned_records(kind: NDArray[np.uint8], most: int = RECORDS_MAX) -> NDArray[np.bool_]:
-    """Which of a log's records stay: every birth and end, and as many moves as there is room for, evenly."""
+    """Select records of a log: every birth and end, and an even selection of moves up to the limit."""
     moved = kind == Kind.MOVED
     room = max(most - int(np.count_nonzero(~moved)), 0)
     keep: NDArray[np.bool_] = ~moved

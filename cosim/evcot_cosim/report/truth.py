@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The truth about a run's recording, where somebody knows it: a scene's own, or a file."""
+"""The ground truth of a run's recording, if known: that of a scene, or from a file."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ _INSTANTS_MAX = 600  # at which a report looks: enough for figures of three digi
 
 @dataclass(frozen=True)
 class Truth:
-    """A ground truth and the rule by which tracks are held against it."""
+    """A ground truth and the rule by which tracks are evaluated against it."""
 
     objects: GroundTruth
     rule: Rule
 
     @classmethod
     def read(cls, path: Path, sensor: tuple[int, int], rule: str | None = None) -> Truth:
-        """Read a CSV file, by a rule's name or file, or the one with its columns; errors as of `read_truth` and `load_rule`."""
+        """Read a CSV file by a rule, given by name or file or detected by its columns; errors as `read_truth`, `load_rule`."""
         chosen = load_rule(rule) if rule else rule_for(path)
         chosen = chosen.on(chosen.sensor or sensor)
         return cls(read_truth(path, chosen), chosen)
 
     def within(self, from_us: int, to_us: int) -> Truth:
-        """The part of it between two moments, both included; of very many instants evenly chosen ones."""
+        """The part between two times, inclusive; very many instants are subsampled evenly."""
         first, end = (int(i) for i in np.searchsorted(self.objects.instants_us, (from_us, to_us + 1)))
         step = max(1, -(-(end - first) // _INSTANTS_MAX))
         objects = self.objects.objects
@@ -49,12 +49,12 @@ class Truth:
         return replace(self, objects=GroundTruth(instants_us, chosen, self.objects.ids))
 
     def scores(self, log: TrackLog) -> Scores | None:
-        """See `evaluate`; None where there is no instant to hold the log against."""
+        """Scores of a log, see `evaluate`; None if the truth has no instant."""
         return evaluate(log, self.objects, self.rule) if len(self.objects.instants_us) else None
 
     @property
     def words(self) -> str:
-        """How tracks are held against it, for people."""
+        """Description of the evaluation rule."""
         used = len(self.objects.instants_us)
         step_ms = float(np.median(np.diff(self.objects.instants_us))) / 1e3 if used > 1 else 0.0
         by = self.rule.title or "as its rule says"
@@ -63,9 +63,9 @@ class Truth:
 
 
 def truth_of(source: Source, recording: Recording) -> Truth | None:
-    """What is known about a run's recording: a scene's own truth, or the file that `evcot simulate` writes beside a recording.
+    """The truth of a run's recording: that of its scene, or the file that `evcot simulate` writes beside a recording.
 
-    A file that cannot be used is warned of, and left alone.
+    An unusable file is ignored with a warning.
     """
     sensor = recording.width, recording.height
     scene = source.scene_truth()
@@ -80,7 +80,7 @@ def truth_of(source: Source, recording: Recording) -> Truth | None:
 
 
 def scene_truth(truth: SceneTruth, sensor: tuple[int, int]) -> Truth:
-    """A scene's own truth, by the rule of scenes; of very many instants evenly chosen ones."""
+    """The truth of a scene, with the rule of scenes; very many instants are subsampled evenly."""
     t_us = truth.samples["t_us"]
     instants_us = np.unique(t_us)
     step = max(1, -(-len(instants_us) // _INSTANTS_MAX))  # text takes its time

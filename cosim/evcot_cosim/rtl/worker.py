@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Child process of a build: reads `request.json` in the current folder and has pyverilator build the model there.
+"""Child process of a build: reads `request.json` in the current folder and builds the model there with pyverilator.
 
-It runs apart from evcot because pyverilator and the tools under it print, and because the two adjustments below must
-not reach the caller's interpreter. It imports nothing of evcot, so its text alone decides what it does.
+It is a separate process because pyverilator and its tools print, and because the two patches below must not affect the
+caller's interpreter. It imports nothing from evcot, so that its behaviour depends on this file alone.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from pyverilator import PyVerilator, verilatorcpp
 
 
 def main() -> int:
-    """Build as the request says; the exit code is 0 when the shared object stands and could be loaded."""
+    """Build as requested; the exit code is 0 if the shared object was built and loaded."""
     request = json.loads(Path("request.json").read_text())
     # pyverilator looks up the simulator by its usual name and reads a version number that some builds do not print.
-    # Every Verilator that evcot accepts has the call that it asks for.
+    # Every Verilator that evcot accepts has the flush call that pyverilator tests for.
     shutil.which = lambda *_args, **_kwargs: request["executable"]
     verilatorcpp.verilator_flushcall_ok = lambda: True
     try:

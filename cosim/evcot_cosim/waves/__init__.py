@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Properties of waveforms, written the way they are said; docs/waveforms.md has an example of each.
+"""Temporal properties of waveforms in readable Python; docs/waveforms.md has an example of each.
 
 wave = Wave.open("run.vcd")
 s = wave.sampled("clk")

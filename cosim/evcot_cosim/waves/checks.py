@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Properties of sampled signals: each function returns how many cases it checked, or raises `WaveformError`.
 
-A property that is never put to the test fails too, unless `allow_vacuous` is given. A condition that is unknown (x or z)
-where it matters is not fulfilled. `where` limits a check to the cycles in which it is true.
+A vacuous property, one without any case, also fails, unless `allow_vacuous` is given. A condition that is unknown (x or z)
+in a checked cycle is not fulfilled. `where` limits a check to the cycles in which it is true.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def never(condition: Expr, *, where: Expr | None = None, allow_vacuous: bool = F
 
 
 def sometime(condition: Expr) -> int:
-    """The condition is true in one cycle at least; returns in how many."""
+    """The condition is true in at least one cycle; returns the number of such cycles."""
     count = int(np.count_nonzero(condition.true))
     if not count:
         raise untested(condition.samples, f"sometime({condition.text})", "it is true nowhere")
@@ -43,7 +43,7 @@ def sometime(condition: Expr) -> int:
 
 
 def one_of(signal: Expr, values: Collection[int], *, where: Expr | None = None, allow_vacuous: bool = False) -> int:
-    """The number is one of these in every cycle (of those in which `where` is true)."""
+    """The number is one of these values in every cycle (of those in which `where` is true)."""
     allowed = np.isin(signal.values.astype(np.object_), [int(value) for value in values]) & ~signal.unknown
     shown = ", ".join(value.name if isinstance(value, IntEnum) else str(value) for value in values)
     text = f"one_of({signal.text}, {{{shown}}}{_where(where)})"
@@ -53,9 +53,9 @@ def one_of(signal: Expr, values: Collection[int], *, where: Expr | None = None, 
 def transitions(
     signal: Expr, allowed: Mapping[int, Collection[int]], *, where: Expr | None = None, allow_vacuous: bool = False
 ) -> int:
-    """Every change of the number is one of these, from each key to one of its values; it may stay what it is at any time.
+    """Every change of the number is allowed, that is from a key to one of its values; it may also stay unchanged.
 
-    With `where`, a change counts that begins in a cycle in which it is true. Values given as an IntEnum are named in
+    With `where`, only changes that begin in a cycle in which it is true are checked. Values given as an IntEnum are named in
     messages. Returns the number of changes.
     """
     text = f"transitions({signal.text}{_where(where)})"
@@ -124,18 +124,18 @@ class After:
 
 
 def after(trigger: Expr) -> After:
-    """Begins a property of what follows a trigger: in the next cycle, or `within` some cycles.
+    """Start a property about the cycles after a trigger: the next cycle, or `within` several cycles.
 
     `after(s["req"]).within(3).expect(s["ack"])`: after every cycle with req, ack in one of the 3 cycles that follow. For
-    something in the same cycle write `always(s["ack"], where=s["req"])`.
+    a condition in the same cycle write `always(s["ack"], where=s["req"])`.
     """
     return After(trigger)
 
 
 def stable_until(signals: Expr | tuple[Expr, ...], start: Expr, until: Expr, *, allow_vacuous: bool = False) -> int:
-    """From a cycle in which `start` is true to the one in which `until` is, both included, the signals keep their values.
+    """The signals keep their values from a cycle in which `start` is true up to and including one in which `until` is true.
 
-    A cycle in which both are true holds nothing. Returns the number of cycles over which values had to be kept.
+    A cycle in which both are true requires nothing. Returns the number of cycles over which values had to be kept.
     """
     held = (signals,) if isinstance(signals, Expr) else signals
     text = f"stable_until({', '.join(signal.text for signal in held)}, start={start.text}, until={until.text})"
@@ -143,9 +143,9 @@ def stable_until(signals: Expr | tuple[Expr, ...], start: Expr, until: Expr, *, 
 
 
 def handshake_stable(valid: Expr, ready: Expr, *payload: Expr, where: Expr | None = None, allow_vacuous: bool = False) -> int:
-    """What a ready/valid stream offers stays on offer, unchanged, until it is taken.
+    """A ready/valid stream keeps valid high and its payload unchanged until ready is high.
 
-    With `where`, cycles in which it is false end every offer: `where=~s["rst"]`. Returns the number of cycles waited.
+    With `where`, cycles in which it is false end every transfer: `where=~s["rst"]`. Returns the number of wait cycles.
     """
     text = f"handshake_stable({', '.join(signal.text for signal in (valid, ready, *payload))}{_where(where)})"
     over = ready if where is None else ready | ~where
@@ -178,7 +178,7 @@ def _held(
 
 
 def _differs(signal: Expr) -> NDArray[np.bool_]:
-    """(n - 1,) bool: the next cycle's value is another, or one of both is unknown."""
+    """(n - 1,) bool: the next cycle's value differs, or one of the two is unknown."""
     different: NDArray[np.bool_] = np.asarray(signal.values[1:] != signal.values[:-1], np.bool_)
     return different | signal.unknown[1:] | signal.unknown[:-1]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a broken property is told: one line, then the signals around it."""
+"""Messages for failed properties: one line, then a table of the signals around the failure."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def failure(
     until: int | None = None,
     names: Names | None = None,
 ) -> WaveformError:
-    """The error for a property that fails first at `cycle`; the table goes on to cycle `until` as far as there is room."""
+    """The error for a property that first fails at `cycle`; the table extends to cycle `until` as far as there is room."""
     time = int(samples.times[cycle])
     scale = samples.wave.timescale
     head = (
@@ -53,7 +53,7 @@ def failure(
 
 
 def untested(samples: Samples, property_text: str, why: str) -> WaveformError:
-    """The error for a property that the waveform never puts to the test."""
+    """The error for a property that is vacuous in the waveform."""
     if not len(samples):
         why = f"no samples: {samples.clock} never rises"
         span = ""
@@ -64,7 +64,7 @@ def untested(samples: Samples, property_text: str, why: str) -> WaveformError:
 
 
 def value_text(text: str, names: type[IntEnum] | None) -> str:
-    """A value by name, where it has one."""
+    """The name of a value, if it has one, else the value."""
     return {str(int(member)): member.name for member in names or ()}.get(text, text)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be wrong with a waveform, with a question asked of it, and with what it shows."""
+"""Errors of waveform files, of properties, and of waveforms that fail them."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ __all__ = ["PropertyError", "VcdError", "WaveformError"]
 
 
 class VcdError(EvcotError, ValueError):
-    """A VCD that cannot be read, or a signal that it does not have: names the file, the signal and what is near it."""
+    """A VCD that cannot be read, or a missing signal: names the file, the signal and similar signals."""
 
 
 class PropertyError(EvcotError, TypeError):
-    """A property that makes no sense, such as the negation of a number: names the expression and the rule."""
+    """An ill-formed property, such as the negation of a number: names the expression and the rule."""
 
 
 class WaveformError(EvcotError, AssertionError):
-    """A property that a waveform breaks, or never puts to the test.
+    """A property that fails in a waveform, or is vacuous.
 
     The first line says what was expected, when and how often it fails; a table of the signals around that time follows.
 
     Attributes:
         path: the VCD.
-        cycle: the clock at which the property fails first, or None when it was never put to the test.
+        cycle: the clock at which the property first fails, or None if it is vacuous.
         time: that clock's edge in the VCD's time units, or None.
     """
 

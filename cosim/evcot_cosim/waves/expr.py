@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Expressions over sampled signals: one value per cycle, computed for all cycles at once.
 
-A value is unknown in a cycle where a bit that it depends on is x or z. Conditions follow the usual three-valued logic:
+A value is unknown in a cycle if a bit on which it depends is x or z. Conditions follow the usual three-valued logic:
 false & x is false, true | x is true, everything else with x is x.
 """
 
@@ -31,12 +31,12 @@ class Expr:
     take numbers. Python binds `&` more tightly than `==`: write `(s["a"] == 3) & s["b"]`.
 
     Attributes:
-        samples: where it was sampled.
+        samples: the samples to which it belongs.
         values: (n,) bool for a condition, else int64 or Python integers; 0 where unknown.
         unknown: (n,) bool.
-        text: the expression as it was written.
+        text: the expression as written.
         paths: the signals in it.
-        since: the first cycle that has all the past it asks for.
+        since: the first cycle with enough history for `previous`.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Expr:
 
     @property
     def true(self) -> NDArray[np.bool_]:
-        """(n,) bool: known to be true, and with all its past.
+        """(n,) bool: known to be true, in cycles with enough history.
 
         Raises:
             PropertyError: it is a number.
@@ -71,7 +71,7 @@ class Expr:
 
     @property
     def false(self) -> NDArray[np.bool_]:
-        """(n,) bool: known to be false, and with all its past.
+        """(n,) bool: known to be false, in cycles with enough history.
 
         Raises:
             PropertyError: it is a number.
@@ -137,7 +137,7 @@ class Expr:
     # ---- time ----------------------------------------------------------------------------------------------------------
 
     def previous(self, cycles: int = 1) -> Expr:
-        """What it was some cycles ago; checks pass over the cycles at the start that have no such past.
+        """The value some cycles ago; checks skip the first cycles, which have no such history.
 
         Raises:
             PropertyError: `cycles` is less than 1.
@@ -165,10 +165,10 @@ class Expr:
 
     @property
     def is_unknown(self) -> Expr:
-        """Has a bit that is x or z: itself never unknown."""
+        """Whether a bit is x or z; this is never unknown itself."""
         return self._derived(self.unknown.copy(), np.zeros_like(self.unknown), f"{_grouped(self.text)}.is_unknown")
 
-    # ---- how ---------------------------------------------------------------------------------------------------------------
+    # ---- implementation ------------------------------------------------------------------------------------------------------
 
     @property
     def _begun(self) -> NDArray[np.bool_]:

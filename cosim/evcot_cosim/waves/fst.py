@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A VCD as FST, GTKWave's own format: a tenth of the size, and read at once.
+"""Conversion of a VCD to FST, GTKWave's own format: a tenth of the size, and faster to open.
 
-pylibfst writes it; where that has no wheel, there is no FST.
+It is written by pylibfst; on platforms without its wheel there is no FST output.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def fst_writer() -> Any | None:
 
 
 def write_fst(vcd: Path, path: Path, *, force: bool = False) -> None:
-    """Write a VCD of Verilator's as FST, with the same scopes, names, times and values.
+    """Convert a VCD written by Verilator to FST, with the same scopes, names, times and values.
 
     Raises:
         OutputError: it exists (without `force`), or cannot be written.
@@ -44,7 +44,7 @@ def write_fst(vcd: Path, path: Path, *, force: bool = False) -> None:
 
 
 def _copy(lines: Any, context: Any, lib: Any) -> None:
-    """Declarations first, then times and values; see IEEE 1364-2005, section 18.2, for the text of a VCD."""
+    """Copy declarations, then times and values; IEEE 1364-2005, section 18.2, specifies the VCD format."""
     handles: dict[bytes, int] = {}
     widths: dict[bytes, int] = {}
     declare: dict[bytes, Callable[[list[bytes]], Any]] = {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Saved views that open a VCD in GTKWave: signals grouped, named and coloured, states by name, centres as curves.
+"""GTKWave save files for a VCD: signals grouped, named and coloured, states by name, centres as curves.
 
-A save file names its VCD, and the files that give values their names, by absolute paths. GTKWave first looks for them where
+A save file names its VCD, and the files that translate values to names, by absolute paths. GTKWave first looks for them where
 they lie relative to the save file's own recorded path, so a made-up folder that is the same in all of them means "beside
 this file", wherever that has been moved.
 """
@@ -52,10 +52,10 @@ class Marker(NamedTuple):
 
 
 def write_view(vcd: Path, view: Path, markers: Sequence[Marker] = (), reach: int = 0, *, force: bool = False) -> None:
-    """Write a GTKWave save file for a VCD in the same folder, and beside it a file of names per kind of coded value.
+    """Write a GTKWave save file for a VCD in the same folder, and a translation file for each kind of coded value.
 
-    The view shows what `views.VIEWS` has for the module below the VCD's top scope, else that module's ports. It opens on all
-    of the time; with markers, of which there may be 26 and the last is the primary one too, on `reach` steps around them.
+    The view shows the groups in `views.VIEWS` for the module below the VCD's top scope, else that module's ports. It opens on
+    the whole time range, or on `reach` steps around the markers: at most 26, of which the last is also the primary one.
 
     Raises:
         VcdError: the VCD cannot be read.
@@ -98,7 +98,7 @@ def _time_span(vcd: Path) -> tuple[int, int]:
 
 
 class _Writer:
-    """Turns the groups of a view into lines of a save file.
+    """Converts the groups of a view to lines of a save file.
 
     Attributes:
         named: the kinds of coded values in use, with their (name, code) pairs.
@@ -124,7 +124,7 @@ class _Writer:
         return [line for group in self._groups for line in self._repeated(group)]
 
     def beside(self, codes: Codes) -> Path:
-        """The file of names for one kind of coded value."""
+        """Path of the translation file for one kind of coded value."""
         return self._view.with_name(f"{self._view.stem}-{codes.name}.txt")
 
     def _repeated(self, group: Group) -> Iterator[str]:

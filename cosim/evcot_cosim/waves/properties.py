@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Properties that somebody wrote in a Python file, put to a waveform."""
+"""Checks a waveform against the user's properties in a Python file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Property = Callable[[Samples], Any]
 
 
 class Verdict(NamedTuple):
-    """What became of a property: whether it holds, over how many cases (where it returns that), else the message."""
+    """Result of a property: whether it holds, the number of cases if it returns that, else the message."""
 
     name: str
     holds: bool
@@ -29,10 +29,10 @@ class Verdict(NamedTuple):
 
 
 def load_properties(path: Path | None) -> dict[str, Property]:
-    """The properties in a file, by name, in its order; without a file, that every stream of the hardware holds its offers.
+    """The properties in a file, by name, in its order; without a file, the handshake rule for every stream of the hardware.
 
     Raises:
-        ConfigError: the file cannot be read or run, or holds no property; the message has its line.
+        ConfigError: the file cannot be read or run, or holds no property; the message gives the line.
     """
     if path is None:
         return {"streams_hold_their_offers": _streams_hold}
@@ -42,7 +42,7 @@ def load_properties(path: Path | None) -> dict[str, Property]:
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
     except (Exception, SystemExit) as error:
-        raise ConfigError(_told(path, error)) from error
+        raise ConfigError(_one_line(path, error)) from error
     found = _properties(names)
     if not found:
         raise ConfigError(f"{path}: holds no property: must have functions whose names begin with {PREFIX}")
@@ -57,11 +57,11 @@ def _properties(names: Mapping[str, Any]) -> dict[str, Property]:
 
 
 def judge(properties: Mapping[str, Property], vcd: Path, clock: str) -> list[Verdict]:
-    """Put every property to a waveform, sampled on a clock. What a broken `assert` says is a message too.
+    """Check every property on a waveform sampled on a clock. A failed `assert` counts as a failed property.
 
     Raises:
         VcdError: the waveform cannot be read, or has no such clock.
-        ConfigError: a property makes no sense, or fails for another reason; the message has its line.
+        ConfigError: a property is ill-formed, or fails for another reason; the message gives the line.
     """
     samples = Wave.open(vcd).sampled(clock)
     verdicts = []
@@ -72,13 +72,13 @@ def judge(properties: Mapping[str, Property], vcd: Path, clock: str) -> list[Ver
         except WaveformError as error:
             verdicts.append(Verdict(name, False, 0, str(error)))
         except AssertionError as error:
-            verdicts.append(Verdict(name, False, 0, str(error) or _told(None, error)))
+            verdicts.append(Verdict(name, False, 0, str(error) or _one_line(None, error)))
         except Exception as error:
-            raise ConfigError(_told(Path(function.__code__.co_filename), error)) from error
+            raise ConfigError(_one_line(Path(function.__code__.co_filename), error)) from error
     return verdicts
 
 
-def _told(path: Path | None, error: BaseException) -> str:
+def _one_line(path: Path | None, error: BaseException) -> str:
     """An exception in one line, with the line of the file that it comes from."""
     if isinstance(error, SyntaxError):
         return f"{path}: line {error.lineno}: {error.msg}"
@@ -90,7 +90,7 @@ def _told(path: Path | None, error: BaseException) -> str:
 
 
 def _streams_hold(s: Samples) -> int:
-    """What a stream offers stays on offer until it is taken; in reset nothing is offered."""
+    """Streams keep their payload valid and unchanged until accepted, and offer nothing in reset."""
     ports = {path for path in s.find("TOP.*") if path.count(".") == 1}
     prefixes = [path.removesuffix("_valid") for path in sorted(ports) if path.endswith("_valid")]
     streams = [s.stream(prefix) for prefix in prefixes if f"{prefix}_ready" in ports]

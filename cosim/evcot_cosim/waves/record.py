@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recording a waveform while a simulation is driven by hand."""
+"""Waveform recording while a simulation is driven interactively."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ __all__ = ["recorded"]
 
 @contextmanager
 def recorded(sim: PyVerilator, path: Path, *, force: bool = False) -> Iterator[Path]:
-    """While the block runs, every write to a port of `sim` goes into a VCD, which appears under its name at the end.
+    """Context that records every write to a port of `sim` in a VCD, which appears under its name at the end.
 
-    pyverilator by itself dumps at clock edges only, so that an input seems to change together with the edge that it was
-    set up for. Here an input shows its new value before that edge, as a flip-flop sees it.
+    pyverilator itself dumps at clock edges only, so that an input seems to change at the very edge that samples it. Here an
+    input shows its new value before that edge, as a flip-flop sees it.
 
     Args:
         force: replace a file that exists.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading VCD files through vcdvcd: what is declared in one, and how signals change."""
+"""VCD reader, based on vcdvcd: declarations and value changes."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ _TYPES_WITHOUT_BITS = ("real", "realtime", "event", "string")
 
 @dataclass(frozen=True)
 class Declared:
-    """One signal as the header declares it.
+    """The declaration of one signal.
 
     Attributes:
         path: scopes and name joined by dots, without the range of bits: `TOP.cot.state`, `TOP.cot_array.cm_x[3]`.
-        reference: the same as the file (and GTKWave) has it: `TOP.cot.state[2:0]`.
+        reference: the same with the range of bits, as in the file and in GTKWave: `TOP.cot.state[2:0]`.
         code: the file's short code; signals that share one are the same wire.
         width: bits.
     """
@@ -55,13 +55,13 @@ class Declared:
 
 @dataclass(frozen=True)
 class Timescale:
-    """What one step of a VCD's time means."""
+    """The unit of a VCD's times."""
 
     magnitude: int
     unit: str
 
     def text(self, time: int) -> str:
-        """A time for people, such as "125 ps"."""
+        """A time as text, such as "125 ps"."""
         return f"{time * self.magnitude} {self.unit}"
 
 
@@ -69,8 +69,8 @@ class Signal:
     """All changes of one signal of a file.
 
     Attributes:
-        declared: what the header says.
-        times: (k,) int64, never decreasing.
+        declared: its declaration.
+        times: (k,) int64, non-decreasing.
         values: (k,) bool for one bit, int64 up to 62 bits, Python integers above; 0 where unknown.
         unknown: (k,) bool, true where any bit is x or z.
     """
@@ -98,11 +98,11 @@ class Signal:
         return 0
 
     def before(self, times: NDArray[np.int64]) -> NDArray[np.intp]:
-        """Index of the last change before each time, -1 where there is none: what a flip-flop clocked then would see."""
+        """Index of the last change before each time, -1 if there is none: the value a flip-flop clocked then would sample."""
         return np.searchsorted(self.times, times, side="left") - 1
 
     def text(self, change: int) -> str:
-        """The value after one change for people: a number, or the bits where some are x or z."""
+        """The value after one change as text: a number, or the bits if some are x or z."""
         if change < 0:
             return "x"
         if change in self._texts:
@@ -112,7 +112,7 @@ class Signal:
 
 
 def declared(path: Path) -> tuple[Declared, ...]:
-    """The signals that a VCD's header declares, in its order; real numbers and the like are left out.
+    """The signals that a VCD's header declares, in order; reals and other non-vector types are left out.
 
     Raises:
         VcdError: not a VCD, or it cannot be read.
@@ -130,7 +130,7 @@ def initial_values(path: Path, signals: Sequence[Declared]) -> dict[str, int]:
     """
     if not signals:
         return {}
-    # The first time of a window need not be 0: the first change of any signal tells it.
+    # The first time of a window need not be 0: it is the time of the first change of any signal.
     with _readable(path), path.open() as lines:
         begin = next((int(line[1:].split()[0]) for line in lines if line.startswith("#")), 0)
         vcd = parse(path, signals=[entry.reference for entry in signals], to_time=begin)
@@ -158,7 +158,7 @@ def _declared(path: Path, vcd: Any) -> tuple[Declared, ...]:
     ]
     if not entries:
         raise VcdError(f"{path}: not a VCD: must declare at least one signal")
-    # Parts of one vector that are declared apart need their ranges to tell them from each other.
+    # Parts of one vector that are declared separately need their ranges to be distinguished.
     count = Counter(_RANGE.sub("", reference) for reference, _, _ in entries)
     return tuple(
         Declared(bare if count[bare := _RANGE.sub("", reference)] == 1 else reference, reference, code, int(entry.size))
@@ -167,9 +167,9 @@ def _declared(path: Path, vcd: Any) -> tuple[Declared, ...]:
 
 
 def parse(path: Path, **options: Any) -> Any:
-    """A VCD as vcdvcd reads it, with vcdvcd's options.
+    """Parse a VCD with vcdvcd and its options.
 
-    Importing vcdvcd makes a broken pipe end the whole process without a word; that is put back.
+    Importing vcdvcd makes SIGPIPE silently kill the process; the previous handler is restored.
     """
     handler = signal.getsignal(signal.SIGPIPE)
     from vcdvcd import VCDVCD
@@ -181,7 +181,7 @@ def parse(path: Path, **options: Any) -> Any:
 
 @contextmanager
 def _readable(path: Path) -> Iterator[None]:
-    """One line for whatever the parser makes of a file that is not a whole VCD."""
+    """Convert any error of the parser on an invalid or truncated VCD to a one-line VcdError."""
     try:
         yield
     except VcdError:

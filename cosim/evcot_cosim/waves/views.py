@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a waveform view shows of each hardware module: groups of signals, each with a name, a form and a colour for people."""
+"""Contents of the waveform view of each hardware module: groups of signals, each with a label, a format and a colour."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["VIEWS", "Codes", "Colour", "Form", "Group", "Row"]
 
 
 class Form(Enum):
-    """How a number is shown. A single bit is always shown as a level."""
+    """Display format of a number. A single bit is always shown as a level."""
 
     DECIMAL = "decimal"
     PIXELS = "decimal, with the fractional bits of a centre"
@@ -22,7 +22,7 @@ class Form(Enum):
 
 
 class Colour(Enum):
-    """What a row is about, told by its colour."""
+    """The colour of a row, by the role of its signal."""
 
     PLAIN = "green"
     TIME = "indigo"
@@ -36,8 +36,8 @@ class Codes:
     """Names of the values of a signal.
 
     Attributes:
-        name: of the file that carries them.
-        values: (name, code) pairs; a code of None is the value of the module's constant of that name.
+        name: name of the translation file.
+        values: (name, code) pairs; a code of None stands for the value of the module's constant of that name.
     """
 
     name: str
@@ -56,11 +56,11 @@ class Row:
     Attributes:
         signal: its name within the module, or a path below it; `{slot}` stands for the slot.
         label: the name that is shown; by default the last part of `signal`.
-        form, colour: how it is shown.
+        form, colour: format and colour of the row.
         codes: names for its values.
-        packed: a vector of which every slot has an equal part; this slot's is shown.
-        field: a part of a signal that holds several is shown: the constants of its module that are the part's width and the
-            widths of the parts below it.
+        packed: whether the vector holds an equal part for every slot, of which this slot's is shown.
+        field: selects a field of a packed signal: the module's constants for the width of the field and the widths of the
+            fields below it.
     """
 
     signal: str
@@ -132,7 +132,7 @@ _REGISTERS = " ".join(name for name in REGISTERS if name != "mode")
 
 
 def _below(scope: str, group: Group) -> Group:
-    """The same group, of a module below some scope."""
+    """The same group for a module below a scope."""
     return replace(group, rows=tuple(replace(row, signal=scope + row.signal) for row in group.rows))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A VCD as signals that are found by name and sampled on a clock."""
+"""A VCD file as signals that are looked up by name and sampled on a clock."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Wave:
 
     Attributes:
         path: the file.
-        signals: everything the header declares.
-        timescale: what one step of time means.
+        signals: all signals declared in the header.
+        timescale: unit of the times.
         end_time: the last time in the file.
     """
 
@@ -56,14 +56,14 @@ class Wave:
         return cls(Path(path), only)
 
     def find(self, glob: str) -> list[str]:
-        """Paths that match a glob, or whose end after a dot does, in the file's order.
+        """Paths that match a glob, in whole or from one of their dots on, in the file's order.
 
-        `*` stands for dots too, and brackets for themselves.
+        `*` also matches dots; brackets are literal.
         """
         return [entry.path for entry in self.signals if _matches(entry.path, glob)]
 
     def __getitem__(self, name: str) -> Signal:
-        """All changes of one signal, by its path or by the end of its path where that is unique.
+        """All changes of one signal, by its path or by a unique end of its path.
 
         Raises:
             VcdError: no such signal, several, or it was left out by `only`.
@@ -76,7 +76,7 @@ class Wave:
         return self._read[entry.code]
 
     def declared(self, name: str) -> Declared:
-        """The signal that a name means: a path, or the end of one; of several names for one wire the shortest.
+        """The signal for a name: a path, or the end of one; of several aliases of one wire the shortest.
 
         Raises:
             VcdError: no such signal, or several.
@@ -93,7 +93,7 @@ class Wave:
         raise VcdError(f"{self.path}: no signal {name}; {self._near(name)}")
 
     def sampled(self, clock: str = "clk", begin: int = 0, end: int | None = None) -> Samples:
-        """The signals as flip-flops on the rising edge of `clock` see them, at edges with begin <= time < end.
+        """The signals as sampled by flip-flops on the rising edge of `clock`, at edges with begin <= time < end.
 
         Raises:
             VcdError: no such clock, or it has more than one bit.
@@ -112,9 +112,9 @@ class Wave:
 
 
 class Samples:
-    """A waveform seen at the rising edges of one clock: cycle i is its i-th edge.
+    """A waveform sampled at the rising edges of one clock: cycle i is its i-th edge.
 
-    The value at an edge is the one before it, as a flip-flop sees it, so what an edge changes shows one cycle later.
+    The value at an edge is the one before it, as for a flip-flop, so a change caused by an edge shows one cycle later.
 
     Attributes:
         wave: the waveform.
@@ -172,7 +172,7 @@ class Samples:
         return [self[path] for path in dict.fromkeys((valid.path, ready.path, *others))]
 
     def text(self, path: str, cycle: int) -> str:
-        """A signal's value at one cycle for people, x and z bit by bit; `path` must have been sampled."""
+        """A signal's value at one cycle as text, x and z bit by bit; `path` must have been sampled."""
         return self.wave[path].text(int(self._before[path][cycle]))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Waveforms of a run: a window of events simulated again, as VCD and FST, and a view that opens it in GTKWave."""
+"""Waveforms of a run: a window of events, simulated again, as VCD and FST with a GTKWave view."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ _SHOWN_CLOCKS = 40  # before and after a moment, when the view opens
 
 @dataclass(frozen=True)
 class Window:
-    """Events `first` to `last`, both shown."""
+    """Events `first` to `last`, inclusive."""
 
     first: int
     last: int
 
     @classmethod
     def around(cls, event: int, n_events: int, reach: int) -> Window:
-        """`reach` events before and after one, as far as the recording goes."""
+        """A window of `reach` events before and after an event, clipped to the recording."""
         return cls(max(0, event - reach), min(n_events - 1, event + reach))
 
     @classmethod
@@ -53,7 +53,7 @@ class Window:
 
 
 def wave_names(name: str = "waves") -> list[str]:
-    """What `write_waves` may write."""
+    """Names of the files that `write_waves` may write."""
     codes = {row.codes.name for groups in VIEWS.values() for group in groups for row in group.rows if row.codes}
     return [*(f"{name}.{suffix}" for suffix in ("vcd", "gtkw", "fst")), *(f"{name}-{code}.txt" for code in sorted(codes))]
 
@@ -70,8 +70,8 @@ def write_waves(
     moment: Moment | None = None,
     force: bool = False,
 ) -> tuple[Path, Path]:
-    """Simulate up to the window's end again and write `<name>.vcd`, its GTKWave view `<name>.gtkw` and, with pylibfst,
-    `<name>.fst` into a folder. Markers in the view: where `moment`'s event is taken, where its record is handed over.
+    """Simulate again up to the window's end and write `<name>.vcd`, its GTKWave view `<name>.gtkw` and, with pylibfst,
+    `<name>.fst` into a folder. Markers in the view: when `moment`'s event is accepted, and when its record is sent.
 
     Raises:
         OutputError: a file exists (without `force`), or cannot be written.
@@ -86,7 +86,7 @@ def write_waves(
 
 
 def _markers(moment: Moment, clocks: Clocks) -> list[Marker]:
-    """When the event of a moment went in and its record came out."""
+    """Markers at the clocks at which the event of a moment was accepted and its record sent."""
     markers = []
     if moment.event_index < len(clocks.accepted):
         title = "event" if moment.kind is not None else moment.name

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot board`: a simulated board is told from a broken one, over its serial line."""
+"""`evcot board`: distinguishes a working simulated board from a broken one, over its serial line."""
 
 from __future__ import annotations
 
@@ -28,12 +28,14 @@ def test_a_board_says_what_it_is_and_gives_the_models_records(name: str, slots: 
     assert f"tracker:  {tracker}\n" in text
     assert f"slots:    {slots}\n" in text
     assert "40 records from number " in text
-    told = json.loads(capsys.readouterr().out)
-    assert told["records"] == 256
-    assert told["first_record"] > 0
-    assert told["difference"] is None
-    assert told["counters"]["records"] > 0
-    assert told["counters"]["owned"] + told["counters"].get("passed", 0) <= told["counters"]["events"]  # read at one clock
+    result = json.loads(capsys.readouterr().out)
+    assert result["records"] == 256
+    assert result["first_record"] > 0
+    assert result["difference"] is None
+    assert result["counters"]["records"] > 0
+    assert (
+        result["counters"]["owned"] + result["counters"].get("passed", 0) <= result["counters"]["events"]
+    )  # read at one clock
 
 
 def test_a_record_that_differs_is_named_with_both_values() -> None:

@@ -49,17 +49,17 @@ def test_a_file_leaves_the_recording_and_the_log_that_the_tracker_alone_would(
     source: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["live", str(source), "--speed", "0.5", "--save", "a.aedat4", "--save-log", "a.npz", "--json"]) == 0
-    told = lines(capsys.readouterr().out)
-    first, *figures, last = (line["kind"] for line in told)
+    result = lines(capsys.readouterr().out)
+    first, *figures, last = (line["kind"] for line in result)
     assert (first, set(figures), last) == ("start", {"figures"}, "summary")
     recording = read_recording(source)
     saved, log, wanted = read_recording("a.aedat4"), TrackLog.load_npz("a.npz"), track(recording, PRESETS["plain"])
     assert np.array_equal(saved.events.t_us, recording.events.t_us)
-    assert told[-1]["events"] == told[-1]["saved"] == len(recording.events) == len(log.owner)
-    if told[-1]["dropped"] == 0:
+    assert result[-1]["events"] == result[-1]["saved"] == len(recording.events) == len(log.owner)
+    if result[-1]["dropped"] == 0:
         assert np.array_equal(log.records, wanted.records)
         assert np.array_equal(log.owner, wanted.owner)
-    assert told[-1]["recording_s"] == pytest.approx(DURATION_US / 1e6, rel=0.05)
+    assert result[-1]["recording_s"] == pytest.approx(DURATION_US / 1e6, rel=0.05)
 
 
 def test_in_a_pipe_it_says_only_what_was_found(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -121,14 +121,14 @@ def test_a_killed_run_loses_less_than_the_last_second(source: Path) -> None:
     command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.1", "--json", "--save", "a.aedat4"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live:
         assert live.stdout is not None
-        told = json.loads(live.stdout.readline())
-        while told["kind"] == "start" or told["running_s"] < 2:
-            told = json.loads(live.stdout.readline())
+        result = json.loads(live.stdout.readline())
+        while result["kind"] == "start" or result["running_s"] < 2:
+            result = json.loads(live.stdout.readline())
         live.kill()
         live.wait()
     saved, whole = read_recording("a.aedat4", damage="skip").events, read_recording(source).events
     assert np.array_equal(saved.t_us, whole.t_us[: len(saved)])
-    lost_s = told["recording_s"] - (saved.t_us[-1] - saved.t_us[0]) / 1e6
+    lost_s = result["recording_s"] - (saved.t_us[-1] - saved.t_us[0]) / 1e6
     assert lost_s < 0.1 * 1.0, "of the recording, which is played ten times as slow"
 
 
@@ -165,13 +165,13 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
             assert main(["live", f"tcp://127.0.0.1:{port}", "--for", "4", "--json", "--save", "a.aedat4"]) == 0
         finally:
             sender.kill()
-    told = lines(capsys.readouterr().out)
-    assert told[0]["source"] == f"PRESSED at tcp://127.0.0.1:{port}"
+    result = lines(capsys.readouterr().out)
+    assert result[0]["source"] == f"PRESSED at tcp://127.0.0.1:{port}"
     saved, whole = read_recording("a.aedat4").events, read_recording(source).events
-    assert len(saved) == told[-1]["events"] > 1_000
+    assert len(saved) == result[-1]["events"] > 1_000
     for name in ("t_us", "x", "y", "p"):
         assert np.array_equal(getattr(saved, name), getattr(whole, name)[: len(saved)])
-    assert told[-1]["tracks"] >= 4  # type: ignore[operator]
+    assert result[-1]["tracks"] >= 4  # type: ignore[operator]
 
 
 @pytest.mark.parametrize(

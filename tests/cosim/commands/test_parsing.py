@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever a command is told to write, nothing that exists is lost: asked of every command and of every argument that names
+"""Whatever a command is asked to write, no existing file is lost: tested for every command and every argument that names
 a file, as the parser has them, so that a new one cannot be forgotten."""
 
 from __future__ import annotations

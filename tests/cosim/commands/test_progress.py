@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Progress is for people at a terminal: it shows events, time and rate there, and nothing in a pipe."""
+"""The progress bar shows events, time and rate on a terminal, and nothing in a pipe."""
 
 from __future__ import annotations
 

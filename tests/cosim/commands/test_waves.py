@@ -58,16 +58,16 @@ def test_a_description_is_printed_without_a_run(capsys: Capture) -> None:
 def test_the_surroundings_of_a_merge_with_markers_where_it_is_caused_and_told(capsys: Capture) -> None:
     merge = TrackLog.load_npz(f"{RUN}/hardware.npz").of_kind(Kind.MERGED)[1]
     assert main(["waves", RUN, "--around", "merge:2", "--reach", "50", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["folder"] == "build/waves/boxes-merge-2"
-    assert set(told["files"]) >= {"waves.vcd", "waves.gtkw"}
-    assert (told["first_event"], told["last_event"]) == (merge["event_index"] - 50, merge["event_index"] + 50)
+    result = json.loads(capsys.readouterr().out)
+    assert result["folder"] == "build/waves/boxes-merge-2"
+    assert set(result["files"]) >= {"waves.vcd", "waves.gtkw"}
+    assert (result["first_event"], result["last_event"]) == (merge["event_index"] - 50, merge["event_index"] + 50)
 
-    view = (Path(told["folder"]) / "waves.gtkw").read_text().splitlines()
+    view = (Path(result["folder"]) / "waves.gtkw").read_text().splitlines()
     primary, taken, record = map(int, next(line for line in view if line.startswith("*")).split()[1:])
     assert [line for line in view if line.startswith("[markername]")] == ["[markername] Aevent", "[markername] Bmerge 2"]
     assert primary == record > taken
-    s = Wave.open(Path(told["folder"]) / "waves.vcd").sampled("TOP.clk")
+    s = Wave.open(Path(result["folder"]) / "waves.vcd").sampled("TOP.clk")
     at = {int(time): i for i, time in enumerate(s.times)}
     handed = s["TOP.m_cm_valid"] & s["TOP.m_cm_ready"]
     assert handed.true[at[record]]
@@ -144,6 +144,6 @@ def test_gtkwave_opens_the_view_on_its_markers() -> None:
         ["xvfb-run", "-a", "gtkwave", str(view / "waves.vcd"), str(view / "waves.gtkw"), "-S", str(script)],
         capture_output=True, text=True, timeout=120, check=False,
     )  # fmt: skip
-    told = dict(line.split() for line in done.stdout.splitlines() if line.count(" ") == 1)
+    result = dict(line.split() for line in done.stdout.splitlines() if line.count(" ") == 1)
     times = next(line for line in (view / "waves.gtkw").read_text().splitlines() if line.startswith("*")).split()[1:]
-    assert [told.get("primary"), told.get("A"), told.get("B")] == times, done.stdout + done.stderr
+    assert [result.get("primary"), result.get("A"), result.get("B")] == times, done.stdout + done.stderr

@@ -106,19 +106,19 @@ class TestStream:
         slot = replace(SLOT, clust_nev=1, nev_max=1, max_ticks=1)  # a birth and a loss for every event
         n = 20_000
         events = ticked(np.arange(n), 64, 64)
-        told = Device(config_of("cot_array", slot)).stream(events)
-        assert len(told.records) == 2 * n - 1
-        assert same(told, CotModel(config_of("cot_array", slot)).feed(events))
+        result = Device(config_of("cot_array", slot)).stream(events)
+        assert len(result.records) == 2 * n - 1
+        assert same(result, CotModel(config_of("cot_array", slot)).feed(events))
 
     @pytest.mark.parametrize("top", TOPS)
     def test_numbers_and_times_are_whole_however_narrow_the_hardware_counts(self, top: Top) -> None:
         config = config_of(top)
         narrow = replace(config, shape=replace(config.shape, seq_w=8, time_w=18))
         events = replace(traffic(20_000), ticks=np.arange(20_000) * 14)
-        told = Device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(events)
-        assert told.records["seq"].max() > 2**8
-        assert told.records["time"].max() > 2**18
-        assert same(told, CotModel(narrow, Device(config, top).arrangement).feed(events))
+        result = Device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(events)
+        assert result.records["seq"].max() > 2**8
+        assert result.records["time"].max() > 2**18
+        assert same(result, CotModel(narrow, Device(config, top).arrangement).feed(events))
 
     def test_reset_begins_again(self) -> None:
         device = Device(config_of("cot_array"))
@@ -164,12 +164,12 @@ class TestStream:
     @pytest.mark.parametrize("top", TOPS)
     def test_timing_changes_nothing(self, top: Top) -> None:
         events = traffic(2000)
-        told, times = Device(config_of(top)).stream_timed(events)
-        assert same(told, Device(config_of(top)).stream(events))
+        result, times = Device(config_of(top)).stream_timed(events)
+        assert same(result, Device(config_of(top)).stream(events))
         assert (np.diff(times.accepted) > 0).all()
-        assert len(times.recorded) == len(told.records)
-        caused = told.records["kind"] != Kind.LOST
-        seq = told.records["seq"].astype(np.int64)
+        assert len(times.recorded) == len(result.records)
+        caused = result.records["kind"] != Kind.LOST
+        seq = result.records["seq"].astype(np.int64)
         assert (times.recorded[caused] > times.accepted[seq[caused]]).all()
 
     def test_a_chain_tells_in_order_what_its_trackers_tell_as_it_comes(self) -> None:
@@ -249,7 +249,7 @@ class TestFaults:
             ("m_pass_x <= x;", "m_pass_x <= x + 1'b1;", "changed the address or polarity of passed event 7", 7),
             ("m_pass_seq <= seq;", "m_pass_seq <= seq + 9;", "gave twice, or out of order, passed event", None),
             ("wire space =", "wire space = seq != 6 &&", "stands still", 8),
-            ("if (m_cm_ready) m_cm_valid <= 1'b0;", "", "gives more records than 14 events can cause", None),
+            ("if (m_cm_ready) m_cm_valid <= 1'b0;", "", "sends more records than 14 events can cause", None),
         ],
         ids=["lost", "repeated", "polarity", "address", "unknown", "stuck", "endless"],
     )
@@ -268,7 +268,7 @@ class TestDumping:
         events = traffic(400)
         device = Device(config_of("cot_array"), stalls=Stalls.random(np.random.default_rng(1)))
         with device.dumping(tmp_path / "w.vcd", 10, 20):
-            told, times = device.stream_timed(events)
+            result, times = device.stream_timed(events)
             assert not (tmp_path / "w.vcd").exists()  # it appears when it is whole
         assert [path.name for path in tmp_path.iterdir()] == ["w.vcd"]
         wave = parse(tmp_path / "w.vcd")
@@ -276,7 +276,7 @@ class TestDumping:
         changes = [time for time, _ in wave[clock].tv]
         first, last = 10 * (times.accepted[9] + 1), 10 * times.accepted[20] + 5
         assert changes == list(range(first, last + 1, 5))  # rising edges at 5, 15, 25 …
-        assert same(told, Device(config_of("cot_array")).stream(events))
+        assert same(result, Device(config_of("cot_array")).stream(events))
 
     def test_nothing_is_dumped_after_the_block(self, tmp_path: Path) -> None:
         device = Device(config_of("cot_array"))
@@ -306,9 +306,9 @@ signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 try:
     with device.dumping(Path({str(tmp_path)!r}) / "w.vcd"):
-        told = device.stream(t.traffic(5000))
+        decided = device.stream(t.traffic(5000))
 except OutputError as error:
-    print(len(told.owner), error)
+    print(len(decided.owner), error)
 """
         done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
         assert done.stdout == f"5000 {tmp_path}/w.vcd: cannot be written: File too large\n", done.stderr

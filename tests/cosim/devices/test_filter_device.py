@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import HardwareError, Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
 
 # One register deep; keeps events with x >= threshold, which a port or a register write sets. Busy for 100 clocks after reset.
 # `fault` breaks one rule of the streams.
@@ -75,7 +75,7 @@ def above(threshold: int, events: FilterTraffic) -> NDArray[np.bool_]:
 def test_tells_which_events_stay(folder: Path, tick_w: int) -> None:
     events = traffic()
     device = FilterDevice("echo", {"TICK_W": tick_w}, {"above": 60}, verilog=folder)
-    kept = exact(device, events, lambda told: above(60, told))
+    kept = compare_with_reference(device, events, lambda batch: above(60, batch))
     assert 0.3 < kept < 0.7
     assert not device.stream(replace(events, ticks=events.ticks + device.now), events.keep)[~events.keep].any()
     assert device.now == 2 * events.ticks[-1]
@@ -86,7 +86,7 @@ def test_stalls_change_nothing(folder: Path) -> None:
     for seed in range(4):
         stalls = Stalls.random(np.random.default_rng(seed))
         device = FilterDevice("echo", {"TICK_W": 4}, {"above": 60}, stalls=stalls, verilog=folder)
-        exact(device, events, lambda told: above(60, told))
+        compare_with_reference(device, events, lambda batch: above(60, batch))
 
 
 def test_ports_stay_through_reset_and_registers_are_written(folder: Path) -> None:
@@ -121,7 +121,7 @@ def test_exact_names_the_first_difference(folder: Path) -> None:
     device = FilterDevice("echo", {"TICK_W": 4}, ports={"above": 60}, verilog=folder)
     i = int(np.flatnonzero((events.x == 60) & events.keep)[0])
     with pytest.raises(AssertionError, match=rf"the first is event {i} .*x 60, .*hardware keeps it"):
-        exact(device, events, lambda told: above(61, told))
+        compare_with_reference(device, events, lambda batch: above(61, batch))
 
 
 @pytest.mark.parametrize(

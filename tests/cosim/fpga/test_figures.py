@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of figures: its file, the noise of seeds, and what counts as worse."""
+"""The table of figures: its file, the noise of seeds, and the detection of regressions."""
 
 from __future__ import annotations
 

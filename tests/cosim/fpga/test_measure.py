@@ -183,10 +183,10 @@ def test_a_tool_that_dies_without_a_word_is_told_by_its_code(tmp_path: Path, mon
 )
 def test_a_wrong_argument_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
     assert cli.main(arguments) == 2
-    told = capsys.readouterr()
-    assert told.err.startswith(f"evcot: {message}")
-    assert len(told.err.splitlines()) == 1
-    assert told.out == ""
+    result = capsys.readouterr()
+    assert result.err.startswith(f"evcot: {message}")
+    assert len(result.err.splitlines()) == 1
+    assert result.out == ""
 
 
 def test_the_check_sees_what_grew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -203,7 +203,7 @@ def test_the_check_sees_what_grew(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
     save(file, {figure.name: replace(figure, key="another", luts=figure.luts - 9)}, {})
     assert cli.main(arguments) == 1
-    told = capsys.readouterr().out
-    assert f"filter_polarity up5k  luts  {figure.luts - 9}" in told
-    assert "0 cases as recorded, 1 changed, 1 figures worse" in told
+    result = capsys.readouterr().out
+    assert f"filter_polarity up5k  luts  {figure.luts - 9}" in result
+    assert "0 cases as recorded, 1 changed, 1 figures worse" in result
     assert load(file)[figure.name].key == "another"

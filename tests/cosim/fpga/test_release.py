@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a user takes away: one file that is the RTL, IP-XACT that agrees with it, a FuseSoC core that runs."""
+"""The release: a single file equal to the RTL, IP-XACT that agrees with it, a FuseSoC core that runs."""
 
 from __future__ import annotations
 
@@ -91,11 +91,11 @@ def test_ip_xact_agrees_with_the_rtl(top: str, chosen: dict[str, int]) -> None:
     declared = read(top)
     values = declared.values(chosen)
     real = {port.name: (port.direction, port.width) for port in ports(top, chosen)}
-    told = {
+    result = {
         port.name: (f"{port.direction}put", 1 if port.left is None else evaluate(port.left, values) + 1)
         for port in declared.ports
     }
-    assert told == real
+    assert result == real
 
     tree = ET.fromstring(component(top, "evcot.v"))
     assert [tree.findtext(f"{SPIRIT}{name}") for name in ("vendor", "library", "name", "version")] == [
@@ -215,17 +215,17 @@ def fusesoc(folder: Path, target: str, cores: Path) -> str:
 
 @needs_fusesoc
 def test_fusesoc_lints_the_core(tmp_path: Path) -> None:
-    told = fusesoc(tmp_path, "lint", HW)
-    assert told.endswith("exit code 0"), told
-    assert "%Warning" not in told
+    result = fusesoc(tmp_path, "lint", HW)
+    assert result.endswith("exit code 0"), result
+    assert "%Warning" not in result
 
 
 @needs_fusesoc
 @pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus Verilog is not installed")
 def test_fusesoc_runs_the_self_test_and_it_notices_a_wrong_bit(tmp_path: Path) -> None:
-    told = fusesoc(tmp_path, "sim", HW)
-    assert told.endswith("exit code 0"), told
-    assert re.search(r"^PASS$", told, re.MULTILINE)
+    result = fusesoc(tmp_path, "sim", HW)
+    assert result.endswith("exit code 0"), result
+    assert re.search(r"^PASS$", result, re.MULTILINE)
 
     broken = tmp_path / "broken"
     for name in ("verilog", "fpga"):
@@ -235,8 +235,8 @@ def test_fusesoc_runs_the_self_test_and_it_notices_a_wrong_bit(tmp_path: Path) -
     text = rounding.read_text()
     assert text.count("half = (FRAC > 0)") == 1
     rounding.write_text(text.replace("half = (FRAC > 0)", "half = (FRAC > 8)"))
-    told = fusesoc(tmp_path / "broken", "sim", broken)
-    assert "FAIL: done 11, passed 10" in told, told  # the array has it, the engine has its own
+    result = fusesoc(tmp_path / "broken", "sim", broken)
+    assert "FAIL: done 11, passed 10" in result, result  # the array has it, the engine has its own
 
 
 def test_the_tools_that_are_missing_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:

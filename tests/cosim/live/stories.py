@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events, trackers and sources that tests of the live view are told with."""
+"""Events, trackers and sources for tests of the live view."""
 
 from __future__ import annotations
 

@@ -28,23 +28,23 @@ def test_without_gaps_it_is_the_tracker() -> None:
 
 def test_records_number_what_the_tracker_has_not_seen_too() -> None:
     tracker = GapTracker(EveryTenth())
-    told = [tracker.feed(random_events(15, 1))[0]]  # 0, 10 -> 0, 10
+    records = [tracker.feed(random_events(15, 1))[0]]  # 0, 10 -> 0, 10
     assert tracker.skip(100).tolist() == [DROPPED] * 100
-    told.append(tracker.feed(random_events(10, 2))[0])  # 20 -> 120
+    records.append(tracker.feed(random_events(10, 2))[0])  # 20 -> 120
     assert tracker.skip(0).tolist() == []
     tracker.skip(7)
-    told += [tracker.feed(random_events(10, 3))[0], tracker.finish()]  # 30 -> 137; at the end -> 142
-    assert np.concatenate(told)["event_index"].tolist() == [0, 10, 120, 137, 142]
+    records += [tracker.feed(random_events(10, 3))[0], tracker.finish()]  # 30 -> 137; at the end -> 142
+    assert np.concatenate(records)["event_index"].tolist() == [0, 10, 120, 137, 142]
 
 
 class Late:
-    """A tracker that tells, when it is fed, of the events that it is told to tell of."""
+    """A tracker whose next call returns records of the given events."""
 
-    def __init__(self, *told: list[int]) -> None:
-        self._told = iter(told)
+    def __init__(self, *event_indices: list[int]) -> None:
+        self._event_indices = iter(event_indices)
 
     def _records(self) -> NDArray[np.void]:
-        return np.concatenate([np.empty(0, TRACK), *(record(Kind.MOVED, 0, i, 1) for i in next(self._told))])
+        return np.concatenate([np.empty(0, TRACK), *(record(Kind.MOVED, 0, i, 1) for i in next(self._event_indices))])
 
     def feed(self, some: Events) -> TrackerOutput:
         return self._records(), np.zeros(len(some), np.int16)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames, and how they travel: each pixel's newest event, and bytes at the places that the layout tells."""
+"""Frames and their messages: the newest event of each pixel, and bytes at the offsets of the documented layout."""
 
 from __future__ import annotations
 

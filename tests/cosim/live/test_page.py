@@ -101,7 +101,7 @@ def test_layers_can_be_switched_off(open_page: Any) -> None:
 def test_a_pause_holds_the_picture_and_not_the_figures(open_page: Any) -> None:
     page = open_page()
     page.page.click("#pause")
-    assert page.text("#pause") == "Go on"
+    assert page.text("#pause") == "Resume"
     held = page.page.evaluate("document.querySelector('#stage').toDataURL()")
     before = page.text("#recording_s")
     wait_until(lambda: page.text("#recording_s") != before, 20)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a live run leaves on disk, also when it is killed."""
+"""The files of a live run, also when it is killed."""
 
 from __future__ import annotations
 

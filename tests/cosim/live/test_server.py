@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page's server, asked by a client that is no browser: who may look, what they get, and that slow ones cost nothing."""
+"""The page's server, tested with a WebSocket client: access control, messages, and isolation from slow clients."""
 
 from __future__ import annotations
 
@@ -72,10 +72,10 @@ def test_it_says_who_it_is_then_sends_frames_and_figures(server: Server, session
             if isinstance(message, bytes):
                 answer(connection, message)
     assert [number_of(frame) for frame in frames] == list(range(len(frames)))
-    told = json.loads(texts[-1])
-    assert told["type"] == "figures"
-    assert told["running"]
-    assert told["drawn_ms"]["p50"] > 0
+    result = json.loads(texts[-1])
+    assert result["type"] == "figures"
+    assert result["running"]
+    assert result["drawn_ms"]["p50"] > 0
     figures = session.figures()
     assert 0 < figures["tracked_ms"]["p50"] < figures["drawn_ms"]["p50"] < 2_000
 

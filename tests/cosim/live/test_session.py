@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A live run: all that comes is kept, what is too much for the tracker is given up and counted, nothing stops the source."""
+"""A live run: all received events are recorded, those beyond the tracker's rate are dropped and counted, and nothing blocks
+the source."""
 
 from __future__ import annotations
 
@@ -75,9 +76,9 @@ def test_a_tracker_that_is_too_slow_sees_the_newest_and_the_log_still_fits_the_r
 def test_who_looks_gets_every_step_from_then_on() -> None:
     some = random_events(500, 3)
     session = Session(Played(parts_of(some, 50)), EveryTenth())
-    inbox = session.look()
-    away = session.look()
-    session.look_away(away)
+    inbox = session.subscribe()
+    away = session.subscribe()
+    session.unsubscribe(away)
     session.start()
     wait_until(lambda: not session.running)
     taken = inbox.take()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events as they happen: a file at its own speed, and packets from somebody who does not wait."""
+"""Events as they happen: a file at its own speed, and packets from a sender without flow control."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The queue between threads: bounded, the newest stays, what is given up is counted."""
+"""The queue between threads: bounded, the oldest items are dropped and counted."""
 
 from __future__ import annotations
 

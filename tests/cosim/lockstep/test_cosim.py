@@ -91,9 +91,9 @@ def test_stalls_change_clocks_and_nothing_else(blob: Recording) -> None:
 
 
 def test_progress_is_told_after_each_run_of_events(blob: Recording) -> None:
-    told: list[tuple[int, int]] = []
-    run_cosim(blob, fit(preset("dvs128"), 64, 64), progress=lambda events, t_us, _rate: told.append((events, t_us)))
-    assert told == [(6_000, blob.duration_us)]
+    result: list[tuple[int, int]] = []
+    run_cosim(blob, fit(preset("dvs128"), 64, 64), progress=lambda events, t_us, _rate: result.append((events, t_us)))
+    assert result == [(6_000, blob.duration_us)]
 
 
 def test_a_recording_without_events_is_refused() -> None:

@@ -215,7 +215,7 @@ class TestDumpWindow:
     def test_it_shows_what_the_run_did_clock_for_clock(self, tmp_path: Path) -> None:
         events, stalls = busy(300), Stalls.random(np.random.default_rng(4))
         dump_window(events, LIVELY, tmp_path / "w.vcd", 100, 120, stalls=stalls)
-        told, times = Device(LIVELY, stalls=stalls).stream_timed(TickedEvents.of(events))
+        result, times = Device(LIVELY, stalls=stalls).stream_timed(TickedEvents.of(events))
         wave = parse(tmp_path / "w.vcd")
         named = {name.split("cot_array.")[-1]: name for name in wave.signals}
         clock = [time for time, _ in wave[named["clk"]].tv]
@@ -224,7 +224,7 @@ class TestDumpWindow:
         shown = [i for i, at_clock in enumerate(times.recorded) if times.accepted[99] < at_clock <= times.accepted[120]]
         assert len(shown) >= 3
         for i in shown:
-            assert int(kinds[10 * int(times.recorded[i])], 2) == told.records["kind"][i]
+            assert int(kinds[10 * int(times.recorded[i])], 2) == result.records["kind"][i]
 
     def test_it_stops_with_the_window(self, tmp_path: Path) -> None:
         seen: list[int] = []

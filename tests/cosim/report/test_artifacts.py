@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run's folder is whole or not there; what stands in it is tested through the command line (test_cli.py)."""
+"""A run's folder is written completely or not at all; its contents are tested through the command line (test_cli.py)."""
 
 from __future__ import annotations
 

@@ -189,12 +189,12 @@ def test_hovering_tells_time_place_and_owner(opened: Opened, material: Material)
     )
     opened.page.mouse.move(found["x"], found["y"])
     words = opened.page.locator("#hover").inner_text().split("\n")
-    told = dict(zip(words[::2], words[1::2], strict=True))
+    result = dict(zip(words[::2], words[1::2], strict=True))
     events = material.recording.events
-    assert (int(told["x"]), int(told["y"])) == (events.x[found["i"]], events.y[found["i"]])
-    assert told["polarity"] in ("ON", "OFF")
-    assert "ms" in told["t"]
-    assert told["hardware"].startswith(("track ", "slot "))
+    assert (int(result["x"]), int(result["y"])) == (events.x[found["i"]], events.y[found["i"]])
+    assert result["polarity"] in ("ON", "OFF")
+    assert "ms" in result["t"]
+    assert result["hardware"].startswith(("track ", "slot "))
 
 
 def test_zooming_keeps_what_is_under_the_pointer(opened: Opened) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The file: whole, bounded, and nothing in it does what a name says."""
+"""The HTML file: complete, bounded in size, and safe against markup in names."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TC over time: the silences of visible clusters, told as a short story."""
+"""TC over time: the gaps of visible clusters in a short story."""
 
 from __future__ import annotations
 

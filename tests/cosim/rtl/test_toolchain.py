@@ -128,11 +128,11 @@ def test_the_compiler_may_be_chosen(machine: dict[str, str], tmp_path: Path) -> 
 
 def test_models_are_compiled_for_this_machine_where_the_compiler_can(machine: dict[str, str], tmp_path: Path) -> None:
     environment = machine | {"VERILATOR": str(fake_verilator(tmp_path / "v", NEW))}
-    for told, answer in (("znver3", "true"), ("skylake", "true"), ("", "false")):
-        native = f'case "$*" in *-march=native*) echo {told} >&2; {answer};; esac'
-        compiler = executable(tmp_path / f"c++{told}", native)
+    for target, answer in (("znver3", "true"), ("skylake", "true"), ("", "false")):
+        native = f'case "$*" in *-march=native*) echo {target} >&2; {answer};; esac'
+        compiler = executable(tmp_path / f"c++{target}", native)
         tools = find_toolchain(environment | {"CXX": str(compiler)})
-        assert (tools.optimisation, tools.target) == (("-O3 -march=native", f"{told}\n") if told else ("-O3", ""))
+        assert (tools.optimisation, tools.target) == (("-O3 -march=native", f"{target}\n") if target else ("-O3", ""))
         assert tools.environment["MAKEFLAGS"].endswith(tools.optimisation.replace(" ", "\\ "))
     assert find_toolchain(environment | {"EVCOT_OPTIMISATION": "-O1"}).optimisation == "-O1"
     broken = tmp_path / "broken"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every property: what holds passes, and its broken twin fails and says when, where and with which values."""
+"""Every property passes where it holds, and fails on a broken waveform with time, signal and values in the message."""
 
 from __future__ import annotations
 

@@ -295,7 +295,7 @@ exit
 """
 
 
-def told_by_gtkwave(arguments: Sequence[Path], time: int, script: Path) -> dict[tuple[str, str], str]:
+def shown_by_gtkwave(arguments: Sequence[Path], time: int, script: Path) -> dict[tuple[str, str], str]:
     """(group, label) -> the value that GTKWave, started in another folder, shows at a time; nothing in a closed group."""
     script.write_text(TELL % time)
     with screen() as display:
@@ -304,7 +304,7 @@ def told_by_gtkwave(arguments: Sequence[Path], time: int, script: Path) -> dict[
             cwd="/", env={**os.environ, "DISPLAY": display, "HOME": str(script.parent)},
             capture_output=True, text=True, check=True, timeout=120,
         )  # fmt: skip
-    told = {}
+    result = {}
     group = ""
     for line in done.stdout.splitlines():
         if line.startswith("trace\t"):
@@ -312,8 +312,8 @@ def told_by_gtkwave(arguments: Sequence[Path], time: int, script: Path) -> dict[
             if int(flags) & GROUP_BEGIN:
                 group = label
             elif not int(flags) & (GROUP_END | STRETCH):
-                told[group, label] = value
-    return told
+                result[group, label] = value
+    return result
 
 
 def meant(view: View, wave: Wave, frac: int, time: int) -> dict[tuple[str, str], str]:
@@ -346,7 +346,7 @@ def test_gtkwave_shows_every_value_after_the_folder_has_been_renamed(
     event = wave[moment]
     time = int(event.times[np.flatnonzero(event.values)[3]])
     opened = [moved / f"{top}.vcd"] * both_named + [moved / f"{top}.gtkw"]
-    assert told_by_gtkwave(opened, time, moved / "tell.tcl") == meant(View(opened[-1]), wave, config.shape.frac, time)
+    assert shown_by_gtkwave(opened, time, moved / "values.tcl") == meant(View(opened[-1]), wave, config.shape.frac, time)
 
 
 @needs_gtkwave
@@ -357,7 +357,7 @@ def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_pat
     with device.dumping(tmp_path / "run.vcd"):
         device.stream(ticked(1, 60, 60))
     write_view(tmp_path / "run.vcd", tmp_path / "run.gtkw")
-    told = told_by_gtkwave([tmp_path / "run.vcd", tmp_path / "run.gtkw"], 100, tmp_path / "tell.tcl")
+    result = shown_by_gtkwave([tmp_path / "run.vcd", tmp_path / "run.gtkw"], 100, tmp_path / "values.tcl")
     wanted = {"d_slot", "c_slot", "u_slot", "v_slot", "w_slot", "found_slot"}
-    assert wanted <= {label for group, label in told if group == "pipeline"}
-    assert ("slot 0", "active") in told
+    assert wanted <= {label for group, label in result if group == "pipeline"}
+    assert ("slot 0", "active") in result

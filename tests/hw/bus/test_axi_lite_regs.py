@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """axi_lite_regs.v in evcot_top: what each address of the banks does, what is refused or clamped, and how that shows.
 
-What the words outside the banks hold is told in test_axi_lite_words.py.
+The words outside the banks are tested in test_axi_lite_words.py.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from evcot.hardware.register_access import Registers
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import pack_events
 from evcot_cosim.devices.base import reset
-from evcot_cosim.devices.top_device import Pace, Told, TopDevice, address_of, filter_address, poll, read, slot_address, write
+from evcot_cosim.devices.top_device import Pace, TopDevice, TopRun, address_of, filter_address, poll, read, slot_address, write
 from evcot_cosim.rtl.build import load
 from support.top import BUILDS, device_of
 
@@ -31,8 +31,8 @@ def device() -> TopDevice:
     return device_of("array behind filters")
 
 
-def answers(told: Told) -> list[tuple[int, int]]:
-    return [(int(command["response"]), int(command["result"])) for command in told.commands]
+def answers(run: TopRun) -> list[tuple[int, int]]:
+    return [(int(command["response"]), int(command["result"])) for command in run.commands]
 
 
 def fault(device: TopDevice) -> tuple[int, int]:
@@ -65,10 +65,10 @@ def test_every_address_is_known_or_answers_with_an_error(device: TopDevice) -> N
     known |= {slot_address(slot, name) for slot in range(4) for name in (*REGISTERS, "commit")}
     known |= {filter_address(name) for name in (*FILTER_REGISTERS, "commit")}
     end = 1 << register_map().address_w
-    told = device.run(commands=[read(address) for address in range(0, end, 4)])
-    found = {4 * i for i, (response, _) in enumerate(answers(told)) if response == OKAY}
+    run = device.run(commands=[read(address) for address in range(0, end, 4)])
+    found = {4 * i for i, (response, _) in enumerate(answers(run)) if response == OKAY}
     assert found == known
-    assert all(result == 0 for response, result in answers(told) if response)
+    assert all(result == 0 for response, result in answers(run) if response)
     assert fault(device) == (UNMAPPED, end - 4)
 
 
@@ -172,8 +172,8 @@ def test_nothing_takes_effect_before_its_commit_and_all_of_it_then(device: TopDe
     registers = Registers(device)
     registers.slot[1].radix_max = 12
     registers.slot[1].commit()
-    told = device.run(commands=[poll(address_of("status"), 2, 0)])
-    assert answers(told)[0][0] == OKAY
+    run = device.run(commands=[poll(address_of("status"), 2, 0)])
+    assert answers(run)[0][0] == OKAY
     assert (registers.commits, registers.slot[1].commit_seq, registers.commit_seq) == (1, 0, 0)
 
 
@@ -182,7 +182,7 @@ def test_a_bank_is_locked_while_its_commit_waits(device: TopDevice) -> None:
     device.configure()
     registers = Registers(device)
     words = pack_events(np.arange(8), np.full(8, 5), np.full(8, 5), np.zeros(8, np.int64))
-    device.run(words, quiet_clocks=50, listens=False)
+    device.run(words, quiet_clocks=50, take_outputs=False)
     registers.slot[0].commit()
     assert registers.status.pending == 1
     for address in (slot_address(0, "radix_max"), slot_address(0)):
@@ -191,7 +191,7 @@ def test_a_bank_is_locked_while_its_commit_waits(device: TopDevice) -> None:
         assert fault(device) == (LOCKED, address)
     registers.slot[1].radix_max = 5  # another bank is free
     assert registers.slot[0].radix_max != 1
-    device.run(commands=[poll(address_of("status"), 2, 0)])  # now someone listens
+    device.run(commands=[poll(address_of("status"), 2, 0)])  # now the outputs are taken
     registers.slot[0].radix_max = 5
 
 
@@ -235,8 +235,8 @@ def test_what_happens_in_the_clock_that_clears_it_interrupts_again() -> None:
 
 def test_an_access_takes_the_clocks_of_the_header(device: TopDevice) -> None:
     device.read(0)  # waits until the shadow is filled
-    told = device.run(commands=[read(0), write(slot_address(0, "radix_max"), 3)])
-    assert (told.commands["ended"] - told.commands["began"]).tolist() == [7, 9]
+    run = device.run(commands=[read(0), write(slot_address(0, "radix_max"), 3)])
+    assert (run.commands["ended"] - run.commands["began"]).tolist() == [7, 9]
 
 
 class TestPython:

@@ -59,14 +59,14 @@ class Model:
         self.pulses = {port(word, field): 0 for word, field in FIELDS if field.access in (Access.PULSE, Access.W1C)}
 
     def asked(self, word: Word | None, data: int, inputs: Mapping[str, int] | None = None) -> dict[str, int]:
-        """What an access answers, with these values of what software only reads."""
+        """What an access reads, with these values of what software only reads."""
         fields = word.fields if word else ()
-        told = defaultdict(int, inputs or {}) | self.kept
+        result = defaultdict(int, inputs or {}) | self.kept
         return {
             "known": int(word is not None),
             "writable": int(word is not None and word.writable),
-            "value": sum(told[word.port(f)] << f.lsb for f in fields if word and f.access is not Access.PULSE),
-            "kept": sum(told[word.port(f)] << f.lsb for f in fields if word and f.access is Access.RW),
+            "value": sum(result[word.port(f)] << f.lsb for f in fields if word and f.access is not Access.PULSE),
+            "kept": sum(result[word.port(f)] << f.lsb for f in fields if word and f.access is Access.RW),
             "clamped": int(any(legal(f, data) not in (None, written(f, data)) for f in fields)),
             "refused": int(any(legal(f, data) is None for f in fields)),
         }
@@ -114,17 +114,17 @@ def test_every_access_does_what_the_map_says() -> None:
         given = {name: int(rng.integers(1 << bits)) for name, bits in inputs.items() if word and name.startswith(word.name)}
         for name, value in given.items():
             io[name] = value
-        answers = model.asked(word, data, given)
+        reads = model.asked(word, data, given)
         for _ in range(2):
             sim.clock.tick()
-        assert {name: int(io[name]) for name in answers} == answers, f"word {number:#x}, data {data:#x}"
+        assert {name: int(io[name]) for name in reads} == reads, f"word {number:#x}, data {data:#x}"
         io.write = int(writes)
         sim.clock.tick()
         io.write = 0
         model.write(word if writes else None, data)
         for name in [port(word, field) for field in word.fields if field.access is not Access.RO] if word else []:
             assert io[name] == (model.kept | model.pulses)[name], f"{name}, data {data:#x}"
-        seen = {name: count + answers[name] for name, count in seen.items()}
+        seen = {name: count + reads[name] for name, count in seen.items()}
     assert {name: int(io[name]) for name in model.kept | model.pulses} == model.kept | model.pulses
     assert min(seen.values()) > 50
     reset(sim)

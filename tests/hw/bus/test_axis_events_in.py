@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events from AXI4-Stream: as packed, times that wrap, and what is skipped."""
+"""Events from AXI4-Stream: unpacked fields, times that wrap, and skipped beats."""
 
 from __future__ import annotations
 

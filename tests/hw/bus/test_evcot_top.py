@@ -90,14 +90,14 @@ def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
             traffic = traffic_of(rng, build, 8_000, since)
             zero = int(traffic.ticks[0]) if zero < 0 else zero
             events = replace(traffic, ticks=traffic.ticks - zero)
-            told = device.run(words_of(traffic))
-            assert_same(told.decisions(first, 8_000, chain), model.feed(events), chain)
+            played = device.run(words_of(traffic))
+            assert_same(played.decisions(first, 8_000, chain), model.feed(events), chain)
             since, first = int(traffic.ticks[-1]), first + 8_000
             for kind in Kind:
-                kinds[kind] += int(np.count_nonzero(told.records["kind"] == kind))
-            slots = told.decisions(first - 8_000, 8_000, chain).owner
-            assert np.array_equal(told.user, (told.owned >> np.uint64(28) & np.uint64(63)).astype(np.uint8))
-            assert len(told.owned) == np.count_nonzero(slots >= 0)
+                kinds[kind] += int(np.count_nonzero(played.records["kind"] == kind))
+            slots = played.decisions(first - 8_000, 8_000, chain).owner
+            assert np.array_equal(played.user, (played.owned >> np.uint64(28) & np.uint64(63)).astype(np.uint8))
+            assert len(played.owned) == np.count_nonzero(slots >= 0)
     print(kinds)
     assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or not chain) > 20
 
@@ -110,10 +110,10 @@ def test_a_recording_gives_the_log_of_the_golden_model() -> None:
     config = replace(DVS128.cot, filter_shape=FilterShape(128, 128))
     device = device_of("engine", config)
     device.configure()
-    told = device.run(pack_events(events.t_us, events.x, events.y, events.p))
+    played = device.run(pack_events(events.t_us, events.x, events.y, events.p))
     golden = CotModel(config).feed(TickedEvents.of(events, config.tick_us))
     assert len(golden.records) > 1_000
-    assert_same(told.decisions(0, len(events)), golden)
+    assert_same(played.decisions(0, len(events)), golden)
 
 
 class Change(NamedTuple):
@@ -164,13 +164,13 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
         changes = changes_of(rng, config, count, chain)
         afters = np.sort(rng.integers(0, n - 500, count))
         lists = [change.commands(rng, int(after)) for change, after in zip(changes, afters, strict=True)]
-        told = device.run(words_of(traffic), [command for commands in lists for command in commands])
-        assert not told.commands["response"].any()
+        played = device.run(words_of(traffic), [command for commands in lists for command in commands])
+        assert not played.commands["response"].any()
         ends = np.cumsum([len(commands) for commands in lists]) - 1
-        seqs = told.commands["result"][ends].astype(int)
-        began = told.commands["began"][ends - 2]  # the commit was written at this clock, the events before it were taken
-        assert np.all(seqs <= np.searchsorted(told.accepted, told.commands["ended"][ends]))
-        assert np.all(seqs + 64 >= np.searchsorted(told.accepted, began))
+        seqs = played.commands["result"][ends].astype(int)
+        began = played.commands["began"][ends - 2]  # the commit was written at this clock, the events before it were taken
+        assert np.all(seqs <= np.searchsorted(played.accepted, played.commands["ended"][ends]))
+        assert np.all(seqs + 64 >= np.searchsorted(played.accepted, began))
 
         model = CotModel(config, arrangement(name))
         events = replace(traffic, ticks=traffic.ticks - traffic.ticks[0])
@@ -187,7 +187,7 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
             assert len(ended) == (active and change.restart)
         parts.append(model.feed(events[at:]))
         golden = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-        assert_same(told.decisions(0, n, chain), golden, chain)
+        assert_same(played.decisions(0, n, chain), golden, chain)
     print(census)
     assert census["lives that went on"] > 8
     assert census["lives that ended"] > 8 or chain
@@ -206,10 +206,10 @@ def test_commits_that_wait_together_take_effect_at_one_event() -> None:
     traffic = traffic_of(rng, BUILDS["engine"], 4_000)
     commits = [write(slot_address(slot), 1, 1_000) for slot in (2, 5, 7)]
     # The gate stays closed from the first commit until nothing is under way: the others come before that.
-    told = device.run(
+    played = device.run(
         words_of(traffic), [*commits, poll(STATUS, PENDING, 0), *(read(slot_address(slot)) for slot in (2, 5, 7))]
     )
-    seqs = told.commands["result"][-3:]
+    seqs = played.commands["result"][-3:]
     assert len(set(seqs.tolist())) == 1
     registers = Registers(device)
     assert registers.commit_seq == seqs[0]
@@ -226,18 +226,18 @@ def test_filters_change_between_two_events(seed: int) -> None:
     device = device_of("engine", config, pace=Pace.random(rng))
     device.configure()
     traffic = traffic_of(rng, build, 6_000)
-    told = device.run(
+    played = device.run(
         words_of(traffic),
         [
             write(filter_address("region_x1"), 40, 2_000), write(filter_address("region_x0"), 20), write(filter_address(), 1),
             poll(STATUS, PENDING, 0), read(filter_address()),
         ],
     )  # fmt: skip
-    seq = int(told.commands["result"][-1])
+    seq = int(played.commands["result"][-1])
     assert 1_900 < seq < 3_000
     keep = np.where(np.arange(6_000) < seq, traffic.x <= 90, (traffic.x >= 20) & (traffic.x <= 40))
     model = CotModel(replace(config, filters=FilterRegisters()))
-    assert_same(told.decisions(0, 6_000), model.feed(replace(traffic, ticks=traffic.ticks - traffic.ticks[0]), keep))
+    assert_same(played.decisions(0, 6_000), model.feed(replace(traffic, ticks=traffic.ticks - traffic.ticks[0]), keep))
     counters = Registers(device).counters()
     assert counters["filtered"] == np.count_nonzero(~keep)
 
@@ -253,10 +253,10 @@ def test_counters_add_up() -> None:
     bad = np.concatenate([words[:10] | np.uint64(63 << 32), words[:7] | np.uint64(63 << 47)])  # beyond 60 x 50
     keeps = np.full(5_017, 255, np.uint8)
     keeps[3] = 127
-    told = device.run(np.concatenate([words, bad]), keeps=keeps)
+    played = device.run(np.concatenate([words, bad]), keeps=keeps)
     registers = Registers(device)
     found = registers.counters()
-    owner = told.decisions(0, 4_999).owner
+    owner = played.decisions(0, 4_999).owner
     assert found == {
         "events_in": 4_999,
         "events_dropped": 0,
@@ -265,7 +265,7 @@ def test_counters_add_up() -> None:
         "filtered": np.count_nonzero(owner == DROPPED),
         "owned": np.count_nonzero(owner >= 0),
         "passed": np.count_nonzero(owner == -1),
-        "records": len(told.records),
+        "records": len(played.records),
         "stalls": found["stalls"],
         "backward": 0,
     }
@@ -305,8 +305,8 @@ def test_hot_pixels_that_are_written_right_after_a_reset_are_marked(reset: str) 
 def test_nothing_is_taken_during_a_soft_reset() -> None:
     """Whatever is taken from the clock on in which its answer comes goes through."""
     device = device_of("array behind filters", CotConfig.uniform(SMALL, EVERY))
-    told = device.run(pack_events(np.arange(400), *np.full((3, 400), 1)), [write(CONTROL, 1 << 9 | 2)])
-    after = np.count_nonzero(told.accepted >= told.commands["ended"][0])
+    played = device.run(pack_events(np.arange(400), *np.full((3, 400), 1)), [write(CONTROL, 1 << 9 | 2)])
+    after = np.count_nonzero(played.accepted >= played.commands["ended"][0])
     assert 100 < after < 390
     assert Registers(device).counters()["events_in"] == after
 
@@ -323,24 +323,24 @@ def test_a_soft_reset_cuts_no_record_and_withdraws_no_event(name: str) -> None:
     for at in range(20, 220, 20):
         device = device_of(name, config, pace=Pace.random(rng))
         device.configure()
-        told = device.run(words_of(traffic), [write(CONTROL, 1 << 9 | 1, after=at)])
-        assert len(told.records) < len(golden)
-        assert np.array_equal(told.records, golden[: len(told.records)])
-        waited += np.count_nonzero(told.recorded > told.commands["ended"][0] + 8)
+        played = device.run(words_of(traffic), [write(CONTROL, 1 << 9 | 1, after=at)])
+        assert len(played.records) < len(golden)
+        assert np.array_equal(played.records, golden[: len(played.records)])
+        waited += np.count_nonzero(played.recorded > played.commands["ended"][0] + 8)
     assert waited > 0  # the reset did meet records that waited
 
 
 def test_what_nobody_took_before_a_soft_reset_is_taken_after_it() -> None:
     device = device_of("array behind filters", CotConfig(SMALL, (EVERY,) + (replace(EVERY, mode=Mode.OFF),) * 3))
     device.configure()
-    device.run(pack_events(np.arange(4), np.array([10, 10, 50, 50]), np.full(4, 10), np.zeros(4, np.int64)), listens=False)
+    device.run(pack_events(np.arange(4), np.array([10, 10, 50, 50]), np.full(4, 10), np.zeros(4, np.int64)), take_outputs=False)
     registers = Registers(device)
     assert registers.status.idle == 0
-    device.run(commands=[write(CONTROL, 1 << 9)], listens=False)
-    told = device.run()
-    assert len(told.records) > 0
-    assert len(told.owned) > 0
-    assert len(told.passed) > 0
+    device.run(commands=[write(CONTROL, 1 << 9)], take_outputs=False)
+    played = device.run()
+    assert len(played.records) > 0
+    assert len(played.owned) > 0
+    assert len(played.passed) > 0
     assert registers.status.idle == 1
 
 
@@ -380,8 +380,8 @@ class TestOverload:
     def test_without_drop_the_source_waits_and_nothing_is_lost(self) -> None:
         device = device_of("array behind filters")
         words = pack_events(np.arange(200), np.full(200, 9), np.full(200, 9), np.zeros(200, np.int64))
-        told = device.run(words, [write(CONTROL, 1)], clocks=0)
-        assert len(told.passed) == 200
+        played = device.run(words, [write(CONTROL, 1)], clocks=0)
+        assert len(played.passed) == 200
 
     def test_with_drop_events_are_counted_and_the_rest_keeps_its_time(self) -> None:
         config = CotConfig(SMALL, (EVERY,) * 4)
@@ -389,8 +389,8 @@ class TestOverload:
         registers = Registers(device)
         registers.control.drop = 1
         registers.irq_enable = 8
-        told = device.run(pack_events(7 * np.arange(200), np.full(200, 9), np.full(200, 9), np.zeros(200, np.int64)))
-        assert told.irq_clock > 0
+        played = device.run(pack_events(7 * np.arange(200), np.full(200, 9), np.full(200, 9), np.zeros(200, np.int64)))
+        assert played.irq_clock > 0
         assert registers.irq_status.overflow == 1
         held = registers.status.held
         found = registers.counters()
@@ -412,9 +412,9 @@ def test_interrupts_say_what_has_happened() -> None:
 
     def after(*events: tuple[int, int]) -> tuple[int, ...]:
         t, x = np.array(events).T
-        told = device.run(pack_events(t, x, np.full(len(t), 20), np.zeros(len(t), np.int64)))
+        played = device.run(pack_events(t, x, np.full(len(t), 20), np.zeros(len(t), np.int64)))
         status = registers.irq_status
-        found = status.birth, status.loss, status.merge, status.overflow, status.commit, int(told.irq_clock >= 0)
+        found = status.birth, status.loss, status.merge, status.overflow, status.commit, int(played.irq_clock >= 0)
         registers.irq_clear = 31
         return found
 
@@ -426,8 +426,8 @@ def test_interrupts_say_what_has_happened() -> None:
     registers.irq_enable = 4
     assert after((1_001, 30), (1_002, 35), (1_003, 35), (1_004, 36)) == (1, 0, 1, 0, 0, 1)
     registers.irq_enable = 16
-    told = device.run(commands=[write(slot_address(0), 1), poll(STATUS, PENDING, 0)])
-    assert told.irq_clock > 0
+    played = device.run(commands=[write(slot_address(0), 1), poll(STATUS, PENDING, 0)])
+    assert played.irq_clock > 0
     assert (registers.irq_status.commit, registers.irq_status.loss) == (1, 0)  # its life goes on
 
 
@@ -444,16 +444,16 @@ def test_the_self_test_source_gives_what_its_twin_in_python_gives() -> None:
         registers.lfsr_y.min, registers.lfsr_y.span = 2, 30
         registers.control.soft_reset = 1
         device.run(commands=[*configuration(config), poll(STATUS, PENDING, 0)])
-        told = device.run(commands=[write(CONTROL, 1)], clocks=300_000, most=30_000)
-        runs.append(told)
+        played = device.run(commands=[write(CONTROL, 1)], clocks=300_000, most=30_000)
+        runs.append(played)
         n = registers.counters()["events"]
         assert n > 500
         source = LfsrEventSource(x_w=6, y_w=6, seed=0xC0FFEE, gap=20, x_min=3, x_span=40, y_min=2, y_span=30)
         events = source.events(n)
         golden = CotModel(config).feed(TickedEvents.of(events))
-        same = min(len(golden.records), len(told.records)) - 20
+        same = min(len(golden.records), len(played.records)) - 20
         assert same > 200
-        assert np.array_equal(told.records[:same], golden.records[:same])
+        assert np.array_equal(played.records[:same], golden.records[:same])
     assert np.array_equal(runs[0].records[:200], runs[1].records[:200])  # stalls change nothing
 
 
@@ -471,7 +471,7 @@ def test_idle_when_the_last_event_has_been_taken() -> None:
     device = device_of("array behind filters")
     registers = Registers(device)
     registers.control.enable = 1
-    device.run(pack_events(*np.array([[0], [9], [9], [0]])), listens=False)
+    device.run(pack_events(*np.array([[0], [9], [9], [0]])), take_outputs=False)
     assert registers.status.idle == 0
     assert len(device.run().passed) == 1
     assert registers.status.idle == 1
@@ -509,9 +509,9 @@ def test_ticks_of_several_microseconds() -> None:
     device.configure(config)
     traffic = traffic_of(rng, build, 4_000)
     events = Events(1_000_000 + traffic.ticks * 37, traffic.x, traffic.y, traffic.p)
-    told = device.run(pack_events(events.t_us, events.x, events.y, events.p))
+    played = device.run(pack_events(events.t_us, events.x, events.y, events.p))
     golden = CotModel(config, Arrangement.CHAIN).feed(TickedEvents.of(events, 50))
-    assert_same(told.decisions(0, 4_000, True), golden, chain=True)
+    assert_same(played.decisions(0, 4_000, True), golden, chain=True)
 
 
 def latency(name: str) -> int:
@@ -521,8 +521,8 @@ def latency(name: str) -> int:
     device = device_of(name, config)
     device.configure()
     for t in range(3):
-        told = device.run(pack_events(np.array([t]), np.array([20]), np.array([20]), np.array([0])))
-    return int(told.recorded[0] - told.accepted[0])
+        played = device.run(pack_events(np.array([t]), np.array([20]), np.array([20]), np.array([0])))
+    return int(played.recorded[0] - played.accepted[0])
 
 
 def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.devices.base import reset
-from evcot_cosim.fpga.uart_line import BYTE_BITS, Ear, levels, request
+from evcot_cosim.fpga.uart_line import BYTE_BITS, Receiver, levels, request
 from evcot_cosim.rtl.build import load
 from support.testing import PATTERNS, Word, always, lint, sometimes
 
@@ -34,7 +34,7 @@ class Desk:
 
     Attributes:
         words: what has been written, by address.
-        ear: what the host hears.
+        receiver: the bytes that the host receives.
         beat: the next of the records' that the hardware has not taken, None at the end.
     """
 
@@ -43,7 +43,7 @@ class Desk:
         self.sim.io.rx = 1
         reset(self.sim)
         self.words: dict[int, int] = {}
-        self.ear = Ear(DIVISOR)
+        self.receiver = Receiver(DIVISOR)
         self._beats = iter(beats)
         self.beat = next(self._beats, None)
         self._pattern, self._beat_pattern = pattern, beat_pattern or always()
@@ -55,7 +55,7 @@ class Desk:
         io = self.sim.io
         io.rx = level
         self._drive()
-        self.ear.listen(int(io.tx))
+        self.receiver.sample(int(io.tx))
         asks = {bundle: int(io[bundle + field]) for bundle, field in ASKS.items() if io[f"{bundle}valid"]}
         assert asks | self._waits == asks  # nothing on offer has changed or gone
         moves = {bundle for bundle in BUNDLES if io[f"{bundle}valid"] and io[f"{bundle}ready"]}
@@ -97,13 +97,13 @@ class Desk:
         for _ in range(clocks):
             self.clock()
 
-    def told(self, *said: bytes, rest: int = 20 * BYTE) -> bytes:
+    def exchange(self, *said: bytes, rest: int = 20 * BYTE) -> bytes:
         """What the host hears when it says this, each a while after the one before."""
-        before = len(self.ear.heard)
+        before = len(self.receiver.received)
         for data in said:
             self.say(data)
             self.rest(rest)
-        return bytes(self.ear.heard[before:])
+        return bytes(self.receiver.received[before:])
 
 
 def with_sum(frame: bytes) -> bytes:
@@ -111,8 +111,8 @@ def with_sum(frame: bytes) -> bytes:
     return frame + bytes([sum(frame) & 0xFF])
 
 
-def answer(kind: str, told: int = OKAY, value: int = 0) -> bytes:
-    return with_sum(kind.encode() + bytes([told]) + value.to_bytes(4, "little"))
+def answer(kind: str, status: int = OKAY, value: int = 0) -> bytes:
+    return with_sum(kind.encode() + bytes([status]) + value.to_bytes(4, "little"))
 
 
 def record(*beats: Word) -> bytes:
@@ -144,40 +144,40 @@ def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
 class TestRequests:
     def test_what_is_written_can_be_read(self) -> None:
         desk = Desk(always())
-        assert desk.told(request("W", 0x1234, 0xCAFE_F00D)) == answer("w")
+        assert desk.exchange(request("W", 0x1234, 0xCAFE_F00D)) == answer("w")
         assert desk.words == {0x1234: 0xCAFE_F00D}
-        assert desk.told(request("R", 0x1234, 99)) == answer("r", OKAY, 0xCAFE_F00D)
+        assert desk.exchange(request("R", 0x1234, 99)) == answer("r", OKAY, 0xCAFE_F00D)
 
     def test_a_refusal_is_told(self) -> None:
         desk = Desk(always())
-        assert desk.told(request("W", 0x8000, 7), request("R", 0x8000)) == answer("w", SLVERR) + answer("r", SLVERR)
+        assert desk.exchange(request("W", 0x8000, 7), request("R", 0x8000)) == answer("w", SLVERR) + answer("r", SLVERR)
 
     def test_any_other_first_byte_is_left_out(self) -> None:
-        assert Desk(always()).told(b"rwc\x00\xff", request("R", 4)) == answer("r")
+        assert Desk(always()).exchange(b"rwc\x00\xff", request("R", 4)) == answer("r")
 
     def test_silence_ends_a_request_that_is_not_whole(self) -> None:
         desk = Desk(always())
         first, rest = request("R", 4)[:3], request("R", 4)[3:]
-        assert desk.told(first, rest=(TIMEOUT - BYTE_BITS - 1) * DIVISOR) + desk.told(rest) == answer("r")
-        assert desk.told(first, rest=TIMEOUT * DIVISOR) == b""
-        assert desk.told(rest, request("W", 4, 5)) == answer("w")
+        assert desk.exchange(first, rest=(TIMEOUT - BYTE_BITS - 1) * DIVISOR) + desk.exchange(rest) == answer("r")
+        assert desk.exchange(first, rest=TIMEOUT * DIVISOR) == b""
+        assert desk.exchange(rest, request("W", 4, 5)) == answer("w")
 
 
 class TestRecords:
     BEATS: tuple[Word, ...] = ((0x0403_0201, 0b1111, 0), (0xFFFF_0605, 0b0011, 1))
 
     def test_the_bytes_that_keep_lets_stand_go_out(self) -> None:
-        assert Desk(always(), self.BEATS * 2).told(b"") == record(*self.BEATS) * 2
+        assert Desk(always(), self.BEATS * 2).exchange(b"") == record(*self.BEATS) * 2
 
     def test_an_answer_waits_for_the_record_that_goes_out_and_for_no_other(self) -> None:
         desk = Desk(always(), self.BEATS * 4)
-        heard = desk.told(request("R", 4), rest=40 * BYTE)
-        assert heard == record(*self.BEATS) + answer("r") + record(*self.BEATS) * 3
+        received = desk.exchange(request("R", 4), rest=40 * BYTE)
+        assert received == record(*self.BEATS) + answer("r") + record(*self.BEATS) * 3
 
     def test_an_answer_goes_first_where_a_record_comes_at_the_same_clock(self) -> None:
         whole = {answer("r") + record(*self.BEATS), record(*self.BEATS) + answer("r")}
         seen = {
-            Desk(always(), self.BEATS, chain(repeat(False, 7 * BYTE + later), always())).told(request("R", 4))
+            Desk(always(), self.BEATS, chain(repeat(False, 7 * BYTE + later), always())).exchange(request("R", 4))
             for later in range(-4, 9)
         }
         assert seen == whole
@@ -185,7 +185,7 @@ class TestRecords:
     def test_a_record_whose_beats_come_late_is_not_mixed_with_an_answer(self) -> None:
         late = chain([True], repeat(False, 12 * BYTE), always())
         desk = Desk(always(), self.BEATS, late)
-        assert desk.told(request("R", 4), rest=30 * BYTE) == record(*self.BEATS) + answer("r")
+        assert desk.exchange(request("R", 4), rest=30 * BYTE) == record(*self.BEATS) + answer("r")
 
 
 @pytest.mark.parametrize("pace", ["rarely", "bursts"])
@@ -204,10 +204,10 @@ def test_random_requests_and_records_at_any_pace(pace: str) -> None:
         assert kind == "R" or address & 0x8000 or desk.words[address] == value
     desk.rest(100 * BYTE)
     assert desk.beat is None
-    heard, frames = bytes(desk.ear.heard), []
-    while heard:
-        length = 14 if heard[:1] == b"c" else 7
-        frames.append(heard[:length])
-        heard = heard[length:]
+    received, frames = bytes(desk.receiver.received), []
+    while received:
+        length = 14 if received[:1] == b"c" else 7
+        frames.append(received[:length])
+        received = received[length:]
     assert [frame for frame in frames if frame[:1] != b"c"] == wanted
     assert [frame for frame in frames if frame[:1] == b"c"] == [record(*each) for each in records]

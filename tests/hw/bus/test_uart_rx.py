@@ -16,18 +16,18 @@ from support.testing import lint
 TOP = "uart_rx"
 
 
-def heard(divisor: int, line: Iterable[int]) -> bytes:
+def received(divisor: int, line: Iterable[int]) -> bytes:
     """What comes out, from reset; the line rests before and after."""
     sim = load(TOP, {"DIVISOR": divisor})
     sim.io.rx = 1
     reset(sim)
-    told = bytearray()
+    result = bytearray()
     for level in [1] * 20 + list(line) + [1] * 12 * divisor:
         sim.io.rx = level
         sim.clock.tick()
         if sim.io.m_valid:
-            told.append(int(sim.io.m_data))
-    return bytes(told)
+            result.append(int(sim.io.m_data))
+    return bytes(result)
 
 
 @pytest.mark.parametrize("divisor", [4, 65535])
@@ -46,17 +46,17 @@ def test_refuses_other_divisors(divisor: int) -> None:
 @pytest.mark.parametrize("divisor", [4, 25])
 def test_takes_every_byte_at_rates_that_are_off_by_two_percent(divisor: int, off: float) -> None:
     data = np.random.default_rng(77).bytes(40)
-    assert heard(divisor, levels(data, divisor * (1 + off), idle=2)) == data
+    assert received(divisor, levels(data, divisor * (1 + off), idle=2)) == data
 
 
 def test_bytes_may_follow_each_other_without_a_pause() -> None:
     data = bytes([0, 255, 0x55, 0xAA, 1, 128])
-    assert heard(25, levels(data, 25)) == data
+    assert received(25, levels(data, 25)) == data
 
 
 def test_a_glitch_is_no_start_bit() -> None:
-    assert heard(25, [0] * 11 + [1] * 500 + levels(b"\x5a", 25)) == b"\x5a"
+    assert received(25, [0] * 11 + [1] * 500 + levels(b"\x5a", 25)) == b"\x5a"
 
 
 def test_a_break_is_no_byte_and_the_next_one_begins_when_it_is_over() -> None:
-    assert heard(25, [0] * 25 * 30 + [1] * 25 + levels(b"\x5a", 25)) == b"\x5a"
+    assert received(25, [0] * 25 * 30 + [1] * 25 + levels(b"\x5a", 25)) == b"\x5a"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from evcot_cosim.devices.base import reset
-from evcot_cosim.fpga.uart_line import Ear, levels
+from evcot_cosim.fpga.uart_line import Receiver, levels
 from evcot_cosim.rtl.build import load
 from support.testing import Source, always, lint, run_streams, sometimes
 
@@ -43,10 +43,10 @@ def test_bytes_follow_each_other_and_then_the_line_rests(divisor: int) -> None:
 def test_bytes_come_whole_whenever_they_come() -> None:
     sim = load(TOP, {"DIVISOR": 5})
     reset(sim)
-    ear = Ear(5)
+    receiver = Receiver(5)
     source = Source(sim, "s", ["data"], WORDS, sometimes(np.random.default_rng(78), 0.05))
-    run_streams(sim, [source], [], quiet_clocks=60, on_clock=lambda _: ear.listen(int(sim.io.tx)))
-    assert bytes(ear.heard) == DATA
+    run_streams(sim, [source], [], quiet_clocks=60, on_clock=lambda _: receiver.sample(int(sim.io.tx)))
+    assert bytes(receiver.received) == DATA
 
 
 def test_reset_lets_the_line_rest_in_the_middle_of_a_byte() -> None:

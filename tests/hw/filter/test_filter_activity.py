@@ -12,7 +12,7 @@ from evcot.filters.contract import FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
 from support.ticked import ticked
 
 TOP = "filter_activity"
@@ -57,21 +57,21 @@ class TestStories:
         small.set(activity_ticks=10, activity_support=1)
         for x in range(1, 8):
             for y in range(1, 5):
-                assert tell(small, [(0, x + dx, y + dy), (3, x, y)]) == [False, (dx, dy) != (0, 0)]
+                assert run_story(small, [(0, x + dx, y + dy), (3, x, y)]) == [False, (dx, dy) != (0, 0)]
 
     def test_no_pixel_further_away_supports(self, small: FilterDevice) -> None:
         small.set(activity_ticks=10, activity_support=1)
         x, y = 4, 3
         ring = [(x + dx, y + dy) for dx in range(-2, 3) for dy in range(-2, 3) if max(abs(dx), abs(dy)) == 2]
         for other in ring:
-            assert tell(small, [(0, *other), (0, x, y)]) == [False, False]
+            assert run_story(small, [(0, *other), (0, x, y)]) == [False, False]
 
     def test_nothing_comes_round_the_border(self, small: FilterDevice) -> None:
         small.set(activity_ticks=10, activity_support=1)
         pixels = [(x, y) for x in range(9) for y in range(6)]
         for x, y in [(0, 0), (8, 0), (0, 5), (8, 5), (0, 3), (8, 3), (4, 0), (4, 5)]:
             far = [(0, *other) for other in pixels if max(abs(other[0] - x), abs(other[1] - y)) > 1]
-            assert not tell(small, [*far, (0, x, y)])[-1]
+            assert not run_story(small, [*far, (0, x, y)])[-1]
 
     def test_as_many_neighbours_as_asked_for(self, small: FilterDevice) -> None:
         around = [(3, 2), (4, 2), (5, 2), (3, 3), (5, 3), (3, 4), (4, 4), (5, 4)]
@@ -80,26 +80,26 @@ class TestStories:
             for n in range(9):
                 events = [(5 * i // 8, *pixel) for i, pixel in enumerate(around[:n])]
                 twice = [(9, *around[0])] * (n > 0)  # an event again is no second neighbour
-                assert tell(small, [*events, *twice, (10, 4, 3)])[-1] == (n >= support)
+                assert run_story(small, [*events, *twice, (10, 4, 3)])[-1] == (n >= support)
 
     @pytest.mark.parametrize("ticks", [0, 1, 7, 31])
     def test_up_to_the_oldest_age_and_not_beyond(self, small: FilterDevice, ticks: int) -> None:
         small.set(activity_ticks=ticks, activity_support=1)
-        assert tell(small, [(5, 4, 3), (5 + ticks, 5, 3)]) == [False, True]
-        assert tell(small, [(5, 4, 3), (5 + ticks + 1, 5, 3)]) == [False, False]
+        assert run_story(small, [(5, 4, 3), (5 + ticks, 5, 3)]) == [False, True]
+        assert run_story(small, [(5, 4, 3), (5 + ticks + 1, 5, 3)]) == [False, False]
 
     def test_an_event_that_does_not_stay_is_remembered(self, small: FilterDevice) -> None:
         small.set(activity_ticks=10, activity_support=1)
-        assert tell(small, [(0, 2, 2), (20, 3, 2), (29, 4, 2), (31, 3, 2)]) == [False, False, True, True]
+        assert run_story(small, [(0, 2, 2), (20, 3, 2), (29, 4, 2), (31, 3, 2)]) == [False, False, True, True]
 
     def test_an_event_beyond_the_sensor_neither_stays_nor_supports(self, small: FilterDevice) -> None:
         small.set(activity_ticks=10, activity_support=1)
-        assert tell(small, [(0, 8, 5), (0, 9, 5), (0, 8, 6), (0, 9, 6), (0, 8, 4)]) == [False, False, False, False, True]
-        assert tell(small, [(0, 9, 3), (0, 8, 3), (0, 3, 6), (0, 3, 5), (0, 0, 4)]) == [False] * 5
+        assert run_story(small, [(0, 8, 5), (0, 9, 5), (0, 8, 6), (0, 9, 6), (0, 8, 4)]) == [False, False, False, False, True]
+        assert run_story(small, [(0, 9, 3), (0, 8, 3), (0, 3, 6), (0, 3, 5), (0, 0, 4)]) == [False] * 5
 
     def test_disabled_it_hands_everything_on_and_remembers_nothing_but_time_passes(self, small: FilterDevice) -> None:
         small.set(activity_ticks=10, activity_support=1)
-        assert tell(small, [(0, 3, 3)]) == [False]
+        assert run_story(small, [(0, 3, 3)]) == [False]
         story = [  # tick, x, y, enable -> stays
             (4, 4, 3, 0, True),
             (5, 15, 7, 0, True),  # beyond the sensor
@@ -110,8 +110,8 @@ class TestStories:
         ]
         for tick, x, y, enable, stays in story:
             small.set(enable=enable)
-            told = small.stream(ticked(tick, x, y))
-            assert told.tolist() == [stays], tick
+            result = small.stream(ticked(tick, x, y))
+            assert result.tolist() == [stays], tick
 
     def test_a_skipped_event_is_not_remembered(self, small: FilterDevice) -> None:
         small.set(activity_ticks=10, activity_support=1)
@@ -121,9 +121,9 @@ class TestStories:
     def test_reset_forgets(self, small: FilterDevice) -> None:
         small.set(activity_ticks=31, activity_support=1)
         everywhere = [(0, x, y) for x in range(9) for y in range(6)]
-        assert any(tell(small, everywhere))
+        assert any(run_story(small, everywhere))
         for _, x, y in everywhere:
-            assert tell(small, [(0, x, y)]) == [False]
+            assert run_story(small, [(0, x, y)]) == [False]
 
 
 # (width, height, stamp_w, tick_w) -> runs, events in each
@@ -151,7 +151,7 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int, int]) 
         device.stalls = Stalls.random(rng) if run % 2 else Stalls()
         rate, gap = float(rng.choice([0, 0.1, 1, 5])), (1 << stamp_w + 2)
         traffic = filter_traffic(rng, n, width, height, ticks_per_event=rate, longest_gap=gap, gaps=50 / n, beyond=1)
-        stayed.append(exact(device, traffic, lambda told: golden(device, told), parts=1 + run % 3))
+        stayed.append(compare_with_reference(device, traffic, lambda batch: golden(device, batch), parts=1 + run % 3))
     print(f"{shape}: {runs * n} events, {np.mean(stayed):.2f} stay")
     assert width * height == 1 or 0.05 < np.mean(stayed) < 0.95
 
@@ -162,7 +162,7 @@ def test_the_rule_as_it_stands_gives_the_same() -> None:
         device.set(activity_ticks=ticks, activity_support=support)
         device.reset()
         traffic = filter_traffic(np.random.default_rng(run), 2_000, 9, 6, longest_gap=300, gaps=0.05, beyond=1)
-        kept = exact(device, traffic, lambda told, t=ticks, s=support: by_the_rule(told, 9, 6, t, s))  # type: ignore[misc]
+        kept = compare_with_reference(device, traffic, lambda batch, t=ticks, s=support: by_the_rule(batch, 9, 6, t, s))  # type: ignore[misc]
         assert 0.05 < kept < 0.95
 
 
@@ -173,9 +173,9 @@ def test_every_age_at_every_phase_of_the_stamps(tick_w: int) -> None:
     ages, phases = (axis.ravel() for axis in np.meshgrid(np.arange(81), np.arange(16)))
     ticks = np.cumsum(np.stack([90 + (phases - np.roll(phases, 1)) % 16, ages], axis=1).ravel())
     x = np.tile(np.array([1, 2], np.uint16), len(ages))
-    told = device.stream(ticked(ticks, x, x))
-    assert not told[0::2].any()
-    assert told[1::2].tolist() == (ages <= 7).tolist()
+    result = device.stream(ticked(ticks, x, x))
+    assert not result[0::2].any()
+    assert result[1::2].tolist() == (ages <= 7).tolist()
 
 
 class TestClocks:

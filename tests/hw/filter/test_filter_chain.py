@@ -17,7 +17,7 @@ from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
 from evcot_cosim.rtl.files import rtl_files
-from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
 from support.testing import lint
 from support.ticked import ticked
 
@@ -73,16 +73,16 @@ def agrees(device: FilterDevice, registers: FilterRegisters, rng: np.random.Gene
     write(device, registers)
     golden = FilterChain(registers, SHAPE)
 
-    def wanted(told: FilterTraffic) -> NDArray[np.bool_]:
-        keep = told.keep.copy()
-        golden.narrow(told, keep)
+    def wanted(batch: FilterTraffic) -> NDArray[np.bool_]:
+        keep = batch.keep.copy()
+        golden.narrow(batch, keep)
         return keep
 
     parts = [
         filter_traffic(rng, n // 2, 29, 22, ticks_per_event=pace, longest_gap=5000, beyond=3, first_tick=start)
         for pace, start in ((0.3, 0), (3, 10 * n))
     ]
-    return float(np.mean([exact(device, part, wanted) for part in parts]))
+    return float(np.mean([compare_with_reference(device, part, wanted) for part in parts]))
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +126,7 @@ def test_filters_that_are_not_built_hand_everything_on(has: int) -> None:
     write(device, registers)
     golden = FilterChain(replace(registers, enable=has), SHAPE)
     traffic = filter_traffic(rng, 20_000, 29, 22, ticks_per_event=3, longest_gap=5000, beyond=3, skips=0)
-    kept = exact(device, traffic, golden.feed)
+    kept = compare_with_reference(device, traffic, golden.feed)
     assert kept < 1
     assert kept > 0.01
 
@@ -180,7 +180,7 @@ def test_reset_disables_all_filters_and_empties_their_memories(device: FilterDev
     device.reset()
     assert device.settled_after >= 29 * 22  # the longest walks: a pixel a clock
     traffic = filter_traffic(rng, 2000, 29, 22, skips=0)
-    assert exact(device, traffic, lambda told: np.ones(2000, np.bool_)) == 1
+    assert compare_with_reference(device, traffic, lambda batch: np.ones(2000, np.bool_)) == 1
     agrees(device, replace(registers, hot_pixels=()), rng, 2000)  # as one that never held an event
 
 

@@ -12,7 +12,7 @@ from evcot.filters.decay import DecayFilter, weights
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
 from support.ticked import ticked
 
 TOP = "filter_decay"
@@ -70,16 +70,16 @@ class TestStories:
         for support in (*range(1, 12), *range(12, 258, 5), 256, 257):
             small.set(decay_support=support)
             small.reset()
-            told = small.stream(ticked(ticks, x, x // 2))
-            assert not told[0::2].any()
+            result = small.stream(ticked(ticks, x, x // 2))
+            assert not result[0::2].any()
             whole = [round(256 * 2 ** (-(age % 32) / 32)) >> age // 32 for age in range(300)]
-            assert told[1::2].tolist() == [weight >= support for weight in whole], support
+            assert result[1::2].tolist() == [weight >= support for weight in whole], support
 
     @pytest.mark.parametrize("epsilon", [0, 1, 15, 127, 254, 255])
     def test_a_weight_counts_when_it_is_greater_than_epsilon(self, small: FilterDevice, epsilon: int) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=epsilon, decay_support=1)
         for age in range(0, 290, 3):
-            assert tell(small, [(7, 4, 3), (7 + age, 5, 3)]) == [False, bool(weights(0)[min(age, 288)] > epsilon)]
+            assert run_story(small, [(7, 4, 3), (7 + age, 5, 3)]) == [False, bool(weights(0)[min(age, 288)] > epsilon)]
 
     def test_the_weights_of_all_neighbours_add_up(self, small: FilterDevice) -> None:
         ages = [0, 5, 31, 32, 40, 64, 100, 200]
@@ -89,29 +89,29 @@ class TestStories:
             events = sorted((300 - age, *pixel) for age, pixel in zip(ages[:n], AROUND, strict=False))
             for support in (total, total + 1):
                 small.set(decay_support=max(1, support))
-                assert tell(small, [*events, (300, 4, 3)])[-1] == (max(1, support) <= total)
+                assert run_story(small, [*events, (300, 4, 3)])[-1] == (max(1, support) <= total)
 
     def test_eight_fresh_neighbours_weigh_2048(self, small: FilterDevice) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=255, decay_support=2048)
-        assert tell(small, [*[(0, *pixel) for pixel in AROUND], (0, 4, 3)]) == [False] * 8 + [True]
-        assert tell(small, [*[(0, *pixel) for pixel in AROUND[:7]], (0, 4, 3)]) == [False] * 8
+        assert run_story(small, [*[(0, *pixel) for pixel in AROUND], (0, 4, 3)]) == [False] * 8 + [True]
+        assert run_story(small, [*[(0, *pixel) for pixel in AROUND[:7]], (0, 4, 3)]) == [False] * 8
 
     def test_the_last_event_of_a_neighbour_counts_and_its_own_pixel_does_not(self, small: FilterDevice) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=0, decay_support=256)
-        assert tell(small, [(0, 4, 3), (40, 4, 3), (40, 5, 3), (40, 5, 3)]) == [False, False, True, True]
-        assert tell(small, [(0, 4, 3), (0, 4, 3)]) == [False, False]
+        assert run_story(small, [(0, 4, 3), (40, 4, 3), (40, 5, 3), (40, 5, 3)]) == [False, False, True, True]
+        assert run_story(small, [(0, 4, 3), (0, 4, 3)]) == [False, False]
 
     def test_nothing_comes_round_the_border(self, small: FilterDevice) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=0, decay_support=1)
         pixels = [(x, y) for x in range(9) for y in range(6)]
         for x, y in [(0, 0), (8, 0), (0, 5), (8, 5), (0, 3), (8, 3), (4, 0), (4, 5)]:
             far = [(0, *other) for other in pixels if max(abs(other[0] - x), abs(other[1] - y)) > 1]
-            assert not tell(small, [*far, (0, x, y)])[-1]
+            assert not run_story(small, [*far, (0, x, y)])[-1]
 
     def test_fractions_of_a_unit_add_up(self, small: FilterDevice) -> None:
         """A unit every three ticks: what is left over of one tick counts in the next."""
         small.set(decay_rate=ONE_A_TICK // 3 + 1, decay_epsilon=0, decay_support=256)
-        assert [tell(small, [(start, 4, 3), (start + wait, 5, 3)])[1] for start in (3, 4, 5) for wait in (0, 1, 2, 3)] == [
+        assert [run_story(small, [(start, 4, 3), (start + wait, 5, 3)])[1] for start in (3, 4, 5) for wait in (0, 1, 2, 3)] == [
             True, True, True, False,
             True, True, False, False,
             True, False, False, False,
@@ -119,12 +119,12 @@ class TestStories:
 
     def test_an_event_beyond_the_sensor_neither_stays_nor_supports(self, small: FilterDevice) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=0, decay_support=1)
-        assert tell(small, [(0, 8, 5), (0, 9, 5), (0, 8, 6), (0, 9, 6), (0, 8, 4)]) == [False, False, False, False, True]
-        assert tell(small, [(0, 9, 3), (0, 8, 3), (0, 3, 6), (0, 3, 5), (0, 0, 4)]) == [False] * 5
+        assert run_story(small, [(0, 8, 5), (0, 9, 5), (0, 8, 6), (0, 9, 6), (0, 8, 4)]) == [False, False, False, False, True]
+        assert run_story(small, [(0, 9, 3), (0, 8, 3), (0, 3, 6), (0, 3, 5), (0, 0, 4)]) == [False] * 5
 
     def test_disabled_it_hands_everything_on_and_remembers_nothing_but_time_passes(self, small: FilterDevice) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=0, decay_support=129)
-        assert tell(small, [(0, 3, 3)]) == [False]
+        assert run_story(small, [(0, 3, 3)]) == [False]
         story = [  # tick, x, y, enable -> stays
             (4, 4, 3, 0, True),
             (5, 15, 7, 0, True),  # beyond the sensor
@@ -135,8 +135,8 @@ class TestStories:
         ]
         for tick, x, y, enable, stays in story:
             small.set(enable=enable)
-            told = small.stream(ticked(tick, x, y))
-            assert told.tolist() == [stays], tick
+            result = small.stream(ticked(tick, x, y))
+            assert result.tolist() == [stays], tick
 
     def test_a_skipped_event_is_not_remembered(self, small: FilterDevice) -> None:
         small.set(decay_rate=ONE_A_TICK, decay_epsilon=0, decay_support=1)
@@ -146,9 +146,9 @@ class TestStories:
     def test_reset_forgets(self, small: FilterDevice) -> None:
         small.set(decay_rate=1, decay_epsilon=0, decay_support=1)
         everywhere = [(0, x, y) for x in range(9) for y in range(6)]
-        assert any(tell(small, everywhere))
+        assert any(run_story(small, everywhere))
         for _, x, y in everywhere:
-            assert tell(small, [(0, x, y)]) == [False]
+            assert run_story(small, [(0, x, y)]) == [False]
 
 
 # (width, height, tick_w) -> runs, events in each
@@ -178,7 +178,7 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int]) -> No
         gap = int(unit * (2048 if shape[2] > 1 else 600))
         waits = float(rng.choice([0, 0.1 * unit, min(unit, 20)]))
         traffic = filter_traffic(rng, n, width, height, ticks_per_event=waits, longest_gap=gap, gaps=20 / n, beyond=1)
-        stayed.append(exact(device, traffic, lambda told: golden(device, told), parts=1 + run % 3))
+        stayed.append(compare_with_reference(device, traffic, lambda batch: golden(device, batch), parts=1 + run % 3))
     print(f"{shape}: {runs * n} events, {np.mean(stayed):.2f} stay")
     assert width * height == 1 or 0.05 < np.mean(stayed) < 0.95
 
@@ -189,7 +189,7 @@ def test_the_rule_as_it_stands_gives_the_same(small: FilterDevice) -> None:
         small.reset()
         traffic = filter_traffic(np.random.default_rng(run), 1_500, 9, 6, longest_gap=1200, gaps=0.05, beyond=1)
         wanted = by_the_rule(traffic, 9, 6, rate, epsilon, support)
-        assert 0.05 < exact(small, traffic, lambda _, wanted=wanted: wanted) < 0.95  # type: ignore[misc]
+        assert 0.05 < compare_with_reference(small, traffic, lambda _, wanted=wanted: wanted) < 0.95  # type: ignore[misc]
 
 
 def test_silences_longer_than_stamps_can_tell(small: FilterDevice) -> None:
@@ -199,9 +199,9 @@ def test_silences_longer_than_stamps_can_tell(small: FilterDevice) -> None:
     units = np.arange(2600)
     ticks = np.cumsum(np.stack([np.full(len(units), 1001), units], axis=1).ravel())
     x = np.tile(np.array([4, 5], np.uint16), len(units))
-    told = small.stream(ticked(ticks, x, x // 2))
-    assert not told[0::2].any()
-    assert told[1::2].tolist() == (units <= 256).tolist()
+    result = small.stream(ticked(ticks, x, x // 2))
+    assert not result[0::2].any()
+    assert result[1::2].tolist() == (units <= 256).tolist()
 
 
 class TestClocks:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
 from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
 
 FIELDS = ["tick", "event", "skip", "x", "y", "p"]
@@ -36,10 +36,10 @@ class Sensor:
         if y < self.hot.shape[0] and x < self.hot.shape[1]:
             self.hot[y, x] = hot
 
-    def __call__(self, told: FilterTraffic) -> NDArray[np.bool_]:
+    def __call__(self, batch: FilterTraffic) -> NDArray[np.bool_]:
         height, width = self.hot.shape
-        stays = (told.x < width) & (told.y < height)
-        stays[stays] = ~self.hot[told.y[stays], told.x[stays]]
+        stays = (batch.x < width) & (batch.y < height)
+        stays[stays] = ~self.hot[batch.y[stays], batch.x[stays]]
         return stays
 
 
@@ -52,21 +52,21 @@ def every_address(device: FilterDevice) -> FilterTraffic:
 
 def test_a_marked_pixel_is_silent_until_it_is_unmarked() -> None:
     device, sensor = mask_filter(21, 13), Sensor(21, 13)
-    assert exact(device, every_address(device), sensor) == 21 * 13 / 1024
+    assert compare_with_reference(device, every_address(device), sensor) == 21 * 13 / 1024
     for x, y in [(3, 4), (0, 0), (20, 12), (20, 0), (0, 12), (3, 5)]:
         mark(device, x, y)
         sensor.mark(x, y, 1)
-    assert exact(device, every_address(device), sensor) == (21 * 13 - 6) / 1024
+    assert compare_with_reference(device, every_address(device), sensor) == (21 * 13 - 6) / 1024
     mark(device, 3, 4, hot=0)
     sensor.mark(3, 4, 0)
-    assert exact(device, every_address(device), sensor) == (21 * 13 - 5) / 1024
+    assert compare_with_reference(device, every_address(device), sensor) == (21 * 13 - 5) / 1024
 
 
 @pytest.mark.parametrize(("x", "y"), [(21, 0), (20, 13), (0, 13), (32, 0), (65535, 0), (0, 32), (0, 32767)])
 def test_a_mark_beyond_the_sensor_is_ignored(x: int, y: int) -> None:
     device = mask_filter(21, 13)
     mark(device, x, y)
-    assert exact(device, every_address(device), Sensor(21, 13)) == 21 * 13 / 1024
+    assert compare_with_reference(device, every_address(device), Sensor(21, 13)) == 21 * 13 / 1024
 
 
 def test_hands_everything_on_when_not_enabled_and_keeps_its_marks() -> None:
@@ -74,9 +74,9 @@ def test_hands_everything_on_when_not_enabled_and_keeps_its_marks() -> None:
     device.set(enable=0)
     mark(device, 3, 4)
     sensor.mark(3, 4, 1)
-    assert exact(device, every_address(device), lambda told: np.ones(1024, np.bool_)) == 1
+    assert compare_with_reference(device, every_address(device), lambda batch: np.ones(1024, np.bool_)) == 1
     device.set(enable=1)
-    exact(device, every_address(device), sensor)
+    compare_with_reference(device, every_address(device), sensor)
 
 
 @pytest.mark.parametrize(("width", "height"), [(1, 1), (21, 13), (32, 32), (346, 260)])
@@ -92,7 +92,7 @@ def test_reset_unmarks_every_pixel_one_a_clock(width: int, height: int) -> None:
     mark(device, 0, 0)  # lost: all are being unmarked
     device.settle()
     traffic = filter_traffic(np.random.default_rng(41), 5000, width, height, skips=0)
-    assert exact(device, traffic, Sensor(width, height)) == 1
+    assert compare_with_reference(device, traffic, Sensor(width, height)) == 1
 
 
 @pytest.mark.parametrize(("width", "height"), [(1, 1), (21, 13), (32, 32), (346, 260)])
@@ -107,7 +107,7 @@ def test_random_marks_traffic_and_stalls_are_exact(width: int, height: int) -> N
             mark(device, x, y, hot)
             sensor.mark(x, y, hot)
         traffic = filter_traffic(rng, 45_000, width, height, beyond=30, first_tick=device.now)
-        exact(device, traffic, sensor)
+        compare_with_reference(device, traffic, sensor)
         by_marks.append(float(np.mean(Sensor(width, height)(traffic) & ~sensor(traffic))))
     assert max(by_marks) > 0.02  # events dropped for a mark and not for lying beyond
 

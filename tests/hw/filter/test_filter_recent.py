@@ -11,7 +11,7 @@ from evcot.filters.contract import FILTER_SHAPE_RANGES
 from evcot.hardware.contract import SHAPE_RANGES
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
 from support.testing import lint
 from support.ticked import ticked
 
@@ -26,7 +26,7 @@ def recent_filter(
     return FilterDevice("filter_recent", parameters, ports)
 
 
-def tell(device: FilterDevice, story: Story) -> list[int]:
+def run_story(device: FilterDevice, story: Story) -> list[int]:
     """The events of a story, numbered from 0, that stay."""
     ticks, x, y = np.array(story, np.int64).T
     keep = device.stream(ticked(ticks + device.now, x, y))
@@ -40,18 +40,18 @@ class Memory:
         self.depth = depth
         self.events = np.zeros((3, 0), np.int64)  # ticks, x, y
 
-    def judge(self, told: FilterTraffic, ticks: int, radius: int, support: int) -> NDArray[np.bool_]:
+    def judge(self, batch: FilterTraffic, ticks: int, radius: int, support: int) -> NDArray[np.bool_]:
         """Which of these events stay, each compared with the one before it, then the one before that; they are remembered."""
-        reaches = told.keep
+        reaches = batch.keep
         known = self.events.shape[1]
-        events = np.concatenate([self.events, np.stack([told.ticks, told.x, told.y])[:, reaches]], axis=1)
+        events = np.concatenate([self.events, np.stack([batch.ticks, batch.x, batch.y])[:, reaches]], axis=1)
         supporters = np.zeros(events.shape[1], np.int64)
         for back in range(1, min(self.depth + 1, events.shape[1])):
             age, dx, dy = np.abs(events[:, back:] - events[:, :-back])
             distance = np.maximum(dx, dy)
             supporters[back:] += (age <= ticks) & (distance >= 1) & (distance <= radius)
         self.events = events[:, -self.depth :]
-        stays = np.zeros(len(told.ticks), np.bool_)
+        stays = np.zeros(len(batch.ticks), np.bool_)
         stays[reaches] = supporters[known:] >= support
         return stays
 
@@ -59,31 +59,31 @@ class Memory:
 class TestStories:
     def test_company_within_the_radius(self) -> None:
         device = recent_filter(depth=1, radius=2)
-        assert tell(device, [(0, 10, 10), (1, 12, 8), (1, 9, 8), (1, 11, 10), (1, 11, 13)]) == [1, 3]
+        assert run_story(device, [(0, 10, 10), (1, 12, 8), (1, 9, 8), (1, 11, 10), (1, 11, 13)]) == [1, 3]
 
     def test_its_own_pixel_supports_nothing(self) -> None:
-        assert tell(recent_filter(), [(0, 10, 10), (1, 10, 10), (1, 11, 10), (1, 11, 11)]) == [2, 3]
+        assert run_story(recent_filter(), [(0, 10, 10), (1, 10, 10), (1, 11, 10), (1, 11, 11)]) == [2, 3]
 
     def test_as_many_as_asked_for(self) -> None:
         device = recent_filter(support=3)
-        assert tell(device, [(0, 10, 10), (0, 11, 10), (0, 12, 10), (0, 11, 11), (0, 31, 31), (0, 10, 11)]) == [3, 5]
+        assert run_story(device, [(0, 10, 10), (0, 11, 10), (0, 12, 10), (0, 11, 11), (0, 31, 31), (0, 10, 11)]) == [3, 5]
 
     def test_those_that_do_not_stay_are_remembered_too(self) -> None:
-        assert tell(recent_filter(), [(0, 10, 10), (0, 11, 11)]) == [1]
+        assert run_story(recent_filter(), [(0, 10, 10), (0, 11, 11)]) == [1]
 
     @pytest.mark.parametrize(("wait", "stays"), [(20, [1]), (21, [])])
     def test_up_to_the_age_that_is_asked_for(self, wait: int, stays: list[int]) -> None:
-        assert tell(recent_filter(ticks=20), [(5, 10, 10), (5 + wait, 11, 11)]) == stays
+        assert run_story(recent_filter(ticks=20), [(5, 10, 10), (5 + wait, 11, 11)]) == stays
 
     @pytest.mark.parametrize(("others", "stays"), [(3, True), (4, False)])
     def test_the_oldest_leaves_when_a_new_one_finds_no_room(self, others: int, stays: bool) -> None:
         story = [(0, 10, 10), *[(0, 30, 30)] * others, (0, 11, 11)]
-        assert (len(story) - 1 in tell(recent_filter(depth=4), story)) == stays
+        assert (len(story) - 1 in run_story(recent_filter(depth=4), story)) == stays
 
     @pytest.mark.parametrize("corner", [(0, 0), (31, 0), (0, 31), (31, 31)])
     def test_the_border_is_no_neighbour(self, corner: tuple[int, int]) -> None:
         x, y = corner
-        assert tell(recent_filter(radius=15), [(0, x, y), (0, 31 - x, y), (0, x, 31 - y), (0, 31 - x, 31 - y)]) == []
+        assert run_story(recent_filter(radius=15), [(0, x, y), (0, 31 - x, y), (0, x, 31 - y), (0, 31 - x, 31 - y)]) == []
 
     def test_a_skipped_event_is_not_remembered(self) -> None:
         device = recent_filter()
@@ -92,11 +92,11 @@ class TestStories:
 
     def test_not_enabled_it_hands_on_and_leaves_its_memory_alone_but_time_passes(self) -> None:
         device = recent_filter(ticks=20)
-        assert tell(device, [(0, 10, 10)]) == []
+        assert run_story(device, [(0, 10, 10)]) == []
         device.set(enable=0)
-        assert tell(device, [(5, 20, 20)]) == [0]
+        assert run_story(device, [(5, 20, 20)]) == [0]
         device.set(enable=1)
-        assert tell(device, [(1, 21, 21), (15, 11, 11), (16, 8, 9)]) == [1]  # 20, 20 never came; now 10, 10 is too old
+        assert run_story(device, [(1, 21, 21), (15, 11, 11), (16, 8, 9)]) == [1]  # 20, 20 never came; now 10, 10 is too old
 
     @pytest.mark.parametrize("step", [1, 31, 32, 33, 64, 4096])
     def test_no_wait_makes_an_old_event_new(self, step: int) -> None:
@@ -107,7 +107,7 @@ class TestStories:
         for wait in waits:
             device.reset()
             story = [(7, 10, 10), *[(7 + k * step, 30, 30) for k in (1, 2, 3) if k * step < wait], (7 + wait, 11, 11)]
-            stays += [wait] * (len(story) - 1 in tell(device, story))
+            stays += [wait] * (len(story) - 1 in run_story(device, story))
         assert stays == [28, 29, 30, 31]
 
 
@@ -131,10 +131,10 @@ def test_random_registers_traffic_and_stalls_are_exact(depth: int, stamp_w: int,
             first_tick=device.now,
         )  # fmt: skip
 
-        def wanted(told: FilterTraffic, registers: tuple[int, int, int] = (ticks, radius, support)) -> NDArray[np.bool_]:
-            return memory.judge(told, *registers) if device.sim.io.enable else told.keep
+        def wanted(batch: FilterTraffic, registers: tuple[int, int, int] = (ticks, radius, support)) -> NDArray[np.bool_]:
+            return memory.judge(batch, *registers) if device.sim.io.enable else batch.keep
 
-        kept.append(exact(device, traffic, wanted))
+        kept.append(compare_with_reference(device, traffic, wanted))
     enabled = [part for run, part in enumerate(kept) if run % 5 != 4]
     print(enabled)
     assert min(enabled) < 0.6
@@ -150,10 +150,10 @@ def test_a_token_every_clock_four_clocks_later() -> None:
 
 def test_reset_forgets_all_events() -> None:
     device = recent_filter()
-    assert tell(device, [(0, 10, 10), (0, 11, 11)]) == [1]
+    assert run_story(device, [(0, 10, 10), (0, 11, 11)]) == [1]
     device.reset()
     assert device.settled_after == 0
-    assert tell(device, [(0, 12, 12)]) == []
+    assert run_story(device, [(0, 12, 12)]) == []
     device.set(s_valid=1, s_event=1, m_ready=0)
     device.sim.clock.tick()
     device.set(s_valid=0)

@@ -12,7 +12,7 @@ from evcot.filters.refractory import RefractoryFilter
 from evcot.filters.registers import FilterRegisters
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, exact, filter_traffic, parameters, tell
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic, parameters, run_story
 from support.ticked import ticked
 
 TOP = "filter_refractory"
@@ -50,43 +50,43 @@ def small() -> FilterDevice:
 class TestStories:
     def test_a_pixel_is_silent_after_an_event_that_stayed(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=10)
-        assert tell(small, [(0, 4, 3), (5, 4, 3), (9, 4, 3), (10, 4, 3), (12, 4, 3), (19, 4, 3), (20, 4, 3)]) == [
+        assert run_story(small, [(0, 4, 3), (5, 4, 3), (9, 4, 3), (10, 4, 3), (12, 4, 3), (19, 4, 3), (20, 4, 3)]) == [
             True, False, False, True, False, False, True,
         ]  # fmt: skip
 
     def test_an_event_that_does_not_stay_does_not_prolong_the_silence(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=10)
-        assert tell(small, [(0, 4, 3), *[(9, 4, 3)] * 5, (10, 4, 3)]) == [True, *[False] * 5, True]
+        assert run_story(small, [(0, 4, 3), *[(9, 4, 3)] * 5, (10, 4, 3)]) == [True, *[False] * 5, True]
 
     def test_other_pixels_are_not_silenced(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=31)
         everywhere = [(0, x, y) for x in range(9) for y in range(6)]
-        assert tell(small, everywhere + everywhere) == [True] * 54 + [False] * 54
+        assert run_story(small, everywhere + everywhere) == [True] * 54 + [False] * 54
 
     @pytest.mark.parametrize("ticks", [1, 2, 17, 31])
     def test_for_as_many_ticks_as_the_register_says(self, small: FilterDevice, ticks: int) -> None:
         small.set(refractory_ticks=ticks)
-        assert tell(small, [(5, 4, 3), (5 + ticks - 1, 4, 3)]) == [True, False]
-        assert tell(small, [(5, 4, 3), (5 + ticks, 4, 3)]) == [True, True]
+        assert run_story(small, [(5, 4, 3), (5 + ticks - 1, 4, 3)]) == [True, False]
+        assert run_story(small, [(5, 4, 3), (5 + ticks, 4, 3)]) == [True, True]
 
     @pytest.mark.parametrize("between", range(8))
     def test_an_event_soon_after_another_knows_what_became_of_that(self, small: FilterDevice, between: int) -> None:
         small.set(refractory_ticks=4)
         others = [(0, x, 5) for x in range(between)]
-        assert tell(small, [(0, 4, 3), *others, (0, 4, 3)]) == [True] * (between + 1) + [False]
+        assert run_story(small, [(0, 4, 3), *others, (0, 4, 3)]) == [True] * (between + 1) + [False]
         later = [(4, x, 5) for x in range(between)]
-        assert tell(small, [(0, 4, 3), (3, 4, 3), *later, (4, 4, 3), (4, 4, 3)]) == [True, False] + [True] * between + [
+        assert run_story(small, [(0, 4, 3), (3, 4, 3), *later, (4, 4, 3), (4, 4, 3)]) == [True, False] + [True] * between + [
             True,
             False,
         ]
 
     def test_an_event_beyond_the_sensor_does_not_stay(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=10)
-        assert tell(small, [(0, 9, 2), (0, 8, 6), (0, 15, 7), (0, 0, 3), (0, 8, 5)]) == [False, False, False, True, True]
+        assert run_story(small, [(0, 9, 2), (0, 8, 6), (0, 15, 7), (0, 0, 3), (0, 8, 5)]) == [False, False, False, True, True]
 
     def test_disabled_it_hands_everything_on_and_remembers_nothing_but_time_passes(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=10)
-        assert tell(small, [(0, 3, 3)]) == [True]
+        assert run_story(small, [(0, 3, 3)]) == [True]
         story = [  # tick, x, y, enable -> stays
             (4, 3, 3, 0, True),
             (5, 15, 7, 0, True),  # beyond the sensor
@@ -97,20 +97,20 @@ class TestStories:
         ]
         for tick, x, y, enable, stays in story:
             small.set(enable=enable)
-            told = small.stream(ticked(tick, x, y))
-            assert told.tolist() == [stays], tick
+            result = small.stream(ticked(tick, x, y))
+            assert result.tolist() == [stays], tick
 
     def test_a_skipped_event_is_not_remembered(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=10)
         small.reset()
-        told = small.stream(ticked(0, [3, 3, 3], 1, 1), np.array([False, True, True]))
-        assert told.tolist() == [False, True, False]
+        result = small.stream(ticked(0, [3, 3, 3], 1, 1), np.array([False, True, True]))
+        assert result.tolist() == [False, True, False]
 
     def test_reset_forgets(self, small: FilterDevice) -> None:
         small.set(refractory_ticks=31)
         for x in range(9):
-            assert tell(small, [(0, x, 4)]) == [True]
-            assert tell(small, [(0, x, 4)]) == [True]
+            assert run_story(small, [(0, x, 4)]) == [True]
+            assert run_story(small, [(0, x, 4)]) == [True]
 
 
 # (width, height, stamp_w, tick_w) -> runs, events in each
@@ -137,7 +137,7 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int, int]) 
         device.stalls = Stalls.random(rng) if run % 2 else Stalls()
         rate, gap = float(rng.choice([0, 0.1, 1, 5])), (1 << stamp_w + 2)
         traffic = filter_traffic(rng, n, width, height, ticks_per_event=rate, longest_gap=gap, gaps=20 / n, beyond=1)
-        stayed.append(exact(device, traffic, lambda told: golden(device, told), parts=1 + run % 3))
+        stayed.append(compare_with_reference(device, traffic, lambda batch: golden(device, batch), parts=1 + run % 3))
     print(f"{shape}: {runs * n} events, {np.mean(stayed):.2f} stay")
     assert 0.05 < np.mean(stayed) < 0.95
 
@@ -148,7 +148,7 @@ def test_the_rule_as_it_stands_gives_the_same() -> None:
         device.set(refractory_ticks=ticks)
         device.reset()
         traffic = filter_traffic(np.random.default_rng(run), 2_000, 9, 6, longest_gap=300, gaps=0.05, beyond=1)
-        kept = exact(device, traffic, lambda told, t=ticks: by_the_rule(told, 9, 6, t))  # type: ignore[misc]
+        kept = compare_with_reference(device, traffic, lambda batch, t=ticks: by_the_rule(batch, 9, 6, t))  # type: ignore[misc]
         assert 0.05 < kept < 0.95
 
 
@@ -159,9 +159,9 @@ def test_every_age_at_every_phase_of_the_stamps(tick_w: int) -> None:
     ages, phases = (axis.ravel() for axis in np.meshgrid(np.arange(81), np.arange(16)))
     ticks = np.cumsum(np.stack([90 + (phases - np.roll(phases, 1)) % 16, ages], axis=1).ravel())
     x = np.ones(2 * len(ages), np.uint16)
-    told = device.stream(ticked(ticks, x, x))
-    assert told[0::2].all()
-    assert told[1::2].tolist() == (ages >= 7).tolist()
+    result = device.stream(ticked(ticks, x, x))
+    assert result[0::2].all()
+    assert result[1::2].tolist() == (ages >= 7).tolist()
 
 
 class TestClocks:

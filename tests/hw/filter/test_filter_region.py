@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.filter_device import FilterDevice
-from support.filter_trials import FilterTraffic, exact, filter_traffic
+from support.filter_trials import FilterTraffic, compare_with_reference, filter_traffic
 from support.testing import lint
 
 NARROW = {"X_W": 5, "Y_W": 4, "TICK_W": 4}
@@ -39,13 +39,15 @@ def every_pixel() -> FilterTraffic:
     ids=["inside", "all", "one pixel", "no column", "no row", "wider than addresses", "beyond addresses"],
 )
 def test_decides_every_pixel(region: Region) -> None:
-    kept = exact(region_filter(region), every_pixel(), lambda told: inside(region, told.x, told.y))
+    kept = compare_with_reference(region_filter(region), every_pixel(), lambda batch: inside(region, batch.x, batch.y))
     x0, x1, y0, y1 = region
     assert kept == max(0, min(x1, 31) - x0 + 1) * max(0, min(y1, 15) - y0 + 1) / 512
 
 
 def test_hands_everything_on_when_not_enabled() -> None:
-    assert exact(region_filter((9, 8, 9, 8), enable=0), every_pixel(), lambda told: np.ones(512, np.bool_)) == 1
+    assert (
+        compare_with_reference(region_filter((9, 8, 9, 8), enable=0), every_pixel(), lambda batch: np.ones(512, np.bool_)) == 1
+    )
 
 
 def test_random_regions_traffic_and_stalls_are_exact() -> None:
@@ -61,10 +63,10 @@ def test_random_regions_traffic_and_stalls_are_exact() -> None:
             device.set(region_x0=x0, region_x1=x1, region_y0=y0, region_y1=y1)
             traffic = filter_traffic(rng, 20_000, *size, first_tick=device.now)
 
-            def wanted(told: FilterTraffic, region: Region = (x0, x1, y0, y1)) -> NDArray[np.bool_]:
-                return inside(region, told.x, told.y)
+            def wanted(batch: FilterTraffic, region: Region = (x0, x1, y0, y1)) -> NDArray[np.bool_]:
+                return inside(region, batch.x, batch.y)
 
-            exact(device, traffic, wanted)
+            compare_with_reference(device, traffic, wanted)
 
 
 def test_a_token_every_clock_one_clock_later() -> None:

@@ -104,10 +104,10 @@ class Memory:
         assert bool(io.m_inside) == wanted["inside"]
         assert {bank for bank in range(16) if near >> bank & 1} == set(neighbours)
         for bank, age in neighbours.items():
-            told = ages >> bank * self.stamp_w & mask
+            result = ages >> bank * self.stamp_w & mask
             if age == -1:
                 continue
-            assert told == age if age is not None and age < self.keep else told >= self.keep
+            assert result == age if age is not None and age < self.keep else result >= self.keep
         self.compared += 1
 
     def offer(self, step: int, access: bool, x: int, y: int, data: int) -> bool:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""stamp_walk.v: no row is left alone for as long as its stamps can tell, and tokens pass with their time in their order."""
+"""stamp_walk.v: every row is visited before its stamps wrap, and tokens pass in order with their ticks."""
 
 from __future__ import annotations
 

@@ -47,8 +47,8 @@ def test_is_the_models_step_for_random_wide_values(w: int, frac: int) -> None:
     ],
 )
 def test_rounds_with_fractional_bits_and_floors_without(frac: int, value: int, target: int, k: int, result: int) -> None:
-    told = evaluate("approach", {"W": 6, "FRAC": frac}, {"value": value, "target": target, "k": k}, ["result"])
-    assert told["result"].tolist() == [result]
+    found = evaluate("approach", {"W": 6, "FRAC": frac}, {"value": value, "target": target, "k": k}, ["result"])
+    assert found["result"].tolist() == [result]
 
 
 @pytest.mark.parametrize(("w", "frac"), [(1, 0), (24, 8)])

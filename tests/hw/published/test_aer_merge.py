@@ -81,7 +81,7 @@ def test_random_partners_of_any_speed(sim: PyVerilator, seed: int) -> None:
     eager, slow = rng.uniform(0.02, 0.9, N), rng.uniform(0.1, 1, 2)
     sent: list[list[int]] = [[] for _ in range(N)]
     words, requests, acknowledge = [0] * N, [False] * N, False
-    told: list[int] = []  # on the line, a word for each request
+    result: list[int] = []  # on the line, a word for each request
     on_line: int | None = None
     for _ in range(1_500):
         acks = ~int(sim.io.s_ack_n) & 0b111
@@ -98,7 +98,7 @@ def test_random_partners_of_any_speed(sim: PyVerilator, seed: int) -> None:
         sim.io.m_ack_n = int(not acknowledge)
         word = None if sim.io.m_req_n else int(sim.io.m_word)
         if word is not None and on_line is None:
-            told.append(word)
+            result.append(word)
             assert word >> 6 == min(i for i in range(N) if requests[i])
         assert None in (word, on_line) or word == on_line  # released between two
         assert [bool(~int(sim.io.s_ack_n) >> i & 1) for i in range(N)] == [
@@ -107,7 +107,7 @@ def test_random_partners_of_any_speed(sim: PyVerilator, seed: int) -> None:
         on_line = word
         sim.clock.tick()
     for i in range(N):
-        heard = [word for word in told if word >> 6 == i]
+        heard = [word for word in result if word >> 6 == i]
         assert heard in (sent[i], sent[i][:-1])  # in order, none twice
-    assert len(told) > 60
-    assert any(a >> 6 != b >> 6 for a, b in pairwise(told))
+    assert len(result) > 60
+    assert any(a >> 6 != b >> 6 for a, b in pairwise(result))

@@ -25,30 +25,30 @@ class TestClocks:
     """Counted from the clock whose end first sees the request."""
 
     def test_a_rejected_event_is_acknowledged_after_1_and_out_after_3(self) -> None:
-        told = play([(10, 200, 200), (11, 200, 200)], CONFIG)
-        assert told.acknowledged[0] == 10 + 1
-        assert told.pass_clock[0] == 10 + 3
-        assert told.pass_clock[1] == 10 + 4 + 3  # idle again after 4
+        result = play([(10, 200, 200), (11, 200, 200)], CONFIG)
+        assert result.acknowledged[0] == 10 + 1
+        assert result.pass_clock[0] == 10 + 3
+        assert result.pass_clock[1] == 10 + 4 + 3  # idle again after 4
 
     def test_an_event_of_the_cluster_is_out_after_3(self) -> None:
-        told = play(at([10, 11]), CONFIG)
-        assert told.word_clock.tolist() == [10 + 3, 10 + 4 + 3]
+        result = play(at([10, 11]), CONFIG)
+        assert result.word_clock.tolist() == [10 + 3, 10 + 4 + 3]
 
     def test_a_centre_is_out_after_7_and_idle_comes_after_8(self) -> None:
-        told = play(at([10, 11]), replace(CONFIG, nev_th=1))
-        assert told.word_clock.tolist() == [10 + 7, 10 + 8 + 3]
+        result = play(at([10, 11]), replace(CONFIG, nev_th=1))
+        assert result.word_clock.tolist() == [10 + 7, 10 + 8 + 3]
 
 
 class TestHandshakes:
     def test_the_acknowledge_stays_until_the_request_goes_and_the_event_is_taken_once(self) -> None:
-        told = play(at([10, 30]), CONFIG, release=[12, 0])
-        assert told.outputs["s_ack_n"][10:30].tolist() == [1] + [0] * 13 + [1] * 6
-        assert told.word_clock.tolist() == [13, 33]
+        result = play(at([10, 30]), CONFIG, release=[12, 0])
+        assert result.outputs["s_ack_n"][10:30].tolist() == [1] + [0] * 13 + [1] * 6
+        assert result.word_clock.tolist() == [13, 33]
 
     def test_an_output_waits_for_its_acknowledge_and_the_tracker_with_it(self) -> None:
-        told = play([(10, 200, 200), (10, 100, 100)], CONFIG, pass_ack=[9])
-        assert told.pass_clock.tolist() == [10 + 3 + 9]
-        assert told.acknowledged[1] == 10 + 3 + 9 + 1 + 1
+        result = play([(10, 200, 200), (10, 100, 100)], CONFIG, pass_ack=[9])
+        assert result.pass_clock.tolist() == [10 + 3 + 9]
+        assert result.acknowledged[1] == 10 + 3 + 9 + 1 + 1
 
     def test_an_acknowledge_that_is_still_low_takes_the_next_offer(self) -> None:
         inputs = quiet(TRACKER, 13)
@@ -78,17 +78,17 @@ class TestLostEvents:
         kept = play(at([48]), replace(CONFIG, max_time=50))
         lost = play(at([49]), replace(CONFIG, max_time=50))
         late = play(at([51]), replace(CONFIG, max_time=50))
-        assert [len(told.word) for told in (kept, lost, late)] == [1, 0, 1]
+        assert [len(result.word) for result in (kept, lost, late)] == [1, 0, 1]
         assert lost.acknowledged.tolist() == [50]
 
 
 class TestTime:
     def test_only_a_centre_update_clears_tc(self) -> None:
         # An event of the cluster every 10 clocks, and still the cell expires, at clock 199: the count starts over at 200.
-        told = play(every(10, 24), replace(CONFIG, nev_th=22, max_time=200))
-        assert n_evs(told) == []
-        told = play(every(10, 24), replace(CONFIG, nev_th=19, max_time=200))
-        assert n_evs(told) == [19]
+        result = play(every(10, 24), replace(CONFIG, nev_th=22, max_time=200))
+        assert n_evs(result) == []
+        result = play(every(10, 24), replace(CONFIG, nev_th=19, max_time=200))
+        assert n_evs(result) == [19]
 
     def test_a_centre_update_clears_it(self) -> None:
         # Updates at the 4th, 6th and 8th event: TC never gets to 60.
@@ -107,9 +107,9 @@ class TestTime:
     def test_a_new_life_starts_at_the_initial_centre_with_the_initial_n(self) -> None:
         config = replace(CONFIG, nev_th=2, max_time=2000)
         first = [*every(10, 6, 104, 96)]
-        told = play([*first, *every(10, 2, 100, 100, first=4000)], config)
-        assert centres(told)[0] == (101, 99)
-        assert centres(told)[-1] == (100, 100)
+        result = play([*first, *every(10, 2, 100, 100, first=4000)], config)
+        assert centres(result)[0] == (101, 99)
+        assert centres(result)[-1] == (100, 100)
 
 
 class TestWindow:
@@ -117,17 +117,17 @@ class TestWindow:
         config = replace(CONFIG, nev_th=200)
         inside = [(92, 92), (108, 108), (92, 108), (108, 92), (100, 100)]
         outside = [(91, 100), (109, 100), (100, 91), (100, 109), (92, 109), (91, 92)]
-        told = play([(20 * i, *place) for i, place in enumerate(inside + outside)], config)
-        assert len(told.word) == len(inside)
-        assert list(zip(told.pass_high.tolist(), told.pass_low.tolist(), strict=True)) == outside
+        result = play([(20 * i, *place) for i, place in enumerate(inside + outside)], config)
+        assert len(result.word) == len(inside)
+        assert list(zip(result.pass_high.tolist(), result.pass_low.tolist(), strict=True)) == outside
 
     @pytest.mark.parametrize("edge", [0, 255])
     def test_the_first_and_the_last_address_are_never_inside(self, edge: int) -> None:
         near = 1 if edge == 0 else 254
         config = replace(CONFIG, init_cm_low=edge, init_cm_high=edge, init_radix=255, radix_th=7, nev_th=200)
-        told = play([(0, near, near), (20, edge, near), (40, near, edge)], config)
-        assert len(told.word) == 1
-        assert len(told.pass_clock) == 2
+        result = play([(0, near, near), (20, edge, near), (40, near, edge)], config)
+        assert len(result.word) == 1
+        assert len(result.pass_clock) == 2
 
 
 class TestAverage:
@@ -170,13 +170,13 @@ class TestRadius:
 
     def updates(self, n: int, *places: tuple[int, int]) -> list[Event]:
         """n updates, each by an event at (100, 100) or, for the last of them, at `places`."""
-        told: list[Event] = []
+        result: list[Event] = []
         decided = [(100, 100)] * (n - len(places)) + list(places)
         for i, (high, low) in enumerate(decided):
             if i:
-                told.append((70 + 60 * i, 100, 100))
-            told.append((100 + 60 * i, high, low))
-        return told
+                result.append((70 + 60 * i, 100, 100))
+            result.append((100 + 60 * i, high, low))
+        return result
 
     def test_the_first_update_leaves_the_initial_radius(self) -> None:
         assert width(self.updates(1, (100, 111)), self.CONFIG) == 10

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cot_published_chain.v against the model at every clock: who goes first, registers, tags, what stands in the way of whom."""
+"""cot_published_chain.v against the model at every clock: arbitration, registers, tags, and back-pressure between trackers."""
 
 from __future__ import annotations
 
@@ -25,35 +25,35 @@ class TestClocks:
     @pytest.mark.parametrize(("tracker", "clocks"), [(0, 7), (1, 10), (2, 13), (3, 16)])
     def test_a_centre_of_the_cascade(self, tracker: int, clocks: int) -> None:
         elsewhere, here = replace(CONFIG, init_cm_low=200), replace(CONFIG, nev_th=1)
-        told = play(at([10]), *[here if i == tracker else elsewhere for i in range(4)])
-        assert told.word_clock.tolist() == [10 + clocks]
-        assert told.word.tolist() == [tracker << 17 | 100 << 9 | 100 << 1]
+        result = play(at([10]), *[here if i == tracker else elsewhere for i in range(4)])
+        assert result.word_clock.tolist() == [10 + clocks]
+        assert result.word.tolist() == [tracker << 17 | 100 << 9 | 100 << 1]
 
     def test_rejected_by_all_after_12(self) -> None:
-        told = play([(10, 5, 6)], CONFIG, CONFIG, CONFIG, CONFIG)
-        assert told.pass_clock.tolist() == [10 + 12]
-        assert (told.pass_high[0], told.pass_low[0]) == (5, 6)
+        result = play([(10, 5, 6)], CONFIG, CONFIG, CONFIG, CONFIG)
+        assert result.pass_clock.tolist() == [10 + 12]
+        assert (result.pass_high[0], result.pass_low[0]) == (5, 6)
 
 
 class TestCascade:
     def test_priority_alone_decides(self) -> None:
-        told = play(at([0]), CONFIG, CONFIG, CONFIG, CONFIG)
-        assert decode(told.word)["tracker"].tolist() == [0]
+        result = play(at([0]), CONFIG, CONFIG, CONFIG, CONFIG)
+        assert decode(result.word)["tracker"].tolist() == [0]
 
     def test_tags_of_events_and_centres(self) -> None:
         for tracker in range(4):
             configs = [replace(CONFIG, init_cm_high=10 + 60 * i, nev_th=2) for i in range(4)]
-            told = play([(0, 10 + 60 * tracker, 101), (30, 10 + 60 * tracker, 101)], *configs)
+            result = play([(0, 10 + 60 * tracker, 101), (30, 10 + 60 * tracker, 101)], *configs)
             place = (10 + 60 * tracker) << 9
-            assert told.word.tolist() == [(0x10 + tracker) << 17 | place | 101 << 1 | 1, tracker << 17 | place | 100 << 1]
+            assert result.word.tolist() == [(0x10 + tracker) << 17 | place | 101 << 1 | 1, tracker << 17 | place | 100 << 1]
 
     def test_a_disabled_tracker_passes_everything_through_at_once(self) -> None:
         off = replace(CONFIG, enable=False)
-        told = play(at([10]), off, off, CONFIG)
-        assert decode(told.word)["tracker"].tolist() == [2]
-        assert told.word_clock.tolist() == [13]
-        told = play(at([10]), off, off, off, off)
-        assert told.pass_clock.tolist() == [10]
+        result = play(at([10]), off, off, CONFIG)
+        assert decode(result.word)["tracker"].tolist() == [2]
+        assert result.word_clock.tolist() == [13]
+        result = play(at([10]), off, off, off, off)
+        assert result.pass_clock.tolist() == [10]
 
     def test_without_registers_everything_passes(self) -> None:
         assert len(play(at([10])).pass_clock) == 1
@@ -61,10 +61,10 @@ class TestCascade:
     def test_two_words_at_once_leave_one_after_the_other_with_the_line_released_between(self) -> None:
         # The first word waits 20 clocks; meanwhile tracker 0 rejects nothing, so tracker 1 gets its event from a third place.
         other = replace(CONFIG, init_cm_low=200)
-        told = play([(0, 100, 200), (1, 100, 100)], CONFIG, other, ack=[20])
-        assert told.word.tolist() == [0x11 << 17 | 100 << 9 | 200 << 1 | 1, 0x10 << 17 | 100 << 9 | 100 << 1 | 1]
-        requests = np.flatnonzero(np.diff(told.outputs["m_req_n"].astype(int)) == -1)
-        releases = np.flatnonzero(np.diff(told.outputs["m_req_n"].astype(int)) == 1)
+        result = play([(0, 100, 200), (1, 100, 100)], CONFIG, other, ack=[20])
+        assert result.word.tolist() == [0x11 << 17 | 100 << 9 | 200 << 1 | 1, 0x10 << 17 | 100 << 9 | 100 << 1 | 1]
+        requests = np.flatnonzero(np.diff(result.outputs["m_req_n"].astype(int)) == -1)
+        releases = np.flatnonzero(np.diff(result.outputs["m_req_n"].astype(int)) == 1)
         assert len(requests) == len(releases) == 2
         assert requests[1] - releases[0] == 1
 
@@ -106,11 +106,11 @@ class TestRegisters:
         model.clocks(quiet(CHAIN, 1))
         places = [(66, 66), (67, 1), (1, 67), *[(1, 1)] * 20]
         clock = model.clock + 20 * np.arange(len(places))
-        told = model.play(clock, *np.array(places).T, trace=True)
-        equal(rtl(CHAIN, told.inputs), told.outputs, told.inputs)
-        assert len(told.pass_clock) == 2
-        assert decode(told.word)["tracker"].tolist() == [2] * 21
-        assert n_evs(told)[0] == 15
+        result = model.play(clock, *np.array(places).T, trace=True)
+        equal(rtl(CHAIN, result.inputs), result.outputs, result.inputs)
+        assert len(result.pass_clock) == 2
+        assert decode(result.word)["tracker"].tolist() == [2] * 21
+        assert n_evs(result)[0] == 15
 
     @pytest.mark.parametrize("name", REGISTERS)
     def test_each_has_its_address_and_width(self, name: str) -> None:
@@ -129,9 +129,9 @@ class TestRegisters:
             self.write(story)
             model = PublishedCascade()
             model.write(story)
-            told = model.play(model.clock + events[0], *events[1:], trace=True)
-            equal(rtl(CHAIN, told.inputs), told.outputs, told.inputs)
-            runs.append(told.word.tolist())
+            result = model.play(model.clock + events[0], *events[1:], trace=True)
+            equal(rtl(CHAIN, result.inputs), result.outputs, result.inputs)
+            runs.append(result.word.tolist())
         assert runs[0] != runs[1]
 
 
@@ -167,12 +167,12 @@ class TestLockStep:
         high, low = np.clip(centre[which].T + rng.integers(-spread, spread + 1, (2, n)), 0, 255)
         clock = np.cumsum(rng.integers(rng.choice([2, 20, 60]), size=n))
         slow = rng.choice([1, 4, 12], 3)
-        told = play(
+        result = play(
             zip(clock.tolist(), high.tolist(), low.tolist(), strict=True),
             *configs,
             release=rng.integers(0, slow[0], 97).tolist(),
             ack=rng.integers(0, slow[1], 101).tolist(),
             pass_ack=rng.integers(0, slow[2], 103).tolist(),
         )
-        print(f"seed {seed}: {len(told.word)} words, {len(centres(told))} of them centres, {len(told.pass_clock)} passed")
-        assert len(told.word) + len(told.pass_clock) <= n
+        print(f"seed {seed}: {len(result.word)} words, {len(centres(result))} of them centres, {len(result.pass_clock)} passed")
+        assert len(result.word) + len(result.pass_clock) <= n

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""clock_us.v: microseconds since reset, which wrap, and stand still while nobody has said how long one is."""
+"""clock_us.v: microseconds since reset, which wrap, and stand still while the clock frequency is not configured."""
 
 from __future__ import annotations
 

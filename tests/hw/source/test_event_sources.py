@@ -61,9 +61,9 @@ def test_words_of_a_camera_give_the_log_of_its_events(source: int, tmp_path: Pat
         words = evt3_words(events, tmp_path) if source == EVT3 else evt2_words(events, source == EVT21)
         beats = axis_beats(turned(words, source) if seed else words, 64)
         device = selected(source, Pace.random(rng) if seed else None, swap_bytes=seed, swap_halves=seed)
-        told = device.run(beats[:, 0].copy(), keeps=beats[:, 1].astype(np.uint8), most=len(events))
+        result = device.run(beats[:, 0].copy(), keeps=beats[:, 1].astype(np.uint8), most=len(events))
         golden = CotModel(CONFIG).feed(TickedEvents.of(events))
-        found = told.decisions(0, len(events))
+        found = result.decisions(0, len(events))
         for field in golden._fields:
             assert np.array_equal(getattr(found, field), getattr(golden, field)), field
         assert len(golden.records) > 40
@@ -124,8 +124,8 @@ def test_after_reset_the_source_is_the_one_of_the_parameter() -> None:
     device.configure(CONFIG)
     events = random_events(np.random.default_rng(1), 300, SENSOR.width, SENSOR.height, 1_000)
     beats = axis_beats(evt2_words(events, False), 64)
-    told = device.run(beats[:, 0].copy(), keeps=beats[:, 1].astype(np.uint8), most=len(events))
-    assert len(told.owned) + len(told.passed) == len(events)
+    result = device.run(beats[:, 0].copy(), keeps=beats[:, 1].astype(np.uint8), most=len(events))
+    assert len(result.owned) + len(result.passed) == len(events)
 
 
 def test_what_is_not_selected_takes_nothing() -> None:

@@ -8,7 +8,17 @@ import pytest
 
 from evcot.recordings.formats.evt2 import evt21_layout
 from evcot.recordings.formats.words import WordArray
-from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt2_words, evt_device, exact, random_events, tell
+from support.evt import (
+    STREAMS,
+    axis_beats,
+    compare_with_software,
+    corrupted,
+    decode_in_hardware,
+    event_rows,
+    evt2_words,
+    evt_device,
+    random_events,
+)
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import lint
 
@@ -35,8 +45,8 @@ def vector(t_low: int, x: int, y: int, p: int, mask: int) -> int:
     return (p << 28 | t_low << 22 | x << 11 | y) << 32 | mask
 
 
-def told(device: StreamDevice, words: list[int]) -> tuple[list[list[int]], dict[str, int]]:
-    return tell(device, np.array(words, np.uint64))
+def decode_words(device: StreamDevice, words: list[int]) -> tuple[list[list[int]], dict[str, int]]:
+    return decode_in_hardware(device, np.array(words, np.uint64))
 
 
 def reordered(words: WordArray, swap_bytes: int, swap_halves: int) -> WordArray:
@@ -78,7 +88,7 @@ class TestStories:
             vector(0, 19, 0, 1, 1),
         ]
         events = [[133, 3, 4, 1], [133, 4, 4, 1], [133, 6, 4, 1], [134, 0, 9, 0], [192, 19, 0, 1]]
-        assert told(small, words) == (events, {"n_events": 5})
+        assert decode_words(small, words) == (events, {"n_events": 5})
 
     def test_every_bit_counts_that_is_before_a_mark_or_beyond_the_sensor(self, small: StreamDevice) -> None:
         words = [
@@ -89,11 +99,11 @@ class TestStories:
             vector(0, 2047, 1, 1, 1),
         ]
         events = [[0, 18, 1, 1], [0, 19, 1, 1]]
-        assert told(small, words) == (events, {"n_events": 2, "n_untimed": 3, "n_outside": 9})
+        assert decode_words(small, words) == (events, {"n_events": 2, "n_untimed": 3, "n_outside": 9})
 
     def test_words_of_reserved_types_are_counted_once(self, small: StreamDevice) -> None:
         words = [mark(1), *((kind << 28) << 32 | 0xFFFF_FFFF for kind in range(2, 16) if kind != 8), vector(0, 1, 1, 1, 1)]
-        assert told(small, words) == ([[64, 1, 1, 1]], {"n_events": 1, "n_reserved": 10})
+        assert decode_words(small, words) == ([[64, 1, 1, 1]], {"n_events": 1, "n_reserved": 10})
 
     def test_packets_that_end_within_a_word(self) -> None:
         device = device_of(*SHAPES[2])
@@ -126,7 +136,7 @@ def test_random_events_come_out_as_they_were_encoded(shape: tuple[int, int, int,
         device.set(**swaps)
         events = random_events(rng, 100_000, width, height, 1 << 32)
         words = evt2_words(events, vectors=True)
-        decoded, clocks = exact(device, LAYOUT, words, axis_beats(reordered(words, **swaps), data_w, rng))
+        decoded, clocks = compare_with_software(device, LAYOUT, words, axis_beats(reordered(words, **swaps), data_w, rng))
         assert np.array_equal(decoded.events, event_rows(events, t_w))
         assert events.t_us[-1] > 1 << 34
         print(f"{len(events)} events of {len(words)} words in {clocks} clocks")
@@ -142,7 +152,7 @@ def test_damaged_words_are_decoded_as_the_software_does(shape: tuple[int, int, i
         device.stalls = random_stalls(rng, STREAMS)
         words = evt2_words(random_events(rng, 100_000, width, height, 1 << 33), vectors=True)
         words = rng.integers(0, 1 << 64, 20_000, np.uint64) if chance == 1 else corrupted(words, rng, chance)
-        decoded, _ = exact(device, LAYOUT, words, axis_beats(words, data_w, rng))
+        decoded, _ = compare_with_software(device, LAYOUT, words, axis_beats(words, data_w, rng))
         assert decoded.counters["n_reserved"] > 0
         assert decoded.counters["n_outside"] > 0 or width == 2048
 

@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 from evcot.recordings.files import read_recording
 from evcot.recordings.formats.evt2 import evt2_layout
 from shared import SHARED
-from support.evt import STREAMS, axis_beats, corrupted, event_rows, evt2_words, evt_device, exact, payload, random_events, tell
+from support.evt import (
+    STREAMS,
+    axis_beats,
+    compare_with_software,
+    corrupted,
+    decode_in_hardware,
+    event_rows,
+    evt2_words,
+    evt_device,
+    payload,
+    random_events,
+)
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import lint
 
@@ -37,8 +48,8 @@ def event(t_low: int, x: int, y: int, p: int) -> int:
     return p << 28 | t_low << 22 | x << 11 | y
 
 
-def told(device: StreamDevice, words: list[int]) -> tuple[list[list[int]], dict[str, int]]:
-    return tell(device, np.array(words, np.uint32))
+def decode_words(device: StreamDevice, words: list[int]) -> tuple[list[list[int]], dict[str, int]]:
+    return decode_in_hardware(device, np.array(words, np.uint32))
 
 
 @pytest.fixture(scope="module")
@@ -73,21 +84,21 @@ def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
 class TestStories:
     def test_an_event_has_the_time_of_the_last_mark_and_its_own(self, small: StreamDevice) -> None:
         words = [mark(2), event(5, 3, 4, 1), event(6, 19, 9, 0), mark(3), event(0, 0, 0, 1)]
-        assert told(small, words) == ([[133, 3, 4, 1], [134, 19, 9, 0], [192, 0, 0, 1]], {"n_events": 3})
+        assert decode_words(small, words) == ([[133, 3, 4, 1], [134, 19, 9, 0], [192, 0, 0, 1]], {"n_events": 3})
 
     def test_events_before_the_first_mark_are_left_out(self, small: StreamDevice) -> None:
-        assert told(small, [event(1, 1, 1, 1)] * 3 + [mark(0), event(1, 1, 1, 1)]) == (
+        assert decode_words(small, [event(1, 1, 1, 1)] * 3 + [mark(0), event(1, 1, 1, 1)]) == (
             [[1, 1, 1, 1]],
             {"n_events": 1, "n_untimed": 3},
         )
 
     def test_events_beyond_the_sensor_are_left_out(self, small: StreamDevice) -> None:
         words = [mark(0), event(0, 20, 3, 0), event(0, 3, 10, 0), event(0, 2047, 2047, 0), event(0, 19, 9, 1)]
-        assert told(small, words) == ([[0, 19, 9, 1]], {"n_events": 1, "n_outside": 3})
+        assert decode_words(small, words) == ([[0, 19, 9, 1]], {"n_events": 1, "n_outside": 3})
 
     def test_reserved_words_are_counted_and_triggers_and_vendors_words_are_not(self, small: StreamDevice) -> None:
         words = [mark(1), *(kind << 28 for kind in range(2, 16) if kind != 8), event(0, 1, 1, 1)]
-        assert told(small, words) == ([[64, 1, 1, 1]], {"n_events": 1, "n_reserved": 10})
+        assert decode_words(small, words) == ([[64, 1, 1, 1]], {"n_events": 1, "n_reserved": 10})
 
     def test_a_mark_that_falls_by_more_than_half_of_its_range_begins_a_turn(self, small: StreamDevice) -> None:
         top, half = (1 << 28) - 1, 1 << 27
@@ -100,12 +111,12 @@ class TestStories:
             mark(top - half - 1),
             event(0, 3, 1, 1),
         ]
-        times = [row[0] for row in told(small, words)[0]]
+        times = [row[0] for row in decode_words(small, words)[0]]
         assert times == [top << 6, top - half << 6, (1 << 28) + top - half - 1 << 6]
 
     def test_reset_forgets_the_time(self, small: StreamDevice) -> None:
-        told(small, [mark(5), event(0, 1, 1, 1)])
-        assert told(small, [event(0, 1, 1, 1)]) == ([], {"n_untimed": 1})
+        decode_words(small, [mark(5), event(0, 1, 1, 1)])
+        assert decode_words(small, [event(0, 1, 1, 1)]) == ([], {"n_untimed": 1})
 
     def test_a_word_that_keep_cuts_is_skipped(self, small: StreamDevice) -> None:
         small.reset()
@@ -128,14 +139,14 @@ def test_a_real_recording_is_decoded_event_for_event() -> None:
     words = payload(FIXTURE, np.uint32)
     data_w, t_w, *_ = SHAPES[0]
     device = device_of(*SHAPES[0])
-    decoded, clocks = exact(device, evt2_layout(0), words)
+    decoded, clocks = compare_with_software(device, evt2_layout(0), words)
     assert np.array_equal(decoded.events, event_rows(read_recording(FIXTURE).events, t_w))
     print(f"{len(decoded.events)} events of {len(words)} words in {clocks} clocks: {len(decoded.events) / clocks:.3f} a clock")
     assert clocks <= len(words) + 8
     rng = np.random.default_rng(data_w)
     device.stalls = random_stalls(rng, STREAMS)
     device.set(swap_bytes=1)
-    exact(device, evt2_layout(0), words, axis_beats(big_endian(words), data_w, rng))
+    compare_with_software(device, evt2_layout(0), words, axis_beats(big_endian(words), data_w, rng))
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -149,7 +160,9 @@ def test_random_events_come_out_as_they_were_encoded(shape: tuple[int, int, int,
         device.set(swap_bytes=run)
         events = random_events(rng, 200_000, width, height, 1 << 32)
         words = evt2_words(events, vectors=False)
-        decoded, _ = exact(device, evt2_layout(0), words, axis_beats(big_endian(words) if run else words, data_w, rng))
+        decoded, _ = compare_with_software(
+            device, evt2_layout(0), words, axis_beats(big_endian(words) if run else words, data_w, rng)
+        )
         assert np.array_equal(decoded.events, event_rows(events, t_w))
         assert events.t_us[-1] > 1 << 34
 
@@ -164,7 +177,7 @@ def test_damaged_words_are_decoded_as_the_software_does(shape: tuple[int, int, i
         device.stalls = random_stalls(rng, STREAMS)
         words = evt2_words(random_events(rng, 100_000, width, height, 1 << 33), vectors=False)
         words = rng.integers(0, 1 << 32, 100_000, np.uint32) if chance == 1 else corrupted(words, rng, chance)
-        decoded, _ = exact(device, evt2_layout(0), words, axis_beats(words, data_w, rng))
+        decoded, _ = compare_with_software(device, evt2_layout(0), words, axis_beats(words, data_w, rng))
         assert decoded.counters["n_reserved"] > 0
         assert decoded.counters["n_outside"] > 0 or width == 2048
 

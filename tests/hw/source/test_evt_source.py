@@ -78,8 +78,8 @@ def test_events_come_out_and_all_else_is_counted(name: str, tmp_path: Path) -> N
         device.stalls = random_stalls(rng, STREAMS)
         device.set(swap_bytes=swap_bytes, swap_halves=swap_halves)
         device.reset()
-        told = device.run({"s_axis_t": np.concatenate([beats, cut])}).words["m_"]
-        assert np.array_equal(told, expected.events)
+        result = device.run({"s_axis_t": np.concatenate([beats, cut])}).words["m_"]
+        assert np.array_equal(result, expected.events)
         left_out = sum(count for counter, count in expected.counters.items() if counter != "n_events")
         assert device.sim.io.n_skipped == left_out + 1
         assert (left_out > 100) == bool(damage)

@@ -30,7 +30,7 @@ def expected(t_us: NDArray[np.int64], rest: NDArray[np.int64], tick_us: int, tic
     return make_tokens(ticked(ticks, x, y, p), tick_w)
 
 
-def told(device: StreamDevice, times: list[int]) -> list[list[int]]:
+def stamped(device: StreamDevice, times: list[int]) -> list[list[int]]:
     """(tick, event) of the tokens that events at these times become, from reset."""
     device.reset()
     return device.run({"s_": [[t, 1, 2, 1] for t in times]}).words["m_"][:, :2].tolist()
@@ -58,30 +58,30 @@ def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
 
 class TestStories:
     def test_the_first_event_is_at_tick_0_and_ticks_count_from_there(self) -> None:
-        assert told(device_of(8, 1), [1_000_000, 1_000_000, 1_000_005, 1_000_260]) == [[0, 1], [0, 1], [5, 1], [255, 1]]
+        assert stamped(device_of(8, 1), [1_000_000, 1_000_000, 1_000_005, 1_000_260]) == [[0, 1], [0, 1], [5, 1], [255, 1]]
 
     def test_a_long_silence_goes_ahead_in_full_tokens(self) -> None:
-        assert told(device_of(8, 1), [7, 7 + 256]) == [[0, 1], [255, 0], [1, 1]]
-        assert told(device_of(8, 1), [7, 7 + 3 * 255]) == [[0, 1], [255, 0], [255, 0], [255, 1]]
+        assert stamped(device_of(8, 1), [7, 7 + 256]) == [[0, 1], [255, 0], [1, 1]]
+        assert stamped(device_of(8, 1), [7, 7 + 3 * 255]) == [[0, 1], [255, 0], [255, 0], [255, 1]]
 
     def test_what_is_less_than_a_tick_is_not_forgotten(self) -> None:
-        assert told(device_of(8, 10), [3, 12, 13, 22, 31, 32, 63, 64, 72, 73]) == [
+        assert stamped(device_of(8, 10), [3, 12, 13, 22, 31, 32, 63, 64, 72, 73]) == [
             [0, 1], [0, 1], [1, 1], [0, 1], [1, 1], [0, 1], [4, 1], [0, 1], [0, 1], [1, 1],
         ]  # fmt: skip
 
     def test_time_that_runs_back_stands_still_until_it_has_caught_up(self) -> None:
         device = device_of(8, 1)
-        assert told(device, [100, 90, 105, 99, 104, 105, 106]) == [[0, 1], [0, 1], [5, 1], [0, 1], [0, 1], [0, 1], [1, 1]]
+        assert stamped(device, [100, 90, 105, 99, 104, 105, 106]) == [[0, 1], [0, 1], [5, 1], [0, 1], [0, 1], [0, 1], [1, 1]]
         assert device.sim.io.n_backward == 3
 
     def test_reset_makes_the_next_event_the_first(self) -> None:
         device = device_of(8, 10)
-        assert told(device, [500, 509, 490]) == [[0, 1], [0, 1], [0, 1]]
-        assert told(device, [5, 14, 15]) == [[0, 1], [0, 1], [1, 1]]
+        assert stamped(device, [500, 509, 490]) == [[0, 1], [0, 1], [0, 1]]
+        assert stamped(device, [5, 14, 15]) == [[0, 1], [0, 1], [1, 1]]
         assert device.sim.io.n_backward == 0
 
     def test_a_tick_of_0_is_taken_as_1(self) -> None:
-        assert told(device_of(8, 0), [5, 9]) == [[0, 1], [4, 1]]
+        assert stamped(device_of(8, 0), [5, 9]) == [[0, 1], [4, 1]]
 
 
 @pytest.mark.parametrize(("tick_w", "tick_us"), [(20, 1), (1, 1), (8, 1), (8, 10), (32, 7), (20, 1_000_000)])

@@ -8,7 +8,7 @@ import pytest
 
 from support.stream_device import Bundle, StreamDevice, StreamRun, random_pattern, random_stalls
 from support.testing import lint
-from support.tokens import TOKENS_OUT, hear
+from support.tokens import TOKENS_OUT, decode_tokens
 
 TOP = "tick_prescaler"
 EVENTS = Bundle("s_", ("x", "y", "p"))
@@ -53,8 +53,8 @@ class TestStories:
         device.stalls = {"m_": np.array([0] * 700 + [1] * 300, np.uint8)}
         stalled, after = device.run(clocks=699), device.run({"s_": [[1, 2, 1]]}, clocks=50)
         assert after.accepted["s_"].tolist() == [701]  # two clocks after the stall ended
-        told = joined(stalled, after)[:, :2].tolist()
-        assert told[:6] == [[1, 0], [1, 0], [1, 0], [255, 0], [255, 0], [701 - 3 - 2 * 255, 1]]
+        result = joined(stalled, after)[:, :2].tolist()
+        assert result[:6] == [[1, 0], [1, 0], [1, 0], [255, 0], [255, 0], [701 - 3 - 2 * 255, 1]]
 
     def test_a_new_prescale_counts_from_the_last_tick(self) -> None:
         device = device_of(8, 100)
@@ -82,10 +82,10 @@ def test_events_come_at_the_tick_of_their_clock_and_no_tick_is_lost(tick_w: int,
         device.set(prescale=0)  # nothing is added any more
         device.stalls = {}
         rest = device.run({"s_": []}, clocks=50_000)
-        heard = hear(joined(first, rest))
-        assert np.array_equal(heard.events[:, 2:], events[:taken])
-        assert np.array_equal(heard.at, first.accepted["s_"] // prescale)
-        assert heard.ticks == 20_000 // prescale
+        decoded = decode_tokens(joined(first, rest))
+        assert np.array_equal(decoded.events[:, 2:], events[:taken])
+        assert np.array_equal(decoded.at, first.accepted["s_"] // prescale)
+        assert decoded.ticks == 20_000 // prescale
         assert taken > 500
         alone = joined(first, rest)
         assert (alone[alone[:, 1] == 0, 0] > 0).all()  # no token says nothing

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""overload_fifo.v: what is dropped and why, time that passes all the same, counters that add up."""
+"""overload_fifo.v: which events are dropped, ticks that are preserved all the same, counters that add up."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from support.stream_device import StreamDevice, random_stalls
 from support.testing import PATTERNS, Sink, Source, always, lint, run_streams
-from support.tokens import TOKENS_IN, TOKENS_OUT, hear
+from support.tokens import TOKENS_IN, TOKENS_OUT, decode_tokens
 
 TOP = "overload_fifo"
 BEHIND = 4  # events on their way out, behind the queue
@@ -66,11 +66,11 @@ class TestStories:
         run = device.run({"s_": [[k, 1, 0, k, 0, 1] for k in range(1, 16)]})
         device.stalls = {}
         last = device.run({"s_": [[100, 1, 0, 99, 0, 0]]})
-        told = [(tick, x) for tick, _, _, x, _, _ in np.concatenate([run.words["m_"], last.words["m_"]]).tolist()]
+        result = [(tick, x) for tick, _, _, x, _, _ in np.concatenate([run.words["m_"], last.words["m_"]]).tolist()]
         kept = 3 + BEHIND
-        assert told[:kept] == [(k, k) for k in range(1, kept + 1)]
-        assert sum(tick for tick, _ in told) == sum(range(1, 16)) + 100
-        assert told[-1][1] == 99
+        assert result[:kept] == [(k, k) for k in range(1, kept + 1)]
+        assert sum(tick for tick, _ in result) == sum(range(1, 16)) + 100
+        assert result[-1][1] == 99
         io = device.sim.io
         assert (io.n_in, io.n_out, io.n_dropped, io.held) == (16, kept + 1, 15 - kept, 0)
 
@@ -78,10 +78,10 @@ class TestStories:
         device = device_of(3, 8, 16)
         device.stalls = {"m_": np.array([0] * 500 + [1] * 500, np.uint8)}
         tokens = [[1, 0, 0, 0, 0, 0]] * 400 + [[1, 1, 0, 7, 0, 0]]
-        told = device.run({"s_": tokens}).words["m_"]
+        result = device.run({"s_": tokens}).words["m_"]
         assert device.sim.io.n_dropped == 0
-        assert told[:, 0].sum() == 401
-        assert told[-1].tolist()[1:4] == [1, 0, 7]
+        assert result[:, 0].sum() == 401
+        assert result[-1].tolist()[1:4] == [1, 0, 7]
 
     def test_ticks_alone_pass_when_nothing_waits(self) -> None:
         device = device_of(3, 8, 16)
@@ -109,18 +109,18 @@ def test_every_event_that_stays_keeps_its_time(shape: tuple[int, int, int], drop
         device.stalls = {} if run == 0 else random_stalls(rng, ("s_", "m_"))
         tokens = random_tokens(rng, 25_000, tick_w)
         done = device.run({"s_": tokens})
-        sent, heard = hear(tokens), hear(done.words["m_"])
-        number = heard.events[:, 2].astype(np.int64) | heard.events[:, 3].astype(np.int64) << 16
+        sent, decoded = decode_tokens(tokens), decode_tokens(done.words["m_"])
+        number = decoded.events[:, 2].astype(np.int64) | decoded.events[:, 3].astype(np.int64) << 16
         assert (np.diff(number) > 0).all()  # in order, none twice
-        assert np.array_equal(tokens[number, 1:], heard.events)
-        assert np.array_equal(np.cumsum(tokens[:, 0].astype(np.int64))[number], heard.at)
-        assert heard.ticks == sent.ticks
+        assert np.array_equal(tokens[number, 1:], decoded.events)
+        assert np.array_equal(np.cumsum(tokens[:, 0].astype(np.int64))[number], decoded.at)
+        assert decoded.ticks == sent.ticks
 
         stays = np.zeros(len(tokens), np.bool_)
         stays[number] = True
         dropped = (tokens[:, 1] | tokens[:, 2]).astype(np.bool_) & ~stays
         n_in, io = len(sent.at), device.sim.io
-        assert (io.n_in, io.n_out, io.n_dropped, io.held) == (n_in, len(heard.at), n_in - len(heard.at), 0)
+        assert (io.n_in, io.n_out, io.n_dropped, io.held) == (n_in, len(decoded.at), n_in - len(decoded.at), 0)
         assert drop_enable or not dropped.any()
 
         # Nothing is dropped while there is room: at that clock the queue is full, of events or of ticks that wait alone.

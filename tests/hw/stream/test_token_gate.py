@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gate: closes between two tokens, never takes one back, opens when what was written has settled."""
+"""The gate: closes between two tokens, never withdraws one, opens when register writes have taken effect."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One tracker, as a story: the same events told to cot.v, to an array of one slot and to the golden model of both.
+"""One tracker, tested with stories: the same events run through cot.v, an array of one slot and the golden model of both.
 
 Ticks, places and arithmetic are worked out by hand in the comments.
 """
@@ -20,7 +20,7 @@ from evcot_cosim.devices.device import Device
 from evcot_cosim.names import Top
 from support.testing import Sink, Source, always, run_streams
 from support.ticked import ticked
-from support.trials import ENGINES, Told, exact, random_traffic, tell
+from support.trials import ENGINES, Outcome, compare_random_runs, random_traffic, run_story
 
 SHAPE = Shape(n_slots=1, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=8, seq_w=16, time_w=20)
 PUBLISHED = replace(SHAPE, frac=0, tick_w=3)
@@ -36,17 +36,17 @@ FIXED = SlotConfig(
     max_ticks=20, clust_nev=8, nev_min=8, nev_max=8, nev_th=0, detect_ticks=100,
 )  # fmt: skip
 
-Teller = Callable[..., Told]
+Player = Callable[..., Outcome]
 Event = tuple[int, int, int]
 
 
 @pytest.fixture(params=[(top, engine) for top in ("cot", "cot_array") for engine in ENGINES], ids="-".join)
-def told(request: pytest.FixtureRequest) -> Teller:
+def play(request: pytest.FixtureRequest) -> Player:
     """Tells a story to one engine with a slot's registers, by default FIXED with some changed."""
     top, engine = request.param
 
-    def teller(story: Iterable[Event], shape: Shape = SHAPE, **registers: int) -> Told:
-        return tell(story, CotConfig(shape, (replace(FIXED, **registers),)), top, engine)
+    def teller(story: Iterable[Event], shape: Shape = SHAPE, **registers: int) -> Outcome:
+        return run_story(story, CotConfig(shape, (replace(FIXED, **registers),)), top, engine)
 
     return teller
 
@@ -69,9 +69,9 @@ class TestTable2:
         chosen: tuple[int, int] = request.param
         return chosen
 
-    def test_a_centre_goes_out_with_every_nevth_event(self, told: Teller, situation: tuple[int, int]) -> None:
+    def test_a_centre_goes_out_with_every_nevth_event(self, play: Player, situation: tuple[int, int]) -> None:
         n_ev, tc = situation
-        run = told(at(range(1, 3 * n_ev + 1)), max_ticks=tc, **n_ev_of(n_ev))
+        run = play(at(range(1, 3 * n_ev + 1)), max_ticks=tc, **n_ev_of(n_ev))
         assert run.records("kind", "seq", "time", "support") == [
             (BORN, n_ev - 1, n_ev, n_ev),
             (MOVED, 2 * n_ev - 1, 2 * n_ev, 2 * n_ev),
@@ -79,22 +79,22 @@ class TestTable2:
         ]
         assert set(run.owners) == {0}
 
-    def test_tc_overflow_ends_the_life_at_last_event_plus_tc(self, told: Teller, situation: tuple[int, int]) -> None:
+    def test_tc_overflow_ends_the_life_at_last_event_plus_tc(self, play: Player, situation: tuple[int, int]) -> None:
         n_ev, tc = situation
-        run = told([*at(range(1, n_ev + 1)), (1000, 0, 0)], max_ticks=tc, **n_ev_of(n_ev))
+        run = play([*at(range(1, n_ev + 1)), (1000, 0, 0)], max_ticks=tc, **n_ev_of(n_ev))
         assert run.records("kind", "seq", "time") == [(BORN, n_ev - 1, n_ev), (LOST, n_ev, n_ev + tc)]
 
-    def test_every_event_one_tick_before_the_overflow_keeps_it_alive(self, told: Teller, situation: tuple[int, int]) -> None:
+    def test_every_event_one_tick_before_the_overflow_keeps_it_alive(self, play: Player, situation: tuple[int, int]) -> None:
         n_ev, tc = situation
         first = n_ev + tc - 1
         second = first + tc - 1  # the N_ev-th event is still to come
-        run = told([*at(range(1, n_ev + 1)), *at([first, second, second + tc])], max_ticks=tc, **n_ev_of(n_ev))
+        run = play([*at(range(1, n_ev + 1)), *at([first, second, second + tc])], max_ticks=tc, **n_ev_of(n_ev))
         assert run.records("kind", "time") == [(BORN, n_ev), (LOST, second + tc)]
 
 
 class TestLife:
-    def test_the_event_that_waits_at_the_overflow_opens_the_next_life(self, told: Teller) -> None:
-        run = told(at([1, 2, 3, 23, 24, 25]), **n_ev_of(3))  # 3 + 20 = 23: the end comes first, the event right after it
+    def test_the_event_that_waits_at_the_overflow_opens_the_next_life(self, play: Player) -> None:
+        run = play(at([1, 2, 3, 23, 24, 25]), **n_ev_of(3))  # 3 + 20 = 23: the end comes first, the event right after it
         assert run.records("kind", "track_id", "seq", "time", "support") == [
             (BORN, 0, 2, 3, 3),
             (LOST, 0, 3, 23, 3),
@@ -102,14 +102,14 @@ class TestLife:
         ]
         assert run.owners == [0] * 6
 
-    def test_an_event_elsewhere_does_not_prolong_a_life(self, told: Teller) -> None:
-        run = told([*at([1, 2, 3]), (10, 0, 0), (22, 0, 0), (23, 0, 0)], **n_ev_of(3))
+    def test_an_event_elsewhere_does_not_prolong_a_life(self, play: Player) -> None:
+        run = play([*at([1, 2, 3]), (10, 0, 0), (22, 0, 0), (23, 0, 0)], **n_ev_of(3))
         assert run.records("kind", "seq", "time") == [(BORN, 2, 3), (LOST, 5, 23)]
         assert run.owners == [0, 0, 0, -1, -1, -1]
 
-    def test_lost_shows_the_last_centre_and_goes_back_to_the_start(self, told: Teller) -> None:
+    def test_lost_shows_the_last_centre_and_goes_back_to_the_start(self, play: Player) -> None:
         # k = 0: the centre jumps to the event; 13 pixels from the start it is found again only after the loss.
-        run = told([(1, 70, 60), (2, 75, 60), (3, 64, 64), (30, 64, 64)], hist_avg=0, **n_ev_of(1))
+        run = play([(1, 70, 60), (2, 75, 60), (3, 64, 64), (30, 64, 64)], hist_avg=0, **n_ev_of(1))
         assert run.records("kind", "x", "y", "radius", "n_ev", "support") == [
             (BORN, 70, 60, 6, 1, 1),
             (MOVED, 75, 60, 6, 1, 2),
@@ -118,8 +118,8 @@ class TestLife:
         ]
         assert run.owners == [0, 0, -1, 0]
 
-    def test_a_life_of_one_tick(self, told: Teller) -> None:
-        run = told(at([5, 5, 6, 6]), max_ticks=1, **n_ev_of(1))
+    def test_a_life_of_one_tick(self, play: Player) -> None:
+        run = play(at([5, 5, 6, 6]), max_ticks=1, **n_ev_of(1))
         assert run.records("kind", "track_id", "time") == [
             (BORN, 0, 5),
             (MOVED, 0, 5),
@@ -128,124 +128,124 @@ class TestLife:
             (MOVED, 1, 6),
         ]
 
-    def test_ids_count_lives_and_are_not_reused(self, told: Teller) -> None:
-        run = told(at(range(0, 1000, 20)), **n_ev_of(1))
+    def test_ids_count_lives_and_are_not_reused(self, play: Player) -> None:
+        run = play(at(range(0, 1000, 20)), **n_ev_of(1))
         assert [record for record in run.records("kind", "track_id") if record[0] == BORN] == [(BORN, i) for i in range(50)]
         assert [record for record in run.records("kind", "track_id") if record[0] == LOST] == [(LOST, i) for i in range(49)]
 
-    def test_ids_wrap_at_their_width(self, told: Teller) -> None:
-        run = told(at(range(0, 258 * 20, 20)), **n_ev_of(1))
+    def test_ids_wrap_at_their_width(self, play: Player) -> None:
+        run = play(at(range(0, 258 * 20, 20)), **n_ev_of(1))
         assert [track_id for kind, track_id in run.records("kind", "track_id") if kind == BORN] == [*range(256), 0, 1]
 
-    def test_support_saturates(self, told: Teller) -> None:
-        run = told(at([1] * 300), **n_ev_of(1))
+    def test_support_saturates(self, play: Player) -> None:
+        run = play(at([1] * 300), **n_ev_of(1))
         assert [support for (support,) in run.records("support")] == [*range(1, 256), *[255] * 45]
 
 
 class TestCandidate:
     @pytest.mark.parametrize("third", [14, 15])
-    def test_the_event_exactly_at_detect_ticks_still_counts(self, told: Teller, third: int) -> None:
-        run = told(at([5, 9, third]), detect_ticks=10, **n_ev_of(3))
+    def test_the_event_exactly_at_detect_ticks_still_counts(self, play: Player, third: int) -> None:
+        run = play(at([5, 9, third]), detect_ticks=10, **n_ev_of(3))
         assert run.records("kind", "time", "support") == [(BORN, third, 3)]
 
-    def test_a_candidate_that_takes_longer_starts_over_in_silence(self, told: Teller) -> None:
-        run = told(at([5, 9, 16, 20, 26]), detect_ticks=10, **n_ev_of(3))  # 16 > 5 + 10: it is the first of three again
+    def test_a_candidate_that_takes_longer_starts_over_in_silence(self, play: Player) -> None:
+        run = play(at([5, 9, 16, 20, 26]), detect_ticks=10, **n_ev_of(3))  # 16 > 5 + 10: it is the first of three again
         assert run.records("kind", "track_id", "time", "support") == [(BORN, 0, 26, 3)]
         assert run.owners == [0] * 5
 
-    def test_its_time_begins_with_its_first_event(self, told: Teller) -> None:
-        run = told(at([4000, 4010]), detect_ticks=10, **n_ev_of(2))
+    def test_its_time_begins_with_its_first_event(self, play: Player) -> None:
+        run = play(at([4000, 4010]), detect_ticks=10, **n_ev_of(2))
         assert run.records("kind", "time") == [(BORN, 4010)]
 
-    def test_it_has_no_lifetime(self, told: Teller) -> None:
-        run = told(at([0, 90, 100]), max_ticks=5, detect_ticks=100, **n_ev_of(3))
+    def test_it_has_no_lifetime(self, play: Player) -> None:
+        run = play(at([0, 90, 100]), max_ticks=5, detect_ticks=100, **n_ev_of(3))
         assert run.records("kind", "time") == [(BORN, 100)]
 
-    def test_the_average_of_one_that_starts_over_is_forgotten(self, told: Teller) -> None:
+    def test_the_average_of_one_that_starts_over_is_forgotten(self, play: Player) -> None:
         # Without the restart the average would begin at (64 + 70) / 2.
-        run = told([(0, 70, 64), (50, 64, 64), (51, 64, 64)], detect_ticks=10, **n_ev_of(2))
+        run = play([(0, 70, 64), (50, 64, 64), (51, 64, 64)], detect_ticks=10, **n_ev_of(2))
         assert run.records("kind", "x", "y") == [(BORN, 64, 64)]
 
 
 class TestWindow:
-    def test_its_ends_count_on_both_sides(self, told: Teller) -> None:
+    def test_its_ends_count_on_both_sides(self, play: Player) -> None:
         places = [(58, 58), (70, 70), (57, 64), (71, 64), (64, 57), (64, 71), (58, 70), (70, 58)]
-        run = told([(0, x, y) for x, y in places])
+        run = play([(0, x, y) for x, y in places])
         assert run.owners == [0, 0, -1, -1, -1, -1, 0, 0]
         assert run.rel == [(0, 0), (12, 12), (0, 0), (0, 0), (0, 0), (0, 0), (0, 12), (12, 0)]
 
-    def test_it_is_clipped_at_the_first_and_at_the_last_pixel(self, told: Teller) -> None:
-        corner = told([(0, 0, 0), (0, 6, 6), (0, 7, 0), (0, 127, 127)], init_cm_x=0, init_cm_y=0)
+    def test_it_is_clipped_at_the_first_and_at_the_last_pixel(self, play: Player) -> None:
+        corner = play([(0, 0, 0), (0, 6, 6), (0, 7, 0), (0, 127, 127)], init_cm_x=0, init_cm_y=0)
         assert corner.owners == [0, 0, -1, -1]
         assert corner.rel[:2] == [(6, 6), (12, 12)]
-        corner = told([(0, 127, 127), (0, 121, 121), (0, 120, 127), (0, 0, 0)], init_cm_x=127, init_cm_y=127)
+        corner = play([(0, 127, 127), (0, 121, 121), (0, 120, 127), (0, 0, 0)], init_cm_x=127, init_cm_y=127)
         assert corner.owners == [0, 0, -1, -1]
         assert corner.rel[:2] == [(6, 6), (0, 0)]
 
-    def test_an_event_is_addressed_in_the_window_that_took_it_and_not_in_the_one_that_it_made(self, told: Teller) -> None:
-        run = told([(0, 70, 64), (0, 70, 64)], hist_avg=0, **n_ev_of(1))
+    def test_an_event_is_addressed_in_the_window_that_took_it_and_not_in_the_one_that_it_made(self, play: Player) -> None:
+        run = play([(0, 70, 64), (0, 70, 64)], hist_avg=0, **n_ev_of(1))
         assert run.rel == [(12, 6), (6, 6)]
 
-    def test_a_centre_belongs_to_the_nearest_pixel(self, told: Teller) -> None:
+    def test_a_centre_belongs_to_the_nearest_pixel(self, play: Player) -> None:
         # The first event moves the centre to 65.5, whose pixel is 66: 72 is inside, 59 is not.
-        run = told([(0, 70, 64), (0, 72, 64), (0, 59, 64)], **n_ev_of(1))
+        run = play([(0, 70, 64), (0, 72, 64), (0, 59, 64)], **n_ev_of(1))
         assert run.records("x")[0] == (65.5,)
         assert run.owners == [0, 0, -1]
 
 
 class TestStart:
-    def test_a_seed_is_the_centre_and_the_first_event(self, told: Teller) -> None:
-        run = told([(0, 10, 20), (1, 16, 14), (2, 17, 20), (3, 10, 20)], mode=Mode.SEEDED, **n_ev_of(3))
+    def test_a_seed_is_the_centre_and_the_first_event(self, play: Player) -> None:
+        run = play([(0, 10, 20), (1, 16, 14), (2, 17, 20), (3, 10, 20)], mode=Mode.SEEDED, **n_ev_of(3))
         assert run.owners == [0, 0, -1, 0]
         assert run.rel == [(6, 6), (12, 0), (0, 0), (6, 6)]
         assert run.records("kind", "seq", "support") == [(BORN, 3, 3)]
 
-    def test_a_seed_alone_can_be_a_birth(self, told: Teller) -> None:
-        run = told([(0, 10, 20), (9, 100, 100), (30, 100, 90)], mode=Mode.SEEDED, **n_ev_of(1))
+    def test_a_seed_alone_can_be_a_birth(self, play: Player) -> None:
+        run = play([(0, 10, 20), (9, 100, 100), (30, 100, 90)], mode=Mode.SEEDED, **n_ev_of(1))
         assert run.records("kind", "x", "y", "time") == [(BORN, 10, 20, 0), (LOST, 10, 20, 20), (BORN, 100, 90, 30)]
 
-    def test_a_seeded_slot_is_free_again_after_a_candidate_that_was_too_slow(self, told: Teller) -> None:
-        run = told([(0, 10, 20), (10, 99, 99), (11, 99, 99)], mode=Mode.SEEDED, detect_ticks=10, **n_ev_of(2))
+    def test_a_seeded_slot_is_free_again_after_a_candidate_that_was_too_slow(self, play: Player) -> None:
+        run = play([(0, 10, 20), (10, 99, 99), (11, 99, 99)], mode=Mode.SEEDED, detect_ticks=10, **n_ev_of(2))
         assert run.owners == [0, -1, 0]
         assert run.rel[2] == (6, 6)
 
-    def test_a_slot_that_is_off_lets_everything_pass(self, told: Teller) -> None:
-        run = told([(0, 64, 64), (5000, 64, 64), (5000, 0, 0)], mode=Mode.OFF, **n_ev_of(1))
+    def test_a_slot_that_is_off_lets_everything_pass(self, play: Player) -> None:
+        run = play([(0, 64, 64), (5000, 64, 64), (5000, 0, 0)], mode=Mode.OFF, **n_ev_of(1))
         assert run.owners == [-1] * 3
         assert run.kinds == []
 
 
 class TestAverage:
-    def test_by_hand_with_fractional_bits(self, told: Teller) -> None:
+    def test_by_hand_with_fractional_bits(self, play: Player) -> None:
         # av 64, 67, 68.5, 69.25 and cm 64 + 3/2, 65.5 + 3/2, 67 + 2.25/2; on y towards 60: -2, -3, -3.5.
-        run = told(at([0, 1, 2], 70, 60), **n_ev_of(1))
+        run = play(at([0, 1, 2], 70, 60), **n_ev_of(1))
         assert run.records("x", "y") == [(65.5, 63.0), (67.0, 62.0), (68.125, 61.25)]
 
-    def test_holds_the_nevth_event(self, told: Teller) -> None:
-        run = told([(0, 64, 64), (0, 70, 64)], **n_ev_of(2))  # without it av, and so the centre, would stay at 64
+    def test_holds_the_nevth_event(self, play: Player) -> None:
+        run = play([(0, 64, 64), (0, 70, 64)], **n_ev_of(2))  # without it av, and so the centre, would stay at 64
         assert run.records("x", "y") == [(65.5, 64.0)]
 
-    def test_the_published_shift_floors(self, told: Teller) -> None:
+    def test_the_published_shift_floors(self, play: Player) -> None:
         # k = 1: av 64, 67, 68, 69 and cm 64 + floor(3/2), 65 + floor(3/2), 66 + floor(3/2); y: av 62, 61, 60, cm 63, 62, 61.
-        run = told(at([0, 1, 2], 70, 60), PUBLISHED, **n_ev_of(1))
+        run = play(at([0, 1, 2], 70, 60), PUBLISHED, **n_ev_of(1))
         assert run.records("x", "y") == [(65.0, 63.0), (66.0, 62.0), (67.0, 61.0)]
 
     @pytest.mark.parametrize(("k", "x"), [(1, 68), (2, 64), (3, 64)])
-    def test_the_published_shift_stops_short_of_an_object_above(self, told: Teller, k: int, x: int) -> None:
+    def test_the_published_shift_stops_short_of_an_object_above(self, play: Player, k: int, x: int) -> None:
         # The average stops 2^k - 1 short of the object and the centre as much short of the average.
-        run = told(at([0] * 60, 70), PUBLISHED, hist_avg=k, **n_ev_of(1))
+        run = play(at([0] * 60, 70), PUBLISHED, hist_avg=k, **n_ev_of(1))
         assert run.records("x")[-1] == (x,)
 
     @pytest.mark.parametrize("k", [1, 2, 3])
-    def test_the_published_shift_reaches_an_object_below(self, told: Teller, k: int) -> None:
-        run = told(at([0] * 60, 58), PUBLISHED, hist_avg=k, **n_ev_of(1))
+    def test_the_published_shift_reaches_an_object_below(self, play: Player, k: int) -> None:
+        run = play(at([0] * 60, 58), PUBLISHED, hist_avg=k, **n_ev_of(1))
         assert run.records("x")[-1] == (58,)
 
     @pytest.mark.parametrize("target", [58, 70])
     @pytest.mark.parametrize("k", [1, 2, 3, 4])
-    def test_fractional_bits_bring_the_centre_within_its_pixel_from_both_sides(self, told: Teller, k: int, target: int) -> None:
+    def test_fractional_bits_bring_the_centre_within_its_pixel_from_both_sides(self, play: Player, k: int, target: int) -> None:
         # Average and centre stop where half a step is less than the step's resolution: 2^(k-1)/16 pixels at most, each.
-        run = told(at([0] * 200, target), hist_avg=k, **n_ev_of(1))
+        run = play(at([0] * 200, target), hist_avg=k, **n_ev_of(1))
         (x,) = run.records("x")[-1]
         assert abs(float(str(x)) - target) <= 2 * 2 ** (k - 1) / 16
 
@@ -265,34 +265,34 @@ class TestNev:
 
     LIMITS = {"clust_nev": 4, "nev_min": 2, "nev_max": 8, "nev_th": 2, "max_ticks": 4000}  # noqa: RUF012
 
-    def n_ev(self, run: Told) -> list[object]:
+    def n_ev(self, run: Outcome) -> list[object]:
         return [n_ev for (n_ev,) in run.records("n_ev")]
 
-    def test_the_first_window_leaves_it_alone(self, told: Teller) -> None:
-        assert self.n_ev(told([*at([0, 1, 2, 99])], **self.LIMITS)) == [4]
+    def test_the_first_window_leaves_it_alone(self, play: Player) -> None:
+        assert self.n_ev(play([*at([0, 1, 2, 99])], **self.LIMITS)) == [4]
 
     @pytest.mark.parametrize(("second", "n_ev"), [(8, 4), (12, 4), (13, 8), (7, 2)])
-    def test_a_window_must_differ_by_more_than_the_threshold(self, told: Teller, second: int, n_ev: int) -> None:
+    def test_a_window_must_differ_by_more_than_the_threshold(self, play: Player, second: int, n_ev: int) -> None:
         first = at([0, 0, 0, 10])  # 10 ticks
-        assert self.n_ev(told([*first, *at([10 + second] * 4)], **self.LIMITS)) == [4, n_ev]
+        assert self.n_ev(play([*first, *at([10 + second] * 4)], **self.LIMITS)) == [4, n_ev]
 
-    def test_it_doubles_while_windows_get_slower_up_to_its_bound(self, told: Teller) -> None:
-        run = told([*windows((4, 0), (4, 10), (8, 20), (8, 30))], **self.LIMITS)
+    def test_it_doubles_while_windows_get_slower_up_to_its_bound(self, play: Player) -> None:
+        run = play([*windows((4, 0), (4, 10), (8, 20), (8, 30))], **self.LIMITS)
         assert self.n_ev(run) == [4, 8, 8, 8]
 
-    def test_it_halves_while_windows_get_faster_down_to_its_bound(self, told: Teller) -> None:
-        run = told([*at([0]), *windows((3, 40), (4, 30), (2, 20), (2, 10))], **self.LIMITS)
+    def test_it_halves_while_windows_get_faster_down_to_its_bound(self, play: Player) -> None:
+        run = play([*at([0]), *windows((3, 40), (4, 30), (2, 20), (2, 10))], **self.LIMITS)
         assert self.n_ev(run) == [4, 2, 2, 2]
 
-    def test_an_odd_bound_is_kept(self, told: Teller) -> None:
-        run = told(
+    def test_an_odd_bound_is_kept(self, play: Player) -> None:
+        run = play(
             [*at([0]), *windows((4, 40), (5, 30), (3, 60), (6, 90))],
             clust_nev=5, nev_min=3, nev_max=7, nev_th=0, max_ticks=4000,
         )  # fmt: skip
         assert self.n_ev(run) == [5, 3, 6, 7]
 
-    def test_a_new_life_begins_with_the_initial_n_ev(self, told: Teller) -> None:
-        run = told([*windows((4, 0), (4, 10)), *at([5000] * 4)], **self.LIMITS)
+    def test_a_new_life_begins_with_the_initial_n_ev(self, play: Player) -> None:
+        run = play([*windows((4, 0), (4, 10)), *at([5000] * 4)], **self.LIMITS)
         assert run.records("kind", "n_ev") == [(BORN, 4), (MOVED, 8), (LOST, 8), (BORN, 4)]
 
 
@@ -301,24 +301,24 @@ class TestRadius:
 
     LIMITS = {"radix_step": 1, "radix_min": 3, "radix_max": 6, "hist_avg": 8}  # noqa: RUF012
 
-    def radii(self, run: Told) -> list[object]:
+    def radii(self, run: Outcome) -> list[object]:
         return [radius for (radius,) in run.records("radius")]
 
     @pytest.mark.parametrize(("dx", "dy"), [(1, 0), (-1, 0), (0, 1), (0, -1)])
     def test_it_grows_with_an_event_beyond_g_and_shrinks_without_within_its_bounds(
-        self, told: Teller, dx: int, dy: int
+        self, play: Player, dx: int, dy: int
     ) -> None:
         distances = [5, 6, 6, 6, 5, 4, 3, 3]  # g: 4 to 5, 6, stays for 6 is not beyond 6 …
-        run = told([(0, 64 + dx * d, 64 + dy * d) for d in distances], **self.LIMITS, **n_ev_of(1))
+        run = play([(0, 64 + dx * d, 64 + dy * d) for d in distances], **self.LIMITS, **n_ev_of(1))
         assert self.radii(run) == [7, 8, 7, 8, 7, 6, 5, 5]
 
-    def test_one_event_in_the_ring_is_enough(self, told: Teller) -> None:
-        run = told([(0, 69, 64), (0, 64, 64), (0, 64, 64), (0, 64, 64)], **self.LIMITS, **n_ev_of(2))
+    def test_one_event_in_the_ring_is_enough(self, play: Player) -> None:
+        run = play([(0, 69, 64), (0, 64, 64), (0, 64, 64), (0, 64, 64)], **self.LIMITS, **n_ev_of(2))
         assert self.radii(run) == [7, 6]  # grown, and the window after it begins with an empty ring
 
-    def test_steps_stop_at_the_bounds(self, told: Teller) -> None:
+    def test_steps_stop_at_the_bounds(self, play: Player) -> None:
         registers = self.LIMITS | {"radix_step": 31}
-        run = told([(0, 69, 64), (0, 64, 64)], **registers, **n_ev_of(1))
+        run = play([(0, 69, 64), (0, 64, 64)], **registers, **n_ev_of(1))
         assert self.radii(run) == [8, 5]
 
 
@@ -343,7 +343,7 @@ def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(top: Top, born: 
         device.sim.clock.tick()
     assert (io.m_cm_valid, io.idle) == (0, 1)
     after = device.stream(ticked([20, 21, 22], 64, 64))
-    assert Told(config, after).records("kind", "track_id", "seq", "support") == [(BORN, int(born), n + 2, 3)]
+    assert Outcome(config, after).records("kind", "track_id", "seq", "support") == [(BORN, int(born), n + 2, 3)]
 
 
 def test_a_mode_write_after_a_passed_event_names_the_next_one_too() -> None:
@@ -430,7 +430,7 @@ RANDOM = {
 @pytest.mark.parametrize("name", RANDOM)
 def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
     shape, runs, rates = RANDOM[name]
-    census = exact(shape, "cot", 2026, runs, 50_000, rates=rates)
+    census = compare_random_runs(shape, "cot", 2026, runs, 50_000, rates=rates)
     assert all(census[kind] > 1_000 for kind in (BORN, MOVED, LOST))
     assert census[Kind.MERGED] == 0
 

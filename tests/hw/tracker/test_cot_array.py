@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The array of trackers, as stories told to cot_array.v and to the golden model, and as random traffic through both."""
+"""The array of trackers: stories and random traffic through both cot_array.v and the golden model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,16 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
 from support.ticked import ticked
-from support.trials import ENGINES, OLD_AND_YOUNG, Engine, Told, exact, random_config, random_traffic, tell
+from support.trials import (
+    ENGINES,
+    OLD_AND_YOUNG,
+    Engine,
+    Outcome,
+    compare_random_runs,
+    random_config,
+    random_traffic,
+    run_story,
+)
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 EIGHT = replace(SHAPE, n_slots=8, id_w=32)
@@ -43,14 +52,14 @@ def engine(request: pytest.FixtureRequest) -> Engine:
     return chosen
 
 
-def row(engine: Engine, xs: Iterable[int], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Told:
+def row(engine: Engine, xs: Iterable[int], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Outcome:
     """Events at tick 0 on the line y = 64."""
     return story(engine, [(0, x, 64) for x in xs], slots)
 
 
-def story(engine: Engine, events: list[Event], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Told:
+def story(engine: Engine, events: list[Event], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Outcome:
     slots = (slots,) * 3 if isinstance(slots, SlotConfig) else tuple(slots)
-    return tell(events, CotConfig(SHAPE, slots), "cot_array", engine)
+    return run_story(events, CotConfig(SHAPE, slots), "cot_array", engine)
 
 
 class TestOwner:
@@ -144,7 +153,7 @@ class TestMerge:
         assert (MERGED in run.kinds) == merges
 
     def test_the_older_stays_when_its_id_is_the_higher_one(self, engine: Engine) -> None:
-        run = tell(*OLD_AND_YOUNG, "cot_array", engine)
+        run = run_story(*OLD_AND_YOUNG, "cot_array", engine)
         births = [record for record in run.records("kind", "slot", "track_id") if record[0] == BORN]
         assert births == [(BORN, 0, 0), (BORN, 1, 1), *((BORN, 0, track % 8) for track in range(2, 9))]
         assert run.records("kind", "slot", "track_id", "other_id", "x")[-2:] == [(MERGED, 0, 0, 1, 31), (MOVED, 1, 1, 0, 28.5)]
@@ -239,7 +248,7 @@ def test_no_active_windows_ever_overlap_and_ids_are_never_reused(engine: Engine,
     config = CotConfig(EIGHT, (slot,) * 8)
     events = random_traffic(rng, EIGHT, 12_000, 1)
     story = zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True)
-    run = tell(story, config, "cot_array", engine)
+    run = run_story(story, config, "cot_array", engine)
     records = run.decisions.records
     assert run.kinds.count(MERGED) > 40
     assert overlaps(config, records) == 0
@@ -267,7 +276,7 @@ def test_a_mode_write_restarts_one_slot_alone() -> None:
     device.sim.clock.tick()
     device.sim.clock.tick()
     assert (io.m_cm_valid, io.idle) == (0, 1)
-    after = Told(device.config, device.stream(ticked(5, xs, xs)))
+    after = Outcome(device.config, device.stream(ticked(5, xs, xs)))
     assert after.records("kind", "slot", "track_id") == [(MOVED, 0, 0), (BORN, 1, 3), (MOVED, 2, 2)]
 
 
@@ -331,18 +340,18 @@ RANDOM: dict[int, tuple[Shape, int]] = {
 @pytest.mark.parametrize("n", RANDOM)
 def test_random_registers_traffic_and_stalls_are_exact(n: int) -> None:
     shape, runs = RANDOM[n]
-    census = exact(shape, "cot_array", 2026, runs, 50_000)
+    census = compare_random_runs(shape, "cot_array", 2026, runs, 50_000)
     wanted = (BORN, MOVED, LOST) if n == 1 else Kind
     assert all(census[kind] > 1_000 for kind in wanted)
 
 
 def test_ids_that_wrap_all_the_time_are_exact() -> None:
-    census = exact(replace(EIGHT, id_w=3), "cot_array", 2026, 10, 20_000)
+    census = compare_random_runs(replace(EIGHT, id_w=3), "cot_array", 2026, 10, 20_000)
     assert all(census[kind] > 1_000 for kind in Kind)
 
 
 def test_one_bit_of_everything_is_exact() -> None:
-    census = exact(ONE_BIT, "cot_array", 2026, 12, 20_000, rates=(0.1, 0.3, 1))
+    census = compare_random_runs(ONE_BIT, "cot_array", 2026, 12, 20_000, rates=(0.1, 0.3, 1))
     assert all(census[kind] > 1_000 for kind in Kind)
 
 

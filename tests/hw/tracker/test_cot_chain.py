@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The chain of trackers, as stories told to cot_chain.v and to the golden model, and as random traffic through both."""
+"""The chain of trackers: stories and random traffic through both cot_chain.v and the golden model."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
 from support.ticked import ticked
-from support.trials import ENGINES, Engine, Told, exact, random_traffic, tell
+from support.trials import ENGINES, Engine, Outcome, compare_random_runs, random_traffic, run_story
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 EIGHT = replace(SHAPE, n_slots=8, frac=0, tick_w=3)
@@ -39,9 +39,9 @@ def engine(request: pytest.FixtureRequest) -> Engine:
     return chosen
 
 
-def story(engine: Engine, events: list[Event], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Told:
+def story(engine: Engine, events: list[Event], slots: SlotConfig | Sequence[SlotConfig] = JUMPY) -> Outcome:
     slots = (slots,) * 3 if isinstance(slots, SlotConfig) else tuple(slots)
-    return tell(events, CotConfig(SHAPE, slots), "cot_chain", engine)
+    return run_story(events, CotConfig(SHAPE, slots), "cot_chain", engine)
 
 
 def test_each_tracker_sees_what_those_before_it_let_pass(engine: Engine) -> None:
@@ -133,7 +133,7 @@ RANDOM: dict[str, tuple[Shape, int, tuple[float, ...]]] = {
 @pytest.mark.parametrize("name", RANDOM)
 def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
     shape, runs, rates = RANDOM[name]
-    census = exact(shape, "cot_chain", 2026, runs, 50_000, rates=rates)
+    census = compare_random_runs(shape, "cot_chain", 2026, runs, 50_000, rates=rates)
     assert all(census[kind] > 1_000 for kind in (BORN, MOVED, LOST))
     assert census[MERGED] == 0
 

@@ -126,7 +126,7 @@ def test_reset_empties_the_memories(top: Top) -> None:
 def test_a_single_tracker_has_no_filters_in_front() -> None:
     one = CotConfig.uniform(replace(SHAPE, n_slots=1), SLOT)
     config = replace(one, filters=FilterRegisters(enable=enable(Filter.POLARITY)), filter_shape=SENSOR)
-    with pytest.raises(ConfigError, match="take cot_array with one slot"):
+    with pytest.raises(ConfigError, match="use cot_array with one slot"):
         build_device(config, "cot")
 
 

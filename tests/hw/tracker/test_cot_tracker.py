@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One set of ports for three kinds of trackers; what comes out of each is held against the model in test_evcot_top.py."""
+"""One set of ports for three kinds of trackers; the outputs of each are compared with the model in test_evcot_top.py."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def random_inputs(shape: Shape, rng: np.random.Generator) -> dict[str, np.ndarra
 
 def model(shape: Shape, given: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The same through the golden model's own functions, one cluster at a time."""
-    told = {name: np.empty(COUNT, np.int64) for name in ["last", *GROUP_1, *GROUP_2]}
+    result = {name: np.empty(COUNT, np.int64) for name in ["last", *GROUP_1, *GROUP_2]}
     limits = np.zeros(kernel.LIMIT_COUNT, np.int64)
     limits[[kernel.FRAC, kernel.X_MAX, kernel.Y_MAX, kernel.TC_MAX, kernel.SUPPORT_MAX, kernel.ID_MASK]] = (
         shape.frac, *((1 << w) - 1 for w in (shape.x_w, shape.y_w, shape.tc_w, shape.sup_w, shape.id_w)),
@@ -85,29 +85,29 @@ def model(shape: Shape, given: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         now = 1 << 40
         state[kernel.START, 0] = now - given["tc2"][i]
         last = kernel._take(state, registers, limits, 0, given["x"][i], given["y"][i], now)
-        told["last"][i] = last
+        result["last"][i] = last
         for name in GROUP_1:
-            told[name][i] = state[outputs[name], 0]
+            result[name][i] = state[outputs[name], 0]
         if last:
             state[kernel.START, 0] = now - given["tc2"][i]
             kernel._proc(state, registers, limits, global_state, 0, now)
         for name in GROUP_2:
-            told[name][i] = state[outputs[name], 0]
-    return told
+            result[name][i] = state[outputs[name], 0]
+    return result
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_is_what_the_model_computes(name: str) -> None:
     shape = SHAPES[name]
     given = random_inputs(shape, np.random.default_rng(11))
-    told = evaluate("cot_update", parameters(shape), given, ["last", *GROUP_1, *GROUP_2])
+    result = evaluate("cot_update", parameters(shape), given, ["last", *GROUP_1, *GROUP_2])
     expected = model(shape, given)
     last = expected["last"].astype(bool)
     assert np.count_nonzero(last) > 1000
     for port in ["last", *GROUP_1]:
-        np.testing.assert_array_equal(told[port], expected[port], err_msg=port)
+        np.testing.assert_array_equal(result[port], expected[port], err_msg=port)
     for port in GROUP_2:  # hold with the N_ev-th event alone
-        np.testing.assert_array_equal(told[port][last], expected[port][last], err_msg=port)
+        np.testing.assert_array_equal(result[port][last], expected[port][last], err_msg=port)
     if name == "default":  # every branch was taken
         n_ev, radius = expected["new_n_ev"][last] - given["n_ev"][last], expected["new_g"][last] - given["g"][last]
         for change in (n_ev, radius):
@@ -121,14 +121,14 @@ def answer(**changed: int) -> dict[str, int]:
         "g": 4, "ring": 0, "n_ev": 2, "count": 1, "support": 9, "tc2": 10, "last_tc2": 10,
         "radix_step": 1, "radix_min": 2, "radix_max": 6, "hist_avg": 1, "nev_min": 1, "nev_max": 8, "nev_th": 3,
     }  # fmt: skip
-    told = evaluate("cot_update", parameters(SHAPES["default"]), given | changed, ["last", *GROUP_1, *GROUP_2])
-    return {port: int(values[0]) for port, values in told.items()}
+    result = evaluate("cot_update", parameters(SHAPES["default"]), given | changed, ["last", *GROUP_1, *GROUP_2])
+    return {port: int(values[0]) for port, values in result.items()}
 
 
 def test_the_average_takes_half_of_the_way_and_the_centre_half_of_that() -> None:
-    told = answer(x=70, y=60)
-    assert (told["new_av_x"], told["new_av_y"]) == (67 * 16, 62 * 16)
-    assert (told["new_cm_x"], told["new_cm_y"]) == (65.5 * 16, 63 * 16)
+    result = answer(x=70, y=60)
+    assert (result["new_av_x"], result["new_av_y"]) == (67 * 16, 62 * 16)
+    assert (result["new_cm_x"], result["new_cm_y"]) == (65.5 * 16, 63 * 16)
 
 
 @pytest.mark.parametrize(
@@ -144,8 +144,8 @@ def test_the_average_takes_half_of_the_way_and_the_centre_half_of_that() -> None
     ],
 )
 def test_g_grows_with_an_event_beyond_it_and_shrinks_without(changed: dict[str, int], ring: int, g: int) -> None:
-    told = answer(**changed)
-    assert (told["new_ring"], told["new_g"]) == (ring, g)
+    result = answer(**changed)
+    assert (result["new_ring"], result["new_g"]) == (ring, g)
 
 
 @pytest.mark.parametrize(("tc2", "n_ev"), [(13, 2), (14, 4), (7, 2), (6, 1)])

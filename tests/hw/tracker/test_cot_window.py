@@ -25,25 +25,25 @@ def centres(w: int, frac: int) -> np.ndarray:
 @pytest.mark.parametrize(("w", "frac", "r_w"), [(1, 0, 2), (5, 0, 6), (2, 1, 3), (5, 4, 6)])
 def test_every_centre_and_radius(w: int, frac: int, r_w: int) -> None:
     centre, radius = (axis.ravel() for axis in np.meshgrid(centres(w, frac), np.arange(1 << r_w)))
-    told = evaluate("cot_window", {"W": w, "FRAC": frac, "R_W": r_w}, {"centre": centre, "radius": radius}, OUTPUTS)
+    result = evaluate("cot_window", {"W": w, "FRAC": frac, "R_W": r_w}, {"centre": centre, "radius": radius}, OUTPUTS)
     for name, expected in bounds(centre, radius, w, frac).items():
-        np.testing.assert_array_equal(told[name], expected, err_msg=name)
+        np.testing.assert_array_equal(result[name], expected, err_msg=name)
 
 
 @pytest.mark.parametrize(("w", "frac", "r_w"), [(16, 8, 13), (16, 0, 2)])
 def test_random_wide_centres(w: int, frac: int, r_w: int) -> None:
     rng = np.random.default_rng(w)
     centre, radius = rng.integers(0, len(centres(w, frac)), 100_000), rng.integers(0, 1 << r_w, 100_000)
-    told = evaluate("cot_window", {"W": w, "FRAC": frac, "R_W": r_w}, {"centre": centre, "radius": radius}, OUTPUTS)
+    result = evaluate("cot_window", {"W": w, "FRAC": frac, "R_W": r_w}, {"centre": centre, "radius": radius}, OUTPUTS)
     for name, expected in bounds(centre, radius, w, frac).items():
-        np.testing.assert_array_equal(told[name], expected, err_msg=name)
+        np.testing.assert_array_equal(result[name], expected, err_msg=name)
 
 
 def test_a_window_is_2r_plus_1_wide_wherever_its_centre_lies_within_a_pixel() -> None:
     centre = np.arange(16 << 4, 17 << 4)
-    told = evaluate("cot_window", {"W": 5, "FRAC": 4, "R_W": 6}, {"centre": centre, "radius": 5}, OUTPUTS)
-    assert told["pixel"].tolist() == [16] * 8 + [17] * 8
-    assert set(told["hi"] - told["lo"]) == {10}
+    result = evaluate("cot_window", {"W": 5, "FRAC": 4, "R_W": 6}, {"centre": centre, "radius": 5}, OUTPUTS)
+    assert result["pixel"].tolist() == [16] * 8 + [17] * 8
+    assert set(result["hi"] - result["lo"]) == {10}
 
 
 @pytest.mark.parametrize(("w", "frac", "r_w"), [(1, 0, 1), (9, 4, 9), (16, 8, 13), (4, 1, 13)])

@@ -16,22 +16,22 @@ function put(id, text, bad = false) {
   place.classList.toggle("bad", bad);
 }
 
-/** Show a message of figures. */
-function showFigures(told) {
-  put("events_per_s", rate(told.events_per_s));
-  put("clusters", told.clusters.toLocaleString("en"));
-  put("tracks", `${told.tracks.toLocaleString("en")}${told.merged ? `, ${told.merged} merged` : ""}`);
-  put("tracked_ms", milliseconds(told.tracked_ms));
-  put("drawn_ms", milliseconds(told.drawn_ms));
-  put("dropped", told.dropped.toLocaleString("en"), told.dropped > 0);
-  put("undrawn", told.undrawn.toLocaleString("en"), told.undrawn > 0);
-  put("recording_s", `${told.recording_s.toFixed(1)} s`);
-  put("saved", told.saved === null ? "no" : told.saved.toLocaleString("en"));
+/** Display a figures message. */
+function showFigures(figures) {
+  put("events_per_s", rate(figures.events_per_s));
+  put("clusters", figures.clusters.toLocaleString("en"));
+  put("tracks", `${figures.tracks.toLocaleString("en")}${figures.merged ? `, ${figures.merged} merged` : ""}`);
+  put("tracked_ms", milliseconds(figures.tracked_ms));
+  put("drawn_ms", milliseconds(figures.drawn_ms));
+  put("dropped", figures.dropped.toLocaleString("en"), figures.dropped > 0);
+  put("undrawn", figures.undrawn.toLocaleString("en"), figures.undrawn > 0);
+  put("recording_s", `${figures.recording_s.toFixed(1)} s`);
+  put("saved", figures.saved === null ? "no" : figures.saved.toLocaleString("en"));
 }
 
 const ROWS_MAX = 50;
 
-/** The table of clusters, the oldest first; rows are used again. */
+/** Update the table of clusters, oldest first; rows are reused. */
 function showClusters(clusters) {
   const rows = document.getElementById("rows");
   const shown = [...clusters].sort((a, b) => b.age - a.age || a.id - b.id).slice(0, ROWS_MAX);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames come, are drawn at the screen's next picture, and are answered; without a server the page tries again by itself.
+// Received frames are drawn at the next animation frame and acknowledged; without a server the page reconnects by itself.
 
-const TRY_AGAIN_MS = [500, 1000, 2000, 4000];
+const RECONNECT_MS = [500, 1000, 2000, 4000];
 const TABLE_MS = 250;
 
 const controls = document.getElementById("controls");
@@ -9,13 +9,13 @@ const canvas = document.getElementById("stage");
 const pauseButton = document.getElementById("pause");
 const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, socket: null, tries: 0, tabled: 0 };
 
-function say(state, text) {
+function showState(state, text) {
   const place = document.getElementById("state");
   place.dataset.state = state;
   if (place.textContent !== text) place.textContent = text;
 }
 
-function dress() {
+function applyColours() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue(`--${name}`).trim();
   const rgb = (name) => [1, 3, 5].map((at) => parseInt(of(name).slice(at, at + 2), 16));
@@ -34,26 +34,26 @@ function begin(hello) {
     live.stage = new Stage(canvas, hello.width, hello.height);
     live.zoom = zoomable(live.stage, draw);
   }
-  dress();
+  applyColours();
   live.stage.resize();
   draw();
 }
 
-function hear(event) {
+function onMessage(event) {
   if (typeof event.data !== "string") {
     const frame = parseFrame(event.data);
     if (frame) live.waiting.push(frame);
     if (live.waiting.length === 1) requestAnimationFrame(show);
     return;
   }
-  const told = JSON.parse(event.data);
-  if (told.type === "hello") begin(told);
-  if (told.type !== "figures") return;
-  showFigures(told);
-  say(told.running ? "live" : "ended", told.running ? "live" : "ended");
+  const message = JSON.parse(event.data);
+  if (message.type === "hello") begin(message);
+  if (message.type !== "figures") return;
+  showFigures(message);
+  showState(message.running ? "live" : "ended", message.running ? "live" : "ended");
 }
 
-/** Take over and draw what has come, and say so. */
+/** Apply and draw all received frames, then acknowledge them. */
 function show() {
   const frames = live.waiting.splice(0);
   for (const { t, clusters, events } of frames) {
@@ -94,21 +94,21 @@ function connect() {
   const socket = new WebSocket(`ws://${location.host}/events`);
   socket.binaryType = "arraybuffer";
   socket.onopen = () => { live.tries = 0; };
-  socket.onmessage = hear;
+  socket.onmessage = onMessage;
   socket.onclose = ({ reason }) => {
-    say("lost", reason || "no connection, trying again");
-    setTimeout(connect, TRY_AGAIN_MS[Math.min(live.tries++, TRY_AGAIN_MS.length - 1)]);
+    showState("lost", reason || "no connection, trying again");
+    setTimeout(connect, RECONNECT_MS[Math.min(live.tries++, RECONNECT_MS.length - 1)]);
   };
   live.socket = socket;
 }
 
 pauseButton.addEventListener("click", () => {
   pauseButton.ariaPressed = String(pauseButton.ariaPressed !== "true");
-  pauseButton.textContent = pauseButton.ariaPressed === "true" ? "Go on" : "Pause";
+  pauseButton.textContent = pauseButton.ariaPressed === "true" ? "Resume" : "Pause";
 });
 document.getElementById("fit").addEventListener("click", () => live.zoom?.fit());
 controls.addEventListener("input", draw);
 controls.addEventListener("submit", (event) => event.preventDefault());
 new ResizeObserver(() => { if (live.stage?.resize()) draw(); }).observe(canvas);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { dress(); draw(); });
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { applyColours(); draw(); });
 connect();

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the server says and what the page answers; the layout is told in live/messages.py.
+// Messages from and to the server; live/messages.py specifies the layout.
 
 const FRAME = 1;
 const DRAWN = 2;
 const HEAD_BYTES = 32;
 const CLUSTER_BYTES = 24;
 
-/** A binary message as {number, t, hidden, clusters, events: {t, x, y, p, filtered}}, times in ms since the first event; null where
- * it is of another kind or version. */
+/** Decode a FRAME message to {number, t, hidden, clusters, events: {t, x, y, p, filtered}}, times in ms since the first event; null
+ * for another kind or version. */
 function parseFrame(buffer) {
   const view = new DataView(buffer);
   if (view.getUint8(0) !== FRAME || view.getUint8(1) !== 1) return null;
@@ -37,7 +37,7 @@ function parseFrame(buffer) {
   return { number, t, hidden, clusters, events };
 }
 
-/** The answer that a frame has been drawn. */
+/** The DRAWN message that acknowledges a frame. */
 function drawnMessage(number) {
   const view = new DataView(new ArrayBuffer(8));
   view.setUint8(0, DRAWN);

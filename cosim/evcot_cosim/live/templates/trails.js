@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where each cluster has been.
+// Recent positions of each cluster.
 
 const POINTS_MAX = 400;
 
@@ -8,7 +8,7 @@ class Trails {
     this.byId = new Map();
   }
 
-  /** Take over a frame's clusters; trails of those that have gone are forgotten. */
+  /** Add a frame's clusters; trails of clusters that are no longer visible are removed. */
   add(clusters) {
     const now = new Map();
     for (const { id, x, y } of clusters) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stretch of time that all curves share, and its ticks.
+// The time axis that all curves share, and its ticks.
 
 const SHORTEST = 20; // us
-const FOLLOW = 0.1; // where in the stretch the time stands after it has been followed
+const FOLLOW = 0.1; // position of the current time on the axis after scrolling to it
 
 export class Axis {
   constructor(duration) {
@@ -31,18 +31,18 @@ export class Axis {
     return this.from + (x / width) * this.span;
   }
 
-  /** Shorten by a factor around a time, which stays where it is. */
+  /** Zoom by a factor around a time, which keeps its position. */
   zoomAt(factor, time) {
     const span = Math.min(Math.max(this.span / factor, SHORTEST), this.duration);
     this.#place(time - ((time - this.from) / this.span) * span, span);
   }
 
-  /** Move by a part of what is shown. */
+  /** Scroll by a fraction of the shown interval. */
   pan(part) {
     this.#place(this.from + part * this.span, this.span);
   }
 
-  /** Have a time in sight; returns whether that moved anything. */
+  /** Scroll until a time is visible; returns whether the axis moved. */
   follow(time) {
     if (time >= this.from && time <= this.to) return false;
     this.#place(time - FOLLOW * this.span, this.span);
@@ -54,7 +54,7 @@ export class Axis {
     this.to = this.from + span;
   }
 
-  /** [time, label] of about so many ticks. */
+  /** [time, label] of about the given number of ticks. */
   ticks(about) {
     const raw = this.span / about;
     const power = 10 ** Math.floor(Math.log10(raw));
@@ -65,7 +65,7 @@ export class Axis {
   }
 }
 
-/** A time in words; `step`: how exact. */
+/** A time as text; `step`: its resolution. */
 export function timeText(time, step = 1) {
   const [unit, length] = step >= 1e5 ? ["s", 1e6] : step >= 100 || time >= 1e5 ? ["ms", 1e3] : ["µs", 1];
   const digits = Math.max(0, Math.ceil(-Math.log10(step / length) - 1e-9));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time that the page shows, in microseconds after the first event: standing, or running at some speed.
+// The playback time, in microseconds after the first event: paused, or running at some speed.
 
 const FRAME_MAX = 100; // ms that one frame may advance: after a pause of the tab nothing is skipped
 
 export class Clock {
-  /** `changed(clock)` is called once per frame in which the time, or anything that was invalidated, is new. */
+  /** `changed(clock)` is called once per frame if the time has changed or anything was invalidated. */
   constructor(duration, changed) {
     this.duration = duration;
     this.now = 0;
@@ -15,7 +15,7 @@ export class Clock {
     this.last = null;
   }
 
-  /** Have `changed` called at the next frame. */
+  /** Request a call of `changed` at the next frame. */
   invalidate() {
     if (this.waiting) return;
     this.waiting = true;

@@ -14,7 +14,7 @@ function frame(context, width, height, theme, most, unit) {
   context.fillText(`${most.toLocaleString("en", { maximumFractionDigits: 1 })}${unit}`, 2, 1);
 }
 
-/** Events per stretch of the recording, as an area. */
+/** Event rate over the recording, as an area. */
 export class RatePanel {
   constructor(recording, duration) {
     this.height = 44;
@@ -52,7 +52,7 @@ export class RatePanel {
   }
 }
 
-/** How many clusters are alive, as steps. */
+/** Number of clusters alive, as a step curve. */
 export class AlivePanel {
   constructor(sides) {
     this.height = 64;
@@ -89,7 +89,7 @@ export class AlivePanel {
   }
 }
 
-/** A value of every track's points, one line a track; what changes more than once a pixel is drawn as its range. */
+/** A value of every track's points, one line per track; several changes within a pixel are drawn as their range. */
 export class PointPanel {
   constructor(sides, { value, unit }) {
     this.height = 64;
@@ -155,7 +155,7 @@ export class PointPanel {
   }
 }
 
-/** The longest silence of a slot's cluster in each stretch. */
+/** The longest gap of a slot's cluster in each interval. */
 export class QuietPanel {
   constructor(sides) {
     this.height = 64;

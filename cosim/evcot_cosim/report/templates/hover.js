@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words for the event under the pointer: time, place, polarity and who took it.
+// Description of the event under the pointer: time, position, polarity and owner.
 import { timeText } from "./axis.js";
 
-const SLOT_WORDS = { [-1]: "passed through", [-2]: "taken out by a filter" };
+const SLOT_WORDS = { [-1]: "passed through", [-2]: "removed by a filter" };
 
 function ownerText(side, slot, at) {
   if (slot < 0) return SLOT_WORDS[slot];

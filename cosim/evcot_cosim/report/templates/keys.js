@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The keyboard. Keys do nothing while a field is being typed into or a slider moved.
+// Keyboard shortcuts; inactive while an input or a slider has the focus.
 
 const STEPS = { e: "event", u: "update", m: "merge", b: "birth", l: "loss", d: "difference" };
 
-/** `acts`: what keys do, by name. */
+/** `acts`: actions by name. */
 export function listenToKeys(acts) {
   const plain = {
     " ": acts.toggle, ArrowLeft: () => acts.nudge(-1), ArrowRight: () => acts.nudge(1), Home: () => acts.jump(0),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is shown: the checkboxes and sliders beside the playback.
+// Display options: the checkboxes and sliders beside the playback.
 
 const PARTS = ["window", "inner", "id", "trail"];
 
@@ -60,7 +60,7 @@ export class Layers {
     return new Set(sides.map(({ name }) => name).filter((name) => PARTS.some((part) => this.#on(`${name}.${part}`))));
   }
 
-  /** Switch all parts of a side on, or off when all that it had on were on. */
+  /** Hide all parts of a side; if none is shown, show the default ones. */
   toggle(side) {
     const boxes = PARTS.map((part) => this.form.querySelector(`[name="${side}.${part}"]`)).filter((box) => box && !box.disabled);
     const any = boxes.some((box) => box.checked);

@@ -10,7 +10,7 @@ export function parseLink(hash) {
   return { at, side, id };
 }
 
-/** Calls `go` for the address' own link, and for every one that is followed. */
+/** Calls `go` for the link in the page's address, and for every link that is followed. */
 export function followLinks(go) {
   const act = (hash) => {
     const link = parseLink(hash);

@@ -91,7 +91,7 @@ export class LivesPanel {
     }
   }
 
-  /** What is drawn at a place: {side, life, at, what}; `at` is the merge's time, or that of the place on a bar. Or null. */
+  /** Hit test: {side, life, at, what} or null; `at` is the merge's time, or the time at the position on a bar. */
   hit(x, y, width, axis) {
     let found = null;
     for (const side of this.sides) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the page together: one clock, one selection, and everything that is drawn from them.
+// Entry point of the page: one clock, one selection, and all views of them.
 import { Axis, timeText } from "./axis.js";
 import { Clock } from "./clock.js";
 import { AlivePanel, PointPanel, QuietPanel, RatePanel } from "./curves.js";
@@ -18,7 +18,7 @@ import { Tracks } from "./tracks.js";
 import { Transport } from "./transport.js";
 import { unpack } from "./unpack.js";
 
-const READ_EVERY = 120; // ms between two updates of the values in words
+const READ_EVERY = 120; // ms between two updates of the values as text
 const NUDGE = 0.1; // seconds of playing that an arrow key moves by
 const FLASH = 0.35; // seconds of playing for which an end stays marked
 
@@ -53,7 +53,7 @@ async function start() {
     quiet: new QuietPanel(sides),
   }, { seek: (time) => go(time), choose: ({ side, life, at }) => go(at, side, life), changed: restyle });
 
-  /** Everything that hangs on the time, once a frame. */
+  /** Update everything that depends on the time, once a frame. */
   function draw() {
     const { now } = clock;
     const seen = layers.seen(sides);
@@ -84,10 +84,10 @@ async function start() {
         return inCells(side.cluster(life, now, show.trail ? layers.trail : 0, strong));
       });
       return { ...style, show, clusters, marks: any && side.engine ? side.marks(since, now).map(inCells) : [] };
-    }); // dashed lines over the hardware's solid ones: where they agree, both are to be seen
+    }); // dashed lines over the hardware's solid ones: where they coincide, both are visible
   }
 
-  /** Places are in pixels of the sensor; of very large sensors the stage draws several as one. */
+  /** Positions are in pixels of the sensor; for very large sensors the stage merges several pixels into one. */
   function inCells(thing) {
     if (recording.cell === 1) return thing;
     const scaled = { ...thing };
@@ -101,7 +101,7 @@ async function start() {
     clock.invalidate();
   }
 
-  /** Go to a time, and look at a track if one is given. */
+  /** Go to a time, and select a track if one is given. */
   function go(at, side = null, life = -1) {
     clock.pause();
     clock.seek(at);

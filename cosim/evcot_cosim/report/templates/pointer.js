@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zoom and pan of a Stage by mouse, wheel and fingers. Plain wheel and an unzoomed finger stay the page's.
+// Zoom and pan of a Stage by mouse, wheel and touch. A plain wheel, and one finger without zoom, scroll the page.
 
 const DOUBLE_CLICK = 2;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The events, and a surface that always shows them up to the time asked for.
+// The events, and a surface with the events up to the current time.
 import { after } from "./search.js";
 import { EventSurface } from "./surface.js";
 
@@ -16,12 +16,12 @@ export class Recording {
     this.polarities = 3;
   }
 
-  /** How many events there are up to a moment. */
+  /** Number of events up to a time. */
   upTo(now) {
     return after(this.t, now);
   }
 
-  /** Have the surface hold all events that still show at `now`; going on costs only what is new. */
+  /** Update the surface with all events still visible at `now`; moving forward adds only the new ones. */
   show(now, decay, polarities) {
     const from = after(this.t, now - EventSurface.reach(decay));
     const to = this.upTo(now);

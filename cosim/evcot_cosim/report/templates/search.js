@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a value stands in ascending numbers.
+// Binary search in ascending numbers.
 
-/** How many of values[from] to values[to - 1] are at most `value`, counted from 0: the first place with more. */
+/** Index of the first of values[from] to values[to - 1] that is greater than `value`, else `to`. */
 export function after(values, value, from = 0, to = values.length) {
   while (from < to) {
     const middle = (from + to) >> 1;
@@ -11,7 +11,7 @@ export function after(values, value, from = 0, to = values.length) {
   return from;
 }
 
-/** The first place with `value` or more. */
+/** Index of the first value that is at least `value`. */
 export function notBefore(values, value, from = 0, to = values.length) {
   while (from < to) {
     const middle = (from + to) >> 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Events and clusters on a canvas that can be zoomed. Places are in pixels of the sensor: pixel (x, y) has its centre there.
+// Zoomable canvas of events and clusters. Coordinates are in pixels of the sensor; (x, y) is the centre of that pixel.
 import { fading } from "./surface.js";
 
 const ID_PX = 11;
@@ -33,7 +33,7 @@ export class Stage {
     this.resize();
   }
 
-  /** Take over the size that the layout gives; returns whether it changed. */
+  /** Adapt to the layout's size; returns whether it changed. */
   resize() {
     const ratio = window.devicePixelRatio || 1;
     const box = this.canvas.getBoundingClientRect();
@@ -45,7 +45,7 @@ export class Stage {
     return true;
   }
 
-  /** Colours as [r, g, b]: of the ground, of OFF and of ON events; the rest as CSS colours. */
+  /** Set colours: background, OFF and ON events as [r, g, b], the rest as CSS colours. */
   dress({ ground, off, on, edge, font }) {
     this.colours = [fading(off, ground), fading(on, ground)];
     this.edge = edge; // beyond the sensor
@@ -59,7 +59,7 @@ export class Stage {
     return this.zoom * Math.min(this.canvas.width / width, this.canvas.height / height);
   }
 
-  /** Place on the sensor of a place on the page, (clientX, clientY). */
+  /** Sensor coordinates of a position on the page, (clientX, clientY). */
   toSensor(clientX, clientY) {
     const box = this.canvas.getBoundingClientRect();
     return {
@@ -68,7 +68,7 @@ export class Stage {
     };
   }
 
-  /** Zoom by a factor, so that what lies under (clientX, clientY) stays there. */
+  /** Zoom by a factor around (clientX, clientY). */
   zoomAt(factor, clientX, clientY) {
     const before = this.toSensor(clientX, clientY);
     const most = (ZOOM_MAX * this.ratio * this.zoom) / this.scale;
@@ -77,12 +77,12 @@ export class Stage {
     this.moveTo(this.centre.x + before.x - after.x, this.centre.y + before.y - after.y);
   }
 
-  /** Pan by so many pixels of the page. */
+  /** Pan by a number of pixels of the page. */
   pan(dx, dy) {
     this.moveTo(this.centre.x - (dx * this.ratio) / this.scale, this.centre.y - (dy * this.ratio) / this.scale);
   }
 
-  /** Put a place of the sensor into the middle, as far as that shows nothing beyond the sensor's edges. */
+  /** Centre the view on a position of the sensor, clipped to the sensor's edges. */
   moveTo(x, y) {
     const { width, height } = this.sensor;
     const halfX = Math.min(this.canvas.width / this.scale, width) / 2;
@@ -97,13 +97,13 @@ export class Stage {
     this.moveTo(0, 0);
   }
 
-  /** Whether a place of the sensor is in sight. */
+  /** Whether a position on the sensor is visible. */
   sees(x, y) {
     const { width, height } = this.canvas;
     return Math.abs(x - this.centre.x) * this.scale < 0.45 * width && Math.abs(y - this.centre.y) * this.scale < 0.45 * height;
   }
 
-  /** Draw an EventSurface as it looks at time `now`, then the layers, the first one lowest. */
+  /** Draw an EventSurface at time `now`, then the layers, the first one lowest. */
   draw(surface, now, decay, layers) {
     const { context, canvas, bitmapContext, image, scale } = this;
     surface.paint(this.words, now, decay, this.colours);
@@ -153,7 +153,7 @@ export class Stage {
     context.stroke();
   }
 
-  /** The edge of the pixels that a window holds, both ends counted. As rectangles: browsers are slow at dashed lines. */
+  /** The outline of a window's pixels, both ends inclusive. Drawn as rectangles: browsers are slow at dashed lines. */
   #frame({ x, y }, halfWidth, halfHeight, pen, dash) {
     const { scale } = this;
     const [left, right] = [Math.round((x - halfWidth - 0.5) * scale), Math.round((x + halfWidth + 0.5) * scale)];

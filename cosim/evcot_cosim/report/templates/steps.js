@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The moments that a person steps through: events, updates of a centre, merges, births, losses, differences.
+// The moments for the step buttons: events, updates of a centre, merges, births, losses, differences.
 import { after, notBefore } from "./search.js";
 import { LOST, MERGED } from "./tracks.js";
 
 export const KINDS = ["event", "update", "merge", "birth", "loss", "difference"];
 
 export class Steps {
-  /** `differences`: [time, side, id] of what only one side saw; `mismatch`: when hardware and model parted, or null. */
+  /** `differences`: [time, side, id] found on one side only; `mismatch`: time of the mismatch with the model, or null. */
   constructor(recording, sides, differences, mismatch) {
     this.recording = recording;
     this.sides = sides;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The latest event of every pixel, and how strongly it still shows: drawing costs the same however many events there were.
+// Time surface: the latest event of every pixel, drawn with decay. The cost of drawing does not depend on the event rate.
 
 const LEVELS = 256;
-const CUT = 5; // decay times after which an event shows no more
+const CUT = 5; // decay times after which an event is no longer visible
 
-/** Colours of one polarity from fresh to faded, as the words of an ImageData. */
+/** Colours of one polarity from fresh to faded, as 32-bit words of an ImageData. */
 export function fading(rgb, ground) {
   const words = new Uint32Array(LEVELS + 1);
   for (let level = 0; level <= LEVELS; level++) {
@@ -42,7 +42,7 @@ export class EventSurface {
     }
   }
 
-  /** Fill a word per pixel as things look at time `now`, with colours of `fading` for OFF and ON. */
+  /** Render the surface at time `now` to one word per pixel, with colours of `fading` for OFF and ON. */
   paint(words, now, decay, colours) {
     const { stamp, polarity } = this;
     const scale = LEVELS / (CUT * decay);
@@ -53,12 +53,12 @@ export class EventSurface {
     }
   }
 
-  /** How long before `now` an event may lie and still show. */
+  /** Age up to which an event is visible. */
   static reach(decay) {
     return CUT * decay;
   }
 
-  /** Number of the event that shows nearest to (x, y), at most `reach` pixels away on either axis; -1 if there is none. */
+  /** Number of the visible event nearest to (x, y), at most `reach` pixels away on either axis; -1 if there is none. */
   nearest(x, y, now, decay, reach = 1) {
     let found = -1;
     let best = Infinity;

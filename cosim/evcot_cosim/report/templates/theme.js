@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours for what is drawn on canvases, taken from the style sheet; and the switch between dark and light.
+// Canvas colours from the style sheet, and the switch between dark and light theme.
 
-// The engines differ in dashes too, not in colour alone.
+// Engines differ in dash pattern too, not in colour alone.
 const LINES = {
   hardware: { dash: [], width: 1.8, corner: "left" },
   software: { dash: [6, 4], width: 1.5, corner: "right" },
@@ -14,7 +14,7 @@ function rgb(text) {
   return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
 }
 
-/** What the style sheet says now; colours of sides by name. */
+/** The current colours of the style sheet; those of sides by name. */
 export function readTheme() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue(`--${name}`).trim();
@@ -27,7 +27,7 @@ export function readTheme() {
   };
 }
 
-/** Calls `changed` whenever colours change: by the button, the system, or for a printer. */
+/** Calls `changed` whenever colours change: by the button, the system, or for printing. */
 export function watchTheme(button, changed) {
   const root = document.documentElement;
   const name = () => root.dataset.theme ?? "auto";
@@ -47,7 +47,7 @@ export function watchTheme(button, changed) {
   watchPrinter(root, changed);
 }
 
-/** Paper is light: canvases must be drawn anew before the printer takes them. */
+/** Printing uses the light theme: canvases must be redrawn first. */
 function watchPrinter(root, changed) {
   let before;
   addEventListener("beforeprint", () => {

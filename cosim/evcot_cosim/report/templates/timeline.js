@@ -23,7 +23,7 @@ export class Timeline {
     this.stale = true;
   }
 
-  /** Take over the width that the layout gives. */
+  /** Adapt to the layout's width. */
   resize() {
     this.ratio = window.devicePixelRatio || 1;
     for (const { canvas, panel } of this.panels) {
@@ -37,7 +37,7 @@ export class Timeline {
     return this.panels[0].canvas.clientWidth;
   }
 
-  /** Draw what is new: the curves only if something but the time has changed. */
+  /** Redraw: the curves only if more than the time has changed. */
   draw(now, theme, selected, shown) {
     if (this.stale) this.#drawPanels(theme, selected, shown);
     this.stale = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who lived when and where: one engine's tracks, or the true objects.
+// Lifetimes and positions of one engine's tracks, or of the true objects.
 import { after, notBefore } from "./search.js";
 
 export const ALIVE = -1; // how a life ended
@@ -26,7 +26,7 @@ export class Tracks {
     this.lanes = this.lane.reduce((most, lane) => Math.max(most, lane + 1), 0);
   }
 
-  /** The lives at a moment, after all that happened at it. */
+  /** The lives at a time, after all changes at that time. */
   livesAt(now) {
     const found = [];
     for (let life = after(this.birth, now) - 1; life >= 0; life--) if (this.isAlive(life, now)) found.push(life);
@@ -45,7 +45,7 @@ export class Tracks {
     return -1;
   }
 
-  /** Number of the latest point of a life; its first one before that. */
+  /** Index of the latest point of a life; its first one before its birth. */
   pointAt(life, now) {
     return Math.max(after(this.t, now, this.first[life], this.first[life + 1]) - 1, this.first[life]);
   }
@@ -55,7 +55,7 @@ export class Tracks {
     return step < 0 ? 0 : this.alive[step];
   }
 
-  /** A life as a Stage draws it, with the way it came in the last `trail` microseconds. */
+  /** A life in the format of a Stage, with its trail over the last `trail` microseconds. */
   cluster(life, now, trail, strong) {
     const point = this.pointAt(life, now);
     const [x, y] = this.#place(life, point, now);
@@ -67,7 +67,7 @@ export class Tracks {
     };
   }
 
-  /** A tracker's output stands until its next; a true object moves on between two instants. */
+  /** A tracker's output holds until its next one; a true object is interpolated between two instants. */
   #place(life, point, now) {
     const next = point + 1;
     if (this.engine || next >= this.first[life + 1] || now <= this.t[point]) return [this.x[point], this.y[point]];
@@ -84,7 +84,7 @@ export class Tracks {
     return places;
   }
 
-  /** What ended within (since, now]: where, and words for the latest. */
+  /** Lives that ended within (since, now]: their positions, and a description of the latest. */
   marks(since, now) {
     const found = [];
     for (let life = after(this.birth, now) - 1; life >= 0; life--) {

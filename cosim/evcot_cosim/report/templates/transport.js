@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bar beneath the picture: play, scrub, speed, and the buttons that step.
+// The transport bar below the picture: play, scrub, speed, and step buttons.
 
 const SCRUB_STEPS = 10_000;
 

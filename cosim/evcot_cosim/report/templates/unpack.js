@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Columns of numbers out of the text that the page carries; the twin of pack.py.
+// Decompression of the page's columns of numbers; the counterpart of pack.py.
 
 function bytesOf(base64) {
   const letters = atob(base64);
@@ -13,7 +13,7 @@ async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Numbers of planes of bytes, lowest plane first: undo zigzag, differences and scale. */
+/** Decode byte planes, lowest first: undo zigzag, differences and scale. */
 export function restore(bytes, { n, planes, signed, delta, scale }, Kind = Float64Array) {
   const values = new Kind(n);
   let last = 0;

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from evcot_cosim.trials import run_story
 from numpy.typing import NDArray
 
 from evcot.hardware.config import CotConfig, SlotConfig
@@ -16,7 +17,7 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
 from support.ticked import ticked
-from support.trials import OLD_AND_YOUNG, exact, random_config, random_traffic, tell
+from support.trials import OLD_AND_YOUNG, compare_random_runs, random_config, random_traffic
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 EIGHT = replace(SHAPE, n_slots=8, id_w=32)
@@ -48,24 +49,24 @@ def same(one: Decisions, other: Decisions) -> bool:
 @pytest.mark.parametrize("n", RANDOM)
 def test_random_registers_traffic_and_stalls_are_exact(n: int) -> None:
     shape, runs = RANDOM[n]
-    census = exact(shape, "cot_engine", 2026, runs, 20_000)
+    census = compare_random_runs(shape, "cot_engine", 2026, runs, 20_000)
     wanted = (Kind.BORN, Kind.MOVED, Kind.LOST) if n == 1 else Kind
     assert all(census[kind] > 10 for kind in wanted)
 
 
 def test_one_bit_of_everything_is_exact() -> None:
-    census = exact(ONE_BIT, "cot_engine", 2026, 6, 10_000, rates=(0.1, 0.3, 1))
+    census = compare_random_runs(ONE_BIT, "cot_engine", 2026, 6, 10_000, rates=(0.1, 0.3, 1))
     assert all(census[kind] > 100 for kind in Kind)
 
 
 def test_the_older_stays_when_its_id_is_the_higher_one() -> None:
     events, config = OLD_AND_YOUNG
-    run = tell(events, config, "cot_engine")
+    run = run_story(events, config, "cot_engine")
     assert run.records("kind", "slot", "track_id", "other_id", "x")[-2:] == [
         (Kind.MERGED, 0, 0, 1, 31),
         (Kind.MOVED, 1, 1, 0, 28.5),
     ]
-    assert same(run.decisions, tell(events, config, "cot_engine", "model").decisions)
+    assert same(run.decisions, run_story(events, config, "cot_engine", "model").decisions)
 
 
 @pytest.mark.parametrize(("frac", "id_w"), [(0, 32), (4, 32), (4, 3)])

@@ -15,8 +15,8 @@ PORTS = ("not_left", "not_right", "not_above", "not_below", "counts")
 def test_every_combination_in_every_bit() -> None:
     every = np.array(list(product((0, 1), repeat=5)))
     words = {name: int((every[:, i] << np.arange(32)).sum()) for i, name in enumerate(PORTS)}  # bit i: combination i
-    told = evaluate("engine_hits", {"N": 32}, {name: np.array([word]) for name, word in words.items()}, ["hits"])["hits"]
-    assert told.tolist() == [1 << every.tolist().index([1, 1, 1, 1, 1])]
+    result = evaluate("engine_hits", {"N": 32}, {name: np.array([word]) for name, word in words.items()}, ["hits"])["hits"]
+    assert result.tolist() == [1 << every.tolist().index([1, 1, 1, 1, 1])]
 
 
 def test_lints_clean() -> None:

@@ -14,8 +14,8 @@ WORDS = ["a", "b", "c", "d", "e"]
 @pytest.mark.parametrize("width", [1, 7])
 def test_random_words(width: int) -> None:
     ports = dict(zip(WORDS, np.random.default_rng(width).integers(0, 1 << width, (5, 200)), strict=True))
-    told = evaluate("engine_or", {"W": width}, ports, ["y"])["y"]
-    assert told.tolist() == np.bitwise_or.reduce(list(ports.values())).tolist()
+    result = evaluate("engine_or", {"W": width}, ports, ["y"])["y"]
+    assert result.tolist() == np.bitwise_or.reduce(list(ports.values())).tolist()
 
 
 @pytest.mark.parametrize("word", WORDS)

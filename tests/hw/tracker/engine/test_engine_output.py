@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""engine_output.v: decided events in their order, each to its output, and room told of in time."""
+"""engine_output.v: decided events in their order, each to its output, and free space reported in time."""
 
 from __future__ import annotations
 

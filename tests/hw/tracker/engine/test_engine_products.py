@@ -19,8 +19,8 @@ def test_random_words(by: int) -> None:
     wanted = rng.integers(0, 2, 400)
     mask = (1 << W) - 1
     ports = {"a_not": ~a & mask, "b_not": ~b & mask, "c": c & mask, "wanted": wanted}
-    told = evaluate("engine_products", {"W": W, "BY": by}, ports, ["y"])["y"]
-    assert told.tolist() == (((a >> by | b >> by | c >> by) & mask) * wanted).tolist()
+    result = evaluate("engine_products", {"W": W, "BY": by}, ports, ["y"])["y"]
+    assert result.tolist() == (((a >> by | b >> by | c >> by) & mask) * wanted).tolist()
 
 
 def test_lints_clean() -> None:

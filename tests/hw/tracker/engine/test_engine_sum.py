@@ -23,8 +23,8 @@ def test_every_operand_and_choice(round_up: int) -> None:
     a, one, other, choice = (axis.ravel() for axis in np.meshgrid(range(16), range(32), range(32), range(2)))
     taken = np.where(choice, one, other)
     ports = {"a": a, "one": one, "other": other, "choice": choice}
-    told = evaluate("engine_sum", {"W": w, "ROUND": round_up}, ports, ["y"])["y"]
-    np.testing.assert_array_equal(told, (a + (taken >> 1) + round_up * (taken & 1)) % 16)
+    result = evaluate("engine_sum", {"W": w, "ROUND": round_up}, ports, ["y"])["y"]
+    np.testing.assert_array_equal(result, (a + (taken >> 1) + round_up * (taken & 1)) % 16)
 
 
 @pytest.mark.parametrize(("w", "round_up"), [(1, 1), (5, 0), (14, 1), (14, 0)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""engine_update.v against the golden model's own functions: what an event or an operation makes of its slot, stage by stage."""
+"""engine_update.v against the golden model's own functions: the effect of an event or operation on its slot, by stage."""
 
 from __future__ import annotations
 
@@ -95,8 +95,8 @@ class Model:
     def record(self, slot: int, kind: Kind, other: int = 0) -> dict[str, int]:
         names = {"id": kernel.ID, "x": kernel.CM_X, "y": kernel.CM_Y, "n_ev": kernel.N_EV, "support": kernel.SUPPORT}
         radius = self.field(kernel.G, slot) + self.of("radix_th", slot)
-        told = {"kind": int(kind), "slot": slot, "other": other, "radius": radius, "seq": self.seq, "time": self.now}
-        return told | {name: self.field(row, slot) for name, row in names.items()}
+        result = {"kind": int(kind), "slot": slot, "other": other, "radius": radius, "seq": self.seq, "time": self.now}
+        return result | {name: self.field(row, slot) for name, row in names.items()}
 
     def event(self, item: Item) -> tuple[bool, tuple[int, int], dict[str, int] | None]:
         """Whether it changes a window; its place in the window before; the record."""
@@ -136,14 +136,14 @@ class Lockstep:
     """The module and the model; each item goes through both, and what comes out of every stage is compared.
 
     Attributes:
-        told: records of each kind.
+        n_records: records of each kind.
         changes: in which directions N_ev and g have gone.
     """
 
     def __init__(self, far: int, registers: np.ndarray) -> None:
         self.sim: PyVerilator = load("engine_update", {**PARAMETERS, "FAR": far})
         self.model = Model(registers)
-        self.told = dict.fromkeys([kind.name for kind in Kind], 0)
+        self.n_records = dict.fromkeys([kind.name for kind in Kind], 0)
         self.changes: set[str] = set()
         self._rng = np.random.default_rng(far)
         self._now = 0  # clocks so far
@@ -238,11 +238,11 @@ class Lockstep:
     def _window(self, item: Item, changes: bool) -> dict[str, int]:
         model, slot = self.model, item.slot
         clear, mode = item.kind == "clear", model.of("mode", slot)
-        told = {"w_busy": 1, "w_changes": int(changes), "w_slot": slot, "w_active": int(model.active(slot))}
-        told["w_free"] = int(clear and mode == Mode.SEEDED)
-        told["w_window"] = int(not clear or mode == Mode.FIXED)
+        result = {"w_busy": 1, "w_changes": int(changes), "w_slot": slot, "w_active": int(model.active(slot))}
+        result["w_free"] = int(clear and mode == Mode.SEEDED)
+        result["w_window"] = int(not clear or mode == Mode.FIXED)
         bounds = {"lo_x": kernel.LO_X, "hi_x": kernel.HI_X, "lo_y": kernel.LO_Y, "hi_y": kernel.HI_Y}
-        return told | ({name: model.field(row, slot) for name, row in bounds.items()} if told["w_window"] else {})
+        return result | ({name: model.field(row, slot) for name, row in bounds.items()} if result["w_window"] else {})
 
     def _bound(self, name: str) -> int:
         """As the model has it: cut off at the edges of the sensor."""
@@ -257,7 +257,7 @@ class Lockstep:
         for stage, values in due:
             if stage == "record":
                 assert {name: int(io[f"m_cm_{name}"]) for name in values} == values
-                self.told[Kind(values["kind"]).name] += 1
+                self.n_records[Kind(values["kind"]).name] += 1
             else:
                 ports = {name: self._bound(name) if name[:2] in ("lo", "hi") else int(io[name]) for name in values}
                 assert ports == values, f"{stage} at clock {self._now}"
@@ -321,7 +321,7 @@ def test_every_stage_says_what_the_model_computes(far: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     lockstep = Lockstep(far, registers(rng))
     lockstep.play(traffic(lockstep, rng, 1500), idle=0.2)
-    assert min(lockstep.told.values()) > 3, lockstep.told
+    assert min(lockstep.n_records.values()) > 3, lockstep.n_records
 
 
 def test_the_traffic_moves_n_ev_and_g_both_ways() -> None:
@@ -337,9 +337,9 @@ class TestStories:
     def test_a_life_begins_with_its_first_event_and_is_born_with_the_last_of_its_window(self) -> None:
         lockstep = Lockstep(0, registers())
         lockstep.play([Item("event", 1, 40 + k, 30, ticks=1) for k in range(3)])
-        assert lockstep.told["BORN"] == 0
+        assert lockstep.n_records["BORN"] == 0
         lockstep.play([Item("event", 1, 43, 30, ticks=1)])
-        assert lockstep.told == {"BORN": 1, "MOVED": 0, "MERGED": 0, "LOST": 0}
+        assert lockstep.n_records == {"BORN": 1, "MOVED": 0, "MERGED": 0, "LOST": 0}
 
     def test_a_life_of_one_event_starts_with_a_window_of_no_time(self) -> None:
         lockstep = Lockstep(0, registers(clust_nev=1, nev_min=1))

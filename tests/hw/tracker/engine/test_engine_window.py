@@ -12,11 +12,11 @@ from support.testing import evaluate, lint
 def check(centre: np.ndarray, radius: np.ndarray, w: int, frac: int, r_w: int) -> None:
     """The definition: a centre rounded to nearest, halves up, less and plus a radius."""
     inputs = {"asked": 1, "centre": centre, "radius": radius, "inset": (radius - 1) % (1 << r_w + 1)}
-    told = evaluate("engine_window", {"W": w, "FRAC": frac, "R_W": r_w}, inputs, ["lo_not", "hi"])
+    result = evaluate("engine_window", {"W": w, "FRAC": frac, "R_W": r_w}, inputs, ["lo_not", "hi"])
     pixel = np.floor(centre / 2.0**frac + (0.5 if frac else 0)).astype(np.int64)
     zero = 1 << max(w, r_w) + 1  # what stands for address 0
-    np.testing.assert_array_equal(2 * zero - 1 - told["lo_not"], zero + pixel - radius)
-    np.testing.assert_array_equal(told["hi"], zero + pixel + radius)
+    np.testing.assert_array_equal(2 * zero - 1 - result["lo_not"], zero + pixel - radius)
+    np.testing.assert_array_equal(result["hi"], zero + pixel + radius)
 
 
 @pytest.mark.parametrize(("w", "frac", "r_w"), [(1, 0, 2), (5, 0, 6), (2, 1, 3), (5, 4, 6)])
