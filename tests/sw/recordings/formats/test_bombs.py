@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Malicious files: kilobytes that decompress to gigabytes, or claims of data that are not in the file.
 
-Each is read in a separate process, from its first event to its last, and the peak memory of that process is measured. The
-events that are really in the file are returned, or the file is refused in one line; never a traceback, never the claimed size
-in memory.
+Each is read in a separate process, from its first event to its last, and the peak memory of that process is measured. It must
+return the events that are really in the file, or refuse it in one line; never a traceback, never the claimed size in memory.
 """
 
 from __future__ import annotations
