@@ -43,7 +43,7 @@ def selected(source: int, pace: Pace | None = None, **settings: int) -> TopDevic
 
 
 def evt3_words(events: Events, folder: Path) -> np.ndarray:
-    write_events(folder / "a.raw", (SENSOR.width, SENSOR.height), [events], "evt3")  # type: ignore[arg-type]
+    write_events(folder / "a.raw", (SENSOR.width, SENSOR.height), [events], "evt3", force=True)  # type: ignore[arg-type]
     return payload(folder / "a.raw", np.uint16)
 
 

@@ -56,7 +56,7 @@ def fuzz(
     """Damage `content`, read it from `path` each time, and check every answer.
 
     A reader may refuse the file with a one-line RecordingError that starts with the path; or return events inside the sensor
-        and in time order, with a RecordingWarning for every loss. A truncated file must give a prefix of the events of the file.
+    and in time order, with a RecordingWarning for every loss. A truncated file must give a prefix of the file's events.
 
     Args:
         path: where to write; its suffix is the format's, if that matters.
