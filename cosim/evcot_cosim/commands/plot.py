@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 
-from evcot.pictures.plots.style import COLUMN_MM, KINDS
+from evcot.pictures.style import COLUMN_MM, KINDS
 
 from .parsing import add_command, output_option
 from .tracked import tracked_options

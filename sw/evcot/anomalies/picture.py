@@ -15,7 +15,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ..outputs import written_aside
-from ..pictures.panels import INK
+from ..pictures.style import INK
 from ..tracks.log import Kind, TrackLog
 from .alarm import Anomaly
 from .field import NormalMotion

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -18,13 +19,14 @@ from numpy.typing import NDArray
 
 from ..events import Events, Recording
 from ..tracks.log import Kind, TrackLog
-from ..tracks.timeline import OPEN, alive, sample
+from ..tracks.timeline import alive, sample
+from .over_time import END_MARKERS, TimeAxis, draw_alive, draw_merges
+from .style import INK
 
-__all__ = ["EVENT_COLOURS", "INK", "NOTHING", "Clock", "Side", "count_panel", "lives_panel", "scene_panel"]
+__all__ = ["EVENT_COLOURS", "NOTHING", "Clock", "Side", "count_panel", "lives_panel", "scene_panel"]
 
 # Okabe and Ito's palette, suitable for colour-blind readers; the engines also differ in line width and dashes.
 EVENT_COLOURS = ("#CC79A7", "#009E73")  # OFF, ON
-INK = "#222222"
 NOTHING = "no cluster became visible"
 
 _BINS_MAX = 1024  # maximum bins per side of the scene: larger sensors are drawn more coarsely
@@ -55,14 +57,10 @@ class Clock:
     times_us: NDArray[np.int64]  # evenly over the recording
     moments_us: NDArray[np.int64]  # at which windows are drawn
 
-    @property
-    def unit(self) -> tuple[str, float]:
-        """Name of the axis' unit and its length in microseconds."""
-        return ("s", 1e6) if self.times_us[-1] - self.times_us[0] >= 2_000_000 else ("ms", 1e3)
-
-    def axis(self, t_us: NDArray[np.int64]) -> NDArray[np.float64]:
+    @cached_property
+    def axis(self) -> TimeAxis:
         """Times as positions on the axis."""
-        return np.asarray((t_us - self.times_us[0]) / self.unit[1], np.float64)
+        return TimeAxis(int(self.times_us[0]), int(self.times_us[-1] - self.times_us[0]))
 
 
 def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Clock) -> None:
@@ -153,14 +151,8 @@ def _number_windows(ax: Axes, side: Side, clock: Clock) -> None:
 
 def count_panel(ax: Axes, sides: Sequence[Side], clock: Clock) -> None:
     """Draw the number of visible clusters over time."""
-    most = 1
-    for side in sides:
-        counts = alive(side.log, clock.times_us)
-        most = max(most, int(counts.max()))
-        ax.step(clock.axis(clock.times_us), counts, where="post", color=side.colour, linewidth=side.width)
-    ax.set_ylim(0, most * 1.12)
-    ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    ax.set_ylabel("clusters alive")
+    counts = ((alive(side.log, clock.times_us), {"color": side.colour, "linewidth": side.width}) for side in sides)
+    draw_alive(ax, clock.axis(clock.times_us), counts, "clusters alive")
     ax.tick_params(labelbottom=False)
     _mark_moments(ax, clock)
     top = blended_transform_factory(ax.transData, ax.transAxes)
@@ -205,7 +197,7 @@ def lives_panel(ax: Axes, sides: Sequence[Side], clock: Clock) -> None:
     ax.tick_params(axis="y", length=0)
     margin = 0.015 * (end - begin)
     ax.set_xlim(begin - margin, end + margin)
-    ax.set_xlabel(f"time since the first event ({clock.unit[0]})")
+    ax.set_xlabel(f"time since the first event ({clock.axis.unit})")
     _mark_moments(ax, clock)
 
 
@@ -216,7 +208,7 @@ def _draw_lives(ax: Axes, side: Side, clock: Clock, rows: NDArray[np.float64], n
     ax.hlines(rows, begin, end, color=side.colour, linewidth=thickness, alpha=0.55, capstyle="butt")
     marker = float(np.clip(thickness, 3, 6))
     row_of = dict(zip(lives["track_id"].tolist(), rows.tolist(), strict=True))
-    for ended, symbol in ((Kind.LOST, "|"), (Kind.MERGED, "D"), (OPEN, ">")):
+    for ended, symbol in END_MARKERS.items():
         here = lives["ended"] == ended
         ax.plot(
             end[here], rows[here], symbol, color=side.colour, markersize=marker * (1.6 if symbol == "|" else 1), clip_on=False
@@ -226,4 +218,4 @@ def _draw_lives(ax: Axes, side: Side, clock: Clock, rows: NDArray[np.float64], n
         for life, position, row in zip(lives, end, rows, strict=True)
         if life["ended"] == Kind.MERGED and int(life["other_id"]) in row_of
     ]
-    ax.add_collection(LineCollection(joins, colors=INK, linewidths=0.8))
+    draw_merges(ax, joins, 0.8)

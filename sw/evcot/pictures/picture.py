@@ -18,7 +18,9 @@ from ..events import Recording
 from ..outputs import written_aside
 from ..tracks.log import TrackLog
 from ..tracks.timeline import alive, lifetimes
-from .panels import EVENT_COLOURS, INK, NOTHING, Clock, Side, count_panel, lives_panel, scene_panel
+from .over_time import END_MARKERS
+from .panels import EVENT_COLOURS, NOTHING, Clock, Side, count_panel, lives_panel, scene_panel
+from .style import INK
 
 __all__ = ["SIZE_PX", "draw"]
 
@@ -126,7 +128,7 @@ def _legend(sides: list[Side]) -> list[Line2D | Patch]:
     handles += [Patch(color=colour, label=f"{name} events") for name, colour in zip(("OFF", "ON"), EVENT_COLOURS, strict=True)]
     handles += [
         Line2D([], [], color=INK, linestyle="", marker=marker, label=label)
-        for marker, label in (("|", "lost"), ("D", "merged into"), (">", "still alive"))
+        for marker, label in zip(END_MARKERS.values(), ("lost", "merged into", "still alive"), strict=True)
     ]
     return handles
 

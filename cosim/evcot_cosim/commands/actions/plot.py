@@ -8,7 +8,7 @@ import json
 from collections.abc import Sequence
 
 from evcot.pictures.plots import Material, density, plot
-from evcot.pictures.plots.style import COLUMN_MM
+from evcot.pictures.style import COLUMN_MM
 
 from .tracked import tracked_from
 

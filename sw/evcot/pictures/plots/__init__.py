@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..._lazy import lazily
-from .style import KINDS
+from ..style import KINDS
 
 if TYPE_CHECKING:
     from .figure import plot

@@ -15,9 +15,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from ...errors import ConfigError
+from ..style import COLUMN_MM, DASHES, KINDS, PALETTE, RULES, save
 from .material import Material
 from .panels import alive_panel, lives_panel, place_panel, tracks_panel
-from .style import COLUMN_MM, DASHES, KINDS, PALETTE, RULES, save
 
 __all__ = ["plot"]
 

@@ -14,6 +14,7 @@ from ...events import Events
 from ...recordings.formats.source import Sensor
 from ...tracks.log import TrackLog
 from ...tracks.timeline import alive, lifetimes, sample
+from ..over_time import TimeAxis
 
 __all__ = ["Log", "Material", "density"]
 
@@ -50,14 +51,10 @@ class Material:
         """Sample times, evenly spaced over the window."""
         return np.unique(np.linspace(self.from_us, max(self.to_us, self.from_us + 1), _SAMPLES).astype(np.int64))
 
-    @property
-    def unit(self) -> tuple[str, float]:
-        """Name of the axis' unit and its length in microseconds."""
-        return ("s", 1e6) if self.to_us - self.from_us >= 2_000_000 else ("ms", 1e3)
-
-    def axis(self, t_us: NDArray[np.int64]) -> NDArray[np.float64]:
+    @cached_property
+    def axis(self) -> TimeAxis:
         """Times as positions on the axis."""
-        return np.asarray((t_us - self.zero_us) / self.unit[1], np.float64)
+        return TimeAxis(self.zero_us, self.to_us - self.from_us)
 
     def paths(self, log: Log) -> dict[int, NDArray[np.void]]:
         """Track id -> states in the window in order of time, of dtype `timeline.SAMPLE`; tracks in order of birth."""

@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ...tracks.log import Kind
-from ...tracks.timeline import OPEN
+from ..over_time import END_MARKERS, draw_alive, draw_merges
+from ..style import DASHES, PALETTE
 from .material import Log, Material
-from .style import DASHES, INK, PALETTE
 
 __all__ = ["alive_panel", "lives_panel", "place_panel", "tracks_panel"]
 
@@ -91,17 +90,12 @@ def place_panel(ax: Axes, material: Material, field: str) -> None:
 
 def alive_panel(ax: Axes, material: Material) -> None:
     """Draw the number of visible tracks over time."""
-    most = 1
-    for place, log in enumerate(material.logs):
-        counts = material.alive(log)
-        most = max(most, int(counts.max()))
-        ax.step(
-            material.axis(material.times_us), counts, where="post", color=PALETTE[place % len(PALETTE)],
-            linestyle=DASHES[place % len(DASHES)],
-        )  # fmt: skip
-    ax.set_ylim(0, 1.12 * most)
-    ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    ax.set_ylabel("tracks alive")
+    looks = [
+        {"color": PALETTE[place % len(PALETTE)], "linestyle": DASHES[place % len(DASHES)]}
+        for place in range(len(material.logs))
+    ]
+    counts = zip(map(material.alive, material.logs), looks, strict=True)
+    draw_alive(ax, material.axis(material.times_us), counts, "tracks alive")
     _time(ax, material)
 
 
@@ -124,7 +118,7 @@ def lives_panel(ax: Axes, material: Material) -> None:
         for life in some[some["ended"] == Kind.MERGED]
         if (name, int(life["other_id"])) in rows
     ]
-    ax.add_collection(LineCollection(joins, colors=INK, linewidths=0.5))
+    draw_merges(ax, joins, 0.5)
     ax.set_ylim(max(len(rows), 1) - 0.3, -0.7)
     every = -(-len(rows) // _ROW_LABELS_MAX) or 1
     named = [(row, str(track_id)) for (_, track_id), row in rows.items() if row % every == 0]
@@ -137,7 +131,7 @@ def lives_panel(ax: Axes, material: Material) -> None:
 def _life(ax: Axes, material: Material, life: NDArray[np.void], row: int, colour: str) -> None:
     begin, end = (float(material.axis(life[name])) for name in ("birth_us", "end_us"))
     ax.hlines(row, begin, end, color=colour, linewidth=2.0)
-    marker = {int(Kind.LOST): "|", int(Kind.MERGED): "D", OPEN: ">"}[int(life["ended"])]
+    marker = END_MARKERS[int(life["ended"])]
     ax.plot(end, row, marker, color=colour, markersize=5 if marker == "|" else 3, clip_on=True)
 
 
@@ -145,4 +139,4 @@ def _time(ax: Axes, material: Material) -> None:
     begin, end = material.axis(np.array([material.from_us, material.to_us]))
     margin = 0.015 * max(end - begin, 1e-9)
     ax.set_xlim(begin - margin, end + margin)
-    ax.set_xlabel(f"time ({material.unit[0]})")
+    ax.set_xlabel(f"time ({material.axis.unit})")

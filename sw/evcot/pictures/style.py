@@ -6,8 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...errors import ConfigError
-from ...outputs import written_aside
+from ..errors import ConfigError
+from ..outputs import written_aside
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
