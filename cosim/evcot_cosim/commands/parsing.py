@@ -125,4 +125,4 @@ def _given(options: argparse.Namespace, types: Collection[object]) -> Iterator[t
 
 
 def _title(action: argparse.Action) -> str:
-    return action.option_strings[0] if action.option_strings else str(action.metavar)
+    return action.option_strings[0] if action.option_strings else "output"

@@ -189,5 +189,5 @@ class TestConfig:
 def test_a_recording_is_not_written_over_itself(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = source.read_bytes()
     assert main(["filter", str(source), str(source), "--activity", "5"]) == 2
-    assert capsys.readouterr().err == f"evcot: B {source}: is {source}, an input of the same call: must be another file\n"
+    assert capsys.readouterr().err == f"evcot: output {source}: is {source}, an input of the same call: must be another file\n"
     assert source.read_bytes() == before

@@ -155,7 +155,7 @@ def test_convert_gives_the_same_recording_in_another_format(drive: Path, name: s
 
 def test_convert_of_a_window_goes_by_the_suffix_and_may_be_quiet(drive: Path, capsys: Capture) -> None:
     Path("out.csv").write_text("older")
-    assert main(["convert", "drive.npz", "out.csv", "--from", "0.1", "--to", "0.4", "--quiet"]) == 0
+    assert main(["convert", "drive.npz", "out.csv", "--from", "0.1", "--to", "0.4", "--quiet", "--force"]) == 0
     assert capsys.readouterr() == ("", "")
     assert read_recording("out.csv").events.t_us.tolist() == [EPOCH_US + 100, EPOCH_US + 200, EPOCH_US + 300]
 
@@ -174,10 +174,10 @@ def test_convert_of_a_window_goes_by_the_suffix_and_may_be_quiet(drive: Path, ca
         (("info", "drive.npz", "--sensor", "5x5"), "drive.npz: event 0: x = 5: must be below the sensor's 5"),
         (("convert", "drive.npz", "out.jpeg"), "out.jpeg: suffix '.jpeg': must be one of .npz, "),
         (("convert", "drive.npz", "out", "--format", "gif"), "format 'gif': must be one of npz, csv"),
-        (("convert", "drive.npz", "drive.npz"), "B drive.npz: is drive.npz, an input of the same call: must be another file"),
-        (("convert", "drive.npz", "link.npz"), "B link.npz: is drive.npz, an input of the same call: must be another file"),
+        (("convert", "drive.npz", "drive.npz"), "output drive.npz: is drive.npz, an input of the same call: must be another file"),
+        (("convert", "drive.npz", "link.npz"), "output link.npz: is drive.npz, an input of the same call: must be another file"),
         (("convert", "drive.npz", "out.csv", "--from", "20000"), "drive.npz: holds no events from 20 s"),
-        (("convert", "drive.npz", "absent/out.csv"), "absent/out.csv: cannot be written: No such file or directory"),
+        (("convert", "drive.npz", "absent/out.csv"), "output absent/out.csv: cannot be written: No such file or directory"),
         (("convert", "bad.csv", "out.npz"), "bad.csv: event 1: t = 1 us follows t = 2 us: time must not run back"),
     ],
 )
@@ -188,7 +188,7 @@ def test_what_cannot_be_done_is_one_line(drive: Path, arguments: tuple[str, ...]
 
 
 def test_a_terminal_sees_how_far_it_is_and_a_pipe_does_not(drive: Path) -> None:
-    command = [sys.executable, "-m", "evcot_cosim", "convert", "drive.npz", "out.csv"]
+    command = [sys.executable, "-m", "evcot_cosim", "convert", "drive.npz", "out.csv", "--force"]
     ours, theirs = pty.openpty()
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, check=True)
     os.close(theirs)
