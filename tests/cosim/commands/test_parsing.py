@@ -156,7 +156,7 @@ def test_what_exists_is_not_written_over(command: str, action: argparse.Action, 
     folder = action.type is output_folder
     for target in ("mine", "hard", "soft", "../above"):
         why = "is not a folder" if folder else f"{target}: exists: must be another file, or --force"
-        refused(capsys, home, *line(command, (action, target)), why=f"{label(action) if action.option_strings else 'B'} ")
+        refused(capsys, home, *line(command, (action, target)), why=f"{label(action) if action.option_strings else 'output'} ")
         refused(capsys, home, *line(command, (action, target)), why=why)
     for target in (".", "..", str(home), "/"):
         why = "an input of the same call" if folder else "is a folder: must be a file"
