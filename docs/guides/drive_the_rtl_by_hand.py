@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from evcot.hardware.config import CotConfig, SlotConfig
-from evcot.hardware.contract import Mode, Shape, State
-from evcot.tracks.log import Kind
-from evcot_cosim.devices.device import Device
+from evcot import CotConfig, Kind, Shape, SlotConfig
+from evcot.hardware.contract import Mode, State
+from evcot.ticks import TickedEvents
+from evcot_cosim import Device
 from evcot_cosim.waves import Wave, after, handshake_stable, recorded, transitions
 from evcot_cosim.waves.gtkwave import write_view
 
@@ -121,7 +121,7 @@ write_view(Path("cot.vcd"), Path("cot.gtkw"))
 # %%
 device.reset()
 ticks, x, y = (np.array(column) for column in zip(*events, strict=True))
-streamed = device.stream(ticks, x.astype(np.uint16), y.astype(np.uint16), np.zeros(len(events), np.uint8))
+streamed = device.stream(TickedEvents(ticks, x, y, np.zeros_like(ticks)))
 again = [(Kind(int(r["kind"])).name, float(r["cm_x"] / 16), float(r["cm_y"] / 16), int(r["seq"])) for r in streamed.records]
 assert again == records
 took = streamed.owner >= 0

@@ -48,7 +48,7 @@ def filter_recording(recording: Recording, config: FilterConfig | None = None, *
 
 
 def track(
-    source: Recording | Path | str,
+    recording: Recording | Path | str,
     engine: str = "rct",
     preset: str | None = None,
     *,
@@ -64,7 +64,7 @@ def track(
         births = log.of_kind(evcot.Kind.BORN)  # (k,) of dtype evcot.TRACK: t_us, x, y, radius, ...
 
     Args:
-        source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
+        recording: in memory, or a file in any format that evcot reads, which is read block by block.
         engine: one of `ENGINES`.
         preset: one of `ENGINES[engine].presets`; None: the first, or of "cot" the one for the sensor.
         config: a TOML file that overrides the preset.
@@ -79,7 +79,7 @@ def track(
         ConfigError: no such engine, preset or setting, or a value outside its range.
         RecordingError: a file that cannot be read, or holds no events.
     """
-    with _blocks(source) as (blocks, sensor):
+    with _blocks(recording) as (blocks, sensor):
         default, own = engine_settings(engine, sensor, preset, Path(config) if config is not None else None)
         if settings is not None:
             if preset is not None or config is not None:

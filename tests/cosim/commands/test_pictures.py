@@ -117,7 +117,7 @@ def test_what_is_wrong_is_said_in_one_line(
 def test_a_log_of_another_recording_is_refused(folder: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
     log, output = TrackLog.load_npz("log.npz"), {"plot": "a.png", "render": "a.gif"}[command]
     write_recording(simulate_scene("discs", 6, {"duration_us": 300_000}).recording, "other.npz")
-    TrackLog(log.engine, log.records, log.owner[:-1]).save_npz("run/hardware.npz")
+    TrackLog(log.engine, log.records, log.owner[:-1]).save_npz("run/hardware.npz", force=True)
     replace(log, recording="0123456789abcdef").save_npz("marked.npz")
     for arguments, message in (
         ("other.npz log.npz", "log.npz: does not belong to other.npz: owner has "),
@@ -138,6 +138,6 @@ def test_a_log_may_be_of_the_part_alone(folder: Path, discs: Recording) -> None:
 
 
 def test_a_run_whose_recording_has_changed_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_recording(simulate_scene("discs", 6, {"duration_us": 100_000}).recording, "discs.npz")
+    write_recording(simulate_scene("discs", 6, {"duration_us": 100_000}).recording, "discs.npz", force=True)
     assert main(["plot", "run", "-o", "a.png"]) == 2
     assert "which has changed since" in capsys.readouterr().err

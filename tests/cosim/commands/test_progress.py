@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 STORY = """
-from evcot_cosim.progress import Progress
+from evcot_cosim.commands.actions.progress import Progress
 with Progress("drive", 1000) as progress:
     progress.building()
     progress.update(500, 2_500_000, 4.2e6)

@@ -174,8 +174,14 @@ def test_convert_of_a_window_goes_by_the_suffix_and_may_be_quiet(drive: Path, ca
         (("info", "drive.npz", "--sensor", "5x5"), "drive.npz: event 0: x = 5: must be below the sensor's 5"),
         (("convert", "drive.npz", "out.jpeg"), "out.jpeg: suffix '.jpeg': must be one of .npz, "),
         (("convert", "drive.npz", "out", "--format", "gif"), "format 'gif': must be one of npz, csv"),
-        (("convert", "drive.npz", "drive.npz"), "output drive.npz: is drive.npz, an input of the same call: must be another file"),
-        (("convert", "drive.npz", "link.npz"), "output link.npz: is drive.npz, an input of the same call: must be another file"),
+        (
+            ("convert", "drive.npz", "drive.npz"),
+            "output drive.npz: is drive.npz, an input of the same call: must be another file",
+        ),
+        (
+            ("convert", "drive.npz", "link.npz"),
+            "output link.npz: is drive.npz, an input of the same call: must be another file",
+        ),
         (("convert", "drive.npz", "out.csv", "--from", "20000"), "drive.npz: holds no events from 20 s"),
         (("convert", "drive.npz", "absent/out.csv"), "output absent/out.csv: cannot be written: No such file or directory"),
         (("convert", "bad.csv", "out.npz"), "bad.csv: event 1: t = 1 us follows t = 2 us: time must not run back"),

@@ -18,7 +18,7 @@ from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import load, save
 from evcot_cosim.fpga.harness import render
 from evcot_cosim.fpga.interface import Port, ports
-from evcot_cosim.fpga.measure import Case, _telling, place, synthesise
+from evcot_cosim.fpga.measure import Case, _failure, place, synthesise
 from evcot_cosim.fpga.run import figures_of, synthesised
 from evcot_cosim.rtl.files import copy_rtl, modules
 
@@ -95,11 +95,11 @@ def test_what_does_not_fit_is_a_result(tmp_path: Path) -> None:
 
 def test_a_device_too_small_is_told_in_logic_cells() -> None:
     assert (
-        _telling("Info: packing\nERROR: Failed to expand region (0, 0) |_> (33, 33) of 8014 ICESTORM_LCs\n")
+        _failure("Info: packing\nERROR: Failed to expand region (0, 0) |_> (33, 33) of 8014 ICESTORM_LCs\n")
         == "8,014 logic cells"
     )
-    assert _telling("ERROR: Something else went wrong.\n") == "Something else went wrong"
-    assert _telling("") == "nextpnr failed without a message"
+    assert _failure("ERROR: Something else went wrong.\n") == "Something else went wrong"
+    assert _failure("") == "nextpnr failed without a message"
 
 
 def test_a_seed_that_finds_no_route_is_a_result_too_until_it_is_given_more_time(tmp_path: Path) -> None:

@@ -58,7 +58,7 @@ def test_modules_are_joined_without_imports_and_exports_and_share_no_name() -> N
 
 
 def test_every_module_is_in_the_page() -> None:
-    folder = Path(page.__file__).parents[1] / "templates" / "report"
+    folder = Path(page.__file__).with_name("templates")
     assert {path.stem for path in folder.glob("*.js")} == set(page.MODULES)
 
 

@@ -250,7 +250,7 @@ def test_a_view_is_whole_or_not_there(folder: Path, monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(OutputError, match=r"cannot be written: No space left on device"):
-        write_view(folder / "cot_array.vcd", view)
+        write_view(folder / "cot_array.vcd", view, force=True)
     assert view.read_bytes() == before
     assert not list(folder.glob(".*"))
 

@@ -77,7 +77,7 @@ def decode_words(device: StreamDevice, words: list[int]) -> tuple[list[list[int]
 
 def encoded(events: Events, folder: Path) -> WordArray:
     """Events from time 0 on as evcot writes them."""
-    write_events(folder / "events.raw", (2048, 2048), [events], "evt3")
+    write_events(folder / "events.raw", (2048, 2048), [events], "evt3", force=True)
     return payload(folder / "events.raw", np.uint16)
 
 

@@ -24,7 +24,7 @@ WIDTH, HEIGHT = 20, 10
 
 
 def evt3_words(events: Events, folder: Path) -> WordArray:
-    write_events(folder / "a.raw", (WIDTH, HEIGHT), [events], "evt3")
+    write_events(folder / "a.raw", (WIDTH, HEIGHT), [events], "evt3", force=True)
     return payload(folder / "a.raw", np.uint16)
 
 

@@ -191,7 +191,7 @@ class TestToml:
             ("filters = 3", "top level: [filters] must be a table, not 3"),
             ("[filters]\nradius = 3", "[filters]: unknown field 'radius': must be one of activity_support, "),
             ("[filters]\nactivity_us = 1.5", "filters.activity_us = 1.5: must be from 0 to 1000000000 "),
-            ("[filters]\nhot_pixels_file = 3", "[filters]: hot_pixels_file = 3: must be a file's name, and stand "),
+            ("[filters]\nhot_pixels_file = 3", "[filters]: hot_pixels_file = 3: must be a file name, given "),
             (
                 "[filters]\nhot_pixels_file = 'a'\nhot_pixels = []",
                 "[filters]: hot_pixels_file = 'a': must be a file name, given without hot_pixels",

@@ -221,7 +221,7 @@ class TestRefused:
 
     @pytest.mark.parametrize("pattern", [[], [-1], [[1]]])
     def test_a_pattern_that_is_none(self, pattern: list[int]) -> None:
-        with pytest.raises(ConfigError, match=r"handshakes\.ack: must be a row"):
+        with pytest.raises(ConfigError, match=r"handshakes\.ack: must be a sequence of at least one number of clocks"):
             Handshakes(ack=np.array(pattern, np.int64))
 
     @pytest.mark.parametrize(

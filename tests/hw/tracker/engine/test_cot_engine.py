@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from evcot_cosim.trials import run_story
 from numpy.typing import NDArray
 
 from evcot.hardware.config import CotConfig, SlotConfig
@@ -17,7 +16,7 @@ from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
 from support.ticked import ticked
-from support.trials import OLD_AND_YOUNG, compare_random_runs, random_config, random_traffic
+from support.trials import OLD_AND_YOUNG, compare_random_runs, random_config, random_traffic, run_story
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 EIGHT = replace(SHAPE, n_slots=8, id_w=32)
