@@ -20,9 +20,7 @@ Example:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from evcot._lazy import lazily as _lazily
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import waves
@@ -57,17 +55,26 @@ __all__ = [
     "write_run",
 ]
 
-__getattr__, __dir__ = _lazily(
-    __name__,
-    {
-        "": ("waves",),
-        "devices.base": ("HardwareError", "Stalls"),
-        "devices.device": ("Device", "build_device"),
-        "lockstep.cosim": ("CosimRun", "run_cosim as cosim"),
-        "lockstep.lockstep": ("Lockstep", "Step", "dump_window"),
-        "lockstep.mismatch": ("Mismatch", "MismatchError"),
-        "lockstep.run_file": ("RunFile", "Source", "read_run_file"),
-        "names": ("Top",),
-        "report.artifacts": ("write_mismatch", "write_run"),
-    },
-)
+_NAMES = {
+    "": ("waves",),
+    "devices.base": ("HardwareError", "Stalls"),
+    "devices.device": ("Device", "build_device"),
+    "lockstep.cosim": ("CosimRun", "run_cosim as cosim"),
+    "lockstep.lockstep": ("Lockstep", "Step", "dump_window"),
+    "lockstep.mismatch": ("Mismatch", "MismatchError"),
+    "lockstep.run_file": ("RunFile", "Source", "read_run_file"),
+    "names": ("Top",),
+    "report.artifacts": ("write_mismatch", "write_run"),
+}
+
+
+def __getattr__(name: str) -> Any:  # the command imports this: nothing else before it can end an interrupt in one line
+    from evcot._lazy import lazily
+
+    return lazily(__name__, _NAMES)[0](name)
+
+
+def __dir__() -> list[str]:
+    from evcot._lazy import lazily
+
+    return lazily(__name__, _NAMES)[1]()

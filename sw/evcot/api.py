@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from .metrics.scores import evaluate as score
 from .metrics.truth import GroundTruth, read_truth, rule_for
 from .recordings.files import open_recording
 from .recordings.formats.source import Sensor
-from .scenes.registry import adjusted, simulate_scene
+from .scenes.registry import simulate_scene
 from .scenes.scene import Scene
 from .scenes.truth import Truth
 from .trackers.config import RunConfig
@@ -44,11 +45,12 @@ def filter_recording(recording: Recording, config: FilterConfig | None = None, *
     Raises:
         ConfigError: no such field, a value outside its range, or a hot pixel outside the sensor.
     """
-    return apply(recording, adjusted("filters", config or FilterConfig(), settings))[0]
+    return apply(recording, _changed("filters", config or FilterConfig(), settings))[0]
 
 
 def track(
-    recording: Recording | Path | str,
+    source: Recording | Path | str,
+    /,
     engine: str = "rct",
     preset: str | None = None,
     *,
@@ -64,7 +66,7 @@ def track(
         births = log.of_kind(evcot.Kind.BORN)  # (k,) of dtype evcot.TRACK: t_us, x, y, radius, ...
 
     Args:
-        recording: in memory, or a file in any format that evcot reads, which is read block by block.
+        source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
         engine: one of `ENGINES`.
         preset: one of `ENGINES[engine].presets`; None: the first, or of "cot" the one for the sensor.
         config: a TOML file that overrides the preset.
@@ -79,7 +81,7 @@ def track(
         ConfigError: no such engine, preset or setting, or a value outside its range.
         RecordingError: a file that cannot be read, or holds no events.
     """
-    with _blocks(recording) as (blocks, sensor):
+    with _blocks(source) as (blocks, sensor):
         default, own = engine_settings(engine, sensor, preset, Path(config) if config is not None else None)
         if settings is not None:
             if preset is not None or config is not None:
@@ -91,7 +93,7 @@ def track(
         if changes and isinstance(default, RunConfig):
             name = next(iter(changes))
             raise ConfigError(f"{name}: must not be given with engine {engine}: its registers are in settings or config")
-        tracker = ENGINES[engine].start(adjusted(engine, default, changes), own if filters is None else filters, sensor)
+        tracker = ENGINES[engine].start(_changed(engine, default, changes), own if filters is None else filters, sensor)
         return signed_log_of(engine, tracker, blocks)
 
 
@@ -150,6 +152,14 @@ def evaluate(
         return score(loaded, truth, chosen)
     except TrackLogError as error:
         raise TrackLogError(f"{log}: {error}") from error
+
+
+def _changed(name: str, settings: Any, changes: Mapping[str, Any]) -> Any:
+    known = [field.name for field in fields(settings)]
+    for key in changes:
+        if key not in known:
+            raise ConfigError(f"{name}.{key}: no such setting: must be one of {', '.join(known)}")
+    return replace(settings, **changes)
 
 
 @contextmanager

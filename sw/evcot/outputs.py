@@ -250,6 +250,8 @@ def folder_written_aside(folder: Path) -> Iterator[Path]:
                 _move_in(aside, target, names)
             else:
                 aside.rename(target)
+        except OutputError as error:  # of a file in it: by the name that it was to have
+            raise OutputError(str(error).replace(str(aside), str(folder))) from error
         finally:
             shutil.rmtree(aside, ignore_errors=True)
             if not target.exists():

@@ -163,9 +163,7 @@ def broken_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, o
 def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    broken_verilog(
-        tmp_path, monkeypatch, "cot_array.v", "stays <= older ? overlap_slot : slot;", "stays <= older ? slot : overlap_slot;"
-    )
+    broken_verilog(tmp_path, monkeypatch, "cot_array.v", "stays <= older ? overlap_slot", "stays <= !older ? overlap_slot")
     assert main(["cosim", str(recording), "--stalls", "9"]) == 1
     printed = capsys.readouterr()
     assert printed.out == ""
@@ -267,29 +265,33 @@ def test_a_full_disk_leaves_nothing_that_looks_whole(recording: Path) -> None:
     run = evcot("cosim", str(recording), prepare=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)))
     out, err = run.communicate(timeout=120)
     assert (run.returncode, out) == (2, "")
-    assert re.fullmatch(r"evcot: \S*build/cosim/\S+: cannot be written: File too large\n", err)
+    assert re.fullmatch(r"evcot: build/cosim/blob/[\w.]+: cannot be written: File too large\n", err)
     assert list(Path("build/cosim").iterdir()) == []
+
+
+def interrupted(module: str, *arguments: str, after_s: float = 0.0) -> tuple[str, int, list[str]]:
+    """What the command prints, its exit code and its lines on standard error, interrupted so long after it imports a module."""
+    command = [sys.executable, "-X", "importtime", "-m", "evcot_cosim", *arguments]
+    with subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+        assert run.stderr is not None
+        while not run.stderr.readline().rstrip().endswith(f" {module}"):
+            assert run.poll() is None
+        time.sleep(after_s)
+        os.kill(run.pid, signal.SIGINT)
+        out, err = run.communicate(timeout=120)
+    return out, run.returncode, [line for line in err.splitlines() if not line.startswith("import time:")]
 
 
 def test_an_interrupt_leaves_nothing_that_looks_whole(in_empty_folder: Path) -> None:
     write_recording(blob(4_000_000), Path("long.npz"))
-    run = evcot("cosim", "long.npz", "--hardware", "cot_chain")
-    time.sleep(2.0)
-    os.kill(run.pid, signal.SIGINT)
-    out, err = run.communicate(timeout=120)
-    assert (run.returncode, out) == (2, "")
-    assert err == "evcot: interrupted: nothing was written\n"
+    arguments = ("cosim", "long.npz", "--hardware", "cot_chain")
+    out, code, told = interrupted("evcot_cosim.commands.actions.cosim", *arguments, after_s=2.0)
+    assert (code, out) == (2, "")
+    assert told == ["evcot: interrupted: nothing was written"]
     assert not list(Path().glob("build/*/*"))
 
 
 def test_an_interrupt_while_the_program_loads_is_one_line_too(in_empty_folder: Path) -> None:
-    command = [sys.executable, "-X", "importtime", "-m", "evcot_cosim", "presets"]
-    with subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
-        assert run.stderr is not None
-        while "evcot.errors" not in run.stderr.readline():
-            assert run.poll() is None
-        os.kill(run.pid, signal.SIGINT)
-        out, err = run.communicate(timeout=60)
-    assert (run.returncode, out) == (2, "")
-    result = [line for line in err.splitlines() if not line.startswith("import time:")]
-    assert result == ["evcot: interrupted: nothing was written"]
+    out, code, told = interrupted("evcot.errors", "presets")
+    assert (code, out) == (2, "")
+    assert told == ["evcot: interrupted: nothing was written"]
