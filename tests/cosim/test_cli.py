@@ -163,7 +163,7 @@ def broken_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, o
 def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    broken_verilog(tmp_path, monkeypatch, "cot_array.v", "stays <= older ? overlap_slot", "stays <= !older ? overlap_slot")
+    broken_verilog(tmp_path, monkeypatch, "cot_array.v", "!(|behind)) older = 1'b1;", "(|behind)) older = 1'b1;")
     assert main(["cosim", str(recording), "--stalls", "9"]) == 1
     printed = capsys.readouterr()
     assert printed.out == ""
@@ -266,7 +266,7 @@ def test_a_full_disk_leaves_nothing_that_looks_whole(recording: Path) -> None:
     out, err = run.communicate(timeout=120)
     assert (run.returncode, out) == (2, "")
     assert re.fullmatch(r"evcot: build/cosim/blob/[\w.]+: cannot be written: File too large\n", err)
-    assert list(Path("build/cosim").iterdir()) == []
+    assert not Path("build").exists()
 
 
 def interrupted(module: str, *arguments: str, after_s: float = 0.0) -> tuple[str, int, list[str]]:
