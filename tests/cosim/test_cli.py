@@ -285,7 +285,7 @@ def interrupted(module: str, *arguments: str, after_s: float = 0.0) -> tuple[str
 def test_an_interrupt_leaves_nothing_that_looks_whole(in_empty_folder: Path) -> None:
     write_recording(blob(4_000_000), Path("long.npz"))
     arguments = ("cosim", "long.npz", "--hardware", "cot_chain")
-    out, code, told = interrupted("evcot_cosim.commands.actions.cosim", *arguments, after_s=2.0)
+    out, code, told = interrupted("evcot_cosim.commands.actions.progress", *arguments, after_s=2.0)
     assert (code, out) == (2, "")
     assert told == ["evcot: interrupted: nothing was written"]
     assert not list(Path().glob("build/*/*"))
