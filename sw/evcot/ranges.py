@@ -60,7 +60,7 @@ def read_value(name: str, text: str, default: Any) -> Any:
     Raises:
         ConfigError: the text is not a value of that type.
     """
-    if default is None or isinstance(default, str):
+    if isinstance(default, str):
         return text
     kind: Callable[[str], Any]
     if isinstance(default, bool):
