@@ -54,6 +54,7 @@ def test_a_stale_file_and_a_missing_one_are_seen(tmp_path: Path) -> None:
 def test_what_is_stale_is_written_over_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     texts = {"stale.md": "new\n", "fresh.md": "same\n", "missing.md": "made\n"}
     monkeypatch.setattr(generated, "FILES", {path: lambda path=path: texts[path] for path in texts})
+    monkeypatch.setattr(generated, "pictures", dict)
     (tmp_path / "stale.md").write_text("old\n")
     (tmp_path / "fresh.md").write_text("same\n")
     assert generated.write_stale(tmp_path) == ["stale.md", "missing.md"]

@@ -42,7 +42,7 @@ def test_is_whole_or_not_there(vcds: dict[Top, Path], tmp_path: Path, monkeypatc
     def full(source: object, target: object) -> None:
         raise OSError(28, "No space left on device")
 
-    for call in ("replace", "link"):
+    for call in ("replace", "link", "rename"):
         monkeypatch.setattr(os, call, full)
     with pytest.raises(OutputError, match=r"x\.fst: cannot be written: No space left on device"):
         write_fst(vcds["cot_array"], tmp_path / "x.fst")
