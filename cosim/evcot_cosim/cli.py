@@ -9,6 +9,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 import evcot
@@ -88,6 +89,7 @@ def _warnings_in_one_line() -> Iterator[None]:
         yield
 
 
+@cache
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
     whole = argparse.ArgumentParser(
