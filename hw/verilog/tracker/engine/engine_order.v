@@ -32,31 +32,22 @@ module engine_order #(
 
     assign second_first = |(at & ~behind);
 
-    genvar i;
-    generate
-        for (i = 0; i < N; i = i + 1) begin : g_place
-            localparam [31:0] NUMBER = i;
-            wire [SLOT_W-1:0] next;
+    // Each slot one place forward; the last place takes the slot that moves.
+    wire [(N+1)*SLOT_W-1:0] onward = {slot_behind, row};
 
-            if (i < N - 1) begin : g_next
-                assign next = row[SLOT_W*(i+1)+:SLOT_W];
-            end else begin : g_last
-                assign next = slot_behind;
-            end
-
-            always @(posedge clk) begin
-                if (asked) at[i] <= row[SLOT_W*i+:SLOT_W] == slot;
-                if (rst) row[SLOT_W*i+:SLOT_W] <= NUMBER[SLOT_W-1:0];
-                else if (moves && behind[i]) row[SLOT_W*i+:SLOT_W] <= next;
-            end
-        end
-    endgenerate
-
-    always @(posedge clk) begin
+    always @(posedge clk) begin : update
+        integer i;
         slot_at     <= slot;
         slot_behind <= slot_at;
         behind      <= -at;  // one bit is set: it and all above
         moves       <= born && !rst;
+        if (asked)
+            for (i = 0; i < N; i = i + 1) at[i] <= row[SLOT_W*i+:SLOT_W] == slot;
+        if (rst)
+            for (i = 0; i < N; i = i + 1) row[SLOT_W*i+:SLOT_W] <= i[SLOT_W-1:0];
+        else if (moves)
+            for (i = 0; i < N; i = i + 1)
+                if (behind[i]) row[SLOT_W*i+:SLOT_W] <= onward[SLOT_W*(i+1)+:SLOT_W];
     end
 
 endmodule
