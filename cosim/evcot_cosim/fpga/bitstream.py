@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from evcot.errors import ConfigError, EvcotError, ToolchainError
+from evcot.outputs import check_file, written_aside
 
 from . import tools
 from .board import board_dir
@@ -30,18 +30,22 @@ class Bitstream(NamedTuple):
     clocks: dict[str, tuple[float, float]]
 
 
-def make_bitstream(board: Board, folder: Path, *, size: str = "85k", seed: int = 1) -> Bitstream:
+def make_bitstream(board: Board, folder: Path, *, size: str = "85k", seed: int = 1, force: bool = False) -> Bitstream:
     """Synthesise, place, route and pack a board's top into `<folder>/<board>.bit` (ECP5) or `.bin` (iCE40).
 
     Args:
         size: size of the ECP5 on a ULX3S.
         seed: seed of the placement.
+        force: replace a file that exists.
 
     Raises:
+        OutputError: the file exists, or cannot be written.
         ToolchainError: a tool is missing or fails, or the result does not reach the clock frequency; the message gives both.
     """
     ice40 = board.device == "up5k"
+    path = folder / f"{board.name}.{'bin' if ice40 else 'bit'}"
     folder.mkdir(parents=True, exist_ok=True)
+    check_file(path, force=force)
     with tempfile.TemporaryDirectory(dir=folder) as temporary:
         work = sources(Path(temporary))
         constraints = board_dir() / "boards" / board.constraints
@@ -60,8 +64,8 @@ def make_bitstream(board: Board, folder: Path, *, size: str = "85k", seed: int =
         for name, (reached, wanted) in clocks.items():
             if reached < wanted:
                 raise ToolchainError(f"{board.title}: clock {name} reaches {reached:.1f} MHz: must reach {wanted:g} MHz")
-        path = folder / f"{board.name}.{'bin' if ice40 else 'bit'}"
-        os.replace(work / "packed", path)
+        with written_aside(path, force=force) as file:
+            file.write((work / "packed").read_bytes())
     return Bitstream(path, clocks)
 
 
@@ -97,12 +101,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("board", metavar="BOARD", help=", ".join(BOARDS))
     parser.add_argument("--size", choices=_SIZES, default="85k", help="of the ECP5 on a ULX3S (default: 85k)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the placement (default: 1)")
-    parser.add_argument("-o", "--output", type=Path, default=Path("build/fpga"), metavar="DIR", help="default: build/fpga")
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: build/fpga, where an older one is replaced")
+    parser.add_argument("--force", action="store_true", help="replace a file that exists in DIR")
     options = parser.parse_args(arguments)
     try:
         if options.board not in BOARDS:
             raise ConfigError(f"board {options.board!r}: must be one of {', '.join(BOARDS)}")
-        made = make_bitstream(BOARDS[options.board], options.output, size=options.size, seed=options.seed)
+        folder, force = options.output or Path("build/fpga"), options.force or options.output is None
+        made = make_bitstream(BOARDS[options.board], folder, size=options.size, seed=options.seed, force=force)
     except EvcotError as error:
         print(f"evcot: {error}", file=sys.stderr)
         return 2

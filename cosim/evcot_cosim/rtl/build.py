@@ -55,6 +55,7 @@ _HEADER = """#include "verilated_vcd_c.h"
 _WORKER = Path(__file__).with_name("worker.py")
 _UNUSED_AFTER_S = 30 * 86400
 _ABANDONED_AFTER_S = 86400
+_MARKS = ("request.json", "verilated*.o", "whole")  # one of them is in every folder that a build makes
 
 
 @dataclass(frozen=True)
@@ -332,10 +333,10 @@ def _error_line(log: str) -> str:
 
 
 def _sweep(root: Path) -> None:
-    """Remove models that were not used for a month, and folders of builds that were killed."""
+    """Remove models that were not used for a month, and folders of builds that were killed; never a folder of other origin."""
     now = time.time()
     for pattern, age_s in (("models/*", _UNUSED_AFTER_S), ("runtime/*", _UNUSED_AFTER_S), ("building-*", _ABANDONED_AFTER_S)):
         for path in root.glob(pattern):
             with contextlib.suppress(FileNotFoundError):
-                if now - path.stat().st_mtime > age_s:
+                if now - path.stat().st_mtime > age_s and any(any(path.glob(mark)) for mark in _MARKS):
                     shutil.rmtree(path, ignore_errors=True)

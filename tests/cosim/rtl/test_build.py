@@ -257,11 +257,17 @@ def test_what_nobody_uses_is_swept_away(sources: Path, cache: Path) -> None:
     unused = cache / "models" / "counter-of-long-ago"
     shutil.copytree(kept, unused)
     os.utime(unused, (0, 0))
+    users = [cache / "models" / "mine", cache / "building-plans"]
+    for folder in users:
+        folder.mkdir()
+        (folder / "notes.txt").write_text("no build made this")
+        os.utime(folder, (0, 0))
     os.utime(kept, (0, 0))
     build("counter", verilog=sources)  # a hit marks it as used
     build("counter", {"W": 10}, verilog=sources)
     assert kept.is_dir()
     assert not unused.exists()
+    assert all((folder / "notes.txt").is_file() for folder in users)
 
 
 def test_the_rtl_folder_holds_what_the_manifest_lists() -> None:
