@@ -86,6 +86,12 @@ def _kalman() -> _Parts:
     return _Parts(presets.PRESETS, _software(tracker.KalmanTracker))
 
 
+def _auto() -> _Parts:
+    from .auto import presets, tracker
+
+    return _Parts(presets.PRESETS, _software(tracker.AutoTracker))
+
+
 def _mean_shift() -> _Parts:
     from .mean_shift import presets, tracker
 
@@ -110,6 +116,7 @@ def _cot() -> _Parts:
 
 
 ENGINES: dict[str, Engine] = {
+    "auto": Engine("objects by motion, with settings read off the stream", _auto),
     "rct": Engine("Rectangular Cluster Tracker", _rct),
     "kalman": Engine("extended objects by Kalman filters", _kalman),
     "mean-shift": Engine("mean shift on packets of events", _mean_shift),

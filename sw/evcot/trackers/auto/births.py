@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""New objects: groups of neighbouring cells with more different pixels than noise would send.
+
+Unassigned pixels are collected in windows of six lengths, each twice as long as the one before, so that fast and slow
+objects are found when they have moved by about the same distance. Pixels are counted, not events, so that a hot pixel counts
+once.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .layout import BINS, CELL_BITS, LEVELS, NOBODY, PROFILE, Rules, World
+
+__all__ = ["BIRTH_US", "find_births"]
+
+Table = NDArray[Any]
+
+BIRTH_US = 5_000  # the shortest window
+_NOISE_LEVEL = 2  # the window in which the noise is measured
+_NOISE_MIX = 0.2
+_CELL_PIXELS = 2.0  # fewer in a cell are noise
+_SIGMAS = 3.0  # above the noise
+_NEAR = 1.0  # in gates: anything closer to an object is a part of it that its gate will reach
+_PLACE = 0.3  # standard deviation of a new object's sides, half sides
+_EDGE_PX = 8.0
+_GROWTH = 0.3  # growth of a half side, as a part of the speed
+_FILLED = 0.5  # of a sensor: a group that covers more is no object
+
+
+@njit(cache=True, nogil=True)
+def _count(word: Any) -> int:
+    """Number of set bits in a 64-bit word."""
+    n = 0
+    while word != np.uint64(0):
+        word &= word - np.uint64(1)
+        n += 1
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _free_slot(world: World) -> int:
+    for i in range(len(world.objects)):
+        if not world.objects[i].alive:
+            return i
+    return -1
+
+
+@njit(cache=True, nogil=True)
+def _gather(world: World, level: int, row: int, column: int, box: Table, least: float) -> tuple[int, int]:
+    """Remove the connected group of cells that contains a cell; returns its pixels and cells, and its bounds in `box`."""
+    words = world.pixels[level]
+    rows, columns = words.shape
+    box[:] = (1e9, -1e9, 1e9, -1e9)
+    n, done, found = 1, 0, 0
+    world.queue[0] = row * columns + column
+    world.group[0] = words[row, column]
+    words[row, column] = np.uint64(0)
+    while done < n:
+        at = world.queue[done]
+        word = world.group[done]
+        done += 1
+        found += _count(word)
+        r, c = at // columns, at % columns
+        for y in range(8):
+            for x in range(8):
+                if word & world.bits[y, x]:
+                    box[0] = min(box[0], (c << CELL_BITS) + x)
+                    box[1] = max(box[1], (c << CELL_BITS) + x)
+                    box[2] = min(box[2], (r << CELL_BITS) + y)
+                    box[3] = max(box[3], (r << CELL_BITS) + y)
+        for rr in range(max(r - 1, 0), min(r + 2, rows)):
+            for cc in range(max(c - 1, 0), min(c + 2, columns)):
+                if words[rr, cc] != np.uint64(0) and _count(words[rr, cc]) >= least:
+                    world.queue[n] = rr * columns + cc
+                    world.group[n] = words[rr, cc]
+                    words[rr, cc] = np.uint64(0)
+                    n += 1
+    return found, n
+
+
+@njit(cache=True, nogil=True)
+def _touches(world: World, box: Table) -> bool:
+    """Whether a box lies close to an object: it is then a part of it that the object's gate will reach."""
+    for i in range(len(world.objects)):
+        o = world.objects[i]
+        if o.alive:
+            s = world.state[i]
+            if (
+                box[0] <= s[0, 0] + s[0, 2] + _NEAR * o.gate_x
+                and box[1] >= s[0, 0] - s[0, 2] - _NEAR * o.gate_x
+                and box[2] <= s[1, 0] + s[1, 2] + _NEAR * o.gate_y
+                and box[3] >= s[1, 0] - s[1, 2] - _NEAR * o.gate_y
+            ):
+                return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _edge(rules: Rules, box: Table) -> int:
+    """The edge of the sensor that a box touches; if several, the one along which it is longest."""
+    edge, most = -1, -1.0
+    for k, near, along in (
+        (0, box[0] < _EDGE_PX, box[3] - box[2]),
+        (1, box[1] >= rules.width - _EDGE_PX, box[3] - box[2]),
+        (2, box[2] < _EDGE_PX, box[1] - box[0]),
+        (3, box[3] >= rules.height - _EDGE_PX, box[1] - box[0]),
+    ):
+        if near and along > most:
+            edge, most = k, along
+    return edge
+
+
+@njit(cache=True, nogil=True)
+def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int, window_us: int) -> None:
+    run = world.run[0]
+    o = world.objects[i]
+    o.alive = True
+    o.track_id = -1
+    o.born_us = t_us
+    o.packets = 0
+    o.silent_us = 0
+    o.enters = o.edge = _edge(rules, box)
+    o.alone = o.travel = 0.0
+    o.meets = False
+    o.support = pixels
+    o.packet_events = pixels
+    half_px = max(0.25 * (box[1] - box[0] + box[3] - box[2]), 1.0)
+    o.speed = rules.birth_speed * half_px / (1e-6 * window_us)
+    o.rate = pixels / (1e-6 * window_us)
+    o.usual = o.rate / o.speed
+    o.gate_x = o.gate_y = rules.gate * half_px
+    for axis in range(2):
+        s, p = world.state[i, axis], world.cov[i, axis]
+        s[0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])
+        s[1] = 0.0
+        s[2] = max(0.5 * (box[2 * axis + 1] - box[2 * axis]), 1.0)
+        s[3] = 0.0
+        p[:] = 0.0
+        p[0, 0] = p[2, 2] = (_PLACE * half_px) ** 2
+        p[1, 1] = o.speed**2
+        p[3, 3] = (_GROWTH * o.speed) ** 2
+    world.profile[i] = 0.0
+    world.total[i] = PROFILE * PROFILE
+    world.outline[i] = 0.0
+    world.floor[i] = 0.0
+    run.live += 1
+
+
+@njit(cache=True, nogil=True)
+def _sweep(world: World) -> None:
+    """Remove the unassigned pixels in the cells of objects."""
+    rows, columns = world.pixels.shape[1:]
+    for i in range(len(world.objects)):
+        o = world.objects[i]
+        if o.alive:
+            s = world.state[i]
+            top, bottom = int(s[1, 0] - s[1, 2]) >> CELL_BITS, int(s[1, 0] + s[1, 2]) >> CELL_BITS
+            left, right = int(s[0, 0] - s[0, 2]) >> CELL_BITS, int(s[0, 0] + s[0, 2]) >> CELL_BITS
+            for row in range(max(top, 0), min(bottom + 1, rows)):
+                for column in range(max(left, 0), min(right + 1, columns)):
+                    for level in range(LEVELS):
+                        world.pixels[level, row, column] = np.uint64(0)
+
+
+@njit(cache=True, nogil=True)
+def _measure_noise(world: World, level: int, window_us: int) -> None:
+    """Update the background's rate from the cells far from objects: from the empty ones, or the median if few are empty."""
+    run = world.run[0]
+    rows, columns = world.pixels.shape[1:]
+    world.counts[:] = 0
+    cells = 0
+    for row in range(rows):
+        for column in range(columns):
+            if world.near[row, column, 0] == NOBODY:
+                world.counts[_count(world.pixels[level, row, column])] += 1
+                cells += 1
+    if cells < 16:
+        return
+    if world.counts[0] >= 0.3 * cells:
+        mean = -np.log(world.counts[0] / cells)
+    else:
+        below, k = world.counts[0], 0
+        while below < 0.5 * cells:
+            k += 1
+            below += world.counts[k]
+        # Within the median's own count, in proportion.
+        mean = k + 0.5 - (below - 0.5 * cells) / max(world.counts[k], 1) + 0.17
+    rate = -np.log(max(1.0 - mean / 64.0, 0.05)) / (1e-6 * window_us)
+    run.noise = rate if run.noise < 0.0 else run.noise + _NOISE_MIX * (rate - run.noise)
+
+
+@njit(cache=True, nogil=True)
+def find_births(rules: Rules, world: World, t_us: int) -> None:
+    """Start an object in each group of cells with enough pixels, in every window that ends now, and begin these anew."""
+    run = world.run[0]
+    rows, columns = world.pixels.shape[1:]
+    box = np.empty(4)
+    run.birth_tick += 1
+    _sweep(world)
+    for level in range(LEVELS):
+        if run.birth_tick % (1 << level):
+            break
+        window_us = BIRTH_US << level
+        if level == _NOISE_LEVEL:
+            _measure_noise(world, level, window_us)
+        known = run.noise >= 0.0
+        mean = 64.0 * (1.0 - np.exp(-1e-6 * window_us * max(run.noise, 0.0)))
+        least = max(_CELL_PIXELS, mean + _SIGMAS * np.sqrt(mean) + (1.0 if mean > 0.2 else 0.0))
+        for row in range(rows):
+            for column in range(columns):
+                word = world.pixels[level, row, column]
+                if word == np.uint64(0):
+                    continue
+                if level + 1 < LEVELS:
+                    world.pixels[level + 1, row, column] |= word
+        for row in range(rows):
+            for column in range(columns):
+                word = world.pixels[level, row, column]
+                if word == np.uint64(0) or not known or _count(word) < least:
+                    continue
+                found, cells = _gather(world, level, row, column, box, least)
+                if (
+                    found >= rules.birth_pixels + cells * least
+                    and cells < _FILLED * rows * columns
+                    and not _touches(world, box)
+                ):
+                    i = _free_slot(world)
+                    if i >= 0:
+                        _start(rules, world, i, box, found, t_us, window_us)
+                        for k in range(cells):
+                            for above in range(level + 1, LEVELS):
+                                world.pixels[above].reshape(-1)[world.queue[k]] = np.uint64(0)
+        world.pixels[level] = np.uint64(0)

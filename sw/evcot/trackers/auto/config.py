@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Settings of the automatic tracker: none has a unit of length or time, so that none belongs to one scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...ranges import Range, check_ranges
+
+__all__ = ["AUTO_RANGES", "AutoConfig"]
+
+# field -> (lowest, highest, meaning)
+AUTO_RANGES: dict[str, Range] = {
+    "max_objects": (1, 256, "objects alive at once, visible or not"),
+    "quantile": (0.001, 0.4, "share of an object's events that lie beyond each of its sides"),
+    "gate": (0.01, 4.0, "how far outside a box events still belong to it, half sides"),
+    "events_per_sample": (0.1, 1e6, "pixels that carry as much information as one independent one"),
+    "agility": (0.001, 100.0, "change of velocity while an object travels its half side, as a part of its speed"),
+    "growth_agility": (0.0001, 100.0, "the same for the growth of its half sides"),
+    "meeting_agility": (0.0, 1.0, "factor of both while a box touches another"),
+    "birth_pixels": (2, 100_000, "different pixels above the noise that make an object"),
+    "birth_speed": (0.001, 100.0, "half sides that a new object is expected to travel while it collects them"),
+    "visible_travel": (0.0, 100.0, "half sides that an object must have moved to be reported"),
+    "coast": (0.0, 1000.0, "half sides that an object would travel without support before it is lost"),
+    "memory": (0.05, 100.0, "half sides of travel for which the outline of an object is kept"),
+    "gap": (0.0, 4.0, "gap in an outline that is still one object, half sides"),
+    "merge_gap": (0.0, 4.0, "gap between two tracks that are parts of one object, half sides"),
+    "merge_velocity": (0.0, 2.0, "difference of velocities, as a part of the greater, up to which motion is one"),
+    "step": (0.0001, 1.0, "half sides that the fastest object travels between two corrections"),
+}
+
+
+@dataclass(frozen=True)
+class AutoConfig:
+    """Settings of the automatic tracker; limits in `AUTO_RANGES`.
+
+    Raises:
+        ConfigError: a value outside its range.
+    """
+
+    max_objects: int = 64
+    quantile: float = 0.03
+    gate: float = 0.35
+    events_per_sample: float = 5.0
+    agility: float = 0.6
+    growth_agility: float = 0.3
+    meeting_agility: float = 0.1
+    birth_pixels: int = 12
+    birth_speed: float = 0.08
+    visible_travel: float = 0.25
+    coast: float = 1.0
+    memory: float = 1.0
+    gap: float = 0.4
+    merge_gap: float = 0.5
+    merge_velocity: float = 0.5
+    step: float = 0.02
+
+    def __post_init__(self) -> None:
+        check_ranges("auto", self, AUTO_RANGES)

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Data shared by the compiled parts: settings, objects, cells, and the state of the stream."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .config import AutoConfig
+
+__all__ = [
+    "BINS",
+    "CELL_BITS",
+    "EDGE_BIN",
+    "LEVELS",
+    "MANY",
+    "NOBODY",
+    "OBJECT",
+    "PROFILE",
+    "REACH",
+    "RUN",
+    "UNSET_US",
+    "Rules",
+    "World",
+    "make_rules",
+    "make_world",
+]
+
+Table = NDArray[Any]
+
+UNSET_US = -(1 << 62)
+CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
+PROFILE = 8  # parts of a box along each side, in which the density of its events is kept
+BINS, REACH = 48, 3.0  # of an outline along an axis: bins over -REACH to REACH half sides
+EDGE_BIN = int(BINS / 2 / REACH)  # bins in a half side
+LEVELS = 6  # windows in which births are looked for, each twice as long as the one before
+NOBODY, MANY = -1, -2  # in `World.near`, beside a slot
+
+OBJECT = np.dtype(
+    [
+        ("alive", "?"),
+        ("track_id", "<i8"),  # -1 until the object is visible
+        ("born_us", "<i8"),
+        ("first_x", "<f8"),  # the box when it had settled, for the distance travelled
+        ("first_y", "<f8"),
+        ("first_half", "<f8"),
+        ("packets", "<i8"),
+        ("enters", "<i8"),  # edge of the sensor over which it enters: 0 left, 1 right, 2 top, 3 bottom; -1 once inside
+        ("edge", "<i8"),  # the edge at which it was born, or -1
+        ("alone", "<f8"),  # travel without touching another object, half sides
+        ("travel", "<f8"),  # half sides travelled
+        ("meets", "?"),  # whether its box touches another object's
+        ("speed", "<f8"),  # px/s, the greatest of the recent past: the object's unit of velocity
+        ("silent_us", "<i8"),  # time without support
+        ("support", "<i8"),  # events so far
+        ("packet_events", "<i8"),
+        ("rate", "<f8"),  # pixels per second, a mean over the recent past
+        ("usual", "<f8"),  # pixels per pixel travelled, a mean over its life
+        ("weight", "<f8"),  # weight of the open packet's pixels, shared ones counted by share
+        ("x", "<f8"),  # the box used to assign the open packet's events: centre and half sides
+        ("y", "<f8"),
+        ("half_x", "<f8"),
+        ("half_y", "<f8"),
+        ("gate_x", "<f8"),  # width of the gate around the box
+        ("gate_y", "<f8"),
+        ("left", "<f8"),  # the box and the gate
+        ("right", "<f8"),
+        ("top", "<f8"),
+        ("bottom", "<f8"),
+    ]
+)
+
+RUN = np.dtype(
+    [
+        ("index", "<i8"),  # events so far
+        ("settled", "<i8"),  # events before the open packet
+        ("last_us", "<i8"),  # the last event
+        ("packet", "<i8"),  # number of the open packet
+        ("packet_us", "<i8"),  # its length
+        ("packet_end_us", "<i8"),  # exclusive; UNSET_US before the first event
+        ("birth_end_us", "<i8"),
+        ("birth_tick", "<i8"),
+        ("births", "<i8"),  # the next track id
+        ("noise", "<f8"),  # events per pixel and second of the background; negative until known
+        ("live", "<i8"),
+        ("records", "<i8"),  # in the buffer
+    ]
+)
+
+
+class Rules(NamedTuple):
+    """`config.AutoConfig` in the form used by the kernel, and the sensor."""
+
+    width: int
+    height: int
+    quantile: float
+    gate: float
+    events_per_sample: float
+    agility: float
+    growth_agility: float
+    meeting_agility: float
+    birth_pixels: int
+    birth_speed: float
+    visible_travel: float
+    coast: float
+    memory: float
+    gap: float
+    merge_gap: float
+    merge_velocity: float
+    step: float
+
+
+class World(NamedTuple):
+    """The complete state of a tracker.
+
+    n objects by slot; c cells of 8 x 8 pixels by row; axis 0 is x, 1 is y.
+    """
+
+    run: Table  # (1,) of dtype RUN
+    objects: Table  # (n,) of dtype OBJECT
+    state: Table  # (n, 2, 4): centre, velocity, half side, growth of the half side; px and px/s
+    cov: Table  # (n, 2, 4, 4)
+    beyond: Table  # (n, 2, 2): weight of the open packet's events beyond the low and the high side
+    abreast: Table  # (n, 2): weight of the events between the other axis's sides
+    profile: Table  # (n, PROFILE * PROFILE): events in each part of the box, fading
+    total: Table  # (n,) of all parts
+    outline: Table  # (n, 2, BINS): pixels along an axis, between the other axis's sides, fading
+    floor: Table  # (n, 2): pixels of noise expected in a bin of the outline, fading
+    seen: Table  # (height, width) int32: the packet of each pixel's last event
+    near: Table  # (rows, columns, 2): the objects near each cell, NOBODY; or MANY
+    pixels: Table  # (LEVELS, rows, columns) uint64: pixels of each cell with unassigned events
+    bits: Table  # (8, 8) uint64: the bit of each pixel of a cell
+    queue: Table  # (cells,) the cells of a group
+    group: Table  # (cells,) uint64: their pixels
+    counts: Table  # (65,) cells by number of pixels
+    activity: Table  # (height, width) uint16: events of each pixel in the open epoch
+    hot: Table  # (height, width) uint8: epochs in a row in which a pixel was hot
+
+
+def make_rules(config: AutoConfig, width: int, height: int) -> Rules:
+    """The rules for a sensor."""
+    values: dict[str, Any] = {name: getattr(config, name) for name in Rules._fields[2:]}
+    for name, kind in Rules.__annotations__.items():
+        if kind == "float":
+            values[name] = float(values[name])
+    return Rules(width, height, **values)
+
+
+def make_world(n_objects: int, width: int, height: int) -> World:
+    """The state before the first event."""
+    rows, columns = (height + 7) >> CELL_BITS, (width + 7) >> CELL_BITS
+    run = np.zeros(1, RUN)
+    run["packet_end_us"] = run["last_us"] = UNSET_US
+    run["noise"] = -1.0
+    run["packet"] = 1
+    return World(
+        run,
+        np.zeros(n_objects, OBJECT),
+        np.zeros((n_objects, 2, 4)),
+        np.zeros((n_objects, 2, 4, 4)),
+        np.zeros((n_objects, 2, 2)),
+        np.zeros((n_objects, 2)),
+        np.zeros((n_objects, PROFILE * PROFILE)),
+        np.zeros(n_objects),
+        np.zeros((n_objects, 2, BINS)),
+        np.zeros((n_objects, 2)),
+        np.zeros((height, width), np.int32),
+        np.full((rows, columns, 2), NOBODY, np.int16),
+        np.zeros((LEVELS, rows, columns), np.uint64),
+        np.uint64(1) << np.arange(64, dtype=np.uint64).reshape(8, 8),
+        np.zeros(rows * columns, np.int64),
+        np.zeros(rows * columns, np.uint64),
+        np.zeros(65, np.int64),
+        np.zeros((height, width), np.uint16),
+        np.zeros((height, width), np.uint8),
+    )

@@ -1,0 +1,323 @@
+# SPDX-License-Identifier: Apache-2.0
+"""End of a packet: correct every object, end those without support, merge parts of one object, report."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ...tracks.log import Kind
+from .births import BIRTH_US, find_births
+from .hot import find_hot_pixels
+from .layout import UNSET_US, Rules, World
+from .motion import correct, predict
+from .outline import fade_outline, fit_outline
+from .sharing import prepare_packet
+from .splits import split
+from .unity import are_one
+
+__all__ = ["RECORDS_PER_PACKET", "close_packet", "open_packet"]
+
+Table = NDArray[Any]
+
+RECORDS_PER_PACKET = 3  # an object is born or moves, and ends
+BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
+PACKET_MIN_US, PACKET_MAX_US = 1_000, 5_000
+_MIN_HALF_PX = 1.0
+_COVERED_PATIENCE = 4.0  # factor of the coasting of an object hidden behind another
+_RATE_MEAN = 0.15  # half sides of travel over which the rate is averaged
+_LEAST_SUPPORT = 0.15  # of the usual rate
+_ENTERED = 0.8
+_EDGE_VARIANCE = 1.0
+_EDGE_GATES = 2.0
+_SPEED_KEEPS = 6.0  # half sides of travel for which an object's greatest speed counts
+_SLOWEST = 0.2  # half sides per second: the least unit of velocity
+_SETTLED = 3  # packets after which an object's first box is noted
+_SIGNIFICANT = 2.0  # standard deviations of a velocity
+_TENTATIVE_COAST = 0.5
+_HOT_EPOCH = 100  # birth windows
+
+
+@njit(cache=True, nogil=True)
+def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
+    run = world.run[0]
+    o = world.objects[i]
+    row = out[run.records]
+    row.t_us = t_us
+    row.event_index = run.index - 1 if kind != LOST else run.index
+    row.kind = kind
+    row.track_id = o.track_id
+    row.slot = i
+    row.x, half_x = _seen(world.state[i, 0], rules.width)
+    row.y, half_y = _seen(world.state[i, 1], rules.height)
+    row.radius = 0.5 * (half_x + half_y)
+    row.n_ev = o.packet_events
+    row.support = o.support
+    row.other_id = other_id
+    run.records += 1
+
+
+@njit(cache=True, nogil=True)
+def _seen(s: Table, size: int) -> tuple[float, float]:
+    """Centre and half side of the part of a box that lies on the sensor, along one axis."""
+    low = min(max(s[0] - s[2], -0.5), size - 0.5)
+    high = min(max(s[0] + s[2], -0.5), size - 0.5)
+    return 0.5 * (low + high), 0.5 * (high - low)
+
+
+@njit(cache=True, nogil=True)
+def _half(world: World, i: int) -> float:
+    return 0.5 * float(world.state[i, 0, 2] + world.state[i, 1, 2])
+
+
+@njit(cache=True, nogil=True)
+def _hidden(world: World, i: int, axis: int, high: int) -> bool:
+    """Whether the middle of a side lies in another object's box, so that events beyond the side are ambiguous."""
+    o = world.objects[i]
+    sign = 1.0 if high else -1.0
+    x = o.x + (sign * o.half_x if axis == 0 else 0.0)
+    y = o.y + (sign * o.half_y if axis == 1 else 0.0)
+    for k in range(len(world.objects)):
+        other = world.objects[k]
+        if k != i and other.alive and abs(x - other.x) <= other.half_x and abs(y - other.y) <= other.half_y:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _predict(rules: Rules, world: World, i: int, lasted_s: float) -> None:
+    """Predict an object over the packet. One that touches another keeps its course, since events may be the other's."""
+    o = world.objects[i]
+    # A change of velocity by `agility` times the speed while the object travels a half side.
+    walk = o.speed * np.sqrt(o.speed / _half(world, i))
+    if o.meets:
+        walk *= rules.meeting_agility
+    for axis in range(2):
+        predict(world.state[i, axis], world.cov[i, axis], lasted_s, walk * rules.agility, walk * rules.growth_agility)
+
+
+@njit(cache=True, nogil=True)
+def _correct(rules: Rules, world: World, i: int, lasted_s: float) -> None:
+    o = world.objects[i]
+    noise_px = max(world.run[0].noise, 0.0) * lasted_s
+    for axis in range(2):
+        s, p = world.state[i, axis], world.cov[i, axis]
+        gate = o.gate_x if axis == 0 else o.gate_y
+        noise = noise_px * 2.0 * world.state[i, 1 - axis, 2] * gate
+        n = world.abreast[i, axis] - noise * (2.0 + 2.0 * s[2] / gate)
+        if n <= 0.0:
+            continue
+        density = 1.0 / (2.0 * s[2])
+        q = rules.quantile
+        variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density)
+        for high in range(2):
+            if _hidden(world, i, axis, high):
+                continue
+            sign = 1.0 if high else -1.0
+            off = sign * ((world.beyond[i, axis, high] - noise) / n - q) / density
+            correct(s, p, sign, off, variance)
+
+
+@njit(cache=True, nogil=True)
+def _overlap(a: Any, b: Any) -> bool:
+    """Whether the boxes of two objects touch."""
+    return bool(abs(a.x - b.x) <= a.half_x + b.half_x and abs(a.y - b.y) <= a.half_y + b.half_y)
+
+
+@njit(cache=True, nogil=True)
+def _meets(world: World, i: int) -> bool:
+    """Whether another object's box touches this one's."""
+    for k in range(len(world.objects)):
+        if k != i and world.objects[k].alive and _overlap(world.objects[i], world.objects[k]):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _covered(world: World, i: int) -> bool:
+    """Whether another object's box holds the centre of this one."""
+    o = world.objects[i]
+    for k in range(len(world.objects)):
+        other = world.objects[k]
+        if k != i and other.alive and abs(o.x - other.x) <= other.half_x and abs(o.y - other.y) <= other.half_y:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
+    if world.objects[i].track_id >= 0:
+        _record(rules, world, out, kind, t_us, i, other_id)
+    world.objects[i].alive = False
+    world.run[0].live -= 1
+
+
+@njit(cache=True, nogil=True)
+def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
+    """Extend an entering object to the edge until it is about as long as it is wide."""
+    o = world.objects[i]
+    axis = o.enters >> 1
+    s, p = world.state[i, axis], world.cov[i, axis]
+    high = o.enters & 1
+    sign = 1.0 if high else -1.0
+    edge = ((rules.width if axis == 0 else rules.height) - 0.5) if high else -0.5
+    away = edge - (s[0] + sign * s[2])
+    if s[2] < _ENTERED * world.state[i, 1 - axis, 2]:
+        correct(s, p, sign, away, _EDGE_VARIANCE)
+    elif sign * away > _EDGE_GATES * o.gate_x:
+        o.enters = -1
+
+
+@njit(cache=True, nogil=True)
+def _older(a: Any, b: Any) -> bool:
+    if (a.track_id >= 0) != (b.track_id >= 0):
+        return bool(a.track_id >= 0)
+    return bool(a.track_id < b.track_id) if a.track_id >= 0 else bool(a.born_us < b.born_us)
+
+
+@njit(cache=True, nogil=True)
+def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
+    """Merge pairs of objects that are one: the first born survives, with a box around both."""
+    n = len(world.objects)
+    for i in range(n):
+        if not world.objects[i].alive:
+            continue
+        for k in range(i + 1, n):
+            if not (world.objects[i].alive and world.objects[k].alive and are_one(rules, world, i, k)):
+                continue
+            first, second = (k, i) if _older(world.objects[k], world.objects[i]) else (i, k)
+            for axis in range(2):
+                into, gone = world.state[first, axis], world.state[second, axis]
+                low = min(into[0] - into[2], gone[0] - gone[2])
+                high = max(into[0] + into[2], gone[0] + gone[2])
+                into[0], into[2] = 0.5 * (low + high), 0.5 * (high - low)
+            world.outline[first] = 0.0
+            world.floor[first] = 0.0
+            world.objects[first].support += world.objects[second].support
+            _end(rules, world, out, MERGED, t_us, second, world.objects[first].track_id)
+
+
+@njit(cache=True, nogil=True)
+def _outside(rules: Rules, world: World, i: int) -> bool:
+    s = world.state[i]
+    return bool(s[0, 0] < -0.5 or s[0, 0] > rules.width - 0.5 or s[1, 0] < -0.5 or s[1, 0] > rules.height - 0.5)
+
+
+@njit(cache=True, nogil=True)
+def _becomes_visible(rules: Rules, world: World, i: int) -> bool:
+    """Whether an object has moved, or grown, by more than the uncertainty of its place: what only flickers has not."""
+    o = world.objects[i]
+    s, p = world.state[i], world.cov[i]
+    if o.packets == _SETTLED:
+        o.first_x, o.first_y, o.first_half = s[0, 0], s[1, 0], _half(world, i)
+    if o.packets <= _SETTLED:
+        return False
+    moved = np.hypot(s[0, 0] - o.first_x, s[1, 0] - o.first_y)
+    unsure = np.sqrt(p[0, 0, 0] + p[1, 0, 0])
+    v = np.hypot(s[0, 1], s[1, 1])
+    fast = v > _SIGNIFICANT * np.sqrt(p[0, 1, 1] + p[1, 1, 1])
+    return bool(fast and moved >= max(rules.visible_travel * _half(world, i), 1.0) + unsure)
+
+
+@njit(cache=True, nogil=True)
+def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Table) -> None:
+    """Process the events of a packet of length `lasted_us` at its end, `t_us`."""
+    run = world.run[0]
+    n = len(world.objects)
+    lasted_s = 1e-6 * lasted_us
+    noise_px = max(run.noise, 0.0) * lasted_s
+    for i in range(n):
+        o = world.objects[i]
+        if o.alive:
+            o.packets += 1
+            o.meets = _meets(world, i)
+            _predict(rules, world, i, lasted_s)
+            _correct(rules, world, i, lasted_s)
+            if o.enters >= 0:
+                _keep_at_edge(rules, world, i)
+            for axis in range(2):
+                s = world.state[i, axis]
+                if s[2] < _MIN_HALF_PX:
+                    s[2] = _MIN_HALF_PX
+                    s[3] = max(s[3], 0.0)
+    for i in range(n):
+        o = world.objects[i]
+        if not o.alive:
+            continue
+        half = _half(world, i)
+        v = np.hypot(world.state[i, 0, 1], world.state[i, 1, 1])
+        step = o.speed * lasted_s / half  # in the object's units
+        o.speed = max(v, o.speed * np.exp(-step / _SPEED_KEEPS), _SLOWEST * half)
+        o.travel += v * lasted_s / half
+        o.alone += 0.0 if o.meets else v * lasted_s / half
+        noise = noise_px * (o.right - o.left) * (o.bottom - o.top)
+        mix = min(step / _RATE_MEAN, 1.0)
+        o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
+        o.usual += 0.1 * mix * (o.rate / o.speed - o.usual)
+        if o.rate >= _LEAST_SUPPORT * o.usual * o.speed:
+            o.silent_us = 0
+        else:
+            o.silent_us += lasted_us
+        o.support += o.packet_events
+        fade = np.exp(-step / rules.memory)
+        if not o.meets:
+            world.profile[i] *= fade
+            world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
+        fade_outline(rules, world, i, step, noise_px)
+        if not o.meets:
+            fit_outline(rules, world, i)
+        patience = rules.coast * (_COVERED_PATIENCE if _covered(world, i) else 1.0 if o.track_id >= 0 else _TENTATIVE_COAST)
+        if 1e-6 * o.silent_us * o.speed > patience * half or _outside(rules, world, i):
+            _end(rules, world, out, LOST, t_us, i, -1)
+    _merge(rules, world, out, t_us)
+    if t_us >= run.birth_end_us:
+        for i in range(n):
+            if world.objects[i].alive and world.objects[i].enters < 0 and not world.objects[i].meets:
+                split(rules, world, i)
+        find_births(rules, world, t_us)
+        run.birth_end_us = t_us + BIRTH_US
+        if run.birth_tick % _HOT_EPOCH == 0:
+            find_hot_pixels(world)
+    for i in range(n):
+        o = world.objects[i]
+        if not o.alive:
+            continue
+        if o.track_id >= 0:
+            _record(rules, world, out, MOVED, t_us, i, -1)
+        elif _becomes_visible(rules, world, i):
+            o.track_id = run.births
+            run.births += 1
+            _record(rules, world, out, BORN, t_us, i, -1)
+
+
+@njit(cache=True, nogil=True)
+def _next_packet_us(rules: Rules, world: World) -> int:
+    """Length of the next packet: a small part of the time in which the fastest object travels its half side."""
+    shortest = 1e-6 * PACKET_MAX_US
+    for i in range(len(world.objects)):
+        o = world.objects[i]
+        if o.alive:
+            shortest = min(shortest, rules.step * _half(world, i) / o.speed)
+    return max(int(1e6 * shortest), PACKET_MIN_US)
+
+
+@njit(cache=True, nogil=True)
+def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
+    """Close the open packet and open the next; returns whether that one holds `t_us`."""
+    run = world.run[0]
+    if run.packet_end_us == UNSET_US:
+        run.packet_end_us = t_us
+        run.birth_end_us = t_us + BIRTH_US
+    else:
+        close_packet(rules, world, run.packet_end_us, run.packet_us, out)
+        if run.live == 0 and t_us >= run.packet_end_us + PACKET_MAX_US:
+            run.packet_end_us = t_us
+    run.packet += 1
+    run.settled = run.index
+    run.packet_us = _next_packet_us(rules, world)
+    run.packet_end_us += run.packet_us
+    prepare_packet(rules, world)
+    return bool(t_us < run.packet_end_us)

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Assignment of events: with one object nearby, by its gate; with several, shared in proportion to their event densities."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+from numpy.typing import NDArray
+
+from .layout import BINS, CELL_BITS, MANY, NOBODY, PROFILE, REACH, Rules, World
+
+__all__ = ["prepare_packet", "share"]
+
+Table = NDArray[Any]
+
+_OUTSIDE = 0.1  # density in the gate around a box, as a part of that inside
+_PRIOR = 1.0  # prior event count of each part of a profile
+_LEAST_GATE_PX = 2.0
+
+
+@njit(cache=True, nogil=True)
+def prepare_packet(rules: Rules, world: World) -> None:
+    """Prepare the assignment of the open packet's events: each object's predicted box in mid-packet, and its cells."""
+    world.near[:] = NOBODY
+    middle_s = 0.5e-6 * world.run[0].packet_us
+    for i in range(len(world.objects)):
+        o = world.objects[i]
+        if not o.alive:
+            continue
+        s = world.state[i]
+        o.x, o.y = s[0, 0] + middle_s * s[0, 1], s[1, 0] + middle_s * s[1, 1]
+        o.half_x, o.half_y = s[0, 2], s[1, 2]
+        o.weight = 0.0
+        o.packet_events = 0
+        world.beyond[i] = 0.0
+        world.abreast[i] = 0.0
+        gate = max(_LEAST_GATE_PX, 0.5 * rules.gate * (o.half_x + o.half_y))
+        o.gate_x = gate
+        o.gate_y = gate
+        _open_gate(o, rules.width, rules.height)
+        reach_x, reach_y = max(REACH * o.half_x, o.half_x + gate), max(REACH * o.half_y, o.half_y + gate)
+        _enlist(rules, world, i, o.x - reach_x, o.x + reach_x, o.top, o.bottom)
+        _enlist(rules, world, i, o.left, o.right, o.y - reach_y, o.y - o.half_y - o.gate_y)
+        _enlist(rules, world, i, o.left, o.right, o.y + o.half_y + o.gate_y, o.y + reach_y)
+
+
+@njit(cache=True, nogil=True)
+def _enlist(rules: Rules, world: World, i: int, left: float, right: float, top: float, bottom: float) -> None:
+    """Enter an object in the cells of a rectangle."""
+    first, last = max(int(left), 0) >> CELL_BITS, min(int(right) + 1, rules.width - 1) >> CELL_BITS
+    for row in range(max(int(top), 0) >> CELL_BITS, (min(int(bottom) + 1, rules.height - 1) >> CELL_BITS) + 1):
+        for column in range(first, last + 1):
+            near = world.near[row, column]
+            if near[0] == NOBODY:
+                near[0] = i
+            elif near[0] != i and near[0] != MANY:
+                if near[1] == NOBODY:
+                    near[1] = i
+                elif near[1] != i:
+                    near[0] = MANY
+
+
+@njit(cache=True, nogil=True)
+def _open_gate(o: Any, width: int, height: int) -> None:
+    """Set the gate around a box; for an entering object, up to the edge."""
+    o.left, o.right = o.x - o.half_x - o.gate_x, o.x + o.half_x + o.gate_x
+    o.top, o.bottom = o.y - o.half_y - o.gate_y, o.y + o.half_y + o.gate_y
+    if o.enters == 0:
+        o.left = -1.0
+    elif o.enters == 1:
+        o.right = width + 1.0
+    elif o.enters == 2:
+        o.top = -1.0
+    elif o.enters == 3:
+        o.bottom = height + 1.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _part(u: float, half: float) -> int:
+    """Index of the part of a side at offset u from its middle."""
+    return max(min(int((u + half) * (0.5 * PROFILE / half)), PROFILE - 1), 0)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _holds(o: Any, x: float, y: float) -> bool:
+    return bool(o.left <= x <= o.right and o.top <= y <= o.bottom)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _density(world: World, i: int, x: float, y: float) -> float:
+    """Expected number of events of object i per second and pixel at a position."""
+    o = world.objects[i]
+    if not _holds(o, x, y):
+        return 0.0
+    dx, dy = x - o.x, y - o.y
+    seen = world.profile[i, PROFILE * _part(dy, o.half_y) + _part(dx, o.half_x)] + _PRIOR
+    outside = _OUTSIDE if abs(dx) > o.half_x or abs(dy) > o.half_y else 1.0
+    return float(outside * seen * (o.rate + 1e-3) / (world.total[i] * o.half_x * o.half_y))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _draw(world: World, i: int, x: float, y: float, weight: float) -> None:
+    """Add a pixel to an object's outline."""
+    o = world.objects[i]
+    dx, dy = x - o.x, y - o.y
+    if abs(dy) <= o.half_y:
+        k = int((dx / o.half_x + REACH) * (BINS / 2.0 / REACH))
+        if 0 <= k < BINS:
+            world.outline[i, 0, k] += weight
+    if abs(dx) <= o.half_x:
+        k = int((dy / o.half_y + REACH) * (BINS / 2.0 / REACH))
+        if 0 <= k < BINS:
+            world.outline[i, 1, k] += weight
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _take(world: World, i: int, x: float, y: float, weight: float) -> None:
+    """Assign a share of a pixel in its gate to an object."""
+    o = world.objects[i]
+    dx, dy = x - o.x, y - o.y
+    o.weight += weight
+    if abs(dy) <= o.half_y:
+        world.abreast[i, 0] += weight
+        if dx > o.half_x:
+            world.beyond[i, 0, 1] += weight
+        elif dx < -o.half_x:
+            world.beyond[i, 0, 0] += weight
+    if abs(dx) <= o.half_x:
+        world.abreast[i, 1] += weight
+        if dy > o.half_y:
+            world.beyond[i, 1, 1] += weight
+        elif dy < -o.half_y:
+            world.beyond[i, 1, 0] += weight
+    _draw(world, i, x, y, weight)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _own(world: World, i: int, x: int, y: int, fresh: bool) -> None:
+    """Assign an event to its only owner."""
+    o = world.objects[i]
+    o.packet_events += 1
+    if fresh:
+        _take(world, i, x, y, 1.0)
+        if not o.meets:  # otherwise the profile would lack the parts that others hide
+            world.profile[i, PROFILE * _part(y - o.y, o.half_y) + _part(x - o.x, o.half_x)] += 1.0
+            world.total[i] += 1.0
+
+
+@njit(cache=True, nogil=True)
+def _divide(world: World, x: int, y: int, fresh: bool) -> int:
+    """Divide an event among all objects; returns the slot with the largest share, or NOBODY."""
+    best, most, total = NOBODY, 0.0, 0.0
+    for i in range(len(world.objects)):
+        if world.objects[i].alive:
+            density = _density(world, i, x, y)
+            total += density
+            if density > most:
+                best, most = i, density
+    if best == NOBODY:
+        if fresh:
+            for i in range(len(world.objects)):
+                if world.objects[i].alive:
+                    _draw(world, i, x, y, 1.0)
+        return NOBODY
+    if fresh:
+        for i in range(len(world.objects)):
+            if world.objects[i].alive:
+                density = _density(world, i, x, y)
+                if density > 0.0:
+                    _take(world, i, x, y, density / total)
+    world.objects[best].packet_events += 1
+    return best
+
+
+@njit(cache=True, nogil=True, inline="always")
+def share(world: World, x: int, y: int, fresh: bool) -> int:
+    """Assign an event; returns the slot with the largest share, or NOBODY after marking the pixel for births.
+
+    Args:
+        fresh: whether it is the pixel's first event in the packet; others change no measurement.
+    """
+    row, column = y >> CELL_BITS, x >> CELL_BITS
+    a, b = world.near[row, column, 0], world.near[row, column, 1]
+    if a != NOBODY:
+        if a == MANY:
+            best = _divide(world, x, y, fresh)
+            if best != NOBODY:
+                return best
+        else:
+            in_a = _holds(world.objects[a], x, y)
+            in_b = b != NOBODY and _holds(world.objects[b], x, y)
+            if in_a and in_b:
+                return _divide(world, x, y, fresh)
+            if in_a or in_b:
+                mine = a if in_a else b
+                _own(world, mine, x, y, fresh)
+                return int(mine)
+            if fresh:
+                _draw(world, a, x, y, 1.0)
+                if b != NOBODY:
+                    _draw(world, b, x, y, 1.0)
+    if fresh:
+        world.pixels[0, row, column] |= world.bits[y & 7, x & 7]
+    return NOBODY
