@@ -135,6 +135,8 @@ def to_track_records(
 ) -> NDArray[np.void]:
     """Convert raw records to the units of a TrackLog: pixels, microseconds, event indices.
 
+    The hardware estimates neither extent nor velocity: width and height are the sides of the window, and vx, vy and angle 0.
+
     Args:
         raw: (m,) of dtype `contract.RECORD`.
         config: the configuration that produced them.
@@ -142,7 +144,7 @@ def to_track_records(
         first_seq: sequence number of `t_us[0]`.
         t0_us: time of tick 0.
     """
-    out = np.empty(len(raw), TRACK)
+    out = np.zeros(len(raw), TRACK)
     lost = raw["kind"] == Kind.LOST
     seq = raw["seq"].astype(np.int64)
     cause = np.where(lost, 0, seq - first_seq)
@@ -152,6 +154,9 @@ def to_track_records(
         out[name] = raw[name]
     out["x"] = raw["cm_x"] / (1 << config.shape.frac)
     out["y"] = raw["cm_y"] / (1 << config.shape.frac)
+    out["width"] = out["height"] = 2.0 * out["radius"] + 1.0
+    visible_nev = np.array([slot.clust_nev for slot in config.slots], np.float64).take(raw["slot"], mode="clip")
+    out["confidence"] = out["support"] / (out["support"] + visible_nev)
     out["other_id"] = np.where(raw["kind"] == Kind.MERGED, raw["other_id"].astype(np.int64), -1)
     return out
 

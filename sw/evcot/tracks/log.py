@@ -40,6 +40,12 @@ TRACK = np.dtype(
         ("x", "<f8"),
         ("y", "<f8"),
         ("radius", "<f8"),
+        ("width", "<f8"),
+        ("height", "<f8"),
+        ("angle", "<f8"),
+        ("vx", "<f8"),
+        ("vy", "<f8"),
+        ("confidence", "<f8"),
         ("n_ev", "<i4"),
         ("support", "<i8"),
         ("other_id", "<i8"),
@@ -66,7 +72,12 @@ class TrackLog:
         records: (m,) of dtype `TRACK`, in chronological order. `kind` is a `Kind`. `event_index` is
             the event that caused the record; for LOST, which is caused by a timeout, the next event, so that all records with
             event_index <= i give the state after event i. `other_id` is the survivor of a MERGED track, else -1.
-            `x`, `y`, `radius` in pixels, `t_us` in the recording's microseconds.
+            `t_us` is in the recording's microseconds. `x`, `y` is the position, in pixels, 0 at the middle of the first pixel;
+            `width`, `height` are the sides of the object's box, which is centred there, by the extent of the object, in pixels;
+            `angle` is that of the box's width against the sensor's rows, from x towards y, in rad, 0 for engines whose boxes do
+            not turn. `radius` is half the side of the engine's search window, in pixels. `vx`, `vy` is the velocity in pixels
+            per second, 0 until it is known. `confidence` is from 0 to 1: e / (e + e0), where e is the evidence for the object
+            and e0 the evidence from which on the engine makes an object visible.
         owner: (n,) int16, one per event: the slot that took it, -1 if none did, -2 if a
             filter dropped it.
         recording: the fingerprint of the events (`digest.digest`); empty if it was not computed.
@@ -133,6 +144,10 @@ class TrackLog:
             array = stored.get(name)
             if array is None:
                 raise TrackLogError(f"{path}: has no array {name}: must have engine, records, owner")
+            lacking = [field for field in (dtype.names if dtype else None) or () if field not in (array.dtype.names or ())]
+            if array.dtype.names and lacking:
+                rule = "must be a log of this version: track the recording again"
+                raise TrackLogError(f"{path}: {name} lacks {', '.join(lacking)}: {rule}")
             if array.ndim != ndim or (array.dtype.kind != "U" if dtype is None else array.dtype != dtype):
                 raise TrackLogError(f"{path}: {name} is {array.ndim}-d {array.dtype}: must be {ndim}-d {dtype or 'text'}")
         return cls(str(stored["engine"]), stored["records"], stored["owner"], str(stored["recording"]))

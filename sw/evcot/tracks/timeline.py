@@ -35,6 +35,12 @@ SAMPLE = np.dtype(
         ("x", "<f8"),
         ("y", "<f8"),
         ("radius", "<f8"),
+        ("width", "<f8"),
+        ("height", "<f8"),
+        ("angle", "<f8"),
+        ("vx", "<f8"),
+        ("vy", "<f8"),
+        ("confidence", "<f8"),
     ]
 )
 
@@ -106,7 +112,7 @@ def sample(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.void]:
     rows = records[order[state[in_time]]]
     samples = np.empty(len(rows), SAMPLE)
     samples["sample"] = at[in_time]
-    for name in ("track_id", "slot", "x", "y", "radius"):
+    for name in (SAMPLE.names or ())[1:]:
         samples[name] = rows[name]
     return samples
 

@@ -35,7 +35,10 @@ def random_events(n: int, seed: int, step_us: int = 10) -> Events:
 
 def record(kind: Kind, t_us: int, index: int, track_id: int, x: float = 0.0) -> NDArray[np.void]:
     """One record."""
-    return np.array([(t_us, index, kind, track_id, 0, x, 5.0, 3.0, 1, 1, -1)], TRACK)
+    row = np.zeros(1, TRACK)
+    row["t_us"], row["event_index"], row["kind"], row["track_id"], row["x"], row["y"] = t_us, index, kind, track_id, x, 5.0
+    row["radius"], row["width"], row["height"], row["n_ev"], row["support"], row["other_id"] = 3.0, 7.0, 5.0, 1, 1, -1
+    return row
 
 
 class EveryTenth:

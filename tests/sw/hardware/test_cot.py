@@ -258,6 +258,17 @@ class TestTrackLog:
         assert (out["x"].tolist(), out["y"].tolist()) == ([1.5] * 3, [0.5] * 3)
         assert out["other_id"].tolist() == [3, -1, -1]
 
+    def test_a_box_is_the_window_and_confidence_is_by_support(self) -> None:
+        """A window of radius R holds 2 R + 1 pixels along each axis; a slot is active from `clust_nev` events on."""
+        raw = np.zeros(3, RECORD)
+        raw["radius"], raw["slot"], raw["support"] = [6, 7, 12], [0, 1, 1], [4, 10, 30]
+        slots = replace(SLOT, clust_nev=4), replace(SLOT, clust_nev=10, nev_max=20), SLOT, SLOT
+        out = to_track_records(raw, CotConfig(SHAPE, slots), np.zeros(1, np.int64), 0, 0)
+        assert out["width"].tolist() == out["height"].tolist() == [13, 15, 25]
+        assert out["radius"].tolist() == [6, 7, 12]
+        assert out["confidence"].tolist() == [0.5, 0.5, 0.75]
+        assert out[["angle", "vx", "vy"]].tolist() == [(0, 0, 0)] * 3
+
     def test_a_loss_needs_no_event_at_all(self) -> None:
         raw = np.zeros(1, RECORD)
         raw["kind"], raw["time"] = Kind.LOST, 7

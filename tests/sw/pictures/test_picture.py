@@ -6,7 +6,7 @@ from __future__ import annotations
 import struct
 import subprocess
 import sys
-from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,18 +18,11 @@ from matplotlib.text import Text
 from evcot.errors import OutputError
 from evcot.events import Events, Recording
 from evcot.pictures.picture import SIZE_PX, draw
-from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.log import Kind, TrackLog
+from support import logs
 
-Row = tuple[int, Kind, int, float, float] | tuple[int, Kind, int, float, float, int]
 EMPTY = TrackLog.empty("rct")
-
-
-def log_of(rows: Sequence[Row], engine: str = "cot-rtl") -> TrackLog:
-    """A log from (t_us, kind, track_id, x, y[, other_id]) rows."""
-    records = np.zeros(len(rows), TRACK)
-    for i, row in enumerate(rows):
-        records[i] = (row[0], row[0], row[1], row[2], row[2], row[3], row[4], 8.0, 0, 0, row[5] if len(row) > 5 else -1)
-    return TrackLog(engine, records, np.empty(0, np.int16))
+log_of = partial(logs.log_of, engine="cot-rtl")
 
 
 def recording_of(n: int, width: int = 120, height: int = 80, duration_us: int = 100_000) -> Recording:

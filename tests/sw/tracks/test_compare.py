@@ -4,26 +4,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from functools import partial
 
-import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
 from evcot.tracks.compare import MergePair, TrackPair, compare
-from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.log import Kind, TrackLog
+from support import logs
 
 MS = 1_000
-Row = tuple[int, Kind, int, float, float] | tuple[int, Kind, int, float, float, int]
 EMPTY = TrackLog.empty("rct")
-
-
-def log_of(rows: Sequence[Row]) -> TrackLog:
-    """A log from (t_ms, kind, track_id, x, y[, other_id]) rows."""
-    records = np.zeros(len(rows), TRACK)
-    for i, row in enumerate(rows):
-        records[i] = (row[0] * MS, row[0], row[1], row[2], row[2], row[3], row[4], 8.0, 0, 0, row[5] if len(row) > 5 else -1)
-    return TrackLog("by hand", records, np.empty(0, np.int16))
+log_of = partial(logs.log_of, unit_us=MS)
 
 
 # Two objects: the first from 10 to 90 ms, the second from 20 ms until it is absorbed by the first at 50 ms.

@@ -21,7 +21,7 @@ def log() -> TrackLog:
     records["t_us"] = np.sort(rng.integers(-(10**15), 10**15, len(records)))
     records["event_index"] = np.arange(len(records)) + 2**53
     records["kind"] = rng.integers(0, len(Kind), len(records))
-    for name in ("x", "y", "radius"):
+    for name in ("x", "y", "radius", "width", "height", "angle", "vx", "vy", "confidence"):
         records[name] = rng.random(len(records)) * 10.0 ** rng.integers(-9, 9, len(records))
     records["other_id"] = -1
     return TrackLog("cot-rtl", records, rng.integers(-1, 64, 300_000).astype(np.int16))
@@ -58,7 +58,16 @@ def test_csv_is_exact_and_names_the_kinds(log: TrackLog, tmp_path: Path) -> None
     assert len(rows) == len(log.records)
     assert list(rows[0]) == list(TRACK.names or ())
     assert [row["kind"] for row in rows[:50]] == [Kind(kind).name for kind in log.records["kind"][:50]]
-    for name, number in (("t_us", int), ("event_index", int), ("x", float), ("radius", float), ("other_id", int)):
+    for name, number in (
+        ("t_us", int),
+        ("event_index", int),
+        ("x", float),
+        ("radius", float),
+        ("height", float),
+        ("vy", float),
+        ("confidence", float),
+        ("other_id", int),
+    ):
         assert [number(row[name]) for row in rows] == log.records[name].tolist()
 
 
@@ -111,5 +120,8 @@ def test_a_file_that_is_no_whole_log_is_refused_in_one_line(log: TrackLog, tmp_p
     refused("has no array owner: must have engine, records, owner$")
     np.savez(path, engine=np.array("rct"), records=np.zeros(3), owner=log.owner)
     refused(r"records is 1-d float64: must be 1-d \[")
+    older = [name for name in TRACK.names or () if name not in ("width", "height", "angle", "vx", "vy", "confidence")]
+    np.savez(path, engine=np.array("rct"), records=np.zeros(3, [(name, TRACK[name]) for name in older]), owner=log.owner)
+    refused("records lacks width, height, angle, vx, vy, confidence: must be a log of this version: track the recording again$")
     np.savez(path, engine=np.array("rct"), records=log.records, owner=log.owner.reshape(2, -1))
     refused("owner is 2-d int16: must be 1-d int16$")

@@ -39,8 +39,8 @@ def detect(events: Events, config: FrameConfig) -> NDArray[np.void]:
     """Detect the objects in one or more events of a frame: (k,) of dtype `DETECTION`.
 
     The median filter keeps a pixel if most of the square around it is set. Components are 8-connected, and pieces at most
-    `link_px` apart in x and in y are joined. An object's centre is that of its box, its radius half the mean side; `n` is
-    its number of pixels.
+    `link_px` apart in x and in y are joined. An object's centre, width and height are those of its box, its radius is half the
+    mean side; `n` is its number of pixels.
     """
     image, left, top = fired(events, config.median_px // 2 + config.link_px)
     clean = _median(image, config.median_px)
@@ -59,7 +59,8 @@ def detect(events: Events, config: FrameConfig) -> NDArray[np.void]:
     x0, x1 = np.minimum.reduceat(x, first), np.maximum.reduceat(x, first)
     y0, y1 = np.minimum.reduceat(y, first), np.maximum.reduceat(y, first)
     found["x"], found["y"] = left + (x0 + x1) / 2, top + (y0 + y1) / 2
-    found["radius"] = (x1 - x0 + y1 - y0 + 2) / 4
+    found["width"], found["height"] = x1 - x0 + 1, y1 - y0 + 1
+    found["radius"] = (found["width"] + found["height"]) / 4
     found["after_us"] = float((events.t_us - events.t_us[0]).mean())
     found["n"] = area[good]
     return found

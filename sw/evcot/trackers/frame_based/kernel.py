@@ -23,6 +23,8 @@ DETECTION = np.dtype(
         ("x", "<f8"),  # centre, pixels
         ("y", "<f8"),
         ("radius", "<f8"),  # half the side of its window, pixels
+        ("width", "<f8"),  # of the object, pixels
+        ("height", "<f8"),
         ("after_us", "<f8"),  # mean time of its events after the frame's first
         ("n", "<i8"),  # its points: events or pixels
     ]
@@ -44,6 +46,8 @@ TRACKED = np.dtype(
         ("velocity_x", "<f8"),  # pixels per second
         ("velocity_y", "<f8"),
         ("radius", "<f8"),
+        ("width", "<f8"),
+        ("height", "<f8"),
         ("before_us", "<f8"),
         ("last_us", "<i8"),  # last event of the frame in which it was last detected
         ("n", "<i8"),  # points in that frame
@@ -80,7 +84,7 @@ _OUTSIDE = 1e3  # cost of a pair outside the gate, in gates
 
 
 @njit(cache=True, nogil=True)
-def _write(row: Any, kind: int, index: int, t_us: int, track: Any) -> None:
+def _write(rules: Rules, row: Any, kind: int, index: int, t_us: int, track: Any) -> None:
     """Write a record with a track's predicted position at the end of the frame in which it was last detected."""
     ahead_s = 1e-6 * track.before_us
     row.t_us = t_us
@@ -91,6 +95,12 @@ def _write(row: Any, kind: int, index: int, t_us: int, track: Any) -> None:
     row.x = track.x + track.velocity_x * ahead_s
     row.y = track.y + track.velocity_y * ahead_s
     row.radius = track.radius
+    row.width = track.width
+    row.height = track.height
+    row.angle = 0.0
+    row.vx = track.velocity_x
+    row.vy = track.velocity_y
+    row.confidence = track.hits / (track.hits + rules.visible_hits)
     row.n_ev = track.n
     row.support = track.support
     row.other_id = -1
@@ -122,7 +132,7 @@ def _end_lives(
                 out[at] = out[at - 1]
                 at -= 1
             next_event = frame.begin + np.searchsorted(ts[frame.begin : frame.end], end_us)
-            _write(out[at], LOST, cur.index + next_event, end_us, tracks[i])
+            _write(rules, out[at], LOST, cur.index + next_event, end_us, tracks[i])
             cur.records += 1
     cur.live = kept
 
@@ -187,6 +197,8 @@ def _correct(rules: Rules, track: Any, seen: Any, first_us: int, last_us: int) -
         track.velocity_x += (1.0 - fading) ** 2 * off_x / elapsed_s
         track.velocity_y += (1.0 - fading) ** 2 * off_y / elapsed_s
     track.radius += gain * (seen.radius - track.radius)
+    track.width += gain * (seen.width - track.width)
+    track.height += gain * (seen.height - track.height)
     track.n = seen.n
     track.support += seen.n
     track.hits += 1
@@ -212,6 +224,8 @@ def _seed(cur: Any, tracks: Table, slot_taken: Table, seen: Any, first_us: int, 
     track.velocity_x = 0.0
     track.velocity_y = 0.0
     track.radius = seen.radius
+    track.width = seen.width
+    track.height = seen.height
     track.n = seen.n
     track.support = seen.n
     track.hits = 1
@@ -245,7 +259,7 @@ def settle(
             track.track_id = cur.births
             cur.births += 1
             kind = BORN
-        _write(out[cur.records], kind, cur.index + frame.end - 1, last_us, track)
+        _write(rules, out[cur.records], kind, cur.index + frame.end - 1, last_us, track)
         cur.records += 1
 
 

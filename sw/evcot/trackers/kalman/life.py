@@ -46,6 +46,12 @@ def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int
     row.x, half_x = _seen(world.state[i, 0], rules.width)
     row.y, half_y = _seen(world.state[i, 1], rules.height)
     row.radius = 0.5 * (half_x + half_y)
+    row.width = 2.0 * half_x
+    row.height = 2.0 * half_y
+    row.angle = 0.0
+    row.vx = world.state[i, 0, 1]
+    row.vy = world.state[i, 1, 1]
+    row.confidence = o.rate / (o.rate + rules.birth_pixels * rules.packet_us / rules.birth_us)
     row.n_ev = o.packet_events
     row.support = o.support
     row.other_id = other_id

@@ -6,9 +6,10 @@ from __future__ import annotations
 from typing import Any
 
 from ..._numba_private import step
+from .evidence import rate_hz
 from .life import lose
 from .state import NEVER_US, State
-from .visible import falls_at, rate_hz
+from .visible import falls_at
 
 __all__ = ["remove_failing"]
 

@@ -12,7 +12,7 @@ from ..._numba_private import step
 from .find import NOBODY, find_by_options, find_nearest
 from .life import check, note_ends_of_life, seed
 from .lookup import cell_of, events_within
-from .move import move, pull_size
+from .move import move, pull_extent, pull_size
 from .packet import close_packet, open_packet
 from .state import NEVER_US, RECORDS_PER_PACKET, EventRules, State, Table, choice
 
@@ -79,6 +79,7 @@ def feed(
             cluster = clusters[seat]
             astray = False
             if ps is None:
+                pull_extent(rules, cluster, abs(x - cluster.x), abs(y - cluster.y))
                 cluster.x = keep * cluster.x + alpha * x
                 cluster.y = keep * cluster.y + alpha * y
             else:

@@ -60,6 +60,8 @@ def _blend(rules: Any, into: Any, gone: Any, now_us: int) -> None:
         into.right += into.x - x
         into.top += into.y - y
         into.bottom += into.y - y
+    into.extent_x = min(max(abs(into.x - gone.x) + gone.extent_x, into.extent_x), into.half_width)
+    into.extent_y = min(max(abs(into.y - gone.y) + gone.extent_y, into.extent_y), into.half_height)
     set_reach(rules, into)
 
 

@@ -10,7 +10,7 @@ from numba import njit
 
 from .state import ALPHAS, Table, choice
 
-__all__ = ["move", "pull_size"]
+__all__ = ["move", "pull_extent", "pull_size"]
 
 _BOX = choice("centre", "box")
 
@@ -23,6 +23,15 @@ def _mixing(rules: Any, alphas: Table, elapsed_us: Any) -> Any:
     if elapsed_us < ALPHAS:
         return alphas[elapsed_us]
     return -math.expm1(-elapsed_us / rules.alpha_tau_us)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def pull_extent(rules: Any, cluster: Any, u: float, v: float) -> None:
+    """Update the extent with an event at distances u, v from the centre: beyond it outwards, else inwards; the steps balance
+    where the share of `box_quantile` lies beyond each side."""
+    both = 2.0 * rules.box_quantile
+    cluster.extent_x = max(cluster.extent_x + cluster.step_x * ((1.0 if u > cluster.extent_x else 0.0) - both), 0.0)
+    cluster.extent_y = max(cluster.extent_y + cluster.step_y * ((1.0 if v > cluster.extent_y else 0.0) - both), 0.0)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -49,6 +58,8 @@ def pull_size(rules: Any, cluster: Any, x: float, y: float, where: Any) -> None:
         cluster.right += cluster.step_x * (high - (1.0 if x < cluster.right else 0.0))
         cluster.top += cluster.step_y * (low - (1.0 if y < cluster.top else 0.0))
         cluster.bottom += cluster.step_y * (high - (1.0 if y < cluster.bottom else 0.0))
+    else:
+        pull_extent(rules, cluster, abs(x - cluster.x), abs(y - cluster.y))
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -12,7 +12,7 @@ from .life import check, drop, remove_silent
 from .lookup import events_within, set_room
 from .merge import merge_overlapping
 from .records import MOVED, record
-from .size import follow_size
+from .size import follow_size, set_steps
 from .split import split_apart
 from .state import NEVER_US, State
 from .velocity import measure_velocity
@@ -97,6 +97,8 @@ def _finish_packet(state: State) -> None:
             cluster.packet_events = 0
             if moves:
                 set_room(cluster)
+            else:
+                set_steps(rules, cluster)
             again = events_within(rules, cluster)
             if cluster.track_id < 0:
                 again = min(again, max(0, missing_events(rules, cluster)))

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from ..._numba_private import step
 from ...tracks.log import Kind
+from .evidence import weight
+from .size import object_box
 from .state import State, choice
 
 __all__ = ["BORN", "LOST", "MERGED", "MOVED", "record"]
@@ -42,6 +44,11 @@ def record(state: State, kind: int, index: int, t_us: int, seat: int, other_id: 
         row.radius = 0.5 * max(cluster.right - cluster.left, cluster.bottom - cluster.top, 1.0)
     else:
         row.radius = max(cluster.half_width, cluster.half_height)
+    row.width, row.height, row.angle = object_box(state.rules[0], cluster)
+    row.vx = cluster.velocity_x
+    row.vy = cluster.velocity_y
+    evidence = weight(state.rules[0], cluster)
+    row.confidence = evidence / (evidence + 1.0)
     row.n_ev = cluster.packet_events
     row.support = cluster.before + cluster.packet_events
     row.other_id = other_id

@@ -24,12 +24,14 @@ def _halve(rules: Any, cluster: Any, along_x: bool, now_us: int) -> None:
         middle = 0.5 * (cluster.left + cluster.right)
         half = min(0.5 * (cluster.right - cluster.left), cluster.deviation_x)
         cluster.left, cluster.right = middle - half, middle + half
+        cluster.extent_x = min(cluster.extent_x, cluster.deviation_x)
     else:
         cluster.half_height = max(rules.radius_min_px, 0.95 * cluster.deviation_y)
         cluster.deviation_y = cluster.half_height / rules.size_ratio
         middle = 0.5 * (cluster.top + cluster.bottom)
         half = min(0.5 * (cluster.bottom - cluster.top), cluster.deviation_y)
         cluster.top, cluster.bottom = middle - half, middle + half
+        cluster.extent_y = min(cluster.extent_y, cluster.deviation_y)
     cluster.middle_x = cluster.middle_y = 0.25
     cluster.two = 0
     cluster.before = max(1, cluster.before // 2)
@@ -56,6 +58,7 @@ def _split(state: State, i: int, along_x: bool, now_us: int) -> None:
     for twin in (new, old):
         twin.half_width, twin.half_height = old.half_width, old.half_height
         twin.deviation_x, twin.deviation_y = old.deviation_x, old.deviation_y
+        twin.extent_x, twin.extent_y = old.extent_x, old.extent_y
     new.cos, new.sin = old.cos, old.sin
     new.velocity_x, new.velocity_y = old.velocity_x, old.velocity_y
     new.mass = old.mass

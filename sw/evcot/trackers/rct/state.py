@@ -78,8 +78,8 @@ _CLUSTER_FIELDS = (
     ("packet_events", "<i8"),  # events in the open packet
     ("check_at", "<i8"),  # value of `packet_events` at the next `life.check`
     ("slot", "<i8"),  # public slot number
-    ("cells_x", "<f8"),  # where it is registered in the lookup
-    ("cells_y", "<f8"),
+    ("extent_x", "<f8"),  # half the sides of the object, as seen from the centre
+    ("extent_y", "<f8"),
     # Options: the window, half its sides and its direction.
     ("half_width", "<f8"),
     ("half_height", "<f8"),
@@ -102,8 +102,10 @@ _CLUSTER_FIELDS = (
     ("right", "<f8"),
     ("top", "<f8"),
     ("bottom", "<f8"),
-    ("step_x", "<f8"),  # of its sides
+    ("step_x", "<f8"),  # of the sides of box and extent
     ("step_y", "<f8"),
+    ("cells_x", "<f8"),  # where it is registered in the lookup
+    ("cells_y", "<f8"),
     # Once per packet.
     ("velocity_x", "<f8"),  # pixels per second
     ("velocity_y", "<f8"),

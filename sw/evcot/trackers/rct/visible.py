@@ -10,12 +10,13 @@ import numpy as np
 from numba import njit
 
 from ..._numba_private import step
+from .evidence import weight
 from .records import BORN, LOST, record
 from .state import NEVER_US, State, choice
 
-__all__ = ["falls_at", "grow_mass", "hide_weak", "is_due", "is_weak", "missing_events", "rate_hz", "show_if_due"]
+__all__ = ["falls_at", "grow_mass", "hide_weak", "is_due", "is_weak", "missing_events", "show_if_due"]
 
-_EVENTS, _RATE = choice("visibility", "events"), choice("visibility", "rate")
+_EVENTS = choice("visibility", "events")
 _LONG = 1 << 40  # events
 
 
@@ -32,31 +33,15 @@ def grow_mass(rules: Any, cluster: Any, decay: float) -> None:
 
 
 @step
-def rate_hz(rules: Any, cluster: Any) -> Any:
-    """Event rate in events/s: a constant rate gives a mass of rate times time constant."""
-    return cluster.mass * 1e6 / rules.mass_tau_us
-
-
-@step
-def _weight(rules: Any, cluster: Any) -> Any:
-    """The quantity that makes a cluster visible, as a multiple of its threshold."""
-    if rules.visibility == _EVENTS:
-        return (cluster.before + cluster.packet_events) / rules.visible_events
-    if rules.visibility == _RATE:
-        return rate_hz(rules, cluster) / max(rules.visible_rate_hz, 1e-9)
-    return cluster.mass / max(rules.visible_mass, 1e-9)
-
-
-@step
 def is_due(rules: Any, cluster: Any) -> Any:
     """Whether a cluster meets the conditions to become visible."""
-    return _weight(rules, cluster) >= 1.0 and cluster.deviation_x + cluster.deviation_y >= rules.birth_spread_px
+    return weight(rules, cluster) >= 1.0 and cluster.deviation_x + cluster.deviation_y >= rules.birth_spread_px
 
 
 @step
 def is_weak(rules: Any, cluster: Any) -> Any:
     """Whether a track no longer meets the conditions to stay visible."""
-    return rules.visibility != _EVENTS and cluster.track_id >= 0 and _weight(rules, cluster) < rules.hidden_share
+    return rules.visibility != _EVENTS and cluster.track_id >= 0 and weight(rules, cluster) < rules.hidden_share
 
 
 @step
@@ -125,7 +110,7 @@ def hide_weak(state: State, seat: int, begin_us: int, end_us: int) -> None:
     cluster = state.clusters[seat]
     if rules.visibility == _EVENTS or cluster.track_id < 0:
         return
-    at_us = falls_at(rules, _weight(rules, cluster), rules.hidden_share, begin_us, end_us)
+    at_us = falls_at(rules, weight(rules, cluster), rules.hidden_share, begin_us, end_us)
     if rules.coast_us > 0:
         at_us = max(at_us, cluster.last_us + rules.lifetime_us + rules.coast_us)
     if at_us <= end_us:

@@ -27,9 +27,12 @@ BOX = SIDES[0]
 
 def log() -> TrackLog:
     """One track, born at 1.2 s, that moves from (8, 10) to (24, 10) at 1.5 s and is lost at 1.8 s."""
-    rows = [(1_200_000, 0, Kind.BORN, 4, 0, 8, 10, 3, 1, 1, -1), (1_500_000, 1, Kind.MOVED, 4, 0, 24, 10, 3, 1, 1, -1)]
-    rows += [(1_800_000, 2, Kind.LOST, 4, 0, 24, 10, 3, 1, 1, -1)]
-    return TrackLog("rct", np.array(rows, TRACK), np.zeros(2, np.int16))
+    records = np.zeros(3, TRACK)
+    records["t_us"], records["event_index"] = (1_200_000, 1_500_000, 1_800_000), (0, 1, 2)
+    records["kind"], records["track_id"] = (Kind.BORN, Kind.MOVED, Kind.LOST), 4
+    records["x"], records["y"], records["radius"], records["other_id"] = (8, 24, 24), 10, 3, -1
+    records["width"] = records["height"] = 7
+    return TrackLog("rct", records, np.zeros(2, np.int16))
 
 
 def blinking() -> Events:

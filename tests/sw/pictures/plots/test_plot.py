@@ -24,12 +24,18 @@ def log(shift_px: float = 0) -> TrackLog:
     for step in range(30):
         t_us = 1_000_000 + 100_000 * step
         kind = Kind.BORN if step == 0 else Kind.MOVED
-        rows.append((t_us, step, kind, 3, 0, 5 + 1.5 * step + shift_px, 20, 4, 1, 1, -1))
+        rows.append((t_us, step, kind, 3, 0, 5 + 1.5 * step + shift_px, 20, -1))
         if step <= 15:
             end = step == 15
-            rows.append((t_us, step, Kind.MERGED if end else kind, 5, 1, 55 - 1.5 * step, 25, 4, 1, 1, 3 if end else -1))
-    rows.append((4_500_000, 99, Kind.BORN, 9, 1, 30, 30, 4, 1, 1, -1))
-    return TrackLog("rct", np.array(rows, TRACK), np.zeros(100, np.int16))
+            rows.append((t_us, step, Kind.MERGED if end else kind, 5, 1, 55 - 1.5 * step, 25, 3 if end else -1))
+    rows.append((4_500_000, 99, Kind.BORN, 9, 1, 30, 30, -1))
+    records = np.zeros(len(rows), TRACK)
+    for name, column in zip(
+        ("t_us", "event_index", "kind", "track_id", "slot", "x", "y", "other_id"), zip(*rows, strict=True), strict=True
+    ):
+        records[name] = column
+    records["radius"], records["width"], records["height"] = 4, 9, 7
+    return TrackLog("rct", records, np.zeros(100, np.int16))
 
 
 def some_events(n: int = 3_000) -> Events:

@@ -35,6 +35,11 @@ def test_an_object_is_its_box_and_its_pixels() -> None:
     }
 
 
+def test_an_object_has_the_sides_of_its_box() -> None:
+    found = detect(events(block(0, 0, 5, 3), block(20, 30, 4, 9)), PLAIN)
+    assert found[["width", "height"]].tolist() == [(5.0, 3.0), (4.0, 9.0)]
+
+
 def test_pixels_count_once_and_touch_by_their_corners() -> None:
     diagonal = np.array([[7, 8, 9, 9, 9], [7, 8, 9, 9, 9]])
     assert objects(detect(events(diagonal), PLAIN)) == {(8.0, 8.0, 1.5, 3)}

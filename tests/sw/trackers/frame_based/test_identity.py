@@ -91,6 +91,18 @@ def test_a_record_tells_the_place_at_the_frames_end() -> None:
     assert records["x"].tolist() == pytest.approx([107.25, 112.25, 117.25])
 
 
+def test_a_record_has_the_tracks_box_velocity_and_confidence() -> None:
+    identities = Identities(QUICK)
+    events, frames, found = staged([(1_000 * k, [(10 + 0.25 * k, 80 - 0.5 * k)]) for k in range(5)])
+    found["width"], found["height"] = [20, 21, 22, 23, 24], [10, 9, 8, 7, 6]
+    records, _ = identities.follow(events, 0, frames, found)
+    assert records["width"].tolist() == pytest.approx([21, 22, 23, 24])  # without smoothing the newest
+    assert records["height"].tolist() == pytest.approx([9, 8, 7, 6])
+    assert (records["vx"].tolist(), records["vy"].tolist()) == (pytest.approx([250] * 4), pytest.approx([-500] * 4))
+    assert records["confidence"].tolist() == [2 / 4, 3 / 5, 4 / 6, 5 / 7]  # by detections; 2 make it visible
+    assert (records["angle"] == 0).all()
+
+
 def test_the_assignment_is_optimal_where_the_nearest_first_would_lose_a_pair() -> None:
     """Track 0 is nearest to the detection that is the only one within track 1's gate."""
     start: list[Moment] = [(t, [(20.0, 5.0), (28.0, 5.0)]) for t in (0, 1_000)]

@@ -63,7 +63,11 @@ def test_a_disc_is_where_it_is_and_as_large_as_it_is() -> None:
     assert len(log.of_kind(Kind.LOST)) == 0
     error = np.hypot(seen["x"] - 60 - 150e-6 * times_us, seen["y"] - 120 - 30e-6 * times_us)
     assert np.median(error) < 0.7
-    assert np.median(np.abs(seen["radius"] - RADIUS_PX)) < 0.7
+    for side in ("width", "height"):
+        assert np.median(np.abs(seen[side] - 2 * RADIUS_PX)) < 1.4
+    assert np.hypot(np.median(seen["vx"]) - 150, np.median(seen["vy"]) - 30) < 8
+    assert ((seen["confidence"] > 0.5) & (seen["confidence"] < 1)).all()
+    np.testing.assert_allclose(log.records["radius"], (log.records["width"] + log.records["height"]) / 4)
 
 
 def test_discs_that_cross_keep_their_ids() -> None:

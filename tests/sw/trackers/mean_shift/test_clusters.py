@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from evcot.trackers.frame_based.kernel import FRAME
 from evcot.trackers.mean_shift.clusters import Coordinates, event_points, fuse, group, pixel_points
@@ -50,5 +51,17 @@ def test_frames_are_clustered_each_on_its_own() -> None:
     found, cost = group(RULES, SCALE, False, *columns(*first, *second, *noise), frames)
     assert found[["x", "y", "after_us", "n"]].tolist() == [(11.0, 11.0, 1.5, 4), (61.0, 11.0, 1.5, 4)]
     np.testing.assert_allclose(found["radius"], 1.5)
+    np.testing.assert_allclose([found["width"], found["height"]], 3.0)
     assert frames[["found", "found_end"]].tolist() == [(0, 1), (1, 2)]
     assert cost.points == 10
+
+
+def test_a_cluster_has_the_sides_of_its_points() -> None:
+    """Three standard deviations along each axis, at least a pixel."""
+    points = [(x, 20) for x in range(10, 19)]
+    frames = np.zeros(1, FRAME)
+    frames["end"] = 9
+    events = columns(*((t, x, y, 1) for t, (x, y) in enumerate(points)))
+    found, _ = group(RULES._replace(bandwidth_px=20.0), SCALE, False, *events, frames)
+    assert found["width"].tolist() == [pytest.approx(3 * np.sqrt(60 / 9))]
+    assert found["height"].tolist() == [1.0]

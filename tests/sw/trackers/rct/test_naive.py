@@ -27,6 +27,9 @@ class Naive:
     track_id: int | None = None
     vx: float = 0.0
     vy: float = 0.0
+    wide: float = 0.0
+    high: float = 0.0
+    step: float = 0.0
     measured: tuple[float, float, int] | None = None
 
 
@@ -43,7 +46,10 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
     births = 0
 
     def write(kind: Kind, t_us: int, index: int, c: Naive, other: int = -1) -> None:
-        row = (t_us, index, int(kind), c.track_id, c.slot, c.x, c.y, radius, c.taken, c.events, other)
+        box = max(2 * c.wide, 1.0), max(2 * c.high, 1.0), 0.0
+        evidence = c.events / config.visible_events
+        known = *box, c.vx, c.vy, evidence / (evidence + 1)
+        row = (t_us, index, int(kind), c.track_id, c.slot, c.x, c.y, radius, *known, c.taken, c.events, other)
         log.append(((index, 0, t_us) if kind == Kind.LOST else (index, 1, 0), row))
 
     def show_if_due(c: Naive, index: int) -> None:
@@ -88,6 +94,8 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
             total = a.events + b.events
             a.x = (a.x * a.events + b.x * b.events) / total
             a.y = (a.y * a.events + b.y * b.events) / total
+            a.wide = min(max(abs(a.x - b.x) + b.wide, a.wide), radius)
+            a.high = min(max(abs(a.y - b.y) + b.high, a.high), radius)
             a.vx = (a.vx * a.events + b.vx * b.events) / total
             a.vy = (a.vy * a.events + b.vy * b.events) / total
             a.measured = (a.x, a.y, now)
@@ -100,11 +108,14 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
         holding = [c for c in clusters if max(abs(xs[e] - c.x), abs(ys[e] - c.y)) <= radius]
         if holding:
             c = min(holding, key=lambda c: max(abs(xs[e] - c.x), abs(ys[e] - c.y)))
+            c.wide = max(c.wide + c.step * (float(abs(xs[e] - c.x) > c.wide) - 2 * config.box_quantile), 0.0)
+            c.high = max(c.high + c.step * (float(abs(ys[e] - c.y) > c.high) - 2 * config.box_quantile), 0.0)
             c.x = (1 - alpha) * c.x + alpha * xs[e]
             c.y = (1 - alpha) * c.y + alpha * ys[e]
             c.t, c.events, c.taken = t[e], c.events + 1, c.taken + 1
         elif len(clusters) < config.max_clusters:
             c = Naive(float(xs[e]), float(ys[e]), t[e], min(set(range(config.max_clusters)) - {c.slot for c in clusters}))
+            c.step = max(config.box_alpha, 0.1) * radius
             clusters.append(c)
         else:
             owner.append(-1)
@@ -123,6 +134,8 @@ def naive_track(events: Events, config: RctConfig) -> tuple[list[tuple[object, .
             for c in clusters:
                 if c.taken and c.track_id is not None:
                     write(Kind.MOVED, t[e], e, c)
+                if c.taken:
+                    c.step = max(config.box_alpha, min(0.1, 1 / c.events)) * radius
                 c.taken = 0
             if not last:
                 remove(t[0] + packet_of[e + 1] * config.packet_us)
