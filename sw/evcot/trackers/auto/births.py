@@ -26,6 +26,8 @@ _NOISE_MIX = 0.2
 _CELL_PIXELS = 2.0  # fewer in a cell are noise
 _SIGMAS = 3.0  # above the noise
 _NEAR = 1.0  # in gates: anything closer to an object is a part of it that its gate will reach
+_TRAIL = 0.5  # half sides behind an object in which pixels still fire
+_CONTOUR = 0.5  # of a group's sides: pixels that an object sends at least
 _PLACE = 0.3  # standard deviation of a new object's sides, half sides
 _EDGE_PX = 8.0
 _GROWTH = 0.3  # growth of a half side, as a part of the speed
@@ -84,18 +86,22 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
 
 
 @njit(cache=True, nogil=True)
-def _touches(world: World, box: Table) -> bool:
-    """Whether a box lies close to an object: it is then a part of it that the object's gate will reach."""
+def _touches(world: World, box: Table, window_s: float) -> bool:
+    """Whether a box lies close to an object, or where one was in the window: it is a part of it, or of what it left behind."""
     for i in range(len(world.objects)):
         o = world.objects[i]
         if o.alive:
             s = world.state[i]
-            if (
-                box[0] <= s[0, 0] + s[0, 2] + _NEAR * o.gate_x
-                and box[1] >= s[0, 0] - s[0, 2] - _NEAR * o.gate_x
-                and box[2] <= s[1, 0] + s[1, 2] + _NEAR * o.gate_y
-                and box[3] >= s[1, 0] - s[1, 2] - _NEAR * o.gate_y
-            ):
+            near = True
+            for axis in range(2):
+                back = -s[axis, 1] * window_s
+                if o.track_id >= 0 and o.speed > 0.0:
+                    back -= _TRAIL * s[axis, 2] * s[axis, 1] / o.speed
+                gate = _NEAR * (o.gate_x if axis == 0 else o.gate_y)
+                high = s[axis, 0] + s[axis, 2] + gate + max(back, 0.0)
+                low = s[axis, 0] - s[axis, 2] - gate + min(back, 0.0)
+                near = near and box[2 * axis] <= high and box[2 * axis + 1] >= low
+            if near:
                 return True
     return False
 
@@ -226,8 +232,9 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
                 found, cells = _gather(world, level, row, column, box, least)
                 if (
                     found >= rules.birth_pixels + cells * least
+                    and found >= _CONTOUR * (box[1] - box[0] + box[3] - box[2])
                     and cells < _FILLED * rows * columns
-                    and not _touches(world, box)
+                    and not _touches(world, box, 1e-6 * window_us)
                 ):
                     i = _free_slot(world)
                     if i >= 0:

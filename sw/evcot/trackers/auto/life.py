@@ -38,6 +38,7 @@ _SLOWEST = 0.2  # half sides per second: the least unit of velocity
 _SETTLED = 3  # packets after which an object's first box is noted
 _SIGNIFICANT = 2.0  # standard deviations of a velocity
 _TENTATIVE_COAST = 0.5
+_FULL = 0.15  # pixels per pixel travelled and pixel of the box's side, below which a box holds no object
 _HOT_EPOCH = 100  # birth windows
 
 
@@ -54,6 +55,12 @@ def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int
     row.x, half_x = _seen(world.state[i, 0], rules.width)
     row.y, half_y = _seen(world.state[i, 1], rules.height)
     row.radius = 0.5 * (half_x + half_y)
+    row.width = 2.0 * half_x
+    row.height = 2.0 * half_y
+    row.angle = 0.0
+    row.vx = world.state[i, 0, 1]
+    row.vy = world.state[i, 1, 1]
+    row.confidence = o.travel / (o.travel + rules.visible_travel + 1e-9)
     row.n_ev = o.packet_events
     row.support = o.support
     row.other_id = other_id
@@ -257,7 +264,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         mix = min(step / _RATE_MEAN, 1.0)
         o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
         o.usual += 0.1 * mix * (o.rate / o.speed - o.usual)
-        if o.rate >= _LEAST_SUPPORT * o.usual * o.speed:
+        if o.rate >= o.speed * max(_LEAST_SUPPORT * o.usual, _FULL * 2.0 * half):
             o.silent_us = 0
         else:
             o.silent_us += lasted_us

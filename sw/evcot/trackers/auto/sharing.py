@@ -193,8 +193,10 @@ def share(world: World, x: int, y: int, fresh: bool) -> int:
             if in_a and in_b:
                 return _divide(world, x, y, fresh)
             if in_a or in_b:
-                mine = a if in_a else b
+                mine, other = (a, b) if in_a else (b, a)
                 _own(world, mine, x, y, fresh)
+                if fresh and other != NOBODY and world.objects[mine].track_id < 0:
+                    _draw(world, other, x, y, 1.0)  # it may be a part of that one
                 return int(mine)
             if fresh:
                 _draw(world, a, x, y, 1.0)

@@ -18,6 +18,7 @@ Table = NDArray[Any]
 _NEW = 1.0  # half sides travelled, up to which an object is new
 _ALONE = 3.0  # two that have each travelled this far without touching another are not parts of one
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
+_SMALL = 0.6  # of the larger one's mean side, up to which an object close to it may be a part of it, wherever it lies
 _WITHIN = 0.7  # share of the smaller box that lies in the larger
 _ABREAST = 0.6  # share of the wider box that is covered by the other
 _ELONGATED = 2.3  # maximum ratio of length to width of an object
@@ -57,6 +58,12 @@ def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
 
 
 @njit(cache=True, nogil=True)
+def _gap(a: Table, b: Table, axis: int) -> float:
+    """The gap between two objects along an axis; negative where they overlap."""
+    return float(abs(a[axis, 0] - b[axis, 0]) - a[axis, 2] - b[axis, 2])
+
+
+@njit(cache=True, nogil=True)
 def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     """Whether two objects are one: by position and with equal motion; or both entering over the same edge, side by side."""
     a, b = world.state[i], world.state[k]
@@ -75,6 +82,10 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
             unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
     if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
         return False
+    half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
+    if min(half_a, half_b) < _SMALL * max(half_a, half_b):
+        if max(_gap(a, b, 0), _gap(a, b, 1)) < 0.5 * rules.gap * max(half_a, half_b):
+            return True
     if min(one.travel, other.travel) >= _NEW:
         return _within(a[:, ::2], b[:, ::2])
     return are_parts(a[:, ::2], b[:, ::2], rules.merge_gap, 1.0)
