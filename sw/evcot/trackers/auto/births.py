@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .layout import BINS, CELL_BITS, LEVELS, NOBODY, PROFILE, Rules, World
+from .layout import CELL_BITS, LEVELS, NOBODY, PROFILE, Rules, World
+from .outline import clear_picture
 
 __all__ = ["BIRTH_US", "find_births"]
 
@@ -131,7 +132,8 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.packets = 0
     o.silent_us = 0
     o.enters = o.edge = _edge(rules, box)
-    o.alone = o.travel = 0.0
+    o.alone = o.travel = o.within = 0.0
+    o.inside = -1
     o.meets = False
     o.support = pixels
     o.packet_events = pixels
@@ -152,8 +154,8 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
         p[3, 3] = (_GROWTH * o.speed) ** 2
     world.profile[i] = 0.0
     world.total[i] = PROFILE * PROFILE
-    world.outline[i] = 0.0
-    world.floor[i] = 0.0
+    o.unit_x = o.unit_y = 0.0
+    clear_picture(world, i)
     run.live += 1
 
 

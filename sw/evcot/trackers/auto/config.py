@@ -23,8 +23,8 @@ AUTO_RANGES: dict[str, Range] = {
     "visible_travel": (0.0, 100.0, "half sides that an object must have moved to be reported"),
     "coast": (0.0, 1000.0, "half sides that an object would travel without support before it is lost"),
     "memory": (0.05, 100.0, "half sides of travel for which the outline of an object is kept"),
-    "gap": (0.0, 4.0, "gap in an outline that is still one object, half sides"),
-    "merge_gap": (0.0, 4.0, "gap between two tracks that are parts of one object, half sides"),
+    "elongation": (1.0, 100.0, "length by width from which on an object has no gap"),
+    "gap": (0.0, 4.0, "gap in an object, as a part of the length by which it is shorter than that"),
     "merge_velocity": (0.0, 2.0, "difference of velocities, as a part of the greater, up to which motion is one"),
     "step": (0.0001, 1.0, "half sides that the fastest object travels between two corrections"),
 }
@@ -50,8 +50,8 @@ class AutoConfig:
     visible_travel: float = 0.25
     coast: float = 1.0
     memory: float = 1.0
-    gap: float = 0.4
-    merge_gap: float = 0.5
+    elongation: float = 2.2
+    gap: float = 0.6
     merge_velocity: float = 0.5
     step: float = 0.02
 

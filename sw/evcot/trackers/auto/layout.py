@@ -13,7 +13,6 @@ from .config import AutoConfig
 __all__ = [
     "BINS",
     "CELL_BITS",
-    "EDGE_BIN",
     "LEVELS",
     "MANY",
     "NOBODY",
@@ -33,8 +32,7 @@ Table = NDArray[Any]
 UNSET_US = -(1 << 62)
 CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
 PROFILE = 8  # parts of a box along each side, in which the density of its events is kept
-BINS, REACH = 48, 3.0  # of an outline along an axis: bins over -REACH to REACH half sides
-EDGE_BIN = int(BINS / 2 / REACH)  # bins in a half side
+BINS, REACH = 32, 3.0  # of an object's picture along an axis: bins over -REACH to REACH units
 LEVELS = 6  # windows in which births are looked for, each twice as long as the one before
 NOBODY, MANY = -1, -2  # in `World.near`, beside a slot
 
@@ -51,6 +49,8 @@ OBJECT = np.dtype(
         ("edge", "<i8"),  # the edge at which it was born, or -1
         ("alone", "<f8"),  # travel without touching another object, half sides
         ("travel", "<f8"),  # half sides travelled
+        ("inside", "<i8"),  # slot of an object whose box holds most of this one's, or whose box this one's holds
+        ("within", "<f8"),  # travel since it is, half sides
         ("meets", "?"),  # whether its box touches another object's
         ("speed", "<f8"),  # px/s, the greatest of the recent past: the object's unit of velocity
         ("silent_us", "<i8"),  # time without support
@@ -63,6 +63,12 @@ OBJECT = np.dtype(
         ("y", "<f8"),
         ("half_x", "<f8"),
         ("half_y", "<f8"),
+        ("unit_x", "<f8"),  # of its picture, px
+        ("unit_y", "<f8"),
+        ("drawn", "<f8"),  # half sides travelled since its picture was begun
+        ("unfitted", "<f8"),  # since the box was held against it
+        ("gain", "<f8"),  # weight of a pixel drawn now
+        ("floor", "<f8"),  # noise in a bin of the picture
         ("gate_x", "<f8"),  # width of the gate around the box
         ("gate_y", "<f8"),
         ("left", "<f8"),  # the box and the gate
@@ -107,7 +113,7 @@ class Rules(NamedTuple):
     coast: float
     memory: float
     gap: float
-    merge_gap: float
+    elongation: float
     merge_velocity: float
     step: float
 
@@ -126,8 +132,9 @@ class World(NamedTuple):
     abreast: Table  # (n, 2): weight of the events between the other axis's sides
     profile: Table  # (n, PROFILE * PROFILE): events in each part of the box, fading
     total: Table  # (n,) of all parts
-    outline: Table  # (n, 2, BINS): pixels along an axis, between the other axis's sides, fading
-    floor: Table  # (n, 2): pixels of noise expected in a bin of the outline, fading
+    picture: Table  # (n, BINS, BINS) float32: weight of the pixels in the object's frame, by row
+    done: Table  # (BINS, BINS) bool, bin_queue: (BINS * BINS,) of a search in a picture
+    bin_queue: Table
     seen: Table  # (height, width) int32: the packet of each pixel's last event
     near: Table  # (rows, columns, 2): the objects near each cell, NOBODY; or MANY
     pixels: Table  # (LEVELS, rows, columns) uint64: pixels of each cell with unassigned events
@@ -164,8 +171,9 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros((n_objects, 2)),
         np.zeros((n_objects, PROFILE * PROFILE)),
         np.zeros(n_objects),
-        np.zeros((n_objects, 2, BINS)),
-        np.zeros((n_objects, 2)),
+        np.zeros((n_objects, BINS, BINS), np.float32),
+        np.zeros((BINS, BINS), np.bool_),
+        np.zeros(BINS * BINS, np.int64),
         np.zeros((height, width), np.int32),
         np.full((rows, columns, 2), NOBODY, np.int16),
         np.zeros((LEVELS, rows, columns), np.uint64),

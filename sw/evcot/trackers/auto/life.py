@@ -14,9 +14,8 @@ from .births import BIRTH_US, find_births
 from .hot import find_hot_pixels
 from .layout import UNSET_US, Rules, World
 from .motion import correct, predict
-from .outline import fade_outline, fit_outline
+from .outline import add_travel, clear_picture, fit_outline
 from .sharing import prepare_packet
-from .splits import split
 from .unity import are_one
 
 __all__ = ["RECORDS_PER_PACKET", "close_packet", "open_packet"]
@@ -38,6 +37,8 @@ _SLOWEST = 0.2  # half sides per second: the least unit of velocity
 _SETTLED = 3  # packets after which an object's first box is noted
 _SIGNIFICANT = 2.0  # standard deviations of a velocity
 _TENTATIVE_COAST = 0.5
+_GROWTH_KEEPS = 2.0  # half sides of travel
+_FIT_EVERY = 0.05  # half sides of travel between two looks at a picture
 _FULL = 0.15  # pixels per pixel travelled and pixel of the box's side, below which a box holds no object
 _HOT_EPOCH = 100  # birth windows
 
@@ -78,6 +79,13 @@ def _seen(s: Table, size: int) -> tuple[float, float]:
 @njit(cache=True, nogil=True)
 def _half(world: World, i: int) -> float:
     return 0.5 * float(world.state[i, 0, 2] + world.state[i, 1, 2])
+
+
+@njit(cache=True, nogil=True)
+def _sure(world: World, i: int, of: int, sigmas: float) -> float:
+    """The speed of an object's centre (1) or of its half sides (3) that is beyond its uncertainty."""
+    s, p = world.state[i], world.cov[i]
+    return max(np.hypot(s[0, of], s[1, of]) - sigmas * np.sqrt(p[0, of, of] + p[1, of, of]), 0.0)
 
 
 @njit(cache=True, nogil=True)
@@ -138,7 +146,7 @@ def _overlap(a: Any, b: Any) -> bool:
 def _meets(world: World, i: int) -> bool:
     """Whether another object's box touches this one's."""
     for k in range(len(world.objects)):
-        if k != i and world.objects[k].alive and _overlap(world.objects[i], world.objects[k]):
+        if k != i and world.objects[k].alive and world.objects[k].track_id >= 0 and _overlap(world.objects[i], world.objects[k]):
             return True
     return False
 
@@ -201,8 +209,7 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
                 low = min(into[0] - into[2], gone[0] - gone[2])
                 high = max(into[0] + into[2], gone[0] + gone[2])
                 into[0], into[2] = 0.5 * (low + high), 0.5 * (high - low)
-            world.outline[first] = 0.0
-            world.floor[first] = 0.0
+            clear_picture(world, first)
             world.objects[first].support += world.objects[second].support
             _end(rules, world, out, MERGED, t_us, second, world.objects[first].track_id)
 
@@ -255,11 +262,14 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         if not o.alive:
             continue
         half = _half(world, i)
-        v = np.hypot(world.state[i, 0, 1], world.state[i, 1, 1])
+        state = world.state[i]
+        v = _sure(world, i, 1, 1.0) + _sure(world, i, 3, 2.0)
         step = o.speed * lasted_s / half  # in the object's units
         o.speed = max(v, o.speed * np.exp(-step / _SPEED_KEEPS), _SLOWEST * half)
         o.travel += v * lasted_s / half
         o.alone += 0.0 if o.meets else v * lasted_s / half
+        o.within = o.within + v * lasted_s / half if o.inside >= 0 else 0.0
+        o.inside = -1
         noise = noise_px * (o.right - o.left) * (o.bottom - o.top)
         mix = min(step / _RATE_MEAN, 1.0)
         o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
@@ -268,22 +278,24 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             o.silent_us = 0
         else:
             o.silent_us += lasted_us
+            state[0, 3] = state[1, 3] = 0.0
+        for axis in range(2):
+            state[axis, 3] *= np.exp(-step / _GROWTH_KEEPS)
         o.support += o.packet_events
         fade = np.exp(-step / rules.memory)
         if not o.meets:
             world.profile[i] *= fade
             world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
-        fade_outline(rules, world, i, step, noise_px)
-        if not o.meets:
+        add_travel(rules, world, i, step, noise_px)
+        o.unfitted += step
+        if not o.meets and o.unfitted >= _FIT_EVERY:
+            o.unfitted = 0.0
             fit_outline(rules, world, i)
         patience = rules.coast * (_COVERED_PATIENCE if _covered(world, i) else 1.0 if o.track_id >= 0 else _TENTATIVE_COAST)
         if 1e-6 * o.silent_us * o.speed > patience * half or _outside(rules, world, i):
             _end(rules, world, out, LOST, t_us, i, -1)
     _merge(rules, world, out, t_us)
     if t_us >= run.birth_end_us:
-        for i in range(n):
-            if world.objects[i].alive and world.objects[i].enters < 0 and not world.objects[i].meets:
-                split(rules, world, i)
         find_births(rules, world, t_us)
         run.birth_end_us = t_us + BIRTH_US
         if run.birth_tick % _HOT_EPOCH == 0:

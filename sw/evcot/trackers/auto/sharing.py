@@ -9,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .layout import BINS, CELL_BITS, MANY, NOBODY, PROFILE, REACH, Rules, World
+from .outline import move_picture
 
 __all__ = ["prepare_packet", "share"]
 
@@ -17,6 +18,8 @@ Table = NDArray[Any]
 _OUTSIDE = 0.1  # density in the gate around a box, as a part of that inside
 _PRIOR = 1.0  # prior event count of each part of a profile
 _LEAST_GATE_PX = 2.0
+_THIN = 0.6  # of the longer half side
+_KEPT = 0.85
 
 
 @njit(cache=True, nogil=True)
@@ -39,10 +42,27 @@ def prepare_packet(rules: Rules, world: World) -> None:
         o.gate_x = gate
         o.gate_y = gate
         _open_gate(o, rules.width, rules.height)
-        reach_x, reach_y = max(REACH * o.half_x, o.half_x + gate), max(REACH * o.half_y, o.half_y + gate)
-        _enlist(rules, world, i, o.x - reach_x, o.x + reach_x, o.top, o.bottom)
-        _enlist(rules, world, i, o.left, o.right, o.y - reach_y, o.y - o.half_y - o.gate_y)
-        _enlist(rules, world, i, o.left, o.right, o.y + o.half_y + o.gate_y, o.y + reach_y)
+        _choose_unit(world, i)
+        reach_x, reach_y = max(REACH * o.unit_x, o.half_x + gate), max(REACH * o.unit_y, o.half_y + gate)
+        _enlist(rules, world, i, o.x - reach_x, o.x + reach_x, o.y - reach_y, o.y + reach_y)
+
+
+@njit(cache=True, nogil=True)
+def _choose_unit(world: World, i: int) -> None:
+    """Keep the units of an object's picture close to its half sides, and not far below the longer one: parts may be thin."""
+    o = world.objects[i]
+    for axis in range(2):
+        half, other = (o.half_x, o.half_y) if axis == 0 else (o.half_y, o.half_x)
+        wanted = max(half, _THIN * other)
+        unit = o.unit_x if axis == 0 else o.unit_y
+        if not _KEPT * wanted < unit < wanted / _KEPT:
+            if unit > 0.0:
+                move_picture(world, i, axis, 0.0, wanted / unit)
+                o.floor *= wanted / unit
+            if axis == 0:
+                o.unit_x = wanted
+            else:
+                o.unit_y = wanted
 
 
 @njit(cache=True, nogil=True)
@@ -101,17 +121,12 @@ def _density(world: World, i: int, x: float, y: float) -> float:
 
 @njit(cache=True, nogil=True, inline="always")
 def _draw(world: World, i: int, x: float, y: float, weight: float) -> None:
-    """Add a pixel to an object's outline."""
+    """Add a pixel to an object's picture."""
     o = world.objects[i]
-    dx, dy = x - o.x, y - o.y
-    if abs(dy) <= o.half_y:
-        k = int((dx / o.half_x + REACH) * (BINS / 2.0 / REACH))
-        if 0 <= k < BINS:
-            world.outline[i, 0, k] += weight
-    if abs(dx) <= o.half_x:
-        k = int((dy / o.half_y + REACH) * (BINS / 2.0 / REACH))
-        if 0 <= k < BINS:
-            world.outline[i, 1, k] += weight
+    column = int(((x - o.x) / o.unit_x + REACH) * (BINS / 2.0 / REACH))
+    row = int(((y - o.y) / o.unit_y + REACH) * (BINS / 2.0 / REACH))
+    if 0 <= column < BINS and 0 <= row < BINS:
+        world.picture[i, row, column] += weight * o.gain
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -15,13 +15,14 @@ __all__ = ["are_one", "are_parts"]
 
 Table = NDArray[Any]
 
+_TOGETHER = 2.0  # half sides travelled with one box in the other, after which they are one whatever their velocities
 _NEW = 1.0  # half sides travelled, up to which an object is new
 _ALONE = 3.0  # two that have each travelled this far without touching another are not parts of one
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
+_BESIDE = 0.1  # of the larger one's whole sides: the gap between it and such a part
 _SMALL = 0.6  # of the larger one's mean side, up to which an object close to it may be a part of it, wherever it lies
 _WITHIN = 0.7  # share of the smaller box that lies in the larger
 _ABREAST = 0.6  # share of the wider box that is covered by the other
-_ELONGATED = 2.3  # maximum ratio of length to width of an object
 
 
 @njit(cache=True, nogil=True)
@@ -35,25 +36,22 @@ def _within(a: Table, b: Table) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def are_parts(a: Table, b: Table, gap: float, slack: float) -> bool:
-    """Whether the positions of two boxes, (2, 2) centre and half side by axis, allow them to be parts of one object: one mostly
-    inside the other; or one behind the other, of equal width, and together no longer than an object can be."""
+def are_parts(a: Table, b: Table, gap: float, elongation: float) -> bool:
+    """Whether the places of two boxes, (2, 2) centre and half side by axis, allow them to be parts of one object: one mostly
+    inside the other; or one behind the other, of similar width, with a gap that is small for the length of the whole."""
+    if _within(a, b):
+        return True
     overlap, together = np.empty(2), np.empty(2)
     for axis in range(2):
         low_a, high_a = a[axis, 0] - a[axis, 1], a[axis, 0] + a[axis, 1]
         low_b, high_b = b[axis, 0] - b[axis, 1], b[axis, 0] + b[axis, 1]
         overlap[axis] = min(high_a, high_b) - max(low_a, low_b)
         together[axis] = max(high_a, high_b) - min(low_a, low_b)
-    if _within(a, b):
-        return True
     for axis in range(2):
         across = 1 - axis
-        if (
-            overlap[across] >= 2.0 * _ABREAST / slack * max(a[across, 1], b[across, 1])
-            and -overlap[axis] <= slack * gap * 0.25 * (together[0] + together[1])
-            and together[axis] <= slack * _ELONGATED * together[across]
-        ):
-            return True
+        if overlap[across] >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1]):
+            if -overlap[axis] <= gap * (elongation * together[across] - together[axis]):
+                return True
     return False
 
 
@@ -75,6 +73,10 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
             most = max(most, a[axis, 2], b[axis, 2])
         if gap <= _ENTERING_GAP * most:
             return True
+    if _within(a[:, ::2], b[:, ::2]):
+        one.inside, other.inside = k, i
+        if min(one.within, other.within) > _TOGETHER:
+            return True
     fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
     unsure = 0.0
     if min(one.alone, other.alone) < _ALONE:
@@ -84,8 +86,6 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
         return False
     half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
     if min(half_a, half_b) < _SMALL * max(half_a, half_b):
-        if max(_gap(a, b, 0), _gap(a, b, 1)) < 0.5 * rules.gap * max(half_a, half_b):
+        if max(_gap(a, b, 0), _gap(a, b, 1)) < _BESIDE * max(half_a, half_b):
             return True
-    if min(one.travel, other.travel) >= _NEW:
-        return _within(a[:, ::2], b[:, ::2])
-    return are_parts(a[:, ::2], b[:, ::2], rules.merge_gap, 1.0)
+    return are_parts(a[:, ::2], b[:, ::2], rules.gap, rules.elongation)
