@@ -29,6 +29,7 @@ _SIGMAS = 3.0  # above the noise
 _NEAR = 1.0  # in gates: anything closer to an object is a part of it that its gate will reach
 _TRAIL = 0.5  # half sides behind an object in which pixels still fire
 _CONTOUR = 0.5  # of a group's sides: pixels that an object sends at least
+_PICTURE = 4.0  # pixels that its picture will fill, of those at birth
 _PLACE = 0.3  # standard deviation of a new object's sides, half sides
 _EDGE_PX = 8.0
 _GROWTH = 0.3  # growth of a half side, as a part of the speed
@@ -154,7 +155,8 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
         p[3, 3] = (_GROWTH * o.speed) ** 2
     world.profile[i] = 0.0
     world.total[i] = PROFILE * PROFILE
-    o.unit_x = o.unit_y = 0.0
+    o.unit_x = o.unit_y = o.unfitted = 0.0
+    o.area = _PICTURE * pixels
     clear_picture(world, i)
     run.live += 1
 

@@ -42,7 +42,7 @@ class AutoConfig:
     quantile: float = 0.03
     gate: float = 0.35
     events_per_sample: float = 5.0
-    agility: float = 0.6
+    agility: float = 0.5
     growth_agility: float = 0.3
     meeting_agility: float = 0.1
     birth_pixels: int = 12
@@ -51,7 +51,7 @@ class AutoConfig:
     coast: float = 1.0
     memory: float = 1.0
     elongation: float = 2.2
-    gap: float = 0.6
+    gap: float = 0.5
     merge_velocity: float = 0.5
     step: float = 0.02
 

@@ -32,7 +32,7 @@ Table = NDArray[Any]
 UNSET_US = -(1 << 62)
 CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
 PROFILE = 8  # parts of a box along each side, in which the density of its events is kept
-BINS, REACH = 32, 3.0  # of an object's picture along an axis: bins over -REACH to REACH units
+BINS, REACH = 40, 2.5  # of an object's picture along an axis: bins over -REACH to REACH units
 LEVELS = 6  # windows in which births are looked for, each twice as long as the one before
 NOBODY, MANY = -1, -2  # in `World.near`, beside a slot
 
@@ -66,6 +66,7 @@ OBJECT = np.dtype(
         ("unit_x", "<f8"),  # of its picture, px
         ("unit_y", "<f8"),
         ("drawn", "<f8"),  # half sides travelled since its picture was begun
+        ("area", "<f8"),  # pixels that its picture fills
         ("unfitted", "<f8"),  # since the box was held against it
         ("gain", "<f8"),  # weight of a pixel drawn now
         ("floor", "<f8"),  # noise in a bin of the picture

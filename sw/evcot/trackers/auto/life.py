@@ -38,7 +38,10 @@ _SETTLED = 3  # packets after which an object's first box is noted
 _SIGNIFICANT = 2.0  # standard deviations of a velocity
 _TENTATIVE_COAST = 0.5
 _GROWTH_KEEPS = 2.0  # half sides of travel
+_EMISSION = 0.2  # half sides that an object travels at least while it sends as many pixels as its picture fills
 _FIT_EVERY = 0.05  # half sides of travel between two looks at a picture
+_FAR_MORE = 4.0  # times the rate
+_LEAVING_PATIENCE = 0.25  # factor of the coasting of an object at the edge on its way out
 _FULL = 0.15  # pixels per pixel travelled and pixel of the box's side, below which a box holds no object
 _HOT_EPOCH = 100  # birth windows
 
@@ -78,7 +81,8 @@ def _seen(s: Table, size: int) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True)
 def _half(world: World, i: int) -> float:
-    return 0.5 * float(world.state[i, 0, 2] + world.state[i, 1, 2])
+    """The longer half side: an object's unit of length."""
+    return float(max(world.state[i, 0, 2], world.state[i, 1, 2]))
 
 
 @njit(cache=True, nogil=True)
@@ -187,7 +191,10 @@ def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _older(a: Any, b: Any) -> bool:
+def _survives(a: Any, b: Any) -> bool:
+    """Whether the first of two objects that are one keeps its name: it sends far more, or else is the older one."""
+    if max(a.rate, b.rate) > _FAR_MORE * min(a.rate, b.rate):
+        return bool(a.rate > b.rate)
     if (a.track_id >= 0) != (b.track_id >= 0):
         return bool(a.track_id >= 0)
     return bool(a.track_id < b.track_id) if a.track_id >= 0 else bool(a.born_us < b.born_us)
@@ -203,7 +210,7 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
         for k in range(i + 1, n):
             if not (world.objects[i].alive and world.objects[k].alive and are_one(rules, world, i, k)):
                 continue
-            first, second = (k, i) if _older(world.objects[k], world.objects[i]) else (i, k)
+            first, second = (k, i) if _survives(world.objects[k], world.objects[i]) else (i, k)
             for axis in range(2):
                 into, gone = world.state[first, axis], world.state[second, axis]
                 low = min(into[0] - into[2], gone[0] - gone[2])
@@ -218,6 +225,16 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
 def _outside(rules: Rules, world: World, i: int) -> bool:
     s = world.state[i]
     return bool(s[0, 0] < -0.5 or s[0, 0] > rules.width - 0.5 or s[1, 0] < -0.5 or s[1, 0] > rules.height - 0.5)
+
+
+@njit(cache=True, nogil=True)
+def _leaves(rules: Rules, world: World, i: int) -> bool:
+    """Whether an object's box reaches over an edge of the sensor towards which it moves."""
+    for axis in range(2):
+        s, size = world.state[i, axis], rules.width if axis == 0 else rules.height
+        if (s[1] < 0.0 and s[0] - s[2] <= 0.0) or (s[1] > 0.0 and s[0] + s[2] >= size - 1.0):
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -286,12 +303,15 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         if not o.meets:
             world.profile[i] *= fade
             world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
-        add_travel(rules, world, i, step, noise_px)
-        o.unfitted += step
+        seen = max(step, _EMISSION * max(o.weight - noise, 0.0) / o.area)
+        add_travel(rules, world, i, seen, noise_px)
+        o.unfitted += seen
         if not o.meets and o.unfitted >= _FIT_EVERY:
             o.unfitted = 0.0
             fit_outline(rules, world, i)
         patience = rules.coast * (_COVERED_PATIENCE if _covered(world, i) else 1.0 if o.track_id >= 0 else _TENTATIVE_COAST)
+        if _leaves(rules, world, i):
+            patience *= _LEAVING_PATIENCE
         if 1e-6 * o.silent_us * o.speed > patience * half or _outside(rules, world, i):
             _end(rules, world, out, LOST, t_us, i, -1)
     _merge(rules, world, out, t_us)

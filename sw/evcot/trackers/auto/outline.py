@@ -155,6 +155,8 @@ def fit_outline(rules: Rules, world: World, i: int) -> None:
     n = _parts(world, i, level * o.gain, parts, max(_LEAST_SHARE * inside, _LEAST_PIXELS) * o.gain)
     if n == 0:
         return
+    bin_area = o.unit_x * o.unit_y * (2.0 * REACH / BINS) ** 2
+    o.area = max(np.count_nonzero(world.done) * bin_area, 1.0)
     _join(rules, world, i, parts, n, box)
     changed = False
     for axis in range(2):

@@ -20,6 +20,8 @@ _NEW = 1.0  # half sides travelled, up to which an object is new
 _ALONE = 3.0  # two that have each travelled this far without touching another are not parts of one
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
 _BESIDE = 0.1  # of the larger one's whole sides: the gap between it and such a part
+_THIN = 0.3  # thickness of an edge, as a part of its length
+_THIN_GAPS = 2.5  # factor of the gap beside an edge
 _SMALL = 0.6  # of the larger one's mean side, up to which an object close to it may be a part of it, wherever it lies
 _WITHIN = 0.7  # share of the smaller box that lies in the larger
 _ABREAST = 0.6  # share of the wider box that is covered by the other
@@ -50,7 +52,10 @@ def are_parts(a: Table, b: Table, gap: float, elongation: float) -> bool:
     for axis in range(2):
         across = 1 - axis
         if overlap[across] >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1]):
-            if -overlap[axis] <= gap * (elongation * together[across] - together[axis]):
+            # Edges of one object are thin and far apart, objects that follow one another are not.
+            thin = min(a[axis, 1], b[axis, 1]) < _THIN * 0.5 * together[across]
+            most = (_THIN_GAPS if thin else 1.0) * gap * (elongation * together[across] - together[axis])
+            if -overlap[axis] <= most:
                 return True
     return False
 
