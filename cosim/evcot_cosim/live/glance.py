@@ -12,13 +12,14 @@ from rich.segment import Segment
 from rich.style import Style
 
 from evcot.recordings.formats.source import Sensor
+from evcot.tracks.boxes import upright_sides
 
 from .alive import Clusters
 from .frame import Frame
 
 __all__ = ["Glance"]
 
-_EMPTY, _OFF, _ON, _WINDOW = range(4)
+_EMPTY, _OFF, _ON, _BOX = range(4)
 _COLOURS = ("#10151b", "#cc79a7", "#009e73", "#f0e442")  # Okabe and Ito's palette
 _HALF = "▀"
 
@@ -44,7 +45,7 @@ class Glance:
                 np.minimum((frame.x[seen] / scale).astype(np.int64), shape[1] - 1),
             )
             field[cells] = np.where(frame.on[seen], _ON, _OFF)
-            _draw_windows(field, frame.clusters, scale)
+            _draw_boxes(field, frame.clusters, scale)
         return [self._line(field[row], field[row + 1]) for row in range(0, shape[0], 2)]
 
     def _line(self, top: NDArray[np.uint8], bottom: NDArray[np.uint8]) -> list[Segment]:
@@ -54,15 +55,15 @@ class Glance:
         return [Segment(_HALF * (end - begin), self._styles[top[begin]][bottom[begin]]) for begin, end in pairwise(cuts)]
 
 
-def _draw_windows(field: NDArray[np.uint8], clusters: Clusters, scale: float) -> None:
+def _draw_boxes(field: NDArray[np.uint8], clusters: Clusters, scale: float) -> None:
     rows, columns = field.shape
-    for state in clusters.states:
-        left, right = (int((state["x"] + side * state["radius"]) / scale) for side in (-1, 1))
-        top, bottom = (int((state["y"] + side * state["radius"]) / scale) for side in (-1, 1))
+    for state, width, height in zip(clusters.states, *upright_sides(clusters.states), strict=True):
+        left, right = (int((state["x"] + side * width / 2) / scale) for side in (-1, 1))
+        top, bottom = (int((state["y"] + side * height / 2) / scale) for side in (-1, 1))
         across, down = slice(max(left, 0), max(right + 1, 0)), slice(max(top, 0), max(bottom + 1, 0))
         for row in (top, bottom):
             if 0 <= row < rows:
-                field[row, across] = _WINDOW
+                field[row, across] = _BOX
         for column in (left, right):
             if 0 <= column < columns:
-                field[down, column] = _WINDOW
+                field[down, column] = _BOX

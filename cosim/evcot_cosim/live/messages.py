@@ -8,7 +8,7 @@ FRAME (1), server to page: 32 bytes, then arrays.
 
     offset  type  what
     0       u8    1
-    1       u8    version of this layout, 1
+    1       u8    version of this layout, 2
     2       u16   k, number of clusters
     4       u32   number of the frame
     8       u32   n, number of events
@@ -16,7 +16,8 @@ FRAME (1), server to page: 32 bytes, then arrays.
     16      f64   time of the newest event, us since the first event of the run
     24      f32   u, unit of the ages, us
     28      u32   0
-    then    k times: u32 track id (its low 32 bits), f32 x, f32 y, f32 radius (px), f32 time since birth (s), i32 slot
+    then    k times: u32 track id (its low 32 bits), f32 x, f32 y, f32 width, f32 height (px), f32 angle (rad), f32 vx, f32 vy
+            (px/s), f32 confidence, f32 time since birth (s), i32 slot
             u16[n] x, u16[n] y, u16[n] age: the event happened age * u before the newest one
             u8[n]  bit 0: polarity; bit 1: a filter removed the event
 
@@ -34,10 +35,11 @@ from .frame import Frame
 
 __all__ = ["drawn_number", "pack_frame"]
 
-_FRAME, _DRAWN, _VERSION = 1, 2, 1
+_FRAME, _DRAWN, _VERSION = 1, 2, 2
 _HEAD = struct.Struct("<BBHIIIdf4x")
 _DRAWN_MESSAGE = struct.Struct("<B3xI")
-_CLUSTER = np.dtype([("id", "<u4"), ("x", "<f4"), ("y", "<f4"), ("radius", "<f4"), ("age_s", "<f4"), ("slot", "<i4")])
+_STATE = ("x", "y", "width", "height", "angle", "vx", "vy", "confidence")
+_CLUSTER = np.dtype([("id", "<u4"), *((name, "<f4") for name in _STATE), ("age_s", "<f4"), ("slot", "<i4")])
 _AGE_MAX = (1 << 16) - 1
 _CLUSTERS_MAX = (1 << 16) - 1
 
@@ -47,7 +49,7 @@ def pack_frame(frame: Frame, first_us: int) -> bytes:
     states = frame.clusters.states[:_CLUSTERS_MAX]
     clusters = np.empty(len(states), _CLUSTER)
     clusters["id"] = states["track_id"] & 0xFFFFFFFF
-    for name in ("x", "y", "radius", "slot"):
+    for name in (*_STATE, "slot"):
         clusters[name] = states[name]
     clusters["age_s"] = np.maximum(frame.t_us - frame.clusters.birth_us[: len(states)], 0) / 1e6
     age_us = frame.t_us - frame.events_t_us

@@ -109,7 +109,8 @@ _SCORES = (
     ("Mostly lost objects", "ml", ""),
     ("Position error, median (px)", "position_error_px_median", ""),
     ("Position error, 90 % (px)", "position_error_px_p90", ""),
-    ("Velocity error, median (px/s)", "velocity_error_median", ""),
+    ("Velocity error, median (px/s)", "velocity_error_median", "of a track's displacement over 50 ms"),
+    ("Stated velocity's error, median (px/s)", "stated_velocity_error_median", "of the velocity that the tracker states"),
     ("Latency (ms)", "latency_ms", "from an object's appearance to its track"),
 )
 

@@ -40,7 +40,7 @@ _GOING = 0.15  # of the recording: after that there is something to see
 _PLAYING_S = 10  # that the whole recording takes at first, at least
 _SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 # Of the curves, in pixels: known before they are drawn, so that nothing jumps.
-_HEIGHTS = {"rate": 44, "alive": 64, "radius": 64, "nev": 64, "quiet": 64}
+_HEIGHTS = {"rate": 44, "alive": 64, "size": 64, "nev": 64, "quiet": 64}
 _LANES_HEIGHT = 440  # of all lifetimes, at most, as long as a lane has its least
 _LANE = (3, 14)  # height of a lane: least, most
 _LANES_LEAST = 2  # of a side

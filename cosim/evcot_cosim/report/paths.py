@@ -18,6 +18,7 @@ from .thin import LIVES_MAX, RECORDS_MAX, longest_lives, thinned_events, thinned
 __all__ = ["POINT", "Paths", "log_paths", "truth_paths"]
 
 SUBPIXELS = 16  # places and sizes are kept to a sixteenth of a pixel
+_ANGLE_STEPS = 1_000  # to a rad
 
 POINT = np.dtype(
     [
@@ -26,6 +27,7 @@ POINT = np.dtype(
         ("y", "<f8"),
         ("half_width", "<f8"),
         ("half_height", "<f8"),
+        ("angle", "<f8"),
         ("n_ev", "<i8"),
     ]
 )
@@ -69,6 +71,8 @@ class Paths:
         }
         for field in ("x", "y", "half_width", "half_height"):
             columns[field] = Column(np.rint(points[field] * SUBPIXELS).astype(np.int64), delta=True, scale=1 / SUBPIXELS)
+        angle = np.rint(points["angle"] * _ANGLE_STEPS).astype(np.int64)
+        columns["angle"] = Column(angle, delta=True, scale=1 / _ANGLE_STEPS)
         return {f"{name}.{field}": column for field, column in columns.items()}
 
 
@@ -84,9 +88,9 @@ def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_ma
     row = by_id[np.searchsorted(lives["track_id"], records["track_id"], sorter=by_id)]
     order = np.argsort(row, kind="stable")
     points = np.empty(len(records), POINT)
-    for field, source in (("t_us", "t_us"), ("x", "x"), ("y", "y"), ("n_ev", "n_ev")):
+    for field, source in (("t_us", "t_us"), ("x", "x"), ("y", "y"), ("n_ev", "n_ev"), ("angle", "angle")):
         points[field] = records[source][order]
-    points["half_width"] = points["half_height"] = records["radius"][order]
+    points["half_width"], points["half_height"] = records["width"][order] / 2, records["height"][order] / 2
     names = tuple(str(track_id) for track_id in lives["track_id"].tolist())
     lanes = _used(lives["slot"]) if log.engine.startswith("cot") else _lanes(lives)
     return Paths(lives, lanes, names, np.bincount(row, minlength=len(lives)), points, len(everyone), len(log.records))

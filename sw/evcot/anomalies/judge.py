@@ -29,9 +29,9 @@ ALARMS_PER_STEP = FORBIDDEN  # plus one for each zone and line
 _SCORE_MAX = 99.0
 _RARE, _SELDOM = 0.03, 0.05  # tracks lost per cell, and as a share of its visits: at most both is rare
 _MOST = 0.4  # share of a stay during which something was observed
-_SWELL = 1.6  # a window that changes more than this while a velocity is measured switches between objects
+_SWELL = 1.6  # a box that changes more than this while a velocity is measured switches between objects
 _BRAKED = 0.4  # of the normal speed: an object that was faster has braked
-_WHOLE = 0.6  # of its window when it became slow: a smaller one covers the remains of another track
+_WHOLE = 0.6  # of its box when it became slow: a smaller one covers the remains of another track
 _NEAR = 0.6  # of the radius: within this distance of its mean position a stay continues, and is reported
 _AMONG = 0.5  # of the normal speed: above this, an object counts as moving
 
@@ -143,9 +143,9 @@ def _stopping(rules, field, cur, trace, out, elapsed_us, speed):  # type: ignore
     slows = moved and speed + trace.error < rules.slow_ratio * trace.normal and not _is_cut(field, trace)
     if slows and trace.slow_us == 0:
         trace.slow_t = trace.t - elapsed_us
-        trace.slow_radius = trace.radius
+        trace.slow_extent = trace.extent
     trace.slow_us = trace.slow_us + elapsed_us if slows else 0.0
-    whole = _WHOLE * trace.slow_radius <= trace.radius <= trace.slow_radius / _WHOLE
+    whole = _WHOLE * trace.slow_extent <= trace.extent <= trace.slow_extent / _WHOLE
     if trace.slow_us >= rules.hold_us / 2 and speed < _BRAKED * trace.normal and whole and _is_near(rules, trace.normal):
         trace.braked_t = trace.t
         trace.braked_x = trace.x
@@ -189,8 +189,8 @@ def _is_taken(rules, trace, speed):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _is_cut(field, trace):  # type: ignore[no-untyped-def]
-    """Whether a track's window extends over the picture's edge: the centre of a clipped object moves incorrectly."""
-    reach = trace.radius + field.cell_px
+    """Whether a track's box extends over the picture's edge: the centre of a clipped object moves incorrectly."""
+    reach = trace.extent + field.cell_px
     before, _ = _cell(field, trace.x - reach, trace.y - reach)
     after, _ = _cell(field, trace.x + reach, trace.y + reach)
     return before < 0 or after < 0

@@ -14,7 +14,7 @@ from numba import njit
 
 from ..tracks.log import Kind
 from .judge import end, judge
-from .motion import add_place, begin, close_step
+from .motion import add_place, begin, close_step, extent_px
 
 __all__ = ["CURSOR", "feed"]
 
@@ -125,12 +125,13 @@ def feed(steps, rules, field, places, stays, stitch_us, stitch_px, cursor, table
         after_us = record.t_us - cur.origin_us
         step = after_us // steps.step_us
         if trace.n > 0 and (ends or step > trace.step):
-            close_step(steps, trace, record.radius)
+            close_step(steps, trace, record.radius, extent_px(record))
             judge(rules, field, places, stays, i, cur, trace, out)
         if ends:
             end(rules, field, stays, cur, trace, out, record.kind == LOST)
             trace.ended_us = after_us
         else:
             trace.radius = record.radius
+            trace.extent = extent_px(record)
             add_place(trace, after_us, step, steps.step_us, record.x, record.y)
     return len(records)

@@ -24,7 +24,8 @@ TRACE = np.dtype(
         ("track_id", "<i8"),
         ("birth_us", "<i8"),
         ("ended_us", "<i8"),  # after the first record of the run; -1 while it lives
-        ("radius", "<f8"),  # of its window
+        ("radius", "<f8"),  # half its search window
+        ("extent", "<f8"),  # half the longer side of its box
         ("settled", "?"),  # whether it has a position yet
         ("first_x", "<f8"),
         ("first_y", "<f8"),
@@ -36,7 +37,7 @@ TRACE = np.dtype(
         ("braked_t", "<f8"),  # time when it was last slow for long enough after motion, negative if never; and position
         ("braked_x", "<f8"),
         ("braked_y", "<f8"),
-        ("slow_radius", "<f8"),  # of its window when it became slow
+        ("slow_extent", "<f8"),  # when it became slow
         ("stood", "u1"),  # 1: it stayed at its first position, 0: it did not, 2: not yet known
         ("first_t", "<f8"),
         ("anchor_t", "<f8"),  # of its stay: start time, and mean position

@@ -20,7 +20,7 @@ from ..tracks.log import TRACK, Kind, TrackLog
 from .config import AnomalyConfig
 from .field import FieldConfig, NormalMotion, grid
 from .layout import TRACE
-from .motion import Steps, add_place, begin, close_step, steps
+from .motion import Steps, add_place, begin, close_step, extent_px, steps
 
 __all__ = ["learn", "smallest_sensor"]
 
@@ -104,7 +104,7 @@ def _follow(measured: Steps, records: Any, tracks: Any, origin_us: int, motions:
             last = tracks[k]
         ends = record.kind == LOST or record.kind == MERGED
         if motion.n > 0 and (ends or step > motion.step):
-            close_step(measured, motion, record.radius)
+            close_step(measured, motion, record.radius, extent_px(record))
             if motion.known:
                 row = out[found]
                 found += 1

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConfigError, TrackLogError
 from ..metrics.sampling import checked
+from ..tracks.boxes import upright_sides
 from ..tracks.log import TrackLog
 from .alarm import ALARM
 from .config import AnomalyConfig
@@ -106,8 +107,8 @@ class Monitor:
         self._last_us = int(records["t_us"][-1])
         if self._sensor is None:
             return
-        for axis, size in zip("xy", self._sensor, strict=True):
-            off = (records[axis] + records["radius"] < -0.5) | (records[axis] - records["radius"] > size - 0.5)
+        for axis, side, size in zip("xy", upright_sides(records), self._sensor, strict=True):
+            off = (records[axis] + side / 2 < -0.5) | (records[axis] - side / 2 > size - 0.5)
             if off.any():
                 row = int(np.argmax(off))
                 width, height = self._sensor

@@ -16,7 +16,7 @@ from numba import njit
 
 from .config import RING, AnomalyConfig
 
-__all__ = ["MOTION", "Steps", "add_place", "begin", "close_step", "steps"]
+__all__ = ["MOTION", "Steps", "add_place", "begin", "close_step", "extent_px", "steps"]
 
 _PLACES_MIN = 5  # minimum number of positions for a fit
 _SPAN_MIN = 4  # steps between the first and the last of them
@@ -34,7 +34,7 @@ MOTION = np.dtype(
         ("ring_t", "<f8", RING),  # us after the first record of the run
         ("ring_x", "<f8", RING),
         ("ring_y", "<f8", RING),
-        ("ring_radius", "<f8", RING),
+        ("ring_extent", "<f8", RING),
         # Of the newest closed step:
         ("t", "<f8"),
         ("x", "<f8"),
@@ -50,7 +50,7 @@ MOTION = np.dtype(
         ("vx", "<f8"),  # px/s
         ("vy", "<f8"),
         ("error", "<f8"),  # standard error of each of the two, px/s
-        ("swell", "<f8"),  # largest over smallest radius in that window
+        ("swell", "<f8"),  # largest over smallest extent in that window
     ]
 )
 
@@ -79,6 +79,12 @@ def begin(motion: Any, step: int) -> None:
 
 
 @njit(cache=True, nogil=True)
+def extent_px(record: Any) -> float:
+    """Half the longer side of a record's box."""
+    return 0.5 * max(record.width, record.height)  # type: ignore[no-any-return]
+
+
+@njit(cache=True, nogil=True)
 def add_place(motion: Any, after_us: int, step: int, step_us: int, x: float, y: float) -> None:
     """Add a record to the open step; `after_us`: its time after the first record of the run."""
     motion.step = step
@@ -89,8 +95,13 @@ def add_place(motion: Any, after_us: int, step: int, step_us: int, x: float, y: 
 
 
 @njit(cache=True, nogil=True)
-def close_step(settings: Steps, motion: Any, reach_px: float) -> None:
-    """Average the open step, which must have a record, to a position, and refit the line."""
+def close_step(settings: Steps, motion: Any, reach_px: float, extent_px: float) -> None:
+    """Average the open step, which must have a record, to a position, and refit the line.
+
+    Args:
+        reach_px: half the tracker's search window: an object that is farther from its prediction has jumped.
+        extent_px: half the longer side of its box.
+    """
     t = motion.step * settings.step_us + motion.sum_t / motion.n
     x = motion.sum_x / motion.n
     y = motion.sum_y / motion.n
@@ -115,7 +126,7 @@ def close_step(settings: Steps, motion: Any, reach_px: float) -> None:
     motion.ring_t[motion.head] = t
     motion.ring_x[motion.head] = x
     motion.ring_y[motion.head] = y
-    motion.ring_radius[motion.head] = reach_px
+    motion.ring_extent[motion.head] = extent_px
     motion.head = (motion.head + 1) % RING
     motion.places = min(motion.places + 1, RING)
     _fit(settings, motion)
@@ -136,8 +147,8 @@ def _fit(settings: Steps, motion: Any) -> None:
             break
         n += 1
         span_us = -1e6 * dt
-        largest = max(largest, motion.ring_radius[i])
-        smallest = min(smallest, motion.ring_radius[i])
+        largest = max(largest, motion.ring_extent[i])
+        smallest = min(smallest, motion.ring_extent[i])
         st += dt
         sx += dx
         sy += dy

@@ -137,5 +137,7 @@ def _records(seen: NDArray[np.void], track_id: NDArray[np.int64], kind: Any) -> 
     for name in ("t_us", "x", "y"):
         records[name] = seen[name]
     records["track_id"], records["kind"], records["other_id"] = track_id, kind, -1
+    records["width"], records["height"] = seen["width"], seen["height"]
     records["radius"] = np.maximum(seen["width"], seen["height"]) / 2
+    records["confidence"] = 1.0
     return records

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..tracks.boxes import upright_sides
 from ..tracks.log import TrackLog
 from ..tracks.timeline import SAMPLE, sample
 from .rule import Rule
@@ -144,13 +145,14 @@ def _nearness(boxes: NDArray[np.void], states: NDArray[np.void]) -> NDArray[np.f
 
 
 def _overlap(boxes: NDArray[np.void], states: NDArray[np.void], rule: Rule) -> NDArray[np.float64]:
-    """Intersection over union of boxes and windows; (boxes, states)."""
-    shared, box_area, window_area = np.ones((len(boxes), len(states))), np.ones((len(boxes), 1)), np.ones(len(states))
+    """Intersection over union of the truth's boxes and the tracks', turned ones upright; (boxes, states)."""
+    shared, box_area, own_area = np.ones((len(boxes), len(states))), np.ones((len(boxes), 1)), np.ones(len(states))
     limits = [(rule.edge_px, rule.edge_px + size) for size in rule.size()] if rule.clip else [(-np.inf, np.inf)] * 2
-    for axis, side, (lowest, highest) in zip("xy", ("width", "height"), limits, strict=True):
-        box_low, box_high = (boxes[axis] + sign * boxes[side] / 2 for sign in (-1, 1))
-        low, high = (np.clip(states[axis] + sign * states["radius"], lowest, highest) for sign in (-1, 1))
+    sides = upright_sides(states)
+    for axis, name, own, (lowest, highest) in zip("xy", ("width", "height"), sides, limits, strict=True):
+        box_low, box_high = (boxes[axis] + sign * boxes[name] / 2 for sign in (-1, 1))
+        low, high = (np.clip(states[axis] + sign * own / 2, lowest, highest) for sign in (-1, 1))
         shared *= np.maximum(np.minimum(box_high[:, None], high) - np.maximum(box_low[:, None], low), 0)
-        box_area *= boxes[side][:, None]
-        window_area *= np.maximum(high - low, 0)
-    return shared / (box_area + window_area - shared)
+        box_area *= boxes[name][:, None]
+        own_area *= np.maximum(high - low, 0)
+    return shared / (box_area + own_area - shared)

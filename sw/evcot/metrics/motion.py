@@ -28,6 +28,8 @@ class Motion:
         position_error_px_median, position_error_px_p90: distance between object and track.
         velocity_error_median: distance between their velocities, pixels per second; for a track, from its positions 25 ms later
             and earlier. None without velocities in the truth.
+        stated_velocity_error_median: the same with the velocity that the track states, which knows nothing of later; None
+            if no matched track states one.
         latency_ms: time shift of the tracks that minimises the median distance, searched over +-100 ms in steps of 1 ms; above
             0 the tracks are late. None if the minimum is at an end of the range, or if nothing moves.
     """
@@ -35,23 +37,26 @@ class Motion:
     position_error_px_median: float | None
     position_error_px_p90: float | None
     velocity_error_median: float | None
+    stated_velocity_error_median: float | None
     latency_ms: float | None
 
 
-def motion(log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]) -> Motion:
+def motion(log: TrackLog, objects: NDArray[np.void], outputs: NDArray[np.void], instants_us: NDArray[np.int64]) -> Motion:
     """Errors of (n,) matched pairs.
 
     Args:
         log: a log as returned by `sampling.expiring`.
         objects: (n,) of dtype `truth.OBJECT`.
-        track_ids: (n,) the track matched with each.
+        outputs: (n,) of dtype `timeline.SAMPLE`, the track matched with each.
         instants_us: (n,) time of each match.
     """
+    track_ids = outputs["track_id"]
     error_px = _distances(log, objects, track_ids, instants_us[:, None])[:, 0]
     return Motion(
         position_error_px_median=_quantile(error_px, 0.5),
         position_error_px_p90=_quantile(error_px, 0.9),
         velocity_error_median=_velocity_error(log, objects, track_ids, instants_us),
+        stated_velocity_error_median=_stated_velocity_error(objects, outputs),
         latency_ms=_latency_ms(log, objects, track_ids, instants_us),
     )
 
@@ -70,6 +75,11 @@ def _velocity_error(
     around_us = instants_us[:, None] + np.array([-_SPAN_US // 2, _SPAN_US // 2])
     vx, vy = (np.diff(axis)[:, 0] / (_SPAN_US * 1e-6) for axis in positions(log, track_ids, around_us))
     return _quantile(np.hypot(vx - objects["vx"], vy - objects["vy"]), 0.5)
+
+
+def _stated_velocity_error(objects: NDArray[np.void], outputs: NDArray[np.void]) -> float | None:
+    error = np.hypot(outputs["vx"] - objects["vx"], outputs["vy"] - objects["vy"])
+    return _quantile(error[(outputs["vx"] != 0) | (outputs["vy"] != 0)], 0.5)  # both are 0 until it is known
 
 
 def _latency_ms(

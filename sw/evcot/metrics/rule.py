@@ -50,10 +50,10 @@ class Rule:
         at_us: a line is evaluated this long after its `t_us` or `t_end_us`.
         max_age_us: maximum age at which a track's newest state counts as an output.
         similarity: "centre": 1 - d / (half the box's diagonal), at least 0, at distance d between the centres; "iou":
-            intersection over union of the box and the track's window, the square of half side `radius`.
+            intersection over union of the box and the track's box; of one that is turned, the upright rectangle around it.
         reach_px: for points: the distance at which the similarity is 0.
         threshold: minimum similarity of a match for CLEAR and ID scores.
-        clip: whether boxes are clipped to the sensor; with "iou" the tracks' windows, too.
+        clip: whether boxes are clipped to the sensor; with "iou" the tracks' boxes, too.
         edge_px: coordinate of the first pixel's left and upper edge.
         ignore: edge -> width in pixels of a band along it in which an output outside every box is ignored.
         counted: column -> (lowest, highest): an object counts only if all these columns are within limits; otherwise it need

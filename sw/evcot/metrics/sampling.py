@@ -19,7 +19,8 @@ def checked(log: TrackLog) -> TrackLog:
     """Validate a log and return it.
 
     Raises:
-        TrackLogError: a record that is out of order in time, of unknown kind, or without a valid position.
+        TrackLogError: a record that is out of order in time, of unknown kind, or without a valid position, box, velocity or
+            confidence.
     """
     records = log.records
     t_us = records["t_us"]
@@ -29,7 +30,11 @@ def checked(log: TrackLog) -> TrackLog:
         ("kind", np.isin(records["kind"], list(Kind)), f"must be from 0 to {max(Kind):d}"),
         *(
             (name, np.abs(records[name]) <= _PIXELS_MAX, f"must be a number of at most {_PIXELS_MAX:g}")
-            for name in ("x", "y", "radius")
+            for name in ("x", "y", "radius", "vx", "vy", "angle")
+        ),
+        *(
+            (name, (records[name] >= 0) & (records[name] <= most), f"must be a number from 0 to {most:g}")
+            for name, most in (("width", _PIXELS_MAX), ("height", _PIXELS_MAX), ("confidence", 1.0))
         ),
     )
     for name, good, rule in rules:

@@ -56,6 +56,7 @@ class Scores:
     position_error_px_median: float | None
     position_error_px_p90: float | None
     velocity_error_median: float | None
+    stated_velocity_error_median: float | None
     latency_ms: float | None
     frames: int
     truth_ids: int
@@ -79,7 +80,7 @@ def evaluate(log: TrackLog, truth: GroundTruth, rule: Rule) -> Scores:
     followed = clear(frames, rule.threshold)
     identified = identity(frames, rule.threshold)
     row, column = _rows(frames, followed.matches)
-    moved = motion(states, objects[row], outputs["track_id"][column], truth.instants_us[followed.matches.frame])
+    moved = motion(states, objects[row], outputs[column], truth.instants_us[followed.matches.frame])
     return Scores(
         **asdict(hota(frames)),
         **{name: getattr(followed, name) for name in ("mota", "motp", "idsw", "frag", "tp", "fp", "fn", "mt", "ml")},

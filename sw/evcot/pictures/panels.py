@@ -12,12 +12,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.colors import to_rgb
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import blended_transform_factory
 from numpy.typing import NDArray
 
 from ..events import Events, Recording
+from ..tracks.boxes import box_corners
 from ..tracks.log import Kind, TrackLog
 from ..tracks.timeline import alive, sample
 from .over_time import END_MARKERS, TimeAxis, draw_alive, draw_merges
@@ -44,7 +45,7 @@ class Side:
     name: str
     colour: str
     width: float  # of its lines; those of the first engine are wider, so that the second's do not hide them
-    dashes: Literal["solid", "dashed"]  # of its windows
+    dashes: Literal["solid", "dashed"]  # of its boxes
     log: TrackLog
     lives: NDArray[np.void]  # of dtype `timeline.LIFE`: the lives that are drawn, in order of birth
     tracks: int  # number of all tracks
@@ -55,7 +56,7 @@ class Clock:
     """The time axis shared by all panels."""
 
     times_us: NDArray[np.int64]  # evenly over the recording
-    moments_us: NDArray[np.int64]  # at which windows are drawn
+    moments_us: NDArray[np.int64]  # at which boxes are drawn
 
     @cached_property
     def axis(self) -> TimeAxis:
@@ -64,16 +65,16 @@ class Clock:
 
 
 def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Clock) -> None:
-    """Draw events by polarity, and both trackers' paths and windows, in sensor coordinates with the origin at the top left."""
+    """Draw events by polarity, and both trackers' paths and boxes, in sensor coordinates with the origin at the top left."""
     image, bin_px = _event_image(recording, clock)
     right, bottom = image.shape[1] * bin_px - 0.5, image.shape[0] * bin_px - 0.5
     ax.imshow(image, extent=(-0.5, right, bottom, -0.5), interpolation="nearest", aspect="equal")
     for side in sides:
         _draw_paths(ax, side, clock)
-        _draw_windows(ax, side, clock)
+        _draw_boxes(ax, side, clock)
     seeing = [side for side in sides if len(side.lives)]
     if seeing:
-        _number_windows(ax, seeing[0], clock)
+        _number_boxes(ax, seeing[0], clock)
     ax.set_xlim(-0.5, recording.width - 0.5)
     ax.set_ylim(recording.height - 0.5, -0.5)
     for spine in ax.spines.values():
@@ -131,19 +132,16 @@ def _states(side: Side, times_us: NDArray[np.int64]) -> NDArray[np.void]:
     return drawn
 
 
-def _draw_windows(ax: Axes, side: Side, clock: Clock) -> None:
-    boxes = [
-        Rectangle((s["x"] - s["radius"], s["y"] - s["radius"]), 2 * s["radius"], 2 * s["radius"])
-        for s in _states(side, clock.moments_us)
-    ]
+def _draw_boxes(ax: Axes, side: Side, clock: Clock) -> None:
+    boxes = [Polygon(corners) for corners in box_corners(_states(side, clock.moments_us))]
     ax.add_collection(
         PatchCollection(boxes, facecolor="none", edgecolor=side.colour, linewidth=1.4, linestyle=side.dashes, zorder=3)
     )
 
 
-def _number_windows(ax: Axes, side: Side, clock: Clock) -> None:
-    for s in _states(side, clock.moments_us):
-        corner = (s["x"] - s["radius"], s["y"] - s["radius"])
+def _number_boxes(ax: Axes, side: Side, clock: Clock) -> None:
+    states = _states(side, clock.moments_us)
+    for s, corner in zip(states, box_corners(states)[:, 0], strict=True):
         ax.annotate(
             str(s["sample"] + 1), corner, (1, -1), textcoords="offset points", va="top", zorder=4, clip_on=True, **_NUMBER
         )

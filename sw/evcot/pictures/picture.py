@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One picture of a run: the scene with both trackers' paths and windows, clusters over time, lives and merges."""
+"""One picture of a run: the scene with both trackers' paths and boxes, clusters over time, lives and merges."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def draw(
 ) -> None:
     """Draw a run as a PNG of `SIZE_PX`.
 
-    Left: events by polarity, strongest just before a few numbered moments; the paths of both trackers, and their windows at
+    Left: events by polarity, strongest just before a few numbered moments; the paths of both trackers, and their boxes at
     those moments. Right: the number of clusters alive, and every track from birth to end, with merges linked to the survivor.
     If there are too many tracks, only the longest are drawn, and the picture states this.
 
@@ -82,7 +82,7 @@ def draw(
         over_time = columns[1].subgridspec(2, 1, height_ratios=(1, 2.8), hspace=0.16)
         count = figure.add_subplot(over_time[0])
         lives = figure.add_subplot(over_time[1], sharex=count)
-        scene.set_title("(a) events, paths, and windows at the numbered moments")
+        scene.set_title("(a) events, paths, and boxes at the numbered moments")
         count.set_title("(b) clusters alive", pad=14)
         lives.set_title("(c) lifetimes and merges")
         scene_panel(scene, recording, sides, clock)
@@ -124,7 +124,7 @@ def _legend(sides: list[Side]) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = []
     for side in sides:
         handles.append(Line2D([], [], color=side.colour, linewidth=side.width, label=f"{side.name} ({side.log.engine})"))
-        handles.append(Patch(facecolor="none", edgecolor=side.colour, linestyle=side.dashes, label=f"{side.name} window"))
+        handles.append(Patch(facecolor="none", edgecolor=side.colour, linestyle=side.dashes, label=f"{side.name} box"))
     handles += [Patch(color=colour, label=f"{name} events") for name, colour in zip(("OFF", "ON"), EVENT_COLOURS, strict=True)]
     handles += [
         Line2D([], [], color=INK, linestyle="", marker=marker, label=label)

@@ -37,6 +37,7 @@ def drive(track_id: int, begin_us: int, x: float, y_from: float, px_s: float) ->
     records["kind"] = Kind.MOVED
     records["kind"][0], records["kind"][-1] = Kind.BORN, Kind.LOST
     records["track_id"], records["radius"], records["other_id"] = track_id, 10.0, -1
+    records["width"] = records["height"] = 20.0
     records["x"], records["y"] = x, y_from + px_s * (records["t_us"] - begin_us) * 1e-6
     return records
 

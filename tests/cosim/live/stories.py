@@ -55,6 +55,7 @@ class EveryTenth:
         records["t_us"], records["event_index"] = some.t_us[tenth], numbers[tenth]
         records["kind"] = np.where(numbers[tenth] == 0, Kind.BORN, Kind.MOVED)
         records["x"], records["y"], records["radius"], records["other_id"] = some.x[tenth], some.y[tenth], 3, -1
+        records["width"] = records["height"] = 7
         self._seen += len(some)
         self._last_us = int(some.t_us[-1])
         return records, np.where(tenth, 0, -1).astype(np.int16)

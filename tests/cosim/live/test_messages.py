@@ -40,22 +40,24 @@ def test_a_frame_has_the_newest_event_of_every_pixel() -> None:
 
 def test_the_layout() -> None:
     alive = Alive()
-    alive.apply(np.concatenate([record(Kind.BORN, 1_000, 0, 5, x=1), record(Kind.BORN, 2_000, 0, (1 << 32) + 6, x=7.5)]))
+    one, other = record(Kind.BORN, 1_000, 0, 5, x=1), record(Kind.BORN, 2_000, 0, (1 << 32) + 6, x=7.5)
+    other["angle"], other["vx"], other["vy"], other["confidence"] = 0.5, -20, 30, 0.75
+    alive.apply(np.concatenate([one, other]))
     some = Events.joined([events(10_000, x=1, y=2), events(20_000, x=3, y=4), events(30_000, x=63, y=47)])
     on = Events(some.t_us, some.x, some.y, np.array([1, 0, 1], np.uint8))
     frame = FrameMaker(SENSOR).make([step(on[:2]), step(on[2:], DROPPED)], alive.clusters)
     data = pack_frame(frame, 5_000)
     assert data[0] == 1
-    assert struct.unpack_from("<BHIII", data, 1) == (1, 2, 0, 3, 0)
+    assert struct.unpack_from("<BHIII", data, 1) == (2, 2, 0, 3, 0)
     t_us, unit_us, zero = struct.unpack_from("<dfI", data, 16)
     assert (t_us, zero) == (25_000, 0)
-    assert struct.unpack_from("<Iffffi", data, 32) == (5, 1, 5, 3, pytest.approx(0.029), 0)
-    assert struct.unpack_from("<Iffffi", data, 56) == (6, 7.5, 5, 3, pytest.approx(0.028), 0)
-    x, y, age = (np.frombuffer(data, "<u2", 3, 80 + 8 * i) for i in range(3))
+    assert struct.unpack_from("<I9fi", data, 32) == (5, 1, 5, 7, 5, 0, 0, 0, 0, pytest.approx(0.029), 0)
+    assert struct.unpack_from("<I9fi", data, 76) == (6, 7.5, 5, 7, 5, 0.5, -20, 30, 0.75, pytest.approx(0.028), 0)
+    x, y, age = (np.frombuffer(data, "<u2", 3, 120 + 8 * i) for i in range(3))
     assert (x.tolist(), y.tolist()) == ([1, 3, 63], [2, 4, 47])
     assert age * unit_us == pytest.approx([20_000, 10_000, 0], abs=1)
-    assert list(data[104:107]) == [1, 0, 3]
-    assert len(data) == 108
+    assert list(data[144:147]) == [1, 0, 3]
+    assert len(data) == 148
 
 
 def test_ages_are_as_fine_as_the_frame_is_short() -> None:

@@ -93,7 +93,7 @@ def test_it_draws_events_and_clusters_and_tells_figures(open_page: Any, server: 
 def test_layers_can_be_switched_off(open_page: Any) -> None:
     page = open_page(color_scheme="light")
     assert page.shows(16.5, 10, "#0068a3")
-    page.page.uncheck("input[name=windows]")
+    page.page.uncheck("input[name=boxes]")
     wait_until(lambda: not page.shows(16.5, 10, "#0068a3"))
     assert page.shows(16.5, 10, "#ffffff")
 

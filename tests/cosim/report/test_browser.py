@@ -116,11 +116,11 @@ def test_a_bar_of_the_lifetimes_is_a_way_there(opened: Opened, material: Materia
 
 def test_keys_step_to_every_kind_of_moment(opened: Opened, material: Material) -> None:
     log, begin_us = material.sides[0].log, material.span_us[0]
-    opened.page.get_by_label("software: windows").uncheck()
+    opened.page.get_by_label("software: boxes").uncheck()
     opened.page.get_by_label("software: ids").uncheck()
     opened.page.get_by_label("software: trails").uncheck()
     opened.page.locator("#layers").evaluate("() => document.activeElement.blur()")
-    opened.page.get_by_label("truth: windows").uncheck()
+    opened.page.get_by_label("truth: boxes").uncheck()
     opened.page.locator("#layers").evaluate("() => document.activeElement.blur()")
     for key, kind in (("m", 2), ("b", 0), ("u", None), ("e", -1)):
         opened.ask("() => report.clock.seek(100000)")
@@ -153,7 +153,7 @@ def test_layers_switch_what_is_drawn(opened: Opened) -> None:
     both = opened.drawn()
     opened.page.get_by_label("hardware: inner radius").check()
     assert (opened.drawn() != both).any()
-    for part in ("windows", "inner radius", "ids", "trails"):
+    for part in ("boxes", "inner radius", "ids", "trails"):
         before = coloured(opened.drawn(), BLUE)
         opened.page.get_by_label(f"hardware: {part}").uncheck()
         assert coloured(opened.drawn(), BLUE) < before, part
@@ -164,7 +164,7 @@ def test_layers_switch_what_is_drawn(opened: Opened) -> None:
         opened.page.get_by_label(polarity, exact=True).uncheck()
         assert (opened.drawn() != before).any()
     for layer in ("hardware", "software", "truth"):
-        for part in ("windows", "inner radius", "ids", "trails"):
+        for part in ("boxes", "inner radius", "ids", "trails"):
             box = opened.page.get_by_label(f"{layer}: {part}", exact=True)
             if box.count():
                 box.uncheck()

@@ -40,6 +40,7 @@ def track(
         records["kind"][-1] = ends
         records["t_us"][-1] += STEP_US
     records["track_id"], records["radius"], records["other_id"] = track_id, 12.0, -1
+    records["width"], records["height"] = 24.0, 16.0
     return records
 
 

@@ -132,12 +132,15 @@ def test_who_stays_where_first_seen_and_drives_off_has_stood(normal: NormalMotio
     assert "stopping" not in kinds(alarms_of(track(77, 0, 1_250_000, taken_along, 0.3), normal=normal))
 
 
-def test_a_window_that_swells_has_no_velocity(normal: NormalMotion) -> None:
+def test_a_box_that_swells_has_no_velocity(normal: NormalMotion) -> None:
     steady = track(77, 0, 2_000_000, away(MIDDLE, 2.0), 0.3)
     assert "fast" in kinds(alarms_of(steady, normal=normal))
     swelling = steady.copy()
-    swelling["radius"] = np.where(np.arange(len(swelling)) % 10 < 5, 12.0, 24.0)
+    swelling["height"] = np.where(np.arange(len(swelling)) % 10 < 5, 24.0, 48.0)
     assert kinds(alarms_of(swelling, normal=normal)) == []
+    searching = steady.copy()
+    searching["radius"] = np.where(np.arange(len(searching)) % 10 < 5, 12.0, 24.0)
+    assert "fast" in kinds(alarms_of(searching, normal=normal)), "the search window is not the object"
 
 
 def pacing(s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -74,6 +74,7 @@ def test_the_truth_as_a_log_has_a_track_for_each_time_that_an_object_is_seen() -
     assert len(np.unique(records["track_id"])) == 3
     assert (np.diff(records["t_us"]) >= 0).all()
     assert set(records["radius"]) == {15.0}
+    assert set(records[["width", "height"]].tolist()) == {(20.0, 30.0)}
 
 
 def highway_truth(seed: int, seconds: int, **planted: int) -> Truth:

@@ -11,12 +11,12 @@ from evcot.tracks.log import TRACK, Kind, TrackLog
 Record = tuple[int, int, Kind, float, float]
 
 
-def logged(*records: Record, radius: float = 5.0) -> TrackLog:
-    """A log of (t_us, track_id, kind, x, y)."""
+def logged(*records: Record, width: float = 10.0, height: float = 10.0, angle: float = 0.0) -> TrackLog:
+    """A log of (t_us, track_id, kind, x, y); the search window is larger than the box."""
     rows = np.zeros(len(records), TRACK)
     for name, column in zip(("t_us", "track_id", "kind", "x", "y"), zip(*records, strict=True), strict=False):
         rows[name] = column
-    rows["radius"], rows["other_id"] = radius, -1
+    rows["width"], rows["height"], rows["angle"], rows["radius"], rows["other_id"] = width, height, angle, 50.0, -1
     return TrackLog("test", rows, np.empty(0, np.int16))
 
 

@@ -28,9 +28,9 @@ def truth_of(*boxes: tuple[int, int, float, float, float, float, bool]) -> Groun
     return GroundTruth(100 * np.arange(max(box[0] for box in boxes) + 1), objects, ("a", "b", "c"))
 
 
-def frames_of(truth: GroundTruth, places: Sequence[tuple[float, float]], rule: Rule = RULE) -> Frames:
-    """Tracks 10, 11, ... stand at these places from the first instant on, with windows of radius 5."""
-    log = logged(*((0, 10 + i, Kind.BORN, x, y) for i, (x, y) in enumerate(places)))
+def frames_of(truth: GroundTruth, places: Sequence[tuple[float, float]], rule: Rule = RULE, **box: float) -> Frames:
+    """Tracks 10, 11, ... stand at these places from the first instant on, with boxes of 10 x 10 px or these."""
+    log = logged(*((0, 10 + i, Kind.BORN, x, y) for i, (x, y) in enumerate(places)), **box)
     return line_up(log, truth, rule)[0]
 
 
@@ -40,17 +40,34 @@ def test_similarity_falls_from_the_centre_to_half_a_diagonal_away() -> None:
     np.testing.assert_allclose(frames.similarity[0], [[1.0, 0.6, 0.0, 0.0]])
 
 
-def test_overlap_of_box_and_window() -> None:
+IOU = Rule(RULE.columns, similarity="iou")
+
+
+def test_overlap_of_box_and_track() -> None:
     truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
-    frames = frames_of(truth, [(50, 50), (55, 60), (60, 50)], Rule(RULE.columns, similarity="iou"))
+    frames = frames_of(truth, [(50, 50), (55, 60), (60, 50)], IOU)
     np.testing.assert_allclose(frames.similarity[0], [[100 / 200, 25 / 275, 0.0]])
 
 
-def test_windows_are_clipped_as_boxes_are() -> None:
+def test_the_overlap_is_that_of_the_objects_own_width_and_height() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
+    np.testing.assert_allclose(frames_of(truth, [(50, 50)], IOU, width=10.0, height=20.0).similarity[0], [[1.0]])
+    np.testing.assert_allclose(frames_of(truth, [(50, 50)], IOU, width=20.0, height=10.0).similarity[0], [[100 / 300]])
+
+
+def test_of_a_turned_box_the_upright_rectangle_around_it_overlaps() -> None:
+    truth = truth_of((0, 0, 50.0, 50.0, 10.0, 20.0, True))
+    quarter = frames_of(truth, [(50, 50)], IOU, width=20.0, height=10.0, angle=np.pi / 2)
+    np.testing.assert_allclose(quarter.similarity[0], [[1.0]])
+    square = frames_of(truth_of((0, 0, 50.0, 50.0, 10.0, 10.0, True)), [(50, 50)], IOU, angle=np.pi / 4)
+    np.testing.assert_allclose(square.similarity[0], [[0.5]])
+
+
+def test_boxes_of_tracks_are_clipped_as_boxes_are() -> None:
     truth = truth_of((0, 0, 2.5, 5.0, 5.0, 10.0, True))
     clipping = Rule(RULE.columns, similarity="iou", clip=True, edge_px=0.0, sensor=(100, 100))
     np.testing.assert_allclose(frames_of(truth, [(0, 5)], clipping).similarity[0], [[1.0]])
-    np.testing.assert_allclose(frames_of(truth, [(0, 5)], Rule(RULE.columns, similarity="iou")).similarity[0], [[0.5]])
+    np.testing.assert_allclose(frames_of(truth, [(0, 5)], IOU).similarity[0], [[0.5]])
 
 
 def test_an_output_in_a_band_counts_only_inside_a_box() -> None:

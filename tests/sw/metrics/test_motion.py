@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from evcot.metrics.motion import Motion, motion
 from evcot.metrics.truth import OBJECT
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.timeline import SAMPLE, sample
 
 INSTANTS_US = np.arange(300_000, 1_700_000, 10_000)
 
@@ -36,9 +37,12 @@ def track(late_us: int = 0, dx: float = 0.0, faster: float = 1.0) -> TrackLog:
 
 
 def measured(log: TrackLog, objects: NDArray[np.void] | None = None) -> Motion:
-    return motion(
-        log, objects_at(INSTANTS_US) if objects is None else objects, np.zeros(len(INSTANTS_US), np.int64), INSTANTS_US
-    )
+    return motion(log, objects_at(INSTANTS_US) if objects is None else objects, outputs_at(log, INSTANTS_US), INSTANTS_US)
+
+
+def outputs_at(log: TrackLog, instants_us: NDArray[np.int64]) -> NDArray[np.void]:
+    """The states of track 0, of which there is always one."""
+    return sample(log, instants_us) if len(log.records) else np.zeros(len(instants_us), SAMPLE)
 
 
 def test_a_track_on_its_object_has_no_errors() -> None:
@@ -82,10 +86,21 @@ def test_a_track_that_is_too_fast_by_so_much() -> None:
     assert found.velocity_error_median == pytest.approx(30.0, abs=usual.velocity_error_median)
 
 
+def test_the_stated_velocity_is_held_against_the_objects_where_there_is_one() -> None:
+    log = track()
+    assert measured(log).stated_velocity_error_median is None
+    (x0, y0), (x1, y1) = ball(log.records["t_us"] - 500), ball(log.records["t_us"] + 500)
+    log.records["vx"], log.records["vy"] = (x1 - x0) * 1e3 + 3.0, (y1 - y0) * 1e3 - 4.0
+    assert measured(log).stated_velocity_error_median == pytest.approx(5.0, abs=1e-3)
+    log.records["vx"][:1_500] = log.records["vy"][:1_500] = 0.0  # not yet known
+    assert measured(log).stated_velocity_error_median == pytest.approx(5.0, abs=1e-3)
+    assert measured(log, objects_at(INSTANTS_US, velocity=False)).stated_velocity_error_median is None
+
+
 def test_without_velocities_or_pairs_there_are_no_figures() -> None:
     assert measured(track(), objects_at(INSTANTS_US, velocity=False)).velocity_error_median is None
-    nobody = motion(track(), objects_at(INSTANTS_US[:0]), np.empty(0, np.int64), INSTANTS_US[:0])
-    assert nobody == Motion(None, None, None, None)
+    nobody = motion(track(), objects_at(INSTANTS_US[:0]), np.empty(0, SAMPLE), INSTANTS_US[:0])
+    assert nobody == Motion(None, None, None, None, None)
 
 
 def test_of_equal_shifts_the_smallest_counts() -> None:
@@ -94,9 +109,8 @@ def test_of_equal_shifts_the_smallest_counts() -> None:
     records = log.records[::40].copy()
     records["x"], records["y"] = ball(records["t_us"] + 40_000)
     instants_us = INSTANTS_US[INSTANTS_US % 40_000 == 0]
-    found = motion(
-        TrackLog("test", records, log.owner), objects_at(instants_us), np.zeros(len(instants_us), np.int64), instants_us
-    )
+    log = TrackLog("test", records, log.owner)
+    found = motion(log, objects_at(instants_us), outputs_at(log, instants_us), instants_us)
     assert found.latency_ms == -1.0
 
 
@@ -111,5 +125,5 @@ def test_a_shift_at_which_most_tracks_are_not_there_says_nothing() -> None:
     records["kind"][-1] = Kind.LOST
     records["x"], records["y"] = records["t_us"] * 1e-3, 3.0
     records["x"][40], records["y"][40] = 0.0, 0.0
-    found = motion(TrackLog("test", records, np.empty(0, np.int16)), objects, np.zeros(5, np.int64), instants_us)
+    found = motion(TrackLog("test", records, np.empty(0, np.int16)), objects, np.zeros(5, SAMPLE), instants_us)
     assert found.latency_ms == 0.0

@@ -74,6 +74,10 @@ def test_an_empty_log_has_no_outputs() -> None:
         ("x", np.nan, "record 1: x = nan: must be a number of at most 1e+09"),
         ("y", -1e300, "record 1: y = -1e+300: must be a number of at most 1e+09"),
         ("radius", np.inf, "record 1: radius = inf: must be a number of at most 1e+09"),
+        ("vy", np.nan, "record 1: vy = nan: must be a number of at most 1e+09"),
+        ("width", -0.5, "record 1: width = -0.5: must be a number from 0 to 1e+09"),
+        ("height", np.nan, "record 1: height = nan: must be a number from 0 to 1e+09"),
+        ("confidence", 1.01, "record 1: confidence = 1.01: must be a number from 0 to 1"),
     ],
 )
 def test_a_record_that_no_engine_writes_is_refused(log: TrackLog, field: str, value: float, message: str) -> None:

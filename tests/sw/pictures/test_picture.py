@@ -111,7 +111,7 @@ def test_paths_windows_counts_and_merges_are_those_of_the_log(tmp_path: Path, dr
     assert ends == [((20.0, 20.0), (50.0, 20.0)), ((90.0, 20.0), (90.0, 20.0))]
     windows = next(c for c in scene.collections if isinstance(c, PatchCollection)).get_paths()
     corners = {tuple(np.asarray(path.vertices)[0].tolist()) for path in windows}
-    assert corners == {(12.0, 12.0), (82.0, 12.0), (32.0, 12.0), (42.0, 12.0)}
+    assert corners == {(10.0, 14.0), (80.0, 14.0), (30.0, 14.0), (40.0, 14.0)}  # boxes of 20 x 12 px
     assert max(np.asarray(count.lines[0].get_ydata())) == 2
     joins = [c.get_segments() for c in lives.collections if isinstance(c, LineCollection)][-1]
     ((top, bottom),) = joins

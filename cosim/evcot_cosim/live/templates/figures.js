@@ -38,10 +38,11 @@ function showClusters(clusters) {
   while (rows.children.length > shown.length) rows.lastChild.remove();
   while (rows.children.length < shown.length) {
     const row = rows.insertRow();
-    for (let i = 0; i < 5; i++) row.insertCell();
+    for (let i = 0; i < 6; i++) row.insertCell();
   }
-  shown.forEach(({ id, age, x, y, radius }, i) => {
-    const texts = [String(id), `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), radius.toFixed(1)];
+  shown.forEach(({ id, age, x, y, width, height, vx, vy }, i) => {
+    const size = `${width.toFixed(0)}×${height.toFixed(0)}`;
+    const texts = [String(id), `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), size, Math.hypot(vx, vy).toFixed(0)];
     texts.forEach((text, cell) => { rows.children[i].children[cell].textContent = text; });
   });
 }

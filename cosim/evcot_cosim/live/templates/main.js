@@ -82,9 +82,9 @@ function addEvents({ t, x, y, p, filtered }) {
 
 function draw() {
   if (!live.stage) return;
-  const show = { window: controls.windows.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked };
-  const clusters = live.clusters.map(({ id, x, y, radius }) => {
-    return { id, x, y, halfWidth: radius, halfHeight: radius, inner: null, trail: live.trails.of(id), strong: false };
+  const show = { box: controls.boxes.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked };
+  const clusters = live.clusters.map(({ id, x, y, width, height, angle }) => {
+    return { id, x, y, angle, halfWidth: width / 2, halfHeight: height / 2, inner: null, trail: live.trails.of(id), strong: false };
   });
   const decay = Number(controls.decay.value) * live.speed;
   live.stage.draw(live.surface, live.now, decay, [{ colour: live.colour, dash: [], width: 1.8, show, clusters }]);

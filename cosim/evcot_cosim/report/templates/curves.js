@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves over time: events, clusters alive, and radius, N_ev and TC of every track.
+// Curves over time: events, clusters alive, and size, N_ev and TC of every track.
 import { after } from "./search.js";
 
 const PAD = 4; // pixels above and below a curve

@@ -48,7 +48,7 @@ async function start() {
     rate: new RatePanel(recording, facts.duration),
     lives: new LivesPanel(sides, $("#lives").clientHeight),
     alive: new AlivePanel(sides),
-    radius: new PointPanel(sides, { value: (side) => side.halfWidth, unit: " px" }),
+    size: new PointPanel(sides, { value: (side) => side.meanSide, unit: " px" }),
     nev: new PointPanel(sides, { value: (side) => side.nEv, unit: "" }),
     quiet: new QuietPanel(sides),
   }, { seek: (time) => go(time), choose: ({ side, life, at }) => go(at, side, life), changed: restyle });

@@ -133,7 +133,7 @@ export class Stage {
     }
     for (const cluster of clusters) {
       const pen = Math.round(width * ratio) * (cluster.strong ? 2 : 1);
-      if (show.window) this.#frame(cluster, cluster.halfWidth, cluster.halfHeight, pen, dash);
+      if (show.box) this.#box(cluster, pen, dash);
       if (show.inner && cluster.inner !== null) this.#frame(cluster, cluster.inner, cluster.inner, ratio, INNER_DASH);
     }
     if (show.id) this.#writeIds(clusters, colour, corner);
@@ -153,11 +153,21 @@ export class Stage {
     context.stroke();
   }
 
-  /** The outline of a window's pixels, both ends inclusive. Drawn as rectangles: browsers are slow at dashed lines. */
+  #box({ x, y, angle = 0, halfWidth, halfHeight }, pen, dash) {
+    if (!angle) return void this.#frame({ x, y }, halfWidth, halfHeight, pen, dash);
+    const { context, scale } = this;
+    context.save();
+    context.translate(x * scale, y * scale);
+    context.rotate(angle);
+    this.#frame({ x: 0, y: 0 }, halfWidth, halfHeight, pen, dash);
+    context.restore();
+  }
+
+  /** The outline of a rectangle. Drawn as rectangles: browsers are slow at dashed lines. */
   #frame({ x, y }, halfWidth, halfHeight, pen, dash) {
     const { scale } = this;
-    const [left, right] = [Math.round((x - halfWidth - 0.5) * scale), Math.round((x + halfWidth + 0.5) * scale)];
-    const [top, bottom] = [Math.round((y - halfHeight - 0.5) * scale), Math.round((y + halfHeight + 0.5) * scale)];
+    const [left, right] = [Math.round((x - halfWidth) * scale), Math.round((x + halfWidth) * scale)];
+    const [top, bottom] = [Math.round((y - halfHeight) * scale), Math.round((y + halfHeight) * scale)];
     for (const edge of [top, bottom - pen]) this.#edge(left, right, dash, (at, length) => this.context.fillRect(at, edge, length, pen));
     for (const edge of [left, right - pen]) this.#edge(top, bottom, dash, (at, length) => this.context.fillRect(edge, at, pen, length));
   }
@@ -168,15 +178,15 @@ export class Stage {
     for (let at = from; at < to; at += step) fill(at, Math.min(on * this.ratio, to - at));
   }
 
-  /** Above the window's left or right corner, or below it; inside, where there is no room above. */
+  /** Above the box's left or right corner, or below it; inside, where there is no room above. */
   #writeIds(clusters, colour, corner) {
     const { context, scale, ratio } = this;
     const top = -context.getTransform().f;
     for (const { id, x, y, halfWidth, halfHeight } of clusters) {
-      const above = (y - halfHeight - 0.5) * scale - 2 * ratio;
-      const under = (y + halfHeight + 0.5) * scale + ID_PX * ratio + 2 * ratio;
+      const above = (y - halfHeight) * scale - 2 * ratio;
+      const under = (y + halfHeight) * scale + ID_PX * ratio + 2 * ratio;
       const bottom = corner === "below" ? under : above - ID_PX * ratio < top ? above + (ID_PX + 4) * ratio : above;
-      const sideways = corner === "right" ? x + halfWidth + 0.5 : x - halfWidth - 0.5;
+      const sideways = corner === "right" ? x + halfWidth : x - halfWidth;
       context.textAlign = corner === "right" ? "right" : "left";
       this.#write(id, sideways * scale, bottom, colour);
     }

@@ -9,16 +9,17 @@ export const LOST = 3;
 const TRAIL_POINTS = 120; // at most, of one trail
 
 export class Tracks {
-  /** Columns of paths.py under this name; `ring`: per slot, window less inner radius, or null. */
+  /** Columns of paths.py under this name; `ring`: per slot, window less inner radius, or null. Of the hardware a box is the window. */
   constructor({ name, ids, ring, engine, stretch, stretches }, columns) {
     const of = (field) => columns[`${name}.${field}`];
     Object.assign(this, {
       name, ids, ring, engine, stretch, stretches,
       slot: of("slot"), lane: of("lane"), birth: of("birth"), end: of("end"), ended: of("ended"), other: of("other"),
-      t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), nEv: of("n_ev"),
+      t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), angle: of("angle"), nEv: of("n_ev"),
       aliveT: of("alive_t"), alive: of("alive"), quiet: of("quiet"),
     });
     this.lives = ids.length;
+    this.meanSide = Float32Array.from(this.halfWidth, (half, i) => half + this.halfHeight[i]);
     this.first = new Int32Array(this.lives + 1); // where each life's points begin
     for (let i = 0; i < this.lives; i++) this.first[i + 1] = this.first[i] + of("count")[i];
     this.rows = new Map(ids.map((id, i) => [id, i]));
@@ -59,10 +60,10 @@ export class Tracks {
   cluster(life, now, trail, strong) {
     const point = this.pointAt(life, now);
     const [x, y] = this.#place(life, point, now);
-    const inner = this.ring ? Math.max(this.halfWidth[point] - this.ring[this.slot[life]], 0) : null;
+    const inner = this.ring ? Math.max(this.halfWidth[point] - this.ring[this.slot[life]], 0.5) : null;
     return {
       id: this.ids[life], x, y, inner, strong,
-      halfWidth: this.halfWidth[point], halfHeight: this.halfHeight[point],
+      halfWidth: this.halfWidth[point], halfHeight: this.halfHeight[point], angle: this.angle[point],
       trail: trail > 0 ? this.#trail(life, point, now - trail) : null,
     };
   }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A frame of a film: enlarged events, with trails, windows and ids drawn over them, and the time in a corner."""
+"""A frame of a film: enlarged events, with trails, boxes and ids drawn over them, and the time in a corner."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from ...tracks.boxes import box_corners
 from .colours import GROUND, INK, RGB
 from .states import Follower
 
@@ -55,11 +56,15 @@ def _draw_side(draw: ImageDraw.ImageDraw, follower: Follower, picture: int, enla
     pen = min(enlarged, 2)
     for trail in trails.values():
         _trail(draw, trail, enlarged, follower.side.colour)
-    for track_id, x, y, radius in zip(*(states[name].tolist() for name in ("track_id", "x", "y", "radius")), strict=True):
-        left, top = ((centre - radius) * enlarged for centre in (x, y))
-        right, bottom = ((centre + radius + 1) * enlarged - 1 for centre in (x, y))
-        draw.rectangle((left, top, right, bottom), outline=follower.side.colour, width=pen)
-        # Ids of the second side are drawn below the window, so that they do not cover those of the first.
+    # A pixel's middle is half a pixel from the edge of the picture.
+    boxes = (box_corners(states) + 0.5) * enlarged
+    for track_id, angle, corners in zip(states["track_id"].tolist(), states["angle"].tolist(), boxes, strict=True):
+        (left, top), (right, bottom) = corners.min(axis=0).tolist(), (corners.max(axis=0) - 1).tolist()
+        if angle:
+            draw.polygon([tuple(corner) for corner in corners.tolist()], outline=follower.side.colour, width=pen)
+        else:
+            draw.rectangle((left, top, max(left, right), max(top, bottom)), outline=follower.side.colour, width=pen)
+        # Ids of the second side are drawn below the box, so that they do not cover those of the first.
         above, below = max(top - 2, _FONT_PX), min(bottom + 2 + _FONT_PX, draw.im.size[1] - 2)
         _write(draw, (max(left, 2), below if place % 2 else above), str(track_id), follower.side.colour, "ls")
 

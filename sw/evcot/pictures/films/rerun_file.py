@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rerun's .rrd: events as points, windows as boxes, on the recording's time (the extra `rerun`)."""
+"""Rerun's .rrd: events as points, tracks as boxes, on the recording's time (the extra `rerun`)."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from ...errors import ConfigError
 from ...events import Events
 from ...recordings.formats.source import Sensor
+from ...tracks.boxes import upright_sides
 from .colours import EVENTS
 from .states import Follower
 
@@ -56,8 +57,8 @@ def _log_side(rerun: Any, stream: Any, follower: Follower, picture: int) -> None
     states, trails = follower.at(picture)
     name, colour = follower.side.name, follower.side.colour
     centres = np.column_stack([states["x"], states["y"]])
-    half = np.repeat(states["radius"][:, np.newaxis] + 0.5, 2, axis=1)
+    half = np.column_stack(upright_sides(states)) / 2  # Boxes2D has no angle
     labels = [str(track_id) for track_id in states["track_id"].tolist()]
-    stream.log(f"{name}/windows", rerun.Boxes2D(centers=centres, half_sizes=half, labels=labels, colors=[colour] * len(states)))
+    stream.log(f"{name}/boxes", rerun.Boxes2D(centers=centres, half_sizes=half, labels=labels, colors=[colour] * len(states)))
     lines = [list(trail) for trail in trails.values() if len(trail) > 1]
     stream.log(f"{name}/trails", rerun.LineStrips2D(lines, colors=[colour] * len(lines)))

@@ -17,7 +17,7 @@ __all__ = ["Coordinates", "event_points", "fuse", "group", "pixel_points"]
 Table = NDArray[Any]
 
 _WINDOW = 1.5  # half a cluster's side, in standard deviations of its points: from a filled square's 1.7 to an outline's 1.2
-_SIDE_MIN_PX = 1.0
+_BEYOND = 0.05  # share of a cluster's points beyond each side of its box
 
 
 class Coordinates(NamedTuple):
@@ -98,18 +98,28 @@ def fuse(mode_of: Table, modes: Table, fuse_px: float) -> tuple[Table, int]:
 
 
 @njit(cache=True, nogil=True)
+def _side_px(places: Table) -> float:
+    """Side of a box around the pixels of points, along an axis, but for the outermost at both ends."""
+    places = np.sort(places)
+    out = int(_BEYOND * len(places))
+    return float(places[len(places) - 1 - out] - places[out] + 1.0)
+
+
+@njit(cache=True, nogil=True)
 def _describe(points: Table, after_us: Table, cluster: Table, n: int, points_min: int, out: Table, at: int) -> int:
     """Write the clusters with enough points to `out` from index `at` on; returns the index after the last."""
-    sums = np.zeros((n, 6))
+    sums = np.zeros((n, 5))
     for i in range(len(cluster)):
         row = sums[cluster[i]]
         x, y = points[0, i], points[1, i]
         row[0] += 1.0
         row[1] += x
         row[2] += y
-        row[3] += x * x
-        row[4] += y * y
-        row[5] += after_us[i]
+        row[3] += x * x + y * y
+        row[4] += after_us[i]
+    begin = np.zeros(n + 1, np.int64)
+    begin[1:] = np.cumsum(sums[:, 0])
+    ordered = np.argsort(cluster, kind="mergesort")
     for k in range(n):
         count = sums[k, 0]
         if count < points_min:
@@ -118,11 +128,11 @@ def _describe(points: Table, after_us: Table, cluster: Table, n: int, points_min
         found = out[at]
         found.x = x
         found.y = y
-        variance_x, variance_y = max(sums[k, 3] / count - x * x, 0.0), max(sums[k, 4] / count - y * y, 0.0)
-        found.radius = _WINDOW * np.sqrt((variance_x + variance_y) / 2.0)
-        found.width = max(2.0 * _WINDOW * np.sqrt(variance_x), _SIDE_MIN_PX)
-        found.height = max(2.0 * _WINDOW * np.sqrt(variance_y), _SIDE_MIN_PX)
-        found.after_us = sums[k, 5] / count
+        found.radius = _WINDOW * np.sqrt(max(sums[k, 3] / count - x * x - y * y, 0.0) / 2.0)
+        own = ordered[begin[k] : begin[k + 1]]
+        found.width = _side_px(points[0][own])
+        found.height = _side_px(points[1][own])
+        found.after_us = sums[k, 4] / count
         found.n = np.int64(count)
         at += 1
     return at

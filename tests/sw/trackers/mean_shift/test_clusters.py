@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from evcot.trackers.frame_based.kernel import FRAME
 from evcot.trackers.mean_shift.clusters import Coordinates, event_points, fuse, group, pixel_points
@@ -57,11 +56,11 @@ def test_frames_are_clustered_each_on_its_own() -> None:
 
 
 def test_a_cluster_has_the_sides_of_its_points() -> None:
-    """Three standard deviations along each axis, at least a pixel."""
-    points = [(x, 20) for x in range(10, 19)]
+    """A twentieth of the points lies beyond each side."""
+    points = [(x, 20) for x in range(10, 30)]
     frames = np.zeros(1, FRAME)
-    frames["end"] = 9
+    frames["end"] = 20
     events = columns(*((t, x, y, 1) for t, (x, y) in enumerate(points)))
     found, _ = group(RULES._replace(bandwidth_px=20.0), SCALE, False, *events, frames)
-    assert found["width"].tolist() == [pytest.approx(3 * np.sqrt(60 / 9))]
+    assert found["width"].tolist() == [18.0]
     assert found["height"].tolist() == [1.0]
