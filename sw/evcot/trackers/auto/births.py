@@ -133,7 +133,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.packets = 0
     o.silent_us = 0
     o.enters = o.edge = _edge(rules, box)
-    o.alone = o.travel = o.within = 0.0
+    o.alone = o.travel = o.within = o.path = o.still = 0.0
     o.inside = -1
     o.meets = False
     o.support = pixels

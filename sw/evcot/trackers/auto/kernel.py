@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -21,7 +22,7 @@ Table = NDArray[Any]
 def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int, owner: Table, out: Table) -> int:
     """Track events from `begin` on until all are done or `out` could overflow; returns the number done."""
     run = world.run[0]
-    seen, hot, activity = world.seen, world.hot, world.activity
+    seen, restless, active = world.seen, world.restless, world.active
     most = RECORDS_PER_PACKET * len(world.objects)
     end_us, packet, index = run.packet_end_us, run.packet, run.index
     for e in range(begin, len(ts)):
@@ -37,8 +38,8 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
         x, y = xs[e], ys[e]
         owner[e] = NOBODY
         index += 1
-        activity[y, x] += 1
-        if hot[y, x] < 2:
+        active[y, x] |= np.uint32(1)
+        if not restless[y, x]:
             fresh = seen[y, x] != packet
             seen[y, x] = packet
             owner[e] = share(world, int(x), int(y), fresh)

@@ -41,9 +41,10 @@ OBJECT = np.dtype(
         ("alive", "?"),
         ("track_id", "<i8"),  # -1 until the object is visible
         ("born_us", "<i8"),
-        ("first_x", "<f8"),  # the box when it had settled, for the distance travelled
+        ("first_x", "<f8"),  # where it was seen to start, until it is visible
         ("first_y", "<f8"),
-        ("first_half", "<f8"),
+        ("path", "<f8"),  # way since then
+        ("still", "<f8"),  # half sides that it would have travelled at its speed, since it last moved for sure
         ("packets", "<i8"),
         ("enters", "<i8"),  # edge of the sensor over which it enters: 0 left, 1 right, 2 top, 3 bottom; -1 once inside
         ("edge", "<i8"),  # the edge at which it was born, or -1
@@ -89,6 +90,7 @@ RUN = np.dtype(
         ("packet_end_us", "<i8"),  # exclusive; UNSET_US before the first event
         ("birth_end_us", "<i8"),
         ("birth_tick", "<i8"),
+        ("epochs", "<i8"),
         ("births", "<i8"),  # the next track id
         ("noise", "<f8"),  # events per pixel and second of the background; negative until known
         ("live", "<i8"),
@@ -143,8 +145,8 @@ class World(NamedTuple):
     queue: Table  # (cells,) the cells of a group
     group: Table  # (cells,) uint64: their pixels
     counts: Table  # (65,) cells by number of pixels
-    activity: Table  # (height, width) uint16: events of each pixel in the open epoch
-    hot: Table  # (height, width) uint8: epochs in a row in which a pixel was hot
+    active: Table  # (height, width) uint32: whether each pixel sent events in the open epoch (bit 0) and those before
+    restless: Table  # (height, width) bool: pixels that are ignored
 
 
 def make_rules(config: AutoConfig, width: int, height: int) -> Rules:
@@ -182,6 +184,6 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros(rows * columns, np.int64),
         np.zeros(rows * columns, np.uint64),
         np.zeros(65, np.int64),
-        np.zeros((height, width), np.uint16),
-        np.zeros((height, width), np.uint8),
+        np.zeros((height, width), np.uint32),
+        np.zeros((height, width), np.bool_),
     )

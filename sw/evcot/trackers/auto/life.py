@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...tracks.log import Kind
 from .births import BIRTH_US, find_births
-from .hot import find_hot_pixels
+from .restless import EPOCH_BIRTHS, find_restless
 from .layout import UNSET_US, Rules, World
 from .motion import correct, predict
 from .outline import add_travel, clear_picture, fit_outline
@@ -33,9 +33,12 @@ _ENTERED = 0.8
 _EDGE_VARIANCE = 1.0
 _EDGE_GATES = 2.0
 _SPEED_KEEPS = 6.0  # half sides of travel for which an object's greatest speed counts
-_SLOWEST = 0.2  # half sides per second: the least unit of velocity
+_SLOWEST = 0.5  # half sides per second: the least unit of velocity
 _SETTLED = 3  # packets after which an object's first box is noted
-_SIGNIFICANT = 2.0  # standard deviations of a velocity
+_SIGNIFICANT = 2.5  # standard deviations of a velocity
+_DETOUR = 4.0  # times the distance wanted, after which a new start is tried
+_STRAIGHT = 0.5  # distance moved, as a part of the way
+_STILL = 3.0  # half sides that it would travel, after which an object without motion is lost
 _TENTATIVE_COAST = 0.5
 _GROWTH_KEEPS = 2.0  # half sides of travel
 _EMISSION = 0.2  # half sides that an object travels at least while it sends as many pixels as its picture fills
@@ -43,7 +46,6 @@ _FIT_EVERY = 0.05  # half sides of travel between two looks at a picture
 _FAR_MORE = 4.0  # times the rate
 _LEAVING_PATIENCE = 0.25  # factor of the coasting of an object at the edge on its way out
 _FULL = 0.15  # pixels per pixel travelled and pixel of the box's side, below which a box holds no object
-_HOT_EPOCH = 100  # birth windows
 
 
 @njit(cache=True, nogil=True)
@@ -215,6 +217,10 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
                 into, gone = world.state[first, axis], world.state[second, axis]
                 low = min(into[0] - into[2], gone[0] - gone[2])
                 high = max(into[0] + into[2], gone[0] + gone[2])
+                if axis == 0:
+                    world.objects[first].first_x += 0.5 * (low + high) - into[0]
+                else:
+                    world.objects[first].first_y += 0.5 * (low + high) - into[0]
                 into[0], into[2] = 0.5 * (low + high), 0.5 * (high - low)
             clear_picture(world, first)
             world.objects[first].support += world.objects[second].support
@@ -238,19 +244,20 @@ def _leaves(rules: Rules, world: World, i: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _becomes_visible(rules: Rules, world: World, i: int) -> bool:
-    """Whether an object has moved, or grown, by more than the uncertainty of its place: what only flickers has not."""
+def _becomes_visible(rules: Rules, world: World, i: int, lasted_s: float) -> bool:
+    """Whether an object has moved, more or less straight, by more than the uncertainty of its place: what flickers has not."""
     o = world.objects[i]
     s, p = world.state[i], world.cov[i]
-    if o.packets == _SETTLED:
-        o.first_x, o.first_y, o.first_half = s[0, 0], s[1, 0], _half(world, i)
-    if o.packets <= _SETTLED:
+    half = _half(world, i)
+    wanted = max(rules.visible_travel * half, 1.0) + np.sqrt(p[0, 0, 0] + p[1, 0, 0])
+    if o.packets <= _SETTLED or o.path > _DETOUR * wanted:
+        o.first_x, o.first_y, o.path = s[0, 0], s[1, 0], 0.0
         return False
+    o.path += np.hypot(s[0, 1], s[1, 1]) * lasted_s
     moved = np.hypot(s[0, 0] - o.first_x, s[1, 0] - o.first_y)
-    unsure = np.sqrt(p[0, 0, 0] + p[1, 0, 0])
     v = np.hypot(s[0, 1], s[1, 1])
     fast = v > _SIGNIFICANT * np.sqrt(p[0, 1, 1] + p[1, 1, 1])
-    return bool(fast and moved >= max(rules.visible_travel * _half(world, i), 1.0) + unsure)
+    return bool(fast and moved >= wanted and moved >= _STRAIGHT * o.path)
 
 
 @njit(cache=True, nogil=True)
@@ -282,6 +289,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         state = world.state[i]
         v = _sure(world, i, 1, 1.0) + _sure(world, i, 3, 2.0)
         step = o.speed * lasted_s / half  # in the object's units
+        o.still = 0.0 if v > 0.0 else o.still + step
         o.speed = max(v, o.speed * np.exp(-step / _SPEED_KEEPS), _SLOWEST * half)
         o.travel += v * lasted_s / half
         o.alone += 0.0 if o.meets else v * lasted_s / half
@@ -291,7 +299,8 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         mix = min(step / _RATE_MEAN, 1.0)
         o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
         o.usual += 0.1 * mix * (o.rate / o.speed - o.usual)
-        if o.rate >= o.speed * max(_LEAST_SUPPORT * o.usual, _FULL * 2.0 * half):
+        background = max(run.noise, 0.0) * (o.right - o.left) * (o.bottom - o.top)
+        if o.rate >= max(o.speed * max(_LEAST_SUPPORT * o.usual, _FULL * 2.0 * half), background):
             o.silent_us = 0
         else:
             o.silent_us += lasted_us
@@ -312,21 +321,21 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         patience = rules.coast * (_COVERED_PATIENCE if _covered(world, i) else 1.0 if o.track_id >= 0 else _TENTATIVE_COAST)
         if _leaves(rules, world, i):
             patience *= _LEAVING_PATIENCE
-        if 1e-6 * o.silent_us * o.speed > patience * half or _outside(rules, world, i):
+        if 1e-6 * o.silent_us * o.speed > patience * half or o.still > _STILL or _outside(rules, world, i):
             _end(rules, world, out, LOST, t_us, i, -1)
     _merge(rules, world, out, t_us)
     if t_us >= run.birth_end_us:
         find_births(rules, world, t_us)
         run.birth_end_us = t_us + BIRTH_US
-        if run.birth_tick % _HOT_EPOCH == 0:
-            find_hot_pixels(world)
+        if run.birth_tick % EPOCH_BIRTHS == 0:
+            find_restless(world)
     for i in range(n):
         o = world.objects[i]
         if not o.alive:
             continue
         if o.track_id >= 0:
             _record(rules, world, out, MOVED, t_us, i, -1)
-        elif _becomes_visible(rules, world, i):
+        elif _becomes_visible(rules, world, i, lasted_s):
             o.track_id = run.births
             run.births += 1
             _record(rules, world, out, BORN, t_us, i, -1)

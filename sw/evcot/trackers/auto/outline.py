@@ -22,7 +22,8 @@ __all__ = ["add_travel", "clear_picture", "fit_outline", "move_picture"]
 
 Table = NDArray[Any]
 
-_DENSE = 0.25  # of the mean density in the box: less is no part of it
+_DENSE = 0.12  # of the density where a pixel of the object lies on average: less is no part of it
+_LEAST = 0.5  # pixels in a bin of the picture, at least
 _SIGMAS = 3.0
 _ENOUGH = 40.0  # pixels in a picture from which it counts
 _STEP = 0.2  # half sides: a box that is off by less is left to the correction by quantiles
@@ -142,15 +143,16 @@ def fit_outline(rules: Rules, world: World, i: int) -> None:
     o, state = world.objects[i], world.state[i]
     bins_x = state[0, 2] * BINS / (2.0 * REACH * o.unit_x)
     bins_y = state[1, 2] * BINS / (2.0 * REACH * o.unit_y)
-    inside = 0.0
+    inside, square = 0.0, 0.0
     for y in range(max(int(0.5 * BINS - bins_y), 0), min(int(0.5 * BINS + bins_y) + 1, BINS)):
         for x in range(max(int(0.5 * BINS - bins_x), 0), min(int(0.5 * BINS + bins_x) + 1, BINS)):
-            inside += world.picture[i, y, x] - o.floor
-    inside /= o.gain
+            value = max(world.picture[i, y, x] - o.floor, 0.0) / o.gain
+            inside += value
+            square += value * value
     if inside < _ENOUGH:
         return
     floor = o.floor / o.gain
-    level = max(_DENSE * inside / (4.0 * bins_x * bins_y), 0.5) + floor + _SIGMAS * np.sqrt(floor)
+    level = max(_DENSE * square / inside, _LEAST) + floor + _SIGMAS * np.sqrt(floor)
     parts, box = np.empty((16, 3, 2)), np.empty((2, 2))
     n = _parts(world, i, level * o.gain, parts, max(_LEAST_SHARE * inside, _LEAST_PIXELS) * o.gain)
     if n == 0:
@@ -172,6 +174,10 @@ def fit_outline(rules: Rules, world: World, i: int) -> None:
             continue
         shift, wider = 0.5 * (off_high - off_low), 0.5 * (off_low + off_high)
         s[0] += shift
+        if axis == 0:
+            o.first_x += shift
+        else:
+            o.first_y += shift
         s[2] = max(s[2] + wider, 1.0)
         p[0, 0] += (0.25 * shift) ** 2
         p[2, 2] += (0.25 * wider) ** 2
