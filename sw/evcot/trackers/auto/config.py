@@ -23,6 +23,9 @@ AUTO_RANGES: dict[str, Range] = {
     "visible_travel": (0.0, 100.0, "half sides that an object must have moved to be reported"),
     "coast": (0.0, 1000.0, "half sides that an object would travel without support before it is lost"),
     "memory": (0.05, 100.0, "half sides of travel for which the outline of an object is kept"),
+    "dense": (0.0, 1.0, "density that belongs to an object, as a part of that where its pixels lie on average"),
+    "tolerance": (0.0, 4.0, "half sides by which a box may differ from its object's picture before it is moved at once"),
+    "full": (0.0, 10.0, "pixels that an object sends at least, for each pixel that it travels and each of its side"),
     "elongation": (1.0, 100.0, "length by width from which on an object has no gap"),
     "gap": (0.0, 4.0, "gap in an object, as a part of the length by which it is shorter than that"),
     "merge_velocity": (0.0, 2.0, "difference of velocities, as a part of the greater, up to which motion is one"),
@@ -50,6 +53,9 @@ class AutoConfig:
     visible_travel: float = 0.25
     coast: float = 1.0
     memory: float = 1.0
+    dense: float = 0.12
+    tolerance: float = 0.2
+    full: float = 0.15
     elongation: float = 2.2
     gap: float = 0.5
     merge_velocity: float = 0.5

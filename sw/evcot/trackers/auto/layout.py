@@ -115,6 +115,9 @@ class Rules(NamedTuple):
     visible_travel: float
     coast: float
     memory: float
+    dense: float
+    tolerance: float
+    full: float
     gap: float
     elongation: float
     merge_velocity: float

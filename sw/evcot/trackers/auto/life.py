@@ -45,7 +45,6 @@ _EMISSION = 0.2  # half sides that an object travels at least while it sends as 
 _FIT_EVERY = 0.05  # half sides of travel between two looks at a picture
 _FAR_MORE = 4.0  # times the rate
 _LEAVING_PATIENCE = 0.25  # factor of the coasting of an object at the edge on its way out
-_FULL = 0.15  # pixels per pixel travelled and pixel of the box's side, below which a box holds no object
 
 
 @njit(cache=True, nogil=True)
@@ -300,7 +299,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
         o.usual += 0.1 * mix * (o.rate / o.speed - o.usual)
         background = max(run.noise, 0.0) * (o.right - o.left) * (o.bottom - o.top)
-        if o.rate >= max(o.speed * max(_LEAST_SUPPORT * o.usual, _FULL * 2.0 * half), background):
+        if o.rate >= max(o.speed * max(_LEAST_SUPPORT * o.usual, rules.full * 2.0 * half), background):
             o.silent_us = 0
         else:
             o.silent_us += lasted_us

@@ -22,11 +22,9 @@ __all__ = ["add_travel", "clear_picture", "fit_outline", "move_picture"]
 
 Table = NDArray[Any]
 
-_DENSE = 0.12  # of the density where a pixel of the object lies on average: less is no part of it
 _LEAST = 0.5  # pixels in a bin of the picture, at least
 _SIGMAS = 3.0
 _ENOUGH = 40.0  # pixels in a picture from which it counts
-_STEP = 0.2  # half sides: a box that is off by less is left to the correction by quantiles
 _LEAST_SHARE = 0.04  # of the pixels: a smaller part is noise
 _LEAST_PIXELS = 4.0
 _FILLED = 0.3  # half sides of travel after which a picture is complete enough to shrink a box
@@ -152,7 +150,7 @@ def fit_outline(rules: Rules, world: World, i: int) -> None:
     if inside < _ENOUGH:
         return
     floor = o.floor / o.gain
-    level = max(_DENSE * square / inside, _LEAST) + floor + _SIGMAS * np.sqrt(floor)
+    level = max(rules.dense * square / inside, _LEAST) + floor + _SIGMAS * np.sqrt(floor)
     parts, box = np.empty((16, 3, 2)), np.empty((2, 2))
     n = _parts(world, i, level * o.gain, parts, max(_LEAST_SHARE * inside, _LEAST_PIXELS) * o.gain)
     if n == 0:
@@ -165,7 +163,7 @@ def fit_outline(rules: Rules, world: World, i: int) -> None:
         s, p = state[axis], world.cov[i, axis]
         unit = o.unit_x if axis == 0 else o.unit_y
         bin_px = 2.0 * REACH * unit / BINS
-        least = max(_STEP * s[2], bin_px)
+        least = max(rules.tolerance * s[2], bin_px)
         # On average a part ends in the middle of its last bin.
         off_low, off_high = -s[2] - box[axis, 0] - 0.5 * bin_px, box[axis, 1] - s[2] - 0.5 * bin_px
         off_low = off_low if off_low >= least or (off_low <= -least and o.drawn > _FILLED) else 0.0
