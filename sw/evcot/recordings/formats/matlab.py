@@ -340,6 +340,7 @@ class _MatlabFile:
             raise
         self.sensor: Sensor | None = None
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
         self.details: Mapping[str, str] = {"struct": printable(name), "pixels": f"counted from {self._first}"}
 
     def _look_over(self) -> None:

@@ -62,6 +62,7 @@ class _NumpySource:
         self.sensor = sensor
         self.details = {"times in": UNITS[self._power or 0]}
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
 
     @property
     def _type_of_t(self) -> np.dtype[Any]:

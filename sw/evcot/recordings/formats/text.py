@@ -57,6 +57,7 @@ class _TextSource:
         self.sensor = self._layout.sensor
         self.details = {"separator": SEPARATORS[self._layout.separator], "times in": UNITS[self._layout.power]}
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`; `from_us` is ignored."""
