@@ -144,7 +144,7 @@ class Aedat4File:
             for decoded in in_order(self._decode, batches(self._read(file, begin), _BATCH_BYTES, _held_bytes)):
                 yield from self._given(file, decoded)
         if self._table_at > self._size:
-            raise RecordingError(f"ends at byte {self._size}, its packets at byte {self._table_at}; is it cut off?")
+            raise RecordingError(f"ends at byte {self._size}: its packets go on to byte {self._table_at}; is it cut off?")
 
     def _given(self, file: io.BufferedReader, decoded: _Decoded) -> Iterator[Events]:
         """Decoded events in blocks, then those of the deferred packets, then the error."""
@@ -173,8 +173,8 @@ class Aedat4File:
     def _place_of(self, file: io.BufferedReader, from_us: int) -> int:
         """The offset of a packet before which all events are earlier than `from_us`: the one behind the packet that the table
         names, if that one does end before; else the first one."""
-        before = self._table and self._table.last_before(self._stream, from_us)
-        if self._table is None or before is None:
+        before = self._table.last_before(self._stream, from_us) if self._table is not None else None
+        if before is None:
             return self._begin
         packet = _Packet(before[0], before[1])
         if packet.at < self._begin + PACKET_HEAD.size or not 0 <= packet.length <= min(_WHOLE_BYTES_MAX, self._end - packet.at):
@@ -201,7 +201,10 @@ class Aedat4File:
                 raise RecordingError(f"{packet.place}: stream {stream}: must be one of {sorted(self._streams)}")
             if stream == self._stream:
                 yield packet, None if length > _WHOLE_BYTES_MAX else file.read(length)
-            elif self._may_hold_events(packet, stream) and _begin(unpacker, Section(file, packet.at, packet.length))[8:12] == b"EVTS":
+            elif (
+                self._may_hold_events(packet, stream)
+                and _begin(unpacker, Section(file, packet.at, packet.length))[8:12] == b"EVTS"
+            ):
                 raise RecordingError(f"{packet.place}: holds events: stream {stream} must not")
             at = packet.at + length
 

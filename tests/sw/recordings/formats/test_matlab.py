@@ -105,7 +105,7 @@ def test_big_endian_files_are_read(tmp_path: Path) -> None:
         ({"TD": struct(1, P + 3)}, "event 0: p = {}: must be 0 or 1"),
         ({"TD": struct(1, "abc")}, "p: is a matrix of class 4: must hold numbers"),
         ({"TD": struct(1, P) | {"x": X + 0.5}}, "event 0: x = 0.5: must be a whole number from -2147483648 to 2147483647"),
-        ({"TD": struct(1, P) | {"ts": T_US[::-1]}}, "event 1: t = {} us follows t = {} us: time must not run back"),
+        ({"TD": struct(1, P) | {"ts": 1000 * T_US[::-1]}}, "event 1: t = {} us follows t = {} us: time must not run back"),
         ({"TD": struct(1, P) | {"ts": T_US * 1j}}, "must be of real numbers"),
     ],
 )
