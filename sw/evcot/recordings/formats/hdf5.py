@@ -19,7 +19,7 @@ from ...errors import RecordingError
 from ...events import Events
 from . import ecf
 from .ahead import in_order
-from .hdf5_chunks import Chunks
+from .hdf5_chunks import Chunks, joined
 from .hdf5_survey import Part, Survey, survey
 from .numeric import events_from_numbers, events_from_records, microseconds
 from .printable import printable, reason
@@ -55,7 +55,7 @@ class Rows:
             at = begin if kept is None else self._end
             stop = min(-(-end // self._step) * self._step, len(self._chunks))
             rows = self._read(at, stop)
-            self._held = rows if kept is None else np.concatenate((kept, rows))
+            self._held = rows if kept is None else joined([kept, rows])
             self._begin, self._end = begin, stop
         return self._held[begin - self._begin : end - self._begin]
 

@@ -21,7 +21,7 @@ from . import ecf
 from .numeric import RECORD
 from .printable import reason
 
-__all__ = ["Chunks"]
+__all__ = ["Chunks", "joined"]
 
 _DEFLATE, _SHUFFLE = 1, 2
 # Deflate expands to at most 1,032 times its length. The library is faster, and a chunk this small cannot exhaust memory.
@@ -63,14 +63,14 @@ class Chunks:
         length = self._dataset.chunks[self._axis]
         places = range(begin // length * length, end, length)
         if self.is_ecf:
-            return _cut([self._ecf_chunk(at) for at in places], begin - places.start, end - places.start)
+            return joined([self._ecf_chunk(at)[max(begin - at, 0) : end - at] for at in places])
         if self._across and all(self._size(self._offset(at)) <= _SURE_BYTES for at in places):
             return self._by_library(begin, end)
         if not self._here:
             for place in places:
                 self._measure(place)
             return self._by_library(begin, end)
-        return _cut([self._chunk(at) for at in places], begin - places.start, end - places.start)
+        return joined([self._chunk(at)[max(begin - at, 0) : end - at] for at in places])
 
     def _by_library(self, begin: int, end: int) -> NDArray[Any]:
         rows: NDArray[Any] = self._dataset[0, begin:end] if self._axis else self._dataset[begin:end]
@@ -134,10 +134,16 @@ class Chunks:
                     _inflated(packed, self._bytes + _SLACK_BYTES)
 
 
-def _cut(chunks: list[NDArray[Any]], begin: int, end: int) -> NDArray[Any]:
-    """Rows begin (inclusive) to end (exclusive) of consecutive chunks; only the last may be shorter than the others."""
-    rows = chunks[0] if len(chunks) == 1 else np.concatenate(chunks)
-    return rows[begin:end]
+def joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """The rows of parts, one after another; of records too in their own layout, which `np.concatenate` packs."""
+    if len(parts) == 1:
+        return parts[0]
+    rows = np.empty((sum(map(len, parts)), *parts[0].shape[1:]), parts[0].dtype)
+    at = 0
+    for part in parts:
+        rows[at : at + len(part)] = part
+        at += len(part)
+    return rows
 
 
 def _inflated(packed: Any, most: int) -> bytes:
