@@ -68,7 +68,9 @@ def _open(path: Path, layout: Layout, header: Header, offset: int) -> WordFile:
     sensor, details = header.sensor, header.details
     words = Words(path, offset, layout.dtype)
     details["words"] = f"{len(words)} of {8 * layout.dtype.itemsize} bits"
-    return WordFile(words, layout, sensor, details, _smallest_sensor)
+    source = WordFile(words, layout, sensor, details, _smallest_sensor)
+    source.remarks = header.remarks
+    return source
 
 
 def _open_evt2(path: Path) -> WordFile:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -31,6 +31,7 @@ class Bag(Protocol):
 
     is_cdr: bool
     topics: dict[str, str]
+    remarks: list[str]
 
     def messages(self, topic: str) -> Iterator[memoryview]: ...
 
@@ -43,7 +44,6 @@ class RosBag:
     def __init__(self, bag: Bag) -> None:
         self._bag = bag
         self.left_out: Counter[str] = Counter()
-        self.remarks: list[str] = []
         try:
             self._topic, first = self._choose()
         except BaseException:
@@ -72,6 +72,11 @@ class RosBag:
                 yield from gathered(part for packet in packets for part in self._decode_libcaer_cmp(packet))
             else:
                 yield from gathered(map(_DECODERS[self._encoding], packets))
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """See `source.Source`."""
+        return self._bag.remarks
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""

@@ -97,6 +97,14 @@ def test_big_endian_files_are_read(tmp_path: Path) -> None:
     assert_events(read_recording(path).events)
 
 
+@pytest.mark.parametrize("names", [("x", "y", "pol", "t"), ("xs", "ys", "polarity", "timestamp")])
+def test_the_fields_may_be_called_otherwise(tmp_path: Path, names: tuple[str, ...]) -> None:
+    content = dict(zip(names, struct(0, P).values(), strict=True)) | {"note": "text"}
+    assert_events(read_recording(write(tmp_path / "events.mat", {"events": content})).events)
+    del content["note"]
+    assert_events(read_recording(write_7_3(tmp_path / "new.mat", content)).events)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [

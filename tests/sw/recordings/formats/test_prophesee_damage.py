@@ -119,10 +119,6 @@ def test_a_row_beyond_the_sensor_is_refused(tmp_path: Path) -> None:
     ("header", "rule"),
     [
         (b"% evt 2.0\n% format EVT3;height=720;width=1280\n", "header: EVT version 2 and 3: evt and format must say the same"),
-        (
-            b"% evt 3.0\n% format EVT3;height=720;width=1280\n% geometry 640x480\n",
-            "header: sensor 640x480 and 1280x720: must be the same size",
-        ),
         (b"% evt 3.0\n% geometry 0x720\n", "sensor 0x720: each side must be from 1 to 65536 pixels"),
         (b"% evt 2.1\n% endianness big\n", "header: endianness = big: must be little or legacy"),
         (
@@ -143,6 +139,19 @@ def test_a_row_beyond_the_sensor_is_refused(tmp_path: Path) -> None:
 def test_a_header_that_makes_no_sense_is_refused_by_rule(tmp_path: Path, header: bytes, rule: str) -> None:
     content = header + b"% end\n" + np.array([0x8000, 1, 0x2001, 0], "<u2").tobytes()
     assert answer(tmp_path / "events", content) == rule
+
+
+def test_of_two_sensors_in_a_header_the_larger_is_taken_and_told(tmp_path: Path) -> None:
+    path = tmp_path / "events.raw"
+    words = [evt3_high(0), evt3_row(700), evt3_event(1, 1200)]
+    for geometry, sensor in (("640x480", (1280, 720)), ("1920x1080", (1920, 1080))):
+        header = f"% evt 3.0\n% format EVT3;height=720;width=1280\n% geometry {geometry}\n".encode()
+        path.write_bytes(packed("evt3", words, header))
+        with pytest.warns(RecordingWarning) as caught:
+            recording = read_recording(path)
+        assert (recording.width, recording.height) == sensor
+        message = f"{path}: header: sensor {geometry} and 1280x720: the larger is taken"
+        assert [str(each.message) for each in caught] == [message]
 
 
 def test_what_a_header_says_is_told(tmp_path: Path) -> None:

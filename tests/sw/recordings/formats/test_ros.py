@@ -402,7 +402,35 @@ def test_a_message_that_the_index_does_not_count_is_missed(tmp_path: Path) -> No
     content = path.read_bytes()
     last = content.rindex((7).to_bytes(4, "little"))
     path.write_bytes(content[:last] + (8).to_bytes(4, "little") + content[last + 4 :])
-    assert refusal(path) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must be the same"
+    assert refusal(path) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must not be fewer"
+
+
+def test_an_index_that_counts_too_few_is_a_warning_and_one_that_counts_none_says_nothing(tmp_path: Path) -> None:
+    maker = Maker("ros1")
+    path = maker.write(tmp_path, maker.arrays())
+    content = path.read_bytes()
+    last = content.rindex((7).to_bytes(4, "little"))
+    path.write_bytes(content[:last] + (6).to_bytes(4, "little") + content[last + 4 :])
+    with pytest.warns(RecordingWarning) as caught:
+        assert_events(read_recording(path).events)
+    assert [str(each.message) for each in caught] == [
+        f"{path}: topic /dvs/events: 7 messages in the chunks, 6 in the index: all are read"
+    ]
+
+
+def test_a_bag_that_counts_too_few_messages_is_a_warning_and_one_that_counts_none_says_nothing(tmp_path: Path) -> None:
+    maker = Maker("ros2-sqlite3")
+    path = maker.write(tmp_path, maker.arrays())
+    metadata = path / "metadata.yaml"
+    content = metadata.read_text()
+    assert content.count("message_count: 7") == 3
+    metadata.write_text(content.replace("message_count: 7", "message_count: 0"))
+    assert_events(read_recording(path).events)
+    metadata.write_text(content.replace("message_count: 7", "message_count: 5"))
+    with pytest.warns(RecordingWarning, match="topic /dvs/events: 7 messages, of which the bag counts 5: all are read"):
+        assert_events(read_recording(path).events)
+    metadata.write_text(content.replace("message_count: 7", "message_count: 8"))
+    assert refusal(path) == "topic /dvs/events: 7 messages, of which the bag counts 8: must not be fewer"
 
 
 def test_a_table_that_holds_no_bytes_is_refused(tmp_path: Path) -> None:
