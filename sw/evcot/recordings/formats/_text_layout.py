@@ -30,7 +30,7 @@ _ADDRESS = "must be a whole number from 0 to 65535"
 _RULES = {X: _ADDRESS, Y: _ADDRESS, P: "must be 0, 1 or -1, or true or false", UNUSED: "must be text"}
 _TRUTHS = {"true": "1", "false": "0"}
 _GEOMETRY = re.compile(r"[#%]\s*geometry[:=\s]\s*(\d+)\s*[,x]\s*(\d+)", re.IGNORECASE)  # Metavision's
-_NUMBER_STARTS = tuple("+-.0123456789")
+_EVENT_START = re.compile(r"[-+.0-9]|(true|false)\b", re.IGNORECASE)
 _SHOWN = 60  # characters of a line in a message
 
 
@@ -123,7 +123,7 @@ def read_layout(file: BinaryIO) -> Layout:
         passed = line[:1] in ("", "#", "%")
         geometry = _GEOMETRY.fullmatch(line) if passed else None
         sensor = (_side(geometry[1], lines), _side(geometry[2], lines)) if geometry else sensor
-        if naming is None and line[:1] not in _NUMBER_STARTS:
+        if naming is None and not _EVENT_START.match(line):
             try:
                 naming, stated = _header(line.lstrip("#% "))
                 sensor = stated or sensor

@@ -46,11 +46,15 @@ def _read_header(path: Path) -> Header:
 
 
 def _is(name: str, start: bytes, path: Path) -> bool:
-    """Whether the file is of that format; a damaged header counts as DAT, whose reader then reports the damage."""
+    """Whether the file is of that format; a damaged header counts as DAT, whose reader then reports the damage. Text behind
+    lines that begin with % is no DAT, whose payload begins with control characters."""
     if not start.startswith(b"% "):
         return False
     try:
-        version = _first_header(start, path).evt_version
+        header = _first_header(start, path)
+        version = header.evt_version
+        if version is None and start[header.length : header.length + 2].strip().isalnum():
+            return False
     except RecordingError:
         version = None
     return name == _EVT_NAMES.get(version or "", "dat")

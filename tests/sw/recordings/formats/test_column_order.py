@@ -91,6 +91,8 @@ def test_csv_of_metavision_has_its_sensor_in_a_comment(tmp_path: Path) -> None:
         recording = read_recording(path)
         assert_same(recording.events)
         assert (recording.width, recording.height) == (1280, 720)
+    path.write_text("% a comment\n" + rows)
+    assert_same(read_recording(path).events)
     path.write_text(f"%geometry:{'9' * 40},720\n" + rows)
     with pytest.raises(RecordingError, match="line 1: a sensor's side of 40 digits: must be a number up to 65536"):
         read_recording(path)
