@@ -141,6 +141,17 @@ def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
     assert read_recording("b.npz").events.t_us.tolist() == [20_001, 20_003]
 
 
+def test_what_is_amiss_but_loses_nothing_is_told_once_and_is_no_failure(capsys: Capture) -> None:
+    csv("a.csv", "20001,1,1,1", "20000,1,1,1", "20003,2,1,0")
+    what = "1 events run back in time, by at most 1 us: each has the time of the latest before it"
+    assert main(["info", "a.csv"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == f"evcot: warning: a.csv: {what}\n"
+    assert printed.out.splitlines()[-1] == f"remark          {what}"
+    assert main(["track", "a.csv", "--out", "out", "--sensor", "9x9"]) == 0  # reads it more than once
+    assert capsys.readouterr().err.count("run back in time") == 1
+
+
 @pytest.mark.parametrize("name", WRITABLE)
 def test_convert_gives_the_same_recording_in_another_format(drive: Path, name: str, capsys: Capture) -> None:
     target = f"out{WRITABLE[name].suffix}"

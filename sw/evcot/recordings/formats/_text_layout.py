@@ -145,7 +145,7 @@ def read_layout(file: BinaryIO) -> Layout:
 
 def _order(file: BinaryIO, event: Sequence[str], separator: str) -> tuple[int, int, int, int]:
     """Which of the first four cells are t, x, y, p, judged by the first event and the lines that follow."""
-    rows = []
+    rows: list[list[float]] = []
     cells = event
     while len(rows) < SAMPLED_ROWS:
         try:

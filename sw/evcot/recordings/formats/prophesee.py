@@ -46,14 +46,14 @@ def _read_header(path: Path) -> Header:
 
 
 def _is(name: str, start: bytes, path: Path) -> bool:
-    """Whether the file is of that format; a damaged header counts as DAT, whose reader then reports the damage. Text behind
-    lines that begin with % is no DAT, whose payload begins with control characters."""
+    """Whether the file is of that format; a damaged header counts as DAT, whose reader then reports the damage. A digit
+    behind lines that begin with % is text: the payload of DAT begins with a control character."""
     if not start.startswith(b"% "):
         return False
     try:
         header = _first_header(start, path)
         version = header.evt_version
-        if version is None and start[header.length : header.length + 2].strip().isalnum():
+        if version is None and start[header.length : header.length + 1].isdigit():
             return False
     except RecordingError:
         version = None
