@@ -207,14 +207,20 @@ def test_a_table_that_disagrees_loses_no_event_of_a_window(tmp_path: Path, chang
     assert_read_whole(path)
 
 
-def test_a_table_without_counts_still_finds_the_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("change", "packet", "reads"), [(every(count=0), 4, 3), (one(5, count=0, first=0, last=0), 5, 2), (list, 0, 6)]
+)
+def test_a_table_without_some_numbers_still_finds_the_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Any, packet: int, reads: int
+) -> None:
+    """One packet more is read than the window needs: the one before it."""
     path = tmp_path / "events.aedat4"
-    path.write_bytes(closed_file(PARTS, every(count=0))[0])
+    path.write_bytes(closed_file(PARTS, change)[0])
     decoded: list[int] = []
     elements = aedat4._elements
     monkeypatch.setattr(aedat4, "_elements", lambda data: decoded.append(1) or elements(data))
-    list(Aedat4File(path).blocks(first(4)))
-    assert len(decoded) == 3
+    list(Aedat4File(path).blocks(first(packet)))
+    assert len(decoded) == reads
 
 
 @pytest.mark.parametrize("compression", COMPRESSIONS)
