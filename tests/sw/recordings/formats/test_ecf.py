@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import struct
 import tracemalloc
+from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -214,6 +215,7 @@ def refusal(path: Path) -> str:
 def test_a_damaged_chunk_is_named(tmp_path: Path) -> None:
     events = make_events(2 * CHUNK, seed=5)
     good, last = encoded(events, ["masked"])
+    far = last[0][:12] + b"\xf1" * 17 + last[0][12:]  # a step of time of more than 64 bits
     path = tmp_path / "events.hdf5"
     for stored, what in (
         (last[0][:11], "chunk of 11 bytes: must be at least 12 in ECF"),
@@ -221,6 +223,10 @@ def test_a_damaged_chunk_is_named(tmp_path: Path) -> None:
         (encode(events[:100], "masked"), f"chunk unpacks to 100 events: must be {CHUNK}"),
         (encode(make_events(CHUNK + 1, 6), "masked"), f"chunk of {CHUNK + 1} events: must be at most {CHUNK}"),
         (struct.pack("<I", 0xFFFFFFFF) + last[0][4:], f"chunk of {(1 << 30) - 1} events: must be at most {CHUNK}"),
+        (
+            last[0][:12] + b"\xf1" * 17 + last[0][12:],
+            f"chunk of {len(last[0]) + 17} bytes and {CHUNK} events: is no ECF, or damaged",
+        ),
         (struct.pack("<IQ", CHUNK << 2, 0) + b"\xff" * 17, f"chunk of 29 bytes and {CHUNK} events: is no ECF, or damaged"),
     ):
         write(path, events, [good, (stored, 0)])
@@ -246,6 +252,27 @@ def test_no_cut_and_no_corruption_reads_beyond_a_chunk(kind: str) -> None:
         except RecordingError:
             refused += 1
     assert 30 < refused < 3000
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_kernels_stay_within_their_arrays(monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
+    """Not compiled, where an index beyond an array is an error."""
+    for name in ("_times", "_rows", "_columns", "_polarities", "_packed_fours", "_run", "_word"):
+        monkeypatch.setattr(ecf, name, getattr(ecf, name).py_func)
+    for count in range(1, 10):
+        events = make_events(count, seed=count)
+        np.testing.assert_array_equal(ecf.unpack(encode(events, kind, beyond=0b11111), count), events)
+    content = encode(make_events(40, seed=12), kind)
+    random = np.random.default_rng(13)
+    with np.errstate(over="ignore"):
+        for length in range(12, len(content)):
+            with pytest.raises(RecordingError):
+                ecf.unpack(content[:length], 40)
+        for _ in range(300):
+            damaged = bytearray(content)
+            damaged[int(random.integers(0, len(content)))] = int(random.integers(0, 256))
+            with suppress(RecordingError):
+                ecf.unpack(bytes(damaged), 40)
 
 
 def test_a_chunk_that_claims_more_than_fits_takes_no_memory() -> None:

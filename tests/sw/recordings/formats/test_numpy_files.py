@@ -271,3 +271,10 @@ def test_a_damaged_file_is_refused_or_read(tmp_path: Path, name: str, save, arra
         save(path, array)
     outcomes = fuzz(path, path.read_bytes(), corruptions=corruptions, seed=len(name))
     assert min(outcomes.refused, outcomes.read) > 20
+
+
+@pytest.mark.parametrize("names", [("ts", "xs", "ys", "ps"), ("timestamps", "x_coordinates", "y_coordinates", "polarities")])
+def test_arrays_may_be_called_as_those_of_hdf5(tmp_path: Path, names: tuple[str, ...]) -> None:
+    columns = (EVENTS.t_us, EVENTS.x, EVENTS.y, EVENTS.p.astype(bool))
+    np.savez(tmp_path / "events.npz", **dict(zip(names, columns, strict=True)))
+    assert_same(read_recording(tmp_path / "events.npz").events, EVENTS)
