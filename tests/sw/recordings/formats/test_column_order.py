@@ -104,7 +104,7 @@ def test_polarities_of_true_and_false(tmp_path: Path) -> None:
     for order, head in (("txyp", ""), ("xypt", ""), ("pxyt", ""), ("txyp", "t,x,y,p\n"), ("yptx", "y,p,t,x\n")):
         path.write_text(head + "\n".join(",".join(map(str, row)) for row in table(order, p=names)) + "\n")
         assert_same(read_recording(path).events)
-    for wrong in ("tru", "truer", "False1", "t", "yes"):
+    for wrong in ("tru", "trux", "truer", "falsy", "False1", "t", "yes"):
         path.write_text(f"1,2,3,true\n4,5,6,{wrong}\n")
         with pytest.raises(RecordingError, match=f"line 2: p = '{wrong}': must be 0, 1 or -1, or true or false"):
             read_recording(path)

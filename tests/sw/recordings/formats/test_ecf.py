@@ -215,7 +215,6 @@ def refusal(path: Path) -> str:
 def test_a_damaged_chunk_is_named(tmp_path: Path) -> None:
     events = make_events(2 * CHUNK, seed=5)
     good, last = encoded(events, ["masked"])
-    far = last[0][:12] + b"\xf1" * 17 + last[0][12:]  # a step of time of more than 64 bits
     path = tmp_path / "events.hdf5"
     for stored, what in (
         (last[0][:11], "chunk of 11 bytes: must be at least 12 in ECF"),
