@@ -24,8 +24,8 @@ _OTHERS: tuple[Order, ...] = ((2, 0, 1, 3), (3, 0, 1, 2), (1, 2, 3, 0), (3, 1, 2
 
 def column_order(sample: NDArray[Any]) -> Order:
     """The columns of t, x, y, p in (n, 4) numbers, the first `SAMPLED_ROWS` rows."""
-    columns = np.asarray(sample, np.float64).T
     with np.errstate(invalid="ignore", over="ignore"):
+        columns = np.asarray(sample, np.float64).T
         if columns.shape[1] < _FEWEST_ROWS or _can_be(columns, _USUAL):
             return _USUAL
         return next((order for order in _OTHERS if _can_be(columns, order) and _is_time(columns, order)), _USUAL)
