@@ -74,14 +74,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _warnings_in_one_line() -> Iterator[None]:
-    """What is left out of a recording is told as errors are."""
+    """What is amiss with a recording is told as errors are, and once, however often it is read."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", RecordingWarning)
         show = warnings.showwarning
+        shown: set[str] = set()
 
         def show_in_one_line(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
             if issubclass(category, RecordingWarning):
-                print(f"evcot: warning: {message}", file=sys.stderr)
+                line = f"evcot: warning: {message}"
+                if line not in shown:
+                    print(line, file=sys.stderr)
+                shown.add(line)
             else:
                 show(message, category, *place, **more)
 

@@ -15,7 +15,7 @@ class RecordingError(EvcotError, ValueError):
 
 
 class RecordingWarning(UserWarning):
-    """Events of a recording were left out: names the file, the number of events, and the reason."""
+    """Events of a recording were left out, or it contradicts itself: names the file, how many events, and the reason."""
 
 
 class ConfigError(EvcotError, ValueError):

@@ -191,7 +191,7 @@ def csv(*lines: str) -> bytes:
         ("nothing.aedat4", None, "nothing.aedat4: cannot be read: No such file or directory"),
         ("empty.raw", b"", "empty.raw: is empty"),
         ("what.bin", b"\x00\x01\x02\x03" * 9, "what.bin: "),
-        ("back.csv", csv("t,x,y,p", "5,1,1,1", "3,1,1,0"), "back.csv: event 1: t = 3 us follows t = 5 us: "),
+        ("back.csv", csv("t,x,y,p", "20005,1,1,1", "3,1,1,0"), "back.csv: event 1: t = 3 us follows t = 20005 us: "),
         ("cut.raw", b"% evt 2.0\n% geometry 640x480\n% end\n" + bytes(10), "cut.raw: ends within a word of 4 bytes"),
     ],
 )  # fmt: skip

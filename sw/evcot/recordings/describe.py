@@ -68,6 +68,7 @@ class Description:
             shorter than one window.
         pixels: None for a sensor of more than 2^24 pixels.
         left_out: reason -> number of events that were left out.
+        remarks: what was found amiss without any event being left out.
         details: what else the file says about itself.
     """
 
@@ -83,6 +84,7 @@ class Description:
     on_share: float
     pixels: PixelFigures | None
     left_out: Mapping[str, int]
+    remarks: tuple[str, ...]
     details: Mapping[str, str]
 
     def to_dict(self) -> dict[str, Any]:
@@ -199,5 +201,6 @@ def describe(
         on_share=float(state[_ON]) / events,
         pixels=pixels.figures(events) if pixels is not None else None,
         left_out=dict(file.left_out),
+        remarks=tuple(file.remarks),
         details=dict(file.details),
     )

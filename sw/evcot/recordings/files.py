@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Literal
 
 import numpy as np
+from numba import njit
 
 from ..errors import ConfigError, RecordingError, RecordingWarning
 from ..events import Events, Recording, check_sensor, find_fault
@@ -19,6 +20,7 @@ from .formats import FORMATS, WRITABLE
 from .formats.source import BLOCK_EVENTS, Sensor, Source, WritableFormat
 
 __all__ = [
+    "HELD_US",
     "Damage",
     "RecordingFile",
     "format_for",
@@ -30,6 +32,8 @@ __all__ = [
 ]
 
 Damage = Literal["refuse", "skip"]
+
+HELD_US = 10_000  # a time that runs back by no more is held at the latest one; by more, it is damage
 
 _SNIFF_BYTES = 1024
 
@@ -43,6 +47,7 @@ class RecordingFile:
         assumes_sensor: whether the sensor size is assumed, because neither the caller nor the file states it.
         details: what else the file says about itself.
         left_out: reason -> number of events left out in the most recent pass of `blocks`; complete when the pass has ended.
+        remarks: what was found amiss in that pass without any event being left out, one line each.
     """
 
     def __init__(self, path: Path, format_title: str, source: Source, sensor: Sensor | None, damage: Damage) -> None:
@@ -55,6 +60,7 @@ class RecordingFile:
         self._damage = damage
         self._t0_us: int | None = None
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
         if self._sensor is not None:
             check_sensor(str(path), *self._sensor)
         self._release = reading(self, path)
@@ -103,11 +109,12 @@ class RecordingFile:
             required: whether a window without events is an error.
 
         Raises:
-            RecordingError: the file is damaged, time runs backwards, or an event lies outside the sensor; names file, place,
-                value and rule. With damage "skip" such events are left out instead, and so is everything after a place that
-                cannot be read. Also raised where an event is `required` and there is none.
+            RecordingError: the file is damaged, time runs back by more than `HELD_US`, or an event lies outside the sensor;
+                names file, place, value and rule. With damage "skip" such events are left out instead, and so is everything
+                after a place that cannot be read. Also raised where an event is `required` and there is none.
         Warns:
-            RecordingWarning: events were left out; how many and why.
+            RecordingWarning: events were left out, how many and why; events ran back in time by no more than `HELD_US` and
+                have the time of the latest before them; the file says something of itself that is not so.
         """
         width, height = self.sensor
         t0_us = self.t0_us
@@ -116,9 +123,14 @@ class RecordingFile:
         last_us = np.iinfo(np.int64).min
         seen = given = 0
         broken: Counter[str] = Counter()
+        held = longest_us = 0
         for block in self._source_blocks(begin if from_us > 0 else None):
             fault = find_fault(block, width, height, last_us)
             first_index, seen = seen, seen + len(block)
+            if fault is not None:
+                block, count, back_us = _held(block, last_us)
+                held, longest_us = held + count, max(longest_us, back_us)
+                fault = find_fault(block, width, height, last_us) if count else fault
             if fault is not None:
                 if self._damage == "refuse":
                     raise RecordingError(f"{self.path}: {fault.describe(first_index)}{_counted_from(from_us)}")
@@ -134,8 +146,12 @@ class RecordingFile:
             if past < len(block):
                 break
         self.left_out = Counter(self._source.left_out) + broken
-        for why, count in self.left_out.items():
-            warnings.warn(RecordingWarning(f"{self.path}: {count} events left out: {why}"), stacklevel=2)
+        self.remarks = [*self._source.remarks]
+        if held:
+            what = f"{held} events run back in time, by at most {longest_us} us: each has the time of the latest before it"
+            self.remarks.append(what)
+        for what in (*(f"{count} events left out: {why}" for why, count in self.left_out.items()), *self.remarks):
+            warnings.warn(RecordingWarning(f"{self.path}: {what}"), stacklevel=2)
         if required and not given:
             window = f"from {from_us / 1e6:g} s" + ("" if to_us is None else f" to {to_us / 1e6:g} s")
             raise RecordingError(f"{self.path}: holds no events {window}")
@@ -172,6 +188,30 @@ class RecordingFile:
 def _counted_from(from_us: int) -> str:
     """The start of a window, for messages with indices and counts; empty where that is the start of the file."""
     return f" (counted from {from_us / 1e6:g} s)" if from_us else ""
+
+
+def _held(events: Events, after_us: int) -> tuple[Events, int, int]:
+    """Give events that run back in time, by `HELD_US` at most, the time of the latest before them; those that run back further
+    are unchanged. Returns the events, how many were changed, and the longest way back.
+
+    A camera's readout, or the program that merges its packets, may swap events that lie microseconds apart.
+    """
+    t_us = events.t_us.copy()
+    count, longest_us = _hold(t_us, after_us)
+    return Events(t_us, events.x, events.y, events.p), count, longest_us
+
+
+@njit(cache=True, nogil=True)
+def _hold(t_us, latest_us):  # type: ignore[no-untyped-def]
+    count, longest_us = 0, np.int64(0)
+    for i in range(len(t_us)):
+        if t_us[i] >= latest_us:
+            latest_us = t_us[i]
+        elif t_us[i] >= latest_us - HELD_US:
+            count += 1
+            longest_us = max(longest_us, latest_us - t_us[i])
+            t_us[i] = latest_us
+    return count, longest_us
 
 
 def sound(events: Events, width: int, height: int, after_us: int, broken: Counter[str]) -> Events:

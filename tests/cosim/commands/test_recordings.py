@@ -121,7 +121,7 @@ def test_info_as_json(drive: Path, capsys: Capture) -> None:
 
 
 def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
-    csv("a.csv", "1,1,1,1", "2,1,1,7", "0,1,1,1", "3,2,1,0", "oh")
+    csv("a.csv", "20001,1,1,1", "20002,1,1,7", "0,1,1,1", "20003,2,1,0", "oh")
     why = "line 5: 'oh': must have 4 cells, as the first event; it has 1"
     assert error_of(capsys, "info", "a.csv") == f"a.csv: {why}"
     for _ in range(2):  # and again, if done again
@@ -138,7 +138,18 @@ def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
         ]
     assert main(["convert", "a.csv", "b.npz", "--skip-damaged", "-q"]) == 0
     assert len(capsys.readouterr().err.splitlines()) == 3
-    assert read_recording("b.npz").events.t_us.tolist() == [1, 3]
+    assert read_recording("b.npz").events.t_us.tolist() == [20_001, 20_003]
+
+
+def test_what_is_amiss_but_loses_nothing_is_told_once_and_is_no_failure(capsys: Capture) -> None:
+    csv("a.csv", "20001,1,1,1", "20000,1,1,1", "20003,2,1,0")
+    what = "1 events run back in time, by at most 1 us: each has the time of the latest before it"
+    assert main(["info", "a.csv"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == f"evcot: warning: a.csv: {what}\n"
+    assert printed.out.splitlines()[-1] == f"remark          {what}"
+    assert main(["track", "a.csv", "--out", "out", "--sensor", "9x9"]) == 0  # reads it more than once
+    assert capsys.readouterr().err.count("run back in time") == 1
 
 
 @pytest.mark.parametrize("name", WRITABLE)
@@ -184,12 +195,12 @@ def test_convert_of_a_window_goes_by_the_suffix_and_may_be_quiet(drive: Path, ca
         ),
         (("convert", "drive.npz", "out.csv", "--from", "20000"), "drive.npz: holds no events from 20 s"),
         (("convert", "drive.npz", "absent/out.csv"), "output absent/out.csv: cannot be written: No such file or directory"),
-        (("convert", "bad.csv", "out.npz"), "bad.csv: event 1: t = 1 us follows t = 2 us: time must not run back"),
+        (("convert", "bad.csv", "out.npz"), "bad.csv: event 1: t = 1 us follows t = 20002 us: time must not run back"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(drive: Path, arguments: tuple[str, ...], message: str, capsys: Capture) -> None:
     Path("link.npz").symlink_to("drive.npz")
-    csv("bad.csv", "2,1,1,1", "1,1,1,1")
+    csv("bad.csv", "20002,1,1,1", "1,1,1,1")
     assert error_of(capsys, *arguments).startswith(message)
 
 

@@ -114,7 +114,7 @@ def test_it_goes_through_json_and_tells_its_progress(tmp_path: Path) -> None:
         "format": "NumPy npz", "width": 4, "height": 3, "assumes_sensor": False,
         "events": 1, "first_us": 5, "duration_us": 0, "mean_rate": None, "peak_rate": None, "on_share": 1.0,
         "pixels": {"silent": 11 / 12, "median_interval_us": None, "busiest": [{"x": 2, "y": 2, "share": 1.0}]},
-        "left_out": {}, "details": {"times in": "microseconds"},
+        "left_out": {}, "remarks": [], "details": {"times in": "microseconds"},
     }  # fmt: skip
 
 

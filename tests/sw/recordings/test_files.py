@@ -16,7 +16,7 @@ import pytest
 
 from evcot.errors import ConfigError, OutputError, RecordingError, RecordingWarning
 from evcot.events import Events, Recording
-from evcot.recordings.files import format_for, open_recording, read_recording, write_events, write_recording
+from evcot.recordings.files import Damage, format_for, open_recording, read_recording, write_events, write_recording
 from evcot.recordings.formats import FORMATS, WRITABLE, text
 
 WIDTH, HEIGHT = 64, 48
@@ -194,12 +194,13 @@ def test_no_event_in_the_window(tmp_path: Path) -> None:
 
 def test_damage_is_refused_or_left_out_and_counted(tmp_path: Path) -> None:
     path = csv(
-        tmp_path / "a.csv", "10,1,1,1", "11,9,1,1", "12,1,1,2", "9,1,1,0", "12,1,8,0", "20,2,1,0", "19,2,1,0", "30,1,1,1"
+        tmp_path / "a.csv",
+        *("90010,1,1,1", "90011,9,1,1", "90012,1,1,2", "80009,1,1,0", "90012,1,8,0", "90020,2,1,0", "19,2,1,0", "90030,1,1,1"),
     )
     assert refusal(path, (9, 8)) == "event 1: x = 9: must be below the sensor's 9"
     with pytest.warns(RecordingWarning) as caught, open_recording(path, (9, 8), damage="skip") as file:
         events = file.read().events
-    assert events.t_us.tolist() == [10, 20, 30]
+    assert events.t_us.tolist() == [90_010, 90_020, 90_030]
     assert file.left_out == {"outside the sensor, or without a polarity": 3, "time runs back": 2}
     assert [str(each.message) for each in caught] == [
         f"{path}: 3 events left out: outside the sensor, or without a polarity",
@@ -209,10 +210,37 @@ def test_damage_is_refused_or_left_out_and_counted(tmp_path: Path) -> None:
 
 def test_time_is_held_against_the_block_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(text, "_CHUNK_BYTES", 20)
-    path = csv(tmp_path / "a.csv", "10,1,1,1", "12,1,1,1", "11,1,1,1", "13,1,1,1")
-    assert refusal(path) == "event 2: t = 11 us follows t = 12 us: time must not run back"
+    path = csv(tmp_path / "a.csv", "10,1,1,1", "10012,1,1,1", "11,1,1,1", "10013,1,1,1")
+    assert refusal(path) == "event 2: t = 11 us follows t = 10012 us: time must not run back"
     with pytest.warns(RecordingWarning, match="1 events left out: time runs back"):
-        assert read_recording(path, damage="skip").events.t_us.tolist() == [10, 12, 13]
+        assert read_recording(path, damage="skip").events.t_us.tolist() == [10, 10_012, 10_013]
+
+
+BACK = "{} events run back in time, by at most {} us: each has the time of the latest before it"
+
+
+@pytest.mark.parametrize("piece_bytes", [20, 1 << 18])
+@pytest.mark.parametrize("damage", ["refuse", "skip"])
+def test_a_time_that_runs_back_a_little_is_held_and_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: Damage, piece_bytes: int
+) -> None:
+    monkeypatch.setattr(text, "_CHUNK_BYTES", piece_bytes)
+    path = csv(tmp_path / "a.csv", "10,1,1,1", "20010,2,1,1", "10010,3,1,0", "20009,4,1,1", "20011,5,1,0", "20010,6,1,0")
+    with pytest.warns(RecordingWarning) as caught, open_recording(path, damage=damage) as file:
+        events = file.read().events
+    assert (events.t_us.tolist(), events.x.tolist()) == ([10, 20_010, 20_010, 20_010, 20_011, 20_011], [1, 2, 3, 4, 5, 6])
+    assert (file.remarks, file.left_out) == ([BACK.format(3, 10_000)], {})
+    assert [str(each.message) for each in caught] == [f"{path}: {BACK.format(3, 10_000)}"]
+
+
+def test_what_runs_back_a_little_and_what_runs_back_far_are_told_apart(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv", "10,1,1,1", "20010,2,1,1", "20000,3,1,0", "10009,4,1,1", "20005,9,1,0", "20006,5,1,1")
+    assert refusal(path, (9, 8)) == "event 3: t = 10009 us follows t = 20010 us: time must not run back"
+    with pytest.warns(RecordingWarning) as caught, open_recording(path, (9, 8), damage="skip") as file:
+        events = file.read().events
+    assert (events.t_us.tolist(), events.x.tolist()) == ([10, 20_010, 20_010, 20_010], [1, 2, 3, 5])
+    assert file.left_out == {"outside the sensor, or without a polarity": 1, "time runs back": 1}
+    assert f"{path}: {BACK.format(3, 10)}" in [str(each.message) for each in caught]
 
 
 def test_what_follows_a_place_that_cannot_be_read_is_left_out_if_asked_to(tmp_path: Path) -> None:

@@ -51,6 +51,7 @@ def _rows(found: Description, path: Path) -> list[tuple[str, str]]:
         ("ON events", _percent(found.on_share)),
         *(_pixel_rows(found.pixels) if found.pixels is not None else ()),
         *(("left out", f"{count:,} events: {why}") for why, count in found.left_out.items()),
+        *(("remark", what) for what in found.remarks),
     ]
 
 

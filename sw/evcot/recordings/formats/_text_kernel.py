@@ -20,6 +20,7 @@ PADDING_BYTES = 16  # readable after the text, because it is read in 8-byte word
 
 _TAB, _NEWLINE, _RETURN, _BLANK, _HASH, _PERCENT, _PLUS, _COMMA, _MINUS, _POINT, _0, _E = (ord(c) for c in "\t\n\r #%+,-.0e")
 _SMALLEST, _LARGEST = int(np.iinfo(np.int64).min), int(np.iinfo(np.int64).max)
+_TRUE, _FALSE = int.from_bytes(b"true", "big"), int.from_bytes(b"false", "big")
 _POWERS = 10 ** np.arange(19, dtype=np.int64)
 _LONGEST = 19  # digits: with more, the sign of an int64 would not reveal an overflow
 _LARGEST_EXPONENT = 99
@@ -120,6 +121,19 @@ def _decimal(text, words, at, power, exact):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def _truth(text, at):  # type: ignore[no-untyped-def]
+    """1 for "true", 0 for "false", in any case of letters, -1 for anything else; and the offset after it."""
+    word = np.int64(0)
+    for i in range(5):
+        word = word << 8 | np.int64(text[at + i] | 32)
+    if word >> 8 == _TRUE:
+        return np.int64(1), np.int64(at + 4)
+    if word == _FALSE:
+        return np.int64(0), np.int64(at + 5)
+    return np.int64(-1), np.int64(at)
+
+
+@njit(cache=True, nogil=True)
 def _line(text, words, at, separator, columns, power, exact, n, t_us, x, y, p):  # type: ignore[no-untyped-def]
     """Parse any line into entry n; returns the offset after it, -1 if a cell is invalid, and the index of that cell."""
     last = len(columns) - 1
@@ -132,7 +146,8 @@ def _line(text, words, at, separator, columns, power, exact, n, t_us, x, y, p): 
                 c = text[at]
         else:
             scale, whole = (power, exact) if column == T else (0, True)
-            value, at = _decimal(text, words, at, scale, whole)
+            truth, end = _truth(text, at) if column == P else (np.int64(-1), np.int64(at))
+            value, at = (truth, end) if truth >= 0 else _decimal(text, words, at, scale, whole)
             if at < 0:
                 return at, k
             low, high = _LIMITS[column]

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import BinaryIO
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ._text_kernel import UNUSED, P, T, X, Y
+from .column_order import SAMPLED_ROWS, column_order
 from .fields import UNITS, Naming, find_fields
 from .printable import whole_number
 from .source import Sensor
@@ -25,8 +27,10 @@ SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "blanks"}
 
 _NAMES = {T: "t", X: "x", Y: "y", P: "p", UNUSED: "text"}
 _ADDRESS = "must be a whole number from 0 to 65535"
-_RULES = {X: _ADDRESS, Y: _ADDRESS, P: "must be 0, 1 or -1", UNUSED: "must be text"}
-_NUMBER_STARTS = tuple("+-.0123456789")
+_RULES = {X: _ADDRESS, Y: _ADDRESS, P: "must be 0, 1 or -1, or true or false", UNUSED: "must be text"}
+_TRUTHS = {"true": "1", "false": "0"}
+_GEOMETRY = re.compile(r"[#%]\s*geometry[:=\s]\s*(\d+)\s*[,x]\s*(\d+)", re.IGNORECASE)  # Metavision's
+_EVENT_START = re.compile(r"[-+.0-9]|(true|false)\b", re.IGNORECASE)
 _SHOWN = 60  # characters of a line in a message
 
 
@@ -40,6 +44,7 @@ class Layout:
         columns: (k,) int8, the field in each cell: T, X, Y, P or UNUSED.
         power, exact: times are in units of 10**power us, and must be whole microseconds if `exact`.
         sensor: (width, height) in pixels, if stated.
+        unnamed_order: the order of columns without names, "txyp" unless their values show another.
     """
 
     offset: int
@@ -49,6 +54,7 @@ class Layout:
     power: int
     exact: bool
     sensor: Sensor | None
+    unnamed_order: str = "txyp"
 
     @property
     def needs_newline(self) -> bool:
@@ -115,7 +121,9 @@ def read_layout(file: BinaryIO) -> Layout:
             raise RecordingError(f"line {lines + 1}: {what}")
         line = raw.decode("utf-8-sig" if offset == 0 else "utf-8", "replace").strip(" \r\n")
         passed = line[:1] in ("", "#", "%")
-        if naming is None and line[:1] not in _NUMBER_STARTS:
+        geometry = _GEOMETRY.fullmatch(line) if passed else None
+        sensor = (_side(geometry[1], lines), _side(geometry[2], lines)) if geometry else sensor
+        if naming is None and not _EVENT_START.match(line):
             try:
                 naming, stated = _header(line.lstrip("#% "))
                 sensor = stated or sensor
@@ -125,10 +133,31 @@ def read_layout(file: BinaryIO) -> Layout:
         elif not passed:
             cells = _cells(line, _separator(line))
             if naming is not None or sensor is not None or len(cells) != 2 or not all(map(str.isdecimal, cells)):
-                return _layout(offset, lines, _separator(line), cells, naming, sensor)
+                if naming is not None:
+                    return _layout(offset, lines, _separator(line), cells, naming, sensor)
+                order = _order(file, cells, _separator(line))
+                layout = _layout(offset, lines, _separator(line), cells, Naming(order, None), sensor)
+                return replace(layout, unnamed_order="".join(name for _, name in sorted(zip(order, "txyp", strict=True))))
             sensor = _side(cells[0], lines), _side(cells[1], lines)
         offset, lines = offset + len(raw), lines + 1
     return _layout(offset, lines, " ", [], naming, sensor)
+
+
+def _order(file: BinaryIO, event: Sequence[str], separator: str) -> tuple[int, int, int, int]:
+    """Which of the first four cells are t, x, y, p, judged by the first event and the lines that follow."""
+    rows: list[list[float]] = []
+    cells = event
+    while len(rows) < SAMPLED_ROWS:
+        try:
+            rows.append([float(_TRUTHS.get(cell.lower(), cell)) for cell in cells[:4]])
+        except ValueError:
+            break
+        if len(rows[-1]) < 4:
+            break
+        raw = file.readline(LONGEST_LINE_BYTES)
+        cells = _cells(raw.decode("utf-8", "replace").strip(" \r\n"), separator)
+    rows = [row for row in rows if len(row) == 4]
+    return column_order(np.array(rows).reshape(-1, 4))
 
 
 def _header(line: str) -> tuple[Naming, Sensor | None]:

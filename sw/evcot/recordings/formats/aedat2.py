@@ -98,6 +98,7 @@ class Aedat2File:
     def __init__(self, path: Path) -> None:
         self._path = path
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
         with path.open("rb") as file:
             self._record = _RECORDS[file.read(_MAGIC_BYTES)]
             file.seek(0)

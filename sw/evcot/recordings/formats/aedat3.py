@@ -72,6 +72,7 @@ class Aedat3File:
         self._path = path
         self._size = path.stat().st_size
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
         with path.open("rb") as file:
             lines = _read_header(file)
             self._begin = file.tell()

@@ -7,6 +7,9 @@ until the writer closes the file) and, in XML, the streams. Then packets: stream
 prefixed by its length. Last, compressed in the same way, the table: for each packet its offset (after stream and length),
 stream, length, number of elements, and times.
 
+The packets are followed by their own lengths. The table serves for seeking only, and a place that it names is checked; where
+table and packets disagree, the packets are believed, and a remark says so (see `aedat4_table`).
+
 Decoded here because faery 0.7 replaces a decreasing time by the latest one seen, aborts the process on some damaged headers,
 and cannot seek to a time.
 """
@@ -16,7 +19,8 @@ from __future__ import annotations
 import io
 import struct
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,8 +31,9 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 from .aedat4_header import HEADER_BYTES_MAX, Header, parse_header, type_of
+from .aedat4_table import NONE_UNLIKE, PacketTable, Spans, Unlike, parse_table
 from .ahead import in_order
-from .flatbuffers import root_table, size_prefixed, table_columns, usual_vector, vector_head
+from .flatbuffers import root_table, size_prefixed, usual_vector, vector_head
 from .gather import batches
 from .packing import Section, TooLarge, Unpacker
 from .source import BLOCK_EVENTS, Format, Sensor
@@ -47,36 +52,31 @@ _BATCH_BYTES = 4 * BLOCK_EVENTS  # compressed, decoded at once
 _WHOLE_BYTES_MAX = 1 << 22
 _HEAD_BYTES_MAX = 1 << 12  # of a large packet, before its events
 _TABLE_BYTES_MAX = 1 << 28  # 4 million packets and more
-_ENTRY_BYTES = 16  # minimum size of a packet's entry: its link in the list, a table, its offset in the file
-# Field of a FileDataDefinition -> (index, bytes into it, type).
-_TABLE_FIELDS = {
-    "at": (0, 0, "<i8"),
-    "stream": (1, 0, "<i4"),
-    "length": (1, 4, "<i4"),
-    "count": (2, 0, "<i8"),
-    "first_us": (3, 0, "<i8"),
-    "last_us": (4, 0, "<i8"),
-}
 
 
 class _Packet(NamedTuple):
-    """A packet's row in the table (-1 without a table), the offset after its stream and length fields, and its length."""
+    """A packet: the offset after its stream and length fields, and its length."""
 
-    row: int
     at: int
     length: int
 
+    @property
+    def place(self) -> str:
+        return f"packet at byte {self.at - PACKET_HEAD.size}"
 
-_Read = tuple[_Packet, memoryview | None]  # a packet and its compressed bytes; None: too many to be held in memory
+
+_Read = tuple[_Packet, bytes | None]  # a packet and its compressed bytes; None: too many to be held in memory
 
 
 class _Decoded(NamedTuple):
-    """Events, the error that ends them, the packets that were deferred, and whether the first of these is too large."""
+    """Events, the error that ends them, the packets that were deferred, whether the first of these is too large, and the
+    packets that differ from the table."""
 
     events: Events
     fault: RecordingError | None
     rest: list[_Read]
     large: bool
+    unlike: Unlike
 
 
 class Aedat4File:
@@ -88,58 +88,68 @@ class Aedat4File:
         self.left_out: Counter[str] = Counter()
         with path.open("rb") as file:
             header = _read_header(file, self._size)
-            self._begin, self._streams = header.end, header.streams
-            closed = header.table_at != -1
-            self._end = header.table_at if closed else self._size
-            if not self._begin <= self._end <= self._size:
-                raise RecordingError(
-                    f"packets from byte {self._begin} to {self._end}: must lie within {self._size} bytes; is the file cut off?"
-                )
+            self._begin, self._streams, self._table_at = header.end, header.streams, header.table_at
             self._new_unpacker = header.new_unpacker
-            self._table = self._read_table(file) if closed else None
-        self._stream = header.first_of_events
+            self._stream = header.first_of_events
+            self._end = self._table_at if self._begin <= self._table_at <= self._size else self._size
+            self._unlike = NONE_UNLIKE
+            self._table: PacketTable | None = None
+            self._untold = ""  # why the table is not used
+            kind = self._read_table(file)
         self.sensor = header.sensor(self._stream)
         others = [f"stream {stream} ({type_of(said)})" for stream, said in self._streams.items() if stream != self._stream]
         self.details: Mapping[str, str] = {
             "source": self._streams[self._stream].get("source", "not named"),
             "compression": header.compression_name,
-            "packet table": "whole" if closed else "none: the writer never closed the file",
+            "packet table": kind,
             "passed over": ", ".join(others) or "nothing",
         }
 
-    def _read_table(self, file: io.BufferedReader) -> dict[str, NDArray[np.int64]]:
-        """The table's columns, in order of the packets' offsets; the packets must be contiguous."""
-        if self._size - self._end > _TABLE_BYTES_MAX:
-            raise RecordingError(f"packet table of {self._size - self._end} bytes: must be at most {_TABLE_BYTES_MAX}")
-        file.seek(self._end)
+    def _read_table(self, file: io.BufferedReader) -> str:
+        """Read the table, if there is one that can be read; returns what kind of table the file has."""
+        if self._table_at == -1:
+            return "none: the writer never closed the file"
         try:
-            data = size_prefixed(self._new_unpacker().whole(file.read(), _TABLE_BYTES_MAX))
-            at, count = root_table(data, b"FTAB").vector(0, 4)
-            most = min((self._end - self._begin) // PACKET_HEAD.size, len(data) // _ENTRY_BYTES)
-            if count > most:
-                raise RecordingError(f"{count} entries: must be at most {most}, for so many bytes")
-            table = table_columns(data, (at, count), _TABLE_FIELDS)
+            if not self._begin <= self._table_at:
+                raise RecordingError(f"must begin behind the header, at byte {self._begin} or later")
+            if self._size < self._table_at:
+                return "none: the file ends before it"
+            if self._size - self._table_at > _TABLE_BYTES_MAX:
+                raise RecordingError(f"is of {self._size - self._table_at} bytes: must be at most {_TABLE_BYTES_MAX}")
+            file.seek(self._table_at)
+            content = self._new_unpacker().whole(file.read(), _TABLE_BYTES_MAX)
+            table = parse_table(content, self._end - self._begin, PACKET_HEAD.size)
         except RecordingError as error:
-            raise RecordingError(f"packet table at byte {self._end}: {error}; is the file cut off?") from error
-        order = np.argsort(table["at"], kind="stable")
-        table = {name: column[order] for name, column in table.items()}
-        begins = table["at"] - PACKET_HEAD.size
-        ends = np.append(self._begin, table["at"] + table["length"])
-        wrong = np.flatnonzero((ends != np.append(begins, self._end)) | (np.append(0, table["length"]) < 0))
-        if len(wrong):
-            raise RecordingError(f"packet table at byte {self._end}: entry {wrong[0]} does not begin where the one before ends")
-        return table
+            self._untold = f"packet table at byte {self._table_at}: {error}; the packets are read without it"
+            return "cannot be read"
+        if not table.states(self._stream):
+            return "without numbers of events and times"
+        self._table = table
+        return "whole"
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """See `source.Source`."""
+        if not self._unlike.count:
+            return [self._untold] if self._untold else []
+        packets = "a packet, which is" if self._unlike.count == 1 else f"{self._unlike.count} packets, which are"
+        first = f"{_Packet(self._unlike.at, 0).place}: {self._unlike.how}"
+        return [f"packet table at byte {self._table_at}: differs from {packets} believed; {first}"]
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""
+        self._unlike = NONE_UNLIKE
         with self._path.open("rb") as file:
-            read = ((packet, self._read(file, packet)) for packet in self._packets(file, from_us))
-            for decoded in in_order(self._decode, batches(read, _BATCH_BYTES, _held_bytes)):
+            begin = self._begin if from_us is None else self._place_of(file, from_us)
+            for decoded in in_order(self._decode, batches(self._read(file, begin), _BATCH_BYTES, _held_bytes)):
                 yield from self._given(file, decoded)
+        if self._table_at > self._size:
+            raise RecordingError(f"ends at byte {self._size}: its packets go on to byte {self._table_at}; is it cut off?")
 
     def _given(self, file: io.BufferedReader, decoded: _Decoded) -> Iterator[Events]:
         """Decoded events in blocks, then those of the deferred packets, then the error."""
         while True:
+            self._differs(decoded.unlike)
             for begin in range(0, len(decoded.events), BLOCK_EVENTS):
                 yield decoded.events[begin : begin + BLOCK_EVENTS]
             if decoded.fault is not None:
@@ -151,59 +161,61 @@ class Aedat4File:
                 try:
                     yield from self._large(file, packet)
                 except RecordingError as error:
-                    raise RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}") from error
+                    raise RecordingError(f"{packet.place}: {error}") from error
             decoded = self._decode(decoded.rest[decoded.large :])
 
-    def _packets(self, file: io.BufferedReader, from_us: int | None) -> Iterator[_Packet]:
-        """All packets of events; with a table, from the first that ends at `from_us` or later."""
-        if self._table is None:
-            yield from self._packets_in_turn(file)
-            return
-        rows = np.flatnonzero(self._table["stream"] == self._stream)
-        if from_us is not None:
-            reached = np.flatnonzero(self._table["last_us"][rows] >= from_us)
-            rows = rows[reached[0] :] if len(reached) else rows[:0]
-        columns = (rows, self._table["at"][rows], self._table["length"][rows])
-        yield from map(_Packet, *(column.tolist() for column in columns))
+    def _differs(self, unlike: Unlike) -> None:
+        """Note packets that differ from the table."""
+        if unlike.count:
+            first = self._unlike if self._unlike.count else unlike
+            self._unlike = replace(first, count=self._unlike.count + unlike.count)
 
-    def _packets_in_turn(self, file: io.BufferedReader) -> Iterator[_Packet]:
-        """All packets of events, found by following the lengths."""
+    def _place_of(self, file: io.BufferedReader, from_us: int) -> int:
+        """The offset of a packet before which all events are earlier than `from_us`: the one behind the packet that the table
+        names, if that one does end before; else the first one."""
+        before = self._table.last_before(self._stream, from_us) if self._table is not None else None
+        if before is None:
+            return self._begin
+        packet = _Packet(before[0], before[1])
+        if packet.at < self._begin + PACKET_HEAD.size or not 0 <= packet.length <= min(_WHOLE_BYTES_MAX, self._end - packet.at):
+            return self._begin
+        file.seek(packet.at - PACKET_HEAD.size)
+        data = file.read(PACKET_HEAD.size + packet.length)
+        if not data.startswith(PACKET_HEAD.pack(self._stream, packet.length)):
+            return self._begin
+        decoded = self._decode([(packet, data[PACKET_HEAD.size :])])
+        is_before = decoded.fault is None and len(decoded.events) and decoded.events.t_us.max() < from_us
+        return packet.at + packet.length if is_before else self._begin
+
+    def _read(self, file: io.BufferedReader, at: int) -> Iterator[_Read]:
+        """All packets of events from byte `at` on, found by following the lengths."""
         unpacker = self._new_unpacker()
-        at = self._begin
         while at < self._end:
             file.seek(at)
             head = file.read(PACKET_HEAD.size)
             stream, length = PACKET_HEAD.unpack(head) if len(head) == PACKET_HEAD.size else (self._stream, self._size)
-            at += PACKET_HEAD.size
-            if length < 0 or at + length > self._end:
-                raise RecordingError(
-                    f"packet at byte {at - PACKET_HEAD.size} goes beyond byte {self._end}, their end; is it cut off or damaged?"
-                )
+            packet = _Packet(at + PACKET_HEAD.size, length)
+            if length < 0 or packet.at + length > self._end:
+                raise RecordingError(f"{packet.place} goes beyond byte {self._end}, their end; is it cut off or damaged?")
             if stream not in self._streams:
-                raise RecordingError(
-                    f"packet at byte {at - PACKET_HEAD.size}: stream {stream}: must be one of {sorted(self._streams)}"
-                )
+                raise RecordingError(f"{packet.place}: stream {stream}: must be one of {sorted(self._streams)}")
             if stream == self._stream:
-                yield _Packet(-1, at, length)
-            elif type_of(self._streams[stream]) != "EVTS" and _begin(unpacker, Section(file, at, length))[8:12] == b"EVTS":
-                raise RecordingError(f"packet at byte {at - PACKET_HEAD.size}: holds events: stream {stream} must not")
-            at += length
+                yield packet, None if length > _WHOLE_BYTES_MAX else file.read(length)
+            elif (
+                self._may_hold_events(packet, stream)
+                and _begin(unpacker, Section(file, packet.at, packet.length))[8:12] == b"EVTS"
+            ):
+                raise RecordingError(f"{packet.place}: holds events: stream {stream} must not")
+            at = packet.at + length
 
-    def _read(self, file: io.BufferedReader, packet: _Packet) -> memoryview | None:
-        """A packet's compressed bytes; None if there are too many."""
-        place = f"packet at byte {packet.at - PACKET_HEAD.size}"
-        large = packet.length > _WHOLE_BYTES_MAX
-        file.seek(packet.at - PACKET_HEAD.size)
-        data = file.read(PACKET_HEAD.size + (0 if large else packet.length))
-        if not data.startswith(PACKET_HEAD.pack(self._stream, packet.length)):
-            head = PACKET_HEAD.unpack_from(data) if len(data) >= PACKET_HEAD.size else None
-            raise RecordingError(
-                f"{place}: stream and length {head}, {(self._stream, packet.length)} by the table: must be the same"
-            )
-        return None if large else memoryview(data)[PACKET_HEAD.size :]
+    def _may_hold_events(self, packet: _Packet, stream: int) -> bool:
+        """Whether a packet of another stream is worth a look: nothing else says that it holds no events of this one."""
+        if type_of(self._streams[stream]) == "EVTS":
+            return False
+        return self._table is None or self._table.stream_at(packet.at) != stream
 
     def _decode(self, read: list[_Read]) -> _Decoded:
-        """The events of some packets, up to the first that is damaged, contradicts the table, or is too large for here."""
+        """The events of some packets, up to the first that is damaged or too large for here."""
         unpacker = self._new_unpacker()
         parts: list[NDArray[np.int64]] = []
         fault: RecordingError | None = None
@@ -221,22 +233,24 @@ class Aedat4File:
                 large = True
                 break
             except RecordingError as error:
-                fault = RecordingError(f"packet at byte {packet.at - PACKET_HEAD.size}: {error}")
+                fault = RecordingError(f"{packet.place}: {error}")
                 break
-        packets = [packet for packet, _ in read[: len(parts)]]
         ends = np.cumsum([len(part) // 2 for part in parts], dtype=np.int64)
         events = Events.allocated(int(ends[-1]) if parts else 0)
         for part, end in zip(parts, ends, strict=True):
             _fill(part, end - len(part) // 2, events.t_us, events.x, events.y, events.p)
-        wrong = self._first_unlike_table(packets, events.t_us, ends)
-        if wrong is None:
-            return _Decoded(events, fault, [] if fault else read[len(parts) :], large)
-        good = int(ends[wrong - 1]) if wrong else 0
-        found = events.t_us[good : ends[wrong]]
-        place = f"packet at byte {packets[wrong].at - PACKET_HEAD.size}"
-        return _Decoded(
-            events[:good], RecordingError(f"{place}: {self._mismatch(packets[wrong], len(found), found)}"), [], False
-        )
+        unlike = self._unlike_table([packet.at for packet, _ in read[: len(parts)]], events.t_us, ends)
+        return _Decoded(events, fault, [] if fault else read[len(parts) :], large, unlike)
+
+    def _unlike_table(self, at: list[int], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> Unlike:
+        """The packets that differ from the table; their events end at indices `ends` of `t_us`."""
+        if self._table is None or not at:
+            return NONE_UNLIKE
+        count = np.diff(ends, prepend=0)
+        first_us, last_us = np.zeros((2, len(at)), np.int64)
+        filled = count > 0
+        first_us[filled], last_us[filled] = t_us[(ends - count)[filled]], t_us[ends[filled] - 1]
+        return self._table.unlike(Spans(np.array(at), count, first_us, last_us))
 
     def _large(self, file: io.BufferedReader, packet: _Packet) -> Iterator[Events]:
         """The events of a packet of any size, in blocks: memory does not grow with it."""
@@ -247,43 +261,20 @@ class Aedat4File:
         if at + 4 > len(head):
             raise RecordingError(f"events begin at byte {at + 4}: must begin within {_HEAD_BYTES_MAX} in a packet so large")
         content.take(at + 4)
-        row = None if self._table is None else {name: int(column[packet.row]) for name, column in self._table.items()}
-        last_us = 0
+        span = np.zeros(2, np.int64)
         for first in range(0, count, BLOCK_EVENTS):
             words = np.frombuffer(content.take(min(BLOCK_EVENTS, count - first) * EVENT.itemsize), "<i8")
             events = Events.allocated(len(words) // 2)
             _fill(words, 0, events.t_us, events.x, events.y, events.p)
-            if row and (count != row["count"] or (first == 0 and len(events) and events.t_us[0] != row["first_us"])):
-                raise RecordingError(self._mismatch(packet, count, events.t_us))
             yield events
             if len(events) < min(BLOCK_EVENTS, count - first):
                 break
-            last_us = int(events.t_us[-1])
+            span[first > 0 :] = events.t_us[[0, -1]][first > 0 :]
         end = content.end()
         if end != 4 + stated:
             raise RecordingError(f"{end - 4} bytes, {stated} by its own length: must be the same")
-        if row and (count != row["count"] or (count and last_us != row["last_us"])):
-            raise RecordingError(self._mismatch(packet, count, np.array([row["first_us"], last_us])[: 2 * bool(count)]))
-
-    def _first_unlike_table(self, packets: list[_Packet], t_us: NDArray[np.int64], ends: NDArray[np.int64]) -> int | None:
-        if self._table is None:
-            return None
-        rows = [packet.row for packet in packets]
-        counts = np.diff(ends, prepend=0)
-        filled = counts > 0
-        wrong = counts != self._table["count"][rows]
-        for index, column in ((ends - counts, "first_us"), (ends - 1, "last_us")):
-            wrong[filled] |= t_us[index[filled]] != self._table[column][rows][filled]
-        return int(np.argmax(wrong)) if wrong.any() else None
-
-    def _mismatch(self, packet: _Packet, held: int, t_us: NDArray[np.int64]) -> str:
-        assert self._table is not None
-        found = f"{held} events" + (f" from t = {t_us[0]} to {t_us[-1]} us" if len(t_us) else "")
-        count, first, last = (int(self._table[name][packet.row]) for name in ("count", "first_us", "last_us"))
-        return (
-            f"{found}, {count} from t = {first} to {last} us by the table: "
-            "must be the same; does time run back, or is it damaged?"
-        )
+        if self._table is not None:
+            self._differs(self._table.unlike(Spans(np.array([packet.at]), np.array([count]), span[:1], span[1:])))
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""

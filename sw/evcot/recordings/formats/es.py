@@ -78,6 +78,7 @@ class EsFile:
         self.sensor: Sensor | None = (width, height)
         self.details: Mapping[str, str] = {"events": "ATIS" if self._atis else "DVS", "version": ".".join(map(str, version))}
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`. A time is found by reading up to it: every event depends on the ones before."""

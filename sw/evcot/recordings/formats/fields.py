@@ -8,15 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...errors import RecordingError
+from .hdf5_survey import NAMES
 
 __all__ = ["UNITS", "Naming", "find_fields"]
 
-_MEANINGS = {
-    **dict.fromkeys(("t", "ts", "time", "timestamp", "timestamps"), "t"),
-    "x": "x",
-    "y": "y",
-    **dict.fromkeys(("p", "on", "pol", "polarity", "polarities"), "p"),
-}
+_MEANINGS = {name: field for field, names in NAMES.items() for name in names}
 _POWERS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
 UNITS = {6: "seconds", 3: "milliseconds", 0: "microseconds", -3: "nanoseconds"}  # of 10**power us
 _LONGEST_NAME = 256  # of a field: the regular expression takes quadratic time in the length

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
+from . import ecf
 from .ahead import in_order
-from .hdf5_chunks import Chunks
+from .hdf5_chunks import Chunks, joined
 from .hdf5_survey import Part, Survey, survey
 from .numeric import events_from_numbers, events_from_records, microseconds
 from .printable import printable, reason
@@ -27,7 +28,6 @@ from .source import BLOCK_EVENTS, Format, Sensor
 __all__ = ["FORMATS", "MAGIC", "Hdf5File", "Rows", "open_dataset", "open_file", "open_rows"]
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
-_ECF = 0x8ECF
 _READ_ROWS = 1 << 17  # minimum rows per read: a call of the library has a high fixed cost
 
 
@@ -55,7 +55,7 @@ class Rows:
             at = begin if kept is None else self._end
             stop = min(-(-end // self._step) * self._step, len(self._chunks))
             rows = self._read(at, stop)
-            self._held = rows if kept is None else np.concatenate((kept, rows))
+            self._held = rows if kept is None else joined([kept, rows])
             self._begin, self._end = begin, stop
         return self._held[begin - self._begin : end - self._begin]
 
@@ -97,6 +97,7 @@ class Hdf5File:
         self.sensor: Sensor | None = _sensor(found)
         self.details: Mapping[str, str] = found["details"]
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`."""
@@ -198,12 +199,14 @@ def open_dataset(file: Any, part: Part) -> Any:
     Raises:
         RecordingError: it cannot be opened, or its compression needs a package that is not installed.
     """
-    for code, name in part["filters"]:
-        _check_filter(part["dataset"], code, name)
     try:
-        return file[part["dataset"]]
+        dataset = file[part["dataset"]]
     except (KeyError, OSError, RuntimeError, ValueError) as error:
         raise RecordingError(f"{part['dataset']}: cannot be opened: {reason(error)}") from error
+    if not Chunks(dataset).is_ecf:
+        for code, name in part["filters"]:
+            _check_filter(part["dataset"], code, name)
+    return dataset
 
 
 def open_rows(file: Any, part: Part) -> Rows:
@@ -216,7 +219,7 @@ def _check_filter(dataset: str, code: int, name: str) -> None:
 
     if h5z.filter_avail(code):
         return
-    if code == _ECF:
+    if code == ecf.FILTER:
         need = "Prophesee's plugin hdf5_ecf in $HDF5_PLUGIN_PATH, or the recording as RAW"
     else:
         try:
@@ -227,7 +230,7 @@ def _check_filter(dataset: str, code: int, name: str) -> None:
             if h5z.filter_avail(code):
                 return
             need = "its plugin in $HDF5_PLUGIN_PATH"
-    called = {_ECF: "ECF", 32001: "Blosc"}.get(code, printable(name.split(";")[0]) or "unnamed")
+    called = {ecf.FILTER: "ECF", 32001: "Blosc"}.get(code, printable(name.split(";")[0]) or "unnamed")
     raise RecordingError(f"{dataset}: is compressed by {called} (HDF5 filter {code}): needs {need}")
 
 

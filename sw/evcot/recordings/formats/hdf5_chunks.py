@@ -3,7 +3,8 @@
 
 The HDF5 library allocates memory for whatever a deflate stream expands to, up to a thousand times its length, before it checks
 the expected size. So gzip, with or without shuffle, is decompressed here; for rarer filter pipelines with gzip the expanded
-size of the stream is checked here before the library reads it.
+size of the stream is checked here before the library reads it. Prophesee's codec, which the library does not have, is undone
+here too.
 """
 
 from __future__ import annotations
@@ -16,9 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import RecordingError
+from . import ecf
+from .numeric import RECORD
 from .printable import reason
 
-__all__ = ["Chunks"]
+__all__ = ["Chunks", "joined"]
 
 _DEFLATE, _SHUFFLE = 1, 2
 # Deflate expands to at most 1,032 times its length. The library is faster, and a chunk this small cannot exhaust memory.
@@ -37,6 +40,7 @@ class Chunks:
         self._filters = [creation.get_filter(i) for i in range(creation.get_nfilters())] if dataset.chunks else []
         codes = [int(each[0]) for each in self._filters]
         self._deflates = _DEFLATE in codes
+        self.is_ecf = codes == [ecf.FILTER] and dataset.dtype == RECORD and dataset.ndim == 1
         self._across = dataset.ndim == 1 or dataset.chunks is None or dataset.chunks[1 - axis] == dataset.shape[1 - axis]
         self._here = (
             codes in ([_DEFLATE], [_SHUFFLE, _DEFLATE])
@@ -54,18 +58,19 @@ class Chunks:
         Raises:
             RecordingError: a chunk is damaged, or not of the dataset's chunk size.
         """
-        if not self._deflates:
+        if not self._deflates and not self.is_ecf:
             return self._by_library(begin, end)
         length = self._dataset.chunks[self._axis]
         places = range(begin // length * length, end, length)
+        if self.is_ecf:
+            return joined([self._ecf_chunk(at)[max(begin - at, 0) : end - at] for at in places])
         if self._across and all(self._size(self._offset(at)) <= _SURE_BYTES for at in places):
             return self._by_library(begin, end)
         if not self._here:
             for place in places:
                 self._measure(place)
             return self._by_library(begin, end)
-        parts = [self._chunk(at)[max(begin - at, 0) : end - at] for at in places]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return joined([self._chunk(at)[max(begin - at, 0) : end - at] for at in places])
 
     def _by_library(self, begin: int, end: int) -> NDArray[Any]:
         rows: NDArray[Any] = self._dataset[0, begin:end] if self._axis else self._dataset[begin:end]
@@ -105,6 +110,16 @@ class Chunks:
         sides = [side for axis, side in enumerate(self._dataset.chunks) if axis != self._axis]
         return rows if self._axis or not sides else rows.reshape(-1, *sides)
 
+    def _ecf_chunk(self, at: int) -> NDArray[Any]:
+        """The rows of a chunk in ECF, all or those within the dataset; the codec is optional, as any filter."""
+        rows, (length,) = len(self), self._dataset.chunks
+        mask, packed = self._packed(self._offset(at))
+        content = np.frombuffer(packed, RECORD, len(packed) // RECORD.itemsize) if mask & 1 else ecf.unpack(packed, length)
+        wanted = min(length, rows - at)
+        if len(content) < wanted:
+            raise RecordingError(f"chunk unpacks to {len(content)} events: must be {wanted}")
+        return content
+
     def _measure(self, at: int) -> None:
         """Refuse a row of chunks if one of them expands to more than a chunk."""
         across = 1 - self._axis
@@ -117,6 +132,18 @@ class Chunks:
             for i, (code, *_) in reversed(list(enumerate(self._filters))):
                 if code == _DEFLATE and not mask >> i & 1:
                     _inflated(packed, self._bytes + _SLACK_BYTES)
+
+
+def joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """The rows of parts, one after another; of records too in their own layout, which `np.concatenate` packs."""
+    if len(parts) == 1:
+        return parts[0]
+    rows = np.empty((sum(map(len, parts)), *parts[0].shape[1:]), parts[0].dtype)
+    at = 0
+    for part in parts:
+        rows[at : at + len(part)] = part
+        at += len(part)
+    return rows
 
 
 def _inflated(packed: Any, most: int) -> bytes:

@@ -14,15 +14,17 @@ import sys
 from pathlib import Path
 from typing import Any
 
-__all__ = ["Part", "Survey", "survey"]
+__all__ = ["NAMES", "Part", "Survey", "survey"]
 
 Survey = dict[str, Any]
 Part = dict[str, Any]
 
 SECONDS = 20.0
-# Groups of events, and the time index that may accompany them: DSEC and the packagers for E2VID; Prophesee; M3ED; MVSEC.
+# Groups of events, and the time index that may accompany them: DSEC, the packagers for E2VID, and v2e, which once said
+# "event"; Prophesee; M3ED; MVSEC.
 _PLACES: tuple[tuple[str, str], ...] = (
     ("events", "ms_to_idx"),
+    ("event", ""),
     ("CD/events", ""),
     ("prophesee/left", "prophesee/left/ms_map_idx"),
     ("prophesee/right", "prophesee/right/ms_map_idx"),
@@ -30,14 +32,16 @@ _PLACES: tuple[tuple[str, str], ...] = (
     ("davis/right/events", ""),
     ("/", "ms_to_idx"),
 )
-_NAMES = {
-    "t": ("t", "ts", "timestamps", "timestamp"),
+# What the fields of an event are called, here and in the other formats whose columns have names.
+NAMES = {
+    "t": ("t", "ts", "timestamps", "timestamp", "time"),
     "x": ("x", "xs", "x_coordinates"),
     "y": ("y", "ys", "y_coordinates"),
-    "p": ("p", "ps", "polarity", "polarities", "pol"),
+    "p": ("p", "ps", "polarity", "polarities", "pol", "on"),
 }
-# MVSEC: a row per event.
-_MATRIX = {"x": 0, "y": 1, "t": 2, "p": 3}
+# A row per event: of floating-point numbers in MVSEC, of whole ones in v2e.
+_FLOAT_MATRIX = {"x": 0, "y": 1, "t": 2, "p": 3}
+_WHOLE_MATRIX = {"t": 0, "x": 1, "y": 2, "p": 3}
 # A dataset in a single compressed chunk has to be in memory as a whole, and so has every other column.
 _MOST_CHUNK_BYTES = 1 << 28
 _MOST_MEMORY_BYTES = 1 << 29  # limit for the survey process itself
@@ -127,14 +131,15 @@ def _columns(found: Any) -> dict[str, Part]:
     if isinstance(found, h5py.Dataset):
         picks: dict[str, Any]
         if found.dtype.names:
-            picks = {field: _alias(names, found.dtype.names) for field, names in _NAMES.items()}
+            picks = {field: _alias(names, found.dtype.names) for field, names in NAMES.items()}
         else:
-            picks = dict(_MATRIX) if found.ndim == 2 and found.shape[1] == len(_MATRIX) else {}
+            matrix = _FLOAT_MATRIX if found.dtype.kind == "f" else _WHOLE_MATRIX
+            picks = dict(matrix) if found.ndim == 2 and found.shape[1] == len(matrix) else {}
         return {field: _part(found, pick) for field, pick in picks.items()} if picks and None not in picks.values() else {}
     if not isinstance(found, h5py.Group):
         return {}
     members = list(found)
-    aliases = {field: _alias(names, members) for field, names in _NAMES.items()}
+    aliases = {field: _alias(names, members) for field, names in NAMES.items()}
     if None in aliases.values():
         return {}
     datasets = {field: found[name] for field, name in aliases.items()}
@@ -227,7 +232,9 @@ def _offset(file: Any) -> int:
 
 
 def _sensor(file: Any, place: str) -> list[int] | None:
-    """(width, height) from the attributes of the group or its parents; or from a dataset next to it, as in M3ED."""
+    """(width, height) from the attributes of the group or its parents; or from datasets beside its columns, as in M3ED."""
+    import h5py
+
     above = [place.rsplit("/", depth)[0] for depth in range(place.count("/") + 1)] if place != "/" else []
     for name in [*above, "/"]:
         attributes = dict(file[name].attrs)
@@ -242,6 +249,9 @@ def _sensor(file: Any, place: str) -> list[int] | None:
         for sides in readings:
             if len(sides) == 2 and all(str(side).strip().isdecimal() and len(str(side)) < 20 for side in sides):
                 return [int(side) for side in sides]
+    sides = [file.get(f"{place}/{name}") for name in ("width", "height")]
+    if all(isinstance(side, h5py.Dataset) and side.size == 1 and side.dtype.kind in "iu" for side in sides):
+        return [int(side[()].item()) for side in sides]
     beside = f"{place}/calib/resolution"
     if place.startswith("prophesee") and _is_here(file, beside) and file[beside].shape == (2,):
         return [int(side) for side in file[beside][()]]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """MATLAB files with a struct of events, as the tools around the ATIS and N-MNIST write it: TD.x, TD.y, TD.p, TD.ts.
 
+The fields may have any of the names in `hdf5_survey.NAMES`.
+
 MATLAB counts pixels from 1, and so do these tools; other exporters count from 0. The data decide: if some x or y is 0, both
 are counted from 0, else from 1. A polarity of 2 implies the coding 1 and 2, one of -1 the coding -1 and 1, neither 0 and 1.
 `ts` is in microseconds. Files of version 5 to 7 are decoded here; one of 7.3 is HDF5.
@@ -24,7 +26,7 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 from .hdf5 import open_file, open_rows
-from .hdf5_survey import survey
+from .hdf5_survey import NAMES, survey
 from .numeric import whole_numbers
 from .packing import Section
 from .printable import printable, reason
@@ -185,14 +187,15 @@ def _find_struct(elements: _Elements) -> tuple[str, dict[str, _Place]] | None:
     if len(width) != 1 or not 0 < width[0] <= len(names):
         return None
     fields = [names[at : at + width[0]].split(b"\0")[0].decode("latin-1") for at in range(0, len(names), width[0])]
-    if not set(_FIELDS) <= set(fields):
+    called = {next((name for name in NAMES[field.removesuffix("s")] if name in fields), None): field for field in _FIELDS}
+    if None in called:
         return None
     places: dict[str, _Place] = {}
     for field in fields:
         elements.tag(_MATRIX)
         behind = elements.behind
-        if field in _FIELDS:
-            places[field] = _find_numbers(field, elements)
+        if field in called:
+            places[called[field]] = _find_numbers(field, elements)
         elements.go_to(behind)
     return name, places
 
@@ -340,6 +343,7 @@ class _MatlabFile:
             raise
         self.sensor: Sensor | None = None
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
         self.details: Mapping[str, str] = {"struct": printable(name), "pixels": f"counted from {self._first}"}
 
     def _look_over(self) -> None:

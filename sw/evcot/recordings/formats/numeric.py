@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...errors import RecordingError
 from ...events import Events
 
-__all__ = ["events_from_numbers", "events_from_records", "microseconds", "whole_numbers"]
+__all__ = ["RECORD", "events_from_numbers", "events_from_records", "microseconds", "whole_numbers"]
 
 _Width = TypeVar("_Width", bound=np.integer[Any])
 # Above this, floating-point numbers cannot represent every microsecond; and sums of times stay within 64 bits.
@@ -116,7 +116,7 @@ def _plain(values: NDArray[Any]) -> NDArray[Any]:
 
 
 # Prophesee's record in HDF5, laid out as in C: two words, which `events_from_records` decodes in one pass.
-_RECORD = np.dtype({"names": ["x", "y", "p", "t"], "formats": ["<u2", "<u2", "<i2", "<i8"], "offsets": [0, 2, 4, 8]})
+RECORD = np.dtype({"names": ["x", "y", "p", "t"], "formats": ["<u2", "<u2", "<i2", "<i8"], "offsets": [0, 2, 4, 8]})
 
 
 @njit(cache=True, nogil=True)
@@ -137,7 +137,7 @@ def _fill_records(words, latest_us, t0_us, t_us, x, y, p):  # type: ignore[no-un
 def events_from_records(records: NDArray[np.void], t0_us: int = 0) -> Events | None:
     """Decode Prophesee's records; None if they have another layout, or a value is out of range: `events_from_numbers` then
     reports which."""
-    if records.dtype != _RECORD or not records.flags.c_contiguous:
+    if records.dtype != RECORD or not records.flags.c_contiguous:
         return None
     events = Events.allocated(len(records))
     columns = events.t_us, events.x, events.y, events.p

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""NumPy files: .npz with an array per field, and .npy of records or of rows t, x, y, p.
+"""NumPy files: .npz with an array per field, and .npy of records or of rows t, x, y, p, or in another order (`column_order`).
 
 Fields may have any of the names in `fields`. Times are in the unit stated in their name (`t_us`, `t_s`); else integers are
 microseconds, and floating-point numbers are seconds, or microseconds if those of the first block are all whole. They are
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
+from .column_order import SAMPLED_ROWS, column_order
 from .fields import UNITS, find_fields
 from .numeric import microseconds, whole_numbers
 from .numpy_arrays import StoredArray, npy_array, npz_arrays
@@ -62,6 +63,7 @@ class _NumpySource:
         self.sensor = sensor
         self.details = {"times in": UNITS[self._power or 0]}
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
 
     @property
     def _type_of_t(self) -> np.dtype[Any]:
@@ -163,9 +165,29 @@ def _of_one_array(array: StoredArray) -> _NumpySource:
     if len(array.shape) != 2 or array.shape[1] != 4:
         raise RecordingError(f"is an array {array.shape} of {array.dtype}: must be (n, 4), or have fields t, x, y, p")
     if array.fortran_order:
-        return _NumpySource([_Column(each) for each in array.columns()], None)
-    rows = array.rows_as_records()
-    return _NumpySource([_Column(rows, name) for name in rows.dtype.names or ()], None)
+        columns = [_Column(each) for each in array.columns()]
+    else:
+        rows = array.rows_as_records()
+        columns = [_Column(rows, name) for name in rows.dtype.names or ()]
+    order = _order_of(columns) if array.dtype.kind in "iubf" else range(4)
+    source = _NumpySource([columns[i] for i in order], None)
+    if list(order) != [0, 1, 2, 3]:
+        names = (name for _, name in sorted(zip(order, "txyp", strict=True)))
+        source.details["columns"] = f"{', '.join(names)}, by their values"
+    return source
+
+
+def _order_of(columns: Sequence[_Column]) -> Sequence[int]:
+    """Which columns are t, x, y, p, by their first values."""
+    values = [_first_values(column) for column in columns]
+    shortest = min(map(len, values))
+    return column_order(np.stack([each[:shortest] for each in values], axis=1))
+
+
+def _first_values(column: _Column) -> NDArray[Any]:
+    """The first numbers of a column; fewer than all columns have if the file ends there."""
+    with column.array.rows(0) as stream:
+        return column.of(column.array.read(stream, min(SAMPLED_ROWS, column.array.shape[0])))
 
 
 def _open_npz(path: Path) -> _NumpySource:

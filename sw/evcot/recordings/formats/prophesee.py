@@ -46,11 +46,15 @@ def _read_header(path: Path) -> Header:
 
 
 def _is(name: str, start: bytes, path: Path) -> bool:
-    """Whether the file is of that format; a damaged header counts as DAT, whose reader then reports the damage."""
+    """Whether the file is of that format; a damaged header counts as DAT, whose reader then reports the damage. A digit
+    behind lines that begin with % is text: the payload of DAT begins with a control character."""
     if not start.startswith(b"% "):
         return False
     try:
-        version = _first_header(start, path).evt_version
+        header = _first_header(start, path)
+        version = header.evt_version
+        if version is None and start[header.length : header.length + 1].isdigit():
+            return False
     except RecordingError:
         version = None
     return name == _EVT_NAMES.get(version or "", "dat")
@@ -68,7 +72,9 @@ def _open(path: Path, layout: Layout, header: Header, offset: int) -> WordFile:
     sensor, details = header.sensor, header.details
     words = Words(path, offset, layout.dtype)
     details["words"] = f"{len(words)} of {8 * layout.dtype.itemsize} bits"
-    return WordFile(words, layout, sensor, details, _smallest_sensor)
+    source = WordFile(words, layout, sensor, details, _smallest_sensor)
+    source.remarks = header.remarks
+    return source
 
 
 def _open_evt2(path: Path) -> WordFile:

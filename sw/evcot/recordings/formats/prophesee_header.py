@@ -21,7 +21,11 @@ HEADER_BYTES = 1 << 16
 # Upper limit of a header's `t0`: times after it still fit into 63 bits.
 T0_LIMIT_US = 1 << 62
 
-_DETAILS = {"camera": ("plugin_name", "integrator_name"), "serial": ("serial_number",), "date": ("date",)}
+_DETAILS = {
+    "camera": ("plugin_name", "integrator_name", "camera_integrator_name"),
+    "serial": ("serial_number",),
+    "date": ("date",),
+}
 
 
 @dataclass(frozen=True)
@@ -60,13 +64,22 @@ class Header:
 
     @property
     def sensor(self) -> Sensor | None:
-        """(width, height) from `geometry`, `format`, or `Width` and `Height`; None if not stated.
+        """(width, height) from `geometry`, `format`, or `Width` and `Height`, the largest of them; None if not stated."""
+        return max(self._sensors, key=lambda sides: sides[0] * sides[1], default=None)
 
-        Raises:
-            RecordingError: they say different things.
-        """
+    @property
+    def remarks(self) -> list[str]:
+        """Where the header contradicts itself, and what is made of it."""
+        if len(set(self._sensors)) < 2:
+            return []
+        sizes = " and ".join(f"{width}x{height}" for width, height in self._sensors)
+        return [f"header: sensor {sizes}: the larger is taken"]
+
+    @cached_property
+    def _sensors(self) -> list[Sensor]:
+        """The sensor's size, wherever it is stated."""
         options = self._format[1]
-        stated = [
+        return [
             (int(width), int(height))
             for width, height in (
                 self.fields.get("geometry", "").partition("x")[::2],
@@ -75,10 +88,6 @@ class Header:
             )
             if _is_number(width) and _is_number(height)
         ]
-        if len(set(stated)) > 1:
-            sizes = " and ".join(f"{width}x{height}" for width, height in stated)
-            raise RecordingError(f"header: sensor {sizes}: must be the same size")
-        return stated[0] if stated else None
 
     @property
     def t0_us(self) -> int:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -16,6 +16,7 @@ from ...events import Events
 from .ahead import in_order
 from .evt3 import evt3_layout
 from .gather import batches, gathered
+from .libcaer_cmp import LOST, MOST_EVENTS, State, fill
 from .printable import printable
 from .ros_messages import PACKETS, STAMPED, STAMPED_ENCODING, Packet, Stamped, events_of, read_packet, read_stamped
 from .rosbag1 import MAGIC, Bag1
@@ -30,6 +31,7 @@ class Bag(Protocol):
 
     is_cdr: bool
     topics: dict[str, str]
+    remarks: list[str]
 
     def messages(self, topic: str) -> Iterator[memoryview]: ...
 
@@ -65,8 +67,16 @@ class RosBag:
         elif self._encoding == _EVT3:
             yield from self._evt3_blocks()
         else:
-            decode = _DECODERS[self._encoding]
-            yield from gathered(decode(packet) for packet in self._messages(self._topic, read_packet))
+            packets = self._messages(self._topic, read_packet)
+            if self._encoding == _LIBCAER_CMP:
+                yield from gathered(part for packet in packets for part in self._decode_libcaer_cmp(packet))
+            else:
+                yield from gathered(map(_DECODERS[self._encoding], packets))
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """See `source.Source`."""
+        return self._bag.remarks
 
     def smallest_sensor(self, width: int, height: int) -> Sensor:
         """See `source.Source`."""
@@ -133,6 +143,17 @@ class RosBag:
                     yield Events(t_us[:count], x[:count], y[:count], p[:count])
             self.left_out = Counter({why: getattr(state, field) for why, field in layout.lost.items()})
 
+    def _decode_libcaer_cmp(self, packet: Packet) -> Iterator[Events]:
+        """The events of a packet, in parts of bounded size: a word may be eight events."""
+        words = packet.words("u2")
+        state = State(packet.time_base_ns // 1000)
+        while len(words):
+            events = Events.allocated(min(len(words) * MOST_EVENTS, BLOCK_EVENTS) + MOST_EVENTS)
+            used, count, state = fill(words, state, events.t_us, events.x, events.y, events.p)
+            words = words[used:]
+            yield events[:count]
+        self.left_out.update({why: lost for why, field in LOST.items() if (lost := getattr(state, field))})
+
 
 def _decode_mono(packet: Packet) -> Events:
     """64-bit words: polarity 63, y 62..48, x 47..32, nanoseconds since the time base 31..0."""
@@ -167,12 +188,13 @@ def _after(base_ns: int, since_ns: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _check_encoding(encoding: str) -> None:
-    known = (_EVT3, *_DECODERS)
+    known = (_EVT3, _LIBCAER_CMP, *_DECODERS)
     if encoding not in (STAMPED_ENCODING, *known):
         raise RecordingError(f"encoding {encoding!r}: must be one of {', '.join(known)}")
 
 
 _EVT3 = "evt3"
+_LIBCAER_CMP = "libcaer_cmp"
 _DECODERS: Mapping[str, Callable[[Packet], Events]] = {"mono": _decode_mono, "libcaer": _decode_libcaer}
 
 

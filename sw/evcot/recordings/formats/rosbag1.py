@@ -59,11 +59,13 @@ class Bag1:
 
     Attributes:
         topics: name -> message type, of all topics.
+        remarks: what the index says and is not so, though no message is lost by it; complete when `messages` has ended.
     """
 
     is_cdr = False
 
     def __init__(self, path: Path) -> None:
+        self.remarks: list[str] = []
         self._file = path.open("rb")
         try:
             self._size = self._file.seek(0, 2)
@@ -93,8 +95,10 @@ class Bag1:
         if self._index_at > self._size:
             raise RecordingError(f"ends at byte {self._size}, before its index at byte {self._index_at}; is it cut off?")
         expected = sum(count for number, count in counted.items() if self._topic_of(number) == topic)
-        if self._index_at and seen != expected:
-            raise RecordingError(f"topic {topic}: {seen} messages in the chunks, {expected} in the index: must be the same")
+        counts = f"topic {printable(topic)}: {seen} messages in the chunks, {expected} in the index"
+        if self._index_at and seen < expected:
+            raise RecordingError(f"{counts}: must not be fewer")
+        self.remarks = [f"{counts}: all are read"] if counted and seen > expected else []
 
     def close(self) -> None:
         """Close the file."""

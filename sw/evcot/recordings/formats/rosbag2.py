@@ -28,11 +28,13 @@ class Bag2:
 
     Attributes:
         topics: name -> message type, of all topics.
+        remarks: see `rosbag1.Bag1`.
     """
 
     is_cdr = True
 
     def __init__(self, path: Path) -> None:
+        self.remarks: list[str] = []
         with _damage_named("cannot be opened as a ROS 2 bag"):
             self._reader = _reader(path)(path)
             self._reader.open()
@@ -58,10 +60,10 @@ class Bag2:
             seen += 1
             yield data
         expected = sum(each.msgcount for each in chosen)
-        if seen != expected:
-            raise RecordingError(
-                f"topic {printable(topic)}: {seen} messages, of which the bag counts {expected}: must be the same"
-            )
+        counts = f"topic {printable(topic)}: {seen} messages, of which the bag counts {expected}"
+        if seen < expected:
+            raise RecordingError(f"{counts}: must not be fewer")
+        self.remarks = [f"{counts}: all are read"] if 0 < expected < seen else []
 
     def close(self) -> None:
         """Close the files."""

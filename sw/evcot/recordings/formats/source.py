@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Protocol
@@ -25,6 +25,7 @@ class Source(Protocol):
         sensor: (width, height) in pixels as stated in the file; None if not stated.
         details: other metadata of the file, for `evcot info`: short name -> short value.
         left_out: reason -> number of events left out in the most recent pass of `blocks`; complete when the pass has ended.
+        remarks: what the file says of itself and is not so, though no event is lost by it; one line each, complete as above.
     """
 
     @property
@@ -35,6 +36,9 @@ class Source(Protocol):
 
     @property
     def left_out(self) -> Mapping[str, int]: ...
+
+    @property
+    def remarks(self) -> Sequence[str]: ...
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """All events, in file order and with the file's times, in blocks of about `BLOCK_EVENTS`.

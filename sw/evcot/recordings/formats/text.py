@@ -2,13 +2,15 @@
 """One event per line: CSV as tools and spreadsheets write it, and the `t x y p` text of event-camera data sets.
 
 Cells are separated by comma, semicolon, tab or spaces. They hold t, x, y, p in that order, or in the order of a header line
-(`x;y;polarity;t_us`); other columns are skipped, and so are blank lines and those that begin with # or %. Every line must have
-as many cells as the first event. p is 1 where the pixel became brighter, 0 or -1 where darker.
+(`x;y;polarity;t_us`); without one, in the order that the first lines show (`column_order`). Other columns are skipped, and so
+are blank lines and those that begin with # or %. Every line must have as many cells as the first event. p is 1 or true where
+the pixel became brighter, 0, -1 or false where darker.
 
 The unit of time is stated in the header (`t_us`, `t_s`, `t[s]`), else it is seconds if the first event's t has a decimal point
 or an exponent, else whole microseconds. Times are rounded to the nearest microsecond, halves away from zero.
 
-The sensor is stated in the header (`t,x@346,y@260,p`), or by a line of two numbers before the first event (`346 260`).
+The sensor is stated in the header (`t,x@346,y@260,p`), by a line of two numbers before the first event (`346 260`), or in a
+comment as Metavision writes it (`%geometry:1280,720`).
 
 Text is always read from its start: seeking to a time is not supported.
 """
@@ -56,7 +58,10 @@ class _TextSource:
             self._size = file.seek(0, 2)
         self.sensor = self._layout.sensor
         self.details = {"separator": SEPARATORS[self._layout.separator], "times in": UNITS[self._layout.power]}
+        if self._layout.unnamed_order != "txyp":
+            self.details["columns"] = f"{', '.join(self._layout.unnamed_order)}, by their values"
         self.left_out: Counter[str] = Counter()
+        self.remarks: list[str] = []
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:
         """See `source.Source`; `from_us` is ignored."""

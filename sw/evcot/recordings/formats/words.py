@@ -102,6 +102,7 @@ class WordFile:
         self.sensor, self.details, self.smallest_sensor = sensor, details, smallest_sensor
         self._words, self._layout, self._piece_words = words, layout, piece_words
         self._state = layout.start
+        self.remarks: list[str] = []
 
     @property
     def left_out(self) -> Mapping[str, int]:

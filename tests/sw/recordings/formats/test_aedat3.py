@@ -117,8 +117,8 @@ def test_time_has_31_bits_and_a_count_of_turns(path: Path) -> None:
 
 
 def test_a_reset_of_time_is_left_for_the_reader_s_rules(path: Path) -> None:
-    content = header() + polarity([(100, 1, 1, 1), (200, 1, 1, 1)]) + polarity([(0, 1, 1, 1)])
-    assert refusal(path, content) == "event 2: t = 0 us follows t = 200 us: time must not run back"
+    content = header() + polarity([(100, 1, 1, 1), (20_200, 1, 1, 1)]) + polarity([(0, 1, 1, 1)])
+    assert refusal(path, content) == "event 2: t = 0 us follows t = 20200 us: time must not run back"
 
 
 def test_events_marked_invalid_are_counted(path: Path) -> None:

@@ -154,13 +154,15 @@ def with_table(content: bytes, table: bytes) -> bytes:
 
 
 @pytest.mark.parametrize("compression", [1, 3])
-def test_a_packet_table_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, compression: int) -> None:
+def test_a_packet_table_that_unpacks_to_gigabytes_is_not_read(tmp_path: Path, compression: int) -> None:
     packed = packed_zeros(struct.pack("<I", 1 << 30), 1 << 30, "LZ4" if compression == 1 else "Zstandard")
     path = tmp_path / "table.aedat4"
     content = plain_file(stream_node(0), compression=compression)
     path.write_bytes(with_table(content, packed))
-    answer = answer_to(path)
-    assert answer.refusal.endswith("unpacks to more than 268435456 bytes: must be at most that; is the file cut off?")
+    assert answer_to(path).refusal == f"{path}: holds no events"
+    with open_recording(path) as file:
+        (remark,) = file._source.remarks
+    assert remark.endswith("unpacks to more than 268435456 bytes: must be at most that; the packets are read without it")
 
 
 def test_a_packet_table_names_no_more_packets_than_there_is_room_for(tmp_path: Path) -> None:
@@ -170,7 +172,10 @@ def test_a_packet_table_names_no_more_packets_than_there_is_room_for(tmp_path: P
     content = plain_file(stream_node(0), compression=3)
     path = tmp_path / "table.aedat4"
     path.write_bytes(with_table(content, packed_zeros(table, 4 * count, "Zstandard")))
-    assert f"{count} entries: must be at most 0, for so many bytes" in refusal_of(path)
+    assert refusal_of(path) == "holds no events"
+    with open_recording(path) as file:
+        (remark,) = file._source.remarks
+    assert f"{count} entries: must be at most 0, for so many bytes" in remark
 
 
 def test_a_header_of_megabytes_is_refused(tmp_path: Path) -> None:

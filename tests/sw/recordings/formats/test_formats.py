@@ -55,13 +55,13 @@ def test_what_is_no_whole_recording_is_refused_by_rule(tmp_path: Path, content: 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"% evt 2.0\n" + np.array([0x80000002, 0, 0x80000001, 0], "<u4").tobytes(), "event 1: t = 64 us follows t = 128 us"),
+        (b"% evt 2.0\n" + np.array([0x80000200, 0, 0x80000001, 0], "<u4").tobytes(), "event 1: t = 64 us follows t = 32768 us"),
         (
-            b"% evt 3.0\n" + np.array([0x8000, 0, 0x6064, 0x2001, 0x6032, 0x2001], "<u2").tobytes(),
-            "event 1: t = 50 us follows t = 100 us",
+            b"% evt 3.0\n" + np.array([0x8003, 0, 0x6064, 0x2001, 0x8000, 0x6032, 0x2001], "<u2").tobytes(),
+            "event 1: t = 50 us follows t = 12388 us",
         ),
-        (b"% Version 1\n\x00\x08" + np.array([100, 200, 150], "<u8").tobytes(), "event 2: t = 150 us follows t = 200 us"),
-        (b"% Version 2\n\x0c\x08" + np.array([100, 200, 150], "<u8").tobytes(), "event 2: t = 150 us follows t = 200 us"),
+        (b"% Version 1\n\x00\x08" + np.array([100, 20200, 150], "<u8").tobytes(), "event 2: t = 150 us follows t = 20200 us"),
+        (b"% Version 2\n\x0c\x08" + np.array([100, 20200, 150], "<u8").tobytes(), "event 2: t = 150 us follows t = 20200 us"),
     ],
     ids=["evt2", "evt3", "dat1", "dat2"],
 )

@@ -97,6 +97,14 @@ def test_big_endian_files_are_read(tmp_path: Path) -> None:
     assert_events(read_recording(path).events)
 
 
+@pytest.mark.parametrize("names", [("x", "y", "pol", "t"), ("xs", "ys", "polarity", "timestamp")])
+def test_the_fields_may_be_called_otherwise(tmp_path: Path, names: tuple[str, ...]) -> None:
+    content = dict(zip(names, struct(0, P).values(), strict=True)) | {"note": "text"}
+    assert_events(read_recording(write(tmp_path / "events.mat", {"events": content})).events)
+    del content["note"]
+    assert_events(read_recording(write_7_3(tmp_path / "new.mat", content)).events)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -105,7 +113,7 @@ def test_big_endian_files_are_read(tmp_path: Path) -> None:
         ({"TD": struct(1, P + 3)}, "event 0: p = {}: must be 0 or 1"),
         ({"TD": struct(1, "abc")}, "p: is a matrix of class 4: must hold numbers"),
         ({"TD": struct(1, P) | {"x": X + 0.5}}, "event 0: x = 0.5: must be a whole number from -2147483648 to 2147483647"),
-        ({"TD": struct(1, P) | {"ts": T_US[::-1]}}, "event 1: t = {} us follows t = {} us: time must not run back"),
+        ({"TD": struct(1, P) | {"ts": 1000 * T_US[::-1]}}, "event 1: t = {} us follows t = {} us: time must not run back"),
         ({"TD": struct(1, P) | {"ts": T_US * 1j}}, "must be of real numbers"),
     ],
 )

@@ -221,6 +221,126 @@ def test_libcaer_packets_go_on_where_their_31_bits_wrap_around(tmp_path: Path) -
     assert_events(read_recording(maker.write(tmp_path, maker.packets([pairs.tobytes()], "libcaer", base_ns=base_ns))).events)
 
 
+# libcaer_cmp, by its table of words: what a word's upper four bits say about the lower twelve.
+CMP_TIME_HIGH, CMP_TIME_LOW, CMP_X, CMP_Y, CMP_BASE_Y, CMP_VECTOR_8 = range(6)
+Row = tuple[int, int, int, int]
+
+
+def cmp_words(rows: list[Row], base_us: int) -> list[int]:
+    """Encode (t, x, y, p), as libcaer_driver does it: of the time, only what changes; of a column, eight rows at a time."""
+    words: list[int] = []
+    high = low = 0
+    column = -1
+    for i, (t_us, x, y, p) in enumerate(rows):
+        since = t_us - base_us
+        if since >> 12 & 15 != high:
+            high = since >> 12 & 15
+            words.append(CMP_TIME_HIGH << 12 | high)
+        if since & 4095 != low:
+            low = since & 4095
+            words.append(CMP_TIME_LOW << 12 | low)
+        if x != column:
+            column = x
+            words.append(CMP_X << 12 | x)
+        group = [row for row in rows if row[:2] == (t_us, x) and (row[2] >> 3, row[3]) == (y >> 3, p)]
+        if group[0] != rows[i]:
+            continue
+        if len(group) == 1:
+            words.append(CMP_Y << 12 | p << 11 | y)
+        else:
+            words.append(CMP_BASE_Y << 12 | p << 11 | y & ~7)
+            words.append(CMP_VECTOR_8 << 12 | sum(1 << (row[2] & 7) for row in group))
+    return words
+
+
+def cmp_rows() -> list[Row]:
+    """Columns of events over 0.3 s, in the order in which the encoding holds them; pixels of a column next to each other."""
+    random = np.random.default_rng(29)
+    rows: list[Row] = []
+    for t_us in 1_702_669_729_854_452 + np.cumsum(random.integers(0, 3000, 200)):
+        x = int(random.integers(0, WIDTH))
+        y = random.choice(HEIGHT, int(random.integers(1, 12)), replace=False)
+        rows += [
+            (int(t_us), x, int(each), int(random.integers(0, 2)) if each < 8 else int(each >> 3 & 1)) for each in sorted(y)
+        ]
+    order = {row[:2]: i for i, row in reversed(list(enumerate(rows)))}
+    # Within a column, rows by groups of eight and polarity, in the order of the first of each group.
+    groups = {(row[:2], row[2] >> 3, row[3]): i for i, row in reversed(list(enumerate(rows)))}
+    rows.sort(key=lambda row: (order[row[:2]], groups[row[:2], row[2] >> 3, row[3]], row[2]))
+    return list(dict.fromkeys(rows))
+
+
+def as_rows(events: Events) -> list[Row]:
+    return list(zip(events.t_us.tolist(), events.x.tolist(), events.y.tolist(), events.p.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("block_events", [1, 9, 1 << 15])
+@pytest.mark.parametrize("big", [False, True], ids=["little", "big"])
+@pytest.mark.parametrize("kind", ["ros1", "mcap"])
+def test_libcaer_cmp_packets_count_from_their_time_base_and_hold_columns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, big: bool, block_events: int
+) -> None:
+    monkeypatch.setattr(ros, "BLOCK_EVENTS", block_events)
+    rows = cmp_rows()
+    assert rows[-1][0] - rows[0][0] > 4 << 16  # the four bits of the upper part wrap around, many times
+    maker = Maker(kind)
+
+    def messages() -> Iterator[Message]:
+        for begin in (0, 300, 700):
+            part = rows[begin : {0: 300, 300: 700, 700: len(rows)}[begin]]
+            words = np.array(cmp_words(part, part[0][0]), ">u2" if big else "<u2")
+            yield from maker.packets([words.tobytes()], "libcaer_cmp", base_ns=1000 * part[0][0] + 999, big=big)
+
+    with open_recording(maker.write(tmp_path, messages())) as file:
+        assert as_rows(file.read().events) == rows
+        assert file.details == {"topic": "/camera/events", "encoding": "libcaer_cmp"}
+
+
+def test_libcaer_cmp_by_hand(tmp_path: Path) -> None:
+    """Worked out from the published decoder: two vectors after one base are one column; the upper time keeps the lower."""
+    words = [
+        *(CMP_X << 12 | 5, CMP_Y << 12 | 1 << 11 | 7),  # (0, 5, 7, 1)
+        *(CMP_TIME_LOW << 12 | 30, CMP_BASE_Y << 12 | 8, CMP_VECTOR_8 << 12 | 0b1000_0001),  # (30, 5, 8 and 15, 0)
+        CMP_VECTOR_8 << 12 | 0xF00 | 0b10,  # (30, 5, 17, 0), with four bits that mean nothing
+        *(CMP_TIME_HIGH << 12 | 2, CMP_X << 12 | 1 << 11 | 6, CMP_Y << 12 | 9),  # (2 << 12 | 30, 6, 9, 0), and one such bit
+        *(CMP_TIME_HIGH << 12 | 1, CMP_Y << 12 | 10),  # a little earlier: no turn of the time
+    ]
+    maker = Maker("mcap")
+    content = np.array(words, "<u2").tobytes()
+    path = maker.write(tmp_path, maker.packets([content], "libcaer_cmp", base_ns=10**15 + 1))
+    t0_us = 10**12
+    with pytest.warns(RecordingWarning, match="1 events run back in time, by at most 4096 us"):
+        rows = as_rows(read_recording(path).events)
+    assert rows == [
+        *((t0_us, 5, 7, 1), (t0_us + 30, 5, 8, 0), (t0_us + 30, 5, 15, 0), (t0_us + 30, 5, 17, 0)),
+        *((t0_us + 8222, 6, 9, 0), (t0_us + 8222, 6, 10, 0)),
+    ]
+
+
+def test_what_libcaer_cmp_does_not_define_is_counted(tmp_path: Path) -> None:
+    maker = Maker("mcap")
+    first = [CMP_Y << 12 | 1, CMP_X << 12 | 2, CMP_VECTOR_8 << 12 | 7, 6 << 12, 15 << 12, CMP_Y << 12 | 3]
+    second = [CMP_Y << 12 | 4, CMP_BASE_Y << 12, CMP_VECTOR_8 << 12 | 1, CMP_X << 12 | 5, CMP_Y << 12 | 6]  # begins anew
+    payloads = [np.array(words, "<u2").tobytes() for words in (first, second)]
+    path = maker.write(tmp_path, maker.packets(payloads, "libcaer_cmp"))
+    with pytest.warns(RecordingWarning) as caught:
+        assert as_rows(read_recording(path).events) == [(0, 2, 3, 0), (0, 5, 6, 0)]
+    assert [str(each.message).removeprefix(f"{path}: ") for each in caught] == [
+        "6 events left out: they precede any address",
+        "2 events left out: words of a type that libcaer_cmp does not define",
+    ]
+    shutil.rmtree(tmp_path / "bag")
+    path = maker.write(tmp_path, maker.packets([payloads[1] + b"\1"], "libcaer_cmp"))
+    assert refusal(path) == "has 11 bytes of events: must be a multiple of 2"
+
+
+def test_libcaer_cmp_far_down_a_column_is_outside_and_never_wraps_around(tmp_path: Path) -> None:
+    maker = Maker("mcap")
+    words = [CMP_X << 12, CMP_Y << 12, CMP_BASE_Y << 12, *[CMP_VECTOR_8 << 12] * 8190, CMP_VECTOR_8 << 12 | 1]
+    path = maker.write(tmp_path, maker.packets([np.array(words, "<u2").tobytes()], "libcaer_cmp"))
+    assert refusal(path) == f"event 1: y = {1 << 15}: must be below the sensor's {HEIGHT}"
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_first_topic_with_events_is_read_and_the_others_are_named(tmp_path: Path, kind: str) -> None:
     maker = Maker(kind)
@@ -242,7 +362,7 @@ def test_what_is_no_bag_of_events_is_refused(tmp_path: Path) -> None:
     assert refusal(string).endswith("EventPacket, event_array_msgs/EventArray): holds std_msgs/String")
     shutil.rmtree(tmp_path / "bag")
     assert refusal(maker.write(tmp_path, maker.packets([b"abcd"], "zip"))) == (
-        "topic /camera/events, message 0: encoding 'zip': must be one of evt3, mono, libcaer"
+        "topic /camera/events, message 0: encoding 'zip': must be one of evt3, libcaer_cmp, mono, libcaer"
     )
     shutil.rmtree(tmp_path / "bag")
     assert refusal(maker.write(tmp_path, maker.packets([b""], "evt3"))) == "holds no events in /camera/events"
@@ -282,7 +402,35 @@ def test_a_message_that_the_index_does_not_count_is_missed(tmp_path: Path) -> No
     content = path.read_bytes()
     last = content.rindex((7).to_bytes(4, "little"))
     path.write_bytes(content[:last] + (8).to_bytes(4, "little") + content[last + 4 :])
-    assert refusal(path) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must be the same"
+    assert refusal(path) == "topic /dvs/events: 7 messages in the chunks, 8 in the index: must not be fewer"
+
+
+def test_an_index_that_counts_too_few_is_a_warning_and_one_that_counts_none_says_nothing(tmp_path: Path) -> None:
+    maker = Maker("ros1")
+    path = maker.write(tmp_path, maker.arrays())
+    content = path.read_bytes()
+    last = content.rindex((7).to_bytes(4, "little"))
+    path.write_bytes(content[:last] + (6).to_bytes(4, "little") + content[last + 4 :])
+    with pytest.warns(RecordingWarning) as caught:
+        assert_events(read_recording(path).events)
+    assert [str(each.message) for each in caught] == [
+        f"{path}: topic /dvs/events: 7 messages in the chunks, 6 in the index: all are read"
+    ]
+
+
+def test_a_bag_that_counts_too_few_messages_is_a_warning_and_one_that_counts_none_says_nothing(tmp_path: Path) -> None:
+    maker = Maker("ros2-sqlite3")
+    path = maker.write(tmp_path, maker.arrays())
+    metadata = path / "metadata.yaml"
+    content = metadata.read_text()
+    assert content.count("message_count: 7") == 3
+    metadata.write_text(content.replace("message_count: 7", "message_count: 0"))
+    assert_events(read_recording(path).events)
+    metadata.write_text(content.replace("message_count: 7", "message_count: 5"))
+    with pytest.warns(RecordingWarning, match="topic /dvs/events: 7 messages, of which the bag counts 5: all are read"):
+        assert_events(read_recording(path).events)
+    metadata.write_text(content.replace("message_count: 7", "message_count: 8"))
+    assert refusal(path) == "topic /dvs/events: 7 messages, of which the bag counts 8: must not be fewer"
 
 
 def test_a_table_that_holds_no_bytes_is_refused(tmp_path: Path) -> None:

@@ -120,7 +120,7 @@ WHOLE_US = "must be a whole number of microseconds, below 2^63 us"
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("10,1,2,1\n9,1,2,1\n", "event 1: t = 9 us follows t = 10 us: time must not run back"),
+        ("10010,1,2,1\n9,1,2,1\n", "event 1: t = 9 us follows t = 10010 us: time must not run back"),
         ("10,1,2,1\n11,1,2,3\n", "event 1: p = 3: must be 0 or 1"),
         ("10,-1,2,1\n", "line 1: x = '-1': must be a whole number from 0 to 65535"),
         ("#\n\n10,1,70000,1\n", "line 3: y = '70000': must be a whole number from 0 to 65535"),
@@ -128,9 +128,9 @@ WHOLE_US = "must be a whole number of microseconds, below 2^63 us"
         ("10,1,2,1\n10,1,2.0000000000000000000001,1\n",
          "line 2: y = '2.0000000000000000000001': must be a whole number from 0 to 65535"),
         ("10,1,2,1\n10,1,2.5,1\n", "line 2: y = '2.5': must be a whole number from 0 to 65535"),
-        ("10,1,2,-2\n", "line 1: p = '-2': must be 0, 1 or -1"),
-        ("10,1,2,256\n", "line 1: p = '256': must be 0, 1 or -1"),
-        ("10,1,2,\n", "line 1: p = '': must be 0, 1 or -1"),
+        ("10,1,2,-2\n", "line 1: p = '-2': must be 0, 1 or -1, or true or false"),
+        ("10,1,2,256\n", "line 1: p = '256': must be 0, 1 or -1, or true or false"),
+        ("10,1,2,\n", "line 1: p = '': must be 0, 1 or -1, or true or false"),
         ("10,a,2,1\n", "line 1: x = 'a': must be a whole number from 0 to 65535"),
         ("10,1 1,2,1\n", "line 1: x = '1 1': must be a whole number from 0 to 65535"),
         ("10,1,2,1\n0x11,1,2,1\n", f"line 2: t = '0x11': {WHOLE_US}"),
