@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .layout import NOBODY, Rules, World
+from .layout import NOBODY, UNSET_US, Rules, World
 from .life import RECORDS_PER_PACKET, open_packet
+from .restless import EPOCH_BITS, rests
 from .sharing import share
 
 __all__ = ["feed"]
@@ -22,7 +22,9 @@ Table = NDArray[Any]
 def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int, owner: Table, out: Table) -> int:
     """Track events from `begin` on until all are done or `out` could overflow; returns the number done."""
     run = world.run[0]
-    seen, restless, active = world.seen, world.restless, world.active
+    seen, first_us = world.seen, run.first_us
+    if run.last_us == UNSET_US and len(ts) > begin:
+        first_us = run.first_us = ts[begin]
     most = RECORDS_PER_PACKET * len(world.objects)
     end_us, packet, index = run.packet_end_us, run.packet, run.index
     for e in range(begin, len(ts)):
@@ -38,10 +40,9 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
         x, y = xs[e], ys[e]
         owner[e] = NOBODY
         index += 1
-        active[y, x] |= np.uint32(1)
-        if not restless[y, x]:
-            fresh = seen[y, x] != packet
-            seen[y, x] = packet
+        if rests(seen, x, y, ((t_us - first_us) >> EPOCH_BITS) + 3):
+            fresh = seen[y, x, 0] != packet
+            seen[y, x, 0] = packet
             owner[e] = share(world, int(x), int(y), fresh)
     run.index = index
     if len(ts) > begin:

@@ -14,7 +14,7 @@ __all__ = [
     "BINS",
     "CELL_BITS",
     "LEVELS",
-    "MANY",
+    "NEAR",
     "NOBODY",
     "OBJECT",
     "PROFILE",
@@ -34,7 +34,8 @@ CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
 PROFILE = 8  # parts of a box along each side, in which the density of its events is kept
 BINS, REACH = 40, 2.5  # of an object's picture along an axis: bins over -REACH to REACH units
 LEVELS = 6  # windows in which births are looked for, each twice as long as the one before
-NOBODY, MANY = -1, -2  # in `World.near`, beside a slot
+NOBODY = -1  # in `World.near`, beside slots
+NEAR = 4  # objects that a cell can have near it
 
 OBJECT = np.dtype(
     [
@@ -90,7 +91,7 @@ RUN = np.dtype(
         ("packet_end_us", "<i8"),  # exclusive; UNSET_US before the first event
         ("birth_end_us", "<i8"),
         ("birth_tick", "<i8"),
-        ("epochs", "<i8"),
+        ("first_us", "<i8"),  # the first event
         ("births", "<i8"),  # the next track id
         ("noise", "<f8"),  # events per pixel and second of the background; negative until known
         ("live", "<i8"),
@@ -141,15 +142,13 @@ class World(NamedTuple):
     picture: Table  # (n, BINS, BINS) float32: weight of the pixels in the object's frame, by row
     done: Table  # (BINS, BINS) bool, bin_queue: (BINS * BINS,) of a search in a picture
     bin_queue: Table
-    seen: Table  # (height, width) int32: the packet of each pixel's last event
-    near: Table  # (rows, columns, 2): the objects near each cell, NOBODY; or MANY
+    seen: Table  # (height, width, 2) int32: the packet of each pixel's last event; and see `restless.rests`
+    near: Table  # (rows, columns, NEAR): the slots of the objects near each cell, then NOBODY
     pixels: Table  # (LEVELS, rows, columns) uint64: pixels of each cell with unassigned events
     bits: Table  # (8, 8) uint64: the bit of each pixel of a cell
     queue: Table  # (cells,) the cells of a group
     group: Table  # (cells,) uint64: their pixels
     counts: Table  # (65,) cells by number of pixels
-    active: Table  # (height, width) uint32: whether each pixel sent events in the open epoch (bit 0) and those before
-    restless: Table  # (height, width) bool: pixels that are ignored
 
 
 def make_rules(config: AutoConfig, width: int, height: int) -> Rules:
@@ -180,13 +179,11 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros((n_objects, BINS, BINS), np.float32),
         np.zeros((BINS, BINS), np.bool_),
         np.zeros(BINS * BINS, np.int64),
-        np.zeros((height, width), np.int32),
-        np.full((rows, columns, 2), NOBODY, np.int16),
+        np.zeros((height, width, 2), np.int32),
+        np.full((rows, columns, NEAR), NOBODY, np.int16),
         np.zeros((LEVELS, rows, columns), np.uint64),
         np.uint64(1) << np.arange(64, dtype=np.uint64).reshape(8, 8),
         np.zeros(rows * columns, np.int64),
         np.zeros(rows * columns, np.uint64),
         np.zeros(65, np.int64),
-        np.zeros((height, width), np.uint32),
-        np.zeros((height, width), np.bool_),
     )

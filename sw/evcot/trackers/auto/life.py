@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ...tracks.log import Kind
 from .births import BIRTH_US, find_births
-from .restless import EPOCH_BIRTHS, find_restless
 from .layout import UNSET_US, Rules, World
 from .motion import correct, predict
 from .outline import add_travel, clear_picture, fit_outline
@@ -42,7 +41,7 @@ _STILL = 3.0  # half sides that it would travel, after which an object without m
 _TENTATIVE_COAST = 0.5
 _GROWTH_KEEPS = 2.0  # half sides of travel
 _EMISSION = 0.2  # half sides that an object travels at least while it sends as many pixels as its picture fills
-_FIT_EVERY = 0.05  # half sides of travel between two looks at a picture
+_FIT_EVERY = 0.15  # half sides of travel between two looks at a picture
 _FAR_MORE = 4.0  # times the rate
 _LEAVING_PATIENCE = 0.25  # factor of the coasting of an object at the edge on its way out
 
@@ -326,8 +325,6 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
     if t_us >= run.birth_end_us:
         find_births(rules, world, t_us)
         run.birth_end_us = t_us + BIRTH_US
-        if run.birth_tick % EPOCH_BIRTHS == 0:
-            find_restless(world)
     for i in range(n):
         o = world.objects[i]
         if not o.alive:

@@ -3,36 +3,37 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
+
 from numba import njit
+from numpy.typing import NDArray
 
-from .layout import World
+__all__ = ["EPOCH_BITS", "rests"]
 
-__all__ = ["EPOCH_BIRTHS", "find_restless"]
+Table = NDArray[Any]
 
-EPOCH_BIRTHS = 10  # birth windows in an epoch
-_EPOCHS = 20  # remembered
-_LEAST = 10  # from which on a pixel is judged
-_ACTIVE = 0.9  # of the epochs
+EPOCH_BITS = 16  # an epoch lasts 2^16 us
+_RESTLESS = 10  # epochs in a row
+_COUNT_BITS = 8
+_MOST = (1 << _COUNT_BITS) - 1
 
 
-@njit(cache=True, nogil=True)
-def find_restless(world: World) -> None:
-    """End an epoch: mark the pixels that sent events in nearly all of those remembered, and begin the next one."""
-    run = world.run[0]
-    run.epochs += 1
-    known = min(run.epochs, _EPOCHS)
-    least = int(np.ceil(_ACTIVE * known))
-    height, width = world.active.shape
-    for y in range(height):
-        for x in range(width):
-            word = world.active[y, x]
-            restless = False
-            if word & np.uint32(1) and known >= _LEAST:
-                n, rest = 0, word & np.uint32((1 << _EPOCHS) - 1)
-                while rest != np.uint32(0):
-                    rest &= rest - np.uint32(1)
-                    n += 1
-                restless = n >= least
-            world.restless[y, x] = restless
-            world.active[y, x] = word << np.uint32(1)
+@njit(cache=True, nogil=True, inline="always")
+def rests(pixels: Table, x: int, y: int, epoch: int) -> bool:
+    """Note an event of a pixel; returns whether it was silent in one of the last ten epochs, or in two in a row before.
+
+    Args:
+        pixels: (height, width, 2) int32; of each pixel, [1] is the last epoch in which it sent an event, and in the low bits
+            for how many in a row it has done so, one miss forgiven each time.
+        epoch: the number of the open epoch.
+    """
+    noted = pixels[y, x, 1]
+    since = epoch - (noted >> _COUNT_BITS)
+    count = noted & _MOST
+    if since != 0:
+        if since == 1:
+            count = min(count + 1, _MOST)
+        elif since > 2:
+            count = 0
+        pixels[y, x, 1] = (epoch << _COUNT_BITS) | count
+    return bool(count < _RESTLESS)

@@ -8,7 +8,7 @@ from typing import Any
 from numba import njit
 from numpy.typing import NDArray
 
-from .layout import BINS, CELL_BITS, MANY, NOBODY, PROFILE, REACH, Rules, World
+from .layout import BINS, CELL_BITS, NEAR, NOBODY, PROFILE, REACH, Rules, World
 from .outline import move_picture
 
 __all__ = ["prepare_packet", "share"]
@@ -43,8 +43,13 @@ def prepare_packet(rules: Rules, world: World) -> None:
         o.gate_y = gate
         _open_gate(o, rules.width, rules.height)
         _choose_unit(world, i)
-        reach_x, reach_y = max(REACH * o.unit_x, o.half_x + gate), max(REACH * o.unit_y, o.half_y + gate)
-        _enlist(rules, world, i, o.x - reach_x, o.x + reach_x, o.y - reach_y, o.y + reach_y)
+        _enlist(rules, world, i, o.left, o.right, o.top, o.bottom)
+    for i in range(len(world.objects)):
+        o = world.objects[i]
+        if o.alive:
+            # After the gates of all, which must not be left out.
+            reach_x, reach_y = REACH * o.unit_x, REACH * o.unit_y
+            _enlist(rules, world, i, o.x - reach_x, o.x + reach_x, o.y - reach_y, o.y + reach_y)
 
 
 @njit(cache=True, nogil=True)
@@ -71,14 +76,11 @@ def _enlist(rules: Rules, world: World, i: int, left: float, right: float, top: 
     first, last = max(int(left), 0) >> CELL_BITS, min(int(right) + 1, rules.width - 1) >> CELL_BITS
     for row in range(max(int(top), 0) >> CELL_BITS, (min(int(bottom) + 1, rules.height - 1) >> CELL_BITS) + 1):
         for column in range(first, last + 1):
-            near = world.near[row, column]
-            if near[0] == NOBODY:
-                near[0] = i
-            elif near[0] != i and near[0] != MANY:
-                if near[1] == NOBODY:
-                    near[1] = i
-                elif near[1] != i:
-                    near[0] = MANY
+            for k in range(NEAR):
+                if world.near[row, column, k] == NOBODY:
+                    world.near[row, column, k] = i
+                if world.near[row, column, k] == i:
+                    break
 
 
 @njit(cache=True, nogil=True)
@@ -163,27 +165,25 @@ def _own(world: World, i: int, x: int, y: int, fresh: bool) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _divide(world: World, x: int, y: int, fresh: bool) -> int:
-    """Divide an event among all objects; returns the slot with the largest share, or NOBODY."""
-    best, most, total = NOBODY, 0.0, 0.0
-    for i in range(len(world.objects)):
-        if world.objects[i].alive:
+def _divide(world: World, row: int, column: int, x: int, y: int, fresh: bool) -> int:
+    """Divide an event among the objects whose gates hold it; returns the slot with the largest share."""
+    best, most, total = NOBODY, -1.0, 0.0
+    for k in range(NEAR):
+        i = world.near[row, column, k]
+        if i == NOBODY:
+            break
+        if _holds(world.objects[i], x, y):
             density = _density(world, i, x, y)
             total += density
             if density > most:
                 best, most = i, density
-    if best == NOBODY:
-        if fresh:
-            for i in range(len(world.objects)):
-                if world.objects[i].alive:
-                    _draw(world, i, x, y, 1.0)
-        return NOBODY
     if fresh:
-        for i in range(len(world.objects)):
-            if world.objects[i].alive:
-                density = _density(world, i, x, y)
-                if density > 0.0:
-                    _take(world, i, x, y, density / total)
+        for k in range(NEAR):
+            i = world.near[row, column, k]
+            if i == NOBODY:
+                break
+            if _holds(world.objects[i], x, y):
+                _take(world, i, x, y, _density(world, i, x, y) / total)
     world.objects[best].packet_events += 1
     return best
 
@@ -196,27 +196,26 @@ def share(world: World, x: int, y: int, fresh: bool) -> int:
         fresh: whether it is the pixel's first event in the packet; others change no measurement.
     """
     row, column = y >> CELL_BITS, x >> CELL_BITS
-    a, b = world.near[row, column, 0], world.near[row, column, 1]
-    if a != NOBODY:
-        if a == MANY:
-            best = _divide(world, x, y, fresh)
-            if best != NOBODY:
-                return best
-        else:
-            in_a = _holds(world.objects[a], x, y)
-            in_b = b != NOBODY and _holds(world.objects[b], x, y)
-            if in_a and in_b:
-                return _divide(world, x, y, fresh)
-            if in_a or in_b:
-                mine, other = (a, b) if in_a else (b, a)
-                _own(world, mine, x, y, fresh)
-                if fresh and other != NOBODY and world.objects[mine].track_id < 0:
-                    _draw(world, other, x, y, 1.0)  # it may be a part of that one
-                return int(mine)
-            if fresh:
-                _draw(world, a, x, y, 1.0)
-                if b != NOBODY:
-                    _draw(world, b, x, y, 1.0)
+    owner, holding = NOBODY, 0
+    for k in range(NEAR):
+        i = world.near[row, column, k]
+        if i == NOBODY:
+            break
+        if _holds(world.objects[i], x, y):
+            owner = i
+            holding += 1
+    if holding > 1:
+        return int(_divide(world, row, column, x, y, fresh))
+    if holding == 1:
+        _own(world, owner, x, y, fresh)
     if fresh:
-        world.pixels[0, row, column] |= world.bits[y & 7, x & 7]
-    return NOBODY
+        if holding == 0 or world.objects[owner].track_id < 0:
+            for k in range(NEAR):
+                i = world.near[row, column, k]
+                if i == NOBODY:
+                    break
+                if i != owner:
+                    _draw(world, i, x, y, 1.0)  # it may be a part of that one
+        if holding == 0:
+            world.pixels[0, row, column] |= world.bits[y & 7, x & 7]
+    return int(owner)
