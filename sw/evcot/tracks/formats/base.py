@@ -69,7 +69,8 @@ class FrameClock:
         Raises:
             ConfigError: `frame_us` is unknown; names the file.
         """
-        return self.origin_us + np.rint((frames - 1) * self._known_us(path)).astype(np.int64)
+        after_us: NDArray[np.int64] = np.rint((frames - 1) * self._known_us(path)).astype(np.int64)
+        return self.origin_us + after_us
 
     def frames(self, times_us: NDArray[np.int64], path: Path | str) -> NDArray[np.int64]:
         """(n,) the frame at each time.

@@ -79,6 +79,11 @@ def test_a_frame_of_a_broken_length_is_at_the_nearest_microsecond(tmp_path: Path
     assert (tmp_path / "again.txt").read_text() == "4,1,1,1,2,2,1,-1,-1,-1\n"
 
 
+def test_times_are_exact_on_a_clock_of_centuries(tmp_path: Path) -> None:
+    clock = FrameClock(40_000, 2**59 + 1)
+    assert read_boxes(written(tmp_path, RESULT), clock).instants_us.tolist() == [2**59 + 1 + 40_000 * k for k in range(3)]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
