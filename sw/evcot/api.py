@@ -66,7 +66,7 @@ def track(
 
     Example:
         log = evcot.track("drive.aedat4", "rct", "traffic", radius_px=12.0)
-        births = log.of_kind(evcot.Kind.BORN)  # (k,) of dtype evcot.TRACK: t_us, x, y, radius, ...
+        births = log.of_kind(evcot.Kind.BORN)  # (k,) of dtype evcot.TRACK: t_us, x, y, width, ...
 
     Args:
         source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
