@@ -159,6 +159,8 @@ def test_a_truth_of_boxes_that_says_nothing_is_refused(tmp_path: Path) -> None:
         boxes_file(tmp_path, MOT[0], far.replace("1,1,", "1,3,", 1)), replace(rule, clip=True, sensor=(346, 260)), clock=clock
     )
     assert clipped.objects["object"].tolist() == [0]
+    uncounted = boxes_file(tmp_path, MOT[0], "1,3,400,1,2,2,0,1,1")
+    assert read_truth(uncounted, rule.on((346, 260)), clock=clock).objects["counted"].tolist() == [True, False]
     path = tmp_path / "boxes.csv"
     path.write_text("a\n1\n")
     with pytest.raises(ConfigError, match=r"boxes\.csv: the rule has no columns: must have those of a CSV file$"):

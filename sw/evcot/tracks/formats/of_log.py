@@ -77,7 +77,6 @@ def log_of_boxes(path: Path | str, boxes: Boxes) -> TrackLog:
     ends = states[last]
     ends["kind"] = Kind.LOST
     ends["t_us"] = _after(boxes.instants_us)[rows["instant"][last]]
-    # Ends first: a track that is born at the same time as another ends may have its id.
     records = np.concatenate((ends, states))
     return TrackLog(Path(path).name, records[np.argsort(records["t_us"], kind="stable")], np.empty(0, np.int16))
 
