@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     from .trackers.config import RunConfig
     from .trackers.engines import ENGINES, Engine
     from .trackers.presets import run_config
+    from .tracks.formats.base import Boxes, FrameClock
+    from .tracks.formats.of_log import boxes_of_log, log_of_boxes
+    from .tracks.formats.registry import read_boxes, write_boxes
     from .tracks.log import DROPPED, TRACK, Kind, TrackLog
     from .tracks.tracking import Tracker
 
@@ -51,12 +54,14 @@ __all__ = [
     "EVENT_CD",
     "SCENES",
     "TRACK",
+    "Boxes",
     "ConfigError",
     "CotConfig",
     "Engine",
     "EvcotError",
     "Events",
     "FilterConfig",
+    "FrameClock",
     "GroundTruth",
     "Kind",
     "OutputError",
@@ -75,16 +80,20 @@ __all__ = [
     "TrackLogError",
     "Tracker",
     "Truth",
+    "boxes_of_log",
     "evaluate",
     "filter",
     "load_rule",
+    "log_of_boxes",
     "open_recording",
     "read",
+    "read_boxes",
     "read_truth",
     "run_config",
     "simulate",
     "track",
     "write",
+    "write_boxes",
     "write_events",
 ]
 
@@ -116,6 +125,9 @@ __getattr__, __dir__ = _lazily(
         "trackers.config": ("RunConfig",),
         "trackers.engines": ("ENGINES", "Engine"),
         "trackers.presets": ("run_config",),
+        "tracks.formats.base": ("Boxes", "FrameClock"),
+        "tracks.formats.of_log": ("boxes_of_log", "log_of_boxes"),
+        "tracks.formats.registry": ("read_boxes", "write_boxes"),
         "tracks.log": ("DROPPED", "TRACK", "Kind", "TrackLog"),
         "tracks.tracking": ("Tracker",),
     },

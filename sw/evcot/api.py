@@ -26,6 +26,9 @@ from .scenes.truth import Truth
 from .trackers.config import RunConfig
 from .trackers.engines import ENGINES
 from .trackers.settings import engine_settings
+from .tracks.formats.base import FrameClock
+from .tracks.formats.of_log import log_of_boxes
+from .tracks.formats.registry import is_boxes, read_boxes
 from .tracks.log import TrackLog
 from .tracks.tracking import signed_log_of
 
@@ -63,7 +66,7 @@ def track(
 
     Example:
         log = evcot.track("drive.aedat4", "rct", "traffic", radius_px=12.0)
-        births = log.of_kind(evcot.Kind.BORN)  # (k,) of dtype evcot.TRACK: t_us, x, y, radius, ...
+        births = log.of_kind(evcot.Kind.BORN)  # (k,) of dtype evcot.TRACK: t_us, x, y, width, ...
 
     Args:
         source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
@@ -121,6 +124,9 @@ def evaluate(
     rule: Rule | Path | str | None = None,
     *,
     sensor: Sensor | None = None,
+    clock: FrameClock | None = None,
+    log_format: str | None = None,
+    truth_format: str | None = None,
 ) -> Scores:
     """Hold tracks against a ground truth, as `evcot evaluate` does.
 
@@ -129,25 +135,28 @@ def evaluate(
         evcot.evaluate(evcot.track(scene.recording), scene.truth).hota
 
     Args:
-        log: a log, or the file of one.
-        truth: a scene's, one that was read already, or a CSV file.
+        log: a log, or the file of one, or a file of boxes of any tracker.
+        truth: a scene's, one that was read already, a CSV file, or a file of boxes.
         rule: how the truth is read and scored: a rule, the name of one in `metrics.RULES`, or a TOML file; None: the one for
             scenes, or the one with the file's columns.
         sensor: (width, height) in pixels; None: the rule's.
+        clock: the time of frames, for files of boxes that have frames in place of times.
+        log_format, truth_format: formats of boxes, in `FORMATS` of `tracks.formats.registry`; None: by the files' names.
 
     Raises:
-        TrackLogError: a log that cannot be used, or that has another clock than the truth.
+        TrackLogError: a log or boxes that cannot be used, or that have another clock than the truth.
         ConfigError: a rule that cannot be used, or a truth that was read already without one.
         RecordingError: a truth that cannot be read.
     """
-    chosen = _rule(truth, rule).on(sensor)
+    chosen = _rule(truth, rule, truth_format).on(sensor)
     if isinstance(truth, Truth):
         truth = ground_truth_of(truth, chosen)
     elif not isinstance(truth, GroundTruth):
-        truth = read_truth(truth, chosen)
+        truth = read_truth(truth, chosen, clock=clock, format=truth_format)
     if isinstance(log, TrackLog):
         return score(log, truth, chosen)
-    loaded = TrackLog.load_npz(log)
+    boxes = log_format is not None or is_boxes(log)
+    loaded = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else TrackLog.load_npz(log)
     try:
         return score(loaded, truth, chosen)
     except TrackLogError as error:
@@ -172,11 +181,11 @@ def _blocks(source: Recording | Path | str) -> Iterator[tuple[Iterator[Events], 
         yield file.blocks(required=True), file.sensor
 
 
-def _rule(truth: GroundTruth | Truth | Path | str, rule: Rule | Path | str | None) -> Rule:
+def _rule(truth: GroundTruth | Truth | Path | str, rule: Rule | Path | str | None, truth_format: str | None) -> Rule:
     if isinstance(rule, Rule):
         return rule
     if rule is not None:
         return load_rule(rule)
     if isinstance(truth, GroundTruth):
         raise ConfigError("rule: must be given with a truth that was read already")
-    return load_rule("scene") if isinstance(truth, Truth) else rule_for(truth)
+    return load_rule("scene") if isinstance(truth, Truth) else rule_for(truth, truth_format)

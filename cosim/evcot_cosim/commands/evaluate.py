@@ -7,6 +7,7 @@ import argparse
 
 from evcot.metrics import RULES
 
+from .box_options import FORMATS_TEXT, clock_options
 from .parsing import add_command, input_or_name, input_path
 
 __all__ = ["add"]
@@ -14,6 +15,8 @@ __all__ = ["add"]
 _EXAMPLES = """
 evcot evaluate log.npz --truth highway.truth.csv
 evcot evaluate build/cosim/highway/hardware.npz --truth highway.truth.csv --json
+evcot evaluate result.txt --truth gt.txt --frame-us 40000      # MOTChallenge, of any tracker
+evcot evaluate log.npz --truth drive_bbox.npy
 """
 
 
@@ -21,9 +24,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "evaluate", "score tracks against ground truth: HOTA, CLEAR, ID scores, errors", _EXAMPLES)
     parser.add_argument(
-        "log", type=input_path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others"
+        "log", type=input_path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others; or boxes"
     )
-    parser.add_argument("--truth", type=input_path, required=True, metavar="CSV", help="the ground truth")
+    parser.add_argument("--truth", type=input_path, required=True, metavar="TRUTH", help="the ground truth: CSV, or boxes")
     known = ", ".join(RULES)
     parser.add_argument(
         "--rule",
@@ -31,5 +34,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         metavar="RULE",
         help=f"{known}, or a .toml file (default: the one with the truth's columns)",
     )
+    parser.add_argument("--log-format", metavar="NAME", help=f"of boxes as LOG: {FORMATS_TEXT}")
+    parser.add_argument("--truth-format", metavar="NAME", help=f"of boxes as TRUTH: {FORMATS_TEXT}; .csv is read by the rule")
+    clock_options(parser, "0")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the rule's)")
     parser.add_argument("--json", action="store_true", help="print every figure as JSON")

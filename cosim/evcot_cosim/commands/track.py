@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 
+from .box_options import FORMATS_TEXT, clock_options
 from .engine_options import engine_options
 from .filter_options import filter_options
 from .options import recording_options
@@ -15,6 +16,7 @@ __all__ = ["add"]
 _EXAMPLES = """
 evcot track drive.aedat4 -o log.npz              # the plain Rectangular Cluster Tracker
 evcot track drive.aedat4 --engine kalman --preset traffic -o log.npz
+evcot track drive.aedat4 --boxes result.txt --frame-us 40000   # MOTChallenge, 25 frames a second
 evcot track drive.raw --preset traffic --set radius_px=12 --learn-hot-pixels --json
 """
 
@@ -26,6 +28,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     engine_options(parser)
     output_option(parser, "-o", "--output", metavar="LOG.npz", help="write the track log")
     output_option(parser, "--csv", metavar="LOG.csv", help="write its records as text")
+    output_option(parser, "--boxes", metavar="FILE", help="write the tracks' boxes at the times of frames (--frame-us)")
+    parser.add_argument("--boxes-format", metavar="NAME", help=f"of the boxes: {FORMATS_TEXT}")
+    clock_options(parser, "the first event")
     recording_options(parser)
     filter_options(parser)
     parser.add_argument("--json", action="store_true", help="print what was found as JSON instead of a table")

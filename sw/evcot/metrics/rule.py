@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rules for reading and scoring a ground truth in a CSV file: one small TOML file per kind of truth."""
+"""Rules for reading and scoring a ground truth: one small TOML file per kind of truth."""
 
 from __future__ import annotations
 
@@ -42,8 +42,9 @@ class Rule:
     """How to read and score a ground truth.
 
     Attributes:
-        columns: meaning -> name of the CSV's column. `id`; `t_us`, or `t_begin_us` and `t_end_us`, in us; `left`, `top`,
-            `width`, `height`, or `x` and `y`, in pixels; optionally `vx` and `vy`, in pixels per second.
+        columns: meaning -> name of the CSV's column; empty for files of boxes (`tracks.formats`). `id`; `t_us`, or `t_begin_us`
+            and `t_end_us`, in us; `left`, `top`, `width`, `height`, or `x` and `y`, in pixels; optionally `vx` and `vy`, in
+            pixels per second.
         title: one-line description.
         sensor: (width, height) in pixels; required by `clip` and `ignore`.
         origin_us: offset from the truth's times to the recording's.
@@ -78,7 +79,8 @@ class Rule:
     counted: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_columns(self.columns)
+        if self.columns != {}:
+            _check_columns(self.columns)
         for name, limits in _RANGES.items():
             check_range(name, getattr(self, name), *limits)
         if self.similarity not in _SIMILARITIES:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sampling of a tracker's output: the newest state of each track, unless the track has ended or the state is too old."""
+"""A log that can be evaluated, and the positions of its tracks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 from ..tracks.log import Kind, TrackLog
+from ..tracks.timeline import expiring
 
 __all__ = ["checked", "expiring", "positions"]
 
@@ -42,25 +43,6 @@ def checked(log: TrackLog) -> TrackLog:
             row = int(np.argmin(good))
             raise TrackLogError(f"record {row}: {name} = {records[name][row]}: {rule}")
     return log
-
-
-def expiring(log: TrackLog, max_age_us: int) -> TrackLog:
-    """A log in which a track is lost, until its next state, while its newest state (BORN or MOVED) is older than `max_age_us`.
-
-    `timeline.sample` of the result gives the outputs at any times.
-    """
-    records = log.records
-    order = np.argsort(records["track_id"], kind="stable")
-    track_id, t_us = records["track_id"][order], records["t_us"][order]
-    silent = np.ones(len(records), bool)
-    silent[:-1] = (track_id[1:] != track_id[:-1]) | (t_us[1:] - t_us[:-1] > max_age_us)
-    silent &= records["kind"][order] <= Kind.MOVED
-    lost = records[order[silent]]
-    lost["kind"] = Kind.LOST
-    lost["t_us"] += max_age_us + 1
-    # These first: a new state in the same microsecond takes precedence.
-    every = np.concatenate((lost, records))
-    return TrackLog(log.engine, every[np.argsort(every["t_us"], kind="stable")], log.owner)
 
 
 def positions(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ground truth, read from CSV by a rule: boxes at instants, in the recording's microseconds."""
+"""Ground truth, read from CSV by a rule, or from a file of boxes: boxes at instants, in the recording's microseconds."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import RecordingError
+from ..errors import ConfigError, RecordingError, TrackLogError
 from ..outputs import note_input
+from ..tracks.formats.base import NOBODY, Boxes, FrameClock
+from ..tracks.formats.registry import is_boxes, read_boxes
 from .rule import RULES, Rule, load_rule
 
 __all__ = ["OBJECT", "GroundTruth", "read_truth", "rule_for"]
@@ -56,17 +58,27 @@ class GroundTruth:
     ids: tuple[str, ...]
 
 
-def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
-    """Read a CSV file with a header according to a rule.
+def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None, format: str | None = None) -> GroundTruth:
+    """Read a CSV file with a header according to a rule, or a file of boxes in one of `tracks.formats.registry.FORMATS`.
 
-    The instants are those of its lines: an instant without objects is evaluated only if there is a line for it.
+    The instants of a CSV file are those of its lines: an instant without objects is evaluated only if there is a line for it.
+    Those of boxes are all frames from the first to the last, the data set's images, or the times of the boxes.
+
+    Args:
+        clock: the time of frames, for formats that have no times.
+        format: a format of boxes; None: by the file's name, else CSV.
 
     Raises:
         RecordingError: the file cannot be read, lacks a column, or has an invalid line: names file, line, field, value and
-            rule.
-        ConfigError: the rule clips, and the sensor is unknown.
+            rule; no box counts, or one that does lies off the sensor.
+        TrackLogError: the same of a file of boxes.
+        ConfigError: the rule clips, and the sensor is unknown; a CSV file with a rule without columns; frames without a clock.
     """
     path = Path(path)
+    if format is not None or is_boxes(path):
+        return _truth_of_boxes(path, read_boxes(path, clock, format), rule)
+    if not rule.columns:
+        raise ConfigError(f"{path}: the rule has no columns: must have those of a CSV file")
     header, rows = _read(path)
     take = _Columns(path, header, rows)
     columns, named = rule.columns, {meaning: take.numbers(name) for meaning, name in rule.columns.items() if meaning in _REAL}
@@ -94,22 +106,69 @@ def read_truth(path: Path | str, rule: Rule) -> GroundTruth:
     for name, (low_limit, high_limit) in rule.counted.items():
         value = take.numbers(name)
         objects["counted"] &= (low_limit <= value) & (value <= high_limit)
+    _check_objects(path, objects, rule, lambda row: f"line {rows[row][0]}")
     if rule.clip:
         objects = _clipped(objects, rule)
     return GroundTruth(instants_us, objects[np.argsort(objects["frame"], kind="stable")], ids)
 
 
-def rule_for(path: Path | str) -> Rule:
-    """The named rule whose columns a CSV file has; the first rule if there is none.
+def _truth_of_boxes(path: Path, boxes: Boxes, rule: Rule) -> GroundTruth:
+    """Boxes as a truth; what their file says of its images' size holds, unless the rule says it."""
+    rows = boxes.rows
+    detected = rows["id"] == NOBODY
+    if detected.any():
+        place = boxes.place(int(np.argmax(detected)))
+        raise TrackLogError(f"{path}: {place}: id = {NOBODY}: must be an object's: detections are no truth")
+    rule = rule.on(rule.sensor or boxes.sensor)
+    names, number = np.unique(rows["id"], return_inverse=True)
+    objects = np.zeros(len(rows), OBJECT)
+    objects["frame"], objects["object"], objects["counted"] = rows["instant"], number, rows["counted"]
+    for axis, low, side in (("x", "left", "width"), ("y", "top", "height")):
+        objects[axis], objects[side], objects[f"v{axis}"] = rows[low] + rows[side] / 2, rows[side], math.nan
+    for name, limits in rule.counted.items():
+        if name not in _COUNTED_BY:
+            raise ConfigError(f"counted.{name}: must be one of {', '.join(_COUNTED_BY)} with a file of boxes")
+        value = rows[_COUNTED_BY[name]]
+        objects["counted"] &= (limits[0] <= value) & (value <= limits[1])
+    _check_objects(path, objects, rule, boxes.place)
+    if rule.clip:
+        objects = _clipped(objects, rule)
+    return GroundTruth(boxes.instants_us + rule.origin_us + rule.at_us, objects, tuple(str(name) for name in names.tolist()))
+
+
+def _check_objects(path: Path, objects: NDArray[np.void], rule: Rule, place: Callable[[int], str]) -> None:
+    """Raise RecordingError where no box counts, or where one that does lies off the sensor and is not to be clipped."""
+    if not objects["counted"].any():
+        raise RecordingError(f"{path}: no box counts: must have one at least that is to be found")
+    if rule.sensor is None or rule.clip:
+        return
+    for axis, side, size in zip("xy", ("width", "height"), rule.size(), strict=True):
+        low, high = objects[axis] - objects[side] / 2, objects[axis] + objects[side] / 2
+        off = objects["counted"] & ((high < rule.edge_px) | (low > rule.edge_px + size))
+        if off.any():
+            row = int(np.argmax(off))
+            width, height = rule.size()
+            what = f"{axis} = {objects[axis][row]:g}, {side} = {objects[side][row]:g}"
+            raise RecordingError(f"{path}: {place(row)}: {what}: must reach the sensor's {width}x{height} pixels")
+
+
+def rule_for(path: Path | str, format: str | None = None) -> Rule:
+    """The named rule whose columns a CSV file has, the first if there is none; "boxes" for a file of boxes.
+
+    Args:
+        format: a format of boxes; None: by the file's name, else CSV.
 
     Raises:
         RecordingError: the file cannot be read.
     """
+    if format is not None or is_boxes(path):
+        return load_rule("boxes")
     header, _ = _read(Path(path))
-    rules = [load_rule(name) for name in RULES]
+    rules = [rule for rule in map(load_rule, RULES) if rule.columns]
     return next((rule for rule in rules if set(rule.columns.values()) <= set(header)), rules[0])
 
 
+_COUNTED_BY = {"confidence": "confidence", "class": "class_id", "visibility": "visibility"}
 _REAL = ("left", "top", "width", "height", "x", "y", "vx", "vy")
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .log import Kind, TrackLog
 
-__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "lifetimes", "merges", "sample"]
+__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "expiring", "lifetimes", "merges", "sample"]
 
 OPEN = -1  # `LIFE.ended` of a track that is still alive at the end of the log
 
@@ -115,6 +115,25 @@ def sample(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.void]:
     for name in (SAMPLE.names or ())[1:]:
         samples[name] = rows[name]
     return samples
+
+
+def expiring(log: TrackLog, max_age_us: int) -> TrackLog:
+    """A log in which a track is lost, until its next state, while its newest state (BORN or MOVED) is older than `max_age_us`.
+
+    `sample` of the result gives the outputs at any times.
+    """
+    records = log.records
+    order = np.argsort(records["track_id"], kind="stable")
+    track_id, t_us = records["track_id"][order], records["t_us"][order]
+    silent = np.ones(len(records), bool)
+    silent[:-1] = (track_id[1:] != track_id[:-1]) | (t_us[1:] - t_us[:-1] > max_age_us)
+    silent &= records["kind"][order] <= Kind.MOVED
+    lost = records[order[silent]]
+    lost["kind"] = Kind.LOST
+    lost["t_us"] += max_age_us + 1
+    # These first: a new state in the same microsecond takes precedence.
+    every = np.concatenate((lost, records))
+    return TrackLog(log.engine, every[np.argsort(every["t_us"], kind="stable")], log.owner)
 
 
 def merges(log: TrackLog) -> NDArray[np.void]:

@@ -104,7 +104,10 @@ def test_without_a_rule_it_is_the_one_whose_columns_the_truth_has(capsys: Captur
         (["none.npz", "--truth", "truth.csv"], "none.npz: cannot be read: No such file or directory"),
         (["truth.csv", "--truth", "truth.csv"], "truth.csv: is not an npz file, or is cut off"),
         (["software.npz", "--truth", "none.csv"], "none.csv: cannot be read: No such file or directory"),
-        (["software.npz", "--truth", "truth.csv", "--rule", "cars"], "rule 'cars': must be one of scene, traffic, or a .toml"),
+        (
+            ["software.npz", "--truth", "truth.csv", "--rule", "cars"],
+            "rule 'cars': must be one of boxes, scene, traffic, or a .toml",
+        ),
         (["software.npz", "--truth", "truth.csv", "--rule", "traffic"], "truth.csv: line 1: 't_us,object_id,left,"),
         (["software.npz", "--truth", "truth.csv", "--sensor", "big"], "--sensor big: must be WIDTHxHEIGHT in pixels"),
         (["software.npz", "--truth", "truth.csv", "--sensor", "0x5"], "sensor = (0, 5): must be [width, height]"),

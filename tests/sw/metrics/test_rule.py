@@ -15,7 +15,7 @@ POINTS = {"id": "id", "t_us": "t", "x": "x", "y": "y"}
 
 
 def test_every_shipped_rule_loads_and_says_what_it_is_for() -> None:
-    assert RULES == ("scene", "traffic")
+    assert RULES == ("boxes", "scene", "traffic")
     assert all(load_rule(name).title for name in RULES)
 
 
@@ -45,8 +45,8 @@ def test_a_sensor_that_nobody_said_is_asked_for() -> None:
     [
         ("threshold = ", "is not TOML: "),
         ("threshold = 0.5", "columns: must be given"),
-        ('base = "drive"', "base = 'drive': must be one of scene, traffic"),
-        ('base = ["scene"]', "base = ['scene']: must be one of scene, traffic"),
+        ('base = "drive"', "base = 'drive': must be one of boxes, scene, traffic"),
+        ('base = ["scene"]', "base = ['scene']: must be one of boxes, scene, traffic"),
         ('base = "scene"\nmax_age = 1', "rule: unknown field 'max_age': must be one of columns, title, "),
         ('base = "scene"\nmax_age_us = -1', "max_age_us = -1: must be from 0 to 1000000000000 (age past which"),
         ('base = "scene"\nmax_age_us = 1.5', "max_age_us = 1.5: must be from 0 to "),
@@ -106,7 +106,7 @@ def test_points_need_a_reach_and_have_no_area() -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("drive", "rule 'drive': must be one of scene, traffic, or a .toml file"),
+        ("drive", "rule 'drive': must be one of boxes, scene, traffic, or a .toml file"),
         ("none.toml", "none.toml: cannot be read: No such file or directory"),
     ],
 )

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evcot.errors import RecordingError
+from evcot.errors import ConfigError, EvcotError, RecordingError
 from evcot.metrics import Rule, load_rule, read_truth
 from evcot.scenes.registry import SCENES, scene_settings
+from evcot.tracks.formats.base import FrameClock
 
 HEADER = "t_begin_us,t_end_us,who,left,top,width,height"
 RULE = Rule({"id": "who", **{name: name for name in ("t_begin_us", "t_end_us", "left", "top", "width", "height")}}, at_us=-10)
@@ -112,3 +113,65 @@ def test_a_file_that_is_no_truth_is_named(content: bytes | None, message: str, t
     with pytest.raises(RecordingError) as caught:
         read_truth(path, RULE)
     assert str(caught.value).startswith(f"{path}: {message}")
+
+
+MOT = ["1,1,1,1,10,20,1,1,1", "1,2,30,1,10,20,0,1,1", "3,1,5,1,10,20,1,1,0.2"]
+
+
+def boxes_file(folder: Path, *lines: str) -> Path:
+    path = folder / "gt.txt"
+    path.write_text("".join(f"{line}\n" for line in lines))
+    return path
+
+
+def test_a_truth_of_boxes_has_every_frame_and_its_flags(tmp_path: Path) -> None:
+    truth = read_truth(boxes_file(tmp_path, *MOT), load_rule("boxes"), clock=FrameClock(40_000, 500))
+    assert truth.instants_us.tolist() == [500, 40_500, 80_500]
+    assert truth.ids == ("1", "2")
+    assert truth.objects[["frame", "object", "x", "y", "counted"]].tolist() == [
+        (0, 0, 4.5, 9.5, True),
+        (0, 1, 33.5, 9.5, False),
+        (2, 0, 8.5, 9.5, True),
+    ]
+    assert np.isnan(truth.objects["vx"]).all()
+    rule = replace(load_rule("boxes"), at_us=-100, origin_us=7, counted={"visibility": (0.5, 1)})
+    later = read_truth(boxes_file(tmp_path, *MOT), rule, clock=FrameClock(40_000, 500))
+    assert later.instants_us.tolist() == [407, 40_407, 80_407]
+    assert later.objects["counted"].tolist() == [True, False, False]
+
+
+def test_a_truth_of_boxes_that_says_nothing_is_refused(tmp_path: Path) -> None:
+    rule, clock = load_rule("boxes"), FrameClock(40_000)
+    far = "1,1,400,1,2,2,1,1,1"
+
+    def refused(message: str, *lines: str, rule: Rule = rule) -> None:
+        path = boxes_file(tmp_path, *lines)
+        with pytest.raises(EvcotError) as caught:
+            read_truth(path, rule, clock=clock)
+        assert str(caught.value) == f"{path}: {message}"
+
+    refused("has no line: must have one a box")
+    refused("line 1: id = -1: must be an object's: detections are no truth", "1,-1,1,1,2,2,1,1,1")
+    refused("no box counts: must have one at least that is to be found", "1,1,1,1,2,2,0,1,1")
+    off = "line 2: x = 399.5, width = 2: must reach the sensor's 346x260 pixels"
+    refused(off, "1,2,1,1,2,2,1,1,1", far, rule=rule.on((346, 260)))
+    clipped = read_truth(
+        boxes_file(tmp_path, MOT[0], far.replace("1,1,", "1,3,", 1)), replace(rule, clip=True, sensor=(346, 260)), clock=clock
+    )
+    assert clipped.objects["object"].tolist() == [0]
+    uncounted = boxes_file(tmp_path, MOT[0], "1,3,400,1,2,2,0,1,1")
+    assert read_truth(uncounted, rule.on((346, 260)), clock=clock).objects["counted"].tolist() == [True, False]
+    path = tmp_path / "boxes.csv"
+    path.write_text("a\n1\n")
+    with pytest.raises(ConfigError, match=r"boxes\.csv: the rule has no columns: must have those of a CSV file$"):
+        read_truth(path, rule)
+    with pytest.raises(
+        ConfigError, match=r"^counted\.size: must be one of confidence, class, visibility with a file of boxes$"
+    ):
+        read_truth(boxes_file(tmp_path, *MOT), replace(rule, counted={"size": (0, 1)}), clock=clock)
+
+
+def test_a_box_off_the_sensor_is_refused_in_csv_too(tmp_path: Path) -> None:
+    path = written(tmp_path, "0,100,a,0,0,5,5", "0,100,b,400,0,5,5")
+    with pytest.raises(RecordingError, match=r"line 3: x = 402\.5, width = 5: must reach the sensor's 346x260 pixels$"):
+        read_truth(path, RULE.on((346, 260)))

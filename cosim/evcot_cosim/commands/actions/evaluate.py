@@ -11,6 +11,7 @@ from evcot.api import evaluate
 from evcot.metrics.scores import Scores
 
 from ..options import sensor_from
+from .clock import clock_from
 from .counting import Counting
 
 __all__ = ["run"]
@@ -19,7 +20,10 @@ __all__ = ["run"]
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Score a log; 0."""
     with Counting(f"scoring {options.log}", enabled=not options.json):
-        scores = evaluate(options.log, options.truth, options.rule, sensor=sensor_from(options))
+        scores = evaluate(
+            options.log, options.truth, options.rule, sensor=sensor_from(options), clock=clock_from(options),
+            log_format=options.log_format, truth_format=options.truth_format,
+        )  # fmt: skip
     if options.json:
         print(json.dumps(scores.to_dict(), indent=2, allow_nan=False))
         return 0

@@ -11,13 +11,17 @@ from dataclasses import asdict
 
 import numpy as np
 
+from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.trackers.engines import ENGINES
+from evcot.tracks.formats.of_log import boxes_of_log
+from evcot.tracks.formats.registry import box_format, write_boxes
 from evcot.tracks.log import DROPPED, Kind, TrackLog
 from evcot.tracks.tracking import signed_log_of
 
 from ...tables import print_table
 from ..options import window_from
+from .clock import clock_from
 from .filters import filters_from, save_learned
 from .opening import open_from
 from .progress import Progress
@@ -29,10 +33,13 @@ __all__ = ["run"]
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Track a recording; 0."""
     window = window_from(options)
+    if options.boxes is not None:
+        _check_boxes(options)
     with open_from(options, options.recording) as file:
         settings, filters = configured(options, file.sensor)
         filters = filters_from(options, filters, file.blocks(*window), file.sensor)
-        tracker = ENGINES[options.engine].start(settings, filters, file.sensor)
+        sensor, first_us = file.sensor, file.t0_us
+        tracker = ENGINES[options.engine].start(settings, filters, sensor)
         with Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress:
             log = signed_log_of(options.engine, tracker, _counted(file.blocks(*window, required=True), progress))
     if options.output is not None:
@@ -41,12 +48,23 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         log.write_csv(options.csv, force=options.force)
     save_learned(options)
     found = _found(log)
+    if options.boxes is not None:
+        clock = clock_from(options, first_us)
+        write_boxes(options.boxes, boxes_of_log(log, clock, sensor), clock, options.boxes_format, force=options.force)
+        found["frame_1_at_us"] = clock.origin_us
     if options.json:
         said = {"engine": options.engine, "settings": plain(settings), "filters": asdict(filters)}
         print(json.dumps(found | said, indent=2, allow_nan=False))
     elif not options.quiet:
         print_table([(name.replace("_", " "), "" if value is None else f"{value:,}") for name, value in found.items()])
     return 0
+
+
+def _check_boxes(options: argparse.Namespace) -> None:
+    """Raise ConfigError, before the work, for boxes that could not be written."""
+    box_format(options.boxes, options.boxes_format)
+    if clock_from(options).frame_us is None:
+        raise ConfigError("--boxes: the time from frame to frame must be given (--frame-us)")
 
 
 def _counted(blocks: Iterator[Events], progress: Progress) -> Iterator[Events]:

@@ -15,8 +15,10 @@ from evcot.errors import ConfigError
 from evcot.events import Events
 from evcot.pictures.films import Look, render, side_of
 from evcot.pictures.films.colours import EVENTS, GROUND, SIDES, palette
+from evcot.pictures.films.draw import compose
 from evcot.pictures.films.encode import GIF_PIXELS_MAX, GifEncoder
 from evcot.pictures.films.film import picture_times
+from evcot.pictures.films.states import Follower
 from evcot.pictures.films.surface import Surface
 from evcot.tracks.log import TRACK, Kind, TrackLog
 
@@ -166,3 +168,22 @@ def test_the_palette_has_every_colour_that_is_drawn() -> None:
     known = {tuple(rgb) for rgb in palette().tolist()}
     assert len(palette()) == 256
     assert {GROUND, *EVENTS, *SIDES} <= known
+
+
+def test_a_box_is_drawn_by_its_own_sides_and_turned_by_its_angle() -> None:
+    """24 x 8 px at (40, 30) in a picture of twice the size: upright, lying on its side, and at half a right angle."""
+    base = log()
+    base.records["x"], base.records["y"], base.records["width"], base.records["height"] = 40, 30, 24, 8
+    bounds = {}
+    for angle in (0.0, np.pi / 2, np.pi / 4):
+        base.records["angle"] = angle
+        follower = Follower(side_of(0, "software", base), np.array([1_300_000]))
+        image = compose(np.full((64, 96, 3), 7, np.uint8), 2, (192, 128), [follower], 0, "")
+        drawn = (np.asarray(image) == BOX).all(axis=2)
+        drawn[:44] = False  # above it is its id
+        rows, columns = np.nonzero(drawn)
+        bounds[angle] = (int(columns.min()), int(columns.max()), int(rows.max()))
+    assert bounds[0.0] == pytest.approx((57, 104, 68), abs=1)
+    assert bounds[np.pi / 2] == pytest.approx((73, 88, 84), abs=1)
+    reach = (24 + 8) / 2**0.5
+    assert bounds[np.pi / 4] == pytest.approx((81 - reach, 81 + reach, 61 + reach), abs=2)
