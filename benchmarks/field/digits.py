@@ -54,7 +54,10 @@ def digits(ways: str, count: int, seed: tuple[int, ...]) -> Member:
     size_px = np.array([high - low + 1 for low, high in boxes])
     paths = Bouncing(_SENSOR, size_px, random.uniform(*_SPEED_PX_S, count), ways == "crossing", random)
     end_us = round(_SECONDS * 1e6)
-    streams = [_carried(one, box.mean(axis=0), paths, number, end_us) for number, (one, box) in enumerate(zip(samples, boxes, strict=True))]
+    streams = [
+        _carried(one, box.mean(axis=0), paths, number, end_us)
+        for number, (one, box) in enumerate(zip(samples, boxes, strict=True))
+    ]
     noise = poisson_noise(_SENSOR, (0, end_us), random.uniform(*_NOISE_HZ), random)
     recording = Recording(merged(*streams, noise), *_SENSOR, f"{count} digits {ways}")
     instants_us = np.arange(0, end_us, TRUTH_STEP_US)
@@ -85,7 +88,9 @@ def _sample(number: int) -> Events:
     begin, end = samples["first"][number : number + 2]
     t_us, x, y, p = (samples[name][begin:end] for name in ("t_us", "x", "y", "p"))
     order = np.argsort(t_us, kind="stable")
-    return Events(*(column[order].astype(kind) for column, kind in ((t_us, np.int64), (x, np.uint16), (y, np.uint16), (p, np.uint8))))
+    return Events(
+        *(column[order].astype(kind) for column, kind in ((t_us, np.int64), (x, np.uint16), (y, np.uint16), (p, np.uint8)))
+    )
 
 
 def _carried(sample: Events, middle: NDArray[np.float64], paths: Bouncing, number: int, end_us: int) -> Events:

@@ -61,7 +61,9 @@ _MEMBERS: dict[str, tuple[Make, tuple[int, int], int]] = {
 def entries(seed: int, quick: bool) -> Iterator[Entry]:
     """One family; quick: a few seconds of each."""
     for number, (name, (make, sensor, seconds)) in enumerate(_MEMBERS.items()):
-        yield Entry(FAMILY, name, FAMILY, _builder(name, make, sensor, min(seconds, 4) if quick else seconds, (seed, 4, number)))
+        yield Entry(
+            FAMILY, name, FAMILY, _builder(name, make, sensor, min(seconds, 4) if quick else seconds, (seed, 4, number))
+        )
 
 
 def _builder(name: str, make: Make, sensor: tuple[int, int], seconds: int, seed: tuple[int, ...]) -> Callable[[], Member]:

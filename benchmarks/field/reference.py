@@ -5,7 +5,7 @@
 2. Of all paths over a coarse grid, the one through the most events is found by dynamic programming over the whole recording,
    backwards and forwards, at most `_STEP_CELLS` a step.
 3. Around that path, in a window of time that reaches as far ahead as back, the median of the events is the centre, and their
-   percentiles are the extent; both are smoothed over time, again as far ahead as back.
+   percentiles tell the extent; both are smoothed over time, again as far ahead as back.
 
 A second estimate, which uses neither grid nor path but a robust local line through the events over time, tells the error.
 """
@@ -41,7 +41,8 @@ _CELL_PX = 2
 _BIN_US = 10_000  # of the neighbourhood in time
 _STEP_CELLS = 6
 _BEND = 0.15  # what a step of one cell costs, in the data's logarithm, times its square
-_EXTENT = 4, 96  # percentiles
+_INNER = 10, 90  # percentiles between which an object's extent is measured; the rest is taken to be as dense
+_CORE = 4.0  # median distances from the centre within which events belong to the object
 _ROUNDS = 6  # of the robust line
 
 
@@ -60,7 +61,7 @@ class Scale:
     size_px: float
     window_us: int
     neighbours: float
-    seen_events: int = 6
+    seen_events: int = 10
     border_px: float = 10.0
 
 
@@ -170,9 +171,7 @@ def _near(events: Events, at_us: int, place: NDArray[np.float64], scale: Scale, 
     return begin + np.flatnonzero(far <= 1.5 * scale.size_px)
 
 
-def _refined(
-    events: Events, times_us: NDArray[np.int64], rough: NDArray[np.float64], scale: Scale
-) -> NDArray[np.void]:
+def _refined(events: Events, times_us: NDArray[np.int64], rough: NDArray[np.float64], scale: Scale) -> NDArray[np.void]:
     """Median and extent of the events around the rough path; interpolated where there are too few."""
     path = np.zeros(len(times_us), REFERENCE)
     path["t_us"] = times_us
@@ -182,15 +181,18 @@ def _refined(
             if len(near) < scale.seen_events:
                 break
             place = np.array([np.median(events.x[near]), np.median(events.y[near])])
+            far = np.hypot(events.x[near] - place[0], events.y[near] - place[1])
+            near = near[far <= _CORE * max(float(np.median(far)), 1.0)]
         row["events"] = len(near)
         if len(near) >= scale.seen_events:
-            (left, right), (top, bottom) = (np.percentile(axis[near], _EXTENT) for axis in (events.x, events.y))
             row["x"], row["y"] = place
-            row["width"], row["height"] = right - left + 1, bottom - top + 1
+            row["width"], row["height"] = (
+                np.ptp(np.percentile(axis[near], _INNER)) * 100 / np.ptp(_INNER) + 1 for axis in (events.x, events.y)
+            )
     seen = path["events"] >= scale.seen_events
     path["state"] = np.where(seen, SEEN, SILENT)
     steps = max(scale.window_us / float(times_us[1] - times_us[0]), 1.0)
-    for name, smooth in (("x", 0.5), ("y", 0.5), ("width", 3.0), ("height", 3.0)):
+    for name, smooth in (("x", 0.5), ("y", 0.5), ("width", 2.0), ("height", 2.0)):
         whole = np.interp(times_us, times_us[seen], path[name][seen])
         path[name] = gaussian_filter1d(whole, smooth * steps, mode="nearest")
     return path
@@ -208,9 +210,7 @@ def _mark_gaps(path: NDArray[np.void], recording: Recording, scale: Scale, step_
             path["state"][own] = ABSENT
 
 
-def _local_lines(
-    events: Events, times_us: NDArray[np.int64], rough: NDArray[np.float64], scale: Scale
-) -> NDArray[np.float64]:
+def _local_lines(events: Events, times_us: NDArray[np.int64], rough: NDArray[np.float64], scale: Scale) -> NDArray[np.float64]:
     """(n, 2) x, y: at each time a straight motion fitted to the events around it, far ones weighted down (Tukey's biweight)."""
     found = np.full((len(times_us), 2), np.nan)
     for row, (at_us, place) in enumerate(zip(times_us.tolist(), rough, strict=True)):

@@ -19,6 +19,7 @@ from scipy.spatial import ConvexHull
 
 from evcot.events import Events, Recording
 from evcot.metrics.truth import OBJECT, GroundTruth
+from field.kept import kept
 from field.member import TRUTH_STEP_US, Absent, Entry, Member, scene_rule
 from field.paths import Bouncing
 
@@ -28,7 +29,7 @@ SOURCE = "second simulator"
 _SENSORS = ((240, 180), (346, 260))
 _OVERSAMPLED = 2
 _SECONDS = 3.0
-_LEAST_SEEN, _LEAST_PX = 0.5, 5.0  # what an object must show to be counted
+_LEAST_SEEN, _LEAST_PX = 0.5, 8.0  # what an object must show to be counted
 _NUMBER = 3
 
 Points = NDArray[np.float64]
@@ -70,7 +71,7 @@ def _builder(
         rule = scene_rule(recording)
         return Member(family, name, recording, _truth(scenery, sensor), rule, "exact, by another simulator")
 
-    return build
+    return kept(f"{family} {name} {seed}", build)
 
 
 def _seen(scenery: Scenery, sensor: tuple[int, int], random: np.random.Generator) -> Events:
@@ -191,8 +192,8 @@ class _Road:
 
     def __init__(self, sensor: tuple[int, int], random: np.random.Generator) -> None:
         self._sensor = sensor
-        self._focal = random.uniform(1.0, 2.2) * sensor[0]
-        self._height_m = random.uniform(6.0, 14.0)
+        self._focal = random.uniform(0.8, 1.6) * sensor[0]
+        self._height_m = random.uniform(7.0, 16.0)
         self._down = np.radians(random.uniform(12.0, 35.0))
         self._roll = np.radians(random.uniform(-6.0, 6.0))
         middle_m = self._height_m / np.tan(self._down)
@@ -216,7 +217,7 @@ class _Road:
                 start = self._far_m - along if forth else self._near_m + along
                 tone = int(random.choice((random.integers(40, 95), random.integers(150, 235))))
                 rows.append((start, (lane - (lanes - 1) / 2) * 3.6 + self._side_m, speed, kind, tone))
-                along += self._KINDS_M[kind, 2] + random.uniform(6.0, 40.0)
+                along += self._KINDS_M[kind, 2] + random.uniform(8.0, 45.0)
         self._start_m, self._across_m, self._speed, kinds, self._tone = (np.array(column) for column in zip(*rows, strict=True))
         self._size_m = self._KINDS_M[kinds]
         self.count = len(rows)

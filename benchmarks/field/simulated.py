@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from evcot.metrics.of_scene import ground_truth_of
 from evcot.scenes.pendulum import BOB
 from evcot.scenes.registry import simulate_scene
+from field.kept import kept
 from field.member import TRUTH_STEP_US, Entry, Member, scene_rule
 from field.transforms import backwards, upside_down
 
@@ -161,10 +161,15 @@ def _builder(family: str, scene: str, draw: Draw, seed: tuple[int, ...]) -> Call
         if scene == "pendulum":  # a tracker may follow the whole pendulum: the rod need not be found, nor is it false
             objects = member.truth.objects
             objects["counted"] &= np.array([member.truth.ids[one] == str(BOB) for one in objects["object"]])
+        return member
+
+    def seen() -> Member:
+        member = made_once()
         if scene == "highway" and number % 3 == 1:
             return backwards(member)  # cars come towards the camera
         if scene == "highway" and number % 3 == 2:
             return upside_down(member)
-        return replace(member)
+        return member
 
-    return build
+    made_once = kept(f"{family} {seed}", build)
+    return seen

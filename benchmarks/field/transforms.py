@@ -150,9 +150,7 @@ def spliced(member: Member, other: Member, offset_px: tuple[int, int]) -> Member
     right, down = offset_px
     ours, theirs = member.recording, other.recording
     sensor = max(ours.width, theirs.width + right), max(ours.height, theirs.height + down)
-    moved = Events(
-        theirs.events.t_us, theirs.events.x + np.uint16(right), theirs.events.y + np.uint16(down), theirs.events.p
-    )
+    moved = Events(theirs.events.t_us, theirs.events.x + np.uint16(right), theirs.events.y + np.uint16(down), theirs.events.p)
     rows, ids = [], []
     for one, at in ((member, (0, 0)), (other, offset_px)):
         objects = np.concatenate((one.truth.objects, _bands(one)))
