@@ -18,6 +18,7 @@ from field.member import Member, scene_rule
 __all__ = ["FOLDER", "kept"]
 
 FOLDER = Path(__file__).parents[2] / "build" / "field"
+_MAKERS = "kept", "member", "paths", "second", "simulated"
 _COLUMNS = "t_us", "x", "y", "p"
 
 
@@ -58,9 +59,9 @@ def _load(path: Path) -> Member:
 
 @cache
 def _sources() -> str:
-    """A digest of all sources that scenes and members are made by."""
+    """A digest of all sources that kept members are made by."""
     digest = hashlib.sha256()
-    for folder in (Path(evcot.scenes.__path__[0]), Path(__file__).parent):
-        for source in sorted(folder.glob("*.py")):
-            digest.update(source.read_bytes())
+    scenes, here = Path(evcot.scenes.__path__[0]), Path(__file__).parent
+    for source in (*sorted(scenes.glob("*.py")), *(here / f"{name}.py" for name in _MAKERS)):
+        digest.update(source.read_bytes())
     return digest.hexdigest()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The recorded motorway, as it is and changed: in space, in time, with loss and noise, and crowded. Its hot pixel is left in."""
+"""The recorded motorway, its hot pixel left in: as it is, and changed in space, in time, by loss and noise, and crowded."""
 
 from __future__ import annotations
 
