@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import timedelta
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,13 @@ class EventcvSettings:
 
 @dataclass(frozen=True)
 class DvSettings:
-    """Of dv-processing's mean shift tracker; new tracks are looked for every `again_us`."""
+    """Of dv-processing's mean shift tracker, and of what is usual around it.
+
+    Attributes:
+        again_us: how often new tracks are looked for, in an image `2 ** pyramid` times as small.
+        min_events: in a window and within the bandwidth; a track with fewer is removed. So is the younger of two tracks that
+            come closer than half the bandwidth.
+    """
 
     window_us: int = 10_000
     bandwidth: int = 20
@@ -66,6 +72,10 @@ class DvSettings:
     weight: float = 1.0
     max_tracks: int = 8
     again_us: int = 100_000
+    pyramid: int = 0
+    activity_us: int = 0
+    min_events: int = 10
+    age: int = 2
 
 
 EVENTCV = {
@@ -73,14 +83,20 @@ EVENTCV = {
     "filtered": EventcvSettings(activity_us=5_000),
     "joined": EventcvSettings(30_000, 100, 40.0, 4, activity_us=10_000, shrink=4),
 }
-DV = {"plain": DvSettings(), "large": DvSettings(20_000, 40)}
+DV = {
+    "plain": DvSettings(),
+    "filtered": DvSettings(activity_us=5_000),
+    "large": DvSettings(20_000, 40, pyramid=2, activity_us=10_000, min_events=60),
+}
 
 
-def varied_eventcv(_near: EventcvSettings, random: np.random.Generator) -> EventcvSettings:
-    """Anywhere in sensible ranges."""
-    return EventcvSettings(
+def varied_eventcv(near: EventcvSettings, random: np.random.Generator) -> EventcvSettings:
+    """Each setting as it was or, as often, anywhere in a sensible range."""
+    return _some_of(
+        near,
+        random,
         window_us=round(_between(random, 4_000, 50_000)),
-        min_area=round(_between(random, 4, 150)),
+        min_area=round(_between(random, 4, 200)),
         max_distance=_between(random, 5, 60),
         max_missed=int(random.integers(0, 8)),
         connectivity=int(random.choice((4, 8))),
@@ -90,16 +106,26 @@ def varied_eventcv(_near: EventcvSettings, random: np.random.Generator) -> Event
     )
 
 
-def varied_dv(_near: DvSettings, random: np.random.Generator) -> DvSettings:
-    """Anywhere in sensible ranges."""
-    return DvSettings(
+def varied_dv(near: DvSettings, random: np.random.Generator) -> DvSettings:
+    """Each setting as it was or, as often, anywhere in a sensible range."""
+    return _some_of(
+        near,
+        random,
         window_us=round(_between(random, 4_000, 50_000)),
         bandwidth=round(_between(random, 8, 60)),
         step=random.uniform(0.2, 0.9),
         weight=_between(random, 0.5, 2.0),
         max_tracks=int(random.integers(2, 16)),
-        again_us=round(_between(random, 20_000, 500_000)),
+        again_us=round(_between(random, 10_000, 500_000)),
+        pyramid=int(random.integers(0, 4)),
+        activity_us=int(random.choice((0, 2_000, 5_000, 10_000, 20_000))),
+        min_events=round(_between(random, 3, 300)),
+        age=int(random.integers(1, 8)),
     )
+
+
+def _some_of(near: Any, random: np.random.Generator, **drawn: Any) -> Any:
+    return replace(near, **{name: value for name, value in drawn.items() if random.random() < 0.5})
 
 
 def _between(random: np.random.Generator, low: float, high: float) -> float:
@@ -206,30 +232,54 @@ class EventcvTracker(_Windowed):
 class DvTracker(_Windowed):
     """dv-processing's `MeanShiftTracker` on its own time surface, with its own blob detector for new tracks."""
 
-    _shortest: ClassVar[float] = 1e-6
-
     def __init__(self, settings: DvSettings, sensor: tuple[int, int]) -> None:
         import dv_processing as dv
 
         super().__init__(settings.window_us)
-        self._dv, self._bandwidth = dv, settings.bandwidth
+        self._dv, self._settings = dv, settings
         window = timedelta(microseconds=settings.window_us)
         self._tracker = dv.features.MeanShiftTracker(sensor, settings.bandwidth, window, settings.step, settings.weight)
+        self._tracker.setDetector(dv.features.EventFeatureBlobDetector(sensor, settings.pyramid))
         self._tracker.setMaxTracks(settings.max_tracks)
         again = timedelta(microseconds=settings.again_us)
         self._tracker.setRedetectionStrategy(dv.features.UpdateIntervalRedetection(again))
+        self._filter = None
+        if settings.activity_us:
+            quiet = timedelta(microseconds=settings.activity_us)
+            self._filter = dv.noise.BackgroundActivityNoiseFilter(sensor, quiet)
+        self._ages: dict[int, int] = {}
 
     def look(self, events: Events, begin_us: int) -> dict[int, tuple[float, float, float]]:
-        if not len(events):
-            return dict(self._alive)
         store = self._dv.EventStore()
         for event in zip(*(column.tolist() for column in (events.t_us, events.x, events.y, events.p)), strict=True):
             store.push_back(*event)  # there is no other way in
+        if self._filter is not None:
+            self._filter.accept(store)
+            store = self._filter.generateEvents()
+        if store.isEmpty():
+            return dict(self._alive)
         self._tracker.accept(store)
         result = self._tracker.runTracking()
         if result is None:
             return dict(self._alive)
-        return {int(one.class_id): (float(one.pt[0]), float(one.pt[1]), float(self._bandwidth)) for one in result.keypoints}
+        places = np.array(store.coordinates(), float).reshape(-1, 2)
+        return self._kept(result.keypoints, places)
+
+    def _kept(self, keypoints: Any, places: NDArray[np.float64]) -> dict[int, tuple[float, float, float]]:
+        """The tracks that hold enough events and are not on an older one; the others are removed."""
+        reach, kept, removed = self._settings.bandwidth, dict[int, tuple[float, float, float]](), []
+        for one in sorted(keypoints, key=lambda one: int(one.class_id)):
+            number, (x, y) = int(one.class_id), one.pt
+            events = np.count_nonzero(np.hypot(places[:, 0] - x, places[:, 1] - y) <= reach)
+            twice = any(np.hypot(x - other[0], y - other[1]) < reach / 2 for other in kept.values())
+            if events < self._settings.min_events or twice:
+                removed.append(number)
+            else:
+                kept[number] = float(x), float(y), float(reach)
+        if removed:
+            self._tracker.removeTracks(removed)
+        self._ages = {number: self._ages.get(number, 0) + 1 for number in kept}
+        return {number: place for number, place in kept.items() if self._ages[number] >= self._settings.age}
 
 
 def remot_log(instants_us: NDArray[np.int64], frames_later: int) -> TrackLog:
