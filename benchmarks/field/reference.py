@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, gaussian_filter1d, label, uniform_filter
+from scipy.ndimage import gaussian_filter, gaussian_filter1d, label, median_filter, uniform_filter
 
 from evcot.events import Events, Recording
 from evcot.metrics.truth import OBJECT, GroundTruth
@@ -43,6 +43,7 @@ _STEP_CELLS = 6
 _BEND = 0.15  # what a step of one cell costs, in the data's logarithm, times its square
 _INNER = 10, 90  # percentiles between which an object's extent is measured; the rest is taken to be as dense
 _CORE = 4.0  # median distances from the centre within which events belong to the object
+_LEAP, _LEAP_STEPS = 0.2, 11  # of the size, from the median over so many instants
 _ROUNDS = 6  # of the robust line
 
 
@@ -190,6 +191,9 @@ def _refined(events: Events, times_us: NDArray[np.int64], rough: NDArray[np.floa
                 np.ptp(np.percentile(axis[near], _INNER)) * 100 / np.ptp(_INNER) + 1 for axis in (events.x, events.y)
             )
     seen = path["events"] >= scale.seen_events
+    for axis in ("x", "y"):  # what leaps is noise in a moment of few events
+        whole = np.interp(times_us, times_us[seen], path[axis][seen])
+        seen &= np.abs(whole - median_filter(whole, _LEAP_STEPS, mode="nearest")) <= _LEAP * scale.size_px
     path["state"] = np.where(seen, SEEN, SILENT)
     steps = max(scale.window_us / float(times_us[1] - times_us[0]), 1.0)
     for name, smooth in (("x", 0.5), ("y", 0.5), ("width", 2.0), ("height", 2.0)):
