@@ -97,7 +97,7 @@ def run(
         cpu_s += took_s
         ready_us = max(ready_us, float(end_us)) + 1e6 * took_s
         records.append(made)
-        ready.append(np.full(len(made), int(np.ceil(ready_us)), np.int64))
+        ready.append(np.full(len(made), round(ready_us), np.int64))
     every = np.concatenate(records)
     late = every.copy()
     late["t_us"] = np.maximum(np.concatenate(ready), every["t_us"])
