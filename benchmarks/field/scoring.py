@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from evcot.events import Events
 from evcot.filters.config import FilterConfig
@@ -77,7 +78,8 @@ def run(
 ) -> tuple[TrackLog, TrackLog, float]:
     """The log; the same with every record at the time when it is available; and the CPU time.
 
-    An answer is available when its packet has ended, all before it has been computed, and it has been computed itself.
+    An answer is available when its packet has ended, all before it has been computed, and it has been computed itself. On a
+    machine that others use, too, packets' shares of the time are told by the wall clock, and their sum by the CPU time.
 
     Args:
         packet_us: None: the recording in one packet; answers are then not known.
@@ -88,22 +90,29 @@ def run(
     first.feed(recording.events[:_WARM_UP])
     first.finish()
     tracker = contender.start(settings, sensor)
-    ready_us, cpu_s = -np.inf, 0.0
-    records, ready = [np.empty(0, TRACK)], [np.empty(0, np.int64)]
+    records, ends_us, walls_s = [np.empty(0, TRACK)], [], []
+    begun_cpu_s = time.thread_time()
     for events, end_us in _packets(recording.events, packet_us):
-        begun_s = time.thread_time()
-        made = tracker.finish() if events is None else tracker.feed(events)[0]
-        took_s = time.thread_time() - begun_s
-        cpu_s += took_s
-        ready_us = max(ready_us, float(end_us)) + 1e6 * took_s
-        records.append(made)
-        ready.append(np.full(len(made), round(ready_us), np.int64))
+        begun_s = time.perf_counter()
+        records.append(tracker.finish() if events is None else tracker.feed(events)[0])
+        walls_s.append(time.perf_counter() - begun_s)
+        ends_us.append(end_us)
+    cpu_s = time.thread_time() - begun_cpu_s
+    ready_us = _ready(np.array(ends_us), np.array(walls_s) * min(1.0, cpu_s / max(sum(walls_s), 1e-9)))
+    ready = [np.empty(0, np.int64), *(np.full(len(made), at_us) for made, at_us in zip(records[1:], ready_us, strict=True))]
     every = np.concatenate(records)
     late = every.copy()
     late["t_us"] = np.maximum(np.concatenate(ready), every["t_us"])
     late = late[np.argsort(late["t_us"], kind="stable")]
     owner = np.empty(0, np.int16)
     return TrackLog(contender.name, every, owner), TrackLog(contender.name, late, owner), cpu_s
+
+
+def _ready(ends_us: NDArray[np.int64], costs_s: NDArray[np.float64]) -> NDArray[np.int64]:
+    """When each packet has been computed: after its end, and after the one before it."""
+    done_us = np.cumsum(1e6 * costs_s)
+    waits_us = np.maximum.accumulate(ends_us - (done_us - 1e6 * costs_s))
+    return np.rint(waits_us + done_us).astype(np.int64)
 
 
 def _packets(events: Events, packet_us: int | None) -> list[tuple[Events | None, int]]:
