@@ -177,7 +177,7 @@ def _remot(options: argparse.Namespace) -> list[Scored]:
         return []
     try:
         member = traffic()
-        logs = {f"frames moved by {later}": remot_log(member.truth.instants_us, later) for later in (0, 1)}
+        logs = {f"frames moved by {later}": remot_log(member.truth.instants_us, later) for later in (0, -1)}
     except Absent as reason:
         print(f"REMOT: left out: {reason}", file=sys.stderr)
         return []

@@ -18,7 +18,7 @@ from field.member import Member, scene_rule
 __all__ = ["FOLDER", "kept"]
 
 FOLDER = Path(__file__).parents[2] / "build" / "field"
-_MAKERS = "kept", "member", "paths", "second", "simulated"
+_MAKERS = "faint", "kept", "member", "paths", "second", "simulated"
 _COLUMNS = "t_us", "x", "y", "p"
 
 

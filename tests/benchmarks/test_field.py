@@ -22,6 +22,7 @@ from evcot.tracks.log import TRACK, Kind, TrackLog
 from field import digits, recorded, second, traffic
 from field.choose import left_out
 from field.contenders import Contender, contenders, more_settings
+from field.faint import without_faint
 from field.member import Absent, Entry, Member, nothing_there, scene_rule
 from field.reference import SEEN, Scale, reference
 from field.scoring import PACKET_US, Score, run, score, score_log
@@ -421,3 +422,15 @@ def test_the_table_and_the_picture_are_of_every_tracker(
     assert (tmp_path / "field.png").read_bytes()[:4] == b"\x89PNG"
     assert {one["family"] for one in results["scores"]} == {"f", "g"}
     assert [one["family"] for one in results["choices"]["oracle"]] == ["f", "g"]
+
+
+def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
+    member = sample_member()
+    objects = member.truth.objects
+    still = objects.copy()
+    still["object"], still["x"], still["y"] = 1, 30.0, 70.0  # where there is only noise
+    truth = replace(member.truth, objects=np.stack((objects, still), axis=1).ravel(), ids=("a", "b"))
+    judged = without_faint(noisy(replace(member, truth=truth), 0.5, 1)).truth.objects
+    assert judged["counted"][judged["object"] == 0].all()
+    assert not judged["counted"][judged["object"] == 1].any()
+    assert truth.objects["counted"].all()
