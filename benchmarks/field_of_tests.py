@@ -12,10 +12,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +65,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--trackers", nargs="+", metavar="NAME", help="which trackers (default: all that are installed)")
     parser.add_argument("--families", nargs="+", metavar="WORD", help="only families whose name begins so")
     parser.add_argument("--leave-out", type=int, metavar="N", help="leave one family out; with N more settings at random each")
+    parser.add_argument("--search-members", type=int, default=2, metavar="N", help="of a family, to choose settings on (2)")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default 1)")
     parser.add_argument("--final", type=int, metavar="SEED", help="a seed set that was never used: for the last table")
     parser.add_argument("--references", action="store_true", help="write reference paths and pictures of them")
     return parser.parse_args()
@@ -75,12 +80,20 @@ def _use_once(seed_set: int, chosen_on: int) -> None:
     _write(_FINALS, sorted([*used, seed_set]))
 
 
-def _field(options: argparse.Namespace, seed_set: int) -> list[Entry]:
+def _field(options: argparse.Namespace, seed_set: int, per_family: int | None = None) -> list[Entry]:
+    """The chosen families; of each the first members alone, if so many are given."""
     begins = tuple(options.families or [""])
-    return [entry for entry in entries(seed_set, options.quick) if entry.family.startswith(begins)]
+    field = [entry for entry in entries(seed_set, options.quick) if entry.family.startswith(begins)]
+    seen: Counter[str] = Counter()
+    chosen = []
+    for entry in field:
+        seen[entry.family] += 1
+        if per_family is None or seen[entry.family] <= per_family:
+            chosen.append(entry)
+    return chosen
 
 
-def _built(field: Sequence[Entry]) -> Iterator[Member]:
+def _built(field: Iterable[Entry]) -> Iterator[Member]:
     """The members, one after the other; says what is left out."""
     for entry in field:
         try:
@@ -91,24 +104,48 @@ def _built(field: Sequence[Entry]) -> Iterator[Member]:
         yield member
 
 
-def _scored(chosen: Mapping[Contender, Mapping[str, Any]], field: Sequence[Entry], whole: bool = False) -> list[Scored]:
-    """Every contender with its settings on every member."""
+@dataclass(frozen=True)
+class _Task:
+    """Contenders with settings on one member, as another process can be told it."""
+
+    seed_set: int
+    quick: bool
+    family: str
+    member: str
+    settings: Mapping[str, Mapping[str, Any]]  # contender -> title in the table -> settings
+    whole: bool
+
+
+def _done(task: _Task) -> list[Scored]:
     scored = []
-    for member in _built(field):
+    same = (task.family, task.member)
+    for member in _built(entry for entry in entries(task.seed_set, task.quick) if (entry.family, entry.name) == same):
         begun_s = time.perf_counter()
-        for contender, settings in chosen.items():
+        for contender in contenders(list(task.settings)):
             seen = prepared(contender, member)
-            for name, own in settings.items():
-                scored.append(Scored(contender.name, name, member.family, member.name, score(contender, own, seen, whole)))
+            for title, settings in task.settings[contender.name].items():
+                result = score(contender, settings, seen, task.whole)
+                scored.append(Scored(contender.name, title, member.family, member.name, result))
         took_s = time.perf_counter() - begun_s
-        print(f"{member.family}, {member.name}: {len(member.recording.events):,} events, {took_s:.1f} s", file=sys.stderr)
+        events = len(member.recording.events)
+        print(f"{member.family}, {member.name}: {events:,} events, {took_s:.1f} s", file=sys.stderr, flush=True)
     return scored
+
+
+def _scored(tasks: Sequence[_Task], jobs: int) -> list[Scored]:
+    """All scores, member by member, in `jobs` processes."""
+    if jobs == 1:
+        return [one for task in tasks for one in _done(task)]
+    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn")) as pool:
+        return [one for own in pool.map(_done, tasks) for one in own]
 
 
 def _presets(chosen: Sequence[Contender], options: argparse.Namespace) -> dict[str, Any]:
     """Every preset of every contender."""
     field = _field(options, options.seed_set if options.final is None else options.final)
-    scored = _scored({one: one.settings for one in chosen}, field) + _remot(options)
+    every = {one.name: one.settings for one in chosen}
+    tasks = [_Task(*_place(entry, options, options.final), every, False) for entry in field]
+    scored = _scored(tasks, options.jobs) + _remot(options)
     rows: dict[str, list[Scored]] = {}
     for one in scored:
         rows.setdefault(f"{one.contender} {one.settings}", []).append(one)
@@ -122,13 +159,13 @@ def _presets(chosen: Sequence[Contender], options: argparse.Namespace) -> dict[s
 
 def _left_out(chosen: Sequence[Contender], options: argparse.Namespace) -> dict[str, Any]:
     """Each contender's settings chosen on the other families; with `final`, scored on members never seen before."""
-    field = _field(options, options.seed_set)
+    field = _field(options, options.seed_set, options.search_members)
     sources = {entry.family: entry.source for entry in field}
     if len(set(sources.values())) < 2:
         raise SystemExit("--leave-out: must have families of two sources at least")
     choices: dict[str, list[Choice]] = {}
-    many = {one: more_settings(one, options.leave_out, np.random.default_rng((options.seed_set, 9))) for one in chosen}
-    every = _scored(many, field, whole=True)
+    many = {one.name: more_settings(one, options.leave_out, np.random.default_rng((options.seed_set, 9))) for one in chosen}
+    every = _scored([_Task(*_place(entry, options, None), many, True) for entry in field], options.jobs)
     for one in chosen:
         own = [each for each in every if each.contender == one.name]
         choices[one.name] = left_out(own, sources, list(one.settings))
@@ -145,7 +182,7 @@ def _left_out(chosen: Sequence[Contender], options: argparse.Namespace) -> dict[
     draw(families, "HOTA (centres) of families left out, beside each family's best preset", FOLDER / "left_out.png")
     return {
         "choices": {name: [asdict(choice) for choice in own] for name, own in choices.items()},
-        "settings": {one.name: {name: repr(settings) for name, settings in many[one].items()} for one in chosen},
+        "settings": {one.name: {name: repr(settings) for name, settings in many[one.name].items()} for one in chosen},
         "scores": [one.to_dict() for one in last],
         "search": [one.to_dict() for one in every],
     }
@@ -153,22 +190,29 @@ def _left_out(chosen: Sequence[Contender], options: argparse.Namespace) -> dict[
 
 def _last(
     chosen: Sequence[Contender],
-    many: Mapping[Contender, Mapping[str, Any]],
+    many: Mapping[str, Mapping[str, Any]],
     choices: Mapping[str, Sequence[Choice]],
     options: argparse.Namespace,
 ) -> list[Scored]:
     """All figures of what was chosen for each family without it, and of the family's best preset beside it."""
     picked = {name: {choice.family: choice for choice in own} for name, own in choices.items()}
-    scored = []
-    for member in _built(_field(options, options.seed_set if options.final is None else options.final)):
-        for contender in chosen:
-            choice, seen = picked[contender.name][member.family], prepared(contender, member)
-            for title, name in (("left out", choice.settings), ("best preset", choice.preset)):
-                if title == "best preset" and len(contender.settings) == len(many[contender]) == 1:
-                    continue  # nothing to choose
-                own = score(contender, many[contender][name], seen)
-                scored.append(Scored(contender.name, title, member.family, member.name, own))
-    return scored
+    tasks = []
+    for entry in _field(options, options.seed_set if options.final is None else options.final):
+        settings: dict[str, dict[str, Any]] = {}
+        for one in chosen:
+            choice = picked[one.name].get(entry.family)
+            if choice is None:
+                continue  # absent when it was chosen
+            names = {"left out": choice.settings, "best preset": choice.preset}
+            if len(many[one.name]) == 1:  # nothing to choose
+                names = {"as it is": choice.settings}
+            settings[one.name] = {title: many[one.name][name] for title, name in names.items()}
+        tasks.append(_Task(*_place(entry, options, options.final), settings, False))
+    return _scored(tasks, options.jobs)
+
+
+def _place(entry: Entry, options: argparse.Namespace, final: int | None) -> tuple[int, bool, str, str]:
+    return options.seed_set if final is None else final, options.quick, entry.family, entry.name
 
 
 def _remot(options: argparse.Namespace) -> list[Scored]:

@@ -413,7 +413,10 @@ def test_the_table_and_the_picture_are_of_every_tracker(
 ) -> None:
     monkeypatch.setattr(field_of_tests, "FOLDER", tmp_path)
     monkeypatch.setattr(field_of_tests, "entries", lambda *_: list(members_of_two_sources()))
-    options = argparse.Namespace(families=None, quick=True, seed_set=1, final=None, trackers=["oracle"], leave_out=1)
+    monkeypatch.setattr(field_of_tests, "contenders", lambda *_: [ORACLE])
+    options = argparse.Namespace(
+        families=None, quick=True, seed_set=1, final=None, trackers=["oracle"], leave_out=1, search_members=1, jobs=1
+    )
     field_of_tests._presets([ORACLE], options)
     results = field_of_tests._left_out([ORACLE], options)
     said = capsys.readouterr().out
