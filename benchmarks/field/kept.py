@@ -18,15 +18,19 @@ from field.member import Member, scene_rule
 __all__ = ["FOLDER", "kept"]
 
 FOLDER = Path(__file__).parents[2] / "build" / "field"
-_MAKERS = "faint", "kept", "member", "paths", "second", "simulated"
 _COLUMNS = "t_us", "x", "y", "p"
 
 
-def kept(key: str, make: Callable[[], Member]) -> Callable[[], Member]:
-    """A builder that makes a member, whose rule is `scene_rule`, once for a key and a state of the sources."""
+def kept(key: str, make: Callable[[], Member], *makers: str) -> Callable[[], Member]:
+    """A builder that makes a member, whose rule is `scene_rule`, once for a key and a state of the sources.
+
+    Args:
+        key: says all that the member is made from.
+        makers: modules of this package that make it, besides those that make all.
+    """
 
     def build() -> Member:
-        path = FOLDER / "members" / f"{hashlib.sha256(f'{_sources()} {key}'.encode()).hexdigest()[:24]}.npz"
+        path = FOLDER / "members" / f"{hashlib.sha256(f'{_sources(*makers)} {key}'.encode()).hexdigest()[:24]}.npz"
         if path.is_file():
             return _load(path)
         member = make()
@@ -58,10 +62,10 @@ def _load(path: Path) -> Member:
 
 
 @cache
-def _sources() -> str:
-    """A digest of all sources that kept members are made by."""
+def _sources(*makers: str) -> str:
+    """A digest of the sources that a member is made by."""
     digest = hashlib.sha256()
     scenes, here = Path(evcot.scenes.__path__[0]), Path(__file__).parent
-    for source in (*sorted(scenes.glob("*.py")), *(here / f"{name}.py" for name in _MAKERS)):
+    for source in (*sorted(scenes.glob("*.py")), *(here / f"{name}.py" for name in ("kept", "member", *makers))):
         digest.update(source.read_bytes())
     return digest.hexdigest()

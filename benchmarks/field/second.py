@@ -71,7 +71,7 @@ def _builder(
         rule = scene_rule(recording)
         return Member(family, name, recording, _truth(scenery, sensor), rule, "exact, by another simulator")
 
-    return kept(f"{family} {name} {seed}", build)
+    return kept(f"{family} {name} {seed}", build, "second", "paths")
 
 
 def _seen(scenery: Scenery, sensor: tuple[int, int], random: np.random.Generator) -> Events:
