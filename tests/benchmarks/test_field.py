@@ -19,7 +19,7 @@ from evcot.events import Events, Recording
 from evcot.metrics import evaluate
 from evcot.metrics.truth import OBJECT, GroundTruth
 from evcot.tracks.log import TRACK, Kind, TrackLog
-from field import digits, recorded, second, traffic
+from field import digits, kept, recorded, second, traffic
 from field.choose import left_out
 from field.contenders import Contender, contenders, more_settings
 from field.faint import without_faint
@@ -233,12 +233,32 @@ def test_a_reference_finds_a_known_path_through_noise_and_a_silence() -> None:
     assert not found.truth().objects["counted"][silent].any()
 
 
-def test_equal_seed_sets_are_equal_members_and_others_are_not() -> None:
-    first, again, other = (
-        next(entry for entry in field.entries(seed, True) if entry.family == "boxes").build() for seed in (1, 1, 2)
-    )
+def test_equal_seed_sets_are_equal_members_and_others_are_not(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    made = []
+    for number, seed_set in enumerate((1, 1, 2)):
+        monkeypatch.setattr(kept, "FOLDER", tmp_path / str(number))  # nothing is kept from one to the next
+        made.append(next(one for one in field.entries(seed_set, True) if one.family == "boxes").build())
+    first, again, other = made
     assert np.array_equal(first.recording.events.t_us, again.recording.events.t_us)
     assert len(first.recording.events) != len(other.recording.events)
+
+
+def test_what_is_kept_is_what_was_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(kept, "FOLDER", tmp_path)
+    entry = next(one for one in field.entries(1, True) if one.family == "boxes")
+    first = entry.build()
+    assert len(list(tmp_path.glob("members/*.npz"))) == 1
+    monkeypatch.setattr("field.simulated.simulate_scene", None)
+    again = entry.build()
+    assert again.recording.events.to_array().tolist() == first.recording.events.to_array().tolist()
+    assert again.truth.objects.tolist() == first.truth.objects.tolist()
+    assert (again.family, again.name, again.rule, again.truth.ids) == (first.family, first.name, first.rule, first.truth.ids)
+
+
+def test_backwards_what_became_brighter_becomes_darker() -> None:
+    events, turned = (one.recording.events for one in (sample_member(), backwards(sample_member())))
+    assert turned.p.tolist() == [1 - p for p in events.p[::-1].tolist()]
+    assert np.diff(turned.t_us).tolist() == np.diff(events.t_us)[::-1].tolist()
 
 
 def test_at_least_ten_families_of_several_members() -> None:
