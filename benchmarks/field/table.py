@@ -111,10 +111,12 @@ def draw(rows: Mapping[str, Mapping[str, float]], title: str, path: Path) -> Non
     values = np.array([[row.get(family, np.nan) for row in rows.values()] for family in families])
     table = np.vstack((values, np.nanmean(values, axis=0), np.nanmin(values, axis=0)))
     figure, axis = plt.subplots(figsize=(2.8 + 0.95 * len(rows), 1.4 + 0.34 * len(table)), layout="constrained")
-    axis.imshow(table, cmap="RdYlGn", vmin=0.2, vmax=1.0, aspect="auto")
+    axis.imshow(table, cmap="cividis", vmin=0.0, vmax=1.0, aspect="auto")
     for (row, column), value in np.ndenumerate(table):
         if np.isfinite(value):
-            axis.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=8)
+            axis.text(
+                column, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color="white" if value < 0.5 else "black"
+            )
     axis.axhline(len(families) - 0.5, color="black", lw=1.5)
     axis.set_xticks(range(len(rows)), list(rows), rotation=30, ha="left", fontsize=8)
     axis.set_yticks(range(len(table)), [*families, "mean", "worst"], fontsize=8)
