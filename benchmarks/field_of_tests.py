@@ -18,12 +18,13 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 from field import Absent, Entry, Member, entries
 from field.choose import Choice, left_out
@@ -40,17 +41,27 @@ _FINALS = FOLDER / "finals.json"  # which seed sets have been used for a last ta
 
 
 def main() -> int:
-    """Measure, print, draw."""
+    """Measure, print, draw; 2 for arguments that cannot be."""
     options = _options()
     if options.references:
         _references()
         return 0
-    if options.final is not None:
-        _use_once(options.final, options.seed_set)
-    chosen = contenders(options.trackers)
-    if not chosen:
-        raise SystemExit(f"trackers: must be some of {', '.join(one.name for one in contenders())}")
-    results = _presets(chosen, options) if options.leave_out is None else _left_out(chosen, options)
+    try:
+        chosen = contenders(options.trackers)
+        if not chosen:
+            names = ", ".join(one.name for one in contenders())
+            raise ConfigError(f"--trackers {' '.join(options.trackers)}: must be some of {names}")
+        sources = {entry.source for entry in _field(options, options.seed_set)}
+        if not sources:
+            raise ConfigError(f"--families {' '.join(options.families)}: no family begins so")
+        if options.leave_out is not None and len(sources) < 2:
+            raise ConfigError(f"--leave-out {options.leave_out}: must have families of two sources at least")
+        if options.final is not None:
+            _use_once(options.final, options.seed_set)
+        results = _presets(chosen, options) if options.leave_out is None else _left_out(chosen, options)
+    except ConfigError as error:
+        print(error, file=sys.stderr)
+        return 2
     results |= {"arguments": sys.argv[1:], "seed_set": options.seed_set, "final": options.final, "when": time.strftime("%F %T")}
     path = FOLDER / ("left_out.json" if options.leave_out is not None else "field.json")
     _write(path, results)
@@ -76,7 +87,7 @@ def _use_once(seed_set: int, chosen_on: int) -> None:
     """Note that a seed set has been used for a last table; it must not have been used before."""
     used: list[int] = json.loads(_FINALS.read_text(encoding="utf-8")) if _FINALS.is_file() else []
     if seed_set in used or seed_set == chosen_on:
-        raise SystemExit(f"--final {seed_set}: must be a seed set that was not used before")
+        raise ConfigError(f"--final {seed_set}: must be a seed set that was not used before")
     _write(_FINALS, sorted([*used, seed_set]))
 
 
@@ -161,8 +172,6 @@ def _left_out(chosen: Sequence[Contender], options: argparse.Namespace) -> dict[
     """Each contender's settings chosen on the other families; with `final`, scored on members never seen before."""
     field = _field(options, options.seed_set, options.search_members)
     sources = {entry.family: entry.source for entry in field}
-    if len(set(sources.values())) < 2:
-        raise SystemExit("--leave-out: must have families of two sources at least")
     choices: dict[str, list[Choice]] = {}
     many = {one.name: more_settings(one, options.leave_out, np.random.default_rng((options.seed_set, 9))) for one in chosen}
     every = _scored([_Task(*_place(entry, options, None), many, True) for entry in field], options.jobs)
@@ -221,6 +230,7 @@ def _remot(options: argparse.Namespace) -> list[Scored]:
         return []
     try:
         member = traffic()
+        member = replace(member, rule=replace(member.rule, max_age_us=0))  # it says in each frame what is there
         logs = {f"frames moved by {later}": remot_log(member.truth.instants_us, later) for later in (0, -1)}
     except Absent as reason:
         print(f"REMOT: left out: {reason}", file=sys.stderr)

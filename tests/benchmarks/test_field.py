@@ -15,6 +15,7 @@ import pytest
 
 import field
 import field_of_tests
+from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.metrics import evaluate
 from evcot.metrics.truth import OBJECT, GroundTruth
@@ -408,7 +409,7 @@ def test_a_final_seed_set_is_used_once(monkeypatch: pytest.MonkeyPatch, tmp_path
     monkeypatch.setattr(field_of_tests, "_FINALS", tmp_path / "finals.json")
     field_of_tests._use_once(77, 1)
     for seed in (77, 1):
-        with pytest.raises(SystemExit, match=f"--final {seed}: must be"):
+        with pytest.raises(ConfigError, match=f"--final {seed}: must be"):
             field_of_tests._use_once(seed, 1)
     field_of_tests._use_once(78, 1)
 
@@ -457,3 +458,24 @@ def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
     assert judged["counted"][judged["object"] == 0].all()
     assert not judged["counted"][judged["object"] == 1].any()
     assert truth.objects["counted"].all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("--trackers nobody", "--trackers nobody: must be some of rct, "),
+        ("--families moon", "--families moon: no family begins so"),
+        ("--families digits --leave-out 1", "--leave-out 1: must have families of two sources at least"),
+        ("--final 1", "--final 1: must be a seed set that was not used before"),
+    ],
+)
+def test_arguments_that_cannot_be_end_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: str, said: str
+) -> None:
+    monkeypatch.setattr(field_of_tests, "_FINALS", tmp_path / "finals.json")
+    monkeypatch.setattr("sys.argv", ["field_of_tests.py", *arguments.split()])
+    assert field_of_tests.main() == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith(said)
+    assert printed.err.count("\n") == 1
+    assert printed.out == ""
