@@ -231,7 +231,7 @@ def _remot(options: argparse.Namespace) -> list[Scored]:
     try:
         member = traffic()
         member = replace(member, rule=replace(member.rule, max_age_us=0))  # it says in each frame what is there
-        logs = {f"frames moved by {later}": remot_log(member.truth.instants_us, later) for later in (0, -1)}
+        logs = {f"frames moved by {later}": remot_log(member.truth.instants_us, later) for later in (0, -1, -2)}
     except Absent as reason:
         print(f"REMOT: left out: {reason}", file=sys.stderr)
         return []
