@@ -9,7 +9,6 @@ seeds that it was not tuned on; beside the preset for the sensor, which nobody t
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +21,7 @@ from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.metrics import Scores, evaluate, load_rule, read_truth
 from evcot.metrics.frames import line_up
+from evcot.metrics.of_scene import ground_truth_of
 from evcot.metrics.rule import Rule
 from evcot.metrics.sampling import expiring
 from evcot.metrics.truth import GroundTruth
@@ -112,10 +112,7 @@ def cases(quick: bool = False) -> Iterator[list[Case]]:
 def simulated(name: str, preset_name: str, scene: str, settings: Mapping[str, object], seed: int) -> Case:
     """A scene, scored as scenes are."""
     of, rule = simulate_scene(scene, seed, {"truth_step_us": _TRUTH_STEP_US, **settings}), load_rule("scene")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "truth.csv"
-        of.truth.save(path)
-        return Case(name, preset_name, of.recording, read_truth(path, rule), rule)
+    return Case(name, preset_name, of.recording, ground_truth_of(of.truth, rule), rule)
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who competes on the field: every engine of `evcot` and the peers, each with its settings and more of them at random."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from evcot.errors import ConfigError
+from evcot.filters.config import FilterConfig
+from evcot.trackers.config import RunConfig
+from evcot.trackers.engines import ENGINES
+from evcot.trackers.presets import for_sensor
+from evcot.tracks.tracking import Tracker
+from field import peers
+
+__all__ = ["AUTO", "Contender", "contenders", "more_settings"]
+
+AUTO = "auto"  # the engine that chooses its settings itself
+_SPREAD = 0.4  # standard deviation of a changed setting's logarithm
+_CHANGED = 0.4  # share of the settings that are changed
+_TRIES = 100
+
+Sensor = tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """A tracker.
+
+    Attributes:
+        name: of the tracker.
+        settings: its presets, by name.
+        start: a tracker that has seen nothing, of settings and a sensor.
+        vary: other settings, near given ones or anywhere in sensible ranges.
+        masked: whether hot pixels, learned from the whole recording, are taken out before: for trackers that cannot do it.
+        peer: whether it is somebody else's.
+    """
+
+    name: str
+    settings: Mapping[str, Any]
+    start: Callable[[Any, Sensor], Tracker]
+    vary: Callable[[Any, np.random.Generator], Any]
+    masked: bool = True
+    peer: bool = False
+
+
+def contenders(names: list[str] | None = None) -> list[Contender]:
+    """Those that are installed; all, or those of the names."""
+    found = [_engine(name) for name in ENGINES]
+    found += [peer for peer in _peers() if importlib.util.find_spec(peer.name.replace("-", "_"))]
+    return [one for one in found if names is None or one.name in names]
+
+
+def more_settings(contender: Contender, count: int, random: np.random.Generator) -> dict[str, Any]:
+    """The contender's presets, and `count` more settings, each varied from a preset chosen at random."""
+    settings = dict(contender.settings)
+    if contender.name == AUTO:
+        return settings
+    bases = list(contender.settings.values())
+    for number in range(count):
+        settings[f"random {number + 1}"] = contender.vary(bases[random.integers(len(bases))], random)
+    return settings
+
+
+def _engine(name: str) -> Contender:
+    engine = ENGINES[name]
+    bare = name == "cot"
+
+    def start(settings: Any, sensor: Sensor) -> Tracker:
+        if bare and isinstance(settings, str):  # the one for the sensor
+            settings = for_sensor(sensor[0])
+            return engine.start(settings, settings.filters, sensor)
+        config, filters = settings
+        return engine.start(config, filters, sensor)
+
+    own: dict[str, Any] = {
+        preset: (config, engine.filters.get(preset, FilterConfig())) for preset, config in engine.presets.items()
+    }
+    if bare:
+        own = {"for the sensor": "for the sensor", **own}
+    return Contender(name, own, start, _varied_engine, masked=name != AUTO)
+
+
+def _varied_engine(settings: Any, random: np.random.Generator) -> Any:
+    if isinstance(settings, str):
+        settings = (for_sensor(346), FilterConfig())
+    config, filters = settings
+    if not isinstance(config, RunConfig):
+        return _varied(config, random), filters
+    slot = config.cot.slots[0]
+    for _ in range(_TRIES):
+        try:
+            changed = {name: value for name, value in _changes(slot, random).items() if name != "mode"}
+            slots = tuple(replace(one, **changed) for one in config.cot.slots)
+            return replace(config, cot=replace(config.cot, slots=slots)), filters
+        except ConfigError:
+            continue
+    return settings
+
+
+def _varied(config: Any, random: np.random.Generator) -> Any:
+    """Some of the numbers larger or smaller; what is forbidden is drawn again."""
+    for _ in range(_TRIES):
+        try:
+            return replace(config, **_changes(config, random))
+        except ConfigError:
+            continue
+    return config
+
+
+def _changes(config: Any, random: np.random.Generator) -> dict[str, Any]:
+    changed: dict[str, Any] = {}
+    for field in fields(config):
+        value = getattr(config, field.name)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not value or random.random() > _CHANGED:
+            continue
+        other = value * float(np.exp(random.normal(0, _SPREAD)))
+        changed[field.name] = round(other) if isinstance(value, int) else other
+    return changed
+
+
+def _peers() -> Iterator[Contender]:
+    yield Contender("eventcv", peers.EVENTCV, peers.EventcvTracker, peers.varied_eventcv, peer=True)
+    yield Contender("dv-processing", peers.DV, peers.DvTracker, peers.varied_dv, peer=True)
