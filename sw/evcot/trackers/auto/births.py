@@ -11,13 +11,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from .layout import CELL_BITS, LEVELS, NOBODY, PROFILE, Rules, World
 from .outline import clear_picture
 
-__all__ = ["BIRTH_US", "find_births"]
+__all__ = ["BIRTH_US", "find_births", "list_living"]
 
 Table = NDArray[Any]
 
@@ -36,17 +36,19 @@ _GROWTH = 0.3  # growth of a half side, as a part of the speed
 _FILLED = 0.5  # of a sensor: a group that covers more is no object
 
 
-@njit(cache=True, nogil=True)
+_PAIRS, _NIBBLES, _BYTES = (np.uint64(word) for word in (0x5555555555555555, 0x3333333333333333, 0x0F0F0F0F0F0F0F0F))
+_ONES = np.uint64(0x0101010101010101)
+
+
+@step
 def _count(word: Any) -> int:
-    """Number of set bits in a 64-bit word."""
-    n = 0
-    while word != np.uint64(0):
-        word &= word - np.uint64(1)
-        n += 1
-    return n
+    """Number of set bits in a 64-bit word: sums of pairs, of fours, of bytes."""
+    pairs = word - ((word >> np.uint64(1)) & _PAIRS)
+    fours = (pairs & _NIBBLES) + ((pairs >> np.uint64(2)) & _NIBBLES)
+    return int((((fours + (fours >> np.uint64(4))) & _BYTES) * _ONES) >> np.uint64(56))
 
 
-@njit(cache=True, nogil=True)
+@step
 def _free_slot(world: World) -> int:
     for i in range(len(world.objects)):
         if not world.objects[i].alive:
@@ -54,12 +56,24 @@ def _free_slot(world: World) -> int:
     return -1
 
 
-@njit(cache=True, nogil=True)
+@step
+def list_living(world: World) -> None:
+    """Bring the list of the living objects up to date."""
+    n = 0
+    for i in range(len(world.objects)):
+        if world.objects[i].alive:
+            world.slots[n] = i
+            n += 1
+    world.run[0].live = n
+
+
+@step
 def _gather(world: World, level: int, row: int, column: int, box: Table, least: float) -> tuple[int, int]:
     """Remove the connected group of cells that contains a cell; returns its pixels and cells, and its bounds in `box`."""
     words = world.pixels[level]
     rows, columns = words.shape
-    box[:] = (1e9, -1e9, 1e9, -1e9)
+    box[0] = box[2] = 1e9
+    box[1] = box[3] = -1e9
     n, done, found = 1, 0, 0
     world.queue[0] = row * columns + column
     world.group[0] = words[row, column]
@@ -87,10 +101,11 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
     return found, n
 
 
-@njit(cache=True, nogil=True)
+@step
 def _touches(world: World, box: Table, window_s: float) -> bool:
     """Whether a box lies close to an object, or where one was in the window: it is a part of it, or of what it left behind."""
-    for i in range(len(world.objects)):
+    for at in range(world.run[0].live):
+        i = world.slots[at]
         o = world.objects[i]
         if o.alive:
             s = world.state[i]
@@ -108,7 +123,7 @@ def _touches(world: World, box: Table, window_s: float) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _edge(rules: Rules, box: Table) -> int:
     """The edge of the sensor that a box touches; if several, the one along which it is longest."""
     edge, most = -1, -1.0
@@ -123,9 +138,8 @@ def _edge(rules: Rules, box: Table) -> int:
     return edge
 
 
-@njit(cache=True, nogil=True)
+@step
 def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int, window_us: int) -> None:
-    run = world.run[0]
     o = world.objects[i]
     o.alive = True
     o.track_id = -1
@@ -158,10 +172,9 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.unit_x = o.unit_y = o.unfitted = 0.0
     o.area = _PICTURE * pixels
     clear_picture(world, i)
-    run.live += 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _sweep(world: World) -> None:
     """Remove the unassigned pixels in the cells of objects."""
     rows, columns = world.pixels.shape[1:]
@@ -177,7 +190,7 @@ def _sweep(world: World) -> None:
                         world.pixels[level, row, column] = np.uint64(0)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _measure_noise(world: World, level: int, window_us: int) -> None:
     """Update the background's rate from the cells far from objects: from the empty ones, or the median if few are empty."""
     run = world.run[0]
@@ -204,12 +217,12 @@ def _measure_noise(world: World, level: int, window_us: int) -> None:
     run.noise = rate if run.noise < 0.0 else run.noise + _NOISE_MIX * (rate - run.noise)
 
 
-@njit(cache=True, nogil=True)
+@step
 def find_births(rules: Rules, world: World, t_us: int) -> None:
     """Start an object in each group of cells with enough pixels, in every window that ends now, and begin these anew."""
     run = world.run[0]
     rows, columns = world.pixels.shape[1:]
-    box = np.empty(4)
+    box = world.group_box
     run.birth_tick += 1
     _sweep(world)
     for level in range(LEVELS):
@@ -243,7 +256,8 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
                     i = _free_slot(world)
                     if i >= 0:
                         _start(rules, world, i, box, found, t_us, window_us)
+                        list_living(world)
                         for k in range(cells):
                             for above in range(level + 1, LEVELS):
-                                world.pixels[above].reshape(-1)[world.queue[k]] = np.uint64(0)
+                                world.pixels[above, world.queue[k] // columns, world.queue[k] % columns] = np.uint64(0)
         world.pixels[level] = np.uint64(0)

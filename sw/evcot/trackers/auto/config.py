@@ -52,14 +52,14 @@ class AutoConfig:
     birth_speed: float = 0.08
     visible_travel: float = 0.25
     coast: float = 1.0
-    memory: float = 1.0
-    dense: float = 0.12
+    memory: float = 0.6
+    dense: float = 0.25
     tolerance: float = 0.2
     full: float = 0.15
     elongation: float = 2.2
     gap: float = 0.5
     merge_velocity: float = 0.5
-    step: float = 0.02
+    step: float = 0.03
 
     def __post_init__(self) -> None:
         check_ranges("auto", self, AUTO_RANGES)

@@ -94,7 +94,8 @@ RUN = np.dtype(
         ("first_us", "<i8"),  # the first event
         ("births", "<i8"),  # the next track id
         ("noise", "<f8"),  # events per pixel and second of the background; negative until known
-        ("live", "<i8"),
+        ("live", "<i8"),  # living objects
+        ("filled", "<i8"),  # bins of the picture looked at last
         ("records", "<i8"),  # in the buffer
     ]
 )
@@ -133,6 +134,7 @@ class World(NamedTuple):
 
     run: Table  # (1,) of dtype RUN
     objects: Table  # (n,) of dtype OBJECT
+    slots: Table  # (n,) the slots of the living objects, `run.live` of them
     state: Table  # (n, 2, 4): centre, velocity, half side, growth of the half side; px and px/s
     cov: Table  # (n, 2, 4, 4)
     beyond: Table  # (n, 2, 2): weight of the open packet's events beyond the low and the high side
@@ -142,6 +144,11 @@ class World(NamedTuple):
     picture: Table  # (n, BINS, BINS) float32: weight of the pixels in the object's frame, by row
     done: Table  # (BINS, BINS) bool, bin_queue: (BINS * BINS,) of a search in a picture
     bin_queue: Table
+    line: Table  # (BINS,) float32, parts: (16, 3, 2), whole and bounds: (2, 2), group_box: (4,): work space
+    parts: Table
+    whole: Table
+    bounds: Table
+    group_box: Table
     seen: Table  # (height, width, 2) int32: the packet of each pixel's last event; and see `restless.rests`
     near: Table  # (rows, columns, NEAR): the slots of the objects near each cell, then NOBODY
     pixels: Table  # (LEVELS, rows, columns) uint64: pixels of each cell with unassigned events
@@ -170,6 +177,7 @@ def make_world(n_objects: int, width: int, height: int) -> World:
     return World(
         run,
         np.zeros(n_objects, OBJECT),
+        np.zeros(n_objects, np.int64),
         np.zeros((n_objects, 2, 4)),
         np.zeros((n_objects, 2, 4, 4)),
         np.zeros((n_objects, 2, 2)),
@@ -179,6 +187,11 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros((n_objects, BINS, BINS), np.float32),
         np.zeros((BINS, BINS), np.bool_),
         np.zeros(BINS * BINS, np.int64),
+        np.zeros(BINS, np.float32),
+        np.zeros((16, 3, 2)),
+        np.zeros((2, 2)),
+        np.zeros((2, 2)),
+        np.zeros(4),
         np.zeros((height, width, 2), np.int32),
         np.full((rows, columns, NEAR), NOBODY, np.int16),
         np.zeros((LEVELS, rows, columns), np.uint64),

@@ -6,12 +6,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from ...tracks.log import Kind
-from .births import BIRTH_US, find_births
-from .layout import UNSET_US, Rules, World
+from .births import BIRTH_US, find_births, list_living
+from .layout import PROFILE, UNSET_US, Rules, World
 from .motion import correct, predict
 from .outline import add_travel, clear_picture, fit_outline
 from .sharing import prepare_packet
@@ -46,7 +46,7 @@ _FAR_MORE = 4.0  # times the rate
 _LEAVING_PATIENCE = 0.25  # factor of the coasting of an object at the edge on its way out
 
 
-@njit(cache=True, nogil=True)
+@step
 def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
     run = world.run[0]
     o = world.objects[i]
@@ -71,7 +71,7 @@ def _record(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int
     run.records += 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _seen(s: Table, size: int) -> tuple[float, float]:
     """Centre and half side of the part of a box that lies on the sensor, along one axis."""
     low = min(max(s[0] - s[2], -0.5), size - 0.5)
@@ -79,34 +79,35 @@ def _seen(s: Table, size: int) -> tuple[float, float]:
     return 0.5 * (low + high), 0.5 * (high - low)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _half(world: World, i: int) -> float:
     """The longer half side: an object's unit of length."""
     return float(max(world.state[i, 0, 2], world.state[i, 1, 2]))
 
 
-@njit(cache=True, nogil=True)
+@step
 def _sure(world: World, i: int, of: int, sigmas: float) -> float:
     """The speed of an object's centre (1) or of its half sides (3) that is beyond its uncertainty."""
     s, p = world.state[i], world.cov[i]
     return max(np.hypot(s[0, of], s[1, of]) - sigmas * np.sqrt(p[0, of, of] + p[1, of, of]), 0.0)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _hidden(world: World, i: int, axis: int, high: int) -> bool:
     """Whether the middle of a side lies in another object's box, so that events beyond the side are ambiguous."""
     o = world.objects[i]
     sign = 1.0 if high else -1.0
     x = o.x + (sign * o.half_x if axis == 0 else 0.0)
     y = o.y + (sign * o.half_y if axis == 1 else 0.0)
-    for k in range(len(world.objects)):
+    for at in range(world.run[0].live):
+        k = world.slots[at]
         other = world.objects[k]
-        if k != i and other.alive and abs(x - other.x) <= other.half_x and abs(y - other.y) <= other.half_y:
+        if k != i and abs(x - other.x) <= other.half_x and abs(y - other.y) <= other.half_y:
             return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _predict(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     """Predict an object over the packet. One that touches another keeps its course, since events may be the other's."""
     o = world.objects[i]
@@ -118,7 +119,7 @@ def _predict(rules: Rules, world: World, i: int, lasted_s: float) -> None:
         predict(world.state[i, axis], world.cov[i, axis], lasted_s, walk * rules.agility, walk * rules.growth_agility)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _correct(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     o = world.objects[i]
     noise_px = max(world.run[0].noise, 0.0) * lasted_s
@@ -140,41 +141,42 @@ def _correct(rules: Rules, world: World, i: int, lasted_s: float) -> None:
             correct(s, p, sign, off, variance)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _overlap(a: Any, b: Any) -> bool:
     """Whether the boxes of two objects touch."""
     return bool(abs(a.x - b.x) <= a.half_x + b.half_x and abs(a.y - b.y) <= a.half_y + b.half_y)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _meets(world: World, i: int) -> bool:
     """Whether another object's box touches this one's."""
-    for k in range(len(world.objects)):
-        if k != i and world.objects[k].alive and world.objects[k].track_id >= 0 and _overlap(world.objects[i], world.objects[k]):
+    for at in range(world.run[0].live):
+        k = world.slots[at]
+        if k != i and world.objects[k].track_id >= 0 and _overlap(world.objects[i], world.objects[k]):
             return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _covered(world: World, i: int) -> bool:
     """Whether another object's box holds the centre of this one."""
     o = world.objects[i]
-    for k in range(len(world.objects)):
+    for at in range(world.run[0].live):
+        k = world.slots[at]
         other = world.objects[k]
-        if k != i and other.alive and abs(o.x - other.x) <= other.half_x and abs(o.y - other.y) <= other.half_y:
+        if k != i and abs(o.x - other.x) <= other.half_x and abs(o.y - other.y) <= other.half_y:
             return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
     if world.objects[i].track_id >= 0:
         _record(rules, world, out, kind, t_us, i, other_id)
     world.objects[i].alive = False
-    world.run[0].live -= 1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
     """Extend an entering object to the edge until it is about as long as it is wide."""
     o = world.objects[i]
@@ -190,7 +192,7 @@ def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
         o.enters = -1
 
 
-@njit(cache=True, nogil=True)
+@step
 def _survives(a: Any, b: Any) -> bool:
     """Whether the first of two objects that are one keeps its name: it sends far more, or else is the older one."""
     if max(a.rate, b.rate) > _FAR_MORE * min(a.rate, b.rate):
@@ -200,14 +202,14 @@ def _survives(a: Any, b: Any) -> bool:
     return bool(a.track_id < b.track_id) if a.track_id >= 0 else bool(a.born_us < b.born_us)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
     """Merge pairs of objects that are one: the first born survives, with a box around both."""
-    n = len(world.objects)
-    for i in range(n):
-        if not world.objects[i].alive:
-            continue
-        for k in range(i + 1, n):
+    n = world.run[0].live
+    for at in range(n):
+        i = world.slots[at]
+        for after in range(at + 1, n):
+            k = world.slots[after]
             if not (world.objects[i].alive and world.objects[k].alive and are_one(rules, world, i, k)):
                 continue
             first, second = (k, i) if _survives(world.objects[k], world.objects[i]) else (i, k)
@@ -225,13 +227,13 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
             _end(rules, world, out, MERGED, t_us, second, world.objects[first].track_id)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _outside(rules: Rules, world: World, i: int) -> bool:
     s = world.state[i]
     return bool(s[0, 0] < -0.5 or s[0, 0] > rules.width - 0.5 or s[1, 0] < -0.5 or s[1, 0] > rules.height - 0.5)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _leaves(rules: Rules, world: World, i: int) -> bool:
     """Whether an object's box reaches over an edge of the sensor towards which it moves."""
     for axis in range(2):
@@ -241,7 +243,7 @@ def _leaves(rules: Rules, world: World, i: int) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _becomes_visible(rules: Rules, world: World, i: int, lasted_s: float) -> bool:
     """Whether an object has moved, more or less straight, by more than the uncertainty of its place: what flickers has not."""
     o = world.objects[i]
@@ -258,43 +260,41 @@ def _becomes_visible(rules: Rules, world: World, i: int, lasted_s: float) -> boo
     return bool(fast and moved >= wanted and moved >= _STRAIGHT * o.path)
 
 
-@njit(cache=True, nogil=True)
+@step
 def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Table) -> None:
     """Process the events of a packet of length `lasted_us` at its end, `t_us`."""
     run = world.run[0]
-    n = len(world.objects)
     lasted_s = 1e-6 * lasted_us
     noise_px = max(run.noise, 0.0) * lasted_s
-    for i in range(n):
+    for at in range(run.live):
+        i = world.slots[at]
         o = world.objects[i]
-        if o.alive:
-            o.packets += 1
-            o.meets = _meets(world, i)
-            _predict(rules, world, i, lasted_s)
-            _correct(rules, world, i, lasted_s)
-            if o.enters >= 0:
-                _keep_at_edge(rules, world, i)
-            for axis in range(2):
-                s = world.state[i, axis]
-                if s[2] < _MIN_HALF_PX:
-                    s[2] = _MIN_HALF_PX
-                    s[3] = max(s[3], 0.0)
-    for i in range(n):
+        o.packets += 1
+        o.meets = _meets(world, i)
+        _predict(rules, world, i, lasted_s)
+        _correct(rules, world, i, lasted_s)
+        if o.enters >= 0:
+            _keep_at_edge(rules, world, i)
+        for axis in range(2):
+            s = world.state[i, axis]
+            if s[2] < _MIN_HALF_PX:
+                s[2] = _MIN_HALF_PX
+                s[3] = max(s[3], 0.0)
+    for at in range(run.live):
+        i = world.slots[at]
         o = world.objects[i]
-        if not o.alive:
-            continue
         half = _half(world, i)
         state = world.state[i]
         v = _sure(world, i, 1, 1.0) + _sure(world, i, 3, 2.0)
-        step = o.speed * lasted_s / half  # in the object's units
-        o.still = 0.0 if v > 0.0 else o.still + step
-        o.speed = max(v, o.speed * np.exp(-step / _SPEED_KEEPS), _SLOWEST * half)
+        went = o.speed * lasted_s / half  # in the object's units
+        o.still = 0.0 if v > 0.0 else o.still + went
+        o.speed = max(v, o.speed * np.exp(-went / _SPEED_KEEPS), _SLOWEST * half)
         o.travel += v * lasted_s / half
         o.alone += 0.0 if o.meets else v * lasted_s / half
         o.within = o.within + v * lasted_s / half if o.inside >= 0 else 0.0
         o.inside = -1
         noise = noise_px * (o.right - o.left) * (o.bottom - o.top)
-        mix = min(step / _RATE_MEAN, 1.0)
+        mix = min(went / _RATE_MEAN, 1.0)
         o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
         o.usual += 0.1 * mix * (o.rate / o.speed - o.usual)
         background = max(run.noise, 0.0) * (o.right - o.left) * (o.bottom - o.top)
@@ -304,13 +304,14 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             o.silent_us += lasted_us
             state[0, 3] = state[1, 3] = 0.0
         for axis in range(2):
-            state[axis, 3] *= np.exp(-step / _GROWTH_KEEPS)
+            state[axis, 3] *= np.exp(-went / _GROWTH_KEEPS)
         o.support += o.packet_events
-        fade = np.exp(-step / rules.memory)
+        fade = np.exp(-went / rules.memory)
         if not o.meets:
-            world.profile[i] *= fade
+            for k in range(PROFILE * PROFILE):
+                world.profile[i, k] *= fade
             world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
-        seen = max(step, _EMISSION * max(o.weight - noise, 0.0) / o.area)
+        seen = max(went, _EMISSION * max(o.weight - noise, 0.0) / o.area)
         add_travel(rules, world, i, seen, noise_px)
         o.unfitted += seen
         if not o.meets and o.unfitted >= _FIT_EVERY:
@@ -321,14 +322,15 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             patience *= _LEAVING_PATIENCE
         if 1e-6 * o.silent_us * o.speed > patience * half or o.still > _STILL or _outside(rules, world, i):
             _end(rules, world, out, LOST, t_us, i, -1)
+    list_living(world)
     _merge(rules, world, out, t_us)
+    list_living(world)
     if t_us >= run.birth_end_us:
         find_births(rules, world, t_us)
         run.birth_end_us = t_us + BIRTH_US
-    for i in range(n):
+    for at in range(run.live):
+        i = world.slots[at]
         o = world.objects[i]
-        if not o.alive:
-            continue
         if o.track_id >= 0:
             _record(rules, world, out, MOVED, t_us, i, -1)
         elif _becomes_visible(rules, world, i, lasted_s):
@@ -337,18 +339,18 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             _record(rules, world, out, BORN, t_us, i, -1)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _next_packet_us(rules: Rules, world: World) -> int:
     """Length of the next packet: a small part of the time in which the fastest object travels its half side."""
     shortest = 1e-6 * PACKET_MAX_US
-    for i in range(len(world.objects)):
+    for at in range(world.run[0].live):
+        i = world.slots[at]
         o = world.objects[i]
-        if o.alive:
-            shortest = min(shortest, rules.step * _half(world, i) / o.speed)
+        shortest = min(shortest, rules.step * _half(world, i) / o.speed)
     return max(int(1e6 * shortest), PACKET_MIN_US)
 
 
-@njit(cache=True, nogil=True)
+@step
 def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
     """Close the open packet and open the next; returns whether that one holds `t_us`."""
     run = world.run[0]

@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from .layout import BINS, REACH, Rules, World
 from .unity import are_parts
 
@@ -31,7 +31,7 @@ _FILLED = 0.3  # half sides of travel after which a picture is complete enough t
 _MOST_GAIN = 1e6
 
 
-@njit(cache=True, nogil=True)
+@step
 def clear_picture(world: World, i: int) -> None:
     """Begin an object's picture anew."""
     o = world.objects[i]
@@ -39,7 +39,7 @@ def clear_picture(world: World, i: int) -> None:
     o.gain, o.floor, o.drawn = 1.0, 0.0, 0.0
 
 
-@njit(cache=True, nogil=True)
+@step
 def add_travel(rules: Rules, world: World, i: int, travel: float, noise: float) -> None:
     """Fade an object's picture by a distance travelled, in half sides: what comes later weighs more.
 
@@ -51,16 +51,18 @@ def add_travel(rules: Rules, world: World, i: int, travel: float, noise: float) 
     o.floor += o.gain * noise * o.unit_x * o.unit_y * (2.0 * REACH / BINS) ** 2
     o.gain *= np.exp(min(travel / rules.memory, 5.0))
     if o.gain > _MOST_GAIN:
-        world.picture[i] /= o.gain
+        for y in range(BINS):
+            for x in range(BINS):
+                world.picture[i, y, x] /= o.gain
         o.floor /= o.gain
         o.gain = 1.0
 
 
-@njit(cache=True, nogil=True)
+@step
 def move_picture(world: World, i: int, axis: int, shift: float, scale: float) -> None:
     """Redraw a picture in a frame moved along an axis by `shift` old units, with a unit `scale` times as long."""
     picture = world.picture[i]
-    line = np.empty(BINS, np.float32)
+    line = world.line
     for k in range(BINS):
         for at in range(BINS):
             line[at] = picture[k, at] if axis == 0 else picture[at, k]
@@ -73,12 +75,12 @@ def move_picture(world: World, i: int, axis: int, shift: float, scale: float) ->
                 picture[at, k] = value
 
 
-@njit(cache=True, nogil=True)
+@step
 def _parts(world: World, i: int, level: float, parts: Table, least: float) -> int:
     """The connected parts of a picture: first and last bin along x and y, and sum; returns how many there are."""
     picture, done, queue = world.picture[i], world.done, world.bin_queue
     done[:] = False
-    n = 0
+    n, filled = 0, 0
     for y in range(BINS):
         for x in range(BINS):
             if done[y, x] or picture[y, x] < level:
@@ -91,6 +93,7 @@ def _parts(world: World, i: int, level: float, parts: Table, least: float) -> in
                 yy, xx = queue[k] // BINS, queue[k] % BINS
                 k += 1
                 mass += picture[yy, xx]
+                filled += 1
                 left, right, top, bottom = min(left, xx), max(right, xx), min(top, yy), max(bottom, yy)
                 for v in range(max(yy - 1, 0), min(yy + 2, BINS)):
                     for u in range(max(xx - 1, 0), min(xx + 2, BINS)):
@@ -103,10 +106,11 @@ def _parts(world: World, i: int, level: float, parts: Table, least: float) -> in
                 parts[n, 1, 0], parts[n, 1, 1] = top, bottom + 1
                 parts[n, 2, 0] = mass
                 n += 1
+    world.run[0].filled = filled
     return n
 
 
-@njit(cache=True, nogil=True)
+@step
 def _join(rules: Rules, world: World, i: int, parts: Table, n: int, box: Table) -> None:
     """The bounds in px, relative to the box's centre, of the heaviest part with all that belong to it."""
     o = world.objects[i]
@@ -118,7 +122,9 @@ def _join(rules: Rules, world: World, i: int, parts: Table, n: int, box: Table) 
             parts[k, axis, 0], parts[k, axis, 1] = 0.5 * (low + high), 0.5 * (high - low)
         if parts[k, 2, 0] > parts[heaviest, 2, 0]:
             heaviest = k
-    whole = parts[heaviest, :2].copy()
+    whole = world.whole
+    for axis in range(2):
+        whole[axis, 0], whole[axis, 1] = parts[heaviest, axis, 0], parts[heaviest, axis, 1]
     parts[heaviest, 2, 0] = 0.0
     grown = True
     while grown:
@@ -135,7 +141,7 @@ def _join(rules: Rules, world: World, i: int, parts: Table, n: int, box: Table) 
         box[axis, 0], box[axis, 1] = whole[axis, 0] - whole[axis, 1], whole[axis, 0] + whole[axis, 1]
 
 
-@njit(cache=True, nogil=True)
+@step
 def fit_outline(rules: Rules, world: World, i: int) -> None:
     """Make a box hold its object if it is off by much."""
     o, state = world.objects[i], world.state[i]
@@ -151,12 +157,12 @@ def fit_outline(rules: Rules, world: World, i: int) -> None:
         return
     floor = o.floor / o.gain
     level = max(rules.dense * square / inside, _LEAST) + floor + _SIGMAS * np.sqrt(floor)
-    parts, box = np.empty((16, 3, 2)), np.empty((2, 2))
+    parts, box = world.parts, world.bounds
     n = _parts(world, i, level * o.gain, parts, max(_LEAST_SHARE * inside, _LEAST_PIXELS) * o.gain)
     if n == 0:
         return
     bin_area = o.unit_x * o.unit_y * (2.0 * REACH / BINS) ** 2
-    o.area = max(np.count_nonzero(world.done) * bin_area, 1.0)
+    o.area = max(world.run[0].filled * bin_area, 1.0)
     _join(rules, world, i, parts, n, box)
     changed = False
     for axis in range(2):

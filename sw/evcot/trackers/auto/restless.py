@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
 from numpy.typing import NDArray
+
+from ..._numba_private import step
 
 __all__ = ["EPOCH_BITS", "rests"]
 
@@ -18,7 +19,7 @@ _COUNT_BITS = 8
 _MOST = (1 << _COUNT_BITS) - 1
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def rests(pixels: Table, x: int, y: int, epoch: int) -> bool:
     """Note an event of a pixel; returns whether it was silent in one of the last ten epochs, or in two in a row before.
 

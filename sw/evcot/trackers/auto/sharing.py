@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from .layout import BINS, CELL_BITS, NEAR, NOBODY, PROFILE, REACH, Rules, World
 from .outline import move_picture
 
@@ -22,16 +22,14 @@ _THIN = 0.6  # of the longer half side
 _KEPT = 0.85
 
 
-@njit(cache=True, nogil=True)
+@step
 def prepare_packet(rules: Rules, world: World) -> None:
     """Prepare the assignment of the open packet's events: each object's predicted box in mid-packet, and its cells."""
     world.near[:] = NOBODY
     middle_s = 0.5e-6 * world.run[0].packet_us
-    for i in range(len(world.objects)):
-        o = world.objects[i]
-        if not o.alive:
-            continue
-        s = world.state[i]
+    for at in range(world.run[0].live):
+        i = world.slots[at]
+        o, s = world.objects[i], world.state[i]
         o.x, o.y = s[0, 0] + middle_s * s[0, 1], s[1, 0] + middle_s * s[1, 1]
         o.half_x, o.half_y = s[0, 2], s[1, 2]
         o.weight = 0.0
@@ -44,15 +42,15 @@ def prepare_packet(rules: Rules, world: World) -> None:
         _open_gate(o, rules.width, rules.height)
         _choose_unit(world, i)
         _enlist(rules, world, i, o.left, o.right, o.top, o.bottom)
-    for i in range(len(world.objects)):
+    for at in range(world.run[0].live):
+        # After the gates of all, which must not be left out.
+        i = world.slots[at]
         o = world.objects[i]
-        if o.alive:
-            # After the gates of all, which must not be left out.
-            reach_x, reach_y = REACH * o.unit_x, REACH * o.unit_y
-            _enlist(rules, world, i, o.x - reach_x, o.x + reach_x, o.y - reach_y, o.y + reach_y)
+        reach_x, reach_y = REACH * o.unit_x, REACH * o.unit_y
+        _enlist(rules, world, i, o.x - reach_x, o.x + reach_x, o.y - reach_y, o.y + reach_y)
 
 
-@njit(cache=True, nogil=True)
+@step
 def _choose_unit(world: World, i: int) -> None:
     """Keep the units of an object's picture close to its half sides, and not far below the longer one: parts may be thin."""
     o = world.objects[i]
@@ -70,7 +68,7 @@ def _choose_unit(world: World, i: int) -> None:
                 o.unit_y = wanted
 
 
-@njit(cache=True, nogil=True)
+@step
 def _enlist(rules: Rules, world: World, i: int, left: float, right: float, top: float, bottom: float) -> None:
     """Enter an object in the cells of a rectangle."""
     first, last = max(int(left), 0) >> CELL_BITS, min(int(right) + 1, rules.width - 1) >> CELL_BITS
@@ -83,7 +81,7 @@ def _enlist(rules: Rules, world: World, i: int, left: float, right: float, top: 
                     break
 
 
-@njit(cache=True, nogil=True)
+@step
 def _open_gate(o: Any, width: int, height: int) -> None:
     """Set the gate around a box; for an entering object, up to the edge."""
     o.left, o.right = o.x - o.half_x - o.gate_x, o.x + o.half_x + o.gate_x
@@ -98,18 +96,18 @@ def _open_gate(o: Any, width: int, height: int) -> None:
         o.bottom = height + 1.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _part(u: float, half: float) -> int:
     """Index of the part of a side at offset u from its middle."""
     return max(min(int((u + half) * (0.5 * PROFILE / half)), PROFILE - 1), 0)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _holds(o: Any, x: float, y: float) -> bool:
     return bool(o.left <= x <= o.right and o.top <= y <= o.bottom)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _density(world: World, i: int, x: float, y: float) -> float:
     """Expected number of events of object i per second and pixel at a position."""
     o = world.objects[i]
@@ -121,7 +119,7 @@ def _density(world: World, i: int, x: float, y: float) -> float:
     return float(outside * seen * (o.rate + 1e-3) / (world.total[i] * o.half_x * o.half_y))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _draw(world: World, i: int, x: float, y: float, weight: float) -> None:
     """Add a pixel to an object's picture."""
     o = world.objects[i]
@@ -131,7 +129,7 @@ def _draw(world: World, i: int, x: float, y: float, weight: float) -> None:
         world.picture[i, row, column] += weight * o.gain
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _take(world: World, i: int, x: float, y: float, weight: float) -> None:
     """Assign a share of a pixel in its gate to an object."""
     o = world.objects[i]
@@ -152,7 +150,7 @@ def _take(world: World, i: int, x: float, y: float, weight: float) -> None:
     _draw(world, i, x, y, weight)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _own(world: World, i: int, x: int, y: int, fresh: bool) -> None:
     """Assign an event to its only owner."""
     o = world.objects[i]
@@ -164,7 +162,7 @@ def _own(world: World, i: int, x: int, y: int, fresh: bool) -> None:
             world.total[i] += 1.0
 
 
-@njit(cache=True, nogil=True)
+@step
 def _divide(world: World, row: int, column: int, x: int, y: int, fresh: bool) -> int:
     """Divide an event among the objects whose gates hold it; returns the slot with the largest share."""
     best, most, total = NOBODY, -1.0, 0.0
@@ -188,7 +186,7 @@ def _divide(world: World, row: int, column: int, x: int, y: int, fresh: bool) ->
     return best
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def share(world: World, x: int, y: int, fresh: bool) -> int:
     """Assign an event; returns the slot with the largest share, or NOBODY after marking the pixel for births.
 

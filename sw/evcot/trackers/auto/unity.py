@@ -6,9 +6,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from .layout import Rules, World
 
 __all__ = ["are_one", "are_parts"]
@@ -27,7 +27,7 @@ _WITHIN = 0.7  # share of the smaller box that lies in the larger
 _ABREAST = 0.6  # share of the wider box that is covered by the other
 
 
-@njit(cache=True, nogil=True)
+@step
 def _within(a: Table, b: Table) -> bool:
     """Whether most of the smaller box lies in the larger, along both axes."""
     for axis in range(2):
@@ -37,36 +37,43 @@ def _within(a: Table, b: Table) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@step
+def _overlap(a: Table, b: Table, axis: int) -> float:
+    """The length along an axis that two boxes share; negative for the gap between them."""
+    return float(min(a[axis, 0] + a[axis, 1], b[axis, 0] + b[axis, 1]) - max(a[axis, 0] - a[axis, 1], b[axis, 0] - b[axis, 1]))
+
+
+@step
+def _together(a: Table, b: Table, axis: int) -> float:
+    """The length along an axis of both boxes together."""
+    return float(max(a[axis, 0] + a[axis, 1], b[axis, 0] + b[axis, 1]) - min(a[axis, 0] - a[axis, 1], b[axis, 0] - b[axis, 1]))
+
+
+@step
 def are_parts(a: Table, b: Table, gap: float, elongation: float) -> bool:
     """Whether the places of two boxes, (2, 2) centre and half side by axis, allow them to be parts of one object: one mostly
     inside the other; or one behind the other, of similar width, with a gap that is small for the length of the whole."""
     if _within(a, b):
         return True
-    overlap, together = np.empty(2), np.empty(2)
-    for axis in range(2):
-        low_a, high_a = a[axis, 0] - a[axis, 1], a[axis, 0] + a[axis, 1]
-        low_b, high_b = b[axis, 0] - b[axis, 1], b[axis, 0] + b[axis, 1]
-        overlap[axis] = min(high_a, high_b) - max(low_a, low_b)
-        together[axis] = max(high_a, high_b) - min(low_a, low_b)
     for axis in range(2):
         across = 1 - axis
-        if overlap[across] >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1]):
+        if _overlap(a, b, across) >= 2.0 * _ABREAST * max(a[across, 1], b[across, 1]):
+            length, width = _together(a, b, axis), _together(a, b, across)
             # Edges of one object are thin and far apart, objects that follow one another are not.
-            thin = min(a[axis, 1], b[axis, 1]) < _THIN * 0.5 * together[across]
-            most = (_THIN_GAPS if thin else 1.0) * gap * (elongation * together[across] - together[axis])
-            if -overlap[axis] <= most:
+            thin = min(a[axis, 1], b[axis, 1]) < _THIN * 0.5 * width
+            most = (_THIN_GAPS if thin else 1.0) * gap * (elongation * width - length)
+            if -_overlap(a, b, axis) <= most:
                 return True
     return False
 
 
-@njit(cache=True, nogil=True)
+@step
 def _gap(a: Table, b: Table, axis: int) -> float:
     """The gap between two objects along an axis; negative where they overlap."""
     return float(abs(a[axis, 0] - b[axis, 0]) - a[axis, 2] - b[axis, 2])
 
 
-@njit(cache=True, nogil=True)
+@step
 def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     """Whether two objects are one: by position and with equal motion; or both entering over the same edge, side by side."""
     a, b = world.state[i], world.state[k]
