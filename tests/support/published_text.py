@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from evcot.hardware.published.model import CASCADE_OUTPUT, TRACKER_OUTPUT, PublishedConfig
 
-__all__ = ["CascadeText", "TrackerText"]
+__all__ = ["CascadeText", "TrackerText", "library_line", "tracker_clocks"]
 
 Place = tuple[int, int]  # high, low
 Given = Mapping[str, int]
@@ -139,7 +139,8 @@ class TrackerText:
     def inside(self, place: Place) -> bool:
         reach = self.g + self.config.radix_th
         return all(
-            max(centre - reach, 0) < at < min((centre + reach) % 512, 255) for centre, at in zip(self.centre, place, strict=True)
+            max(centre - reach, 0) < at < min((centre + reach) % 512, 255)
+            for centre, at in zip(self.centre, place, strict=True)
         )
 
     def update_radius(self, place: Place) -> None:

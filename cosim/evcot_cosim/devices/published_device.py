@@ -30,7 +30,20 @@ from evcot.hardware.published.model import (
 
 from ..rtl.build import build
 
-__all__ = ["CASCADE", "LIBRARY", "TRACKER", "Event", "Top", "at", "equal", "play", "quiet", "reset_cascade", "rtl", "simulation"]
+__all__ = [
+    "CASCADE",
+    "LIBRARY",
+    "TRACKER",
+    "Event",
+    "Top",
+    "at",
+    "equal",
+    "play",
+    "quiet",
+    "reset_cascade",
+    "rtl",
+    "simulation",
+]
 
 Ports = NDArray[np.void]
 Event = tuple[int, int, int]  # clock, high, low

@@ -56,9 +56,7 @@ REGISTER_NAMES = tuple(REGISTERS)
 (INIT_CM_LOW, INIT_CM_HIGH, RADIX_TH, INIT_RADIX, MAX_TIME, NEV_TH, HIST_AVG, ENABLE, RADIX_STEP, RADIX_MAX, RADIX_MIN) = range(
     len(REGISTER_NAMES)
 )
-FIRST, BYTES, MASKS = zip(
-    *((entry.address, entry.n_bytes, (1 << entry.bits) - 1) for entry in REGISTERS.values()), strict=True
-)
+FIRST, BYTES, MASKS = zip(*((entry.address, entry.n_bytes, (1 << entry.bits) - 1) for entry in REGISTERS.values()), strict=True)
 RESETS = np.array([entry.resets for entry in REGISTERS.values()], np.int64).T.copy()
 """(TRACKERS, registers) values after reset."""
 K_MIN, K_MAX = REGISTERS["hist_avg"].low, REGISTERS["hist_avg"].high
