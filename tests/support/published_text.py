@@ -174,9 +174,8 @@ class TrackerText:
             self.n = 255
         self.last = self.difference
 
-    def outputs(self, given: Given) -> NDArray[np.void]:
-        """The ports of this clock, as the model tells them."""
-        out = np.zeros(1, TRACKER_OUTPUT)[0]
+    def outputs(self, given: Given, out: np.void) -> None:
+        """Write the ports of this clock, as the model does."""
         out["s_ack_n"] = "ack" not in self.lines
         lines = {**self.lines}
         if "pass" in lines:
@@ -184,7 +183,6 @@ class TrackerText:
         for line in ("pass", "event", "centre"):
             out[f"m_{line}_req_n"] = line not in lines
             out[f"m_{line}_high"], out[f"m_{line}_low"] = lines.get(line, NOTHING)
-        return out
 
 
 def library_line(n: int = 8) -> Generator[tuple[int | None, int | None], tuple[Mapping[int, int], bool], None]:
@@ -266,7 +264,7 @@ class CascadeText:
             self.one({name: int(at[name]) for name in inputs.dtype.names or ()}, out)
         return told
 
-    def one(self, given: Given, out: NDArray[np.void]) -> None:
+    def one(self, given: Given, out: np.void) -> None:
         enabled = [bool(at[88]) for at in self.written]
         requests = [given["s_req_n"]]
         for on, tracker in zip(enabled, self.trackers, strict=True):
@@ -314,6 +312,6 @@ def tracker_clocks(tracker: TrackerText, inputs: NDArray[np.void]) -> NDArray[np
     names: Sequence[str] = inputs.dtype.names or ()
     for i, at in enumerate(inputs):
         given = {name: int(at[name]) for name in names}
-        told[i] = tracker.outputs(given)
+        tracker.outputs(given, told[i])
         tracker.clock(given)
     return told

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hardware and model against a second reading of docs/published.md, tests/support/published_text.py, clock by clock.
 
-The senders and receivers here follow the second reading, in closed loop; what they drove is then replayed to hardware and model.
+Senders and receivers follow the second reading, in closed loop; what they drove is then replayed to hardware and model.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ def driven(rng: np.random.Generator, n: int, config: PublishedConfig) -> tuple[N
     sender = Partner(rng, pace)
     receivers = {line: Partner(rng, delay) for line, delay in zip(("pass", "event", "centre"), slow, strict=True)}
     near = rng.integers(-config.init_radix - 9, config.init_radix + 10, (2, n)) // int(rng.choice([1, 3]))
-    high, low = np.clip(near + [[config.init_cm_high], [config.init_cm_low]], 0, 255)
+    high, low = np.clip(near + np.array([[config.init_cm_high], [config.init_cm_low]]), 0, 255)
     inputs = quiet(TRACKER, n)
     text = TrackerText(config)
     told = np.zeros(n, TRACKER.read)
     for i in range(n):
         given = {"s_req_n": sender.answer("ack" not in text.lines), "s_high": int(high[i // 8]), "s_low": int(low[i // 8])}
         given |= {f"m_{line}_ack_n": partner.answer(line in text.lines) for line, partner in receivers.items()}
-        told[i] = text.outputs(given)
+        text.outputs(given, told[i])
         text.clock(given)
         for name, value in given.items():
             inputs[name][i] = value

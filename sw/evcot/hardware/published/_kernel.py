@@ -42,7 +42,7 @@ Row = Any
 TRACKER_FIELDS = 24
 
 # Fields of the cascade: the selected tracker, and the line that carries the words of all four. LIBRARY_LINE chooses between
-# published_line.v, which has LINE_STATE, OWNER and the registers of its outputs, and aer_merge.v, which has BUSY, OWNER and FREE.
+# published_line.v, with LINE_STATE, OWNER and the registers of its outputs, and aer_merge.v, with BUSY, OWNER and FREE.
 SELECTED, LIBRARY_LINE, LINE_STATE, OWNER, LINE_REQ_N, LINE_WORD, LINE_ACKED, BUSY, FREE = range(9)
 CASCADE_FIELDS = 9
 NOBODY = -1  # selected, or acknowledged by the line
@@ -328,8 +328,8 @@ def edge(c: Table, s: Table, r: Table, at: Row, wires: Table, out: Row) -> None:
         if c[SELECTED] != NOBODY:
             _write(r[c[SELECTED]], at.cfg_addr, at.cfg_data)
         if at.cfg_addr == SELECT:
-            i = np.int64(at.cfg_data) - SELECT_FIRST
-            c[SELECTED] = i if 0 <= i < TRACKERS else NOBODY
+            selected = np.int64(at.cfg_data) - SELECT_FIRST
+            c[SELECTED] = selected if 0 <= selected < TRACKERS else NOBODY
     if at.rst:
         c[SELECTED] = NOBODY
         r[:] = RESETS
