@@ -118,7 +118,10 @@ def configuration(config: CotConfig) -> list[Command]:
         found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in REGISTERS]
         found.append(write(slot_address(slot), 1))
     if config.filtered:
-        found += [write(filter_address("mask"), mask_word(x, y)) for x, y in config.filters.hot_pixels]
+        if config.filters.hot_pixels:
+            cleared = next(field.mask for field in register_map().word("status").fields if field.name == "cleared")
+            found.append(poll(address_of("status"), cleared, cleared))
+            found += [write(filter_address("mask"), mask_word(x, y)) for x, y in config.filters.hot_pixels]
         names = FILTER_REGISTERS.keys() - {"mask"}
         found += [write(filter_address(name), int(getattr(config.filters, name))) for name in sorted(names)]
         found.append(write(filter_address(), 1))

@@ -160,6 +160,12 @@ class TestTime:
         config = replace(CONFIG, init_cm_low=100, nev_th=3, max_time=50)
         assert n_evs(play(at([10, 20, 47, 80, 110, 140]), config)) == []
 
+    def test_a_life_does_not_end_in_the_initialisation(self) -> None:
+        # TC is 5 at clock 5: once idle, once still InitCell, because a request lasts.
+        config = replace(CONFIG, max_time=5)
+        assert asserted(one(config, requests(20, 0, 1, 2, 3)), "s_ack_n") == [0, 1, 2, 3, 4, 7]
+        assert asserted(one(config, requests(20, 0, 1, 2, 3, 4)), "s_ack_n") == [0, 1, 2, 3, 4, 5]
+
     def test_it_expires_once_and_not_again_before_the_next_centre(self) -> None:
         config = replace(CONFIG, nev_th=3, max_time=50)
         assert n_evs(play(at([10, 20, 80, 500, 900]), config)) == [3 + 2]

@@ -35,8 +35,8 @@ __all__ = ["BENCH_FIELDS", "CLOCK", "PASSED", "WORDS", "play"]
 
 Table = NDArray[Any]
 
-# Fields of the test bench around the cascade: state of the sender, then for each receiver the clocks waited, the number of words,
-# and whether it has taken the word that is requested.
+# Fields of the test bench around the cascade: state of the sender, then for each receiver the clocks waited, the number of
+# words, and whether it has taken the word that is requested.
 CLOCK, SENT, SENDER, HOLDING, WAITED, WORDS, HELD, PASS_WAITED, PASSED, PASS_HELD = range(10)
 BENCH_FIELDS = 10
 READY, REQUESTS, RELEASED = range(3)
