@@ -34,6 +34,7 @@ __all__ = [
     "CASCADE",
     "LIBRARY",
     "TRACKER",
+    "VALID_WITH",
     "Event",
     "Top",
     "at",

@@ -214,7 +214,7 @@ module axi_lite_regs #(
     wire [BANK_W-1:0] bank = in_filter ? FILTERS : in_slots[BANK_W-1:0];
     reg  [N:0] pending;       // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
-    wire locked = ((shadowed || commits) && pending[bank]) || (marks && !cleared);
+    wire locked = ((shadowed || commits) && pending[bank]) || (marks && !off_sensor && !cleared);
 
     // ---- an access ---------------------------------------------------------------------------------------------------
 

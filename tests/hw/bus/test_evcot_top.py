@@ -338,7 +338,7 @@ def test_hot_pixels_are_refused_at_once_until_the_filters_are_cleared_and_marked
 def test_nothing_is_taken_during_a_soft_reset() -> None:
     """Whatever is taken from the clock on in which its answer comes goes through."""
     device = device_of("array behind filters", CotConfig.uniform(SMALL, EVERY))
-    played = device.run(pack_events(np.arange(400), *np.full((3, 400), 1)), [write(CONTROL, 1 << 9 | 2)])
+    played = device.run(pack_events(np.arange(400), *np.full((3, 400), 1)), [write(CONTROL, 1 << 9 | 2, after=20)])
     after = np.count_nonzero(played.accepted >= played.commands["ended"][0])
     assert 100 < after < 390
     assert Registers(device).counters()["events_in"] == after

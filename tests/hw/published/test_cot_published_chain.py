@@ -5,13 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, PublishedCascade, decode
-from evcot_cosim.devices.published_device import CASCADE, LIBRARY, Top, at, equal, play, quiet, reset_cascade, rtl
+from evcot_cosim.devices.published_device import CASCADE, LIBRARY, VALID_WITH, Top, at, equal, play, quiet, reset_cascade, rtl
+from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, n_evs, noise, some_registers, wandering
 from support.testing import lint
 
@@ -268,3 +270,34 @@ class TestLockStep:
         )
         print(f"seed {seed}: {len(result.word)} words, {len(centres(result))} of them centres, {len(result.pass_clock)} passed")
         assert len(result.word) - len(centres(result)) + len(result.pass_clock) <= n
+
+
+@needs_icarus
+@TOPS
+def test_four_states(tmp_path: Path, top: Top) -> None:
+    """No line depends on what a register holds before the first reset."""
+    rng = np.random.default_rng(50)
+    centre = [(60, 60), (60, 90), (90, 60), (90, 90)]
+    configs = [replace(CONFIG, init_cm_high=high, init_cm_low=low, init_radix=14, max_time=700) for high, low in centre]
+    writes = [write for i, config in enumerate(configs) for write in config.writes(i)] + [(SELECT, SELECT_NONE)]
+    before = quiet(top, 1 + len(writes) + 5)
+    before["rst"][0] = 1
+    before["cfg_valid"][1:-5] = 1
+    before["cfg_addr"][1:-5], before["cfg_data"][1:-5] = np.array(writes).T
+    n = 800
+    played = play(
+        zip(np.cumsum(rng.integers(1, 40, n)).tolist(), *rng.integers(45, 106, (2, n)).tolist(), strict=True), *configs, top=top
+    )
+    again = quiet(top, 60)
+    again["rst"][:2] = 1
+    inputs = np.concatenate([before, played.inputs, again])
+    rtl(top, quiet(top, 1))
+    expected = rtl(top, inputs)
+    found = replay(tmp_path, top.module, dict(top.parameters), inputs, top.read)
+    for clock, (told, row) in enumerate(zip(found, expected, strict=True)):
+        for name in top.read.names or ():
+            valid = VALID_WITH.get(name)
+            if clock > 0 and not (valid and row[valid]):
+                assert set(told[name]) <= set("01"), (clock, name, told[name])
+                assert int(told[name], 2) == row[name], (clock, name)
+    assert len(centres(played)) > 20
