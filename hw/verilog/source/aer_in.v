@@ -74,9 +74,9 @@ module aer_in #(
     localparam [1:0] RETURN = 2'd2;  // acknowledged; waiting for the request to go
 
     reg [1:0]      state;
-    reg [SYNC-1:0] settled;  // the highest: the synchronizer has forgotten the reset
+    reg [SYNC-1:0] synced;  // the highest: the synchronizer has forgotten the reset
     wire           level;
-    wire           request = settled[SYNC-1] && (level ^ active_low);
+    wire           request = synced[SYNC-1] && (level ^ active_low);
 
     synchronizer #(
         .STAGES(SYNC),
@@ -88,7 +88,7 @@ module aer_in #(
         .q  (level)
     );
 
-    always @(posedge clk) settled <= rst ? {SYNC{1'b0}} : {settled[SYNC-2:0], 1'b1};
+    always @(posedge clk) synced <= rst ? {SYNC{1'b0}} : {synced[SYNC-2:0], 1'b1};
 
     reg             acknowledge;
     assign aer_ack = acknowledge ^ active_low;

@@ -53,12 +53,12 @@ module aer_out #(
 
     localparam [31:0] LAST_SETTLED = SETUP - 1;
 
-    reg  [1:0] state;
-    reg  [7:0] settled;
-    reg        request;
-    reg  [SYNC-1:0] settled;  // the highest: the synchronizer has forgotten the reset
-    wire       level;
-    wire       acknowledge = !settled[SYNC-1] || (level ^ active_low);
+    reg [1:0]      state;
+    reg [7:0]      settled;
+    reg            request;
+    reg [SYNC-1:0] synced;  // the highest: the synchronizer has forgotten the reset
+    wire           level;
+    wire           acknowledge = !synced[SYNC-1] || (level ^ active_low);
 
     synchronizer #(
         .STAGES(SYNC),
@@ -70,7 +70,7 @@ module aer_out #(
         .q  (level)
     );
 
-    always @(posedge clk) settled <= rst ? {SYNC{1'b0}} : {settled[SYNC-2:0], 1'b1};
+    always @(posedge clk) synced <= rst ? {SYNC{1'b0}} : {synced[SYNC-2:0], 1'b1};
 
     assign aer_req = request ^ active_low;
     assign s_ready = state == READY;
