@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Nothing depends on the values that registers have before the first reset: `evcot_top` with every filter and tracker.
 
-Icarus begins with X everywhere, Verilator with random values; both must give what Verilator gives from zeros. The program: slots
-are committed but no filter, events, one more commit, which waits until nothing is under way, a soft reset, everything is
+Icarus begins with X everywhere, Verilator with random values; both must give what Verilator gives from zeros. The program:
+slots are committed but no filter, events, one more commit, which waits until nothing is under way, a soft reset, everything is
 committed, events.
 """
 

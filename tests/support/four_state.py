@@ -123,7 +123,7 @@ def replay(
     """The output ports of a module just before each clock edge, in binary, for given input ports of one to eight bits."""
     given, told = inputs.dtype.names or (), outputs.names or ()
     settings = ", ".join(f".{name}({value})" for name, value in parameters.items())
-    widths = {name: 8 * (outputs.fields or {})[name][0].itemsize for name in told}
+    widths = {name: 8 * outputs[name].itemsize for name in told}
     bench = f"""`timescale 1ns / 1ns
 module replay;
     reg clk = 0;
