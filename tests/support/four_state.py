@@ -118,11 +118,21 @@ def play_top(folder: Path, program: Iterable[Line], parameters: Mapping[str, int
 
 
 def replay(
-    folder: Path, top: str, parameters: Mapping[str, int], inputs: NDArray[np.void], outputs: np.dtype[np.void]
+    folder: Path,
+    top: str,
+    parameters: Mapping[str, int],
+    inputs: NDArray[np.void],
+    outputs: np.dtype[np.void],
+    deposits: Mapping[int, Mapping[str, int]] | None = None,
+    ties: Mapping[str, int] | None = None,
 ) -> list[dict[str, str]]:
-    """The output ports of a module just before each clock edge, in binary, for given input ports of one to eight bits."""
+    """The output ports of a module just before each clock edge, in binary, for given input ports of one to eight bits.
+
+    `deposits` are values that its registers are given at the beginning of a clock, `ties` those of inputs that do not change.
+    """
     given, told = inputs.dtype.names or (), outputs.names or ()
     settings = ", ".join(f".{name}({value})" for name, value in parameters.items())
+    given_values = [(clock, name, value) for clock, values in (deposits or {}).items() for name, value in values.items()]
     widths = {name: 8 * outputs[name].itemsize for name in told}
     bench = f"""`timescale 1ns / 1ns
 module replay;
@@ -132,6 +142,7 @@ module replay;
     {" ".join(f"wire [{width - 1}:0] {name};" for name, width in widths.items())}
     {top} #({settings}) dut (
         .clk(clk), {", ".join(f".{name}(row[{8 * i} +: 8])" for i, name in enumerate(given))},
+        {"".join(f".{name}({value}), " for name, value in (ties or {}).items())}
         {", ".join(f".{name}({name})" for name in told)}
     );
     integer i;
@@ -139,6 +150,7 @@ module replay;
         $readmemh("{folder / "rows.hex"}", rows);
         for (i = 0; i < {len(inputs)}; i = i + 1) begin
             row = rows[i];
+            {" ".join(f"if (i == {clock}) dut.{name} = {value};" for clock, name, value in given_values)}
             #1 $display("{" ".join("%b" for _ in told)}", {", ".join(told)});
             clk = 1;
             #1 clk = 0;

@@ -8,13 +8,16 @@ tells how. Where the tracker's own ports matter it is played alone.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.hardware.published.model import PublishedConfig, PublishedTracker
+from evcot.hardware.published._kernel import TC2
+from evcot.hardware.published.model import REGISTERS, PublishedConfig, PublishedTracker
 from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, play, quiet, rtl
+from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, every, n_evs, noise, one, reset_tracker, some_registers, wandering
 from support.testing import lint
 
@@ -318,6 +321,37 @@ class TestNev:
         slow = [*every(100, 255), *every(100, 127, first=25_500)]
         fast = every(10, 127 + 254 + 255, first=38_200)
         assert n_evs(play([*slow, *fast], replace(CONFIG, nev_th=255)))[:5] == [255, 127, 127, 254, 255]
+
+
+@needs_icarus
+@pytest.mark.parametrize("seed", range(3))
+def test_timers_of_days(tmp_path: Path, seed: int) -> None:
+    """TC2 is given other values on the way, since to count to them would take hours: differences above bit 31, and below 0."""
+    rng, n = np.random.default_rng([40, seed]), 6_000
+    config = replace(CONFIG, nev_th=int(rng.integers(2, 12)), max_time=2**32 - 1)
+    inputs = quiet(TRACKER, n)
+    inputs["rst"][0] = 1
+    inputs["s_req_n"] = np.arange(n) % 12 >= 3
+    inputs["m_event_ack_n"] = inputs["m_pass_ack_n"] = 0
+    inputs["m_centre_ack_n"] = np.arange(n) % 12 != 8  # the clock after the last in which it may be asked for
+    inputs["s_high"] = inputs["s_low"] = 100
+    clocks = np.arange(200, n, 60)
+    values = rng.integers(0, 2**32, len(clocks)).tolist()
+    model, parts, at = PublishedTracker(config), [], 0
+    for clock, value in zip([*clocks.tolist(), n], [*values, 0], strict=True):
+        parts.append(model.clocks(inputs[at:clock]))
+        model._state[TC2], at = value, clock
+    expected = np.concatenate(parts)
+    registers = {name: int(getattr(config, name)) for name in REGISTERS.keys() - {"enable"}}
+    wrapped = np.zeros(n, inputs.dtype)
+    wrapped[:] = inputs
+    deposits = {clock: {"tc2": value} for clock, value in zip(clocks.tolist(), values, strict=True)}
+    found = replay(tmp_path, TRACKER.module, {}, wrapped, TRACKER.read, deposits, ties=registers)
+    for clock, (told, row) in enumerate(zip(found, expected, strict=True)):
+        if clock:
+            for name in ("s_ack_n", "m_event_req_n", "m_centre_req_n", "m_pass_req_n"):
+                assert int(told[name], 2) == row[name], (clock, name)
+    assert (expected["m_centre_req_n"] == 0).sum() > 40
 
 
 @pytest.mark.parametrize("seed", range(40))
