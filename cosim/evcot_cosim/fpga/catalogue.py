@@ -61,7 +61,6 @@ _PIXELS = {"WIDTH": 128, "HEIGHT": 128}
 # As in hw/fpga/examples: kv260_evcot.v and davis_evcot.v.
 _KV260 = {
     "SOURCES": 16, "SOURCE": 4, "TRACKER": 2, "WIDTH": 1280, "HEIGHT": 720, "X_W": 11, "Y_W": 10, "DATA_W": 64,
-    "FIFO_DEPTH": 32,
 }  # fmt: skip
 
 _DAVIS = {

@@ -50,16 +50,15 @@ module kv260_evcot (
 
     /* verilator lint_off PINCONNECTEMPTY */
     evcot_top #(
-        .SOURCES   (16),   // EVT 2.1 and nothing else
-        .SOURCE    (4),
-        .TRACKER   (2),    // the engine
-        .N         (8),
-        .WIDTH     (1280),
-        .HEIGHT    (720),
-        .X_W       (11),
-        .Y_W       (10),
-        .FIFO_DEPTH(32),   // the Smart Tracker in front has a queue; this one is of LUTs, faster than block RAM
-        .DATA_W    (64)
+        .SOURCES(16),   // EVT 2.1 and nothing else
+        .SOURCE (4),
+        .TRACKER(2),    // the engine
+        .N      (8),
+        .WIDTH  (1280),
+        .HEIGHT (720),
+        .X_W    (11),
+        .Y_W    (10),
+        .DATA_W (64)
     ) u_evcot (
         .clk                  (aclk),
         .rst                  (!aresetn),
