@@ -148,6 +148,8 @@
 #define EVCOT_STATUS_PENDING_MASK 0x00000002u /* ro: a commit is waiting or being applied */
 #define EVCOT_STATUS_OPEN_SHIFT 2u
 #define EVCOT_STATUS_OPEN_MASK 0x00000004u /* ro: the gate to filters and trackers is open */
+#define EVCOT_STATUS_CLEARED_SHIFT 3u
+#define EVCOT_STATUS_CLEARED_MASK 0x00000008u /* ro: the filters' memories have been cleared since the last reset; before that a write of `mask` is refused */
 #define EVCOT_STATUS_HELD_SHIFT 16u
 #define EVCOT_STATUS_HELD_MASK 0xFFFF0000u /* ro: tokens in the input FIFO */
 
@@ -158,7 +160,7 @@
 #define EVCOT_FAULT_REFUSED_SHIFT 1u
 #define EVCOT_FAULT_REFUSED_MASK 0x00000002u /* w1c: a value was refused */
 #define EVCOT_FAULT_PENDING_SHIFT 2u
-#define EVCOT_FAULT_PENDING_MASK 0x00000004u /* w1c: a write to a bank whose commit was pending was refused */
+#define EVCOT_FAULT_PENDING_MASK 0x00000004u /* w1c: a write to a bank whose commit was pending, or of `mask` before `status.cleared`, was refused */
 #define EVCOT_FAULT_UNMAPPED_SHIFT 3u
 #define EVCOT_FAULT_UNMAPPED_MASK 0x00000008u /* w1c: a write to a read-only address, or any access to one that does not exist */
 #define EVCOT_FAULT_ADDRESS_SHIFT 16u
@@ -241,7 +243,7 @@
 #define EVCOT_SLOT_DETECT_TICKS 0x38u /* ticks within which a candidate must collect clust_nev events */
 #define EVCOT_SLOT_COMMIT 0x7Cu /* reads: low bits of the number of the first event after it */
 
-/* Registers of the filters, likewise; EVCOT_FILTER_MASK acts at once. */
+/* Registers of the filters, likewise; EVCOT_FILTER_MASK acts at once, and is refused before status.cleared. */
 #define EVCOT_FILTER_ENABLE 0x0200u /* one bit per filter, in their order */
 #define EVCOT_FILTER_REGION_X0 0x0204u /* first column that stays */
 #define EVCOT_FILTER_REGION_X1 0x0208u /* last column that stays */

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +17,7 @@ from pyverilator import PyVerilator
 from evcot.hardware.contract import RECORD
 from evcot.hardware.register_access import Registers
 from evcot.tracks.log import Kind
+from evcot_cosim.fpga.catalogue import MODULES
 from evcot_cosim.rtl.build import load
 from evcot_cosim.rtl.files import copy_rtl
 
@@ -31,6 +33,20 @@ def example() -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.mark.parametrize("name", ["kv260", "davis"])
+def test_each_is_placed_and_routed_with_its_own_parameters(name: str) -> None:
+    module = MODULES[f"evcot_top_{name}"]
+    text = (EXAMPLES / f"{name}_evcot.v").read_text()
+    (settings,) = re.findall(r"evcot_top #\((.*?)\) u_evcot", text, re.DOTALL)
+    given = {key: int(value) for key, value in re.findall(r"\.(\w+)\s*\((\d+)\)", settings)}
+    assert module.at(module.usual[0]) == given
+
+
+def test_the_clock_that_the_davis_example_asks_for_is_the_one_it_is_measured_against() -> None:
+    (period_ns,) = re.findall(r"create_clock -name clk -period ([\d.]+)", (EXAMPLES / "davis_evcot.xdc").read_text())
+    assert MODULES["evcot_top_davis"].asks_mhz == 1e3 / float(period_ns)
 
 
 class Board:

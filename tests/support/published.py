@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from evcot.hardware.published.model import REGISTERS, Played, PublishedConfig, decode
-from evcot_cosim.devices.published_device import TRACKER, Event, at, quiet, rtl, simulation
+from evcot.hardware.published.model import REGISTERS, Played, PublishedConfig, PublishedTracker, decode
+from evcot_cosim.devices.published_device import TRACKER, Event, at, equal, quiet, rtl, simulation
 
-__all__ = ["CONFIG", "centres", "every", "n_evs", "noise", "reset_tracker", "some_registers", "wandering"]
+__all__ = ["CONFIG", "centres", "every", "n_evs", "noise", "one", "reset_tracker", "some_registers", "wandering"]
 
 # A window from 91 to 109 (exclusive) around (100, 100) that never expires; every fourth event moves the centre.
 CONFIG = PublishedConfig(
@@ -32,7 +32,7 @@ def centres(result: Played) -> list[tuple[int, int]]:
 def n_evs(result: Played) -> list[int]:
     """Number of events behind each centre, where no event was rejected."""
     is_centre = np.flatnonzero(~decode(result.word)["event"])
-    return [int(n) for n in np.diff(is_centre, prepend=-1)]
+    return [int(n) - 1 for n in np.diff(is_centre, prepend=-1)]
 
 
 def reset_tracker(config: PublishedConfig) -> None:
@@ -42,6 +42,14 @@ def reset_tracker(config: PublishedConfig) -> None:
     rows = quiet(TRACKER, 1)
     rows["rst"] = 1
     rtl(TRACKER, rows)
+
+
+def one(config: PublishedConfig, inputs: NDArray[np.void]) -> NDArray[np.void]:
+    """The single tracker's output ports at each clock from InitCell on, in hardware and model alike."""
+    reset_tracker(config)
+    outputs = rtl(TRACKER, inputs)
+    equal(outputs, PublishedTracker(config).clocks(inputs), inputs)
+    return outputs
 
 
 def some_registers(rng: np.random.Generator) -> PublishedConfig:

@@ -18,7 +18,7 @@ from evcot_cosim.devices.top_device import Pace, TopDevice
 
 from .trials import random_traffic
 
-__all__ = ["BUILDS", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
+__all__ = ["ARRAY", "BUILDS", "CHAIN", "DVS128", "ENGINE", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
 
 ARRAY, CHAIN, ENGINE = 0, 1, 2
 SMALL = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=32, time_w=32)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -29,52 +30,78 @@ from evcot.hardware.published.model import (
 
 from ..rtl.build import build
 
-__all__ = ["CHAIN", "TRACKER", "Event", "at", "equal", "play", "quiet", "reset_chain", "rtl", "simulation"]
+__all__ = [
+    "CASCADE",
+    "LIBRARY",
+    "TRACKER",
+    "VALID_WITH",
+    "Event",
+    "Top",
+    "at",
+    "equal",
+    "play",
+    "quiet",
+    "reset_cascade",
+    "rtl",
+    "simulation",
+]
 
 Ports = NDArray[np.void]
 Event = tuple[int, int, int]  # clock, high, low
 
-TRACKER, CHAIN = "cot_published", "cot_published_chain"
-IO = {TRACKER: (TRACKER_INPUT, TRACKER_OUTPUT), CHAIN: (CASCADE_INPUT, CASCADE_OUTPUT)}
+
+@dataclass(frozen=True)
+class Top:
+    """One of the modules: its name, its parameters, and its ports at one clock."""
+
+    module: str
+    parameters: tuple[tuple[str, int], ...]
+    given: np.dtype[np.void]
+    read: np.dtype[np.void]
+
+
+TRACKER = Top("cot_published", (), TRACKER_INPUT, TRACKER_OUTPUT)
+CASCADE = Top("cot_published_chain", (("LIBRARY_LINE", 0),), CASCADE_INPUT, CASCADE_OUTPUT)
+LIBRARY = Top("cot_published_chain", (("LIBRARY_LINE", 1),), CASCADE_INPUT, CASCADE_OUTPUT)
 
 # Ports that are valid only while their request is low.
-VALID_WITH = {"m_pass_high": "m_pass_req_n", "m_pass_low": "m_pass_req_n"} | dict.fromkeys(
-    ("m_event", "m_high", "m_low", "m_word"), "m_req_n"
-)
+VALID_WITH = {"m_word": "m_req_n"} | {
+    f"m_{port}_{line}": f"m_{port}_req_n" for port in ("pass", "event", "centre") for line in ("high", "low")
+}
 
 
 @cache
-def simulation(top: str) -> PyVerilator:
+def simulation(top: Top) -> PyVerilator:
     """The compiled module with a C++ loop that plays one row of port values per clock."""
-    given, read = IO[top]
+    given, read, model = top.given, top.read, f"V{top.module}"
     sets = "".join(f"top->{name} = in[{offset}];" for name, (_, offset, *_) in (given.fields or {}).items())
     gets = ""
     for name, (kind, offset, *_) in (read.fields or {}).items():
         value = f"top->{VALID_WITH[name]} ? 0 : top->{name}" if name in VALID_WITH else f"top->{name}"
         gets += f"{{ uint32_t v = {value}; memcpy(out + {offset}, &v, {kind.itemsize}); }}"
     drive = f"""#include <cstring>
-#include "V{top}.h"
-extern "C" void evcot_clocks(V{top}* top, int64_t n, const uint8_t* in, uint8_t* out) {{
+#include "{model}.h"
+extern "C" void evcot_clocks({model}* top, int64_t n, const uint8_t* in, uint8_t* out) {{
     for (; n; --n, in += {given.itemsize}, out += {read.itemsize}) {{
         top->clk = 0; {sets} top->eval(); {gets} top->clk = 1; top->eval();
     }}
 }}
 """
-    return build(top, {}, {"clocks.cpp": drive}).load()
+    return build(top.module, dict(top.parameters), {"clocks.cpp": drive}).load()
 
 
-def rtl(top: str, inputs: Ports) -> Ports:
+def rtl(top: Top, inputs: Ports) -> Ports:
     """The hardware's output ports just before each clock edge."""
     sim = simulation(top)
-    inputs, outputs = np.ascontiguousarray(inputs), np.zeros(len(inputs), IO[top][1])
+    inputs, outputs = np.ascontiguousarray(inputs), np.zeros(len(inputs), top.read)
     pointers = (ctypes.c_void_p(array.ctypes.data) for array in (inputs, outputs))
     sim.lib.evcot_clocks(ctypes.c_void_p(sim.model), ctypes.c_int64(len(inputs)), *pointers)
     return outputs
 
 
-def quiet(top: str, n: int) -> Ports:
+def quiet(top: Top, n: int) -> Ports:
     """Inputs for n clocks without a request or an acknowledge."""
-    rows = np.zeros(n, IO[top][0])
+    rows = np.zeros(n, top.given)
     for name in rows.dtype.names or ():
         if name.endswith("_n"):
             rows[name] = 1
@@ -88,28 +115,28 @@ def equal(found: Ports, expected: Ports, inputs: Ports, seed: object = None) -> 
         raise AssertionError(f"seed {seed}, clock {at}, {inputs[at]}: hardware {found[at]}, model {expected[at]}")
 
 
-def reset_chain(configs: Sequence[PublishedConfig]) -> None:
+def reset_cascade(top: Top, configs: Sequence[PublishedConfig]) -> None:
     """Reset the hardware and write its registers, as the model's constructor does."""
-    rows = quiet(CHAIN, 1)
+    rows = quiet(top, 1)
     rows["rst"] = 1
     writes = [write for i, config in enumerate(configs) for write in config.writes(i)]
     writes += [(SELECT, SELECT_NONE)] if configs else []
-    written = quiet(CHAIN, len(writes) + 1)
+    written = quiet(top, len(writes) + 1)
     written["cfg_valid"][:-1] = 1
     for row, (address, data) in zip(written, writes, strict=False):
         row["cfg_addr"], row["cfg_data"] = address, data
-    rtl(CHAIN, np.concatenate([rows, written] if writes else [rows]))
+    rtl(top, np.concatenate([rows, written] if writes else [rows]))
 
 
-def play(events: Iterable[Event], *configs: PublishedConfig, **patterns: list[int]) -> Played:
+def play(events: Iterable[Event], *configs: PublishedConfig, top: Top = CASCADE, **patterns: list[int]) -> Played:
     """Play a story to a new cascade in hardware and model, which must match at every clock; returns the model's trace."""
-    model = PublishedCascade(configs)
-    reset_chain(configs)
+    model = PublishedCascade(configs, library_line=top is LIBRARY)
+    reset_cascade(top, configs)
     ready = model.clock
     clock, high, low = np.array(list(events), np.int64).reshape(-1, 3).T
     handshakes = Handshakes(**{name: np.array(pattern) for name, pattern in patterns.items()})
     played = model.play(ready + clock, high, low, handshakes, trace=True)
-    equal(rtl(CHAIN, played.inputs), played.outputs, played.inputs)
+    equal(rtl(top, played.inputs), played.outputs, played.inputs)
     return played._replace(
         acknowledged=played.acknowledged - ready, word_clock=played.word_clock - ready, pass_clock=played.pass_clock - ready
     )

@@ -22,7 +22,7 @@ from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
 from evcot.tracks.log import DROPPED
 
-from ..rtl.build import build
+from ..rtl.build import RANDOM_INITIAL_CPP, RANDOM_INITIAL_FLAGS, build
 from .base import Drive, Ending, HardwareError, pointer, reset
 from .device import _order_of
 from .driver import PARAMETERS
@@ -118,7 +118,10 @@ def configuration(config: CotConfig) -> list[Command]:
         found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in REGISTERS]
         found.append(write(slot_address(slot), 1))
     if config.filtered:
-        found += [write(filter_address("mask"), mask_word(x, y)) for x, y in config.filters.hot_pixels]
+        if config.filters.hot_pixels:
+            cleared = next(field.mask for field in register_map().word("status").fields if field.name == "cleared")
+            found.append(poll(address_of("status"), cleared, cleared))
+            found += [write(filter_address("mask"), mask_word(x, y)) for x, y in config.filters.hot_pixels]
         names = FILTER_REGISTERS.keys() - {"mask"}
         found += [write(filter_address(name), int(getattr(config.filters, name))) for name in sorted(names)]
         found.append(write(filter_address(), 1))
@@ -233,6 +236,7 @@ class TopDevice:
         config: gives the shapes; its registers are written over the bus by `configure`.
         parameters: values for other Verilog parameters, such as SOURCES or TRACKER.
         pace: stalls at the other end of every channel.
+        random_initial: registers begin with random values, others in each device; else with zeros.
 
     Raises:
         ToolchainError: it cannot be built.
@@ -245,13 +249,16 @@ class TopDevice:
         *,
         pace: Pace | None = None,
         verilog: Path | None = None,
+        random_initial: bool = False,
     ) -> None:
         self.config = config
         self.pace = pace or Pace()
         chosen = {verilog_name: getattr(config.shape, name) for name, verilog_name in PARAMETERS.items()}
         chosen |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
         chosen |= parameters or {}
-        self.model = build("evcot_top", chosen, {"top.cpp": _source(chosen.get("DATA_W", 64))}, verilog=verilog)
+        cpp = {"top.cpp": _source(chosen.get("DATA_W", 64)), **(RANDOM_INITIAL_CPP if random_initial else {})}
+        flags = RANDOM_INITIAL_FLAGS if random_initial else ()
+        self.model = build("evcot_top", chosen, cpp, extra_flags=flags, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         self.reset()
 

@@ -36,6 +36,7 @@ class Module:
         sizes: values of N to measure; empty for a module without N.
         usual: those of `sizes` that are measured by default.
         answer: the output to which its latency is counted; None if it has no such output.
+        asks_mhz: the Fmax that it must reach wherever it is routed, by its own constraint; None if it has none.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Module:
     sizes: tuple[int, ...] = ()
     usual: tuple[int, ...] = ()
     answer: Answer | None = None
+    asks_mhz: float | None = None
 
     def at(self, n: int | None) -> dict[str, int]:
         """All parameters for one size."""
@@ -56,8 +58,14 @@ _SMALL = {"TICK_W": 1, "X_W": 7, "Y_W": 7}
 # What the host makes whole again: with it 8 slots of the engine fit the block RAMs of an HX8K.
 _NARROW = {"TICK_W": 20, "SEQ_W": 32, "ID_W": 16, "TIME_W": 32, "TC_W": 22}
 _PIXELS = {"WIDTH": 128, "HEIGHT": 128}
-# As in hw/fpga/examples/kv260_evcot.v.
-_KV260 = {"SOURCES": 16, "SOURCE": 4, "TRACKER": 2, "WIDTH": 1280, "HEIGHT": 720, "X_W": 11, "Y_W": 10}
+# As in hw/fpga/examples: kv260_evcot.v and davis_evcot.v.
+_KV260 = {
+    "SOURCES": 16, "SOURCE": 4, "TRACKER": 2, "WIDTH": 1280, "HEIGHT": 720, "X_W": 11, "Y_W": 10, "DATA_W": 64,
+}  # fmt: skip
+
+_DAVIS = {
+    "SOURCES": 4, "SOURCE": 2, "TRACKER": 2, "WIDTH": 240, "HEIGHT": 180, "X_W": 8, "Y_W": 8, "DATA_W": 32
+}  # fmt: skip
 
 _TABLE = (
     Module("cot", "cot", _TICK, answer="record"),
@@ -83,7 +91,8 @@ _TABLE = (
     Module("aer_in", "aer_in", answer="aer_event"),
     Module("aer_out", "aer_out", answer="aer_request"),
     Module("evcot_top", "evcot_top", {"TRACKER": 2}, _SIZES, (8,), "beat"),
-    Module("evcot_top_kv260", "evcot_top", _KV260, (8,), (8,)),
+    Module("evcot_top_kv260", "evcot_top", _KV260, (8,), (8,), asks_mhz=125),
+    Module("evcot_top_davis", "evcot_top", _DAVIS, (4,), (4,), asks_mhz=100),
 )
 
 MODULES: Mapping[str, Module] = MappingProxyType({module.name: module for module in _TABLE})

@@ -100,7 +100,16 @@ def _measure(options: argparse.Namespace) -> int:
         recorded = _ordered(before | {figure.name: figure for figure in new})
         save(_file(), recorded, tools.versions())
         _document(recorded)
-    return _report(failed)
+    return _report(failed) or _slow(figures)
+
+
+def _slow(figures: Sequence[Figure]) -> int:
+    """Say which designs miss their own constraint: 1 if there are any."""
+    asked = [(figure, MODULES[figure.module].asks_mhz) for figure in figures]
+    slow = [(figure, asks) for figure, asks in asked if asks and figure.median_mhz and figure.median_mhz < asks]
+    for figure, asks in slow:
+        print(f"evcot: {figure.name}: median Fmax {figure.median_mhz:.1f} MHz: must be at least {asks:g}", file=sys.stderr)
+    return int(bool(slow))
 
 
 def _document(figures: Figures) -> None:
@@ -134,7 +143,7 @@ def _check(options: argparse.Namespace) -> int:
         f"{len(syntheses) - len(changed)} cases as recorded, {len(changed)} changed, {len(worse)} figures worse, "
         f"{sum(case.name not in recorded for case in cases)} not recorded; seeds move Fmax by {noise:.1%}"
     )
-    return _report(failed) or int(bool(worse))
+    return _report(failed) or _slow(figures) or int(bool(worse))
 
 
 def _report(failed: Sequence[str]) -> int:

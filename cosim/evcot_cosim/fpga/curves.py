@@ -60,7 +60,7 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
             names = {n: latency_name(module, n) for n in sorted(routed, key=lambda n: n or 0)}
             times = {n: clocks[name] / routed[n] * 1e3 for n, name in names.items() if name in clocks}
             latency.plot(list(times), list(times.values()), color=colour, marker="o", markersize=4, label=module)
-        for (name, _, ns), (n, side) in zip(PUBLISHED_NS[1:], ((64, "right"), (1, "left")), strict=True):
+        for (name, _, ns), (n, side) in zip(PUBLISHED_NS[1:], ((64, "right"), (1, "left"), (64, "right")), strict=True):
             latency.axhline(float(ns), color=_INK, linewidth=0.8, linestyle="dashed")
             latency.text(n, float(ns) * 1.05, name.replace(", ", ",\n"), fontsize=7, color=_INK, ha=side)
         smallest = DEVICES["ecp5-25"].capacity

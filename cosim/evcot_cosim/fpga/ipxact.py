@@ -21,7 +21,7 @@ from evcot.templating import templates
 from ..devices.driver import PARAMETERS
 from .header import DeclaredPort, Header, evaluate, read
 
-__all__ = ["CHOICES", "LIMITS", "Bus", "buses", "component", "dialogue", "dialogue_file"]
+__all__ = ["CHOICES", "LIMITS", "Bus", "buses", "component", "constraints_file", "dialogue", "dialogue_file"]
 
 _SIGNALS = {
     "axis": ("tvalid", "tready", "tdata", "tkeep", "tuser", "tlast", "tid", "tdest", "tstrb"),
@@ -93,12 +93,22 @@ def component(top: str, file: str, verilog: Path | None = None) -> str:
         version=_version(),
         file=file,
         dialogue=dialogue_file(top),
+        constraints=constraints_file(top, verilog),
         limits=LIMITS,
         choices={name: choice for name, choice in CHOICES.items() if name in values},
         tied={port.name: _tied(port, lefts) for port in header.ports if port.direction == "in" and port.name not in _ALWAYS},
         map_bytes={port.name: 2 << lefts[port.name] for port in header.ports if port.name.endswith("_awaddr")},
         dependency=_dependency,
     )
+
+
+def constraints_file(top: str, verilog: Path | None = None) -> str:
+    """Name of the constraints in the folder of an IP, relative to component.xml; empty if it has no asynchronous input.
+
+    Raises:
+        ConfigError: there is no such module.
+    """
+    return "evcot_ip.xdc" if any(port.name == "aer_req" for port in read(top, verilog).ports) else ""
 
 
 def dialogue_file(top: str) -> str:

@@ -12,13 +12,13 @@ from pyverilator import PyVerilator
 
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
-from evcot.hardware.published.model import PublishedConfig
+from evcot.hardware.published.model import PublishedConfig, decode
 from evcot.hardware.streams import pack_events
 from evcot.ticks import TickedEvents
 
 from ..devices.base import Stalls, reset
 from ..devices.device import Device
-from ..devices.published_device import at, play
+from ..devices.published_device import LIBRARY, at, play
 from ..devices.top_device import TopDevice
 from ..names import Top
 from ..rtl.build import load
@@ -84,8 +84,8 @@ def _to_beat(module: Module, n: int | None) -> int:
 def _to_centre(module: Module, n: int | None) -> int:
     elsewhere = replace(_PUBLISHED, init_cm_low=2 * _PLACE)
     requested = _APART
-    played = play(at([requested], _PLACE, _PLACE), elsewhere, elsewhere, elsewhere, _PUBLISHED)
-    return int(played.word_clock[0]) - requested
+    played = play(at([requested], _PLACE, _PLACE), elsewhere, elsewhere, elsewhere, _PUBLISHED, top=LIBRARY)
+    return int(played.word_clock[~decode(played.word)["event"]][0]) - requested
 
 
 def _to_token(module: Module, n: int | None) -> int:

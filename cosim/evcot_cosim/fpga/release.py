@@ -9,7 +9,7 @@ import evcot
 from evcot.outputs import written_aside
 
 from ..rtl.files import modules, verilog_dir
-from .ipxact import component, dialogue, dialogue_file
+from .ipxact import component, constraints_file, dialogue, dialogue_file
 from .sources import flat
 
 __all__ = ["TOPS", "release_text", "write_release"]
@@ -57,6 +57,8 @@ def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
         files[f"ip/{top}/evcot.v"] = text
         files[f"ip/{top}/component.xml"] = component(top, "evcot.v", verilog).encode()
         files[f"ip/{top}/{dialogue_file(top)}"] = dialogue(top, verilog).encode()
+        if name := constraints_file(top, verilog):
+            files[f"ip/{top}/{name}"] = files[name]
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -28,7 +28,7 @@ from evcot.errors import ToolchainError
 from .files import rtl_files, verilog_dir
 from .toolchain import Toolchain, find_toolchain
 
-__all__ = ["BuiltModel", "build", "cache_dir", "load"]
+__all__ = ["RANDOM_INITIAL_CPP", "RANDOM_INITIAL_FLAGS", "BuiltModel", "build", "cache_dir", "load"]
 
 # Split into several files a design would compile on several cores, but take twice as long overall, half of it for headers.
 _VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--output-split", "0", "--default-language", "1364-2005")
@@ -46,6 +46,20 @@ _CONTEXT_FILE = "evcot_context.cpp"
 _CONTEXT_CPP = """#include "verilated.h"
 extern "C" void evcot_new_context() { Verilated::threadContextp(new VerilatedContext); }
 """
+
+RANDOM_INITIAL_CPP = {
+    _CONTEXT_FILE: """#include "verilated.h"
+extern "C" void evcot_new_context() {
+    static int seed = 0;
+    VerilatedContext* context = new VerilatedContext;
+    context->randReset(2);
+    context->randSeed(++seed);
+    Verilated::threadContextp(context);
+}
+"""
+}
+RANDOM_INITIAL_FLAGS = ("--x-assign", "unique", "--x-initial", "unique")
+"""`extra_cpp` and `extra_flags` of a model in which every register begins with a random value, another in each simulation."""
 
 # Included by every file of a model, and slower to parse than a small model: g++ precompiles it.
 _HEADER_FILE = "evcot_runtime.h"

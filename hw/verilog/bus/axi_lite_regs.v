@@ -4,11 +4,11 @@
 // The words outside the banks are axi_lite_words.v. The registers of slots and filters stand in a shadow, one memory; writing
 // a bank's `commit` marks it as pending, which asserts `busy`. Once `apply` is high, that is, filters and trackers are idle, the bank
 // is copied to its tracker or filter word by word, `mode` last and only if it was written. All banks pending by then are copied
-// before busy is de-asserted.
+// before busy is de-asserted; between two of them an access that waits is served.
 //
-// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 2 more for each
-//             bank that is copied, and 32 N + 32 after reset, while the shadow is filled. A write of `mask` waits until the
-//             filters are cleared after a reset, since it would be lost.
+// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 2 more if a bank
+//             is being copied, and 33 for the first access to a bank after reset, while its part of the shadow is filled: 64 at
+//             most. A write of `mask` is refused until the filters are cleared after a reset, since it would be lost.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
 //             and marks every mode as written.
 `default_nettype none
@@ -133,7 +133,7 @@ module axi_lite_regs #(
 
     // ---- the bus -----------------------------------------------------------------------------------------------------
 
-    localparam [3:0] FILL   = 4'd0;  // after reset: giving the shadow its first values
+    localparam [3:0] FILL   = 4'd0;  // the first access to a bank after reset: giving its shadow the first values
     localparam [3:0] IDLE   = 4'd1;  // waiting for an access, or for a bank to copy
     localparam [3:0] FETCH  = 4'd2;  // reading the shadow
     localparam [3:0] LOOK   = 4'd3;  // taking what was read out of the shadow
@@ -144,6 +144,7 @@ module axi_lite_regs #(
     localparam [3:0] COPY   = 4'd8;  // copying a bank to where it takes effect
 
     reg [3:0] state;
+    reg       turns;  // a bank has been copied: an access comes before the next
 
     wire              request_valid, request_write;
     wire [WORD_W-1:0] word;
@@ -213,7 +214,7 @@ module axi_lite_regs #(
     wire [BANK_W-1:0] bank = in_filter ? FILTERS : in_slots[BANK_W-1:0];
     reg  [N:0] pending;       // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
-    wire locked = (shadowed || commits) && pending[bank];
+    wire locked = ((shadowed || commits) && pending[bank]) || (marks && !off_sensor && !cleared);
 
     // ---- an access ---------------------------------------------------------------------------------------------------
 
@@ -256,17 +257,17 @@ module axi_lite_regs #(
     // Data read in the clock in which the same word is written is not used. The word of a bank's commit holds the number of
     // the first event after it.
     (* no_rw_check *) reg [31:0] shadow [0:(N+1)*(1<<REG_W)-1];
-    reg [BANK_W+REG_W-1:0] fill;
+    reg [REG_W:0]    fill;           // the word that is written in FILL, and a clock for the last to settle
+    reg [N:0]        filled;         // by bank
     reg [BANK_W-1:0] copied;         // the bank in COPY
     reg [REG_W-1:0]  step;           // the word that is read in COPY: 1 to the last register, then 0
     reg              late;           // the word before it has been read
     reg [REG_W-1:0]  late_word;
 
-    wire fills  = state == FILL;
+    wire fills  = state == FILL && !fill[REG_W];
     wire last   = step == `EVCOT_BANK_LAST;
     wire stamps = state == COPY && last;
-    wire filled = fill == {FILTERS, {REG_W{1'b1}}};
-    wire [31:0] first = (fill[REG_W+:BANK_W] == FILTERS) ? filter_low(fill[REG_W-1:0]) : slot_low(fill[REG_W-1:0]);
+    wire [31:0] first = in_filter ? filter_low(fill[REG_W-1:0]) : slot_low(fill[REG_W-1:0]);
 
     reg                     shadow_write;
     reg  [BANK_W+REG_W-1:0] shadow_to;
@@ -275,7 +276,7 @@ module axi_lite_regs #(
 
     always @(posedge clk) begin
         shadow_write <= fills || stamps || stores;
-        shadow_to    <= fills ? fill : stamps ? {copied, `EVCOT_BANK_COMMIT} : {bank, place};
+        shadow_to    <= fills ? {bank, fill[REG_W-1:0]} : stamps ? {copied, `EVCOT_BANK_COMMIT} : {bank, place};
         shadow_in    <= fills ? first : stamps ? seq[31:0] : legal;
         if (shadow_write) shadow[shadow_to] <= shadow_in;
         shadow_out <= shadow[shadow_from];
@@ -311,18 +312,25 @@ module axi_lite_regs #(
         case (state)
             FILL: begin
                 fill <= fill + 1'b1;
-                if (filled) state <= IDLE;
+                if (fill[REG_W]) begin
+                    filled[bank] <= 1'b1;
+                    state        <= FETCH;
+                end
             end
             IDLE: begin
                 copied <= next_bank;
                 step   <= {{(REG_W - 1) {1'b0}}, 1'b1};
                 late   <= 1'b0;
+                turns  <= 1'b0;
                 if (!core_rst) begin
-                    if (apply && |pending) state <= COPY;
+                    if (apply && |pending && !(turns && request_valid)) state <= COPY;
                     else if (request_valid) state <= FETCH;
                 end
             end
-            FETCH: state <= LOOK;
+            FETCH: begin
+                fill  <= {(REG_W + 1) {1'b0}};
+                state <= ((in_slot || in_filter) && !filled[bank]) ? FILL : LOOK;
+            end
             LOOK:  state <= MERGE;
             MERGE: begin
                 result <= !known ? 32'd0 : (shadowed || commits) ? in_shadow : words_value;
@@ -330,12 +338,12 @@ module axi_lite_regs #(
                 error  <= !known;
                 state  <= request_write ? WEIGH : ANSWER;
             end
-            WEIGH: if (!marks || cleared) state <= CHECK;
+            WEIGH: state <= CHECK;
             CHECK: begin
                 error <= faulty;
                 if (acts && commits && !locked) pending[bank] <= 1'b1;
                 if (stores && in_slot && place == `EVCOT_REG_MODE) mode_new[word[REG_W+:SLOT_W]] <= 1'b1;
-                if (acts && marks && !off_sensor) begin
+                if (acts && marks && !locked && !off_sensor) begin
                     filter_cfg_valid <= 1'b1;
                     cfg_addr         <= `EVCOT_FREG_MASK;
                     cfg_data         <= merged;
@@ -358,6 +366,7 @@ module axi_lite_regs #(
                     pending[copied] <= 1'b0;
                     if (!copies_filters) mode_new[copied[SLOT_W-1:0]] <= 1'b0;
                     commit_seq <= seq;
+                    turns      <= 1'b1;
                     state      <= IDLE;
                 end
                 if (committed) commit_count <= commit_count + 1'b1;
@@ -375,8 +384,9 @@ module axi_lite_regs #(
             if (state == COPY) state <= IDLE;
         end
         if (rst) begin
-            state <= FILL;
-            fill  <= {(BANK_W + REG_W) {1'b0}};
+            state  <= IDLE;
+            filled <= {(N + 1) {1'b0}};
+            turns  <= 1'b0;
         end
     end
 
@@ -487,6 +497,7 @@ module axi_lite_regs #(
         .status_idle         (idle && !busy),
         .status_pending      (busy),
         .status_open         (open),
+        .status_cleared      (cleared),
         .status_held         (held),
         .fault_clamped       (fault[0]),
         .fault_clamped_clear (fault_clear[0]),

@@ -106,6 +106,7 @@ module axi_lite_words #(
     input  wire        status_idle,
     input  wire        status_pending,
     input  wire        status_open,
+    input  wire        status_cleared,
     input  wire [15:0] status_held,
 
     // 044: accesses that were clamped or refused
@@ -381,6 +382,7 @@ module axi_lite_words #(
         held[0:0] = held[0:0] | ({1{at_status}} & status_idle);
         held[1:1] = held[1:1] | ({1{at_status}} & status_pending);
         held[2:2] = held[2:2] | ({1{at_status}} & status_open);
+        held[3:3] = held[3:3] | ({1{at_status}} & status_cleared);
         held[31:16] = held[31:16] | ({16{at_status}} & status_held);
         held[0:0] = held[0:0] | ({1{at_fault}} & fault_clamped);
         held[1:1] = held[1:1] | ({1{at_fault}} & fault_refused);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Synchronises an asynchronous signal with a chain of flip-flops, which gives a metastable one time to settle.
 //
+// d must come from a pin or a register without logic in between: a glitch would be taken for a change.
+//
 // Latency:    STAGES clocks, one more when d changes too close to the clock edge.
 // Reset:      q and all flip-flops before it become RESET.
 `default_nettype none
@@ -18,7 +20,12 @@ module synchronizer #(
     parameter_check #(.OK(STAGES >= 2 && STAGES <= 4)) STAGES_must_be_2_to_4 ();
     parameter_check #(.OK(RESET == 0 || RESET == 1)) RESET_must_be_0_or_1 ();
 
-    (* ASYNC_REG = "TRUE" *) reg [STAGES-1:0] stages;
+    // Registers that stay as they are, side by side: for Vivado, Quartus, Synplify and Lattice, Yosys.
+    (* ASYNC_REG = "TRUE", SHREG_EXTRACT = "NO" *)
+    (* altera_attribute = "-name SYNCHRONIZER_IDENTIFICATION FORCED", preserve, dont_merge *)
+    (* syn_preserve = 1, syn_srlstyle = "registers" *)
+    (* keep = 1 *)
+    reg [STAGES-1:0] stages;
 
     assign q = stages[STAGES-1];
 

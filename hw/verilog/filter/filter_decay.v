@@ -151,7 +151,7 @@ module filter_decay #(
         if (space) begin
             for (k = 0; k < 16; k = k + 1) begin
                 full[k*9 +: 9]     <= near[k] ? decay_weight(age[k*9 +: 5]) : 9'd0;
-                halvings[k*4 +: 4] <= age[k*9 + 5 +: 4];
+                halvings[k*4 +: 4] <= near[k] ? age[k*9 + 5 +: 4] : 4'd0;  // what is no neighbour may never have been read
 
                 halved = full[k*9 +: 9] >> halvings[k*4 +: 4];
                 weight[k*9 +: 9] <= (halved > {1'b0, decay_epsilon}) ? halved : 9'd0;

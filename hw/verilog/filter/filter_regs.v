@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The software-written registers of a filter chain: one write port, every value on an output.
 //
-// Writes take effect on the next clock. Reset disables all filters and leaves the other registers as they are. Addresses and
-// meanings: evcot_defs.vh, docs/filters.md. Values are stored unchecked: the host must check legal ranges. Bits of
+// Writes take effect on the next clock. Reset disables all filters, stops the clock of filter_decay, which runs whether it is
+// enabled or not, and leaves the other registers as they are. Addresses and meanings: evcot_defs.vh, docs/filters.md. Values are stored unchecked: the host must check legal ranges. Bits of
 // cfg_data above a register's width are ignored. Register `mask` is not a value but a command: it is output for one clock.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -64,6 +64,7 @@ module filter_regs #(
             endcase
         if (rst) begin
             enable     <= 7'd0;
+            decay_rate <= 25'd0;
             mask_valid <= 1'b0;
         end
     end

@@ -2,11 +2,14 @@
 // The published tracker: one cluster, 4-phase handshakes, and the arithmetic of the hardware that the paper was measured on,
 // with all its deviations from the paper. docs/published.md is its contract; use cot.v unless you need to match that hardware.
 //
-// Clocks from the one before the edge that first sees the request, every output acknowledged at once: acknowledge 1, event
-// out (owned or rejected) 3, centre out 7, idle again 4, or 8 after a centre. An output waits until it is acknowledged, and
-// the tracker with it.
-// Reset, and every new life, goes through INIT_CELL, which acknowledges every request and drops the event.
-// Registers must not change except under reset. s_ack_n depends combinationally on s_req_n where the request is released late.
+// Latency:    clocks from the one before the edge that first sees the request, every output acknowledged at once: acknowledge
+//             1, event out (owned or rejected) 3, centre out 7; the N-th event is output before its centre, at 6.
+// Throughput: idle again after 4 clocks, or 8 after a centre.
+// Stall:      an output waits until it is acknowledged; an event, until its request is released, too. The average is updated
+//             at every clock of such a wait.
+// Reset:      leads to INIT_CELL, as does the end of a life: it acknowledges every request and drops the event.
+//             Registers must not change except under reset.
+// Combinational paths: s_high, s_low -> m_pass_high, m_pass_low, which are wires. All other outputs depend on registers alone.
 `default_nettype none
 
 module cot_published (
@@ -23,7 +26,7 @@ module cot_published (
     input  wire [7:0]  radix_max,
     input  wire [31:0] max_time,       // clocks
     input  wire [7:0]  nev_th,
-    input  wire [3:0]  hist_avg,
+    input  wire [3:0]  hist_avg,       // 1..8
 
     // events
     input  wire        s_req_n,
@@ -37,12 +40,17 @@ module cot_published (
     output wire [7:0]  m_pass_high,
     output wire [7:0]  m_pass_low,
 
-    // events of the cluster, and its centres
-    output wire        m_req_n,
-    input  wire        m_ack_n,
-    output wire        m_event,        // 1: an event, 0: a centre
-    output wire [7:0]  m_high,
-    output wire [7:0]  m_low
+    // events of the cluster
+    output wire        m_event_req_n,
+    input  wire        m_event_ack_n,
+    output wire [7:0]  m_event_high,
+    output wire [7:0]  m_event_low,
+
+    // its centres
+    output wire        m_centre_req_n,
+    input  wire        m_centre_ack_n,
+    output wire [7:0]  m_centre_high,
+    output wire [7:0]  m_centre_low
 );
 
     localparam [3:0] INIT_CELL    = 4'd0;
@@ -60,7 +68,6 @@ module cot_published (
     localparam [2:0] QUIET_TOP    = 3'd7;   // quiet updates after which the next one shrinks the window
 
     reg [3:0]  state;
-    reg        taken;                       // the request that waits was served already: it only has to be released
 
     reg [7:0]  ev_high, ev_low;             // the event being decided
     reg [7:0]  lo_high, hi_high, lo_low, hi_low;
@@ -73,48 +80,29 @@ module cot_published (
     reg [2:0]  quiet;
 
     reg [31:0] tc;                          // clocks since the last centre update
+    reg        expired;                     // tc was max_time since the life began
     reg [31:0] tc2;                         // clocks since the life began
     reg [31:0] tc2_1, tc2_2;                // what it was one and two updates ago
     reg [31:0] diff, last_diff;
 
     // ---- handshakes ------------------------------------------------------------------------------------------------
 
-    assign s_ack_n      = !(state == INIT_CELL || state == REQ_RECEIVED || (taken && !s_req_n));
-    assign m_pass_req_n = state != EV_PASS_TH;
-    assign m_pass_high  = ev_high;
-    assign m_pass_low   = ev_low;
-    assign m_req_n      = state != EV_NO_PROC && state != PROC_SEND;
-    assign m_event      = state == EV_NO_PROC;
-    assign m_high       = m_event ? ev_high : cm_high;
-    assign m_low        = m_event ? ev_low : cm_low;
+    assign s_ack_n        = state == IDLE || state == PROC_SEND;
+    assign m_pass_req_n   = state != EV_PASS_TH;
+    assign m_pass_high    = s_high;
+    assign m_pass_low     = s_low;
+    assign m_event_req_n  = state != EV_NO_PROC && state != PROC_CENTRE;
+    assign m_event_high   = ev_high;
+    assign m_event_low    = ev_low;
+    assign m_centre_req_n = state != PROC_SEND;
+    assign m_centre_high  = cm_high;
+    assign m_centre_low   = cm_low;
 
     // ---- window: registered while idle, its ends and so the addresses 0 and 255 left out ---------------------------
 
-    wire [8:0] radius = {1'b0, g} + {6'd0, radix_th};
-    wire [7:0] new_lo_high, new_hi_high, new_lo_low, new_hi_low, pixel_high, pixel_low;
-
-    cot_window #(
-        .W   (8),
-        .FRAC(0),
-        .R_W (9)
-    ) u_window_high (
-        .centre(cm_high),
-        .radius(radius),
-        .pixel (pixel_high),
-        .lo    (new_lo_high),
-        .hi    (new_hi_high)
-    );
-    cot_window #(
-        .W   (8),
-        .FRAC(0),
-        .R_W (9)
-    ) u_window_low (
-        .centre(cm_low),
-        .radius(radius),
-        .pixel (pixel_low),
-        .lo    (new_lo_low),
-        .hi    (new_hi_low)
-    );
+    wire [8:0] radius   = {1'b0, g} + {6'd0, radix_th};
+    wire [8:0] top_high = {1'b0, cm_high} + radius;  // 9 bits: wraps at 512
+    wire [8:0] top_low  = {1'b0, cm_low} + radius;
 
     wire is_inside = ev_high > lo_high && ev_high < hi_high && ev_low > lo_low && ev_low < hi_low;
 
@@ -144,23 +132,25 @@ module cot_published (
 
     // ---- radius ----------------------------------------------------------------------------------------------------
 
-    // The top edge (the far end of the high coordinate) never counts.
-    wire beyond = {1'b0, ev_low} + {1'b0, g} < {1'b0, cm_low} || {1'b0, ev_low} > {1'b0, cm_low} + {1'b0, g}
-               || {1'b0, ev_high} + {1'b0, g} < {1'b0, cm_high};
+    // The far end of the low coordinate never counts.
+    wire beyond = {1'b0, ev_high} + {1'b0, g} < {1'b0, cm_high} || {1'b0, ev_high} > {1'b0, cm_high} + {1'b0, g}
+               || {1'b0, ev_low} + {1'b0, g} < {1'b0, cm_low};
     wire [8:0] grown = {1'b0, g} + {6'd0, radix_step};
     wire       undershoots = {1'b0, g} < {1'b0, radix_min} + {6'd0, radix_step};
 
     // ---- N_ev ------------------------------------------------------------------------------------------------------
 
-    wire slower = {1'b0, diff} > {last_diff, 1'b0};
+    wire slower = diff > {last_diff[30:0], 1'b0};  // the doubled difference loses its highest bit
     wire faster = diff < {1'b0, last_diff[31:1]};
 
     // ---- FSM -------------------------------------------------------------------------------------------------------
 
+    wire event_done = !m_event_ack_n && s_req_n;
+
     always @(posedge clk) begin
-        taken <= !s_req_n && (taken || state == REQ_RECEIVED);
-        tc    <= (state == EV_PROC) ? 32'd0 : tc + 32'd1;
-        tc2   <= (state == INIT_CELL) ? 32'd0 : tc2 + 32'd1;
+        tc      <= (state == EV_PROC) ? 32'd0 : tc + 32'd1;
+        tc2     <= (state == INIT_CELL) ? 32'd0 : tc2 + 32'd1;
+        expired <= state != INIT_CELL && (expired || tc == max_time);
 
         case (state)
             // Acknowledges, and waits until there is no request.
@@ -180,16 +170,16 @@ module cot_published (
                 if (s_req_n) state <= IDLE;
             end
 
-            // Waits for a request, or for the clock at which TC is exactly MaxTime.
+            // Waits for the end of the life, or for a request once the last centre's acknowledge is released.
             IDLE: begin
                 ev_high <= s_high;
                 ev_low  <= s_low;
-                lo_high <= new_lo_high;
-                hi_high <= new_hi_high;
-                lo_low  <= new_lo_low;
-                hi_low  <= new_hi_low;
-                if (tc == max_time) state <= INIT_CELL;
-                else if (!s_req_n && !taken) state <= REQ_RECEIVED;
+                lo_high <= ({1'b0, cm_high} > radius) ? cm_high - radius[7:0] : 8'd0;
+                lo_low  <= ({1'b0, cm_low} > radius) ? cm_low - radius[7:0] : 8'd0;
+                hi_high <= top_high[8] ? 8'd255 : top_high[7:0];
+                hi_low  <= top_low[8] ? 8'd255 : top_low[7:0];
+                if (expired) state <= INIT_CELL;
+                else if (!s_req_n && m_centre_ack_n) state <= REQ_RECEIVED;
             end
 
             REQ_RECEIVED: begin
@@ -200,16 +190,17 @@ module cot_published (
 
             EV_DISCRI: state <= !inside_window ? EV_PASS_TH : (count >= n_ev) ? EV_PROC : EV_NO_PROC;
 
-            // Offers the event to the next tracker until it is acknowledged.
-            EV_PASS_TH: if (!m_pass_ack_n) state <= IDLE;
+            // Offers the event to the next tracker until it is acknowledged and its own request is released.
+            EV_PASS_TH: if (!m_pass_ack_n && s_req_n) state <= IDLE;
 
-            // Offers the event until it is acknowledged; the average takes it in at every clock of the wait.
+            // Offers the event, and waits likewise; the average takes it in at every clock of the wait.
             EV_NO_PROC: begin
                 av_high <= next_high;
                 av_low  <= next_low;
-                if (!m_ack_n) state <= IDLE;
+                if (event_done) state <= IDLE;
             end
 
+            // A life that has ended ends here, too, with its update.
             EV_PROC: begin
                 count   <= 8'd0;
                 updated <= 1'b1;
@@ -221,11 +212,11 @@ module cot_published (
                     g     <= undershoots ? radix_min : g - {5'd0, radix_step};
                     quiet <= 3'd0;
                 end else quiet <= quiet + 3'd1;
-                state <= PROC_TIMING;
+                state <= expired ? INIT_CELL : PROC_TIMING;
             end
 
             PROC_TIMING: begin
-                diff  <= tc2 - tc2_2;
+                if (tc2 > tc2_2) diff <= tc2 - tc2_2;
                 tc2_1 <= tc2;
                 tc2_2 <= tc2_1;
                 state <= PROC_NEV;
@@ -240,26 +231,25 @@ module cot_published (
                 state     <= PROC_CENTRE;
             end
 
-            PROC_CENTRE: begin
+            // Offers the N-th event as those before it, then moves the centre once.
+            PROC_CENTRE: if (event_done) begin
                 cm_high <= next_high;
                 cm_low  <= next_low;
                 state   <= PROC_SEND;
             end
 
             // Offers the centre until it is acknowledged.
-            PROC_SEND: if (!m_ack_n) state <= IDLE;
+            PROC_SEND: if (!m_centre_ack_n) state <= IDLE;
 
             default: state <= INIT_CELL;
         endcase
 
         if (rst) begin
-            state <= INIT_CELL;
-            taken <= 1'b0;
-            tc    <= 32'd0;
+            state   <= INIT_CELL;
+            tc      <= 32'd0;
+            expired <= 1'b0;
         end
     end
-
-    wire unused = &{1'b0, pixel_high, pixel_low};
 
 endmodule
 

@@ -73,8 +73,10 @@ module aer_in #(
     localparam [1:0] DECIDE = 2'd1;  // the word has been read; waiting for room if it is an event
     localparam [1:0] RETURN = 2'd2;  // acknowledged; waiting for the request to go
 
-    reg [1:0] state;
-    wire      request;
+    reg [1:0]      state;
+    reg [SYNC-1:0] synced;  // the highest: the synchronizer has forgotten the reset
+    wire           level;
+    wire           request = synced[SYNC-1] && (level ^ active_low);
 
     synchronizer #(
         .STAGES(SYNC),
@@ -82,9 +84,11 @@ module aer_in #(
     ) u_request (
         .clk(clk),
         .rst(rst),
-        .d  (aer_req ^ active_low),
-        .q  (request)
+        .d  (aer_req),
+        .q  (level)
     );
+
+    always @(posedge clk) synced <= rst ? {SYNC{1'b0}} : {synced[SYNC-2:0], 1'b1};
 
     reg             acknowledge;
     assign aer_ack = acknowledge ^ active_low;

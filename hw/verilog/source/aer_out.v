@@ -53,20 +53,24 @@ module aer_out #(
 
     localparam [31:0] LAST_SETTLED = SETUP - 1;
 
-    reg  [1:0] state;
-    reg  [7:0] settled;
-    reg        request;
-    wire       acknowledge;
+    reg [1:0]      state;
+    reg [7:0]      settled;
+    reg            request;
+    reg [SYNC-1:0] synced;  // the highest: the synchronizer has forgotten the reset
+    wire           level;
+    wire           acknowledge = !synced[SYNC-1] || (level ^ active_low);
 
     synchronizer #(
         .STAGES(SYNC),
-        .RESET (1)
+        .RESET (0)
     ) u_acknowledge (
         .clk(clk),
         .rst(rst),
-        .d  (aer_ack ^ active_low),
-        .q  (acknowledge)
+        .d  (aer_ack),
+        .q  (level)
     );
+
+    always @(posedge clk) synced <= rst ? {SYNC{1'b0}} : {synced[SYNC-2:0], 1'b1};
 
     assign aer_req = request ^ active_low;
     assign s_ready = state == READY;

@@ -25,7 +25,7 @@ from ..tracks.log import Kind
 from .contract import RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
-from .published.registers import SELECT, SELECT_NONE
+from .published.registers import SELECT, SELECT_FIRST, SELECT_NONE
 from .registers import Access, Bank, Field, Word, register_map
 
 __all__ = ["render", "stale", "write"]
@@ -158,7 +158,7 @@ def render() -> dict[str, str]:
         },
         "hw/verilog/math/lfsr_taps.vh": {"rows": rows},
         "hw/verilog/published/published_regs.vh": {
-            "select": SELECT, "select_none": SELECT_NONE, "registers": PUBLISHED_REGISTERS,
+            "select": SELECT, "select_first": SELECT_FIRST, "select_none": SELECT_NONE, "registers": PUBLISHED_REGISTERS,
         },
         "hw/verilog/bus/evcot_regs.vh": vocabulary,
         "hw/verilog/bus/evcot_limits.vh": vocabulary,

@@ -137,6 +137,7 @@ class _Status(Group):
     idle = Bits("status", "idle")
     pending = Bits("status", "pending")
     open = Bits("status", "open")
+    cleared = Bits("status", "cleared")
     held = Bits("status", "held")
 
 
@@ -196,7 +197,7 @@ class _Slot(Group):
 
 
 class _Filters(Group):
-    """The registers of the filters. `mask` marks a pixel at once: write `contract.mask_word`."""
+    """The registers of the filters. `mask` marks a pixel at once, after `status.cleared`: write `contract.mask_word`."""
 
     __slots__ = ()
     enable = BankRegister("filter", "enable")

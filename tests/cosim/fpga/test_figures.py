@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from evcot.errors import ConfigError
+from evcot_cosim.fpga import cli
 from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import Figure, growths, load, save, seed_noise
 
@@ -18,6 +19,13 @@ SIX = Figure("cot_engine", 8, "ecp5-25", "k", 4000, 3000, 0, 600, 2, 5, (118.0, 
 
 def worse(now: Figure, before: Figure = SIX, noise: float = 0.01) -> list[str]:
     return [growth.what for growth in growths(before, now, noise)]
+
+
+def test_a_design_that_misses_its_own_constraint_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    asked = replace(SIX, module="evcot_top_davis", n=4)
+    assert cli._slow([SIX, asked, replace(asked, fmax_mhz=())]) == 0
+    assert cli._slow([SIX, replace(asked, fmax_mhz=(90.0, 99.0, 120.0))]) == 1
+    assert capsys.readouterr().err == "evcot: evcot_top_davis N=4 ecp5-25: median Fmax 99.0 MHz: must be at least 100\n"
 
 
 def test_a_file_gives_back_what_was_saved(tmp_path: Path) -> None:

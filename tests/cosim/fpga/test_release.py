@@ -72,6 +72,7 @@ def test_a_release_has_its_files(tmp_path: Path) -> None:
         tree = ET.parse(tmp_path / "ip" / top / "component.xml")
         named = {f"ip/{top}/{file.findtext(f'{SPIRIT}name')}" for file in tree.iter(f"{SPIRIT}file")}
         assert named | {f"ip/{top}/component.xml"} == {file for file in files if file.startswith(f"ip/{top}/")}
+    assert "ip/evcot_top/evcot_ip.xdc" in files
     assert f"evcot {evcot.__version__}" in (tmp_path / "evcot.v").read_text()
     assert all((tmp_path / name).stat().st_size for name in files)
 
@@ -196,6 +197,17 @@ def test_constraints_name_ports_that_there_are(name: str) -> None:
     named = {re.sub(r"[\[*].*", "", port) for port in re.findall(r"get_ports \{?([^\s{}\]]+)", text)}
     assert named == {"clk", "aer_req", "aer_row", "aer_data", "aer_ack"}
     assert named <= {port.name for port in read("evcot_top").ports}
+
+
+def test_the_constraints_of_the_ip_name_ports_and_registers_that_there_are() -> None:
+    text = (HW / "fpga" / "constraints" / "evcot_ip.xdc").read_text()
+    ports = {name for group in re.findall(r"get_ports -quiet \{?([^{}\]]+)", text) for name in re.findall(r"\w+", group)}
+    assert ports - {"*"} == {"aer_req", "aer_row", "aer_data", "aer_ack"} - {"aer_req"}
+    assert "create_clock" not in text
+    (register,) = re.findall(r"\*/(\w+)/(\w+)_reg\[0\]/D", text)
+    aer_in, synchronizer = (rtl_files()[f"{name}.v"].read_text() for name in ("aer_in", "synchronizer"))
+    assert re.search(rf"\) {register[0]} \(", aer_in)
+    assert re.search(rf"reg \[STAGES-1:0\] {register[1]};", synchronizer)
 
 
 def test_the_self_test_lints_clean() -> None:

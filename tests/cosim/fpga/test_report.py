@@ -43,7 +43,7 @@ def test_tables_say_what_was_measured(tmp_path: Path) -> None:
     assert "| filter_mask | 200 | 0 | 100 | 40 | 0 | does not fit: 40 of 32 block RAMs |" in section(text, "cost")
     assert "| cot_engine, N = 8 | 8 | ecp5-25 | 125 | 64 |" in section(text, "latency")  # 8 clocks of 8 ns
     assert "filter_mask" not in section(text, "latency")
-    assert "| published tracker, alone | 7 at 50 MHz |  |  | 140 |" in section(text, "latency")
+    assert "| published tracker, its cell alone | 7 at 50 MHz |  |  | 140 |" in section(text, "latency")
     assert "cot_engine" not in section(text, "scaling")  # one size does not scale
     assert "old" not in text
     assert text.startswith("before\ncost:\n")
@@ -106,9 +106,9 @@ def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
     assert (tmp_path / "few.png").read_bytes() != (tmp_path / "many.png").read_bytes()
 
 
-# By the headers: cot_published_chain's 7 and 3 for each of three upstream; aer_in's and aer_out's SYNC + 2 and SETUP + 1.
+# By the headers: cot_published_chain's 14 and 3 for each of three upstream; aer_in's and aer_out's SYNC + 2 and SETUP + 1.
 LATENCIES = {
-    "cot": 3, "cot_published_chain": 7 + 3 * 3, "filter_polarity": 1, "evt2_decoder": 6, "evt21_decoder": 6, "evt3_decoder": 6,
+    "cot": 3, "cot_published_chain": 14 + 3 * 3, "filter_polarity": 1, "evt2_decoder": 6, "evt21_decoder": 6, "evt3_decoder": 6,
     "overload_fifo": 5, "aer_in": 2 + 2, "aer_out": 1 + 1,
 }  # fmt: skip
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from evcot.errors import ToolchainError
 from evcot.events import Events
-from evcot.filters.contract import Filter, FilterShape
+from evcot.filters.contract import Filter, FilterShape, mask_word
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode
@@ -28,6 +28,7 @@ from evcot_cosim.devices.top_device import (
     Command,
     Pace,
     TopDevice,
+    TopRun,
     address_of,
     configuration,
     filter_address,
@@ -284,9 +285,43 @@ def test_waiting_for_enable_is_no_stall_and_time_that_runs_back_is_counted() -> 
     assert (found["events_in"], found["backward"], found["stalls"]) == (6, 3, 0)
 
 
+def assert_prompt(run: TopRun) -> None:
+    """No access waited for more than 64 clocks."""
+    waited = run.commands["ended"] - run.commands["began"]
+    assert waited.max() <= 64, run.commands[np.argmax(waited)]
+
+
+@pytest.mark.parametrize("name", ["array behind filters", "engine"])
+def test_no_access_waits_longer_than_64_clocks(name: str) -> None:
+    """Right after reset, and while all banks are copied at once; the next one, at every clock in turn, meets that."""
+    build = BUILDS[name]
+    config = replace(CotConfig.uniform(build.shape, EVERY), filter_shape=build.filter_shape, filters=FilterRegisters(enable=1))
+    slots = build.shape.n_slots
+    for late in range(40):
+        device = device_of(name, config)
+        device.run(clocks=1 + late)
+        first = device.run(commands=configuration(config), quiet_clocks=1)
+        assert_prompt(first)
+        assert not first.commands["response"].any()
+    device.run(commands=[poll(STATUS, PENDING, 0), write(CONTROL, 1)])
+    commits = [write(address, 1, after=8) for address in (*map(slot_address, range(slots)), filter_address())]
+    rng, longest, together = np.random.default_rng(8), [], 0
+    for late in range(12):
+        # Nobody takes what comes out, so the commits wait; then they take effect together, while the bus is busy.
+        words = words_of(traffic_of(rng, build, 24 + late % 8, 1_000 * late))
+        assert_prompt(device.run(words, commits, take_outputs=False, quiet_clocks=200))
+        together += Registers(device).status.pending
+        played = device.run(commands=[read(slot_address(0, "mode"))] * 120)
+        assert_prompt(played)
+        longest.append(int((played.commands["ended"] - played.commands["began"]).max()))
+        assert Registers(device).status.pending == 0
+    assert together > 3
+    assert max(longest) > 12  # some did meet a copy
+
+
 @pytest.mark.parametrize("reset", ["power", "soft"])
-def test_hot_pixels_that_are_written_right_after_a_reset_are_marked(reset: str) -> None:
-    """The filters need thousands of clocks to become empty, and nothing asks software to wait."""
+def test_hot_pixels_are_refused_at_once_until_the_filters_are_cleared_and_marked_from_then_on(reset: str) -> None:
+    """The filters need thousands of clocks to become empty; the bus waits for none of them, software polls."""
     rng = np.random.default_rng(31)
     x, y = rng.permutation(60)[:12], rng.permutation(50)[:12]
     build = BUILDS["array behind filters"]
@@ -295,9 +330,14 @@ def test_hot_pixels_that_are_written_right_after_a_reset_are_marked(reset: str) 
     device = device_of("array behind filters", config)
     if reset == "soft":
         device.run(quiet_clocks=8_000)
-        device.run(commands=[write(CONTROL, 1 << 9), *configuration(config), poll(STATUS, PENDING, 0), write(CONTROL, 1)])
-    else:
-        device.configure()
+        device.run(commands=[write(CONTROL, 1 << 9)], quiet_clocks=1)
+    early = device.run(commands=[write(filter_address("mask"), mask_word(59, 49)), read(STATUS)], quiet_clocks=1)
+    assert early.commands["response"].tolist() == [2, 0]
+    assert_prompt(early)
+    registers = Registers(device)
+    assert (registers.fault.pending, registers.status.cleared) == (1, 0)
+    device.configure()
+    assert registers.status.cleared == 1
     device.run(pack_events(np.arange(24), np.tile(x, 2), np.tile(y, 2), np.zeros(24, np.int64)))
     assert Registers(device).counters()["filtered"] == 24
 
@@ -305,7 +345,7 @@ def test_hot_pixels_that_are_written_right_after_a_reset_are_marked(reset: str) 
 def test_nothing_is_taken_during_a_soft_reset() -> None:
     """Whatever is taken from the clock on in which its answer comes goes through."""
     device = device_of("array behind filters", CotConfig.uniform(SMALL, EVERY))
-    played = device.run(pack_events(np.arange(400), *np.full((3, 400), 1)), [write(CONTROL, 1 << 9 | 2)])
+    played = device.run(pack_events(np.arange(400), *np.full((3, 400), 1)), [write(CONTROL, 1 << 9 | 2, after=20)])
     after = np.count_nonzero(played.accepted >= played.commands["ended"][0])
     assert 100 < after < 390
     assert Registers(device).counters()["events_in"] == after

@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from evcot_cosim.devices.base import reset
 from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.files import rtl_files
 from support.testing import lint
 
 TOP = "synchronizer"
@@ -25,6 +28,23 @@ def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
     code, log = lint(TOP, **parameters)
     assert code != 0
     assert rule in log
+
+
+def test_no_module_puts_logic_before_a_synchronizer() -> None:
+    inputs = [
+        (path.name, found)
+        for path in rtl_files().values()
+        for found in re.findall(r"synchronizer #\(.*?\.d\s*\((.*?)\),\n", path.read_text(), re.DOTALL)
+    ]
+    assert len(inputs) >= 3
+    assert [(name, found) for name, found in inputs if not re.fullmatch(r"\w+", found)] == []
+
+
+@pytest.mark.parametrize("attribute", ["ASYNC_REG", "altera_attribute", "syn_preserve", "keep"])
+def test_its_registers_are_kept_by_the_tools_of_every_vendor(attribute: str) -> None:
+    declaration = re.search(r"((?:\(\*.*?\*\)\s*)+)reg \[STAGES-1:0\] stages;", rtl_files()[f"{TOP}.v"].read_text(), re.DOTALL)
+    assert declaration is not None
+    assert re.search(rf"\b{attribute} = ", declaration[1])
 
 
 @pytest.mark.parametrize(("stages", "after_reset"), [(2, 0), (4, 1)])

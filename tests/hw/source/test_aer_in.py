@@ -104,6 +104,19 @@ def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
 
 
 @pytest.mark.parametrize("active_low", [0, 1])
+def test_a_reset_invents_no_request_and_takes_one_that_stands(active_low: int) -> None:
+    """The synchronizer has the line as it is: what its reset leaves in it means a request in one of the two polarities."""
+    device = device_of(*SHAPES[0])
+    for line, expected in ((active_low, 0), (1 - active_low, 1)):
+        device.sim.io.aer_req, device.sim.io.m_ready = line, 1
+        device.reset(active_low=active_low, word_serial=0)
+        device.sim.io.aer_req = line
+        for _ in range(20):
+            device.sim.clock.tick()
+        assert device.sim.io.n_events == expected
+
+
+@pytest.mark.parametrize("active_low", [0, 1])
 def test_one_handshake_clock_by_clock(active_low: int) -> None:
     device = device_of(*SHAPES[0])
     device.reset(active_low=active_low, word_serial=0)

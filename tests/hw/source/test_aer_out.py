@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.devices.base import HardwareError
+from evcot_cosim.devices.base import HardwareError, reset
+from evcot_cosim.rtl.build import load
 from support.aer_device import AerDevice, Chip
 from support.stream_device import random_pattern
 from support.testing import broken_copy, lint
@@ -71,6 +72,20 @@ def test_refuses_parameters(parameters: dict[str, int], rule: str) -> None:
     code, log = lint(TOP, **parameters)
     assert code != 0
     assert rule in log
+
+
+@pytest.mark.parametrize("active_low", [0, 1])
+def test_nothing_is_taken_after_a_reset_while_an_acknowledge_stands(active_low: int) -> None:
+    sim = load("aer_out", {})
+    sim.io.active_low, sim.io.aer_ack = active_low, 1 - active_low
+    reset(sim, clocks=1)
+    for _ in range(10):
+        assert sim.io.s_ready == 0
+        sim.clock.tick()
+    sim.io.aer_ack = active_low
+    for _ in range(4):
+        sim.clock.tick()
+    assert sim.io.s_ready == 1
 
 
 @pytest.mark.parametrize("active_low", [0, 1])

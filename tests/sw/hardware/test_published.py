@@ -34,10 +34,14 @@ TO_TIMING = 4
 
 
 class Rules:
-    """One life of one tracker, described without clock edges; events far enough apart not to wait for each other."""
+    """One life of one tracker, described without clock edges; events far enough apart not to wait for each other.
 
-    def __init__(self, config: PublishedConfig) -> None:
+    The average is updated with each event as often as the line keeps it.
+    """
+
+    def __init__(self, config: PublishedConfig, updates: int) -> None:
         self.config = config
+        self.average_updates = updates
         self.centre = self.average = (config.init_cm_high, config.init_cm_low)
         self.g = config.init_radix
         self.n = config.nev_th
@@ -48,21 +52,23 @@ class Rules:
         k = self.config.hist_avg
         return int(np.floor((target + (2**k - 1) * value) / 2**k))
 
-    def word_of(self, clock: int, place: tuple[int, int]) -> int | None:
-        """The output word, or None for an event outside; `clock` since the life began."""
+    def words_of(self, clock: int, place: tuple[int, int]) -> list[int]:
+        """The output words, none for an event outside; `clock` since the life began."""
         radius = self.g + self.config.radix_th
         if not all(max(c - radius, 0) < e < min(c + radius, 255) for c, e in zip(self.centre, place, strict=True)):
-            return None
+            return []
         self.count += 1
+        event = 0x10 << 17 | place[0] << 9 | place[1] << 1 | 1
         if self.count < self.n:
-            self.average = tuple(map(self.step, self.average, place))  # type: ignore[assignment]
-            return 0x10 << 17 | place[0] << 9 | place[1] << 1 | 1
+            for _ in range(self.average_updates):
+                self.average = tuple(map(self.step, self.average, place))  # type: ignore[assignment]
+            return [event]
         self.count = 0
         self.set_radius(place)
         self.set_n(clock - self.times[-2])
         self.times.append(clock)
         self.centre = tuple(map(self.step, self.centre, self.average))  # type: ignore[assignment]
-        return self.centre[0] << 9 | self.centre[1] << 1
+        return [event, self.centre[0] << 9 | self.centre[1] << 1]
 
     def set_radius(self, place: tuple[int, int]) -> None:
         config = self.config
@@ -70,7 +76,7 @@ class Rules:
         self.updates += 1
         if self.updates == 1:
             return
-        if abs(low) > self.g or high < -self.g:
+        if abs(high) > self.g or low < -self.g:
             self.g, self.quiet = min(self.g + config.radix_step, config.radix_max), 0
         elif self.quiet > 6:
             self.g, self.quiet = max(self.g - config.radix_step, config.radix_min), 0
@@ -90,30 +96,31 @@ class Rules:
 
 
 def random_events(rng: np.random.Generator, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Events around a wandering place, 12 to some hundred clocks apart, in bursts."""
+    """Events around a wandering place, 20 to some hundred clocks apart, in bursts."""
     pace = np.repeat(rng.choice([3, 30, 400], n // 50 + 1), 50)[:n]
-    clock = np.cumsum(12 + rng.integers(0, pace))
+    clock = np.cumsum(20 + rng.integers(0, pace))
     places = 100 + np.cumsum(rng.integers(-1, 2, (2, n)), axis=1) // 2 + rng.integers(-18, 19, (2, n))
     high, low = np.clip(places, 0, 255)
     return clock, high, low
 
 
+@pytest.mark.parametrize("library_line", [False, True])
 @pytest.mark.parametrize("seed", range(12))
-def test_events_far_apart_follow_the_rules(seed: int) -> None:
+def test_events_far_apart_follow_the_rules(seed: int, library_line: bool) -> None:
     rng = np.random.default_rng([9, seed])
     config = replace(
         CONFIG, hist_avg=int(rng.integers(1, 5)), radix_th=int(rng.integers(8)), radix_step=int(rng.integers(8)),
         nev_th=int(rng.choice([0, 1, 2, 15, 200, 255])), max_time=2**32 - 1,
     )  # fmt: skip
     clock, high, low = random_events(rng, 5000)
-    rules, cascade = Rules(config), PublishedCascade([config])
+    rules, cascade = Rules(config, 5 if library_line else 1), PublishedCascade([config], library_line=library_line)
     told = cascade.play(cascade.clock + clock, high, low)
     expected = [
-        rules.word_of(int(t) + TO_TIMING + FROM_CREATION, (int(h), int(v))) for t, h, v in zip(clock, high, low, strict=True)
+        rules.words_of(int(t) + TO_TIMING + FROM_CREATION, (int(h), int(v))) for t, h, v in zip(clock, high, low, strict=True)
     ]
     print(f"seed {seed}: {len(told.word)} inside, {rules.updates} updates, N_ev {rules.n}, g {rules.g}")
-    assert told.word.tolist() == [word for word in expected if word is not None]
-    assert len(told.pass_clock) == expected.count(None)
+    assert told.word.tolist() == [word for words in expected for word in words]
+    assert len(told.pass_clock) == expected.count([])
     assert rules.updates > 3
 
 
@@ -145,23 +152,26 @@ def test_an_hour_of_silence_at_50_mhz_takes_no_time() -> None:
     cascade = PublishedCascade([CONFIG])
     hour = 3600 * 50_000_000
     told = cascade.play(np.array([100, hour]), np.array([100, 100]), np.array([100, 100]))
-    assert told.word_clock.tolist() == [103, hour + 3]
+    assert told.word_clock.tolist() == [105, hour + 5]
     assert cascade.clock > hour
 
 
-def test_no_more_comes_out_than_went_in() -> None:
+def test_one_tracker_loses_nothing_and_a_cascade_what_it_passes_to_one_that_is_busy() -> None:
     rng = np.random.default_rng(12)
-    cascade = PublishedCascade([CONFIG] * 4)
     slow = Handshakes(np.array([3, 0]), np.array([5, 0, 1]))
-    told = cascade.play(np.zeros(3000, np.int64), *rng.integers(60, 141, (2, 3000)), slow)
-    assert len(told.word) + len(told.pass_clock) == 3000
-    assert (np.diff(told.acknowledged) >= 4).all()
+    places = rng.integers(60, 141, (2, 3000))
+    configs = [replace(CONFIG, init_cm_low=low) for low in (70, 90, 110, 130)]
+    for n in (1, 4):
+        told = PublishedCascade(configs[:n]).play(np.zeros(3000, np.int64), *places, slow)
+        out = int(decode(told.word)["event"].sum()) + len(told.pass_clock)
+        assert out == 3000 if n == 1 else 2000 < out < 3000
+        assert (np.diff(told.acknowledged) >= 4).all()
 
 
 def test_the_register_writes_of_a_configuration() -> None:
     config = PublishedConfig(init_cm_low=1, init_cm_high=2, max_time=0x04030201, hist_avg=5, enable=False)
     assert config.writes(3) == [
-        (127, 3), (78, 1), (79, 2), (80, 3), (81, 64), (82, 1), (83, 2), (84, 3), (85, 4), (86, 15), (87, 5), (88, 0), (89, 3),
+        (127, 4), (78, 1), (79, 2), (80, 3), (81, 64), (82, 1), (83, 2), (84, 3), (85, 4), (86, 15), (87, 5), (88, 0), (89, 3),
         (90, 17), (91, 1),
     ]  # fmt: skip
 
@@ -178,22 +188,27 @@ def test_words_decode() -> None:
 
 
 def test_a_lone_tracker_is_the_first_of_a_cascade() -> None:
+    """It is acknowledged as the line without delay acknowledges it."""
     rng, n = np.random.default_rng(13), 5000
-    cascade = PublishedCascade([CONFIG])
+    cascade = PublishedCascade([CONFIG], library_line=False)
     rows = np.zeros(n, CASCADE_INPUT)
     rows["s_req_n"] = np.arange(n) // 3 % 3 != 0
-    rows["m_ack_n"] = np.arange(n) % 4 != 0  # let go after each word, as the line of four asks
+    rows["m_ack_n"] = np.arange(n) % 4 != 0  # released after each word, as the line asks
     rows["s_high"], rows["s_low"] = rng.integers(80, 121, (2, n))
-    lone = PublishedTracker(CONFIG)
-    inputs = np.zeros(n, TRACKER_INPUT)
-    for name in inputs.dtype.names or ():
-        inputs[name] = rows[name]
-    idle = inputs[:1].copy()
-    idle["s_req_n"] = 1
-    lone.clocks(idle)  # InitCell
-    told, expected = cascade.clocks(rows), lone.clocks(inputs)
-    for name in ("s_ack_n", "m_req_n", "m_pass_req_n", "m_pass_high", "m_pass_low"):
+    told = cascade.clocks(rows)
+    inputs = np.zeros(n + 1, TRACKER_INPUT)
+    for name in ("s_req_n", "s_high", "s_low"):
+        inputs[name][1:] = rows[name]
+    inputs["s_req_n"][0] = 1  # InitCell
+    taken = (told["m_req_n"] == 0) & (rows["m_ack_n"] == 0)
+    is_event = told["m_word"] & 1
+    inputs["m_event_ack_n"][1:], inputs["m_centre_ack_n"][1:] = ~(taken & (is_event == 1)), ~(taken & (is_event == 0))
+    inputs["m_event_ack_n"][0] = inputs["m_centre_ack_n"][0] = 1
+    expected = PublishedTracker(CONFIG).clocks(inputs)[1:]
+    for name in ("s_ack_n", "m_pass_req_n", "m_pass_high", "m_pass_low"):
         assert told[name].tolist() == expected[name].tolist(), name
+    assert decode(told["m_word"][taken])["event"].any()
+    assert not decode(told["m_word"][taken])["event"].all()
 
 
 class TestRefused:
@@ -215,7 +230,7 @@ class TestRefused:
 
     def test_events_for_a_tracker_that_is_still_selected(self) -> None:
         cascade = PublishedCascade([CONFIG])
-        cascade.write([(SELECT, 0)])
+        cascade.write([(SELECT, 1)])
         with pytest.raises(ConfigError, match="tracker 0 is selected"):
             cascade.play(np.array([100]), np.array([100]), np.array([100]))
 

@@ -9,15 +9,36 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ._kernel import BUSY, FREE, IDLE, MASK32, MAX_TIME, SELECTED, STATE, TC, TC2, TRACKERS, acknowledges, edge, requests
+from ._kernel import (
+    BUSY,
+    EXPIRED,
+    FREE,
+    IDLE,
+    LIBRARY_LINE,
+    LINE_ACKED,
+    LINE_IDLE,
+    LINE_STATE,
+    MASK32,
+    MAX_TIME,
+    NOBODY,
+    SELECTED,
+    STATE,
+    TC,
+    TC2,
+    acknowledges,
+    edge,
+    requests,
+)
+from .registers import TRACKERS
 
 __all__ = ["BENCH_FIELDS", "CLOCK", "PASSED", "WORDS", "play"]
 
 Table = NDArray[Any]
 
-# Fields of the test bench around the cascade: state of the sender, then for each receiver the clocks waited and the word count.
-CLOCK, SENT, SENDER, HOLDING, WAITED, WORDS, PASS_WAITED, PASSED = range(8)
-BENCH_FIELDS = 8
+# Fields of the test bench around the cascade: state of the sender, then for each receiver the clocks waited, the number of
+# words, and whether it has taken the word that is requested.
+CLOCK, SENT, SENDER, HOLDING, WAITED, WORDS, HELD, PASS_WAITED, PASSED, PASS_HELD = range(10)
+BENCH_FIELDS = 10
 READY, REQUESTS, RELEASED = range(3)
 
 
@@ -25,8 +46,10 @@ READY, REQUESTS, RELEASED = range(3)
 def _rests(c: Table, s: Table) -> bool:
     """Whether every tracker is idle or held in reset, and the output line is free."""
     for i in range(TRACKERS):
-        if s[i, STATE] != IDLE and c[SELECTED] != i:
+        if (s[i, STATE] != IDLE or s[i, EXPIRED]) and c[SELECTED] != i:
             return False
+    if c[LIBRARY_LINE]:
+        return bool(c[LINE_STATE] == LINE_IDLE and c[LINE_ACKED] == NOBODY)
     return bool(c[BUSY] == 0 and c[FREE] == 1)
 
 
@@ -42,16 +65,17 @@ def _quiet_clocks(b: Table, c: Table, s: Table, r: Table, clock: Table) -> int:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _receive(b: Table, req_n: int, delays: Table, waited: int, count: int) -> int:
+def _receive(b: Table, req_n: int, delays: Table, waited: int, count: int, held: int) -> int:
     """The acknowledge of a receiver that takes each word after its delay and releases it with the request."""
-    return int(req_n or b[waited] < delays[b[count] % len(delays)])
+    return int(req_n or (not b[held] and b[waited] < delays[b[count] % len(delays)]))
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _received(b: Table, req_n: int, ack_n: int, waited: int, count: int) -> int:
+def _received(b: Table, req_n: int, ack_n: int, waited: int, count: int, held: int) -> int:
     """A receiver's clock edge; returns whether it took a word."""
-    takes = int(not req_n and not ack_n)
-    b[waited] = 0 if req_n or takes else b[waited] + 1
+    takes = int(not b[held] and not req_n and not ack_n)
+    b[held] = int(not req_n and not ack_n)
+    b[waited] = 0 if req_n or b[held] else b[waited] + 1
     b[count] += takes
     return takes
 
@@ -85,7 +109,7 @@ def play(
     clock, high, low = events
     release, ack, pass_ack = delays
     acknowledged, word_clock, word, pass_clock, pass_high, pass_low = outcome
-    wires = np.ones((TRACKERS + 1, 4), np.int64)
+    wires = np.ones((TRACKERS + 1, 2), np.int64)
     n, rows = len(clock), 0
     while b[SENT] < n or b[SENDER] != READY or not _rests(c, s):
         if traces:
@@ -104,17 +128,17 @@ def play(
             b[SENDER], b[HOLDING] = REQUESTS, -1
         at.s_req_n = wires[0, 0] = b[SENDER] != REQUESTS
         event = min(b[SENT], n - 1)
-        at.s_high = wires[0, 1] = high[event]
-        at.s_low = wires[0, 2] = low[event]
-        requests(c, s, r, wires, out)
-        at.m_ack_n = _receive(b, out.m_req_n, ack, WAITED, WORDS)
-        at.m_pass_ack_n = _receive(b, out.m_pass_req_n, pass_ack, PASS_WAITED, PASSED)
+        at.s_high = high[event]
+        at.s_low = low[event]
+        requests(c, s, r, wires, at, out)
+        at.m_ack_n = _receive(b, out.m_req_n, ack, WAITED, WORDS, HELD)
+        at.m_pass_ack_n = _receive(b, out.m_pass_req_n, pass_ack, PASS_WAITED, PASSED, PASS_HELD)
         acknowledges(s, r, at.m_pass_ack_n, wires, out)
         edge(c, s, r, at, wires, out)
 
-        if _received(b, out.m_req_n, at.m_ack_n, WAITED, WORDS):
+        if _received(b, out.m_req_n, at.m_ack_n, WAITED, WORDS, HELD):
             word_clock[b[WORDS] - 1], word[b[WORDS] - 1] = b[CLOCK], out.m_word
-        if _received(b, out.m_pass_req_n, at.m_pass_ack_n, PASS_WAITED, PASSED):
+        if _received(b, out.m_pass_req_n, at.m_pass_ack_n, PASS_WAITED, PASSED, PASS_HELD):
             k = b[PASSED] - 1
             pass_clock[k], pass_high[k], pass_low[k] = b[CLOCK], out.m_pass_high, out.m_pass_low
         if b[SENDER] == REQUESTS:

@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 from ...errors import ConfigError, RecordingError
 from ...ranges import Range, check_ranges
 from ._bench import BENCH_FIELDS, CLOCK, PASSED, WORDS, play
-from ._kernel import CASCADE_FIELDS, ENABLE, REGISTER_NAMES, SELECTED, TRACKER_FIELDS, TRACKERS, run, run_one
+from ._kernel import CASCADE_FIELDS, ENABLE, LIBRARY_LINE, NOBODY, REGISTER_NAMES, SELECTED, TRACKER_FIELDS, run, run_one
 from .registers import REGISTERS as MAP
-from .registers import SELECT, SELECT_NONE
+from .registers import SELECT, SELECT_FIRST, SELECT_NONE, TRACKERS
 
 __all__ = [
     "CASCADE_INPUT",
     "CASCADE_OUTPUT",
     "REGISTERS",
     "SELECT",
+    "SELECT_FIRST",
     "SELECT_NONE",
     "TRACKER_INPUT",
     "TRACKER_OUTPUT",
@@ -49,23 +50,23 @@ _RANGES: dict[str, Range] = {
 
 @dataclass(frozen=True)
 class PublishedConfig:
-    """The registers of one published tracker; the defaults are those after its reset, except that it is enabled.
+    """The registers of one published tracker; the defaults are those of tracker 0 after reset, except that it is enabled.
 
     Raises:
         ConfigError: a field is outside its range.
     """
 
-    init_cm_low: int = MAP["init_cm_low"].reset
-    init_cm_high: int = MAP["init_cm_high"].reset
-    radix_th: int = MAP["radix_th"].reset
-    init_radix: int = MAP["init_radix"].reset
-    max_time: int = MAP["max_time"].reset
-    nev_th: int = MAP["nev_th"].reset
-    hist_avg: int = MAP["hist_avg"].reset
+    init_cm_low: int = MAP["init_cm_low"].resets[0]
+    init_cm_high: int = MAP["init_cm_high"].resets[0]
+    radix_th: int = MAP["radix_th"].resets[0]
+    init_radix: int = MAP["init_radix"].resets[0]
+    max_time: int = MAP["max_time"].resets[0]
+    nev_th: int = MAP["nev_th"].resets[0]
+    hist_avg: int = MAP["hist_avg"].resets[0]
     enable: bool = True
-    radix_step: int = MAP["radix_step"].reset
-    radix_max: int = MAP["radix_max"].reset
-    radix_min: int = MAP["radix_min"].reset
+    radix_step: int = MAP["radix_step"].resets[0]
+    radix_max: int = MAP["radix_max"].resets[0]
+    radix_min: int = MAP["radix_min"].resets[0]
 
     def __post_init__(self) -> None:
         check_ranges("published", self, _RANGES)
@@ -74,7 +75,7 @@ class PublishedConfig:
 
     def writes(self, tracker: int) -> list[tuple[int, int]]:
         """(address, data) of all writes that configure tracker 0 to 3, from its selection on; `SELECT_NONE` deselects it."""
-        found = [(SELECT, tracker)]
+        found = [(SELECT, SELECT_FIRST + tracker)]
         for name, (address, n_bytes) in REGISTERS.items():
             value = 255 * self.enable if name == "enable" else int(getattr(self, name))
             found += [(address + i, value >> 8 * i & 255) for i in range(n_bytes)]
@@ -82,9 +83,12 @@ class PublishedConfig:
 
 
 # The ports of cot_published.v and of cot_published_chain.v at one clock; a payload without a request reads 0.
-TRACKER_INPUT = np.dtype([(name, "u1") for name in ("rst", "s_req_n", "s_high", "s_low", "m_pass_ack_n", "m_ack_n")])
+TRACKER_INPUT = np.dtype(
+    [(name, "u1") for name in ("rst", "s_req_n", "s_high", "s_low", "m_pass_ack_n", "m_event_ack_n", "m_centre_ack_n")]
+)
 TRACKER_OUTPUT = np.dtype(
-    [(name, "u1") for name in ("s_ack_n", "m_pass_req_n", "m_pass_high", "m_pass_low", "m_req_n", "m_event", "m_high", "m_low")]
+    [("s_ack_n", "u1")]
+    + [(f"m_{port}_{line}", "u1") for port in ("pass", "event", "centre") for line in ("req_n", "high", "low")]
 )
 CASCADE_INPUT = np.dtype(
     [
@@ -193,15 +197,18 @@ class PublishedCascade:
 
     Args:
         configs: registers of up to four trackers, in order; the remaining trackers stay disabled.
+        library_line: True: the published library as a whole, whose line keeps each event for 5 clocks at least, so that the
+            average is updated with it as often. False: its trackers by themselves, on a line without delay.
 
     Raises:
         ConfigError: more than four trackers.
     """
 
-    def __init__(self, configs: Sequence[PublishedConfig] = ()) -> None:
+    def __init__(self, configs: Sequence[PublishedConfig] = (), *, library_line: bool = True) -> None:
         if len(configs) > TRACKERS:
             raise ConfigError(f"{len(configs)} published trackers: must be at most {TRACKERS}, the cascade's length")
         self._cascade = np.zeros(CASCADE_FIELDS, np.int64)
+        self._cascade[LIBRARY_LINE] = library_line
         self._trackers = np.zeros((TRACKERS, TRACKER_FIELDS), np.int64)
         self._registers = np.zeros((TRACKERS, len(REGISTER_NAMES)), np.int64)
         self._clock = 0
@@ -243,7 +250,7 @@ class PublishedCascade:
         """Send events through 4-phase handshakes and collect the outputs, until the cascade is idle.
 
         Idle clocks are skipped, so real recordings at real clock rates are feasible. An event that arrives during an
-        initialisation is acknowledged, but appears in no output.
+        initialisation is acknowledged, but appears in no output; nor does one that is passed to a tracker that is still busy.
 
         Args:
             clock: (n,) earliest clock of each request, never decreasing; later if the cascade is busy.
@@ -255,7 +262,7 @@ class PublishedCascade:
             ConfigError: a tracker is still selected.
             RecordingError: a coordinate is outside 0 to 255, or the clocks decrease.
         """
-        if (selected := int(self._cascade[SELECTED])) < TRACKERS and self._registers[selected, ENABLE]:
+        if (selected := int(self._cascade[SELECTED])) != NOBODY and self._registers[selected, ENABLE]:
             raise ConfigError(
                 f"tracker {selected} is selected: it would acknowledge forever; write {SELECT_NONE} to {SELECT} first"
             )
@@ -271,7 +278,7 @@ class PublishedCascade:
         if len(back := np.flatnonzero(np.diff(clock) < 0)):
             raise RecordingError(f"event {back[0] + 1}: clock {clock[back[0] + 1]} lies before that of the event before it")
         delays = handshakes or Handshakes()
-        outcome = tuple(np.zeros(n + 2 * TRACKERS, np.int64) for _ in range(6))
+        outcome = tuple(np.zeros(2 * (n + TRACKERS), np.int64) for _ in range(6))
         bench = np.zeros(BENCH_FIELDS, np.int64)
         bench[CLOCK] = self._clock
         inputs, outputs = [], []

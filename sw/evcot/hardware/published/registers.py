@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The published tracker's register map, from published_registers.toml: for the model, and for `published_regs.vh`."""
+"""The published tracker's register map, from registers.toml: for the model, and for `published_regs.vh`."""
 
 from __future__ import annotations
 
@@ -7,16 +7,19 @@ import tomllib
 from dataclasses import dataclass
 from importlib.resources import files
 
-__all__ = ["REGISTERS", "SELECT", "SELECT_NONE", "PublishedRegister"]
+__all__ = ["REGISTERS", "SELECT", "SELECT_FIRST", "SELECT_NONE", "TRACKERS", "PublishedRegister"]
+
+TRACKERS = 4
+"""Trackers of the published cascade."""
 
 
 @dataclass(frozen=True)
 class PublishedRegister:
-    """One register: address of its low byte, width, value after reset, legal values."""
+    """One register: address of its low byte, width, value after reset (or one for each tracker), legal values."""
 
     address: int
     bits: int
-    reset: int
+    reset: int | list[int]
     meaning: str
     low: int = 0
     high: int = -1
@@ -24,6 +27,11 @@ class PublishedRegister:
     def __post_init__(self) -> None:
         if self.high < 0:
             object.__setattr__(self, "high", (1 << self.bits) - 1)
+
+    @property
+    def resets(self) -> tuple[int, ...]:
+        """Value after reset of each tracker."""
+        return tuple(self.reset) if isinstance(self.reset, list) else (self.reset,) * TRACKERS
 
     @property
     def n_bytes(self) -> int:
@@ -34,5 +42,6 @@ class PublishedRegister:
 _DATA = tomllib.loads(files("evcot.hardware.published").joinpath("registers.toml").read_text(encoding="utf-8"))
 
 REGISTERS = {name: PublishedRegister(**entry) for name, entry in _DATA["register"].items()}
-SELECT: int = _DATA["select"]  # the tracker whose number is written here is held in reset and receives register writes
+SELECT: int = _DATA["select"]  # the tracker selected here is held in reset and receives register writes
+SELECT_FIRST: int = _DATA["select_first"]  # selects tracker 0
 SELECT_NONE: int = _DATA["select_none"]

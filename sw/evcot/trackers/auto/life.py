@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..._numba_private import step
@@ -260,7 +261,7 @@ def _becomes_visible(rules: Rules, world: World, i: int, lasted_s: float) -> boo
     return bool(fast and moved >= wanted and moved >= _STRAIGHT * o.path)
 
 
-@step
+@njit(cache=True, nogil=True)
 def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Table) -> None:
     """Process the events of a packet of length `lasted_us` at its end, `t_us`."""
     run = world.run[0]

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nothing depends on the values that registers have before the first reset: `evcot_top` with every filter and tracker.
+
+Icarus begins with X everywhere, Verilator with random values; both must give what Verilator gives from zeros. The program:
+slots are committed but no filter, events, one more commit, which waits until nothing is under way, a soft reset, everything is
+committed, events.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.filters.contract import Filter, FilterShape
+from evcot.filters.registers import FilterRegisters
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import Shape
+from evcot.hardware.streams import pack_events
+from evcot_cosim.devices.base import reset
+from evcot_cosim.devices.top_device import Command, TopDevice, address_of, configuration, poll, slot_address, write
+from support import four_state
+from support.four_state import needs_icarus
+from support.testing import broken_copy
+from support.top import CHAIN, EVERY
+from support.trials import random_traffic
+
+WIDTH, HEIGHT = 20, 16
+SHAPE = Shape(n_slots=2, x_w=5, y_w=5, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=32, time_w=32)
+SENSOR = FilterShape(width=WIDTH, height=HEIGHT, stamp_w=10, recent_depth=4)
+FILTERS = FilterRegisters(
+    region_x0=1, region_x1=18, polarity=1, refractory_ticks=3, activity_ticks=40, recent_ticks=60, recent_radius=3,
+    decay_rate=1 << 22, decay_epsilon=4, decay_support=40, hot_pixels=((5, 5), (9, 7), (0, 0)),
+)  # fmt: skip
+STATUS, CONTROL = address_of("status"), address_of("control")
+SOFT_RESET = write(CONTROL, 1 << 9)
+EVENTS, QUIET = 250, 1_000
+BUILDS = [*((0, 1 << which) for which in Filter), (0, 127), (0, 0), (1, 0), (2, 0)]
+EVERY_BUILD = pytest.mark.parametrize(("tracker", "has"), BUILDS, ids=[f"tracker {t}, filters {h}" for t, h in BUILDS])
+
+
+def case(has: int) -> tuple[CotConfig, list[tuple[list[Command], np.ndarray[tuple[int], np.dtype[np.uint64]]]]]:
+    """A configuration, and the program: accesses and input words, in turn."""
+    config = CotConfig.uniform(SHAPE, EVERY)
+    filters = replace(FILTERS, enable=has, hot_pixels=FILTERS.hot_pixels if has >> Filter.MASK & 1 else ())
+    whole = replace(config, filters=filters, filter_shape=SENSOR) if has else config
+    enable = [poll(STATUS, 2, 0), write(CONTROL, 1)]
+    rng = np.random.default_rng([60, has])
+    parts, now = [], 0
+    again = [write(slot_address(0), 1), poll(STATUS, 2, 0), SOFT_RESET]
+    for accesses in ([*configuration(config), *enable], again, [*configuration(whole), *enable]):
+        parts.append((accesses, np.zeros(0, np.uint64)))
+        if accesses is not again:
+            traffic = random_traffic(rng, SHAPE, EVENTS, 1.5, now)
+            x, y = traffic.x % WIDTH, traffic.y % HEIGHT
+            parts.append(([], pack_events(traffic.ticks, x, y, traffic.p)))
+            now = int(traffic.ticks[-1]) + 1
+    return replace(config, filter_shape=SENSOR), parts
+
+
+def parameters(tracker: int, has: int) -> dict[str, int]:
+    return {"TRACKER": tracker, "HAS": has}
+
+
+def in_verilator(tracker: int, has: int, *, random_initial: bool = False) -> four_state.Beats:
+    config, parts = case(has)
+    given = {**parameters(tracker, has), "FIFO_DEPTH": 8, "RECORD_DEPTH": 2}
+    device = TopDevice(config, given, random_initial=random_initial)
+    device.sim.io.aer_req = 1  # no request
+    reset(device.sim, 4)
+    runs = [device.run(words, accesses, quiet_clocks=QUIET) for accesses, words in parts]
+    responses = [int(command["response"]) for run in runs for command in run.commands if command["op"] == 1]
+    return four_state.Beats(
+        np.concatenate([run.records for run in runs]),
+        [int(word) for run in runs for word in run.owned],
+        [int(user) for run in runs for user in run.user],
+        [int(word) for run in runs for word in run.passed],
+        responses,
+    )
+
+
+def in_icarus(folder: Path, tracker: int, has: int, seed: int) -> four_state.Beats:
+    _, parts = case(has)
+    program = [four_state.reset()]
+    for accesses, words in parts:
+        program += [*four_state.commands(accesses), *four_state.words(words), four_state.quiet(QUIET)]
+    sensor = {"WIDTH": WIDTH, "HEIGHT": HEIGHT}
+    return four_state.play_top(folder, program, {**parameters(tracker, has), **sensor}, seed)
+
+
+def same(found: four_state.Beats, expected: four_state.Beats, tracker: int) -> None:
+    """Equal; of a chain, the order between its trackers depends on the stalls."""
+    for name, *both in zip(expected._fields, found, expected, strict=True):
+        one, other = (sorted(map(repr, list(beats))) if tracker == CHAIN else list(beats) for beats in both)
+        assert len(one) == len(other), name
+        assert one == other, name
+
+
+@EVERY_BUILD
+def test_the_program_uses_what_is_built(tracker: int, has: int) -> None:
+    found = in_verilator(tracker, has)
+    assert len(found.records) > 60
+    assert len(found.owned) > 60
+    assert not any(found.responses)
+    decided = len(found.owned) + len(found.passed)
+    assert decided == 2 * EVENTS if not has else EVENTS < decided < 2 * EVENTS
+
+
+@needs_icarus
+@EVERY_BUILD
+def test_four_states(tmp_path: Path, tracker: int, has: int) -> None:
+    same(in_icarus(tmp_path, tracker, has, 1 + has), in_verilator(tracker, has), tracker)
+
+
+@EVERY_BUILD
+def test_random_initial_values(tracker: int, has: int) -> None:
+    expected = in_verilator(tracker, has)
+    for _ in range(3):
+        same(in_verilator(tracker, has, random_initial=True), expected, tracker)
+
+
+@needs_icarus
+def test_a_filter_whose_clock_has_no_reset_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    broken = broken_copy(tmp_path / "verilog", "filter_regs.v", "decay_rate <= 25'd0;", "")
+    monkeypatch.setenv("EVCOT_VERILOG", str(broken))
+    with pytest.raises(AssertionError, match=r"X at|STUCK"):
+        in_icarus(tmp_path, 0, 1 << Filter.DECAY, 1)
