@@ -43,7 +43,7 @@ class AutoConfig:
 
     max_objects: int = 64
     quantile: float = 0.03
-    gate: float = 0.35
+    gate: float = 0.25
     events_per_sample: float = 5.0
     agility: float = 0.5
     growth_agility: float = 0.3

@@ -37,6 +37,8 @@ _SLOWEST = 0.5  # half sides per second: the least unit of velocity
 _SETTLED = 3  # packets after which an object's first box is noted
 _SIGNIFICANT = 2.5  # standard deviations of a velocity
 _DETOUR = 4.0  # times the distance wanted, after which a new start is tried
+_SLOW = 1.0  # half sides per second
+_FARTHER = 4.0
 _STRAIGHT = 0.5  # distance moved, as a part of the way
 _STILL = 3.0  # half sides that it would travel, after which an object without motion is lost
 _TENTATIVE_COAST = 0.5
@@ -250,13 +252,15 @@ def _becomes_visible(rules: Rules, world: World, i: int, lasted_s: float) -> boo
     o = world.objects[i]
     s, p = world.state[i], world.cov[i]
     half = _half(world, i)
-    wanted = max(rules.visible_travel * half, 1.0) + np.sqrt(p[0, 0, 0] + p[1, 0, 0])
+    v = np.hypot(s[0, 1], s[1, 1])
+    # What is slow may be a place that flickers and drifts: it must go farther.
+    wanted = max(rules.visible_travel * half * min(max(_SLOW * half / max(v, 1e-9), 1.0), _FARTHER), 1.0)
+    wanted += np.sqrt(p[0, 0, 0] + p[1, 0, 0])
     if o.packets <= _SETTLED or o.path > _DETOUR * wanted:
         o.first_x, o.first_y, o.path = s[0, 0], s[1, 0], 0.0
         return False
     o.path += np.hypot(s[0, 1], s[1, 1]) * lasted_s
     moved = np.hypot(s[0, 0] - o.first_x, s[1, 0] - o.first_y)
-    v = np.hypot(s[0, 1], s[1, 1])
     fast = v > _SIGNIFICANT * np.sqrt(p[0, 1, 1] + p[1, 1, 1])
     return bool(fast and moved >= wanted and moved >= _STRAIGHT * o.path)
 

@@ -17,10 +17,9 @@ Table = NDArray[Any]
 
 _TOGETHER = 2.0  # half sides travelled with one box in the other, after which they are one whatever their velocities
 _NEW = 1.0  # half sides travelled, up to which an object is new
-_ALONE = 3.0  # two that have each travelled this far without touching another are not parts of one
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
 _BESIDE = 0.1  # of the larger one's whole sides: the gap between it and such a part
-_THIN = 0.3  # thickness of an edge, as a part of its length
+_THIN = 0.4  # thickness of an edge, as a part of its length
 _THIN_GAPS = 2.5  # factor of the gap beside an edge
 _SMALL = 0.6  # of the larger one's mean side, up to which an object close to it may be a part of it, wherever it lies
 _WITHIN = 0.7  # share of the smaller box that lies in the larger
@@ -91,9 +90,8 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
             return True
     fast = max(np.hypot(a[0, 1], a[1, 1]), np.hypot(b[0, 1], b[1, 1]))
     unsure = 0.0
-    if min(one.alone, other.alone) < _ALONE:
-        for axis in range(2):
-            unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
+    for axis in range(2):
+        unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
     if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
         return False
     half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
