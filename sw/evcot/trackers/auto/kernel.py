@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .layout import NOBODY, UNSET_US, Rules, World
 from .life import RECORDS_PER_PACKET, open_packet
-from .restless import EPOCH_BITS, rests
+from .restless import epoch_of, rests
 from .sharing import share
 
 __all__ = ["feed"]
@@ -40,7 +40,7 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
         x, y = xs[e], ys[e]
         owner[e] = NOBODY
         index += 1
-        if rests(seen, x, y, ((t_us - first_us) >> EPOCH_BITS) + 3):
+        if rests(seen, x, y, epoch_of(t_us, first_us)):
             fresh = seen[y, x, 0] != packet
             seen[y, x, 0] = packet
             owner[e] = share(world, int(x), int(y), fresh)

@@ -92,7 +92,7 @@ def _half(world: World, i: int) -> float:
 def _sure(world: World, i: int, of: int, sigmas: float) -> float:
     """The speed of an object's centre (1) or of its half sides (3) that is beyond its uncertainty."""
     s, p = world.state[i], world.cov[i]
-    return max(np.hypot(s[0, of], s[1, of]) - sigmas * np.sqrt(p[0, of, of] + p[1, of, of]), 0.0)
+    return float(max(np.hypot(s[0, of], s[1, of]) - sigmas * np.sqrt(p[0, of, of] + p[1, of, of]), 0.0))
 
 
 @step

@@ -5,18 +5,34 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
 
-__all__ = ["EPOCH_BITS", "rests"]
+__all__ = ["EPOCH_BITS", "epoch_of", "restless", "rests"]
 
 Table = NDArray[Any]
 
 EPOCH_BITS = 16  # an epoch lasts 2^16 us
+_FIRST = 3  # number of the first epoch: a pixel that has sent nothing was last noted in epoch 0
 _RESTLESS = 10  # epochs in a row
 _COUNT_BITS = 8
 _MOST = (1 << _COUNT_BITS) - 1
+
+
+@step
+def epoch_of(t_us: int, first_us: int) -> int:
+    """The number of the epoch that holds a time; `first_us` is that of the first event."""
+    return _FIRST + ((t_us - first_us) >> EPOCH_BITS)
+
+
+def restless(pixels: NDArray[np.int32], t_us: int, first_us: int) -> NDArray[np.bool_]:
+    """The pixels that do not rest, (height, width), at a time; `pixels` as in `rests`."""
+    noted = pixels[:, :, 1]
+    lately = _FIRST + ((t_us - first_us) >> EPOCH_BITS) - (noted >> _COUNT_BITS) <= 2
+    mask: NDArray[np.bool_] = lately & ((noted & _MOST) >= _RESTLESS)
+    return mask
 
 
 @step

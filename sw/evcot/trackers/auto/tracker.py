@@ -14,6 +14,7 @@ from .config import AutoConfig
 from .kernel import feed
 from .layout import UNSET_US, make_rules, make_world
 from .life import RECORDS_PER_PACKET, close_packet
+from .restless import restless
 
 __all__ = ["AutoTracker", "track"]
 
@@ -69,6 +70,17 @@ class AutoTracker:
             lasted_us = last_us - int(run["packet_end_us"][0] - run["packet_us"][0])
             close_packet(self._rules, self._world, last_us, lasted_us, self._buffer)
         return self._take()
+
+    @property
+    def noise_hz(self) -> float | None:
+        """Events per pixel and second of the background, as estimated so far; None until there were enough."""
+        noise_hz = float(self._world.run["noise"][0])
+        return noise_hz if noise_hz >= 0.0 else None
+
+    def restless(self) -> NDArray[np.bool_]:
+        """The pixels that are ignored because they never rest, (height, width)."""
+        run = self._world.run
+        return restless(self._world.seen, int(run["last_us"][0]), int(run["first_us"][0]))
 
     @property
     def settled(self) -> int:

@@ -95,7 +95,7 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
         return False
     half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
-    if min(half_a, half_b) < _SMALL * max(half_a, half_b):
-        if max(_gap(a, b, 0), _gap(a, b, 1)) < _BESIDE * max(half_a, half_b):
-            return True
+    larger = max(half_a, half_b)
+    if min(half_a, half_b) < _SMALL * larger and max(_gap(a, b, 0), _gap(a, b, 1)) < _BESIDE * larger:
+        return True
     return are_parts(a[:, ::2], b[:, ::2], rules.gap, rules.elongation)

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The automatic tracker needs no setting for size, speed or noise: objects become tracks, and what does not move does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot.errors import ConfigError, RecordingError
+from evcot.events import Events, Recording
+from evcot.metrics import evaluate, load_rule, read_truth
+from evcot.recordings.files import read_recording
+from evcot.trackers.auto.config import AutoConfig
+from evcot.trackers.auto.tracker import AutoTracker, track
+from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import sample
+from shared import SHARED
+
+WIDTH, HEIGHT = 346, 260
+SEED = 7
+
+
+def ring(
+    x: float, y: float, vx: float, vy: float, radius_px: float, duration_us: int, per_px: float = 3.0
+) -> tuple[NDArray[np.float64], ...]:
+    """Times and places of events on a disc's contour: `per_px` for each pixel of the contour and pixel travelled."""
+    random = np.random.default_rng(SEED)
+    n = int(per_px * 2 * np.pi * radius_px * np.hypot(vx, vy) * duration_us * 1e-6)
+    t_us, angle = np.sort(random.uniform(0, duration_us, n)), random.uniform(0, 2 * np.pi, n)
+    return t_us, x + vx * 1e-6 * t_us + radius_px * np.cos(angle), y + vy * 1e-6 * t_us + radius_px * np.sin(angle)
+
+
+def noise(hz: float, duration_us: int, width: int = WIDTH, height: int = HEIGHT) -> tuple[NDArray[np.float64], ...]:
+    random = np.random.default_rng(SEED + 1)
+    n = random.poisson(hz * width * height * duration_us * 1e-6)
+    return random.uniform(0, duration_us, n), random.uniform(-0.5, width - 0.5, n), random.uniform(-0.5, height - 0.5, n)
+
+
+def together(*parts: tuple[NDArray[np.float64], ...], width: int = WIDTH, height: int = HEIGHT) -> Recording:
+    t_us, x, y = (np.concatenate([part[i] for part in parts]) for i in range(3))
+    x, y = np.rint(x), np.rint(y)
+    seen = np.flatnonzero((x >= 0) & (x < width) & (y >= 0) & (y < height))
+    order = seen[np.argsort(t_us[seen], kind="stable")]
+    p = np.random.default_rng(SEED + 2).integers(0, 2, len(order), dtype=np.uint8)
+    events = Events(t_us[order].astype(np.int64), x[order].astype(np.uint16), y[order].astype(np.uint16), p)
+    return Recording(events, width, height, "test")
+
+
+def run(recording: Recording) -> TrackLog:
+    return track(recording, AutoConfig())
+
+
+@pytest.mark.parametrize(("radius_px", "speed_px_s"), [(6, 60), (6, 400), (12, 40), (12, 150), (12, 1000), (40, 80), (40, 600)])
+def test_a_disc_of_any_size_and_speed_is_one_track_with_its_box(radius_px: float, speed_px_s: float) -> None:
+    duration_us = int(1e6 * 200 / speed_px_s)
+    recording = together(ring(60, 130, speed_px_s, 0, radius_px, duration_us), noise(0.2, duration_us))
+    log = run(recording)
+    assert len(np.unique(log.records["track_id"])) == 1
+    seen = sample(log, np.linspace(0.5 * duration_us, 0.95 * duration_us, 20).astype(np.int64))
+    assert len(seen) == 20
+    x = 60 + speed_px_s * 1e-6 * np.linspace(0.5 * duration_us, 0.95 * duration_us, 20)
+    assert np.median(np.hypot(seen["x"] - x, seen["y"] - 130)) < max(1.0, 0.1 * radius_px)
+    for side in ("width", "height"):
+        assert np.median(seen[side]) == pytest.approx(2 * radius_px, rel=0.2, abs=2)
+    assert np.median(seen["vx"]) == pytest.approx(speed_px_s, rel=0.15)
+
+
+def test_two_edges_of_one_object_are_one_track() -> None:
+    random = np.random.default_rng(SEED)
+    n, duration_us = 12_000, 1_500_000
+    t_us = np.sort(random.uniform(0, duration_us, n))
+    x = 40 + 150e-6 * t_us + np.where(random.random(n) < 0.5, -12, 12) + random.normal(0, 0.5, n)
+    log = run(together((t_us, x, 120 + random.uniform(-12, 12, n)), noise(0.1, duration_us)))
+    assert len(sample(log, np.array([1_000_000]))) == 1
+    (seen,) = sample(log, np.array([1_000_000]))
+    assert seen["x"] == pytest.approx(190, abs=2)
+    assert seen["width"] == pytest.approx(25, abs=4)
+
+
+def test_discs_that_cross_keep_their_names() -> None:
+    duration_us = 1_400_000
+    log = run(
+        together(ring(60, 126, 150, 0, 10, duration_us), ring(280, 134, -150, 0, 10, duration_us), noise(0.2, duration_us))
+    )
+    begin, end = sample(log, np.array([300_000])), sample(log, np.array([1_300_000]))
+    assert len(begin) == len(end) == 2
+    at = {int(row["track_id"]): float(row["x"]) for row in begin}
+    for row in end:
+        assert abs(row["x"] - at[int(row["track_id"])]) == pytest.approx(150, abs=6)
+
+
+@pytest.mark.parametrize("hz", [0.1, 1.0, 5.0])
+def test_noise_is_no_track(hz: float) -> None:
+    assert not len(run(together(noise(hz, 4_000_000))).records)
+
+
+def test_a_hot_pixel_and_a_lamp_are_no_track() -> None:
+    random = np.random.default_rng(SEED)
+    hot = np.arange(0, 6_000_000, 200.0), np.full(30_000, 200.0), np.full(30_000, 90.0)
+    flashes = np.repeat(np.arange(1200) * 5_000.0, 40)
+    lamp = flashes + random.uniform(0, 1_500, 48_000), 300 + random.uniform(0, 12, 48_000), 20 + random.uniform(0, 12, 48_000)
+    log = run(together(hot, lamp, noise(0.5, 6_000_000)))
+    assert len(np.unique(log.records["track_id"])) <= 1
+    assert not len(sample(log, np.arange(1_500_000, 6_000_000, 50_000)))
+
+
+def test_a_disc_is_found_in_strong_noise() -> None:
+    log = run(together(ring(60, 130, 150, 0, 12, 1_500_000, per_px=6), noise(5.0, 1_500_000)))
+    seen = sample(log, np.arange(600_000, 1_500_000, 50_000))
+    assert len(seen) == 18
+    assert np.median(np.abs(seen["y"] - 130)) < 1.5
+
+
+def test_the_split_into_runs_does_not_matter() -> None:
+    recording = together(ring(60, 130, 200, 20, 12, 1_000_000), noise(0.5, 1_000_000))
+    whole, parted = AutoTracker(AutoConfig(), WIDTH, HEIGHT), AutoTracker(AutoConfig(), WIDTH, HEIGHT)
+    records, owner = whole.feed(recording.events)
+    parts = [parted.feed(recording.events[at : at + 997]) for at in range(0, len(recording.events), 997)]
+    np.testing.assert_array_equal(np.concatenate([part[0] for part in parts]), records)
+    np.testing.assert_array_equal(np.concatenate([part[1] for part in parts]), owner)
+    np.testing.assert_array_equal(parted.finish(), whole.finish())
+
+
+def test_time_may_run_at_any_rate() -> None:
+    recording = together(ring(60, 130, 200, 20, 12, 1_000_000, per_px=6))
+    slow = Recording(recording.events, WIDTH, HEIGHT, "slow")
+    slow = Recording(Events(3 * slow.events.t_us, slow.events.x, slow.events.y, slow.events.p), WIDTH, HEIGHT, "slow")
+    for log, times in ((run(recording), 1), (run(slow), 3)):
+        (seen,) = sample(log, np.array([900_000 * times]))
+        assert seen["x"] == pytest.approx(240, abs=1.5)
+        assert seen["vx"] * times == pytest.approx(200, rel=0.15)
+
+
+def test_records_tell_a_life() -> None:
+    log = run(together(ring(60, 130, 300, 0, 12, 2_000_000), noise(0.2, 2_000_000)))
+    kinds = log.records["kind"]
+    assert kinds[0] == Kind.BORN
+    assert (np.diff(log.records["t_us"]) >= 0).all()
+    assert kinds[-1] == Kind.LOST  # it has left the sensor
+    assert log.records["t_us"][-1] < 1_400_000
+    assert (log.owner >= 0).mean() > 0.5
+
+
+def test_refused() -> None:
+    with pytest.raises(ConfigError, match=r"auto\.gate = 9\.0: must be from 0\.01 to 4\.0"):
+        AutoConfig(gate=9.0)
+    tracker = AutoTracker(AutoConfig(), 10, 10)
+    one = Events(np.array([5]), np.array([3], np.uint16), np.array([3], np.uint16), np.array([1], np.uint8))
+    tracker.feed(one)
+    with pytest.raises(RecordingError, match="time must not run back"):
+        tracker.feed(Events(np.array([4]), one.x, one.y, one.p))
+    with pytest.raises(RecordingError, match="must lie on the sensor"):
+        tracker.feed(Events(np.array([6]), np.array([10], np.uint16), one.y, one.p))
+
+
+def test_an_empty_stream_is_an_empty_log() -> None:
+    tracker = AutoTracker(AutoConfig(), WIDTH, HEIGHT)
+    assert not len(tracker.finish())
+    assert tracker.noise_hz is None
+
+
+@pytest.mark.skipif(not (SHARED / "traffic_outbound.aedat4").is_file(), reason="the shared recordings are not here")
+def test_the_real_motorway_with_its_hot_pixel() -> None:
+    rule = load_rule("traffic")
+    recording = read_recording(SHARED / "traffic_outbound.aedat4")
+    scores = evaluate(run(recording), read_truth(SHARED / "traffic_outbound_gt.csv", rule), rule)
+    assert scores.hota > 0.68
+    assert scores.idf1 > 0.8
+    assert scores.idsw <= 2
