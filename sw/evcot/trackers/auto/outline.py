@@ -27,7 +27,7 @@ _SIGMAS = 3.0
 _ENOUGH = 40.0  # pixels in a picture from which it counts
 _LEAST_SHARE = 0.04  # of the pixels: a smaller part is noise
 _LEAST_PIXELS = 4.0
-_FILLED = 0.3  # half sides of travel after which a picture is complete enough to shrink a box
+_FILLED = 0.6  # half sides of travel after which a picture is complete enough to shrink a box
 _MOST_GAIN = 1e6
 
 

@@ -143,7 +143,7 @@ def test_records_tell_a_life() -> None:
 
 
 def test_refused() -> None:
-    with pytest.raises(ConfigError, match=r"auto\.gate = 9\.0: must be from 0\.01 to 4\.0"):
+    with pytest.raises(ConfigError, match=r"auto\.gate = 9\.0: must be from 0\.01 to 4"):
         AutoConfig(gate=9.0)
     tracker = AutoTracker(AutoConfig(), 10, 10)
     one = Events(np.array([5]), np.array([3], np.uint16), np.array([3], np.uint16), np.array([1], np.uint8))
