@@ -35,6 +35,7 @@ _BENCHMARKS = (
     "clustering",
     "table2",
     "cot_quality",
+    "auto",
     "kalman",
     "anomalies",
     "quality",

@@ -10,16 +10,16 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ..._numba_private import step
 
 __all__ = ["correct", "predict", "turn_back"]
 
 Table = NDArray[Any]
 
 
-@njit(cache=True, nogil=True)
+@step
 def predict(s: Table, p: Table, dt: float, velocity_walk: float, growth_walk: float) -> None:
     """Predict one axis' state (4,) and covariance (4, 4) by dt seconds: velocity and growth are random walks."""
     s[0] += dt * s[1]
@@ -38,24 +38,19 @@ def predict(s: Table, p: Table, dt: float, velocity_walk: float, growth_walk: fl
         p[at + 1, at + 1] += q
 
 
-@njit(cache=True, nogil=True)
+@step
 def correct(s: Table, p: Table, sign: float, off_px: float, variance: float) -> None:
     """Update with a measurement of the side centre + sign * half that is `off_px` above the estimate."""
-    gain = np.empty(4)
-    total = p[0, 0] + 2.0 * sign * p[0, 2] + p[2, 2] + variance
-    for k in range(4):
-        gain[k] = (p[k, 0] + sign * p[k, 2]) / total
-    for k in range(4):
-        s[k] += gain[k] * off_px
-    row = np.empty(4)
-    for k in range(4):
-        row[k] = p[0, k] + sign * p[2, k]
+    row = (p[0, 0] + sign * p[2, 0], p[0, 1] + sign * p[2, 1], p[0, 2] + sign * p[2, 2], p[0, 3] + sign * p[2, 3])
+    total = row[0] + sign * row[2] + variance
     for i in range(4):
+        gain = row[i] / total
+        s[i] += gain * off_px
         for k in range(4):
-            p[i, k] -= gain[i] * row[k]
+            p[i, k] -= gain * row[k]
 
 
-@njit(cache=True, nogil=True)
+@step
 def turn_back(s: Table, p: Table, size: int) -> None:
     """Mirror one axis' state (4,) and covariance (4, 4) at the edge of `size` pixels that the box has passed on its way out."""
     low, high = -0.5 - (s[0] - s[2]), s[0] + s[2] - (size - 0.5)

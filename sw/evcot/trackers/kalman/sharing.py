@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
 from numpy.typing import NDArray
 
+from ..._numba_private import step
 from .layout import CELL_BITS, MANY, NOBODY, PROFILE, Rules, World
 
 __all__ = ["prepare_packet", "share"]
@@ -18,7 +18,7 @@ _OUTSIDE = 0.1  # density in the gate around a box, as a part of that inside
 _PRIOR = 1.0  # prior event count of each part of a profile
 
 
-@njit(cache=True, nogil=True)
+@step
 def prepare_packet(rules: Rules, world: World) -> None:
     """Prepare the assignment of the open packet's events: each object's predicted box in mid-packet, and its cells."""
     world.near[:] = NOBODY
@@ -43,7 +43,7 @@ def prepare_packet(rules: Rules, world: World) -> None:
                 world.near[row, column] = i if world.near[row, column] == NOBODY else MANY
 
 
-@njit(cache=True, nogil=True)
+@step
 def _open_gate(o: Any, width: int, height: int) -> None:
     """Set the gate around a box; for an entering object, up to the edge."""
     o.left, o.right = o.x - o.half_x - o.gate, o.x + o.half_x + o.gate
@@ -58,13 +58,13 @@ def _open_gate(o: Any, width: int, height: int) -> None:
         o.bottom = height + 1.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _part(u: float, half: float) -> int:
     """Index of the part of a side at offset u from its middle."""
     return max(min(int((u + half) * (0.5 * PROFILE / half)), PROFILE - 1), 0)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _density(world: World, i: int, x: float, y: float) -> float:
     """Expected number of events of object i per packet and pixel at a position."""
     o = world.objects[i]
@@ -76,7 +76,7 @@ def _density(world: World, i: int, x: float, y: float) -> float:
     return float(outside * seen * (o.rate + 1e-3) / (world.total[i] * o.half_x * o.half_y))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def _take(world: World, i: int, x: float, y: float, weight: float) -> bool:
     """Assign a share of an event to an object; returns False if the event lies outside its gate."""
     o = world.objects[i]
@@ -99,7 +99,7 @@ def _take(world: World, i: int, x: float, y: float, weight: float) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, inline="always")
+@step
 def share(world: World, x: int, y: int) -> int:
     """Assign an event; returns the slot with the largest share, or NOBODY after marking the pixel for births."""
     row, column = y >> CELL_BITS, x >> CELL_BITS
