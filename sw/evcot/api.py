@@ -51,7 +51,7 @@ def filter_recording(recording: Recording, config: FilterConfig | None = None, *
 def track(
     source: Recording | Path | str,
     /,
-    engine: str = "rct",
+    engine: str = "auto",
     preset: str | None = None,
     *,
     config: Path | str | None = None,
