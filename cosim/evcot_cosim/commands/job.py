@@ -25,7 +25,9 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: 
     run = "the folder of a run of `evcot cosim`; " if runs else ""
     parser.add_argument("recording", nargs="?", type=input_or_name, metavar="RUN" if runs else "FILE", help=run + source)
     parser.add_argument("--seed", type=int, metavar="N", help="seed of a scene (default: 1)")
-    parser.add_argument("--preset", metavar="NAME", help=f"see `evcot presets`; auto: from what is seen in the recording (default: {default})")
+    parser.add_argument(
+        "--preset", metavar="NAME", help=f"see `evcot presets`; auto: from what is seen in the recording (default: {default})"
+    )
     parser.add_argument(
         "--config", type=input_path, metavar="TOML", help="overrides of the preset, or a whole run (--print-config)"
     )

@@ -12,7 +12,7 @@ from dataclasses import replace
 from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import SLOTS_MAX, Shape
-from .auto.estimates import Estimates, Spread
+from .auto.estimates import Estimates, Objects
 from .config import RunConfig
 from .presets import fit, for_sensor
 
@@ -21,16 +21,13 @@ __all__ = ["AUTO", "auto_config", "told"]
 AUTO = "auto"  # its name among presets
 
 _ONE_SIZE = 1.4  # of the largest by the smallest: objects of up to that are of one size
-_MIX = 0.0
-_EDGE = 1.5
-_HIGH = 1.2
-_NMAX = 1
 _REACH = 1.4  # a window's radius, of the longer half side
 _RING = 0.2  # its outer part
-_SMALLEST = 0.3  # window of an object that is far away, of the middle one's
-_UPDATES_PX = 0.3  # px of travel between two updates of the centre
-_UPDATES_ONE_SIZE_PX = 0.04
-_LIFE = 0.08  # of the time in which an object travels its half side: silence after which a track ends
+_SMALLEST = 0.5  # inner radius, of that at the start of a life
+_UPDATE_PX = 0.3  # of travel between two updates of the centre
+_UPDATE_ONE_SIZE_PX = 0.04
+_EVENTS = 1.5  # of an update at least, by pixels of the half side: fewer are no object of several sizes
+_LIFE = 0.12  # of the time in which an object travels its half side: silence after which a track ends
 _DETECTION = 0.5  # of the time in which an object sends the events of an update
 _REFRACTORY_PX = 0.2  # of travel
 _SPARE_SLOTS = 4
@@ -39,6 +36,7 @@ _NEIGHBOUR_PX = 1.0  # of travel between two events of neighbouring pixels
 _NEIGHBOUR_MAX_US = 10_000
 _MOST_NEIGHBOURS = 3
 _N_EV = (4, 500)
+_RADIUS_MAX = 250
 _TIMES_US = (500, 4_000_000)
 
 
@@ -47,15 +45,15 @@ def auto_config(seen: Estimates) -> RunConfig:
 
     Where no object was seen, windows, counts and times are those of the preset for the sensor.
     """
-    if seen.speed_px_s is None:
+    if seen.objects is None:
         base = for_sensor(seen.sensor[0])
         slot, one_polarity, n_slots = base.cot.slots[0], False, base.cot.shape.n_slots
         refractory_us, neighbour_us = 0, _NEIGHBOUR_MAX_US
     else:
-        one_polarity = not _one_size(seen)
-        slot = _registers(seen, one_polarity)
+        one_polarity = not _one_size(seen.objects)
+        slot = _registers(seen.objects, one_polarity)
         n_slots = min(seen.alive_most + _SPARE_SLOTS, SLOTS_MAX)
-        per_px_us = 1e6 / seen.speed_px_s.median
+        per_px_us = 1e6 / seen.objects.speed_px_s.median
         refractory_us = _us(_REFRACTORY_PX * per_px_us, 1)
         neighbour_us = min(_us(_NEIGHBOUR_PX * per_px_us, 1), _NEIGHBOUR_MAX_US)
     filters = FilterConfig(
@@ -75,26 +73,26 @@ def auto_config(seen: Estimates) -> RunConfig:
     return fit(config, *seen.sensor)
 
 
-def _one_size(seen: Estimates) -> bool:
-    assert seen.long_px is not None
-    return seen.long_px.high <= _ONE_SIZE * seen.long_px.low
+def _one_size(objects: Objects) -> bool:
+    return objects.long_px.high <= _ONE_SIZE * objects.long_px.low
 
 
-def _registers(seen: Estimates, one_polarity: bool) -> SlotConfig:
-    long_px, speed_px_s, half_px, pixels_per_px = seen.long_px, seen.speed_px_s, seen.half_px, seen.pixels_per_px
-    assert long_px is not None and speed_px_s is not None and half_px is not None and pixels_per_px is not None
-    one_size = _one_size(seen)
-    radius = min(_REACH * long_px.median ** (1 - _MIX) * long_px.high**_MIX, 250)
+def _registers(objects: Objects, one_polarity: bool) -> SlotConfig:
+    one_size, half_px, speed_px_s = _one_size(objects), objects.half_px.median, objects.speed_px_s.median
+    radius = min(_REACH * objects.long_px.median, _RADIUS_MAX)
     ring = max(2, round(_RING * radius))
     inner = max(2, round(radius) - ring)
     if one_size:
         least, most = inner - max(1, inner // 6), inner + max(1, inner // 6)
     else:
-        least, most = max(1, round(_SMALLEST * inner)), min(max(round(_HIGH * long_px.high) - ring, inner), 255)
-    per_px = pixels_per_px.median * (0.5 if one_polarity else 1.0)
-    wanted = _UPDATES_ONE_SIZE_PX * per_px if one_size else max(_UPDATES_PX * per_px, _EDGE * half_px.median)
+        least, most = (
+            max(1, round(_SMALLEST * inner)),
+            max(round(min(_REACH * objects.long_px.high, _RADIUS_MAX)) - ring, inner),
+        )
+    per_px = objects.pixels_per_px.median * (0.5 if one_polarity else 1.0)
+    wanted = _UPDATE_ONE_SIZE_PX * per_px if one_size else max(_UPDATE_PX * per_px, _EVENTS * half_px)
     n_ev = int(min(max(wanted, _N_EV[0]), _N_EV[1]))
-    life_us = _us(1e6 * _LIFE * half_px.median / speed_px_s.median)
+    life_us = _us(1e6 * _LIFE * half_px / speed_px_s)
     return SlotConfig(
         init_radix=inner,
         radix_th=ring,
@@ -105,9 +103,9 @@ def _registers(seen: Estimates, one_polarity: bool) -> SlotConfig:
         max_ticks=life_us,
         clust_nev=n_ev,
         nev_min=n_ev,
-        nev_max=_NMAX * n_ev,
+        nev_max=n_ev,
         nev_th=life_us // 8,
-        detect_ticks=_us(1e6 * _DETECTION * n_ev / (per_px * speed_px_s.median)),
+        detect_ticks=_us(1e6 * _DETECTION * n_ev / (per_px * speed_px_s)),
     )
 
 
@@ -131,5 +129,5 @@ def told(seen: Estimates, config: RunConfig) -> str:
     chosen = [f"{config.cot.shape.n_slots} slots", f"radius {slot.init_radix + slot.radix_th} px", f"N_ev {slot.clust_nev}"]
     chosen.append(f"lifetime {slot.max_ticks * config.cot.tick_us / 1e3:g} ms")
     chosen += [f"{which.name.lower()} filter" for which in config.filters.filters]
-    assumed = "" if seen.speed_px_s else f"preset {for_sensor(seen.sensor[0]).name} assumed, "
+    assumed = "" if seen.objects else f"preset {for_sensor(seen.sensor[0]).name} assumed, "
     return f"{seen} -> {assumed}{', '.join(chosen)}"

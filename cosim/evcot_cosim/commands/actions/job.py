@@ -85,7 +85,9 @@ def job_from(
     folder = _run_folder(options)
     described = read_run_file(options.config) if options.config else None
     source = _source(options, described.source if described else None, window)
-    from_estimates = options.preset == AUTO or (auto and options.preset is None and not described and options.recording is not None)
+    from_estimates = options.preset == AUTO or (
+        auto and options.preset is None and not described and options.recording is not None
+    )
     if until_us is not None and not described and not from_estimates:
         source = replace(source, to_us=until_us)
     name = folder.name if folder else source.name

@@ -18,7 +18,7 @@ from ...tracks.tracking import FilteredTracker, Tracker
 from .config import AutoConfig
 from .tracker import AutoTracker
 
-__all__ = ["SAMPLE_US", "SEEN_EVENTS", "SEEN_US", "Estimates", "ObservedTracker", "Spread", "estimate", "seen_by"]
+__all__ = ["SAMPLE_US", "SEEN_EVENTS", "SEEN_US", "Estimates", "Objects", "ObservedTracker", "Spread", "estimate", "seen_by"]
 
 SEEN_US, SEEN_EVENTS = 60_000_000, 20_000_000  # of a recording: what comes later is not looked at
 SAMPLE_US = 50_000  # between two looks at the tracker
@@ -41,6 +41,23 @@ class Spread:
 
 
 @dataclass(frozen=True)
+class Objects:
+    """What objects are like, as often as each was seen.
+
+    Attributes:
+        half_px: half sides, the mean of both axes.
+        long_px: the longer half side.
+        speed_px_s: speed.
+        pixels_per_px: pixels that one sends while it travels one pixel.
+    """
+
+    half_px: Spread
+    long_px: Spread
+    speed_px_s: Spread
+    pixels_per_px: Spread
+
+
+@dataclass(frozen=True)
 class Estimates:
     """What was seen of a scene.
 
@@ -52,10 +69,7 @@ class Estimates:
         hot_pixels: (x, y) of those that never rest.
         alive: objects alive at once, as a rule.
         alive_most: the same at 99 % of all times.
-        half_px: half sides of objects, the mean of both axes; None without objects. So are the others.
-        long_px: the longer half side.
-        speed_px_s: their speeds.
-        pixels_per_px: pixels that an object sends while it travels one pixel.
+        objects: None if too few were seen to tell.
     """
 
     sensor: Sensor
@@ -65,20 +79,17 @@ class Estimates:
     hot_pixels: tuple[tuple[int, int], ...] = ()
     alive: int = 0
     alive_most: int = 0
-    half_px: Spread | None = None
-    long_px: Spread | None = None
-    speed_px_s: Spread | None = None
-    pixels_per_px: Spread | None = None
+    objects: Objects | None = None
 
     def __str__(self) -> str:
         """A line for people."""
         said = [f"auto: {self.sensor[0]}x{self.sensor[1]}", f"{self.seen_us / 1e6:.3g} s"]
         said.append("noise unknown" if self.noise_hz is None else f"noise {self.noise_hz:.2g} Hz/pixel")
         said.append(f"{len(self.hot_pixels)} hot pixel{'' if len(self.hot_pixels) == 1 else 's'}")
-        if self.long_px is None or self.speed_px_s is None:
+        if self.objects is None:
             return ", ".join([*said, "no object seen for long enough"])
-        sizes = f"{2 * self.long_px.low:.0f} to {2 * self.long_px.high:.0f} px"
-        speeds = f"{self.speed_px_s.low:.0f} to {self.speed_px_s.high:.0f} px/s"
+        size, speed = self.objects.long_px, self.objects.speed_px_s
+        sizes, speeds = f"{2 * size.low:.0f} to {2 * size.high:.0f} px", f"{speed.low:.0f} to {speed.high:.0f} px/s"
         return ", ".join([*said, f"up to {self.alive_most} objects of {sizes}", speeds])
 
 
@@ -96,9 +107,11 @@ class _Histogram:
         at = int(np.searchsorted(np.cumsum(self._counts), share * self._counts.sum()))
         return float(_LOWEST * 10.0 ** ((at + 0.5) / _PER_DECADE))
 
-    def spread(self) -> Spread | None:
-        if self._counts.sum() < _LEAST_SAMPLES:
-            return None
+    @property
+    def added(self) -> int:
+        return int(self._counts.sum())
+
+    def spread(self) -> Spread:
         return Spread(self.quantile(_LOW), self.quantile(0.5), self.quantile(_HIGH))
 
 
@@ -173,17 +186,17 @@ class ObservedTracker:
         """What was seen so far."""
         looks = int(self._alive.sum())
         rows, columns = np.nonzero(self._hot > _HOT * self._hot_looks)
-        known = self._noise._counts.any()
+        seen = {name: values.spread() for name, values in self._spreads.items() if values.added >= _LEAST_SAMPLES}
         most = np.searchsorted(np.cumsum(self._alive), (0.5 * looks, _LATEST * looks)) if looks else (0, 0)
         return Estimates(
             self._sensor,
             self._last_us - self._first_us if self._first_us is not None else 0,
             self._events,
-            self._noise.quantile(0.5) if known else None,
+            self._noise.quantile(0.5) if self._noise.added else None,
             tuple(zip(columns.tolist(), rows.tolist(), strict=True)),
             int(most[0]),
             int(most[1]),
-            **{name: values.spread() for name, values in self._spreads.items()},
+            Objects(**seen) if seen else None,
         )
 
 
