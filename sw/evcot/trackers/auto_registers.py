@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, SlotConfig
@@ -25,7 +26,7 @@ _REACH = 1.4  # a window's radius, of the longer half side
 _RING = 0.2  # its outer part
 _SMALLEST = 0.5  # inner radius, of that at the start of a life
 _UPDATE_PX = 0.3  # of travel between two updates of the centre
-_UPDATE_ONE_SIZE_PX = 0.04
+_UPDATE_ONE_SIZE_PX = 0.06
 _EVENTS = 1.5  # of an update at least, by pixels of the half side: fewer are no object of several sizes
 _LIFE = 0.12  # of the time in which an object travels its half side: silence after which a track ends
 _DETECTION = 0.5  # of the time in which an object sends the events of an update
@@ -56,9 +57,8 @@ def auto_config(seen: Estimates) -> RunConfig:
         per_px_us = 1e6 / seen.objects.speed_px_s.median
         refractory_us = _us(_REFRACTORY_PX * per_px_us, 1)
         neighbour_us = min(_us(_NEIGHBOUR_PX * per_px_us, 1), _NEIGHBOUR_MAX_US)
-    filters = FilterConfig(
-        polarity="off" if one_polarity else None, hot_pixels=seen.hot_pixels, refractory_us=refractory_us
-    )  # fmt: skip
+    polarity: Literal["off"] | None = "off" if one_polarity else None
+    filters = FilterConfig(polarity=polarity, hot_pixels=seen.hot_pixels, refractory_us=refractory_us)
     noise_hz = (seen.noise_hz or 0.0) * (0.5 if one_polarity else 1.0)
     support = _neighbours(noise_hz, slot, neighbour_us)
     if support:
@@ -85,10 +85,8 @@ def _registers(objects: Objects, one_polarity: bool) -> SlotConfig:
     if one_size:
         least, most = inner - max(1, inner // 6), inner + max(1, inner // 6)
     else:
-        least, most = (
-            max(1, round(_SMALLEST * inner)),
-            max(round(min(_REACH * objects.long_px.high, _RADIUS_MAX)) - ring, inner),
-        )
+        largest = min(_REACH * objects.long_px.high, _RADIUS_MAX)
+        least, most = max(1, round(_SMALLEST * inner)), max(round(largest) - ring, inner)
     per_px = objects.pixels_per_px.median * (0.5 if one_polarity else 1.0)
     wanted = _UPDATE_ONE_SIZE_PX * per_px if one_size else max(_UPDATE_PX * per_px, _EVENTS * half_px)
     n_ev = int(min(max(wanted, _N_EV[0]), _N_EV[1]))
