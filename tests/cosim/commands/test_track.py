@@ -111,7 +111,7 @@ def test_a_window_of_the_recording(source: Path) -> None:
 
 
 def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["track", str(source), "--csv", "log.csv", "--json"]) == 0
+    assert main(["track", str(source), "--engine", "rct", "--csv", "log.csv", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     log = rct_track(read_recording(source), PRESETS["plain"])
     counts = [len(log.of_kind(kind)) for kind in (Kind.BORN, Kind.MERGED, Kind.LOST)]
@@ -157,7 +157,7 @@ def test_what_is_wrong_is_said_in_one_line(
 ) -> None:
     Path("wrong.toml").write_text("[cot]\n")
     Path("bad.toml").write_text("[rct]\nradix = 3\n")
-    assert main(["track", str(source), "-o", "log.npz", *options.split()]) == 2
+    assert main(["track", str(source), "--engine", "rct", "-o", "log.npz", *options.split()]) == 2
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1
