@@ -42,10 +42,10 @@ __all__ = ["main", "parser"]
 
 _EXAMPLES = """examples:
   evcot cosim                                   # the box experiment, nothing to download
-  evcot cosim drive.aedat4                      # a camera file, with the preset for its sensor
+  evcot cosim drive.aedat4                      # a camera file; everything is chosen by what is seen
   evcot info drive.aedat4                       # sensor, length, rates, busiest pixels
   evcot simulate highway -o highway.aedat4      # a scene, and its truth beside it
-  evcot track highway.aedat4 --preset traffic -o log.npz
+  evcot track highway.aedat4 -o log.npz
   evcot evaluate log.npz --truth highway.truth.csv
 
 `evcot COMMAND -h` has the options of a command, and more examples.

@@ -7,10 +7,10 @@ Example:
     import evcot
 
     recording = evcot.read("drive.aedat4", to_us=2_000_000)
-    log = evcot.track(recording, "rct", "traffic")
+    log = evcot.track(recording)
     log.save_npz("log.npz")
     scene = evcot.simulate("highway", seed=1)
-    print(evcot.evaluate(evcot.track(scene.recording, preset="traffic"), scene.truth).hota)
+    print(evcot.evaluate(evcot.track(scene.recording), scene.truth).hota)
 """
 
 from __future__ import annotations

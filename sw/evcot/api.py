@@ -54,7 +54,7 @@ def filter_recording(recording: Recording, config: FilterConfig | None = None, *
 def track(
     source: Recording | Path | str,
     /,
-    engine: str = "rct",
+    engine: str = "auto",
     preset: str | None = None,
     *,
     config: Path | str | None = None,

@@ -59,7 +59,7 @@ def test_settings_come_from_preset_file_and_keywords(scene: evcot.Scene, tmp_pat
     log = evcot.track(scene.recording, "rct", name, config=config, lifetime_us=8_000)
     wanted = replace(RCT[name], radius_px=9.0, lifetime_us=8_000)
     filters = evcot.ENGINES["rct"].filters.get(name)
-    assert same(log, evcot.track(scene.recording, settings=wanted, filters=filters))
+    assert same(log, evcot.track(scene.recording, "rct", settings=wanted, filters=filters))
     assert not same(log, evcot.track(scene.recording, "rct", name))
 
 
@@ -101,7 +101,7 @@ def test_a_simulation_repeats() -> None:
 def test_bad_input_is_one_line(scene: evcot.Scene, tmp_path: Path) -> None:
     recording = scene.recording
     for make, error, message in (
-        (lambda: evcot.track(recording, "rtc"), evcot.ConfigError, "engine rtc: must be one of rct, kalman,"),
+        (lambda: evcot.track(recording, "rtc"), evcot.ConfigError, "engine rtc: must be one of auto, rct, kalman,"),
         (lambda: evcot.track(recording, "rct", "cars"), evcot.ConfigError, "preset cars: must be one of plain"),
         (lambda: evcot.track(recording, radium=3), evcot.ConfigError, "rct.radium: no such setting: must be one of"),
         (lambda: evcot.track(recording, radius_px=-1.0), evcot.ConfigError, "rct.radius_px = -1.0: must be from "),

@@ -14,7 +14,7 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot cosim                                    # the box experiment, nothing to download
-evcot cosim drive.aedat4                       # a camera file, with the preset for its sensor
+evcot cosim drive.aedat4                       # a camera file; everything is chosen by what is seen
 evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
 evcot cosim highway --activity 5               # filters, then hardware, model and software tracker, on a scene
 evcot cosim drive.raw --print-config           # what repeats the run: save it as run.toml
@@ -26,7 +26,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     title = "run hardware, model and software tracker on a recording and compare them"
     cosim = add_command(commands, "cosim", title, _EXAMPLES)
-    input_options(cosim)
+    input_options(cosim, auto=True)
     window_options(cosim)
     output_option(cosim, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/cosim/NAME)")
     cosim.add_argument("--no-waves", action="store_true", help="write no waveform")

@@ -18,13 +18,16 @@ __all__ = ["DEFAULT_SCENE", "input_options"]
 DEFAULT_SCENE = "boxes"
 
 
-def input_options(parser: argparse.ArgumentParser, *, runs: bool = False) -> None:
-    """Add what `job_from` reads; `runs`: the folder of a run is an input too."""
+def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: bool = False) -> None:
+    """Add what `job_from` reads; `runs`: the folder of a run is an input too; `auto`: as of `job_from`."""
+    default = "auto, with a recording" if auto else "the one for the sensor"
     source = f"a recording, or a scene: {', '.join(SCENES)} (default: {DEFAULT_SCENE})"
     run = "the folder of a run of `evcot cosim`; " if runs else ""
     parser.add_argument("recording", nargs="?", type=input_or_name, metavar="RUN" if runs else "FILE", help=run + source)
     parser.add_argument("--seed", type=int, metavar="N", help="seed of a scene (default: 1)")
-    parser.add_argument("--preset", metavar="NAME", help="see `evcot presets` (default: the one for the sensor)")
+    parser.add_argument(
+        "--preset", metavar="NAME", help=f"see `evcot presets`; auto: from what is seen in the recording (default: {default})"
+    )
     parser.add_argument(
         "--config", type=input_path, metavar="TOML", help="overrides of the preset, or a whole run (--print-config)"
     )

@@ -17,7 +17,7 @@ __all__ = ["add"]
 _EXAMPLES = """
 evcot live drive.aedat4                        # a file at real speed, in the terminal
 evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed
-evcot live tcp://127.0.0.1:7777 --preset traffic --save seen.aedat4
+evcot live tcp://127.0.0.1:7777 --engine kalman --preset traffic --save seen.aedat4
 evcot live camera --web                        # needs pip install evcot[camera]
 evcot live drive.aedat4 --json
 """

@@ -14,10 +14,10 @@ from .parsing import add_command, input_path, output_option
 __all__ = ["add"]
 
 _EXAMPLES = """
-evcot track drive.aedat4 -o log.npz              # the plain Rectangular Cluster Tracker
+evcot track drive.aedat4 -o log.npz              # nothing to set
 evcot track drive.aedat4 --engine kalman --preset traffic -o log.npz
 evcot track drive.aedat4 --boxes result.txt --frame-us 40000   # MOTChallenge, 25 frames a second
-evcot track drive.raw --preset traffic --set radius_px=12 --learn-hot-pixels --json
+evcot track drive.raw --engine rct --preset traffic --set radius_px=12 --learn-hot-pixels --json
 """
 
 

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, RecordingError
 from evcot.events import Recording
+from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD
 from evcot.hardware.cot import CotModel, to_track_records
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.trackers.config import RunConfig
-from evcot.trackers.rct.tracker import RctTracker
+from evcot.trackers.engines import ENGINES
 from evcot.tracks.compare import Agreement, compare
 from evcot.tracks.log import TRACK, TrackLog
 from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
@@ -122,10 +123,10 @@ def run_cosim(
 
     hardware_log = hardware.log("cot-rtl")
     started = time.perf_counter()
-    software = log_of("rct", _software(recording, config), [events])
+    software = log_of(config.software, _software(recording, config), [events])
     software_s = time.perf_counter() - started
 
-    agreement = compare(hardware_log, software, radius_px=config.rct.radius_px, span_us=(t0_us, int(events.t_us[-1])))
+    agreement = compare(hardware_log, software, radius_px=_near_px(config), span_us=(t0_us, int(events.t_us[-1])))
     return CosimRun(
         recording=recording,
         config=config,
@@ -180,16 +181,25 @@ def _compile_kernels(recording: Recording, config: RunConfig) -> None:
     first = recording.events[:1]
     model = CotModel(config.hardware(recording.width, recording.height))
     model.feed(TickedEvents.of(first))
-    log_of("rct", _software(recording, config), [first])
+    log_of(config.software, _software(recording, config), [first])
 
 
 def _software(recording: Recording, config: RunConfig) -> Tracker:
     """The software tracker, with the same filters in front, in the same ticks."""
     sensor = recording.width, recording.height
-    tracker = RctTracker(config.rct, *sensor)
-    if not config.filters.enabled:
+    tracker = ENGINES[config.software].start(getattr(config, config.software), FilterConfig(), sensor)
+    filters = config.in_front_of_software
+    if not filters.enabled:
         return tracker
-    return FilteredTracker(filtered((), config.filters, sensor, config.cot.tick_us).keep, tracker)
+    return FilteredTracker(filtered((), filters, sensor, config.cot.tick_us).keep, tracker)
+
+
+def _near_px(config: RunConfig) -> float:
+    """How near each other tracks of one object are: a window's reach."""
+    if config.software == "rct":
+        return config.rct.radius_px
+    slot = config.cot.slots[0]
+    return float(slot.init_radix + slot.radix_th)
 
 
 class _LogParts:

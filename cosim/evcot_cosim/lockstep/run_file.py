@@ -107,6 +107,7 @@ class RunFile:
         stalls: seed of the stall patterns; None never stalls.
         digest: digest of the events, see `evcot.digest`; empty if not computed.
         config: both trackers' configurations.
+        said: a line on where the configuration came from, which becomes a comment.
     """
 
     source: Source
@@ -114,6 +115,7 @@ class RunFile:
     stalls: int | None
     digest: str
     config: RunConfig
+    said: str | None = None
 
     def check(self, path: Path, events: Events) -> None:
         """Raise ConfigError, naming the file, if these are not the events of the run."""
@@ -134,13 +136,14 @@ def run_toml(run: RunFile) -> str:
     same = all(slot == slots[0] for slot in slots)
     tables = {
         "name": config.pop("name"),
+        "software": config.pop("software"),
         "run": {kind: name, **source, "hardware": run.hardware, **stalls, "digest": run.digest},
         "shape": cot["shape"],
         "cot": {"tick_us": cot["tick_us"], **(slots[0] if same else {})},
         **({} if same else {"slot": slots}),
         **config,
     }
-    return _HEAD + tomli_w.dumps(tables)
+    return _HEAD + (f"# {run.said}\n" if run.said else "") + tomli_w.dumps(tables)
 
 
 def write_run_file(path: Path, run: RunFile) -> None:

@@ -146,7 +146,7 @@ def read_summary(path: Path) -> dict[str, Any]:
 def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
     """The short table printed after a run, as (label, value)."""
     agreement = summary["agreement"]
-    hardware, software = "cot-rtl", "rct"
+    hardware, software = "cot-rtl", summary["config"]["software"]
     filters = [("filtered out", f"{_percent(summary['filtered_fraction'])} of the events, by {', '.join(summary['filters'])}")]
     return [
         ("events", f"{summary['events']:,} in {summary['recording_s']:.3f} s"),

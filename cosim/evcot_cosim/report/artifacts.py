@@ -44,7 +44,7 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
     Raises:
         OutputError: a file cannot be written.
     """
-    summary = summarise(run, command)
+    summary = summarise(run, command) | ({"auto": made_of.said} if made_of.said else {})
     with folder_written_aside(folder) as aside:
         for name, log in (("hardware", run.hardware), ("model", run.model), ("software", run.software)):
             replace(log, recording=made_of.digest).save_npz(aside / f"{name}.npz")

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from ..errors import ConfigError
 from ..filters.config import FilterConfig
@@ -16,19 +16,42 @@ from ..filters.hot_pixels import load_hot_pixels
 from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import Shape
 from ..outputs import note_input
+from .auto.config import AutoConfig
 from .rct.config import RctConfig
 
-__all__ = ["RunConfig", "load_toml", "load_tracker"]
+__all__ = ["RunConfig", "Software", "load_toml", "load_tracker"]
+
+Software = Literal["auto", "rct"]
 
 
 @dataclass(frozen=True)
 class RunConfig:
-    """Named configuration of a run: filters and both trackers."""
+    """Named configuration of a run: filters and both trackers.
+
+    Attributes:
+        software: which software tracker runs beside the hardware; `rct` and `auto` are the settings of each.
+        filters: in front of the hardware, and of the software tracker unless `software_filters` has others for it.
+
+    Raises:
+        ConfigError: no such software tracker.
+    """
 
     name: str = "default"
     cot: CotConfig = field(default_factory=CotConfig)
     rct: RctConfig = field(default_factory=RctConfig)
     filters: FilterConfig = field(default_factory=FilterConfig)
+    software: Software = "rct"
+    auto: AutoConfig = field(default_factory=AutoConfig)
+    software_filters: FilterConfig | None = None
+
+    def __post_init__(self) -> None:
+        if self.software not in get_args(Software):
+            raise ConfigError(f"software = {self.software!r}: must be one of {', '.join(get_args(Software))}")
+
+    @property
+    def in_front_of_software(self) -> FilterConfig:
+        """The filters in front of the software tracker."""
+        return self.filters if self.software_filters is None else self.software_filters
 
     def hardware(self, width: int, height: int) -> CotConfig:
         """The hardware configuration for a sensor: `cot`, behind `filters`.
@@ -42,8 +65,11 @@ class RunConfig:
         return replace(self.cot, filters=filters, filter_shape=shape)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, as stored in summary.json; the filters only once, in physical units."""
+        """Plain values, as stored in summary.json; the filters only once, in physical units, and one software tracker."""
         values = asdict(self)
+        for name in get_args(Software):
+            if name != self.software:
+                del values[name]
         for name in ("filters", "filter_shape"):
             del values["cot"][name]
         return values
@@ -68,7 +94,9 @@ def _names(cls: type) -> set[str]:
 
 
 def load_toml(path: Path, base: RunConfig) -> RunConfig:
-    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[rct]` and `[filters]` override `base`.
+    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[rct]`, `[auto]` and `[filters]` override `base`.
+
+    `software` says which software tracker runs, and `[software_filters]` what is in front of it if that is not `[filters]`.
 
     `[cot]` has `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
     may have `hot_pixels_file`, a file of `filters.hot_pixels` relative to the TOML file, instead of `hot_pixels`. `[run]`,
@@ -114,7 +142,8 @@ def _tables(path: Path) -> Mapping[str, Any]:
 
 
 def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:
-    _section(data, {"name", "run", "files", "shape", "cot", "slot", "rct", "filters"}, "top level")
+    known = {"name", "software", "run", "files", "shape", "cot", "slot", "rct", "auto", "filters", "software_filters"}
+    _section(data, known, "top level")
     shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
     cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
     tick_us = cot.pop("tick_us", base.cot.tick_us)
@@ -128,15 +157,30 @@ def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConf
     for i, entry in enumerate(own):
         slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
     rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
-    filters = _filters(base.filters, _table(data, "filters", "top level"), folder)
-    return RunConfig(str(data.get("name", base.name)), CotConfig(shape, tuple(slots), tick_us), rct, filters)
+    auto = replace(base.auto, **_section(_table(data, "auto", "top level"), _names(AutoConfig), "[auto]"))
+    return RunConfig(
+        name=str(data.get("name", base.name)),
+        cot=CotConfig(shape, tuple(slots), tick_us),
+        rct=rct,
+        filters=_filters(base.filters, _table(data, "filters", "top level"), folder),
+        software=data.get("software", base.software),
+        auto=auto,
+        software_filters=_software_filters(base, data, folder),
+    )
 
 
-def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path) -> FilterConfig:
-    own = dict(_section(table, _names(FilterConfig) | {"hot_pixels_file"}, "[filters]"))
+def _software_filters(base: RunConfig, data: Mapping[str, Any], folder: Path) -> FilterConfig | None:
+    table = _table(data, "software_filters", "top level")
+    if "software_filters" not in data:
+        return base.software_filters
+    return _filters(base.software_filters or FilterConfig(), table, folder, "software_filters")
+
+
+def _filters(base: FilterConfig, table: Mapping[str, Any], folder: Path, key: str = "filters") -> FilterConfig:
+    own = dict(_section(table, _names(FilterConfig) | {"hot_pixels_file"}, f"[{key}]"))
     name = own.pop("hot_pixels_file", None)
     if name is not None:
         if not isinstance(name, str) or "hot_pixels" in own:
-            raise ConfigError(f"[filters]: hot_pixels_file = {name!r}: must be a file name, given without hot_pixels")
+            raise ConfigError(f"[{key}]: hot_pixels_file = {name!r}: must be a file name, given without hot_pixels")
         own["hot_pixels"] = load_hot_pixels(folder / name)
     return replace(base, **own)

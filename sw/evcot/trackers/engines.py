@@ -87,9 +87,9 @@ def _kalman() -> _Parts:
 
 
 def _auto() -> _Parts:
-    from .auto import presets, tracker
+    from .auto import estimates, presets
 
-    return _Parts(presets.PRESETS, _software(tracker.AutoTracker))
+    return _Parts(presets.PRESETS, _software(estimates.ObservedTracker))
 
 
 def _mean_shift() -> _Parts:

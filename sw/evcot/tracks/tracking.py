@@ -87,7 +87,7 @@ class FilteredTracker:
 
     def __init__(self, keep: EventSelector, tracker: Tracker) -> None:
         self._keep = keep
-        self._tracker = tracker
+        self.tracker = tracker
         self._seen = 0
         # Indices of the passed events that are not settled, run by run; the tracker's own index of the first is `_first`.
         self._first = 0
@@ -100,14 +100,14 @@ class FilteredTracker:
             self._kept.append(self._seen + np.flatnonzero(keep))
         self._seen += len(events)
         owner = np.full(len(events), DROPPED, np.int16)
-        records, owner[keep] = self._tracker.feed(events.where(keep))
+        records, owner[keep] = self.tracker.feed(events.where(keep))
         self._number(records)
         self._forget()
         return records, owner
 
     def finish(self) -> NDArray[np.void]:
         """See `Tracker.finish`."""
-        records = self._tracker.finish()
+        records = self.tracker.finish()
         self._number(records)
         return records
 
@@ -124,7 +124,7 @@ class FilteredTracker:
 
     def _forget(self) -> None:
         """Discard the indices of settled events."""
-        settled = self._tracker.settled - self._first
+        settled = self.tracker.settled - self._first
         self._first += settled
         while self._kept and len(self._kept[0]) <= settled:
             settled -= len(self._kept.popleft())

@@ -15,6 +15,9 @@ from evcot.filters.run import apply
 from evcot.hardware.cot import track as cot_track
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
+from evcot.trackers.auto.config import AutoConfig
+from evcot.trackers.auto.estimates import estimate
+from evcot.trackers.auto.tracker import track as auto_track
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
 from evcot.trackers.presets import fit, preset
@@ -57,15 +60,29 @@ def test_every_engine_follows_the_discs(source: Path, engine: str) -> None:
     assert len(log.of_kind(Kind.BORN)) >= 4
 
 
-def test_the_default_is_the_plain_software_tracker(source: Path) -> None:
-    assert_same(tracked(source), rct_track(read_recording(source), PRESETS["plain"]))
+def test_the_default_is_the_automatic_tracker(source: Path) -> None:
+    log = tracked(source)
+    assert log.engine == "auto"
+    assert_same(log, auto_track(read_recording(source), AutoConfig()))
+
+
+def test_the_automatic_tracker_says_what_it_saw_unless_asked_to_be_quiet(
+    source: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["track", str(source), "--json"]) == 0
+    said = capsys.readouterr()
+    assert said.err == f"{estimate([read_recording(source).events], (346, 260))}\n"
+    assert json.loads(said.out)["engine"] == "auto"
+    for quiet in (["-q"], ["--json", "--engine", "rct"]):
+        assert main(["track", str(source), *quiet]) == 0
+        assert capsys.readouterr().err == ""
 
 
 def test_settings_come_from_the_preset_then_the_file_then_the_options(source: Path) -> None:
     Path("mine.toml").write_text("[rct]\nradius_px = 9.0\nlifetime_us = 7_000\n")
     name = list(PRESETS)[-1]
     config = replace(PRESETS[name], radius_px=9.0, lifetime_us=8_000)
-    log = tracked(source, "--preset", name, "--config", "mine.toml", "--set", "lifetime_us=8000")
+    log = tracked(source, "--engine", "rct", "--preset", name, "--config", "mine.toml", "--set", "lifetime_us=8000")
     assert_same(log, rct_track(read_recording(source), config))
 
 
@@ -94,7 +111,7 @@ def test_a_window_of_the_recording(source: Path) -> None:
 
 
 def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["track", str(source), "--csv", "log.csv", "--json"]) == 0
+    assert main(["track", str(source), "--engine", "rct", "--csv", "log.csv", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     log = rct_track(read_recording(source), PRESETS["plain"])
     counts = [len(log.of_kind(kind)) for kind in (Kind.BORN, Kind.MERGED, Kind.LOST)]
@@ -140,7 +157,7 @@ def test_what_is_wrong_is_said_in_one_line(
 ) -> None:
     Path("wrong.toml").write_text("[cot]\n")
     Path("bad.toml").write_text("[rct]\nradix = 3\n")
-    assert main(["track", str(source), "-o", "log.npz", *options.split()]) == 2
+    assert main(["track", str(source), "--engine", "rct", "-o", "log.npz", *options.split()]) == 2
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.count("\n") == 1

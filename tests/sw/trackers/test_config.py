@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ConfigError
+from evcot.filters.config import FilterConfig
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode, Shape
 from evcot.ranges import span
@@ -147,7 +148,7 @@ class TestToml:
         [
             (
                 "radius = 3",
-                "top level: unknown field 'radius': must be one of cot, files, filters, name, rct, run, shape, slot",
+                "top level: unknown field 'radius': must be one of auto, cot, files, filters, name, rct, run, shape, slot, software, software_filters",
             ),
             ("[cot]\nradius = 3", "[cot]: unknown field 'radius': must be one of clust_nev, detect_ticks, "),
             ("[shape]\nw = 3", "[shape]: unknown field 'w': must be one of frac, id_w, "),
@@ -176,3 +177,29 @@ class TestToml:
         (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
         with pytest.raises(ConfigError, match=r"binary\.toml: is not TOML"):
             load_toml(tmp_path / "binary.toml", self.BASE)
+
+
+class TestSoftware:
+    def test_a_file_says_who_runs_and_with_which_settings(self, tmp_path: Path) -> None:
+        path = tmp_path / "run.toml"
+        path.write_text('software = "auto"\n[auto]\ncoast = 2.5\n[filters]\nrefractory_us = 7\n')
+        run = load_toml(path, RunConfig())
+        assert (run.software, run.auto.coast) == ("auto", 2.5)
+        assert run.in_front_of_software == run.filters == FilterConfig(refractory_us=7)
+
+    def test_it_may_have_filters_of_its_own(self, tmp_path: Path) -> None:
+        path = tmp_path / "run.toml"
+        path.write_text("[filters]\nrefractory_us = 7\n[software_filters]\nrefractory_us = 9\n")
+        assert load_toml(path, RunConfig()).in_front_of_software == FilterConfig(refractory_us=9)
+        path.write_text("[software_filters]\n")
+        assert load_toml(path, RunConfig(filters=FilterConfig(refractory_us=7))).in_front_of_software == FilterConfig()
+
+    @pytest.mark.parametrize("name", ["kalman", ["rct"]])
+    def test_none_but_those_that_run_beside_the_hardware(self, name: object) -> None:
+        with pytest.raises(ConfigError) as caught:
+            RunConfig(software=name)  # type: ignore[arg-type]
+        assert str(caught.value) == f"software = {name!r}: must be one of auto, rct"
+
+    def test_what_is_stored_has_only_the_one_that_runs(self) -> None:
+        assert {"auto", "rct"} & set(RunConfig(software="auto").to_dict()) == {"auto"}
+        assert {"auto", "rct"} & set(RunConfig().to_dict()) == {"rct"}

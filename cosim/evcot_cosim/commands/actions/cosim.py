@@ -35,7 +35,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         if not options.print_config:
             options.claims.write_folder("-o", folder_of(name), run_names())
 
-    job = job_from(options, window_from(options), claim=claim)
+    job = job_from(options, window_from(options), claim=claim, auto=True)
     if options.print_config:
         print(run_toml(job.run_file), end="")
         return 0

@@ -14,7 +14,7 @@ from evcot.filters.hot_pixels import Pixels, learn_hot_pixels, load_hot_pixels, 
 
 from ..filter_options import NUMBERS
 
-__all__ = ["check_learning", "filters_from", "save_learned"]
+__all__ = ["check_learning", "filters_from", "save_learned", "with_options"]
 
 
 def filters_from(
@@ -29,7 +29,16 @@ def filters_from(
         ConfigError: as `check_learning`, a value outside its range, or a list of hot pixels that cannot be used.
     """
     check_learning(options)
-    return _with_hot_pixels(_on_top(base, options), options, blocks, sensor)
+    learned: Pixels = learn_hot_pixels(blocks, sensor) if options.learn_hot_pixels else ()
+    options.learned = learned, sensor
+    return with_options(options, base, sensor)
+
+
+def with_options(options: argparse.Namespace, base: FilterConfig, sensor: tuple[int, int]) -> FilterConfig:
+    """As `filters_from`, after it: the hot pixels that it found are used again."""
+    listed = load_hot_pixels(options.hot_pixels, sensor) if options.hot_pixels else ()
+    config = _on_top(base, options)
+    return replace(config, hot_pixels=config.hot_pixels + listed + options.learned[0])
 
 
 def check_learning(options: argparse.Namespace) -> None:
@@ -53,13 +62,3 @@ def _on_top(config: FilterConfig, options: argparse.Namespace) -> FilterConfig:
     """The configuration with what the options say."""
     given = {name: getattr(options, name) for name in ("region", "polarity", *(field for field, *_ in NUMBERS.values()))}
     return replace(config, **{name: value for name, value in given.items() if value is not None})
-
-
-def _with_hot_pixels(
-    config: FilterConfig, options: argparse.Namespace, blocks: Iterable[Events], sensor: tuple[int, int]
-) -> FilterConfig:
-    """The configuration with the hot pixels that are listed, and those that are found in the blocks."""
-    listed = load_hot_pixels(options.hot_pixels, sensor) if options.hot_pixels else ()
-    learned: Pixels = learn_hot_pixels(blocks, sensor) if options.learn_hot_pixels else ()
-    options.learned = learned, sensor
-    return replace(config, hot_pixels=config.hot_pixels + listed + learned)

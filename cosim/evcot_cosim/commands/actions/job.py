@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,8 +12,10 @@ from pathlib import Path
 from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Recording
+from evcot.trackers.auto.estimates import Estimates, estimate
+from evcot.trackers.auto_registers import AUTO, auto_config, told
 from evcot.trackers.config import RunConfig, load_toml
-from evcot.trackers.presets import run_config
+from evcot.trackers.presets import fit, run_config
 
 from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, stalls_from
@@ -20,7 +23,7 @@ from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
 from ...names import Top
 from ..job import DEFAULT_SCENE
 from ..options import sensor_from
-from .filters import check_learning, filters_from
+from .filters import check_learning, filters_from, with_options
 
 __all__ = ["Job", "job_from"]
 
@@ -33,6 +36,7 @@ class Job:
         name: what is made of it is called by this.
         folder: of the run that is looked at again, if it is one.
         seed: of the stall patterns.
+        said: what was seen and chosen, if the configuration was made from the recording itself.
     """
 
     source: Source
@@ -42,6 +46,7 @@ class Job:
     top: Top
     seed: int | None
     folder: Path | None
+    said: str | None = None
 
     @property
     def stalls(self) -> Stalls:
@@ -51,7 +56,7 @@ class Job:
     @property
     def run_file(self) -> RunFile:
         """All that makes the run again."""
-        return RunFile(self.source, self.top, self.seed, digest(self.recording.events), self.config)
+        return RunFile(self.source, self.top, self.seed, digest(self.recording.events), self.config, self.said)
 
 
 def job_from(
@@ -59,6 +64,8 @@ def job_from(
     window: tuple[int, int | None] = (0, None),
     until_us: int | None = None,
     claim: Callable[[str], None] | None = None,
+    *,
+    auto: bool = False,
 ) -> Job:
     """What the options say, on top of the run that --config or the input folder describes.
 
@@ -67,6 +74,7 @@ def job_from(
             part, that part is taken unless this says more than (0, None).
         until_us: what comes so long after the first event is not needed, and need not be read.
         claim: told the job's name before anything long begins, to claim what is written under that name.
+        auto: a recording without --preset gets a configuration from what is seen in it, which a line on stderr says.
 
     Raises:
         ConfigError, RecordingError: something that the user can mend.
@@ -77,7 +85,10 @@ def job_from(
     folder = _run_folder(options)
     described = read_run_file(options.config) if options.config else None
     source = _source(options, described.source if described else None, window)
-    if until_us is not None and not described:
+    from_estimates = options.preset == AUTO or (
+        auto and options.preset is None and not described and options.recording is not None
+    )
+    if until_us is not None and not described and not from_estimates:
         source = replace(source, to_us=until_us)
     name = folder.name if folder else source.name
     if source.truth_file is not None:
@@ -89,8 +100,12 @@ def job_from(
         described.check(options.config, recording.events)
     top: Top = options.hardware or (described.hardware if described else "cot_array")
     seed = described.stalls if described and options.stalls is None else options.stalls
-    config = _config(options, recording, top)
-    return Job(source, recording, config, name, top, seed, folder)
+    seen = estimate([recording.events], (recording.width, recording.height)) if from_estimates else None
+    config = _config(options, recording, top, seen)
+    said = told(seen, config) if seen else None
+    if said is not None and not options.quiet:
+        print(said, file=sys.stderr)
+    return Job(source, recording, config, name, top, seed, folder, said)
 
 
 def _run_folder(options: argparse.Namespace) -> Path | None:
@@ -120,11 +135,15 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
     return replace(base, skip_damaged=True) if options.skip_damaged else base
 
 
-def _config(options: argparse.Namespace, recording: Recording, top: Top) -> RunConfig:
+def _config(options: argparse.Namespace, recording: Recording, top: Top, seen: Estimates | None) -> RunConfig:
     sensor = recording.width, recording.height
-    config = run_config(*sensor, options.preset, 1 if top == "cot" and options.slots is None else options.slots)
+    slots = 1 if top == "cot" and options.slots is None else options.slots
+    config = fit(auto_config(seen), *sensor, slots) if seen else run_config(*sensor, options.preset, slots)
     if options.config is not None:
         config = load_toml(options.config, config)
-    config = replace(config, filters=filters_from(options, config.filters, [recording.events], sensor))
+    filters = filters_from(options, config.filters, [recording.events], sensor)
+    if config.software_filters is not None:
+        config = replace(config, software_filters=with_options(options, config.software_filters, sensor))
+    config = replace(config, filters=filters)
     check_addresses(recording, config.cot)
     return config

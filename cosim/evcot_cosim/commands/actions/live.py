@@ -35,7 +35,7 @@ from ..options import sensor_from, window_from
 from .counting import Counting
 from .filters import filters_from, save_learned
 from .opening import open_from
-from .settings import configured
+from .settings import configured, say_seen
 
 __all__ = ["run"]
 
@@ -63,7 +63,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         recorder = Recorder(options.save, source.sensor, force=options.force) if options.save else None
         if recorder is not None:
             undo.callback(recorder.drop)
-        session = Session(source, start(settings, filters, source.sensor), recorder, log)
+        tracker = start(settings, filters, source.sensor)
+        session = Session(source, tracker, recorder, log)
         hello = {
             "name": source.name, "engine": options.engine, "preset": options.preset or "default preset",
             "width": source.sensor[0], "height": source.sensor[1],
@@ -72,6 +73,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         server = undo.enter_context(Server(session, hello, options.web, options.bind)) if options.web is not None else None
         _run(options, session, server.url if server else None)
     save_learned(options)
+    say_seen(tracker, quiet=options.quiet)
     summary = session.summary()
     if options.json:
         _print_line({"kind": "summary"} | summary)

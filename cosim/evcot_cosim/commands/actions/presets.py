@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from evcot.filters.config import FilterConfig
+from evcot.trackers.auto_registers import AUTO
 from evcot.trackers.engines import ENGINES, Engine
 from evcot.trackers.presets import PRESETS
 
@@ -38,6 +39,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
                 f"{config.cot.tick_us} us",
             )
         )
+    rows.append((AUTO, "from what is seen in the recording: docs/auto.md", "", "", ""))
     print_table(rows)
     return 0
 

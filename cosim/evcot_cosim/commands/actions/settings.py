@@ -4,16 +4,19 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import asdict, replace
 from typing import Any
 
 from evcot.errors import ConfigError
 from evcot.filters.config import FilterConfig
 from evcot.ranges import read_pair, read_value
+from evcot.trackers.auto.estimates import seen_by
 from evcot.trackers.config import RunConfig
 from evcot.trackers.settings import engine_settings
+from evcot.tracks.tracking import Tracker
 
-__all__ = ["configured", "plain"]
+__all__ = ["configured", "plain", "say_seen"]
 
 
 def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[Any, FilterConfig]:
@@ -40,3 +43,10 @@ def _changed(options: argparse.Namespace, settings: Any) -> Any:
 def plain(settings: Any) -> dict[str, Any]:
     """Settings as plain values."""
     return settings.to_dict() if isinstance(settings, RunConfig) else asdict(settings)
+
+
+def say_seen(tracker: Tracker, *, quiet: bool) -> None:
+    """Print what the automatic tracker has seen of the scene, a line on stderr; nothing of another tracker."""
+    seen = None if quiet else seen_by(tracker)
+    if seen is not None:
+        print(seen, file=sys.stderr)

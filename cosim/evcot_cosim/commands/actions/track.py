@@ -25,7 +25,7 @@ from .clock import clock_from
 from .filters import filters_from, save_learned
 from .opening import open_from
 from .progress import Progress
-from .settings import configured, plain
+from .settings import configured, plain, say_seen
 
 __all__ = ["run"]
 
@@ -47,6 +47,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     if options.csv is not None:
         log.write_csv(options.csv, force=options.force)
     save_learned(options)
+    say_seen(tracker, quiet=options.quiet)
     found = _found(log)
     if options.boxes is not None:
         clock = clock_from(options, first_us)

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the automatic tracker saw of a scene: noise, hot pixels, and the number, size and speed of its objects.
+
+See docs/auto.md, "What is estimated".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...events import Events
+from ...recordings.formats.source import Sensor
+from ...tracks.tracking import FilteredTracker, Tracker
+from .config import AutoConfig
+from .tracker import AutoTracker
+
+__all__ = ["SAMPLE_US", "SEEN_EVENTS", "SEEN_US", "Estimates", "Objects", "ObservedTracker", "Spread", "estimate", "seen_by"]
+
+SEEN_US, SEEN_EVENTS = 60_000_000, 20_000_000  # of a recording: what comes later is not looked at
+SAMPLE_US = 50_000  # between two looks at the tracker
+_LEAST_SAMPLES = 20  # of objects: fewer tell nothing
+_LATEST = 0.99  # of the time, that many objects at most are alive
+_LOW, _HIGH = 0.1, 0.9  # of the time that objects are seen
+_HOT = 0.5  # of the looks after the first second, in which a hot pixel was ignored
+_HOT_US = 1_000_000
+_PER_DECADE = 100  # bins of a histogram
+_LOWEST, _DECADES = 1e-2, 8
+
+
+@dataclass(frozen=True)
+class Spread:
+    """What 10 %, 50 % and 90 % of the values lie below."""
+
+    low: float
+    median: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Objects:
+    """What objects are like, as often as each was seen.
+
+    Attributes:
+        half_px: half sides, the mean of both axes.
+        long_px: the longer half side.
+        speed_px_s: speed.
+        pixels_per_px: pixels that one sends while it travels one pixel.
+    """
+
+    half_px: Spread
+    long_px: Spread
+    speed_px_s: Spread
+    pixels_per_px: Spread
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """What was seen of a scene.
+
+    Attributes:
+        sensor: (width, height) in pixels.
+        seen_us: length of the stream that was looked at.
+        events: in it.
+        noise_hz: events per pixel and second of the background; None if there was too little to tell.
+        hot_pixels: (x, y) of those that never rest.
+        alive: objects alive at once, as a rule.
+        alive_most: the same at 99 % of all times.
+        objects: None if too few were seen to tell.
+    """
+
+    sensor: Sensor
+    seen_us: int = 0
+    events: int = 0
+    noise_hz: float | None = None
+    hot_pixels: tuple[tuple[int, int], ...] = ()
+    alive: int = 0
+    alive_most: int = 0
+    objects: Objects | None = None
+
+    def __str__(self) -> str:
+        """A line for people."""
+        said = [f"auto: {self.sensor[0]}x{self.sensor[1]}", f"{self.seen_us / 1e6:.3g} s"]
+        said.append("noise unknown" if self.noise_hz is None else f"noise {self.noise_hz:.2g} Hz/pixel")
+        said.append(f"{len(self.hot_pixels)} hot pixel{'' if len(self.hot_pixels) == 1 else 's'}")
+        if self.objects is None:
+            return ", ".join([*said, "no object seen for long enough"])
+        size, speed = self.objects.long_px, self.objects.speed_px_s
+        sizes, speeds = f"{2 * size.low:.0f} to {2 * size.high:.0f} px", f"{speed.low:.0f} to {speed.high:.0f} px/s"
+        return ", ".join([*said, f"up to {self.alive_most} objects of {sizes}", speeds])
+
+
+class _Histogram:
+    """Counts of positive values in bins of equal ratio: memory does not grow with the stream."""
+
+    def __init__(self) -> None:
+        self._counts = np.zeros(_DECADES * _PER_DECADE, np.int64)
+
+    def add(self, values: NDArray[np.float64]) -> None:
+        bins = (np.log10(np.maximum(values, _LOWEST) / _LOWEST) * _PER_DECADE).astype(np.int64)
+        np.add.at(self._counts, np.minimum(bins, len(self._counts) - 1), 1)
+
+    def quantile(self, share: float) -> float:
+        at = int(np.searchsorted(np.cumsum(self._counts), share * self._counts.sum()))
+        return float(_LOWEST * 10.0 ** ((at + 0.5) / _PER_DECADE))
+
+    @property
+    def added(self) -> int:
+        return int(self._counts.sum())
+
+    def spread(self) -> Spread:
+        return Spread(self.quantile(_LOW), self.quantile(0.5), self.quantile(_HIGH))
+
+
+class ObservedTracker:
+    """The automatic tracker, looked at every `SAMPLE_US` of the stream. See `tracks.tracking.Tracker`.
+
+    What it returns is what the tracker returns, and what is estimated does not depend on how events are split into runs.
+    """
+
+    def __init__(self, config: AutoConfig, width: int, height: int) -> None:
+        self._tracker = AutoTracker(config, width, height)
+        self._sensor = width, height
+        self._first_us: int | None = None
+        self._next_us = self._last_us = 0
+        self._events = 0
+        self._hot = np.zeros((height, width), np.int32)
+        self._hot_looks = 0
+        self._noise = _Histogram()
+        self._alive = np.zeros(config.max_objects + 1, np.int64)
+        self._spreads = {name: _Histogram() for name in ("half_px", "long_px", "speed_px_s", "pixels_per_px")}
+
+    def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        """See `AutoTracker.feed`."""
+        if not len(events):
+            return self._tracker.feed(events)
+        if self._first_us is None:
+            self._first_us = int(events.t_us[0])
+            self._next_us = self._first_us + SAMPLE_US
+        parts = []
+        begin = 0
+        while begin < len(events):
+            end = int(np.searchsorted(events.t_us, self._next_us))
+            if end > begin:
+                parts.append(self._tracker.feed(events[begin:end]))
+                begin = end
+            if begin < len(events):
+                self._look()
+                self._next_us += SAMPLE_US * ((int(events.t_us[begin]) - self._next_us) // SAMPLE_US + 1)
+        self._events += len(events)
+        self._last_us = int(events.t_us[-1])
+        records, owners = zip(*parts, strict=True)
+        return np.concatenate(records), np.concatenate(owners)
+
+    def finish(self) -> NDArray[np.void]:
+        """See `AutoTracker.finish`."""
+        return self._tracker.finish()
+
+    @property
+    def settled(self) -> int:
+        """See `tracks.tracking.Tracker`."""
+        return self._tracker.settled
+
+    def _look(self) -> None:
+        world = self._tracker._world
+        if world.run["noise"][0] >= 0:
+            self._noise.add(world.run["noise"])
+        objects = world.objects
+        visible = np.flatnonzero(objects["alive"] & (objects["track_id"] >= 0))
+        self._alive[len(visible)] += 1
+        if len(visible):
+            state = world.state[visible]
+            halves, speed = state[:, :, 2], np.hypot(state[:, 0, 1], state[:, 1, 1])
+            self._spreads["half_px"].add(halves.mean(axis=1))
+            self._spreads["long_px"].add(halves.max(axis=1))
+            self._spreads["speed_px_s"].add(speed)
+            self._spreads["pixels_per_px"].add(objects["usual"][visible])
+        if self._next_us - (self._first_us or 0) >= _HOT_US:
+            self._hot += self._tracker.restless()
+            self._hot_looks += 1
+
+    def estimates(self) -> Estimates:
+        """What was seen so far."""
+        looks = int(self._alive.sum())
+        rows, columns = np.nonzero(self._hot > _HOT * self._hot_looks)
+        seen = {name: values.spread() for name, values in self._spreads.items() if values.added >= _LEAST_SAMPLES}
+        most = np.searchsorted(np.cumsum(self._alive), (0.5 * looks, _LATEST * looks)) if looks else (0, 0)
+        return Estimates(
+            self._sensor,
+            self._last_us - self._first_us if self._first_us is not None else 0,
+            self._events,
+            self._noise.quantile(0.5) if self._noise.added else None,
+            tuple(zip(columns.tolist(), rows.tolist(), strict=True)),
+            int(most[0]),
+            int(most[1]),
+            Objects(**seen) if seen else None,
+        )
+
+
+def estimate(blocks: Iterable[Events], sensor: Sensor, config: AutoConfig | None = None) -> Estimates:
+    """What is seen in the first part of a recording, `SEEN_US` or `SEEN_EVENTS`, by one pass of the automatic tracker.
+
+    Args:
+        blocks: its events in time order.
+    """
+    observed = ObservedTracker(config or AutoConfig(), *sensor)
+    end_us: int | None = None
+    left = SEEN_EVENTS
+    for block in blocks:
+        if len(block) and end_us is None:
+            end_us = int(block.t_us[0]) + SEEN_US
+        n = min(int(np.searchsorted(block.t_us, end_us)) if end_us is not None else 0, left)
+        observed.feed(block[:n])
+        left -= n
+        if n < len(block):
+            break
+    return observed.estimates()
+
+
+def seen_by(tracker: Tracker) -> Estimates | None:
+    """What a tracker of `ENGINES` has seen so far, filters in front or not; None if it is another engine's."""
+    if isinstance(tracker, FilteredTracker):
+        tracker = tracker.tracker
+    return tracker.estimates() if isinstance(tracker, ObservedTracker) else None
