@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -74,7 +75,7 @@ def test_the_length_of_what_was_seen(events: Events, seen: Estimates) -> None:
 def test_the_splitting_into_runs_changes_nothing(events: Events, seen: Estimates) -> None:
     cuts = np.random.default_rng(1).integers(0, len(events), 50)
     edges = [0, *np.sort(cuts).tolist(), len(events)]
-    assert estimate((events[a:b] for a, b in zip(edges, edges[1:], strict=False)), SENSOR) == seen
+    assert estimate((events[a:b] for a, b in pairwise(edges)), SENSOR) == seen
 
 
 def test_who_is_looked_at_tracks_as_before(events: Events) -> None:
