@@ -145,6 +145,7 @@ def test_presets_are_listed(capsys: Capture) -> None:
         "hd",
         "traffic",
         "discs",
+        "auto",
     ]
     assert main(["presets", "--json"]) == 0
     slow = json.loads(capsys.readouterr().out)["slow"]["cot"]

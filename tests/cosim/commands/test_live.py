@@ -18,8 +18,8 @@ import pytest
 
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
-from evcot.trackers.rct.presets import PRESETS
-from evcot.trackers.rct.tracker import track
+from evcot.trackers.auto.config import AutoConfig
+from evcot.trackers.auto.tracker import track
 from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
 
@@ -53,7 +53,7 @@ def test_a_file_leaves_the_recording_and_the_log_that_the_tracker_alone_would(
     first, *figures, last = (line["kind"] for line in result)
     assert (first, set(figures), last) == ("start", {"figures"}, "summary")
     recording = read_recording(source)
-    saved, log, wanted = read_recording("a.aedat4"), TrackLog.load_npz("a.npz"), track(recording, PRESETS["plain"])
+    saved, log, wanted = read_recording("a.aedat4"), TrackLog.load_npz("a.npz"), track(recording, AutoConfig())
     assert np.array_equal(saved.events.t_us, recording.events.t_us)
     assert result[-1]["events"] == result[-1]["saved"] == len(recording.events) == len(log.owner)
     if result[-1]["dropped"] == 0:
@@ -63,13 +63,13 @@ def test_a_file_leaves_the_recording_and_the_log_that_the_tracker_alone_would(
 
 
 def test_in_a_pipe_it_says_only_what_was_found(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["live", str(source), "--preset", "discs", "--activity", "5"]) == 0
+    assert main(["live", str(source), "--engine", "rct", "--preset", "discs", "--activity", "5"]) == 0
     printed = capsys.readouterr()
     assert printed.err == ""
     assert printed.out.startswith("events ")
     assert "event to tracked" in printed.out
     assert main(["live", str(source), "-q", "--to", "50"]) == 0
-    assert capsys.readouterr().out == ""
+    assert capsys.readouterr() == ("", "")
 
 
 def test_a_terminal_sees_why_it_waits_for_the_first_event(source: Path) -> None:
@@ -77,7 +77,7 @@ def test_a_terminal_sees_why_it_waits_for_the_first_event(source: Path) -> None:
     ours, theirs = pty.openpty()
     subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, check=True)
     os.close(theirs)
-    assert "getting rct ready (the first time takes longer)" in os.read(ours, 100_000).decode()
+    assert "getting auto ready (the first time takes longer)" in os.read(ours, 100_000).decode()
     os.close(ours)
 
 
@@ -98,7 +98,9 @@ def test_an_interrupt_ends_it_cleanly(source: Path, which: signal.Signals) -> No
         assert json.loads(live.stdout.readline())["kind"] == "figures"
         live.send_signal(which)
         out, err = live.communicate(timeout=30)
-    assert (live.returncode, err) == (0, "")
+    assert live.returncode == 0
+    assert err.startswith("auto: 346x260, ")
+    assert err.count("\n") == 1
     summary = lines(out)[-1]
     assert summary["kind"] == "summary"
     assert len(read_recording("a.raw").events) == len(TrackLog.load_npz("a.npz").owner) == summary["saved"]
@@ -184,7 +186,7 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
         ("{source} --save-log a.csv", "--save-log a.csv: must end in .npz"),
         ("{source} --web 99999", "--web 99999: must be from 0 to 65535"),
         ("{source} --web 0 --bind 0.0.0.0", "--bind 0.0.0.0: must be one address"),
-        ("{source} --preset none", "--preset none: must be one of plain"),
+        ("{source} --preset none", "--preset none: must be one of auto"),
         ("{source} --from 9999", "holds no events from 9.999 s"),
         ("none.aedat4", "none.aedat4: cannot be read: No such file"),
         ("tcp://here", "tcp://here: must be tcp://HOST:PORT"),

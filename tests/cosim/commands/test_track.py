@@ -125,7 +125,7 @@ def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.Capt
     assert found["longest_track_s"] == max(lives) / 1e6
     assert len(Path("log.csv").read_text().splitlines()) == 1 + len(log.records)
 
-    assert main(["track", str(source)]) == 0
+    assert main(["track", str(source), "--engine", "rct"]) == 0
     assert f"tracks{'':>12}{counts[0]}" in capsys.readouterr().out
 
 

@@ -19,7 +19,7 @@ from ...tables import print_table
 from ..exit_codes import MISMATCH
 from ..options import window_from
 from .filters import save_learned
-from .job import job_from
+from .job import Job, job_from
 from .progress import Progress
 
 __all__ = ["run"]
@@ -37,6 +37,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
 
     job = job_from(options, window_from(options), claim=claim, auto=True)
     if options.print_config:
+        _say(job, quiet=options.quiet)
         print(run_toml(job.run_file), end="")
         return 0
     folder = folder_of(job.name)
@@ -55,6 +56,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         progress.note("writing logs, picture, report and waveform")
         summary = write_run(run, folder, job.run_file, command=command, waves=not options.no_waves)
     save_learned(options)
+    _say(job, quiet=options.quiet)
     if options.json:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:
@@ -63,3 +65,9 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         left = f"report.html, summary.json, run.toml, picture.png, logs (.npz, .csv){waves}"
         print(f"\n{folder}/ holds {left}")
     return 0 if summary["exact"] else MISMATCH
+
+
+def _say(job: Job, *, quiet: bool) -> None:
+    """Print what was seen in the recording and chosen by it, a line on stderr."""
+    if job.said is not None and not quiet:
+        print(job.said, file=sys.stderr)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -74,7 +73,7 @@ def job_from(
             part, that part is taken unless this says more than (0, None).
         until_us: what comes so long after the first event is not needed, and need not be read.
         claim: told the job's name before anything long begins, to claim what is written under that name.
-        auto: a recording without --preset gets a configuration from what is seen in it, which a line on stderr says.
+        auto: a recording without --preset gets a configuration from what is seen in it.
 
     Raises:
         ConfigError, RecordingError: something that the user can mend.
@@ -103,8 +102,6 @@ def job_from(
     seen = estimate([recording.events], (recording.width, recording.height)) if from_estimates else None
     config = _config(options, recording, top, seen)
     said = told(seen, config) if seen else None
-    if said is not None and not options.quiet:
-        print(said, file=sys.stderr)
     return Job(source, recording, config, name, top, seed, folder, said)
 
 
