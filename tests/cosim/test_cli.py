@@ -247,7 +247,9 @@ def test_no_compiler(recording: Path, monkeypatch: pytest.MonkeyPatch, capsys: C
 
 def test_rtl_that_does_not_build(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     broken_verilog(tmp_path, monkeypatch, "cot_array.v", "module cot_array #(", "module cot_array ((")
-    assert re.search(r"^cannot build cot_array .*%Error: .*cot_array\.v:\d+", error_of(capsys, "cosim", str(recording)))
+    assert re.search(
+        r"^cannot build cot_array .*%Error: .*cot_array\.v:\d+", error_of(capsys, "cosim", str(recording), "--preset", "dvs128")
+    )
 
 
 def test_an_unwritable_folder(recording: Path, capsys: Capture) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Recording
+from evcot.filters.config import FilterConfig
 from evcot.trackers.auto.estimates import Estimates, estimate
 from evcot.trackers.auto_registers import AUTO, auto_config, told
 from evcot.trackers.config import RunConfig, load_toml
@@ -136,6 +137,8 @@ def _config(options: argparse.Namespace, recording: Recording, top: Top, seen: E
     sensor = recording.width, recording.height
     slots = 1 if top == "cot" and options.slots is None else options.slots
     config = fit(auto_config(seen), *sensor, slots) if seen else run_config(*sensor, options.preset, slots)
+    if seen and top == "cot":  # which has no filters in front
+        config = replace(config, filters=FilterConfig())
     if options.config is not None:
         config = load_toml(options.config, config)
     filters = filters_from(options, config.filters, [recording.events], sensor)
