@@ -463,7 +463,7 @@ def test_an_object_that_sends_next_to_nothing_need_not_be_found() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ("--trackers nobody", "--trackers nobody: must be some of rct, "),
+        ("--trackers nobody", "--trackers nobody: must be some of auto, "),
         ("--families moon", "--families moon: no family begins so"),
         ("--families digits --leave-out 1", "--leave-out 1: must have families of two sources at least"),
         ("--final 1", "--final 1: must be a seed set that was not used before"),

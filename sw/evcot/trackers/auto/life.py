@@ -25,6 +25,7 @@ Table = NDArray[Any]
 RECORDS_PER_PACKET = 3  # an object is born or moves, and ends
 BORN, MOVED, MERGED, LOST = int(Kind.BORN), int(Kind.MOVED), int(Kind.MERGED), int(Kind.LOST)
 PACKET_MIN_US, PACKET_MAX_US = 1_000, 5_000
+_PACKETS = (1 << 31) - 1  # mask of a packet's number
 _MIN_HALF_PX = 1.0
 _COVERED_PATIENCE = 4.0  # factor of the coasting of an object hidden behind another
 _RATE_MEAN = 0.15  # half sides of travel over which the rate is averaged
@@ -366,7 +367,7 @@ def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
         close_packet(rules, world, run.packet_end_us, run.packet_us, out)
         if run.live == 0 and t_us >= run.packet_end_us + PACKET_MAX_US:
             run.packet_end_us = t_us
-    run.packet += 1
+    run.packet = (run.packet + 1) & _PACKETS
     run.settled = run.index
     run.packet_us = _next_packet_us(rules, world)
     run.packet_end_us += run.packet_us

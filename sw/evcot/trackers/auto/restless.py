@@ -19,18 +19,20 @@ _FIRST = 3  # number of the first epoch: a pixel that has sent nothing was last 
 _RESTLESS = 10  # epochs in a row
 _COUNT_BITS = 8
 _MOST = (1 << _COUNT_BITS) - 1
+_EPOCHS = (1 << (31 - _COUNT_BITS)) - 1  # mask of an epoch's number: six days, then it begins again
 
 
 @step
 def epoch_of(t_us: int, first_us: int) -> int:
     """The number of the epoch that holds a time; `first_us` is that of the first event."""
-    return _FIRST + ((t_us - first_us) >> EPOCH_BITS)
+    return (_FIRST + ((t_us - first_us) >> EPOCH_BITS)) & _EPOCHS
 
 
 def restless(pixels: NDArray[np.int32], t_us: int, first_us: int) -> NDArray[np.bool_]:
     """The pixels that do not rest, (height, width), at a time; `pixels` as in `rests`."""
     noted = pixels[:, :, 1]
-    lately = _FIRST + ((t_us - first_us) >> EPOCH_BITS) - (noted >> _COUNT_BITS) <= 2
+    epoch = (_FIRST + ((t_us - first_us) >> EPOCH_BITS)) & _EPOCHS
+    lately = ((epoch - (noted >> _COUNT_BITS)) & _EPOCHS) <= 2
     mask: NDArray[np.bool_] = lately & ((noted & _MOST) >= _RESTLESS)
     return mask
 
@@ -45,7 +47,7 @@ def rests(pixels: Table, x: int, y: int, epoch: int) -> bool:
         epoch: the number of the open epoch.
     """
     noted = pixels[y, x, 1]
-    since = epoch - (noted >> _COUNT_BITS)
+    since = (epoch - (noted >> _COUNT_BITS)) & _EPOCHS
     count = noted & _MOST
     if since != 0:
         if since == 1:
