@@ -8,6 +8,7 @@ squares: eventcv's of the blob's area, dv-processing's of its bandwidth.
 from __future__ import annotations
 
 import csv
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import timedelta
@@ -132,7 +133,7 @@ def _between(random: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(random.uniform(np.log(low), np.log(high))))
 
 
-class _Windowed:
+class _Windowed(ABC):
     """Cuts the stream into windows, and makes records of what each window shows."""
 
     def __init__(self, window_us: int) -> None:
@@ -144,9 +145,9 @@ class _Windowed:
         self._seen = 0
         self.settled = 0
 
+    @abstractmethod
     def look(self, events: Events, begin_us: int) -> dict[int, tuple[float, float, float]]:
         """Identity -> x, y, half side, of what is tracked after the window."""
-        raise NotImplementedError
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         records: list[tuple[Any, ...]] = []

@@ -106,20 +106,17 @@ def _touches(world: World, box: Table, window_s: float) -> bool:
     """Whether a box lies close to an object, or where one was in the window: it is a part of it, or of what it left behind."""
     for at in range(world.run[0].live):
         i = world.slots[at]
-        o = world.objects[i]
-        if o.alive:
-            s = world.state[i]
-            near = True
-            for axis in range(2):
-                back = -s[axis, 1] * window_s
-                if o.track_id >= 0 and o.speed > 0.0:
-                    back -= _TRAIL * s[axis, 2] * s[axis, 1] / o.speed
-                gate = _NEAR * (o.gate_x if axis == 0 else o.gate_y)
-                high = s[axis, 0] + s[axis, 2] + gate + max(back, 0.0)
-                low = s[axis, 0] - s[axis, 2] - gate + min(back, 0.0)
-                near = near and box[2 * axis] <= high and box[2 * axis + 1] >= low
-            if near:
-                return True
+        o, s = world.objects[i], world.state[i]
+        near = True
+        for axis in range(2):
+            back = -s[axis, 1] * window_s
+            if o.track_id >= 0 and o.speed > 0.0:
+                back -= _TRAIL * s[axis, 2] * s[axis, 1] / o.speed
+            high = s[axis, 0] + s[axis, 2] + _NEAR * o.gate + max(back, 0.0)
+            low = s[axis, 0] - s[axis, 2] - _NEAR * o.gate + min(back, 0.0)
+            near = near and box[2 * axis] <= high and box[2 * axis + 1] >= low
+        if near:
+            return True
     return False
 
 
@@ -147,7 +144,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.packets = 0
     o.silent_us = 0
     o.enters = o.edge = _edge(rules, box)
-    o.alone = o.travel = o.within = o.path = o.still = 0.0
+    o.travel = o.within = o.path = o.still = 0.0
     o.inside = -1
     o.meets = False
     o.support = pixels
@@ -156,7 +153,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.speed = rules.birth_speed * half_px / (1e-6 * window_us)
     o.rate = pixels / (1e-6 * window_us)
     o.usual = o.rate / o.speed
-    o.gate_x = o.gate_y = rules.gate * half_px
+    o.gate = rules.gate * half_px
     for axis in range(2):
         s, p = world.state[i, axis], world.cov[i, axis]
         s[0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])
@@ -178,16 +175,14 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
 def _sweep(world: World) -> None:
     """Remove the unassigned pixels in the cells of objects."""
     rows, columns = world.pixels.shape[1:]
-    for i in range(len(world.objects)):
-        o = world.objects[i]
-        if o.alive:
-            s = world.state[i]
-            top, bottom = int(s[1, 0] - s[1, 2]) >> CELL_BITS, int(s[1, 0] + s[1, 2]) >> CELL_BITS
-            left, right = int(s[0, 0] - s[0, 2]) >> CELL_BITS, int(s[0, 0] + s[0, 2]) >> CELL_BITS
-            for row in range(max(top, 0), min(bottom + 1, rows)):
-                for column in range(max(left, 0), min(right + 1, columns)):
-                    for level in range(LEVELS):
-                        world.pixels[level, row, column] = np.uint64(0)
+    for at in range(world.run[0].live):
+        s = world.state[world.slots[at]]
+        top, bottom = int(s[1, 0] - s[1, 2]) >> CELL_BITS, int(s[1, 0] + s[1, 2]) >> CELL_BITS
+        left, right = int(s[0, 0] - s[0, 2]) >> CELL_BITS, int(s[0, 0] + s[0, 2]) >> CELL_BITS
+        for row in range(max(top, 0), min(bottom + 1, rows)):
+            for column in range(max(left, 0), min(right + 1, columns)):
+                for level in range(LEVELS):
+                    world.pixels[level, row, column] = np.uint64(0)
 
 
 @step

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of the automatic tracker: none has a unit of length or time, so that none belongs to one scene."""
+"""Settings of the automatic tracker: none has a unit of length or time."""
 
 from __future__ import annotations
 

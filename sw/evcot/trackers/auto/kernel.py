@@ -23,7 +23,7 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
     """Track events from `begin` on until all are done or `out` could overflow; returns the number done."""
     run = world.run[0]
     seen, first_us = world.seen, run.first_us
-    if run.last_us == UNSET_US and len(ts) > begin:
+    if run.packet_end_us == UNSET_US and len(ts) > begin:
         first_us = run.first_us = ts[begin]
     most = RECORDS_PER_PACKET * len(world.objects)
     end_us, packet, index = run.packet_end_us, run.packet, run.index

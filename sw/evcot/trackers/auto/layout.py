@@ -49,7 +49,6 @@ OBJECT = np.dtype(
         ("packets", "<i8"),
         ("enters", "<i8"),  # edge of the sensor over which it enters: 0 left, 1 right, 2 top, 3 bottom; -1 once inside
         ("edge", "<i8"),  # the edge at which it was born, or -1
-        ("alone", "<f8"),  # travel without touching another object, half sides
         ("travel", "<f8"),  # half sides travelled
         ("inside", "<i8"),  # slot of an object whose box holds most of this one's, or whose box this one's holds
         ("within", "<f8"),  # travel since it is, half sides
@@ -72,8 +71,7 @@ OBJECT = np.dtype(
         ("unfitted", "<f8"),  # since the box was held against it
         ("gain", "<f8"),  # weight of a pixel drawn now
         ("floor", "<f8"),  # noise in a bin of the picture
-        ("gate_x", "<f8"),  # width of the gate around the box
-        ("gate_y", "<f8"),
+        ("gate", "<f8"),  # width of the gate around the box
         ("left", "<f8"),  # the box and the gate
         ("right", "<f8"),
         ("top", "<f8"),

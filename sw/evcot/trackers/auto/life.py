@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 from ...tracks.log import Kind
+from ..kalman.motion import correct, predict
 from .births import BIRTH_US, find_births, list_living
 from .layout import PROFILE, UNSET_US, Rules, World
-from .motion import correct, predict
 from .outline import add_travel, clear_picture, fit_outline
 from .sharing import prepare_packet
 from .unity import are_one
@@ -129,9 +129,8 @@ def _correct(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     noise_px = max(world.run[0].noise, 0.0) * lasted_s
     for axis in range(2):
         s, p = world.state[i, axis], world.cov[i, axis]
-        gate = o.gate_x if axis == 0 else o.gate_y
-        noise = noise_px * 2.0 * world.state[i, 1 - axis, 2] * gate
-        n = world.abreast[i, axis] - noise * (2.0 + 2.0 * s[2] / gate)
+        noise = noise_px * 2.0 * world.state[i, 1 - axis, 2] * o.gate
+        n = world.abreast[i, axis] - noise * (2.0 + 2.0 * s[2] / o.gate)
         if n <= 0.0:
             continue
         density = 1.0 / (2.0 * s[2])
@@ -192,7 +191,7 @@ def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
     away = edge - (s[0] + sign * s[2])
     if s[2] < _ENTERED * world.state[i, 1 - axis, 2]:
         correct(s, p, sign, away, _EDGE_VARIANCE)
-    elif sign * away > _EDGE_GATES * o.gate_x:
+    elif sign * away > _EDGE_GATES * o.gate:
         o.enters = -1
 
 
@@ -296,7 +295,6 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         o.still = 0.0 if v > 0.0 else o.still + went
         o.speed = max(v, o.speed * np.exp(-went / _SPEED_KEEPS), _SLOWEST * half)
         o.travel += v * lasted_s / half
-        o.alone += 0.0 if o.meets else v * lasted_s / half
         o.within = o.within + v * lasted_s / half if o.inside >= 0 else 0.0
         o.inside = -1
         noise = noise_px * (o.right - o.left) * (o.bottom - o.top)

@@ -36,9 +36,7 @@ def prepare_packet(rules: Rules, world: World) -> None:
         o.packet_events = 0
         world.beyond[i] = 0.0
         world.abreast[i] = 0.0
-        gate = max(_LEAST_GATE_PX, 0.5 * rules.gate * (o.half_x + o.half_y))
-        o.gate_x = gate
-        o.gate_y = gate
+        o.gate = max(_LEAST_GATE_PX, 0.5 * rules.gate * (o.half_x + o.half_y))
         _open_gate(o, rules.width, rules.height)
         _choose_unit(world, i)
         _enlist(rules, world, i, o.left, o.right, o.top, o.bottom)
@@ -84,8 +82,8 @@ def _enlist(rules: Rules, world: World, i: int, left: float, right: float, top: 
 @step
 def _open_gate(o: Any, width: int, height: int) -> None:
     """Set the gate around a box; for an entering object, up to the edge."""
-    o.left, o.right = o.x - o.half_x - o.gate_x, o.x + o.half_x + o.gate_x
-    o.top, o.bottom = o.y - o.half_y - o.gate_y, o.y + o.half_y + o.gate_y
+    o.left, o.right = o.x - o.half_x - o.gate, o.x + o.half_x + o.gate
+    o.top, o.bottom = o.y - o.half_y - o.gate, o.y + o.half_y + o.gate
     if o.enters == 0:
         o.left = -1.0
     elif o.enters == 1:

@@ -18,6 +18,8 @@ from .restless import restless
 
 __all__ = ["AutoTracker", "track"]
 
+SPARE_RECORDS = 4096  # in the buffer of the compiled loop, beside those of two packets
+
 
 class AutoTracker:
     """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
@@ -29,7 +31,7 @@ class AutoTracker:
         self.config = config
         self._rules = make_rules(config, width, height)
         self._world = make_world(config.max_objects, width, height)
-        self._buffer = np.zeros(2 * RECORDS_PER_PACKET * config.max_objects + 4096, TRACK)
+        self._buffer = np.zeros(2 * RECORDS_PER_PACKET * config.max_objects + SPARE_RECORDS, TRACK)
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """Track a run of events.

@@ -101,6 +101,7 @@ def test_a_hot_pixel_and_a_lamp_are_no_track() -> None:
     flashes = np.repeat(np.arange(1200) * 5_000.0, 40)
     lamp = flashes + random.uniform(0, 1_500, 48_000), 300 + random.uniform(0, 12, 48_000), 20 + random.uniform(0, 12, 48_000)
     log = run(together(hot, lamp, noise(0.5, 6_000_000)))
+    # The lamp is one object until ten epochs have shown that its pixels never rest.
     assert len(np.unique(log.records["track_id"])) <= 1
     assert not len(sample(log, np.arange(1_500_000, 6_000_000, 50_000)))
 
@@ -120,6 +121,18 @@ def test_the_split_into_runs_does_not_matter() -> None:
     np.testing.assert_array_equal(np.concatenate([part[0] for part in parts]), records)
     np.testing.assert_array_equal(np.concatenate([part[1] for part in parts]), owner)
     np.testing.assert_array_equal(parted.finish(), whole.finish())
+
+
+def test_a_full_buffer_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The compiled loop returns when records could overflow; what it knows of the stream's beginning must survive that."""
+    parts = [ring(60, 60 + 60 * k, 200, 0, 12, 1_300_000, per_px=6) for k in range(3)]
+    hot = np.arange(0, 1_300_000, 100.0), np.full(13_000, 200.0), np.full(13_000, 90.0)
+    recording = together(*parts, hot)
+    whole = AutoTracker(AutoConfig(max_objects=8), WIDTH, HEIGHT)
+    monkeypatch.setattr("evcot.trackers.auto.tracker.SPARE_RECORDS", 0)
+    small = AutoTracker(AutoConfig(max_objects=8), WIDTH, HEIGHT)
+    for one, other in zip(whole.feed(recording.events), small.feed(recording.events), strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_time_may_run_at_any_rate() -> None:
