@@ -5,8 +5,8 @@ Ratios are CPU times of the Rectangular Cluster Tracker without and with each of
 medians of 61 alternating runs in one process, Numba 0.68.1; plain tracker with at most 4 and 32 clusters, then all options on.
 
 - `_nrt`: False: no reference counting in a function that owns no array: 1.11, 1.17, 1.09, 1.35.
-  In what the Kalman tracker does for each event: `auto_kalman_4` and `auto_kalman_32` of `benchmarks/run.py auto`, the rate of the
-  automatic tracker by its, fall from 4.0 and 9.1 to 0.84 and 0.78.
+  In what the Kalman tracker does for each event: `auto_kalman_4` and `auto_kalman_32` of `benchmarks/run.py auto`, the rate of
+  the automatic tracker by its, fall from 4.0 and 9.1 to 0.84 and 0.78.
 - `trailing_zeros`: one instruction, instead of the documented way by the exponent of a float: 1.06, 1.04, 1.04, 1.01.
 - `no_cpython_wrapper`, `no_cfunc_wrapper`: no wrapper for calls from Python, which saves a third of the compile time.
 """
