@@ -165,19 +165,16 @@ class ObservedTracker:
         return self._tracker.settled
 
     def _look(self) -> None:
-        world = self._tracker._world
-        if world.run["noise"][0] >= 0:
-            self._noise.add(world.run["noise"])
-        objects = world.objects
-        visible = np.flatnonzero(objects["alive"] & (objects["track_id"] >= 0))
-        self._alive[len(visible)] += 1
-        if len(visible):
-            state = world.state[visible]
-            halves, speed = state[:, :, 2], np.hypot(state[:, 0, 1], state[:, 1, 1])
-            self._spreads["half_px"].add(halves.mean(axis=1))
-            self._spreads["long_px"].add(halves.max(axis=1))
-            self._spreads["speed_px_s"].add(speed)
-            self._spreads["pixels_per_px"].add(objects["usual"][visible])
+        noise_hz = self._tracker.noise_hz
+        if noise_hz is not None:
+            self._noise.add(np.array([noise_hz]))
+        seen = self._tracker.sightings()
+        self._alive[len(seen)] += 1
+        if len(seen):
+            self._spreads["half_px"].add(0.5 * (seen["half_x"] + seen["half_y"]))
+            self._spreads["long_px"].add(np.maximum(seen["half_x"], seen["half_y"]))
+            self._spreads["speed_px_s"].add(seen["speed_px_s"])
+            self._spreads["pixels_per_px"].add(seen["pixels_per_px"])
         if self._next_us - (self._first_us or 0) >= _HOT_US:
             self._hot += self._tracker.restless()
             self._hot_looks += 1

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import UNSET_US
 from .config import AutoConfig
 
 __all__ = [
@@ -29,7 +30,6 @@ __all__ = [
 
 Table = NDArray[Any]
 
-UNSET_US = -(1 << 62)
 CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
 PROFILE = 8  # parts of a box along each side, in which the density of its events is kept
 BINS, REACH = 40, 2.5  # of an object's picture along an axis: bins over -REACH to REACH units

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import UNSET_US
 from .config import KalmanConfig
 
 __all__ = ["CELL_BITS", "MANY", "NOBODY", "OBJECT", "PROFILE", "RUN", "UNSET_US", "Rules", "World", "make_rules", "make_world"]
 
 Table = NDArray[Any]
 
-UNSET_US = -(1 << 62)
 CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
 PROFILE = 8  # parts of a box along each side, in which the density of its events is kept
 NOBODY, MANY = -1, -2  # in `World.near`, beside the slot of the only object near a cell

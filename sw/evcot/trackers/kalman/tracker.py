@@ -6,81 +6,44 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import RecordingError
 from ...events import Events, Recording
-from ...tracks.log import TRACK, TrackLog
-from ...tracks.tracking import PacketBegin, check_order, track_recording
+from ...tracks.log import TrackLog
+from ...tracks.tracking import PacketBegin, track_recording
+from ..compiled import CompiledTracker
 from .config import KalmanConfig
 from .kernel import feed
-from .layout import UNSET_US, make_rules, make_world
+from .layout import make_rules, make_world
 from .life import RECORDS_PER_PACKET, close_packet
 
 __all__ = ["KalmanTracker", "track"]
 
 
-class KalmanTracker:
-    """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
-
-    Besides the returned arrays, memory is constant.
-    """
+class KalmanTracker(CompiledTracker):
+    """The Kalman tracker as a stream; see `CompiledTracker`."""
 
     def __init__(self, config: KalmanConfig, width: int, height: int) -> None:
         self.config = config
         self._rules = make_rules(config, width, height)
         self._world = make_world(config.max_objects, width, height)
         self._packet = PacketBegin(config.packet_us)
-        self._buffer = np.zeros(2 * RECORDS_PER_PACKET * config.max_objects + 4096, TRACK)
+        super().__init__(width, height, self._world.run, RECORDS_PER_PACKET * config.max_objects)
 
     def feed(self, events: Events) -> tuple[NDArray[np.void], NDArray[np.int16]]:
-        """Track a run of events.
-
-        Args:
-            events: (n,) events in time order, none before an event fed earlier, all on the sensor.
-
-        Returns:
-            (m,) records of dtype `TRACK`, of the packets that these events closed, and (n,) int16 owners: the slot with the
-            largest share of each event, -1 if unassigned.
-
-        Raises:
-            RecordingError: the run starts before the last event of the previous one, or an event is not on the sensor.
-        """
-        run = self._world.run
-        check_order(events, int(run["last_us"][0]), int(run["index"][0]))
-        outside = (events.x >= self._rules.width) | (events.y >= self._rules.height)
-        if outside.any():
-            at = int(np.argmax(outside))
-            place, size = f"({events.x[at]}, {events.y[at]})", f"{self._rules.width}x{self._rules.height}"
-            raise RecordingError(f"event {int(run['index'][0]) + at}: {place}: must lie on the sensor, {size}")
-        owner = np.empty(len(events), np.int16)
-        parts: list[NDArray[np.void]] = []
-        done = 0
-        while done < len(events):
-            done = feed(self._rules, self._world, events.t_us, events.x, events.y, done, owner, self._buffer)
-            parts.append(self._take())
-        self._packet.fed(events, int(run["packet_end_us"][0]))
-        return np.concatenate(parts) if parts else np.empty(0, TRACK), owner
-
-    def finish(self) -> NDArray[np.void]:
-        """Close the last packet at the end of the stream; (m,) records of dtype `TRACK`.
-
-        It ends with the last event: time does not advance beyond it.
-        """
-        run = self._world.run
-        if run["packet_end_us"][0] != UNSET_US:
-            last_us = int(run["last_us"][0])
-            lasted_us = last_us - int(run["packet_end_us"][0]) + self._rules.packet_us
-            close_packet(self._rules, self._world, last_us, lasted_us, self._buffer)
-        return self._take()
+        output = super().feed(events)
+        self._packet.fed(events, int(self._run["packet_end_us"][0]))
+        return output
 
     @property
     def settled(self) -> int:
         """See `tracking.Tracker`: the events before the open packet."""
         return self._packet.index
 
-    def _take(self) -> NDArray[np.void]:
-        records = int(self._world.run["records"][0])
-        self._world.run["records"] = 0
-        return self._buffer[:records].copy()
+    def _continue(self, events: Events, begin: int, owner: NDArray[np.int16]) -> int:
+        return feed(self._rules, self._world, events.t_us, events.x, events.y, begin, owner, self._buffer)
+
+    def _close(self, t_us: int) -> None:
+        lasted_us = t_us - int(self._run["packet_end_us"][0]) + self._rules.packet_us
+        close_packet(self._rules, self._world, t_us, lasted_us, self._buffer)
 
 
 def track(recording: Recording, config: KalmanConfig, keep: NDArray[np.bool_] | None = None) -> TrackLog:

@@ -129,7 +129,7 @@ def test_a_full_buffer_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     hot = np.arange(0, 1_300_000, 100.0), np.full(13_000, 200.0), np.full(13_000, 90.0)
     recording = together(*parts, hot)
     whole = AutoTracker(AutoConfig(max_objects=8), WIDTH, HEIGHT)
-    monkeypatch.setattr("evcot.trackers.auto.tracker.SPARE_RECORDS", 0)
+    monkeypatch.setattr("evcot.trackers.compiled.SPARE_RECORDS", 0)
     small = AutoTracker(AutoConfig(max_objects=8), WIDTH, HEIGHT)
     for one, other in zip(whole.feed(recording.events), small.feed(recording.events), strict=True):
         np.testing.assert_array_equal(one, other)
