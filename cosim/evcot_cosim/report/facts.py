@@ -21,7 +21,7 @@ _UNKNOWN = "–"
 
 @dataclass(frozen=True)
 class Place:
-    """A link into the playback: microseconds after the first event, the side and track to select, and a description."""
+    """A place in the playback: microseconds after the first event, the side and track to select, and what else is to say."""
 
     at_us: int
     side: str
@@ -52,7 +52,7 @@ def differences(material: Material) -> Differences | None:
         alone = set(agreement[f"merges_unpaired_{side.name}"])
         for row in merges(side.log):
             at_us, track, into = int(row["t_us"]) - begin_us, int(row["track_id"]), int(row["other_id"])
-            text = f"{side.name} {track} into {into}"
+            text = f"into {into}"
             if track in alone:
                 lone_merges.append(Place(at_us, side.name, str(track), text))
             elif side.name == "hardware" and track in partners:
@@ -64,7 +64,7 @@ def differences(material: Material) -> Differences | None:
         births = _births(material, side.name)
         for track in agreement[f"tracks_unpaired_{side.name}"]:
             if track in births:
-                lone_lives.append(Place(births[track] - begin_us, side.name, str(track), f"{side.name} {track}"))
+                lone_lives.append(Place(births[track] - begin_us, side.name, str(track), ""))
     for places in (lone_merges, lone_lives, joint):
         places.sort(key=lambda place: place.at_us)
     return Differences(lone_merges, lone_lives, joint)

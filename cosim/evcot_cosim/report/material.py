@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -18,10 +19,15 @@ __all__ = ["Material", "Side"]
 
 @dataclass(frozen=True)
 class Side:
-    """One engine: its name in the report (hardware, model or software) and its log."""
+    """One engine: its name in the report (hardware, model, software, or one of its own) and its log."""
 
     name: str
     log: TrackLog
+
+    @property
+    def is_hardware(self) -> bool:
+        """Whether it runs the hardware's algorithm: of that, N_ev and the inner radius have a meaning."""
+        return self.log.engine.startswith("cot")
 
 
 @dataclass(frozen=True)
@@ -31,7 +37,7 @@ class Material:
     Attributes:
         recording: the recording; if a mismatch ended the run, only its decided part is shown.
         summary: contents of `summary.json`; every part of it may be missing.
-        sides: at most two engines.
+        sides: the engines, each under a name of its own: letters, digits, `_`.
         truth: the ground truth within the events' time, or None if unknown.
     """
 
@@ -41,6 +47,10 @@ class Material:
     truth: Truth | None = None
 
     def __post_init__(self) -> None:
+        names = [side.name for side in self.sides]
+        for name in names:
+            if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or name == "truth" or names.count(name) > 1:
+                raise ConfigError(f"sides: {name!r}: must be a name of its own, of lower-case letters, digits and _")
         decided = {len(side.log.owner) for side in self.sides}
         if len(decided) > 1 or max(decided, default=0) > len(self.recording.events):
             lengths = ", ".join(f"{side.name}: {len(side.log.owner)}" for side in self.sides)
