@@ -22,6 +22,7 @@ from .thin import thinned_events
 __all__ = ["Collected", "collect"]
 
 _LOOKS = ("hardware", "model", "software")  # sides with a look of their own
+_ALIKE = {"a": "hardware", "b": "software"}  # two runs
 _OTHERS = 4  # looks for further engines
 _BINS = 800  # of the curve of events over time
 _STEPS_MAX = 8_000  # of the curve of clusters alive
@@ -94,8 +95,9 @@ def _names(name: str, paths: Paths) -> dict[str, Any]:
 
 def _looks(names: list[str]) -> dict[str, str]:
     """The colour and dash pattern of each side, by the names that the style sheet has for them."""
-    others = [name for name in names if name not in _LOOKS or (name == "model" and "software" in names)]
-    return {name: f"other{others.index(name) % _OTHERS + 1}" if name in others else name for name in names}
+    alike = {name: _ALIKE.get(name, name) for name in names}
+    others = [name for name in names if alike[name] not in _LOOKS or (name == "model" and "software" in names)]
+    return {name: f"other{others.index(name) % _OTHERS + 1}" if name in others else alike[name] for name in names}
 
 
 def _ring(side: Side, summary: Mapping[str, Any]) -> list[int] | None:

@@ -6,13 +6,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.tracks.log import TrackLog
 
 from .truth import Truth
+
+if TYPE_CHECKING:
+    from .comparison import Comparison
 
 __all__ = ["Material", "Side"]
 
@@ -39,12 +42,14 @@ class Material:
         summary: contents of `summary.json`; every part of it may be missing.
         sides: the engines, each under a name of its own: letters, digits, `_`.
         truth: the ground truth within the events' time, or None if unknown.
+        comparison: what two runs are compared by, where the sides are those of two runs.
     """
 
     recording: Recording
     summary: Mapping[str, Any]
     sides: tuple[Side, ...]
     truth: Truth | None = None
+    comparison: Comparison | None = None
 
     def __post_init__(self) -> None:
         names = [side.name for side in self.sides]
@@ -60,6 +65,11 @@ class Material:
 
         if self.truth is not None:
             object.__setattr__(self, "truth", self.truth.within(*self.span_us))
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """The sides that the summary's agreement is about; in it they are called hardware and software."""
+        return ("hardware", "software") if self.comparison is None else ("a", "b")
 
     @property
     def events(self) -> Events:

@@ -18,7 +18,7 @@ from evcot.outputs import written_aside
 from evcot.templating import templates
 from evcot.tracks.log import DROPPED, Kind
 
-from ..lockstep.verdict import Verdict, verdict_from, verdict_of
+from ..lockstep.verdict import Grade, Verdict, verdict_from, verdict_of
 from .collect import Collected, collect
 from .facts import Differences, agreement_rows, differences, flat, latency_bars, run_rows, score_rows
 from .heat import heat_maps
@@ -75,7 +75,7 @@ def render(material: Material) -> str:
         "mismatch": _mismatch_us(material),
         "lists": _lists(material, found),
     }
-    verdict = _verdict(material)
+    verdict = _verdict(material) if material.comparison is None else Verdict(Grade.GOOD, "", ())
     environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"ms": _ms}
     return environment.get_template("report.html.j2").render(
@@ -89,7 +89,7 @@ def render(material: Material) -> str:
         decay=round(math.log10(_DECAY_US), 2),
         trail=round(math.log10(min(max(0.1 * _duration_us(material), 1e3), 1e6)), 2),
         heights=_HEIGHTS | {"lives": _lives_height(collected)},
-        hints={"difference": "next place where hardware and software, or hardware and model, differ"},
+        hints={"difference": f"next place where {material.pair[0]} and {material.pair[1]}, or hardware and model, differ"},
         sides=collected.facts["sides"],
         paths=collected.paths,
         notes=_notes(material, collected),

@@ -56,7 +56,8 @@ def draw(
     """Draw a run as a PNG of `SIZE_PX`.
 
     Left: all events by polarity and the paths of both trackers; below it a few numbered moments, each with the events just
-    before it and both trackers' boxes. Right: the number of clusters alive, and every track from birth to end, with merges linked to the survivor.
+    before it and both trackers' boxes. Right: the number of clusters alive, and every track from birth to end, with merges
+    linked to the survivor.
     If there are too many tracks, only the longest are drawn, and the picture states this.
 
     Args:
@@ -82,14 +83,15 @@ def draw(
         over_time = columns[1].subgridspec(2, 1, height_ratios=(1, 2.8), hspace=0.16)
         count = figure.add_subplot(over_time[0])
         lives = figure.add_subplot(over_time[1], sharex=count)
-        scene.set_title("(a) events and paths; below, the boxes at numbered moments")
+        scene.set_title("(a) paths; below, boxes at four moments")
         count.set_title("(b) clusters alive", pad=14)
         lives.set_title("(c) lifetimes and merges")
         scene_panel(scene, recording, sides, clock)
         count_panel(count, sides, clock)
         lives_panel(lives, sides, clock)
-        for moment, cell in zip(range(len(clock.moments_us)), left[1].subgridspec(1, _MOMENTS, wspace=0.06), strict=False):
-            moment_panel(figure.add_subplot(cell, anchor="N"), recording, sides, clock, moment)
+        beneath = left[1].subgridspec(1, _MOMENTS, wspace=0.06)
+        for moment in range(len(clock.moments_us)):
+            moment_panel(figure.add_subplot(beneath[moment], anchor="N"), recording, sides, clock, moment)
         scene.legend(
             handles=_legend(sides),
             ncols=5,
