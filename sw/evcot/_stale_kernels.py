@@ -2,8 +2,8 @@
 """Where Numba keeps compiled kernels, and which of them may be stale.
 
 Numba caches compiled code in `__pycache__`, or below $NUMBA_CACHE_DIR, and recompiles when the file of a function changes. It
-does not detect changes in other files, of functions or constants that were compiled into the kernel. Here any changed source file invalidates the kernels
-of its own folder and of the folders below: kernels use only code in their folder or above it.
+does not detect changes in other files, of functions or constants that were compiled into the kernel. Here any changed source
+file invalidates the kernels of its own folder and of the folders below: kernels use only code in their folder or above it.
 """
 
 from __future__ import annotations
