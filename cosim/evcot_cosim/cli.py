@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any
 
 import evcot
-from evcot.errors import EvcotError, RecordingWarning
+from evcot.errors import DamagedRecordingError, EvcotError, RecordingWarning
 
 from .commands import (
     anomalies,
@@ -65,6 +65,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except MismatchError as error:
         print(f"evcot: MISMATCH: {error}", file=sys.stderr)
         return MISMATCH
+    except DamagedRecordingError as error:
+        rescue = " (--skip-damaged reads what can be read)" if hasattr(options, "skip_damaged") else ""
+        print(f"evcot: {error}{rescue}", file=sys.stderr)
+        return USER_ERROR
     except EvcotError as error:
         print(f"evcot: {error}", file=sys.stderr)
         return USER_ERROR

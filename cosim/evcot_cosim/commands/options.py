@@ -24,7 +24,7 @@ RECORDING = "recording"  # title of the group
 
 
 def recording_options(parser: argparse.ArgumentParser) -> None:
-    """Add --from, --to, --sensor and --skip-damaged."""
+    """Add --from, --to, --sensor, --struct and --skip-damaged."""
     window_options(parser)
     damage_options(parser)
 
@@ -37,9 +37,12 @@ def window_options(parser: argparse.ArgumentParser) -> None:
 
 
 def damage_options(parser: argparse.ArgumentParser) -> None:
-    """Add --sensor and --skip-damaged."""
+    """Add --sensor, --struct and --skip-damaged."""
     group = group_of(parser, RECORDING)
     group.add_argument("--sensor", metavar="WxH", help="size in pixels (default: what the file says, else the smallest)")
+    group.add_argument(
+        "--struct", metavar="NAME", help="of a .mat with several structs of events (default: TD, else the first)"
+    )
     group.add_argument("--skip-damaged", action="store_true", help="leave out what is damaged, and say how much")
 
 
