@@ -40,7 +40,7 @@ def test_a_loop_begins_again_and_time_goes_on(path: Path) -> None:
     source.close()
     t_us = np.concatenate([part.t_us for part in parts])
     steps = np.diff(t_us)
-    assert (steps > 0).all()
+    assert (steps >= 0).all()
     assert len(t_us) >= 1_500  # three passes of 500 events
     pauses = steps[steps > 10_000]
     assert len(pauses) >= 2
