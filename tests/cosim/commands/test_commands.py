@@ -138,6 +138,12 @@ def test_a_misspelled_word_is_answered_with_the_right_one(typed: list[str], mean
     assert len(complaint.splitlines()) == 2  # usage and message
 
 
+def test_cosim_explains_the_words_of_its_output() -> None:
+    text = COMMANDS["cosim"].format_help().partition("words in the output:")[2]
+    for word in ("record", "owner", "CM", "TC", "isolated", "short"):
+        assert f"\n  {word} " in text
+
+
 def test_nothing_is_suggested_for_a_word_that_is_near_none(capsys: Capture) -> None:
     with pytest.raises(SystemExit):
         main(["cosim", "--qqqqq"])
