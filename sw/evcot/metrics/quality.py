@@ -21,7 +21,7 @@ _SHORT_US = 200_000  # a shorter track is short, unless it travels
 _SHORT_PART = 0.1  # of the recording: of shorter recordings that is short
 _TRAVEL = 0.5  # of its own box: a track that travels further is not short
 _NEIGHBOUR_US = 10_000  # an event without a neighbouring event for so long is isolated
-_RUN = 1 << 20  # events at a time
+_RUN = 1 << 21  # events at a time
 
 
 @dataclass(frozen=True)
@@ -128,13 +128,21 @@ def _life_of_event(log: TrackLog, t_us: NDArray[np.int64], lives: NDArray[np.voi
     order = np.lexsort((lives["birth_us"], lives["slot"]))
     by_slot = lives[order]
     begin_us = int(min(t_us[0], lives["birth_us"].min()))
-    span_us = int(max(t_us[-1], lives["birth_us"].max())) - begin_us + 1
-    births = by_slot["slot"].astype(np.int64) * span_us + (by_slot["birth_us"] - begin_us)
+    span_us = int(max(t_us[-1], lives["end_us"].max())) - begin_us + 1
+    slot = by_slot["slot"].astype(np.int64) * span_us - begin_us
+    births, ends = slot + by_slot["birth_us"], slot + by_slot["end_us"]
     found = np.empty(len(t_us), np.int64)
     for begin in range(0, len(t_us), _RUN):
         run = slice(begin, begin + _RUN)
-        at = np.searchsorted(births, log.owner[run].astype(np.int64) * span_us + (t_us[run] - begin_us), "right") - 1
-        here = by_slot[at]
-        visible = (log.owner[run] >= 0) & (at >= 0) & (here["slot"] == log.owner[run]) & (t_us[run] <= here["end_us"])
-        found[run] = np.where(visible, order[at], -1)
+        owner = log.owner[run]
+        by_owner = np.argsort(owner, kind="stable")  # within a slot they stay in time order
+        keys = owner[by_owner].astype(np.int64) * span_us + (t_us[run][by_owner] - begin_us)
+        first, past = np.searchsorted(keys, births, "left"), np.searchsorted(keys, ends, "right")
+        past = np.minimum(past, np.append(first[1:], len(keys)))  # at the same time the later life of a slot owns
+        steps = np.zeros(len(keys) + 1, np.int64)
+        np.add.at(steps, first, order + 1)
+        np.add.at(steps, past, -(order + 1))
+        rows = np.empty(len(keys), np.int64)
+        rows[by_owner] = np.cumsum(steps[:-1]) - 1
+        found[run] = rows
     return found
