@@ -2,7 +2,7 @@
 # Needs Python 3.11+, g++, make and perl; all else comes from pip into $(VENV). No root.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants fuzz fpga fpga-check clean
+.PHONY: help setup cosim waves test bench lint generate prove bitstream docs mutants fuzz fpga fpga-check package clean
 .SUFFIXES:
 
 VENV ?= .venv
@@ -64,6 +64,18 @@ fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of 
 
 fpga-check: $(VENV)/.installed-fpga ## Check for regressions of area and speed against hw/fpga/figures.json
 	@$(BIN)/python -m evcot_cosim.fpga --check $(ARGS)
+
+package: $(VENV)/.installed-release ## Build sdist and wheel in build/dist, check them, and try the wheel in an empty environment
+	@rm -rf build/dist build/empty
+	@$(BIN)/reuse lint --lines
+	@$(BIN)/python -m build --outdir build/dist .
+	@$(BIN)/twine check --strict build/dist/*
+	@$(BIN)/python -m venv build/empty
+	@build/empty/bin/python -m pip install -qq --disable-pip-version-check build/dist/*.whl
+	@du -sh build/dist/*.whl build/empty/lib
+	@folder=$$(mktemp -d) && cd "$$folder" && for words in "--version" "simulate discs --duration 0.1 -o discs.npz" \
+	  "track discs.npz -o log.npz" "cosim discs.npz --no-waves"; do \
+	  $(CURDIR)/build/empty/bin/evcot $$words || exit 1; done; rm -r "$$folder"
 
 clean: ## Remove everything that was built; .venv stays
 	@rm -rf build .pytest_cache .mypy_cache .ruff_cache

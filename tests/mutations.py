@@ -25,6 +25,7 @@ from support.testing import broken_copy
 
 ROOT = Path(__file__).parents[1]
 MISTAKES = ROOT / "tests" / "mutations.toml"
+KERNELS = ROOT / "build" / "cache" / "numba"  # of Python, the same for every mutation
 TABLE = ROOT / "docs" / "mutations.md"
 HEADING = """# What the tests catch
 
@@ -67,7 +68,7 @@ def first_failures(verilog: Path, tests: tuple[str, ...], cache: Path) -> list[s
     for name in tests:
         pytest = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "-p", "no:cacheprovider"]
         command = [*pytest, "-k", "not lints", str(path_of(name))]
-        environment = os.environ | {"EVCOT_VERILOG": str(verilog), "EVCOT_CACHE": str(cache)}
+        environment = os.environ | {"EVCOT_VERILOG": str(verilog), "EVCOT_CACHE": str(cache), "NUMBA_CACHE_DIR": str(KERNELS)}
         done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
         failed = re.search(r"^(?:FAILED|ERROR) tests/hw/(?:\w+/)*(.*?)(?: - .*)?$", done.stdout, re.MULTILINE)
         if "ToolchainError" in done.stdout or done.returncode > 1 or (done.returncode and not failed):

@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any
 
 import evcot
-from evcot.errors import EvcotError, RecordingWarning
+from evcot.errors import DamagedRecordingError, EvcotError, RecordingWarning
 
 from .commands import (
     anomalies,
@@ -35,7 +35,7 @@ from .commands import (
 )
 from .commands import filter as filter_command
 from .commands.exit_codes import MISMATCH, USER_ERROR
-from .commands.parsing import claims_of
+from .commands.parsing import Parser, claims_of
 from .lockstep.mismatch import MismatchError
 
 __all__ = ["main", "parser"]
@@ -55,7 +55,9 @@ _EXAMPLES = """examples:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. An interrupt is the caller's to report."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    options = parser().parse_args(arguments)
+    options, unknown = parser().parse_known_args(arguments)
+    if unknown:
+        options.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     try:
         with _warnings_in_one_line(), claims_of(options) as options.claims:
             code: int = options.command(options, arguments)
@@ -63,6 +65,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except MismatchError as error:
         print(f"evcot: MISMATCH: {error}", file=sys.stderr)
         return MISMATCH
+    except DamagedRecordingError as error:
+        rescue = " (--skip-damaged reads what can be read)" if hasattr(options, "skip_damaged") else ""
+        print(f"evcot: {error}{rescue}", file=sys.stderr)
+        return USER_ERROR
     except EvcotError as error:
         print(f"evcot: {error}", file=sys.stderr)
         return USER_ERROR
@@ -97,14 +103,13 @@ def _warnings_in_one_line() -> Iterator[None]:
 @cache
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
-    whole = argparse.ArgumentParser(
+    whole = Parser(
         prog="evcot",
-        description="Event-camera object tracking: hardware, model and software in lock-step.",
-        epilog=_EXAMPLES,
+        description=f"Event-camera object tracking: hardware, model and software in lock-step.\n\n{_EXAMPLES}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     whole.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
-    commands = whole.add_subparsers(required=True, metavar="COMMAND")
+    commands: Any = whole.add_subparsers(required=True, metavar="COMMAND")
     for group in (
         cosim,
         report,

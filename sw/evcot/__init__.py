@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from ._lazy import lazily as _lazily
 from ._stale_kernels import forget_stale_kernels as _forget_stale_kernels
+from ._stale_kernels import keep_kernels_in_cache as _keep_kernels_in_cache
 
 if TYPE_CHECKING:
     from .api import evaluate, simulate, track
@@ -99,6 +100,7 @@ __all__ = [
 
 __version__ = "0.1.0"
 
+_keep_kernels_in_cache()
 _forget_stale_kernels(_Path(__file__).parent)
 
 __getattr__, __dir__ = _lazily(

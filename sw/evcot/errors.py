@@ -3,7 +3,16 @@
 
 from __future__ import annotations
 
-__all__ = ["ConfigError", "EvcotError", "OutputError", "RecordingError", "RecordingWarning", "ToolchainError", "TrackLogError"]
+__all__ = [
+    "ConfigError",
+    "DamagedRecordingError",
+    "EvcotError",
+    "OutputError",
+    "RecordingError",
+    "RecordingWarning",
+    "ToolchainError",
+    "TrackLogError",
+]
 
 
 class EvcotError(Exception):
@@ -12,6 +21,10 @@ class EvcotError(Exception):
 
 class RecordingError(EvcotError, ValueError):
     """A recording that cannot be used: names the file, the offset or event index, the value and the rule."""
+
+
+class DamagedRecordingError(RecordingError):
+    """A recording with damage behind events that can be read: with damage "skip" they are."""
 
 
 class RecordingWarning(UserWarning):

@@ -16,8 +16,9 @@ SOURCES = ("__init__.py", "events.py", "rct/kernel.py", "rct/merge.py", "filters
 
 
 @pytest.fixture
-def package(tmp_path: Path) -> Path:
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A package with a kernel beside each source, and known as it is."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     for name in SOURCES:
         source = tmp_path / name
         (source.parent / "__pycache__").mkdir(parents=True, exist_ok=True)
@@ -81,3 +82,60 @@ def test_a_kernel_follows_a_function_in_another_file(tmp_path: Path) -> None:
     assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, env=environment).stdout == "20\n"
     (package / "inner.py").write_text("from numba import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + 22\n")
     assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, env=environment).stdout == "230\n"
+
+
+KERNELS = """
+from numba import njit
+from pathlib import Path
+import evcot
+@njit(cache=True)
+def twice(x):
+    return 2 * x
+print(twice(21), sum(twice.stats.cache_hits.values()), twice.stats.cache_path)
+"""
+
+
+@pytest.mark.parametrize("own", [False, True], ids=["EVCOT_CACHE", "NUMBA_CACHE_DIR of the user's"])
+def test_kernels_are_kept_in_the_cache_of_all_that_is_compiled(tmp_path: Path, own: bool) -> None:
+    (tmp_path / "kernels.py").write_text(KERNELS)
+    cache, numba = tmp_path / "cache", tmp_path / "numba"
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment |= {"EVCOT_CACHE": str(cache)} | ({"NUMBA_CACHE_DIR": str(numba)} if own else {})
+    # Numba reads its configuration when it is imported: evcot must come first.
+    script = "import sys, evcot; sys.path.insert(0, '.'); import kernels"
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True,
+        ).stdout.split()
+        for _ in range(2)
+    ]  # fmt: skip
+    assert [words[:2] for words in said] == [["42", "0"], ["42", "1"]]
+    assert Path(said[0][2]).is_relative_to(numba if own else cache / "numba")
+
+
+def test_kernels_in_the_cache_are_forgotten_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from numba.core.caching import UserProvidedCacheLocator
+
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "numba"))
+    source = tmp_path / "package" / "rct" / "kernel.py"
+    source.parent.mkdir(parents=True)
+    source.write_text("x = 1\n")
+    forget_stale_kernels(tmp_path / "package")
+    kernel = tmp_path / "numba" / UserProvidedCacheLocator.get_suitable_cache_subpath(str(source)) / "kernel.f-1.py311.nbi"
+    kernel.parent.mkdir(exist_ok=True)
+    kernel.write_text("compiled")
+    assert forget_stale_kernels(tmp_path / "package") == []
+    source.write_text("x = 22\n")
+    assert forget_stale_kernels(tmp_path / "package") == ["rct"]
+    assert not kernel.exists()
+
+
+def test_a_cache_that_cannot_be_written_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    script = "import os, evcot; print(os.environ.get('NUMBA_CACHE_DIR'))"
+    run = subprocess.run(
+        [sys.executable, "-c", script], env=environment | {"EVCOT_CACHE": str(tmp_path / "file")},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert run.stdout.strip() == "None"

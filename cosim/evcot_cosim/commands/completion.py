@@ -12,11 +12,12 @@ __all__ = ["add"]
 _EXAMPLES = """
 eval "$(evcot completion bash)"                  # in ~/.bashrc
 evcot completion zsh > ~/.zfunc/_evcot           # a folder of zsh's fpath
+evcot completion fish > ~/.config/fish/completions/evcot.fish
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser], whole: argparse.ArgumentParser) -> None:
     """Add the command to the command line that `whole` is of."""
     completion = add_command(commands, "completion", "print the completion of a shell", _EXAMPLES)
-    completion.add_argument("shell", choices=("bash", "zsh"), help="which shell")
+    completion.add_argument("shell", choices=("bash", "zsh", "fish"), help="which shell")
     completion.set_defaults(whole=whole)

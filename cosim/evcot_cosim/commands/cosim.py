@@ -22,10 +22,21 @@ evcot cosim --config run.toml
 """
 
 
+_TERMS = """words in the output:
+  record      what a tracker says of a track: it was born, has moved, has merged into another, or was lost
+  owner       the tracker slot that took an event
+  CM          a cluster's centre, updated after every N_ev of its events
+  TC          the time since a cluster's last event
+  isolated    of an event: without another on the eight pixels around it within the 10 ms before
+  short       of a track: ended within 0.2 s where it began
+"""
+
+
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     title = "run hardware, model and software tracker on a recording and compare them"
     cosim = add_command(commands, "cosim", title, _EXAMPLES)
+    cosim.epilog = _TERMS
     input_options(cosim, auto=True)
     window_options(cosim)
     output_option(cosim, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/cosim/NAME)")

@@ -7,7 +7,7 @@ import argparse
 
 from evcot.trackers.engines import ENGINES
 
-from .parsing import input_path
+from .parsing import group_of, input_path
 
 __all__ = ["engine_options"]
 
@@ -15,7 +15,8 @@ __all__ = ["engine_options"]
 def engine_options(parser: argparse.ArgumentParser) -> None:
     """Add --engine, --preset, --config and --set."""
     engines = "; ".join(f"{name}: {engine.title}" for name, engine in ENGINES.items())
-    parser.add_argument("--engine", choices=ENGINES, default="auto", help=f"{engines} (default: auto)")
-    parser.add_argument("--preset", metavar="NAME", help="of the engine, see `evcot presets --engine` (default: its first)")
-    parser.add_argument("--config", type=input_path, metavar="TOML", help="its table of the engine's name overrides the preset")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; again for more")
+    group = group_of(parser, "engine")
+    group.add_argument("--engine", choices=ENGINES, default="auto", help=f"{engines} (default: auto)")
+    group.add_argument("--preset", metavar="NAME", help="of the engine, see `evcot presets --engine` (default: its first)")
+    group.add_argument("--config", type=input_path, metavar="TOML", help="its table of the engine's name overrides the preset")
+    group.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; again for more")

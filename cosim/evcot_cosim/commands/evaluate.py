@@ -14,7 +14,7 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot evaluate log.npz --truth highway.truth.csv
-evcot evaluate build/cosim/highway/hardware.npz --truth highway.truth.csv --json
+evcot evaluate build/cosim/highway --truth highway.truth.csv   # all engines of a run
 evcot evaluate result.txt --truth gt.txt --frame-us 40000      # MOTChallenge, of any tracker
 evcot evaluate log.npz --truth drive_bbox.npy
 """
@@ -24,7 +24,10 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "evaluate", "score tracks against ground truth: HOTA, CLEAR, ID scores, errors", _EXAMPLES)
     parser.add_argument(
-        "log", type=input_path, metavar="LOG", help="a track log, as `evcot cosim` writes: hardware.npz and others; or boxes"
+        "log",
+        type=input_path,
+        metavar="LOG|RUN",
+        help="a track log, as `evcot cosim` writes: hardware.npz and others; boxes; or the folder of a run, of all its engines",
     )
     parser.add_argument("--truth", type=input_path, required=True, metavar="TRUTH", help="the ground truth: CSV, or boxes")
     known = ", ".join(RULES)

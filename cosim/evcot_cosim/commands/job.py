@@ -11,7 +11,7 @@ from evcot.scenes.registry import SCENES
 from ..names import Top
 from .filter_options import filter_options
 from .options import damage_options
-from .parsing import input_or_name, input_path
+from .parsing import group_of, input_or_name, input_path
 
 __all__ = ["DEFAULT_SCENE", "input_options"]
 
@@ -25,15 +25,16 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: 
     run = "the folder of a run of `evcot cosim`; " if runs else ""
     parser.add_argument("recording", nargs="?", type=input_or_name, metavar="RUN" if runs else "FILE", help=run + source)
     parser.add_argument("--seed", type=int, metavar="N", help="seed of a scene (default: 1)")
-    parser.add_argument(
+    group = group_of(parser, "hardware")
+    group.add_argument(
         "--preset", metavar="NAME", help=f"see `evcot presets`; auto: from what is seen in the recording (default: {default})"
     )
-    parser.add_argument(
+    group.add_argument(
         "--config", type=input_path, metavar="TOML", help="overrides of the preset, or a whole run (--print-config)"
     )
-    parser.add_argument("--slots", type=int, metavar="N", help="tracker slots (default: the preset's)")
-    parser.add_argument("--hardware", choices=get_args(Top), help="which module (default: cot_array)")
-    parser.add_argument("--stalls", type=int, metavar="SEED", help="stall every stream of the hardware at random")
+    group.add_argument("--slots", type=int, metavar="N", help="tracker slots (default: the preset's)")
+    group.add_argument("--hardware", choices=get_args(Top), help="which module (default: cot_array)")
+    group.add_argument("--stalls", type=int, metavar="SEED", help="stall every stream of the hardware at random")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
     damage_options(parser)
     filter_options(parser)

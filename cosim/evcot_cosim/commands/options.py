@@ -9,6 +9,8 @@ import re
 
 from evcot.errors import ConfigError
 
+from .parsing import group_of
+
 __all__ = [
     "damage_options",
     "recording_options",
@@ -18,22 +20,30 @@ __all__ = [
 ]
 
 
+RECORDING = "recording"  # title of the group
+
+
 def recording_options(parser: argparse.ArgumentParser) -> None:
-    """Add --from, --to, --sensor and --skip-damaged."""
+    """Add --from, --to, --sensor, --struct and --skip-damaged."""
     window_options(parser)
     damage_options(parser)
 
 
 def window_options(parser: argparse.ArgumentParser) -> None:
     """Add --from and --to."""
-    parser.add_argument("--from", dest="from_ms", type=float, default=0.0, metavar="MS", help="begin, after the first event")
-    parser.add_argument("--to", dest="to_ms", type=float, metavar="MS", help="end (default: the recording's)")
+    group = group_of(parser, RECORDING)
+    group.add_argument("--from", dest="from_ms", type=float, default=0.0, metavar="MS", help="begin, after the first event")
+    group.add_argument("--to", dest="to_ms", type=float, metavar="MS", help="end (default: the recording's)")
 
 
 def damage_options(parser: argparse.ArgumentParser) -> None:
-    """Add --sensor and --skip-damaged."""
-    parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: what the file says, else the smallest)")
-    parser.add_argument("--skip-damaged", action="store_true", help="leave out what is damaged, and say how much")
+    """Add --sensor, --struct and --skip-damaged."""
+    group = group_of(parser, RECORDING)
+    group.add_argument("--sensor", metavar="WxH", help="size in pixels (default: what the file says, else the smallest)")
+    group.add_argument(
+        "--struct", metavar="NAME", help="of a .mat with several structs of events (default: TD, else the first)"
+    )
+    group.add_argument("--skip-damaged", action="store_true", help="leave out what is damaged, and say how much")
 
 
 def window_from(options: argparse.Namespace) -> tuple[int, int | None]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a command presents itself: a line on what it does, its options, and examples; and which of them name files.
+"""How a command presents itself: a line on what it does, examples, and its options; and which of them name files.
 
 Every argument that names a file says by its type whether the file is read or written. That is how all files of a call are
 known, and checked, before a command begins (`claims_of`).
@@ -8,11 +8,13 @@ known, and checked, before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Iterator, Sequence
+import difflib
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import Any
+from typing import Any, NoReturn
 
 from evcot.outputs import Claims
 
@@ -20,8 +22,10 @@ __all__ = [
     "INPUT_TYPES",
     "OUTPUT_TYPES",
     "Action",
+    "Parser",
     "add_command",
     "claims_of",
+    "group_of",
     "input_or_name",
     "input_path",
     "output_file",
@@ -54,6 +58,58 @@ INPUT_TYPES = (input_path, input_or_name)
 OUTPUT_TYPES = (output_file, output_folder)
 
 
+class Parser(argparse.ArgumentParser):
+    """A parser with a usage of one line, and with a suggestion for a word that is misspelled."""
+
+    def format_usage(self) -> str:
+        """The usage: required options and positional arguments; the others are listed below it in the help."""
+        formatter = self._get_formatter()
+        formatter.add_usage(self._brief_usage(), (), ())
+        return formatter.format_help()
+
+    def format_help(self) -> str:
+        """The whole help, with the brief usage."""
+        before, self.usage = self.usage, self._brief_usage()
+        try:
+            return super().format_help()
+        finally:
+            self.usage = before
+
+    def error(self, message: str) -> NoReturn:
+        """Print usage and message, with what may have been meant, and exit with 2."""
+        super().error(message + self._suggestion(message))
+
+    def _brief_usage(self) -> str:
+        words = ["%(prog)s", "[options]"]
+        for action in self._actions:
+            name = str(action.metavar or action.dest)
+            if action.option_strings:
+                words += [action.option_strings[0], name] if action.required else []
+            elif isinstance(action, argparse._SubParsersAction):
+                words += [name, "..."]
+            else:
+                words.append({"?": f"[{name}]", "*": f"[{name} ...]", "+": f"{name} [{name} ...]"}.get(str(action.nargs), name))
+        return " ".join(words)
+
+    def _suggestion(self, message: str) -> str:
+        choice = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        if choice is not None:
+            return meant(choice[1], re.findall(r"'([^']*)'", choice[2]) or choice[2].split(", "))
+        unknown = re.search(r"unrecognized arguments: (--?[\w-]+)", message)
+        return meant(unknown[1], self._option_string_actions) if unknown is not None else ""
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The known word that is most like a misspelled one, as the end of a message; empty where none is near."""
+    near = difflib.get_close_matches(word, list(known), 1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def group_of(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentGroup:
+    """The group of arguments with this title, begun if it is not there yet."""
+    return next((group for group in parser._action_groups if group.title == title), None) or parser.add_argument_group(title)
+
+
 def output_option(parser: argparse._ActionsContainer, *names: str, folder: bool = False, **more: Any) -> None:
     """Add an argument that names a file to write, or a folder; with the first file, --force too."""
     parser.add_argument(*names, type=output_folder if folder else output_file, **more)
@@ -84,14 +140,14 @@ class Action:
 def add_command(
     commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, title: str, examples: str, place: str = ""
 ) -> argparse.ArgumentParser:
-    """A command's parser: `evcot NAME -h` shows title, options and examples, one command with a remark per line.
+    """A command's parser: `evcot NAME -h` shows title, examples, one command with a remark per line, and options.
 
     Args:
         place: of what it does, as of `Action`; without it `NAME:run`.
     """
-    epilog = "examples:\n" + "\n".join(f"  {line}".rstrip() for line in examples.strip().splitlines())
+    shown = "examples:\n" + "\n".join(f"  {line}".rstrip() for line in examples.strip().splitlines())
     parser = commands.add_parser(
-        name, help=title, description=title[:1].upper() + title[1:] + ".", epilog=epilog,
+        name, help=title, description=f"{title[:1].upper()}{title[1:]}.\n\n{shown}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     parser.set_defaults(parser=parser, command=Action(place or f"{name}:run"))

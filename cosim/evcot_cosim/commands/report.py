@@ -16,6 +16,8 @@ _EXAMPLES = """
 evcot report build/cosim/drive                              # writes build/cosim/drive/report.html anew
 evcot report build/cosim/drive --truth drive.csv --rule traffic
 evcot report log.npz --recording drive.aedat4 -o drive.html # of a log of `evcot track`
+evcot report build/cosim/drive kalman.npz -o all.html       # and of further engines beside hardware and software
+evcot report build/cosim/before build/cosim/after -o changed.html   # settings, figures, scores, tracks of two runs
 """
 
 
@@ -23,7 +25,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     parser = add_command(commands, "report", "write the page to explore a run with: one HTML file", _EXAMPLES)
     parser.add_argument(
-        "run", type=input_path, metavar="RUN", help="the folder of a run of `evcot cosim`, or a track log (.npz)"
+        "run",
+        type=input_path,
+        nargs="+",
+        metavar="RUN",
+        help="the folder of a run of `evcot cosim`, or a track log (.npz); further logs of the recording stand beside it, "
+        "two folders are compared",
     )
     parser.add_argument(
         "--recording", type=input_path, metavar="FILE", help="the events (default: those that the run was made of)"

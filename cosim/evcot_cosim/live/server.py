@@ -37,6 +37,8 @@ _FIGURES_S = 0.5
 _VIEWERS_MAX = 8
 _MESSAGE_BYTES_MAX = 64  # of what a page may say
 _START_S = 10.0
+_GOODBYE_S = 1.0  # for the pages to hear that the run has ended
+_NAP_S = 0.02
 _SOCKET_PATH = "/events"
 
 
@@ -98,6 +100,10 @@ class Server:
         ):  # fmt: skip
             self._ready.set()
             await self._ended.wait()
+            for _ in range(round(_GOODBYE_S / _NAP_S)):
+                if not self._viewers:
+                    break
+                await asyncio.sleep(_NAP_S)
 
     def _answer(self, connection: Any, request: Any) -> Any:
         """The response to an HTTP request: the page, or None to continue with a WebSocket handshake."""
@@ -126,6 +132,7 @@ class Server:
                 self._send_frames(connection, inbox, undrawn),
                 self._send_figures(connection, inbox),
                 undrawn.read(connection),
+                self._say_goodbye(connection, inbox),
             ]
             tasks = [asyncio.ensure_future(each) for each in work]
             try:
@@ -164,9 +171,18 @@ class Server:
 
     async def _send_figures(self, connection: Any, inbox: Waiting[Step]) -> None:
         while True:
-            figures = {"type": "figures", **self._session.figures(), "undrawn": inbox.lost, "running": self._session.running}
-            await connection.send(json.dumps(figures))
+            await connection.send(self._figures(inbox))
             await asyncio.sleep(_FIGURES_S)
+
+    def _figures(self, inbox: Waiting[Step]) -> str:
+        running = self._session.running and not self._ended.is_set()
+        return json.dumps({"type": "figures", **self._session.figures(), "undrawn": inbox.lost, "running": running})
+
+    async def _say_goodbye(self, connection: Any, inbox: Waiting[Step]) -> None:
+        """Send the last figures when the run has ended, and close the connection: the page can tell this from a failure."""
+        await self._ended.wait()
+        await connection.send(self._figures(inbox))
+        await connection.close(1000, "ended")
 
 
 class _Undrawn:
@@ -222,4 +238,4 @@ def _listening(bind: str, port: int) -> socket.socket:
     try:
         return socket.create_server((bind, port), family=socket.AF_INET6 if address.version == 6 else socket.AF_INET)
     except OSError as error:
-        raise OutputError(f"{bind}:{port}: cannot be listened at: {os.strerror(error.errno or 0)}") from error
+        raise OutputError(f"{bind}:{port}: cannot listen there: {os.strerror(error.errno or 0)}") from error

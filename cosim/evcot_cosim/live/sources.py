@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import Protocol
 
@@ -26,6 +27,7 @@ _LATE_S = 0.1  # a file that cannot be read fast enough is played later and not 
 _NAP_S = 0.05
 _SILENCE_S = 60.0  # a longer wait for a file's next event is cut to this: a wrong clock may leave decades between two
 _BACK_US = 1_000_000
+_PAUSE_US = 1_000_000  # between the end of a file and its beginning again
 
 Wanted = Callable[[], bool]
 
@@ -68,17 +70,20 @@ class FileSource:
         file: an open recording; closed with this.
         window: (from, to) in us after its first event.
         speed: seconds of the recording per second.
+        loop: begin again at the end; time goes on, after a pause in which tracks end.
 
     Attributes:
         slipped_s: by how much the playback is late because the file could not be read fast enough.
     """
 
-    def __init__(self, file: RecordingFile, window: tuple[int, int | None] = (0, None), speed: float = 1.0) -> None:
+    def __init__(
+        self, file: RecordingFile, window: tuple[int, int | None] = (0, None), speed: float = 1.0, *, loop: bool = False
+    ) -> None:
         self.name = file.path.name
         self.sensor = file.sensor
         self.left_out: Counter[str] = Counter()
         self.slipped_s = 0.0
-        self._file, self._window, self._speed = file, window, speed
+        self._file, self._window, self._speed, self._loop = file, window, speed, loop
 
     def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
         """See `LiveSource`; a packet's arrival is when its first event is due, and it is yielded when its last one is. The
@@ -104,11 +109,19 @@ class FileSource:
         self.left_out = self._file.left_out
 
     def _slices(self, first_us: int, slice_us: int) -> Iterator[Events]:
-        for block in self._file.blocks(*self._window, required=True):
-            number = (block.t_us - first_us) // slice_us
-            cuts = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(block)]
-            for begin, end in pairwise(cuts):
-                yield block[begin:end]
+        later_us = 0
+        while True:
+            last_us = first_us
+            for block in self._file.blocks(*self._window, required=True):
+                last_us = int(block.t_us[-1])
+                block = replace(block, t_us=block.t_us + later_us)
+                number = (block.t_us - first_us) // slice_us
+                cuts = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(block)]
+                for begin, end in pairwise(cuts):
+                    yield block[begin:end]
+            if not self._loop:
+                return
+            later_us += last_us - first_us + _PAUSE_US
 
     def close(self) -> None:
         """See `LiveSource`."""

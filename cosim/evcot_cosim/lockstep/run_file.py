@@ -19,7 +19,7 @@ from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.outputs import RUN_FILE, written_aside
-from evcot.recordings.files import open_recording
+from evcot.recordings.files import Damage, open_recording
 from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
 from evcot.trackers.config import RunConfig, load_toml
@@ -42,6 +42,7 @@ class Source:
         from_us, to_us: the part to use, relative to the first event; to_us None for all.
         width, height: sensor size, overriding the file's; 0 for the file's.
         skip_damaged: leave out damaged parts of the file.
+        struct: of a MATLAB file, the struct of events; empty for the usual one.
     """
 
     recording: str
@@ -52,6 +53,7 @@ class Source:
     width: int = 0
     height: int = 0
     skip_damaged: bool = False
+    struct: str = ""
 
     @classmethod
     def named(cls, name: str) -> Source:
@@ -79,7 +81,8 @@ class Source:
         if self.is_scene:
             return _scene(self.recording, self.seed).recording.window(self.from_us, self.to_us)
         sensor = (self.width, self.height) if self.width else None
-        with open_recording(Path(self.recording), sensor, damage="skip" if self.skip_damaged else "refuse") as file:
+        damage: Damage = "skip" if self.skip_damaged else "refuse"
+        with open_recording(Path(self.recording), sensor, damage=damage, struct=self.struct or None) as file:
             return file.read(self.from_us, self.to_us)
 
     def scene_truth(self) -> Truth | None:

@@ -23,8 +23,9 @@ from evcot.tracks.timeline import lifetimes
 from ..rtl.toolchain import find_toolchain
 from .cosim import CosimRun
 from .mismatch import Mismatch
+from .verdict import Verdict, verdict_of
 
-__all__ = ["SUMMARY", "read_summary", "summarise", "summarise_mismatch", "table", "write_summary"]
+__all__ = ["SUMMARY", "read_summary", "summarise", "summarise_mismatch", "table", "verdict_lines", "write_summary"]
 
 SUMMARY = "summary.json"  # its name in the folder of a run
 
@@ -35,7 +36,7 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
     recording_s = recording.duration_us / 1e6
     logs = (run.hardware, run.model, run.software)
     end_us = int(recording.events.t_us[-1])
-    return {
+    summary = {
         "name": recording.name,
         "exact": _identical(run.hardware, run.model),
         "events": events,
@@ -63,6 +64,8 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
         "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
         **_provenance(command),
     }
+    verdict = verdict_of(recording, {"hardware": run.hardware, "software": run.software}, summary)
+    return summary | {"verdict": verdict.to_dict()}
 
 
 def summarise_mismatch(found: Mismatch, recording: Recording, config: RunConfig, command: str) -> dict[str, Any]:
@@ -148,10 +151,11 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
     agreement = summary["agreement"]
     hardware, software = "cot-rtl", summary["config"]["software"]
     filters = [("filtered out", f"{_percent(summary['filtered_fraction'])} of the events, by {', '.join(summary['filters'])}")]
+    exact = f"exact: {summary['records']:,} records and every event's owner" if summary["exact"] else "NO"
     return [
         ("events", f"{summary['events']:,} in {summary['recording_s']:.3f} s"),
         *(filters if summary["filters"] else []),
-        ("hardware = model", f"exact: {summary['records']:,} records and every event's owner" if summary["exact"] else "NO"),
+        ("hardware = model", exact),
         ("cycles", f"{summary['cycles']:,} ({summary['cycles_per_event']:.3f} per event, {summary['slots']} slots)"),
         ("lock-step rate", f"{summary['events_per_s'] / 1e6:.2f} M events/s, {summary['realtime_factor']:.1f} x real time"),
         ("software rate", f"{summary['software_events_per_s'] / 1e6:.1f} M events/s"),
@@ -173,6 +177,17 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
             f"{_figure(agreement['distance_median_px'])} px median, {_figure(agreement['distance_p90_px'])} px at 90 %",
         ),
     ]
+
+
+def verdict_lines(verdict: Verdict) -> list[str]:
+    """The verdict as text, a line for each finding and one for what to do about it."""
+    width = max(len(f"{line.about} {line.side}".strip()) for line in verdict.lines) if verdict.lines else 0
+    lines = [f"verdict: {verdict.headline}"]
+    for line in verdict.lines:
+        lines.append(f"  {line.grade.word:4}  {f'{line.about} {line.side}'.strip():{width}}  {line.text}")
+        if line.advice:
+            lines.append(f"  {'':4}  {'':{width}}  -> {line.advice}")
+    return lines
 
 
 def _figure(value: float | None) -> str:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from evcot.tracks.log import TrackLog
 from evcot.tracks.timeline import OPEN, alive
 
-from .material import Material
+from .material import Material, Side
 from .pack import Column
 from .paths import Paths, log_paths, truth_paths
 from .quiet import quiet_peaks
@@ -21,6 +21,9 @@ from .thin import thinned_events
 
 __all__ = ["Collected", "collect"]
 
+_LOOKS = ("hardware", "model", "software")  # sides with a look of their own
+_ALIKE = {"a": "hardware", "b": "software"}  # two runs
+_OTHERS = 4  # looks for further engines
 _BINS = 800  # of the curve of events over time
 _STEPS_MAX = 8_000  # of the curve of clusters alive
 _JOINT_MAX = 1 << 22  # of what may be counted without sorting
@@ -46,7 +49,8 @@ def collect(material: Material, events_max: int) -> Collected:
     columns, owners = _events(material, events_max)
     edges_us = np.linspace(begin_us, max(end_us, begin_us + 1), _BINS + 1)[1:-1]
     columns["rate"] = Column(np.diff(np.searchsorted(material.events.t_us, edges_us), prepend=0, append=len(material.events)))
-    sides = []
+    sides: list[dict[str, Any]] = []
+    looks = _looks([side.name for side in material.sides])
     for side in material.sides:
         peaks = quiet_peaks(side.log, material.events.t_us)
         columns |= paths[side.name].columns(side.name, begin_us) | _alive(side.name, side.log, begin_us, end_us)
@@ -55,14 +59,19 @@ def collect(material: Material, events_max: int) -> Collected:
             _names(side.name, paths[side.name])
             | {
                 "engine": side.log.engine,
-                "ring": _ring(side.name, material.summary),
+                "look": looks[side.name],
+                "hardware": side.is_hardware,
+                "ring": _ring(side, material.summary),
                 "stretch": peaks.stretch_us,
                 "stretches": peaks.peaks_us.shape[1],
             }
         )
     if "truth" in paths:
         columns |= paths["truth"].columns("truth", begin_us) | _alive_of_lives(paths["truth"], begin_us)
-        sides.append(_names("truth", paths["truth"]) | {"engine": None, "ring": None, "stretch": 0, "stretches": 0})
+        sides.append(
+            _names("truth", paths["truth"])
+            | {"engine": None, "look": "truth", "hardware": False, "ring": None, "stretch": 0, "stretches": 0}
+        )
     facts = {
         "width": material.recording.width,
         "height": material.recording.height,
@@ -84,9 +93,16 @@ def _names(name: str, paths: Paths) -> dict[str, Any]:
     return {"name": name, "ids": paths.names}
 
 
-def _ring(name: str, summary: Mapping[str, Any]) -> list[int] | None:
+def _looks(names: list[str]) -> dict[str, str]:
+    """The colour and dash pattern of each side, by the names that the style sheet has for them."""
+    alike = {name: _ALIKE.get(name, name) for name in names}
+    others = [name for name in names if alike[name] not in _LOOKS or (name == "model" and "software" in names)]
+    return {name: f"other{others.index(name) % _OTHERS + 1}" if name in others else alike[name] for name in names}
+
+
+def _ring(side: Side, summary: Mapping[str, Any]) -> list[int] | None:
     """Per slot, the difference of window and inner radius; only the hardware's algorithm has an inner radius."""
-    if name == "software" or "config" not in summary:
+    if not side.is_hardware or "config" not in summary:
         return None
     return [slot["radix_th"] for slot in summary["config"]["cot"]["slots"]]
 

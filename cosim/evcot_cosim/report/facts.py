@@ -21,7 +21,7 @@ _UNKNOWN = "–"
 
 @dataclass(frozen=True)
 class Place:
-    """A link into the playback: microseconds after the first event, the side and track to select, and a description."""
+    """A place in the playback: microseconds after the first event, the side and track to select, and what else is to say."""
 
     at_us: int
     side: str
@@ -39,7 +39,7 @@ class Differences:
 
 
 def differences(material: Material) -> Differences | None:
-    """The differences listed in the agreement section; None without an agreement."""
+    """The differences listed in the agreement section, those of the pair; None without an agreement."""
     agreement = material.summary.get("agreement")
     if not agreement:
         return None
@@ -47,24 +47,25 @@ def differences(material: Material) -> Differences | None:
     lone_merges, lone_lives, joint = [], [], []
     partners = {pair["hardware_id"]: pair for pair in agreement["merges"]}
     for side in material.sides:
-        if side.name not in ("hardware", "software"):
+        if side.name not in material.pair:
             continue
-        alone = set(agreement[f"merges_unpaired_{side.name}"])
+        first = side.name == material.pair[0]
+        key = "hardware" if first else "software"
+        alone = set(agreement[f"merges_unpaired_{key}"])
         for row in merges(side.log):
             at_us, track, into = int(row["t_us"]) - begin_us, int(row["track_id"]), int(row["other_id"])
-            text = f"{side.name} {track} into {into}"
+            text = f"into {into}"
             if track in alone:
                 lone_merges.append(Place(at_us, side.name, str(track), text))
-            elif side.name == "hardware" and track in partners:
+            elif first and track in partners:
                 pair = partners[track]
-                late = (
-                    f"software {pair['software_id']} {pair['time_difference_us'] / 1e3:+.1f} ms, {pair['distance_px']:.1f} px"
-                )
+                late_ms, apart_px = pair["time_difference_us"] / 1e3, pair["distance_px"]
+                late = f"{material.pair[1]} {pair['software_id']} {late_ms:+.1f} ms, {apart_px:.1f} px"
                 joint.append(Place(at_us, side.name, str(track), f"{text}; {late}"))
         births = _births(material, side.name)
-        for track in agreement[f"tracks_unpaired_{side.name}"]:
+        for track in agreement[f"tracks_unpaired_{key}"]:
             if track in births:
-                lone_lives.append(Place(births[track] - begin_us, side.name, str(track), f"{side.name} {track}"))
+                lone_lives.append(Place(births[track] - begin_us, side.name, str(track), ""))
     for places in (lone_merges, lone_lives, joint):
         places.sort(key=lambda place: place.at_us)
     return Differences(lone_merges, lone_lives, joint)

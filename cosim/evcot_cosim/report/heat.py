@@ -20,6 +20,8 @@ __all__ = ["Heat", "heat_maps"]
 
 _CELLS_MAX = 512  # per side: of larger sensors several pixels make one cell
 _RUN = 1 << 20  # events counted at a time
+_FULL = 0.995  # of the cells with events: busier ones are as bright as this one
+_HOT = 4  # times `full`: a busier cell is named
 _COLOURS = "cividis"  # the same to the colour-blind
 
 
@@ -29,18 +31,27 @@ class Heat:
 
     Attributes:
         title: what is counted.
-        events: total number of events; most: number on the busiest cell.
+        events: total number of events.
+        full: number from which on a cell is brightest: all but a few hundredths of the cells that have events are darker.
+        most: number on the busiest cell, whose first pixel is `busiest`, (x, y).
         width, height: in cells; cell_px: pixels to a cell, per side.
         source: the picture as a data URL, brightness logarithmic.
     """
 
     title: str
     events: int
+    full: int
     most: int
+    busiest: tuple[int, int]
     width: int
     height: int
     cell_px: int
     source: str
+
+    @property
+    def hot(self) -> bool:
+        """Whether a single cell stands out so far that the scale leaves it out."""
+        return self.most > _HOT * self.full
 
 
 def heat_maps(material: Material) -> list[Heat]:
@@ -62,9 +73,14 @@ def _heat(material: Material, title: str, chosen: NDArray[np.bool_] | None) -> H
         run = slice(begin, begin + _RUN)
         cell = (events.y[run] // cell_px).astype(np.int64) * width + events.x[run] // cell_px
         counts += np.bincount(cell if chosen is None else cell[chosen[run]], minlength=width * height)
-    most = int(counts.max(initial=0))
-    level = np.log1p(counts) * (255 / np.log1p(max(most, 1)))
-    return Heat(title, int(counts.sum()), most, width, height, cell_px, _png(level.astype(np.uint8).reshape(height, width)))
+    at = int(counts.argmax())
+    busy = counts[counts > 0]
+    full = int(np.quantile(busy, _FULL, method="higher")) if len(busy) else 1
+    level = np.minimum(np.log1p(counts) * (255 / np.log1p(full)), 255)
+    return Heat(
+        title, int(counts.sum()), full, int(counts[at]), (at % width * cell_px, at // width * cell_px),
+        width, height, cell_px, _png(level.astype(np.uint8).reshape(height, width)),
+    )  # fmt: skip
 
 
 def _png(levels: NDArray[np.uint8]) -> str:

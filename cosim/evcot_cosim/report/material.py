@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
@@ -13,15 +14,23 @@ from evcot.tracks.log import TrackLog
 
 from .truth import Truth
 
+if TYPE_CHECKING:
+    from .comparison import Comparison
+
 __all__ = ["Material", "Side"]
 
 
 @dataclass(frozen=True)
 class Side:
-    """One engine: its name in the report (hardware, model or software) and its log."""
+    """One engine: its name in the report (hardware, model, software, or one of its own) and its log."""
 
     name: str
     log: TrackLog
+
+    @property
+    def is_hardware(self) -> bool:
+        """Whether it runs the hardware's algorithm: of that, N_ev and the inner radius have a meaning."""
+        return self.log.engine.startswith("cot")
 
 
 @dataclass(frozen=True)
@@ -31,16 +40,22 @@ class Material:
     Attributes:
         recording: the recording; if a mismatch ended the run, only its decided part is shown.
         summary: contents of `summary.json`; every part of it may be missing.
-        sides: at most two engines.
+        sides: the engines, each under a name of its own: letters, digits, `_`.
         truth: the ground truth within the events' time, or None if unknown.
+        comparison: what two runs are compared by, where the sides are those of two runs.
     """
 
     recording: Recording
     summary: Mapping[str, Any]
     sides: tuple[Side, ...]
     truth: Truth | None = None
+    comparison: Comparison | None = None
 
     def __post_init__(self) -> None:
+        names = [side.name for side in self.sides]
+        for name in names:
+            if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or name == "truth" or names.count(name) > 1:
+                raise ConfigError(f"sides: {name!r}: must be a name of its own, of lower-case letters, digits and _")
         decided = {len(side.log.owner) for side in self.sides}
         if len(decided) > 1 or max(decided, default=0) > len(self.recording.events):
             lengths = ", ".join(f"{side.name}: {len(side.log.owner)}" for side in self.sides)
@@ -50,6 +65,11 @@ class Material:
 
         if self.truth is not None:
             object.__setattr__(self, "truth", self.truth.within(*self.span_us))
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """The sides that the summary's agreement is about; in it they are called hardware and software."""
+        return ("hardware", "software") if self.comparison is None else ("a", "b")
 
     @property
     def events(self) -> Events:

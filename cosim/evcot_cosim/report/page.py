@@ -18,8 +18,9 @@ from evcot.outputs import written_aside
 from evcot.templating import templates
 from evcot.tracks.log import DROPPED, Kind
 
+from ..lockstep.verdict import Grade, Verdict, verdict_from, verdict_of
 from .collect import Collected, collect
-from .facts import agreement_rows, differences, flat, latency_bars, run_rows, score_rows
+from .facts import Differences, agreement_rows, differences, flat, latency_bars, run_rows, score_rows
 from .heat import heat_maps
 from .material import Material
 from .pack import Packed, pack
@@ -30,11 +31,12 @@ __all__ = ["MODULES", "inline_modules", "render", "write_report"]
 # In the order in which they need each other.
 MODULES = (
     "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves",
-    "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
+    "places", "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
 )  # fmt: skip
 
 _TEXT_MAX = 9_000_000  # characters of packed columns
-_LISTED_MAX = 300  # of a list of places
+_LISTED_MAX = 5_000  # of a list of places
+_WHEN_BINS = 160  # of a list's histogram over time
 _DECAY_US = 10_000  # of events, at first
 _GOING = 0.15  # of the recording: after that there is something to see
 _PLAYING_S = 10  # that the whole recording takes at first, at least
@@ -44,6 +46,7 @@ _HEIGHTS = {"rate": 44, "alive": 64, "size": 64, "nev": 64, "quiet": 64}
 _LANES_HEIGHT = 440  # of all lifetimes, at most, as long as a lane has its least
 _LANE = (3, 14)  # height of a lane: least, most
 _LANES_LEAST = 2  # of a side
+_LANES_GAP = 22  # below a side's lanes, where crowded merges are counted
 _IMPORT = re.compile(r"^import\s[^;]*;\n", re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULTILINE)
 
@@ -70,8 +73,9 @@ def render(material: Material) -> str:
         "columns": packed.directory,
         "start": _start_us(material),
         "mismatch": _mismatch_us(material),
-        "differences": [[p.at_us, p.side, p.track] for p in (found.merges + found.lives if found else [])],
+        "lists": _lists(material, found),
     }
+    verdict = _verdict(material) if material.comparison is None else Verdict(Grade.GOOD, "", ())
     environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"ms": _ms}
     return environment.get_template("report.html.j2").render(
@@ -85,13 +89,18 @@ def render(material: Material) -> str:
         decay=round(math.log10(_DECAY_US), 2),
         trail=round(math.log10(min(max(0.1 * _duration_us(material), 1e3), 1e6)), 2),
         heights=_HEIGHTS | {"lives": _lives_height(collected)},
-        hints={"difference": "next place where hardware and software, or hardware and model, differ"},
+        hints={"difference": f"next place where {material.pair[0]} and {material.pair[1]}, or hardware and model, differ"},
         sides=collected.facts["sides"],
         paths=collected.paths,
         notes=_notes(material, collected),
         agreement=agreement_rows(material.summary),
         differences=found,
-        listed_max=_LISTED_MAX,
+        verdict=verdict,
+        decisive="hardware" if "hardware" in verdict.figures else next(iter(verdict.figures), ""),
+        marks={"good": "✓", "fair": "!", "poor": "✗"},
+        compared=found is not None or "mismatch" in material.summary,
+        has_hardware=any(side.is_hardware for side in material.sides),
+        rings=any(side["ring"] for side in collected.facts["sides"]),
         score_sides=[name for name, _ in scores],
         scores=score_rows([of for _, of in scores]),
         heats=heat_maps(material),
@@ -106,6 +115,32 @@ def render(material: Material) -> str:
         facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         packed=packed.text,
     )
+
+
+def _verdict(material: Material) -> Verdict:
+    """What the run has in its summary; of logs alone it is made here."""
+    stored = material.summary.get("verdict")
+    if stored is not None and set(stored["figures"]) == {side.name for side in material.sides}:
+        return verdict_from(stored)
+    return verdict_of(material.recording, {side.name: side.log for side in material.sides}, material.summary)
+
+
+def _lists(material: Material, found: Differences | None) -> dict[str, Any]:
+    """The lists of places by name: rows of [time, side, track, more], and how many there are in each part of the time."""
+    if found is None:
+        return {}
+    lists = {"merges": found.merges, "lives": found.lives, "joint": found.joint_merges}
+    edges_us = np.linspace(0, max(_duration_us(material), 1), _WHEN_BINS + 1)
+    return {
+        name: {
+            "rows": [[place.at_us, place.side, place.track, place.text] for place in places[:_LISTED_MAX]],
+            "when": {
+                side: np.histogram([place.at_us for place in places if place.side == side], edges_us)[0].tolist()
+                for side in sorted({place.side for place in places})
+            },
+        }
+        for name, places in lists.items()
+    }
 
 
 def inline_modules(names: tuple[str, ...]) -> str:
@@ -172,7 +207,8 @@ def _mismatch_us(material: Material) -> int | None:
 def _lives_height(collected: Collected) -> int:
     """Height of the lifetimes panel: all lanes, and a gap between the sides."""
     lanes = sum(max(int(paths.lanes.max(initial=-1)) + 1, _LANES_LEAST) for paths in collected.paths.values())
-    return max(lanes, _LANES_LEAST) * min(max(_LANES_HEIGHT // max(lanes, 1), _LANE[0]), _LANE[1]) + 10 * len(collected.paths)
+    lane = min(max(_LANES_HEIGHT // max(lanes, 1), _LANE[0]), _LANE[1])
+    return max(lanes, _LANES_LEAST) * lane + _LANES_GAP * len(collected.paths)
 
 
 def _duration_us(material: Material) -> int:

@@ -19,7 +19,7 @@ ANOMALY_RANGES: dict[str, Range] = {
     "travel_px": (1.0, 1000.0, "way past which a window need not be longer; half of it against the flow is evidence"),
     "hold_us": (0, 60_000_000, "a rule must be broken for so long"),
     "significance": (0.0, 100.0, "standard errors by which a velocity must differ"),
-    "min_support": (0.0, 1e6, "tracks per cell from which on the learned field has a say"),
+    "min_support": (0.0, 1e6, "tracks per cell from which on the learned field counts"),
     "min_concentration": (0.0, 1.0, "length of the mean unit vector from which on a cell has a direction"),
     "crossing_deg": (1.0, 179.0, "angle to the normal direction from which on motion is across it"),
     "wrong_way_deg": (1.0, 179.0, "angle to the normal direction from which on motion is against it"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The three panels of `picture.draw`: the scene, clusters over time, and lives with their merges."""
+"""The panels of `picture.draw`: the scene, single moments of it, clusters over time, and lives with their merges."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..tracks.timeline import alive, sample
 from .over_time import END_MARKERS, TimeAxis, draw_alive, draw_merges
 from .style import INK
 
-__all__ = ["EVENT_COLOURS", "NOTHING", "Clock", "Side", "count_panel", "lives_panel", "scene_panel"]
+__all__ = ["EVENT_COLOURS", "NOTHING", "Clock", "Side", "count_panel", "lives_panel", "moment_panel", "scene_panel"]
 
 # Okabe and Ito's palette, suitable for colour-blind readers; the engines also differ in line width and dashes.
 EVENT_COLOURS = ("#CC79A7", "#009E73")  # OFF, ON
@@ -65,48 +65,58 @@ class Clock:
 
 
 def scene_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Clock) -> None:
-    """Draw events by polarity, and both trackers' paths and boxes, in sensor coordinates with the origin at the top left."""
-    image, bin_px = _event_image(recording, clock)
-    right, bottom = image.shape[1] * bin_px - 0.5, image.shape[0] * bin_px - 0.5
-    ax.imshow(image, extent=(-0.5, right, bottom, -0.5), interpolation="nearest", aspect="equal")
+    """Draw all events by polarity, and both trackers' paths, in sensor coordinates with the origin at the top left."""
+    _draw_events(ax, recording, np.ones(len(recording.events), np.bool_), 0.5)
     for side in sides:
         _draw_paths(ax, side, clock)
-        _draw_boxes(ax, side, clock)
-    seeing = [side for side in sides if len(side.lives)]
-    if seeing:
-        _number_boxes(ax, seeing[0], clock)
-    ax.set_xlim(-0.5, recording.width - 0.5)
-    ax.set_ylim(recording.height - 0.5, -0.5)
-    for spine in ax.spines.values():
-        spine.set_visible(True)
     ax.xaxis.set_major_locator(MaxNLocator(7, integer=True))
     ax.yaxis.set_major_locator(MaxNLocator(7, integer=True))
     ax.set_xlabel("x (px)")
     ax.set_ylabel("y (px)")
 
 
-def _event_image(recording: Recording, clock: Clock) -> tuple[NDArray[np.float64], int]:
-    """(rows, columns, 3) image and the side of a cell in pixels: all events pale, those just before a moment strong; the hue is
-    a mix of the polarities."""
+def moment_panel(ax: Axes, recording: Recording, sides: Sequence[Side], clock: Clock, moment: int) -> None:
+    """Draw the events just before a numbered moment, and both trackers' boxes at it."""
+    at_us = int(clock.moments_us[moment])
+    before_us = max(int(_MOMENT_FRACTION * (clock.times_us[-1] - clock.times_us[0])), 1)
+    first, end = (int(i) for i in np.searchsorted(recording.events.t_us, (at_us - before_us, at_us + 1)))
+    recent = np.zeros(len(recording.events), np.bool_)
+    recent[first:end] = True
+    _draw_events(ax, recording, recent, 1.0)
+    for side in sides:
+        _draw_boxes(ax, side, np.array([at_us]))
+    ax.set_xticks([])
+    ax.set_yticks([])
+    ax.set_title(f"{moment + 1}", loc="left", pad=2, **_NUMBER)
+    position = float(clock.axis(np.array([at_us]))[0])
+    ax.set_title(f"{position:.3g} {clock.axis.unit}", loc="right", pad=2, fontsize=7.5, weight="normal", color=INK)
+
+
+def _draw_events(ax: Axes, recording: Recording, chosen: NDArray[np.bool_], strength: float) -> None:
+    image, bin_px = _event_image(recording, chosen, strength)
+    right, bottom = image.shape[1] * bin_px - 0.5, image.shape[0] * bin_px - 0.5
+    ax.imshow(image, extent=(-0.5, right, bottom, -0.5), interpolation="nearest", aspect="equal")
+    ax.set_xlim(-0.5, recording.width - 0.5)
+    ax.set_ylim(recording.height - 0.5, -0.5)
+    for spine in ax.spines.values():
+        spine.set_visible(True)
+
+
+def _event_image(recording: Recording, chosen: NDArray[np.bool_], strength: float) -> tuple[NDArray[np.float64], int]:
+    """(rows, columns, 3) image of the chosen events and the side of a cell in pixels; the hue is a mix of the polarities."""
     bin_px = -(-max(recording.width, recording.height) // _BINS_MAX)
     shape = (-(-recording.height // bin_px), -(-recording.width // bin_px))
     events = recording.events
-    before_us = max(int(_MOMENT_FRACTION * (clock.times_us[-1] - clock.times_us[0])), 1)
-    recent = np.zeros(len(events), np.bool_)
-    for moment in clock.moments_us:
-        recent[np.searchsorted(events.t_us, moment - before_us) : np.searchsorted(events.t_us, moment, "right")] = True
+    off, on = (_counts(events, chosen & (events.p == polarity), bin_px, shape) for polarity in (0, 1))
+    total = on + off
     image = np.ones((*shape, 3))
-    for some, strength in ((np.ones(len(events), np.bool_), 0.35), (recent, 1.0)):
-        off, on = (_counts(events, some & (events.p == polarity), bin_px, shape) for polarity in (0, 1))
-        total = on + off
-        if not total.any():
-            continue
-        share = (on / np.maximum(total, 1))[..., None]
-        hue = (1 - share) * to_rgb(EVENT_COLOURS[0]) + share * to_rgb(EVENT_COLOURS[1])
-        full = max(float(np.quantile(total[total > 0], 0.95)), 1.0)
-        cover = strength * np.minimum(np.log1p(total) / np.log1p(full), 1.0)[..., None]
-        image = image * (1 - cover) + hue * cover
-    return image, bin_px
+    if not total.any():
+        return image, bin_px
+    share = (on / np.maximum(total, 1))[..., None]
+    hue = (1 - share) * to_rgb(EVENT_COLOURS[0]) + share * to_rgb(EVENT_COLOURS[1])
+    full = max(float(np.quantile(total[total > 0], 0.95)), 1.0)
+    cover = strength * np.minimum(np.log1p(total) / np.log1p(full), 1.0)[..., None]
+    return image * (1 - cover) + hue * cover, bin_px
 
 
 def _counts(events: Events, chosen: NDArray[np.bool_], bin_px: int, shape: tuple[int, int]) -> NDArray[np.int64]:
@@ -132,19 +142,11 @@ def _states(side: Side, times_us: NDArray[np.int64]) -> NDArray[np.void]:
     return drawn
 
 
-def _draw_boxes(ax: Axes, side: Side, clock: Clock) -> None:
-    boxes = [Polygon(corners) for corners in box_corners(_states(side, clock.moments_us))]
+def _draw_boxes(ax: Axes, side: Side, times_us: NDArray[np.int64]) -> None:
+    boxes = [Polygon(corners) for corners in box_corners(_states(side, times_us))]
     ax.add_collection(
         PatchCollection(boxes, facecolor="none", edgecolor=side.colour, linewidth=1.4, linestyle=side.dashes, zorder=3)
     )
-
-
-def _number_boxes(ax: Axes, side: Side, clock: Clock) -> None:
-    states = _states(side, clock.moments_us)
-    for s, corner in zip(states, box_corners(states)[:, 0], strict=True):
-        ax.annotate(
-            str(s["sample"] + 1), corner, (1, -1), textcoords="offset points", va="top", zorder=4, clip_on=True, **_NUMBER
-        )
 
 
 def count_panel(ax: Axes, sides: Sequence[Side], clock: Clock) -> None:

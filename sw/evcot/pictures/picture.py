@@ -12,14 +12,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.transforms import blended_transform_factory
 
 from ..events import Recording
 from ..outputs import written_aside
 from ..tracks.log import TrackLog
 from ..tracks.timeline import alive, lifetimes
 from .over_time import END_MARKERS
-from .panels import EVENT_COLOURS, NOTHING, Clock, Side, count_panel, lives_panel, scene_panel
+from .panels import EVENT_COLOURS, NOTHING, Clock, Side, count_panel, lives_panel, moment_panel, scene_panel
 from .style import INK
 
 __all__ = ["SIZE_PX", "draw"]
@@ -56,8 +55,9 @@ def draw(
 ) -> None:
     """Draw a run as a PNG of `SIZE_PX`.
 
-    Left: events by polarity, strongest just before a few numbered moments; the paths of both trackers, and their boxes at
-    those moments. Right: the number of clusters alive, and every track from birth to end, with merges linked to the survivor.
+    Left: all events by polarity and the paths of both trackers; below it a few numbered moments, each with the events just
+    before it and both trackers' boxes. Right: the number of clusters alive, and every track from birth to end, with merges
+    linked to the survivor.
     If there are too many tracks, only the longest are drawn, and the picture states this.
 
     Args:
@@ -78,24 +78,28 @@ def draw(
         figure = Figure(figsize=(SIZE_PX[0] / _DPI, SIZE_PX[1] / _DPI), dpi=_DPI, facecolor="white")
         FigureCanvasAgg(figure)
         columns = figure.add_gridspec(1, 2, width_ratios=(1.1, 1), left=_LEFT, right=0.985, top=0.865, bottom=0.07, wspace=0.18)
-        scene = figure.add_subplot(columns[0].subgridspec(2, 1, height_ratios=(1, 0.12), hspace=0)[0], anchor="N")
+        left = columns[0].subgridspec(3, 1, height_ratios=(1, 0.36, 0.05), hspace=0.32)
+        scene = figure.add_subplot(left[0], anchor="N")
         over_time = columns[1].subgridspec(2, 1, height_ratios=(1, 2.8), hspace=0.16)
         count = figure.add_subplot(over_time[0])
         lives = figure.add_subplot(over_time[1], sharex=count)
-        scene.set_title("(a) events, paths, and boxes at the numbered moments")
+        scene.set_title("(a) paths; below, boxes at four moments")
         count.set_title("(b) clusters alive", pad=14)
         lives.set_title("(c) lifetimes and merges")
         scene_panel(scene, recording, sides, clock)
         count_panel(count, sides, clock)
         lives_panel(lives, sides, clock)
+        beneath = left[1].subgridspec(1, _MOMENTS, wspace=0.06)
+        for moment in range(len(clock.moments_us)):
+            moment_panel(figure.add_subplot(beneath[moment], anchor="N"), recording, sides, clock, moment)
         scene.legend(
             handles=_legend(sides),
             ncols=5,
             columnspacing=1.2,
             handlelength=2,
-            loc="upper left",
-            bbox_to_anchor=(_LEFT - 0.01, -0.1),
-            bbox_transform=blended_transform_factory(figure.transFigure, scene.transAxes),
+            loc="lower left",
+            bbox_to_anchor=(_LEFT - 0.01, 0.015),
+            bbox_transform=figure.transFigure,
         )
         figure.text(_LEFT, 0.965, title, fontsize=13, weight="bold", va="center", color=INK)
         figure.text(_LEFT, 0.928, _subtitle(recording, sides), va="center", color=INK)

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numba import njit
 
-from ..errors import ConfigError, RecordingError, RecordingWarning
+from ..errors import ConfigError, DamagedRecordingError, RecordingError, RecordingWarning
 from ..events import Events, Recording, check_sensor, find_fault
 from ..outputs import note_input, reading, written_aside
 from .formats import FORMATS, WRITABLE
@@ -133,7 +133,7 @@ class RecordingFile:
                 fault = find_fault(block, width, height, last_us) if count else fault
             if fault is not None:
                 if self._damage == "refuse":
-                    raise RecordingError(f"{self.path}: {fault.describe(first_index)}{_counted_from(from_us)}")
+                    raise DamagedRecordingError(f"{self.path}: {fault.describe(first_index)}{_counted_from(from_us)}")
                 block = sound(block, width, height, last_us, broken)
             if not len(block):
                 continue
@@ -178,8 +178,10 @@ class RecordingFile:
         except OSError as error:
             raise RecordingError(f"{self.path}: cannot be read: {error.strerror or error}") from error
         except RecordingError as error:
-            if self._damage == "refuse" or not given:
+            if not given:
                 raise RecordingError(f"{self.path}: {error}") from error
+            if self._damage == "refuse":
+                raise DamagedRecordingError(f"{self.path}: {error}") from error
             if warn:
                 after = f"{given} events{_counted_from(0 if from_us is None else from_us - self.t0_us)}"
                 warnings.warn(RecordingWarning(f"{self.path}: everything after {after} left out: {error}"), stacklevel=2)
@@ -225,7 +227,9 @@ def sound(events: Events, width: int, height: int, after_us: int, broken: Counte
     return forward
 
 
-def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Damage = "refuse") -> RecordingFile:
+def open_recording(
+    path: Path | str, sensor: Sensor | None = None, *, damage: Damage = "refuse", struct: str | None = None
+) -> RecordingFile:
     """Open an event file of any format in `evcot.recordings.formats`.
 
     Args:
@@ -234,6 +238,7 @@ def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Da
             gets the smallest (for a Prophesee file: the smallest common one) that holds every event.
         damage: how to handle invalid events and unreadable places: refuse the file, or leave out what is invalid and warn
             with the number of events.
+        struct: of a MATLAB file with several structs of events the one to read, by name; None: TD, else the first.
 
     Raises:
         RecordingError: the file is missing, unreadable, empty, of no known format, or its header is damaged. One line: file,
@@ -242,7 +247,7 @@ def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Da
     path = Path(path)
     note_input(path)
     try:
-        title, source = _open(path)
+        title, source = _open(path, struct)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
     except RecordingError as error:
@@ -254,7 +259,7 @@ def open_recording(path: Path | str, sensor: Sensor | None = None, *, damage: Da
         raise
 
 
-def _open(path: Path) -> tuple[str, Source]:
+def _open(path: Path, struct: str | None) -> tuple[str, Source]:
     start = b""
     if path.is_file():
         with path.open("rb") as file:
@@ -267,7 +272,11 @@ def _open(path: Path) -> tuple[str, Source]:
         raise RecordingError("is a device or a pipe: must be a file")
     for kind in FORMATS:
         if kind.matches(start, path):
-            return kind.title, kind.open(path)
+            if struct is None:
+                return kind.title, kind.open(path)
+            if kind.open_struct is None:
+                raise RecordingError(f"is {kind.title}, which has no structs: struct must not be given")
+            return kind.title, kind.open_struct(path, struct)
     if path.is_dir():
         raise RecordingError("is a directory, and no ROS 2 bag: has no metadata.yaml")
     raise RecordingError(f"has an unknown format: must be one of {', '.join(kind.title for kind in FORMATS)}")

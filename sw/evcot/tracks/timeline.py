@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .log import Kind, TrackLog
 
-__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "expiring", "lifetimes", "merges", "sample"]
+__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "by_life", "expiring", "lifetimes", "merges", "sample"]
 
 OPEN = -1  # `LIFE.ended` of a track that is still alive at the end of the log
 
@@ -70,16 +70,8 @@ def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
     An id that is born again, as happens with narrow ids in hardware, is another track.
     """
     records = log.records
-    order = np.argsort(records["track_id"], kind="stable")
-    kind, track_id = records["kind"][order], records["track_id"][order]
-    is_end = (kind == Kind.MERGED) | (kind == Kind.LOST)
-    begins = kind == Kind.BORN
-    begins[:1] = True
-    begins[1:] |= (track_id[1:] != track_id[:-1]) | is_end[:-1]
-    at = np.flatnonzero(begins)
+    order, at = by_life(log)
     first, last = order[at], order[np.append(at[1:], len(order))[: len(at)] - 1]
-    in_time = np.argsort(first)
-    first, last = first[in_time], last[in_time]
     lives = np.empty(len(first), LIFE)
     for name, source in (("track_id", "track_id"), ("slot", "slot"), ("birth_us", "t_us")):
         lives[name] = records[source][first]
@@ -88,6 +80,27 @@ def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
     lives["ended"] = np.where(ended, records["kind"][last].astype(np.int8), OPEN)
     lives["other_id"] = np.where(ended, records["other_id"][last], -1)
     return lives
+
+
+def by_life(log: TrackLog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(order, first): `order` sorts the records by life, the lives by birth, and `first` is where each life begins in it.
+
+    Life i is row i of `lifetimes`.
+    """
+    records = log.records
+    order = np.argsort(records["track_id"], kind="stable")
+    kind, track_id = records["kind"][order], records["track_id"][order]
+    is_end = (kind == Kind.MERGED) | (kind == Kind.LOST)
+    begins = kind == Kind.BORN
+    begins[:1] = True
+    begins[1:] |= (track_id[1:] != track_id[:-1]) | is_end[:-1]
+    at = np.flatnonzero(begins)
+    counts = np.diff(at, append=len(order))
+    in_time = np.argsort(order[at])
+    counts = counts[in_time]
+    first = np.cumsum(counts) - counts
+    within = np.arange(len(order)) - np.repeat(first, counts)
+    return order[np.repeat(at[in_time], counts) + within], first
 
 
 def sample(log: TrackLog, times_us: NDArray[np.int64]) -> NDArray[np.void]:

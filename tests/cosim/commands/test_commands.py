@@ -86,6 +86,70 @@ def test_zsh_takes_its_script(capsys: Capture, tmp_path: Path) -> None:
     subprocess.run(["zsh", "-n", "_evcot"], cwd=tmp_path, check=True)
 
 
+def fish_script(capsys: Capture) -> list[str]:
+    assert main(["completion", "fish"]) == 0
+    return capsys.readouterr().out.splitlines()
+
+
+def test_fish_has_every_command_option_and_value(capsys: Capture) -> None:
+    lines = fish_script(capsys)
+    for name, one in COMMANDS.items():
+        assert any(f"-n __fish_use_subcommand -a {name} " in line for line in lines)
+        own = [line for line in lines if f"'__fish_seen_subcommand_from {name}'" in line]
+        for option in (option for action in one._actions for option in action.option_strings if option.startswith("--")):
+            assert any(f" -l {option.removeprefix('--')} " in line for line in own), (name, option)
+    (engine,) = (line for line in lines if "_from track'" in line and "-l engine " in line)
+    assert " -x -a 'auto " in engine
+    assert all(line.count("'") % 2 == line.count("\\'") % 2 for line in lines)
+
+
+@pytest.mark.skipif(shutil.which("fish") is None, reason="needs fish")
+def test_fish_completes(capsys: Capture, tmp_path: Path) -> None:
+    (tmp_path / "evcot.fish").write_text("\n".join(fish_script(capsys)))
+    script = "source evcot.fish; complete -C 'evcot track x --engine k'"
+    done = subprocess.run(["fish", "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "kalman" in done.stdout
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_shows_examples_before_options_and_filters_last(command: str) -> None:
+    text = COMMANDS[command].format_help()
+    assert text.index("examples:") < text.index("\noptions:")
+    assert len(text.partition("\n\n")[0].splitlines()) == 1  # the usage
+    titles = [group.title for group in COMMANDS[command]._action_groups if group._group_actions]
+    assert "filters" not in titles[:-1]
+    assert ("filters" in titles) == ("--activity" in options(command))
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        (["trak", "x"], "did you mean track?"),
+        (["cosim", "--presett", "slow"], "did you mean --preset?"),
+        (["track", "x", "--engine", "kallman"], "did you mean kalman?"),
+    ],
+)
+def test_a_misspelled_word_is_answered_with_the_right_one(typed: list[str], meant: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(typed)
+    assert end.value.code == 2
+    complaint = capsys.readouterr().err
+    assert complaint.endswith(f"{meant}\n")
+    assert len(complaint.splitlines()) == 2  # usage and message
+
+
+def test_cosim_explains_the_words_of_its_output() -> None:
+    text = COMMANDS["cosim"].format_help().partition("words in the output:")[2]
+    for word in ("record", "owner", "CM", "TC", "isolated", "short"):
+        assert f"\n  {word} " in text
+
+
+def test_nothing_is_suggested_for_a_word_that_is_near_none(capsys: Capture) -> None:
+    with pytest.raises(SystemExit):
+        main(["cosim", "--qqqqq"])
+    assert "did you mean" not in capsys.readouterr().err
+
+
 def test_bench_measures_every_engine_and_the_hardware(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
     monkeypatch.chdir(tmp_path)

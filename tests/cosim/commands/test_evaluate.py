@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from evcot.trackers.config import RunConfig
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.cli import main
+from evcot_cosim.lockstep.run_file import RunFile, Source, write_run_file
 
 Capture = pytest.CaptureFixture[str]
 KEYS = {
@@ -124,3 +126,40 @@ def test_a_log_that_no_engine_writes_is_named(capsys: Capture) -> None:
     assert (
         error_of(capsys, "bad.npz", "--truth", "truth.csv") == "bad.npz: record 3: x = nan: must be a number of at most 1e+09"
     )
+
+
+def run_folder(digest: str = "0123456789abcdef", of_model: str = "") -> Path:
+    """A folder as `evcot cosim` leaves it, with the log of the story as each engine's, the model's without its last half."""
+    folder = Path("run")
+    folder.mkdir()
+    config = RunConfig()
+    write_run_file(folder / "run.toml", RunFile(Source("drive.npz"), "cot_array", None, digest, config))
+    log = TrackLog.load_npz("software.npz")
+    for name, records, of in (
+        ("hardware", log.records, digest), ("model", log.records[:250], of_model or digest), ("software", log.records, ""),
+    ):  # fmt: skip
+        TrackLog("any", records, log.owner, of).save_npz(folder / f"{name}.npz")
+    return folder
+
+
+def test_all_engines_of_a_run(capsys: Capture) -> None:
+    run_folder()
+    assert main(["evaluate", "run", "--truth", "truth.csv", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert list(found) == ["hardware", "software", "model"]
+    assert (found["hardware"]["tp"], found["software"]["tp"]) == (50, 50)
+    assert found["model"]["tp"] < 35
+    assert main(["evaluate", "run", "--truth", "truth.csv"]) == 0
+    rows = capsys.readouterr().out.splitlines()
+    assert rows[0].split() == ["hardware", "software", "model"]
+    assert next(row.split()[1:] for row in rows if row.startswith("found")) == ["50", "50", str(found["model"]["tp"])]
+
+
+def test_a_log_of_another_recording_in_a_run_is_refused(capsys: Capture) -> None:
+    run_folder(of_model="fedcba9876543210")
+    assert error_of(capsys, "run", "--truth", "truth.csv").startswith("run/model.npz: recording = 'fedcba9876543210': must be")
+
+
+def test_a_folder_that_is_no_run(capsys: Capture) -> None:
+    Path("empty").mkdir()
+    assert error_of(capsys, "empty", "--truth", "truth.csv").startswith("empty: is no folder of a run: must be")

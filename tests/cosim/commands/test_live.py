@@ -186,6 +186,9 @@ def test_dv_processing_s_stream(source: Path, capsys: pytest.CaptureFixture[str]
         ("{source} --save-log a.csv", "--save-log a.csv: must end in .npz"),
         ("{source} --web 99999", "--web 99999: must be from 0 to 65535"),
         ("{source} --web 0 --bind 0.0.0.0", "--bind 0.0.0.0: must be one address"),
+        ("{source} --bind 127.0.0.1", "--bind 127.0.0.1: must be given with --web"),
+        ("{source} --loop --save again.raw", "--save: must not be given with --loop"),
+        ("tcp://127.0.0.1:9 --loop", "--loop: must not be given with tcp://127.0.0.1:9"),
         ("{source} --preset none", "--preset none: must be one of auto"),
         ("{source} --from 9999", "holds no events from 9.999 s"),
         ("none.aedat4", "none.aedat4: cannot be read: No such file"),
@@ -209,5 +212,5 @@ def test_a_port_that_is_taken_is_said_and_nothing_is_left(source: Path, capsys: 
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         assert main(["live", str(source), "--web", str(port), "-q", "--save-log", "a.npz"]) == 2
-    assert "cannot be listened at: Address already in use" in capsys.readouterr().err
+    assert "cannot listen there: Address already in use" in capsys.readouterr().err
     assert not Path("a.npz").exists()

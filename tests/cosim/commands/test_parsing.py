@@ -28,7 +28,7 @@ _NUMBERS = (int, float, milliseconds, region)
 # Text that names no file: every other argument without a type of its own is refused here.
 _NO_FILES = {
     "around", "bind", "boxes_format", "clock", "format", "kind", "log_format", "port", "preset", "sensor", "set",
-    "source_format", "truth_format",
+    "source_format", "struct", "truth_format",
 }  # fmt: skip
 
 

@@ -123,7 +123,9 @@ def test_info_as_json(drive: Path, capsys: Capture) -> None:
 def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
     csv("a.csv", "20001,1,1,1", "20002,1,1,7", "0,1,1,1", "20003,2,1,0", "oh")
     why = "line 5: 'oh': must have 4 cells, as the first event; it has 1"
-    assert error_of(capsys, "info", "a.csv") == f"a.csv: {why}"
+    assert error_of(capsys, "info", "a.csv") == f"a.csv: {why} (--skip-damaged reads what can be read)"
+    csv("none.csv", "oh")  # nothing to be read: no advice
+    assert "--skip-damaged" not in error_of(capsys, "info", "none.csv")
     for _ in range(2):  # and again, if done again
         assert main(["info", "a.csv", "--skip-damaged"]) == 0
         printed = capsys.readouterr()
@@ -139,6 +141,17 @@ def test_damage_is_an_error_or_warnings_of_one_line(capsys: Capture) -> None:
     assert main(["convert", "a.csv", "b.npz", "--skip-damaged", "-q"]) == 0
     assert len(capsys.readouterr().err.splitlines()) == 3
     assert read_recording("b.npz").events.t_us.tolist() == [20_001, 20_003]
+
+
+def test_a_camera_file_that_was_cut_off_is_rescued(drive: Path, capsys: Capture) -> None:
+    assert main(["convert", "drive.npz", "drive.aedat4", "-q"]) == 0
+    content = Path("drive.aedat4").read_bytes()
+    Path("cut.aedat4").write_bytes(content[: len(content) // 2])
+    assert error_of(capsys, "info", "cut.aedat4").endswith("is it cut off or damaged? (--skip-damaged reads what can be read)")
+    assert main(["convert", "cut.aedat4", "rescued.npz", "--skip-damaged", "-q"]) == 0
+    rescued, whole = read_recording("rescued.npz").events, read_recording("drive.npz").events
+    assert 30_000 < len(rescued) < len(whole)
+    assert np.array_equal(rescued.t_us, whole.t_us[: len(rescued)])
 
 
 def test_what_is_amiss_but_loses_nothing_is_told_once_and_is_no_failure(capsys: Capture) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,8 +58,59 @@ def test_a_report_of_a_log(made: Path, folder: Path, capsys: Capture) -> None:
     assert found["bytes"] == Path("log.html").stat().st_size
     assert found["events"] == len(simulate_scene("boxes", 1, {"duration_us": 60_000}).recording.events)
     text = Path("log.html").read_text()
-    assert "One engine alone" in text
+    assert "Agreement" not in text.partition("<main>")[2].partition("<script")[0]
     assert "9 objects at" in text
+
+
+def test_further_engines_stand_beside_hardware_and_software(made: Path, folder: Path, capsys: Capture) -> None:
+    assert main(["track", str(made / "b.aedat4"), "--engine", "kalman", "-o", "k.npz", "-q"]) == 0
+    assert main(["report", str(made / "run"), "k.npz", str(made / "log.npz"), "-o", "all.html", "-q"]) == 0
+    text = Path("all.html").read_text()
+    facts = json.loads(text.partition('id="facts">')[2].partition("</script>")[0])
+    assert [side["name"] for side in facts["sides"]] == ["hardware", "software", "kalman", "auto", "truth"]
+    looks = [side["look"] for side in facts["sides"]]
+    assert len(set(looks)) == 5
+    assert "The same of software, kalman, auto" in text
+    assert main(["report", "k.npz", str(made / "log.npz"), "--recording", str(made / "b.aedat4"), "-o", "logs.html", "-q"]) == 0
+    names = json.loads(Path("logs.html").read_text().partition('id="facts">')[2].partition("</script>")[0])["sides"]
+    assert [side["name"] for side in names] == ["kalman", "auto", "truth"]
+
+
+def test_two_runs_are_compared(made: Path, folder: Path, capsys: Capture) -> None:
+    command = ["cosim", str(made / "b.aedat4"), "--preset", "slow", "--no-waves", "-q", "-o"]
+    assert main([*command, "slow"]) == 0
+    assert main([*command, "more", "--activity", "5"]) == 0
+    assert main(["report", "slow", "more", "-o", "changed.html", "-q"]) == 0
+    text = Path("changed.html").read_text()
+    facts = json.loads(text.partition('id="facts">')[2].partition("</script>")[0])
+    assert [side["name"] for side in facts["sides"]][:2] == ["a", "b"]
+    section = text.partition('id="verdict"')[2].partition("</section>")[0]
+    changed = re.findall(r'<th scope="row">([^<]*)</th><td>([^<]*)</td><td class="changed">([^<]*)</td>', section)
+    assert ("filters.activity_us", "0", "5000") in changed
+    assert [row for row in changed if row[0].startswith("cot.")] == []
+    figures = {row[0]: row[1:] for row in changed}
+    assert figures["hardware: isolated events filtered out"][0] == "0 %"
+    assert "Tracks that changed" in text
+    assert main(["report", "slow", "slow", "-o", "same.html", "-q"]) == 0
+    assert "The hardware decided alike in every record" in Path("same.html").read_text()
+    assert "The hardware decided alike" not in text
+
+
+def test_what_is_not_of_one_recording_is_not_compared(made: Path, folder: Path, capsys: Capture) -> None:
+    assert main(["track", str(made / "other.npz"), "-o", "stranger.npz", "-q"]) == 0
+    assert main(["report", str(made / "run"), "stranger.npz", "-o", "all.html"]) == 2
+    assert "stranger.npz: does not belong to" in capsys.readouterr().err
+    assert main(["cosim", str(made / "other.npz"), "--preset", "slow", "--no-waves", "-q", "-o", "elsewhere"]) == 0
+    assert main(["report", str(made / "run"), "elsewhere", "-o", "all.html"]) == 2
+    assert "elsewhere/hardware.npz: does not belong to" in capsys.readouterr().err
+    for arguments, message in (
+        ([str(made / "run"), "elsewhere"], "-o: must be given to say where the comparison"),
+        ([str(made / "run"), str(made / "log.npz")], "-o: must be given with further logs"),
+        ([str(made / "run"), "elsewhere", "elsewhere"], "RUN: must be one folder"),
+    ):
+        assert main(["report", *arguments]) == 2
+        assert message in capsys.readouterr().err
+    assert not list(Path().glob("*.html"))
 
 
 def test_a_truth_may_be_given(made: Path, folder: Path) -> None:

@@ -84,6 +84,7 @@ def test_it_draws_events_and_clusters_and_tells_figures(open_page: Any, server: 
     assert page.text("#state") == "live"
     assert page.text("#clusters") == "1"
     assert page.text("#dropped") == "0"
+    assert page.text("#slipped_s") == "0.0 s"
     assert page.text("#rows td:nth-child(3)") == "20"
     assert page.shows(40, 40, "#0b0e12")
     assert not page.shows(20, 10, "#0b0e12"), "events"
@@ -128,10 +129,32 @@ def test_it_comes_back_when_the_server_does(browser: Any) -> None:
         page = Page(browser, server.url)
         port = int(server.url.rstrip("/").rsplit(":", 1)[1])
     session.stop()
-    page.page.wait_for_selector("#state[data-state=lost]", timeout=20_000)
+    page.page.wait_for_selector("#state[data-state=ended]", timeout=20_000)
+    page.page.wait_for_timeout(1_500)  # it has tried to connect again since
+    assert page.text("#state").startswith("ended")
+    assert page.text("#tracks") != "–"
     session = started()
     with Server(session, {**HELLO, "name": "another drive"}, port):
         page.page.wait_for_selector("#state[data-state=live]", timeout=20_000)
         assert page.text("#name") == "another drive"
         page.context.close()
     session.stop()
+
+
+def test_a_connection_that_breaks_is_no_end_and_is_made_again(browser: Any, server: Server) -> None:
+    page = browser.new_page()
+    page.add_init_script(
+        "const Plain = WebSocket; window.sockets = []; window.states = [];"
+        "window.WebSocket = class extends Plain { constructor(...of) { super(...of); window.sockets.push(this); } };"
+    )
+    page.goto(server.url)
+    page.wait_for_selector("#state[data-state=live]", timeout=20_000)
+    page.evaluate("""() => {
+      const place = document.querySelector('#state');
+      new MutationObserver(() => window.states.push(place.textContent)).observe(place, { childList: true });
+      window.sockets[0].close();
+    }""")
+    page.wait_for_function("() => window.sockets.length === 2", timeout=20_000)
+    page.wait_for_selector("#state[data-state=live]", timeout=20_000)
+    assert page.evaluate("() => window.states")[0] == "no connection, trying again"
+    page.close()

@@ -148,7 +148,7 @@ def test_a_message_that_is_too_long_ends_the_connection_only(server: Server) -> 
 def test_addresses_that_cannot_be(session: Session) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(OutputError, match=rf"^127\.0\.0\.1:{port}: cannot be listened at: Address already in use$"):
+        with pytest.raises(OutputError, match=rf"^127\.0\.0\.1:{port}: cannot listen there: Address already in use$"):
             Server(session, HELLO, port)
     for bind, message in (("0.0.0.0", "must be one address"), ("::", "must be one address"), ("here", "must be an IP address")):
         with pytest.raises(ConfigError, match=f"^--bind {bind}: {message}"):

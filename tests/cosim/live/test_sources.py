@@ -30,6 +30,23 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "some.npz"
 
 
+def test_a_loop_begins_again_and_time_goes_on(path: Path) -> None:
+    source = FileSource(open_recording(path, SENSOR), (0, 50_000), 100.0, loop=True)
+    parts: list[Events] = []
+    for arrival in source.arrivals(lambda: True):
+        parts.append(arrival.events)
+        if sum(map(len, parts)) >= 1_600:
+            break
+    source.close()
+    t_us = np.concatenate([part.t_us for part in parts])
+    steps = np.diff(t_us)
+    assert (steps >= 0).all()
+    assert len(t_us) >= 1_500  # three passes of 500 events
+    pauses = steps[steps > 10_000]
+    assert len(pauses) >= 2
+    assert (pauses == 1_000_000).all()
+
+
 @pytest.mark.parametrize("speed", [1.0, 0.5])
 def test_a_file_is_played_at_its_speed(path: Path, speed: float) -> None:
     source = FileSource(open_recording(path, SENSOR), (100_000, 300_000), speed)

@@ -16,6 +16,7 @@ from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.lockstep.cosim import CosimRun
 from evcot_cosim.lockstep.mismatch import Mismatch
 from evcot_cosim.lockstep.summary import summarise, summarise_mismatch, table, write_summary
+from evcot_cosim.lockstep.verdict import verdict_from
 from evcot_cosim.rtl.build import BuiltModel
 
 
@@ -68,6 +69,7 @@ def test_figures_of_a_run() -> None:
         "tracks": 2, "lost": 1, "median_s": pytest.approx(0.00065), "longest_s": pytest.approx(0.001),
     }  # fmt: skip
     assert summary["lifetimes"]["rct"]["longest_s"] == pytest.approx(0.002)
+    assert {side: of.tracks for side, of in verdict_from(summary["verdict"]).figures.items()} == {"hardware": 2, "software": 1}
     assert summary["config"]["cot"]["shape"]["n_slots"] == summary["slots"] == 8
     assert summary["command"] == "evcot cosim four.npz"
     assert set(summary["versions"]) == {"evcot", "python", "verilator", "compiler", "numpy", "numba", "pyverilator-mm"}

@@ -102,7 +102,8 @@ def test_a_bar_of_the_lifetimes_is_a_way_there(opened: Opened, material: Materia
     merged += "return { x: report.axis.toX(s.end[life], lives.clientWidth), life, at: s.end[life], lane: s.lane[life], "
     merged += "lanes: report.sides.map((one) => one.lanes) }; }"
     found = opened.ask(merged)
-    lane = (opened.ask("() => document.querySelector('#lives').clientHeight") - 20) / sum(max(n, 2) for n in found["lanes"])
+    high = opened.ask("() => document.querySelector('#lives').clientHeight") - 22 * len(found["lanes"])  # below each side a gap
+    lane = high / sum(max(n, 2) for n in found["lanes"])
     opened.page.locator("#lives").click(position={"x": found["x"], "y": (found["lane"] + 0.5) * lane})
     assert opened.now_us == found["at"]
     assert opened.ask("() => report.selection().side.ended[report.selection().life]") == 2
@@ -198,20 +199,21 @@ def test_hovering_tells_time_place_and_owner(opened: Opened, material: Material)
 
 
 def test_zooming_keeps_what_is_under_the_pointer(opened: Opened) -> None:
-    before = opened.ask("() => report.stage.toSensor(300, 300)")
     box = opened.page.locator("#stage").bounding_box()
     assert box is not None
-    opened.page.mouse.move(300, 300)
+    x, y = round(box["x"]) + 200, round(box["y"]) + 200
+    before = opened.ask("([x, y]) => report.stage.toSensor(x, y)", [x, y])
+    opened.page.mouse.move(x, y)
     opened.page.keyboard.down("Control")
     opened.page.mouse.wheel(0, -400)
     opened.page.keyboard.up("Control")
     opened.page.wait_for_function("() => report.stage.zoom > 2")
-    after = opened.ask("() => report.stage.toSensor(300, 300)")
+    after = opened.ask("([x, y]) => report.stage.toSensor(x, y)", [x, y])
     assert (after["x"], after["y"]) == pytest.approx((before["x"], before["y"]), abs=0.5)
     opened.page.mouse.down()
-    opened.page.mouse.move(340, 300, steps=3)
+    opened.page.mouse.move(x + 40, y, steps=3)
     opened.page.mouse.up()
-    assert opened.ask("() => report.stage.toSensor(340, 300).x") == pytest.approx(after["x"], abs=0.5)
+    assert opened.ask("([x, y]) => report.stage.toSensor(x, y).x", [x + 40, y]) == pytest.approx(after["x"], abs=0.5)
     opened.page.get_by_label("Show the whole sensor").click()
     assert opened.ask("() => report.stage.zoom") == 1
 
@@ -230,7 +232,7 @@ def test_the_timeline_zooms_and_follows(opened: Opened) -> None:
 def test_the_help_lists_keys(opened: Opened) -> None:
     opened.page.keyboard.press("?")
     assert opened.page.locator("#help").is_visible()
-    assert "CM update" in opened.page.locator("#help").inner_text()
+    assert "update of a centre (CM)" in opened.page.locator("#help").inner_text()
     opened.page.keyboard.press("Escape")
     assert not opened.page.locator("#help").is_visible()
 

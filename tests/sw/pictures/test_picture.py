@@ -105,18 +105,31 @@ def test_an_event_colours_its_own_pixel(tmp_path: Path, drawn: list[Figure]) -> 
 
 def test_paths_windows_counts_and_merges_are_those_of_the_log(tmp_path: Path, drawn: list[Figure]) -> None:
     draw(recording_of(5_000), TWO_MEET, EMPTY, tmp_path / "run.png", "A run")
-    scene, count, lives = drawn[0].axes
+    scene, count, lives, *moments = drawn[0].axes
     paths = [c for c in scene.collections if isinstance(c, LineCollection)][1]
     ends = [(tuple(path[0]), tuple(path[-1])) for path in paths.get_segments()]
     assert ends == [((20.0, 20.0), (50.0, 20.0)), ((90.0, 20.0), (90.0, 20.0))]
-    windows = next(c for c in scene.collections if isinstance(c, PatchCollection)).get_paths()
-    corners = {tuple(np.asarray(path.vertices)[0].tolist()) for path in windows}
-    assert corners == {(10.0, 14.0), (80.0, 14.0), (30.0, 14.0), (40.0, 14.0)}  # boxes of 20 x 12 px
+    assert not [c for c in scene.collections if isinstance(c, PatchCollection)]
+    boxes = [next(c for c in ax.collections if isinstance(c, PatchCollection)).get_paths() for ax in moments]
+    corners = [sorted(tuple(np.asarray(path.vertices)[0].tolist()) for path in paths) for paths in boxes]
+    both, later = [(10.0, 14.0), (80.0, 14.0)], [(30.0, 14.0), (80.0, 14.0)]  # boxes of 20 x 12 px, a moment's alone
+    assert corners == [both, both, later, [(40.0, 14.0)]]
     assert max(np.asarray(count.lines[0].get_ydata())) == 2
     joins = [c.get_segments() for c in lives.collections if isinstance(c, LineCollection)][-1]
     ((top, bottom),) = joins
     assert top[0] == bottom[0] == pytest.approx(60, abs=0.05)
     assert abs(top[1] - bottom[1]) == 1
+
+
+def test_a_moment_has_the_events_just_before_it_alone(tmp_path: Path, drawn: list[Figure]) -> None:
+    recording = recording_of(5_000)
+    draw(recording, TWO_MEET, TWO_MEET, tmp_path / "run.png", "A run")
+    _, _, _, *moments = drawn[0].axes
+    assert [ax.get_title(loc="left") for ax in moments] == ["1", "2", "3", "4"]
+    coloured = [(np.asarray(ax.images[0].get_array()) < 1).any(axis=2).sum() for ax in moments]
+    assert all(0 < count < 60 for count in coloured)  # 0.4 % of 5,000 events
+    everything = np.asarray(drawn[0].axes[0].images[0].get_array())
+    assert (everything < 1).any(axis=2).sum() > 3_000
 
 
 def test_the_labels_name_engines_units_and_title(tmp_path: Path, drawn: list[Figure]) -> None:

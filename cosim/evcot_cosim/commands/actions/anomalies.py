@@ -69,7 +69,8 @@ def _learn(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
     if options.json:
         print(json.dumps(report, indent=2))
     else:
-        print(f"{report['tracks']} tracks, {report['cells']} cells with a say, {width}x{height} pixels, in {options.output}")
+        cells = f"{report['cells']} cells with enough tracks to judge by"
+        print(f"{report['tracks']} tracks, {cells}, {width}x{height} pixels, in {options.output}")
     return 0
 
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from ...lockstep.cosim import run_cosim
 from ...lockstep.mismatch import MismatchError
 from ...lockstep.run_file import run_toml
-from ...lockstep.summary import table
+from ...lockstep.summary import table, verdict_lines
+from ...lockstep.verdict import verdict_from
 from ...report.artifacts import run_names, write_mismatch, write_run
 from ...tables import print_table
 from ..exit_codes import MISMATCH
@@ -61,6 +62,7 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:
         print_table(table(summary))
+        print("\n" + "\n".join(verdict_lines(verdict_from(summary["verdict"]))))
         waves = "" if options.no_waves else ", and waves.vcd with its view waves.gtkw"
         left = f"report.html, summary.json, run.toml, picture.png, logs (.npz, .csv){waves}"
         print(f"\n{folder}/ holds {left}")

@@ -6,11 +6,17 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
+from pathlib import Path
 
 from evcot.api import evaluate
+from evcot.errors import ConfigError, TrackLogError
 from evcot.metrics.scores import Scores
+from evcot.tracks.log import TrackLog
 
+from ...lockstep.run_file import RUN_FILE, read_run_file
+from ...tables import print_table
 from ..options import sensor_from
+from ..tracked import RUN_LOGS
 from .clock import clock_from
 from .counting import Counting
 
@@ -18,20 +24,57 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
-    """Score a log; 0."""
-    with Counting(f"scoring {options.log}", enabled=not options.json):
-        scores = evaluate(
-            options.log, options.truth, options.rule, sensor=sensor_from(options), clock=clock_from(options),
-            log_format=options.log_format, truth_format=options.truth_format,
-        )  # fmt: skip
+    """Score a log, or all of a run; 0."""
+    logs = _logs_of_run(options) if options.log.is_dir() else {"": options.log}
+    found: dict[str, Scores] = {}
+    for name, log in logs.items():
+        with Counting(f"scoring {log}", enabled=not options.json):
+            found[name] = evaluate(
+                log, options.truth, options.rule, sensor=sensor_from(options), clock=clock_from(options),
+                log_format=options.log_format, truth_format=options.truth_format,
+            )  # fmt: skip
     if options.json:
-        print(json.dumps(scores.to_dict(), indent=2, allow_nan=False))
-        return 0
-    rows = _rows(scores)
-    width = max(len(name) for name, _ in rows)
-    for name, value in rows:
-        print(f"{name:{width}}  {value}")
+        figures = {name: scores.to_dict() for name, scores in found.items()}
+        print(json.dumps(figures.get("", figures), indent=2, allow_nan=False))
+    elif "" in found:
+        print_table(_rows(found[""]))
+    else:
+        columns = [dict(_column(scores)) for scores in found.values()]
+        print_table([("", *found), *((what, *(column[what] for column in columns)) for what in columns[0])])
     return 0
+
+
+def _logs_of_run(options: argparse.Namespace) -> dict[str, Path]:
+    """The logs of a run by engine; ConfigError for a folder of none, TrackLogError for a log of other events than the run's."""
+    folder, described = options.log, None
+    if (folder / RUN_FILE).is_file():
+        described = read_run_file(folder / RUN_FILE)
+    if described is None:
+        raise ConfigError(f"{folder}: is no folder of a run: must be a track log, boxes, or a folder of `evcot cosim`")
+    if options.log_format is not None:
+        raise ConfigError("--log-format: must not be given with the folder of a run, whose logs are .npz")
+    logs = {name: folder / f"{name}.npz" for name in RUN_LOGS if (folder / f"{name}.npz").is_file()}
+    for path in logs.values():
+        of = TrackLog.load_npz(path).recording
+        if of and described.digest and of != described.digest:
+            raise TrackLogError(f"{path}: recording = {of!r}: must be the digest in {RUN_FILE}, {described.digest!r}")
+    if not logs:
+        raise ConfigError(f"{folder}: holds none of {', '.join(f'{name}.npz' for name in RUN_LOGS)}: run `evcot cosim` again")
+    return logs
+
+
+def _column(s: Scores) -> list[tuple[str, str]]:
+    """The column of an engine in the table of a run: (what, value)."""
+    return [
+        *((name.upper(), f"{getattr(s, name):.3f}") for name in ("hota", "deta", "assa", "loca", "mota", "motp", "idf1")),
+        *((what, str(value)) for what, value in (
+            ("found", s.tp), ("missed", s.fn), ("false", s.fp), ("switches", s.idsw), ("interruptions", s.frag),
+            ("objects", s.truth_ids), ("mostly tracked", s.mt), ("mostly lost", s.ml), ("tracks", s.track_ids),
+        )),
+        ("position error, median", _with(s.position_error_px_median, "px")),
+        ("velocity error, median", _with(s.velocity_error_median, "px/s")),
+        ("latency", _with(s.latency_ms, "ms")),
+    ]  # fmt: skip
 
 
 def _rows(s: Scores) -> list[tuple[str, str]]:

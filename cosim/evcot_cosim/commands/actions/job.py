@@ -130,6 +130,8 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
         base = replace(base, from_us=window[0], to_us=window[1])
     if options.seed is not None:
         base = replace(base, seed=options.seed)
+    if options.struct is not None:
+        base = replace(base, struct=options.struct)
     return replace(base, skip_damaged=True) if options.skip_damaged else base
 
 

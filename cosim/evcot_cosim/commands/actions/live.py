@@ -39,6 +39,7 @@ from .settings import configured, say_seen
 
 __all__ = ["run"]
 
+_HERE = "127.0.0.1"
 _LINE_S = 1.0  # between lines of --json
 _NAP_S = 0.05
 _SPEEDS = (0.001, 1000.0)
@@ -70,7 +71,9 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             "width": source.sensor[0], "height": source.sensor[1],
             "speed": options.speed if isinstance(source, FileSource) else 1.0,
         }  # fmt: skip
-        server = undo.enter_context(Server(session, hello, options.web, options.bind)) if options.web is not None else None
+        server = (
+            undo.enter_context(Server(session, hello, options.web, options.bind or _HERE)) if options.web is not None else None
+        )
         _run(options, session, server.url if server else None)
     save_learned(options)
     say_seen(tracker, quiet=options.quiet)
@@ -83,6 +86,11 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
+    if options.bind is not None and options.web is None:
+        raise ConfigError(f"--bind {options.bind}: must be given with --web, which shows the page")
+    for option, path in (("--save", options.save), ("--save-log", options.save_log)):
+        if options.loop and path is not None:
+            raise ConfigError(f"{option}: must not be given with --loop: the recording is there already")
     if not (math.isfinite(options.speed) and _SPEEDS[0] <= options.speed <= _SPEEDS[1]):
         raise ConfigError(f"--speed {options.speed:g}: must be from {_SPEEDS[0]:g} to {_SPEEDS[1]:g}")
     if options.for_s is not None and not 0 < options.for_s < 1e9:
@@ -94,10 +102,10 @@ def _open(options: argparse.Namespace, window: tuple[int, int | None]) -> tuple[
     scheme, colon, rest = options.source.partition(":")
     if scheme not in ("tcp", "camera") or Path(options.source).exists():
         file = open_from(options, Path(options.source))
-        return FileSource(file, window, options.speed), lambda: file.blocks(*window)
+        return FileSource(file, window, options.speed, loop=options.loop), lambda: file.blocks(*window)
     for option, given in (
         ("--speed", options.speed != 1), ("--from", options.from_ms != 0), ("--to", options.to_ms is not None),
-        ("--learn-hot-pixels", options.learn_hot_pixels),
+        ("--learn-hot-pixels", options.learn_hot_pixels), ("--loop", options.loop),
     ):  # fmt: skip
         if given:
             raise ConfigError(f"{option}: must not be given with {options.source}, which is no file")

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from evcot.recordings.files import RecordingFile, open_recording
+from evcot.recordings.files import Damage, RecordingFile, open_recording
 
 from ..options import sensor_from
 
@@ -20,4 +20,5 @@ def open_from(options: argparse.Namespace, path: Path) -> RecordingFile:
         ConfigError: --sensor that is no size.
         RecordingError: as `open_recording`.
     """
-    return open_recording(path, sensor_from(options), damage="skip" if options.skip_damaged else "refuse")
+    damage: Damage = "skip" if options.skip_damaged else "refuse"
+    return open_recording(path, sensor_from(options), damage=damage, struct=options.struct)

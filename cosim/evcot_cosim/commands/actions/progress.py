@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees while a run goes on: events done, simulated time and rate; silent in pipes."""
+"""What a person sees while a run goes on: time taken and left, events done, simulated time and rate; silent in pipes."""
 
 from __future__ import annotations
 
 from rich.console import Console
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
 
 __all__ = ["Progress"]
@@ -25,6 +25,8 @@ class Progress:
             TextColumn("{task.description}"),
             BarColumn(),
             TaskProgressColumn(),
+            TimeElapsedColumn(),
+            *([] if events is None else [TextColumn("left"), TimeRemainingColumn()]),
             TextColumn("{task.fields[state]}"),
             console=console,
             disable=not (enabled and console.is_terminal),
@@ -41,7 +43,7 @@ class Progress:
 
     def building(self) -> None:
         """A build begins."""
-        self.note("compiling the hardware (a few seconds, once)")
+        self.note("compiling the hardware (10 to 60 s, once for each shape; kept in the cache)")
 
     def update(self, events: int, t_us: int, events_per_s: float) -> None:
         """So many events are done, up to this time of the recording."""

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot report`: the page to explore a run with, made again or made of a software tracker's log."""
+"""`evcot report`: the page to explore a run with, made again, made of software trackers' logs, or of two runs."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import re
 import shlex
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import evcot
 from evcot.errors import ConfigError
@@ -18,7 +20,7 @@ from evcot.tracks.log import TrackLog
 
 from ...lockstep.run_file import RUN_FILE, Source, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
-from ...report import REPORT, Material, Side, Truth, truth_of, write_report
+from ...report import REPORT, Material, Run, Side, Truth, comparison_of, truth_of, write_report
 from ..options import sensor_from, window_from
 from .belonging import check_logs, run_extent
 from .opening import open_from
@@ -33,12 +35,24 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     """Write the page; 0."""
     if options.rule and not options.truth:
         raise ConfigError("--rule: must be given with --truth")
-    path = options.output or (options.run / REPORT if options.run.is_dir() else options.run.with_suffix(".html"))
+    folders, logs = [path for path in options.run if path.is_dir()], [path for path in options.run if not path.is_dir()]
+    if len(folders) > 2 or (len(folders) == 2 and logs):
+        raise ConfigError("RUN: must be one folder, one folder and logs, logs, or two folders to compare")
+    if len(folders) == 2 and options.output is None:
+        raise ConfigError("-o: must be given to say where the comparison of two runs is written")
+    path = options.output or (options.run[0] / REPORT if folders and not logs else options.run[0].with_suffix(".html"))
+    if folders and logs and options.output is None:
+        raise ConfigError("-o: must be given with further logs: report.html of the folder is the run's own")
     force = options.force or is_own_file(path)  # in the folder of a run its own report is made anew
     options.claims.write("-o", path, force=force)
     with Progress(str(path), None, enabled=not (options.quiet or options.json)) as progress:
         progress.note("reading the events")
-        material = _of_run(options) if options.run.is_dir() else _of_log(options, shlex.join(["evcot", *arguments]))
+        if len(folders) == 2:
+            material = _of_two_runs(options, *folders)
+        elif folders:
+            material = _of_run(options, folders[0], logs)
+        else:
+            material = _of_logs(options, logs, shlex.join(["evcot", *arguments]))
         if options.truth:
             sensor = sensor_from(options) or (material.recording.width, material.recording.height)
             material = replace(material, truth=Truth.read(options.truth, sensor, options.rule))
@@ -52,34 +66,72 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     return 0
 
 
-def _of_run(options: argparse.Namespace) -> Material:
-    summary = read_summary(options.run / SUMMARY)
+def _of_run(options: argparse.Namespace, folder: Path, logs: Sequence[Path]) -> Material:
+    """A run, and further logs of its recording beside its engines."""
+    summary = read_summary(folder / SUMMARY)
     names = ("hardware", "model") if "mismatch" in summary else ("hardware", "software")
-    sides = tuple(Side(name, TrackLog.load_npz(options.run / f"{name}.npz")) for name in names)
-    recording, source = _recording(options) if options.recording is not None else _recording_of_run(options)
+    paths = [folder / f"{name}.npz" for name in names]
+    sides = [Side(name, TrackLog.load_npz(path)) for name, path in zip(names, paths, strict=True)]
+    recording, source = _recording(options) if options.recording is not None else _recording_of_run(folder)
     extent = run_extent(recording.events, [side.log for side in sides], summary)
-    check_logs([(options.run / f"{side.name}.npz", side.log) for side in sides], source.recording, extent)
-    return Material(recording, summary, sides, None if options.truth else truth_of(source, recording))
+    sides = _named(sides, logs)
+    check_logs(zip([*paths, *logs], (side.log for side in sides), strict=True), source.recording, extent)
+    return Material(recording, summary, tuple(sides), None if options.truth else truth_of(source, recording))
 
 
-def _recording_of_run(options: argparse.Namespace) -> tuple[Recording, Source]:
-    described = read_run_file(options.run / RUN_FILE) if (options.run / RUN_FILE).is_file() else None
+def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
+    """Two runs of the same events."""
+    recording, source = _recording(options) if options.recording is not None else _recording_of_run(folders[0])
+    runs = []
+    for folder in folders:
+        summary = read_summary(folder / SUMMARY)
+        paths = [folder / f"{name}.npz" for name in ("hardware", "software")]
+        if "mismatch" in summary:
+            raise ConfigError(f"{folder}: ended in a mismatch of hardware and model: must be a complete run")
+        logs = [TrackLog.load_npz(path) for path in paths]
+        check_logs(zip(paths, logs, strict=True), source.recording, Extent.of([recording.events]))
+        runs.append(Run(folder.name or str(folder), summary, *logs))
+    return comparison_of(recording, runs[0], runs[1], None if options.truth else truth_of(source, recording))
+
+
+def _named(sides: list[Side], logs: Sequence[Path]) -> list[Side]:
+    """The sides with those of further logs, named after their engine, else their file."""
+    for path in logs:
+        log = TrackLog.load_npz(path)
+        taken = {side.name for side in sides}
+        engine = _SIDES.get(log.engine, log.engine)
+        names = [_slug(engine), _slug(path.stem), *(f"{_slug(engine)}_{i}" for i in range(2, len(taken) + 3))]
+        sides = [*sides, Side(next(name for name in names if name not in taken), log)]
+    return sides
+
+
+def _slug(text: str) -> str:
+    """A side's name: `truth` is another's."""
+    name = re.sub(r"[^a-z0-9_]", "_", text.lower())
+    return name if name[:1].isalpha() and name != "truth" else f"log_{name}"
+
+
+def _recording_of_run(folder: Path) -> tuple[Recording, Source]:
+    described = read_run_file(folder / RUN_FILE) if (folder / RUN_FILE).is_file() else None
     if described is None:
-        raise ConfigError(f"{options.run}: does not say what it was made of ({RUN_FILE}): must be given with --recording FILE")
+        raise ConfigError(f"{folder}: does not say what it was made of ({RUN_FILE}): must be given with --recording FILE")
     recording = described.source.read()
-    described.check(options.run / RUN_FILE, recording.events)
+    described.check(folder / RUN_FILE, recording.events)
     return recording, described.source
 
 
-def _of_log(options: argparse.Namespace, command: str) -> Material:
+def _of_logs(options: argparse.Namespace, paths: Sequence[Path], command: str) -> Material:
     if options.recording is None:
-        raise ConfigError(f"{options.run}: a log does not hold the events: must be given with --recording FILE")
-    log = TrackLog.load_npz(options.run)
+        raise ConfigError(f"{paths[0]}: a log does not hold the events: must be given with --recording FILE")
+    if len(paths) == 1:
+        log = TrackLog.load_npz(paths[0])
+        sides = [Side(_SIDES.get(log.engine, "software"), log)]
+    else:
+        sides = _named([], paths)
     recording, source = _recording(options)
-    check_logs([(options.run, log)], source.recording, Extent.of([recording.events]))
+    check_logs(zip(paths, (side.log for side in sides), strict=True), source.recording, Extent.of([recording.events]))
     summary = {"name": recording.name, "command": command, "versions": {"evcot": evcot.__version__}}
-    side = Side(_SIDES.get(log.engine, "software"), log)
-    return Material(recording, summary, (side,), None if options.truth else truth_of(source, recording))
+    return Material(recording, summary, tuple(sides), None if options.truth else truth_of(source, recording))
 
 
 def _recording(options: argparse.Namespace) -> tuple[Recording, Source]:

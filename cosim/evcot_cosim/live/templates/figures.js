@@ -25,6 +25,7 @@ function showFigures(figures) {
   put("drawn_ms", milliseconds(figures.drawn_ms));
   put("dropped", figures.dropped.toLocaleString("en"), figures.dropped > 0);
   put("undrawn", figures.undrawn.toLocaleString("en"), figures.undrawn > 0);
+  put("slipped_s", `${figures.slipped_s.toFixed(1)} s`, figures.slipped_s > 0);
   put("recording_s", `${figures.recording_s.toFixed(1)} s`);
   put("saved", figures.saved === null ? "no" : figures.saved.toLocaleString("en"));
 }

@@ -3,11 +3,12 @@
 
 const RECONNECT_MS = [500, 1000, 2000, 4000];
 const TABLE_MS = 250;
+const ENDED = "ended; a new run at this address is shown by itself";
 
 const controls = document.getElementById("controls");
 const canvas = document.getElementById("stage");
 const pauseButton = document.getElementById("pause");
-const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, socket: null, tries: 0, tabled: 0 };
+const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, socket: null, tries: 0, tabled: 0, ended: false };
 
 function showState(state, text) {
   const place = document.getElementById("state");
@@ -50,7 +51,8 @@ function onMessage(event) {
   if (message.type === "hello") begin(message);
   if (message.type !== "figures") return;
   showFigures(message);
-  showState(message.running ? "live" : "ended", message.running ? "live" : "ended");
+  live.ended = !message.running;
+  showState(live.ended ? "ended" : "live", live.ended ? ENDED : "live");
 }
 
 /** Apply and draw all received frames, then acknowledge them. */
@@ -96,7 +98,8 @@ function connect() {
   socket.onopen = () => { live.tries = 0; };
   socket.onmessage = onMessage;
   socket.onclose = ({ reason }) => {
-    showState("lost", reason || "no connection, trying again");
+    if (live.ended) showState("ended", ENDED); // what the last figures have said; the page goes on when a new run begins
+    else showState("lost", reason || "no connection, trying again");
     setTimeout(connect, RECONNECT_MS[Math.min(live.tries++, RECONNECT_MS.length - 1)]);
   };
   live.socket = socket;

@@ -64,7 +64,7 @@ export class AlivePanel {
     const toY = (count) => this.height - 1 - ((this.height - 2 * PAD) * count) / this.most;
     for (const side of this.sides) {
       if (!shown.has(side.name)) continue;
-      const { colour, dash, width: pen } = theme.sides[side.name];
+      const { colour, dash, width: pen } = theme.sides[side.look];
       context.strokeStyle = colour;
       context.lineWidth = pen;
       context.setLineDash(dash);
@@ -85,7 +85,7 @@ export class AlivePanel {
   }
 
   readout(now, selected, shown) {
-    return this.sides.filter((side) => shown.has(side.name)).map((side) => ({ side: side.name, text: String(side.countAt(now)) }));
+    return this.sides.filter((side) => shown.has(side.name)).map((side) => ({ side, text: String(side.countAt(now)) }));
   }
 }
 
@@ -106,7 +106,7 @@ export class PointPanel {
       for (let life = 0; life < side.lives; life++) {
         if (side.end[life] < axis.from || side.birth[life] > axis.to) continue;
         const chosen = selected?.side === side && selected.life === life;
-        context.strokeStyle = theme.sides[side.name].colour;
+        context.strokeStyle = theme.sides[side.look].colour;
         context.globalAlpha = chosen ? 1 : 0.4;
         context.lineWidth = chosen ? 2 : 1;
         this.#line(context, width, axis, side, life, values);
@@ -150,7 +150,7 @@ export class PointPanel {
       const lives = chosen ? [selected.life] : side.livesAt(now);
       const mean = lives.reduce((sum, life) => sum + values[side.pointAt(life, now)], 0) / lives.length;
       const what = chosen ? `${side.ids[selected.life]}: ` : "mean ";
-      return { side: side.name, text: lives.length ? `${what}${mean.toFixed(1)}${this.unit}` : "none" };
+      return { side, text: lives.length ? `${what}${mean.toFixed(1)}${this.unit}` : "none" };
     });
   }
 }
@@ -168,7 +168,7 @@ export class QuietPanel {
       if (!shown.has(side.name)) continue;
       for (const slot of side.slots) {
         const chosen = selected?.side === side && side.slot[selected.life] === slot;
-        context.strokeStyle = theme.sides[side.name].colour;
+        context.strokeStyle = theme.sides[side.look].colour;
         context.globalAlpha = chosen ? 1 : 0.4;
         context.lineWidth = chosen ? 2 : 1;
         this.#line(context, width, axis, side, slot);
@@ -201,7 +201,7 @@ export class QuietPanel {
       const chosen = selected?.side === side;
       const slots = chosen ? [side.slot[selected.life]] : side.slots;
       const peak = Math.max(-1, ...slots.map((slot) => side.quiet[slot * side.stretches + at]));
-      return { side: side.name, text: peak < 0 ? "none" : `${chosen ? "" : "most "}${(peak / 1e3).toFixed(2)} ms` };
+      return { side, text: peak < 0 ? "none" : `${chosen ? "" : "most "}${(peak / 1e3).toFixed(2)} ms` };
     });
   }
 }

@@ -13,8 +13,8 @@ export function listenToKeys(acts) {
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
-    const field = event.target.closest("input, select, textarea, button, a, summary");
-    const own = field && (field.matches("input[type=range], select, textarea") || event.key === " ");
+    const field = event.target.closest("input, select, textarea, button, a, summary, .places");
+    const own = field && (field.matches("input[type=range], select, textarea, .places") || event.key === " ");
     if (own) return;
     const step = STEPS[event.key.toLowerCase()];
     if (step) acts.step(step, event.shiftKey ? -1 : 1);

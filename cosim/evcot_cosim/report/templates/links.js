@@ -6,7 +6,7 @@ export function parseLink(hash) {
   if (!parts.has("at")) return null;
   const at = Number(parts.get("at"));
   if (!Number.isFinite(at)) return null;
-  const [, side, id] = /^([a-z]+)-(.*)$/s.exec(parts.get("see") ?? "") ?? [null, null, null];
+  const [, side, id] = /^([a-z0-9_]+)-(.*)$/s.exec(parts.get("see") ?? "") ?? [null, null, null];
   return { at, side, id };
 }
 

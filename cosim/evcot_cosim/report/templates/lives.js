@@ -2,7 +2,11 @@
 // Lifetimes: a bar from birth to end in the lane of its slot, one side above the other, merges joined to the survivor.
 import { ALIVE, MERGED } from "./tracks.js";
 
-const GAP = 10; // pixels between sides
+const GAP = 22; // pixels below a side's lanes: merges are counted there where they are too many to be drawn
+const STRIP = 16; // of it, the height of the counts
+const CROWD_PX = 8; // fewer pixels for each merge in sight: they are counted
+const NARROW = 2; // pixels: lives up to this wide are drawn together
+const BIN = 4; // pixels of a count
 const LANES_LEAST = 2; // of a side
 const REACH = 6; // how near a click must be to a merge
 const LABEL_LEAST = 26; // pixels that a bar must have to carry its id
@@ -12,7 +16,7 @@ export class LivesPanel {
     this.sides = sides;
     this.height = height;
     const lanes = sides.map((side) => Math.max(side.lanes, LANES_LEAST));
-    this.lane = (height - GAP * Math.max(sides.length - 1, 0)) / Math.max(lanes.reduce((sum, count) => sum + count, 0), 1);
+    this.lane = (height - GAP * sides.length) / Math.max(lanes.reduce((sum, count) => sum + count, 0), 1);
     this.tops = new Map(sides.map((side, i) => {
       return [side, lanes.slice(0, i).reduce((top, count) => top + count * this.lane + GAP, 0)];
     }));
@@ -26,7 +30,7 @@ export class LivesPanel {
     for (const side of this.sides) {
       if (side !== this.sides[0]) {
         context.fillStyle = theme.line;
-        context.fillRect(0, this.tops.get(side) - GAP / 2, width, 1);
+        context.fillRect(0, this.tops.get(side) - 2, width, 1);
       }
       if (!side.lives) {
         context.fillStyle = theme.quiet;
@@ -35,13 +39,15 @@ export class LivesPanel {
         context.fillText(`${side.name}: nothing became visible`, 8, this.tops.get(side) + this.lane + 1);
       }
       this.#bars(context, width, axis, theme, side, selected);
-      this.#merges(context, width, axis, theme, side);
+      if (this.#crowded(side, width, axis)) this.#counts(context, width, axis, theme, side);
+      else this.#merges(context, width, axis, theme, side);
     }
   }
 
   #bars(context, width, axis, theme, side, selected) {
     const thick = Math.max(this.lane - (this.lane > 6 ? 3 : 1), 2);
-    const colour = theme.sides[side.name].colour;
+    const colour = theme.sides[side.look].colour;
+    const narrow = new Map(); // lane -> share of each pixel column that lives take
     context.font = `600 ${Math.min(10, thick)}px ${theme.font}`;
     context.textBaseline = "middle";
     for (let life = 0; life < side.lives; life++) {
@@ -50,6 +56,12 @@ export class LivesPanel {
       if (right < 0 || left > width) continue;
       const y = this.#middle(side, life);
       const chosen = selected?.side === side && selected.life === life;
+      if (right - left < NARROW && !chosen) {
+        const lane = side.lane[life];
+        if (!narrow.has(lane)) narrow.set(lane, new Float32Array(Math.ceil(width) + 1));
+        narrow.get(lane)[Math.max(Math.floor(left), 0)] += Math.max(right - left, 0.3);
+        continue;
+      }
       context.globalAlpha = chosen ? 1 : 0.55;
       context.fillStyle = colour;
       context.fillRect(left, y - thick / 2, Math.max(right - left, 1.5), thick);
@@ -65,6 +77,49 @@ export class LivesPanel {
         context.fillText(side.ids[life], inSight + 4, y + 0.5);
       }
     }
+    context.fillStyle = colour;
+    for (const [lane, covered] of narrow) {
+      const top = this.tops.get(side) + (lane + 0.5) * this.lane - thick / 2;
+      for (let x = 0; x < covered.length; x++) {
+        if (!covered[x]) continue;
+        context.globalAlpha = Math.min(0.3 + 0.5 * covered[x], 0.8);
+        context.fillRect(x, top, 1, thick);
+      }
+    }
+    context.globalAlpha = 1;
+  }
+
+  /** Whether the merges in sight are too many to be told apart. */
+  #crowded(side, width, axis) {
+    let seen = 0;
+    for (let life = 0; life < side.lives; life++) {
+      if (side.ended[life] === MERGED && side.end[life] >= axis.from && side.end[life] <= axis.to) seen += 1;
+    }
+    return seen * CROWD_PX > width;
+  }
+
+  /** How many merges there are in each part of the time, below the lanes. */
+  #counts(context, width, axis, theme, side) {
+    const counts = new Uint32Array(Math.ceil(width / BIN) + 1);
+    let all = 0;
+    for (let life = 0; life < side.lives; life++) {
+      if (side.ended[life] !== MERGED || side.end[life] < axis.from || side.end[life] > axis.to) continue;
+      counts[Math.floor(axis.toX(side.end[life], width) / BIN)] += 1;
+      all += 1;
+    }
+    const most = counts.reduce((highest, count) => Math.max(highest, count), 1);
+    const bottom = this.tops.get(side) + Math.max(side.lanes, LANES_LEAST) * this.lane + STRIP;
+    context.fillStyle = theme.ink;
+    context.globalAlpha = 0.45;
+    counts.forEach((count, i) => context.fillRect(i * BIN, bottom - (STRIP * count) / most, BIN - 1, (STRIP * count) / most));
+    context.globalAlpha = 1;
+    context.font = `10px ${theme.font}`;
+    context.textBaseline = "middle";
+    const words = `${all.toLocaleString("en")} merges; zoom in to see each`;
+    context.fillStyle = theme.panel;
+    context.fillRect(2, bottom - STRIP + 1, context.measureText(words).width + 6, STRIP - 2);
+    context.fillStyle = theme.ink;
+    context.fillText(words, 5, bottom - STRIP / 2);
   }
 
   #merges(context, width, axis, theme, side) {
@@ -95,11 +150,12 @@ export class LivesPanel {
   hit(x, y, width, axis) {
     let found = null;
     for (const side of this.sides) {
+      const crowded = this.#crowded(side, width, axis);
       for (let life = 0; life < side.lives; life++) {
         if (Math.abs(this.#middle(side, life) - y) > Math.max(this.lane / 2, 4)) continue;
         const left = axis.toX(side.birth[life], width);
         const right = axis.toX(side.end[life], width);
-        if (side.ended[life] === MERGED && Math.abs(right - x) <= REACH && !(found?.off <= Math.abs(right - x))) {
+        if (!crowded && side.ended[life] === MERGED && Math.abs(right - x) <= REACH && !(found?.off <= Math.abs(right - x))) {
           found = { side, life, at: side.end[life], what: "merge", off: Math.abs(right - x) };
         } else if (!found && x >= left - 2 && x <= right + 2) {
           const at = Math.min(Math.max(axis.toTime(x, width), side.birth[life]), side.end[life]);

@@ -8,13 +8,14 @@ import { listenToKeys } from "./keys.js";
 import { Layers } from "./layers.js";
 import { followLinks } from "./links.js";
 import { LivesPanel } from "./lives.js";
+import { PlaceList, countWhen, rowsOfLives } from "./places.js";
 import { zoomable } from "./pointer.js";
 import { Recording } from "./recording.js";
 import { Stage } from "./stage.js";
 import { Steps } from "./steps.js";
 import { readTheme, watchTheme } from "./theme.js";
 import { Timeline } from "./timeline.js";
-import { Tracks } from "./tracks.js";
+import { MERGED, Tracks } from "./tracks.js";
 import { Transport } from "./transport.js";
 import { unpack } from "./unpack.js";
 
@@ -26,12 +27,15 @@ const $ = (selector) => document.querySelector(selector);
 
 async function start() {
   const facts = JSON.parse($("#facts").textContent);
-  const columns = await unpack($("#columns").textContent, facts.columns, { x: Uint16Array, y: Uint16Array, owner: Uint16Array, p: Uint8Array });
+  const columns = await unpack($("#columns").textContent, facts.columns, {
+    x: Uint16Array, y: Uint16Array, p: Uint8Array, owner: facts.owners.length > 0x10000 ? Uint32Array : Uint16Array,
+  });
   $("#columns").remove();
   const recording = new Recording(facts, columns);
   const sides = facts.sides.map((side) => new Tracks(side, columns));
   const engines = sides.filter((side) => side.engine);
-  const steps = new Steps(recording, sides, facts.differences, facts.mismatch);
+  const apart = ["merges", "lives"].flatMap((name) => facts.lists[name]?.rows ?? []);
+  const steps = new Steps(recording, sides, apart, facts.mismatch);
   const axis = new Axis(facts.duration);
   const stage = new Stage($("#stage"), recording.surface.width, recording.surface.height);
   let theme = readTheme();
@@ -49,9 +53,26 @@ async function start() {
     lives: new LivesPanel(sides, $("#lives").clientHeight),
     alive: new AlivePanel(sides),
     size: new PointPanel(sides, { value: (side) => side.meanSide, unit: " px" }),
-    nev: new PointPanel(sides, { value: (side) => side.nEv, unit: "" }),
+    ...($("#nev") && { nev: new PointPanel(sides.filter((side) => side.hardware), { value: (side) => side.nEv, unit: "" }) }),
     quiet: new QuietPanel(sides),
   }, { seek: (time) => go(time), choose: ({ side, life, at }) => go(at, side, life), changed: restyle });
+
+  const lists = placeLists();
+
+  /** The lists of places that the page has: differences and merges of hardware and software, and every side's lives. */
+  function placeLists() {
+    const named = (name) => sides.find((side) => side.name === name);
+    const ends = (side) => (life) => (side.ended[life] === MERGED && side.other[life] >= 0 ? `, into ${side.ids[side.other[life]]}` : "");
+    return [...document.querySelectorAll("[data-list]")].filter((root) => root.querySelector(".places")).map((root) => {
+      const given = facts.lists[root.dataset.list];
+      if (given) {
+        const rows = given.rows.map(([at, name, id, text]) => ({ at, side: named(name), id, text }));
+        return new PlaceList(root, rows, Object.entries(given.when).map(([name, counts]) => [named(name), counts]), facts.duration);
+      }
+      const side = named(root.dataset.list);
+      return new PlaceList(root, rowsOfLives(side, ends(side)), [[side, countWhen(side.birth, facts.duration)]], facts.duration);
+    });
+  }
 
   /** Update everything that depends on the time, once a frame. */
   function draw() {
@@ -77,7 +98,7 @@ async function start() {
     return sides.map((side) => {
       const show = layers.of(side.name);
       const any = Object.values(show).some(Boolean);
-      const style = theme.sides[side.name];
+      const style = theme.sides[side.look];
       const lives = any ? side.livesAt(now) : [];
       const clusters = lives.map((life) => {
         const strong = selected?.side === side && selected.life === life;
@@ -119,7 +140,7 @@ async function start() {
 
   function step(kind, direction) {
     const found = steps.find(kind, clock.now, direction, layers.seen(sides));
-    const named = kind === "update" ? "update of a centre" : kind;
+    const named = kind === "update" ? (engines.some((side) => side.hardware) ? "update of a centre (CM)" : "move") : kind;
     if (!found) {
       $("#said").textContent = `No ${named} ${direction > 0 ? "after" : "before"} this time.`;
       return;
@@ -146,6 +167,10 @@ async function start() {
   function layOut() {
     stage.resize();
     timeline.resize();
+    for (const list of lists) {
+      list.resize();
+      list.draw(theme);
+    }
     draw();
   }
 
@@ -186,6 +211,7 @@ async function start() {
   listenToKeys(acts);
   watchTheme($("#theme"), dress);
   new ResizeObserver(layOut).observe($("#workspace"));
+  for (const details of document.querySelectorAll("details")) details.addEventListener("toggle", layOut);
   clock.seek(facts.start);
   layOut();
   followLinks(({ at, side, id }) => {
@@ -194,7 +220,7 @@ async function start() {
     $("#playback").scrollIntoView({ block: "start" });
   });
   $("#workspace").dataset.ready = "true";
-  window.report = { clock, axis, stage, sides, recording, steps, layers, selection: () => selected, frames: () => frames };
+  window.report = { clock, axis, stage, sides, recording, steps, layers, lists, selection: () => selected, frames: () => frames };
 }
 
 start().catch((error) => {

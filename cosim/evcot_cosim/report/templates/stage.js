@@ -12,7 +12,7 @@ const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of co
  *   trail: ?ArrayLike<number>, strong: boolean}} Cluster  inner: half side or null; trail: x0, y0, x1, y1, … oldest first
  * @typedef {{colour: string, dash: number[], width: number, clusters: Cluster[],
  *   show: {window: boolean, inner: boolean, id: boolean, trail: boolean}, marks: ?{x: number, y: number, kind: string,
- *   text: string}[], corner: ?("left"|"right"|"below")}} Layer  dash in canvas pixels; marks: of kind "merge" or "loss";
+ *   text: string, fresh: ?number}[], corner: ?("left"|"right"|"below")}} Layer  dash in canvas pixels; marks: of kind "merge" or "loss";
  *   corner: where ids stand
  */
 
@@ -117,6 +117,7 @@ export class Stage {
     context.drawImage(this.bitmap, left, top, this.sensor.width * scale, this.sensor.height * scale);
     context.save();
     context.translate(Math.round(left + scale / 2), Math.round(top + scale / 2)); // whole pixels keep frames sharp
+    this.taken = []; // by texts: a later one does not go over them
     for (const layer of layers) this.#drawLayer(layer);
     for (const layer of layers) this.#mark(layer);
     context.restore();
@@ -178,26 +179,48 @@ export class Stage {
     for (let at = from; at < to; at += step) fill(at, Math.min(on * this.ratio, to - at));
   }
 
-  /** Above the box's left or right corner, or below it; inside, where there is no room above. */
+  /** Above the box's left or right corner, or below it; inside, where there is no room above; else at a corner that is free. */
   #writeIds(clusters, colour, corner) {
     const { context, scale, ratio } = this;
     const top = -context.getTransform().f;
-    for (const { id, x, y, halfWidth, halfHeight } of clusters) {
+    for (const { id, x, y, halfWidth, halfHeight, strong } of clusters.toSorted((a, b) => b.strong - a.strong)) {
       const above = (y - halfHeight) * scale - 2 * ratio;
       const under = (y + halfHeight) * scale + ID_PX * ratio + 2 * ratio;
-      const bottom = corner === "below" ? under : above - ID_PX * ratio < top ? above + (ID_PX + 4) * ratio : above;
-      const sideways = corner === "right" ? x + halfWidth : x - halfWidth;
-      context.textAlign = corner === "right" ? "right" : "left";
-      this.#write(id, sideways * scale, bottom, colour);
+      const over = above - ID_PX * ratio < top ? above + (ID_PX + 4) * ratio : above;
+      const [left, right] = [(x - halfWidth) * scale, (x + halfWidth) * scale];
+      const places = [[left, over, "left"], [right, over, "right"], [left, under, "left"], [right, under, "right"]];
+      const first = { left: 0, right: 1, below: 2 }[corner];
+      const order = [...places.slice(first), ...places.slice(0, first)];
+      const free = order.find(([at, bottom, align]) => this.#isFree(id, at, bottom, align)) ?? (strong ? order[0] : null);
+      if (!free) continue; // no room: the box stays, its id is shown when one zooms in
+      context.textAlign = free[2];
+      this.#write(id, free[0], free[1], colour);
     }
     context.textAlign = "left";
+  }
+
+  /** The rectangle that a text takes: left, top, right, bottom. */
+  #extent(text, at, bottom, align) {
+    const { context, ratio } = this;
+    context.font = `600 ${ID_PX * ratio}px ${this.font}`;
+    const wide = context.measureText(text).width;
+    const left = align === "right" ? at - wide : at;
+    return [left, bottom - ID_PX * ratio, left + wide, bottom];
+  }
+
+  #isFree(text, at, bottom, align) {
+    const [left, top, right, low] = this.#extent(text, at, bottom, align);
+    const edge = this.context.getTransform().e; // beyond the picture nobody could read it
+    if (left < -edge || right > this.canvas.width - edge) return false;
+    return !this.taken.some(([l, t, r, b]) => left < r && l < right && top < b && t < low);
   }
 
   /** A merge as a diamond, a loss as a cross. */
   #mark({ colour, marks = [] }) {
     const { context, scale, ratio } = this;
     const size = 7 * ratio;
-    for (const { x, y, kind, text } of marks) {
+    for (const { x, y, kind, text, fresh = 1 } of marks) {
+      context.globalAlpha = fresh;
       const [left, top] = [x * scale, y * scale];
       context.beginPath();
       if (kind === "merge") {
@@ -214,18 +237,21 @@ export class Stage {
         context.strokeStyle = ink;
         context.stroke();
       }
-      this.#write(text, left + size + 3 * ratio, top + 5 * ratio, colour);
+      context.globalAlpha = 1;
+      if (text && this.#isFree(text, left + size + 3 * ratio, top + 5 * ratio, "left")) {
+        this.#write(text, left + size + 3 * ratio, top + 5 * ratio, colour);
+      }
     }
   }
 
   #write(text, left, bottom, colour) {
     const { context, ratio } = this;
-    context.font = `600 ${ID_PX * ratio}px ${this.font}`;
+    const extent = this.#extent(text, left, bottom, context.textAlign);
+    this.taken.push(extent);
     context.textBaseline = "bottom";
     context.fillStyle = this.ground;
     context.globalAlpha = 0.7;
-    const wide = context.measureText(text).width;
-    context.fillRect(context.textAlign === "right" ? left - wide : left, bottom - ID_PX * ratio, wide, ID_PX * ratio);
+    context.fillRect(extent[0], extent[1], extent[2] - extent[0], extent[3] - extent[1]);
     context.globalAlpha = 1;
     context.fillStyle = colour;
     context.fillText(text, left, bottom + ratio);

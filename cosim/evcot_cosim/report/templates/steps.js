@@ -6,7 +6,7 @@ import { LOST, MERGED } from "./tracks.js";
 export const KINDS = ["event", "update", "merge", "birth", "loss", "difference"];
 
 export class Steps {
-  /** `differences`: [time, side, id] found on one side only; `mismatch`: time of the mismatch with the model, or null. */
+  /** `differences`: [time, side, id, …] found on one side only; `mismatch`: time of the mismatch with the model, or null. */
   constructor(recording, sides, differences, mismatch) {
     this.recording = recording;
     this.sides = sides;

@@ -6,8 +6,13 @@ const LINES = {
   hardware: { dash: [], width: 1.8, corner: "left" },
   software: { dash: [6, 4], width: 1.5, corner: "right" },
   model: { dash: [6, 4], width: 1.5, corner: "right" },
+  other1: { dash: [3, 3], width: 1.5, corner: "left" },
+  other2: { dash: [9, 3], width: 1.5, corner: "right" },
+  other3: { dash: [2, 2, 6, 2], width: 1.5, corner: "below" },
+  other4: { dash: [1, 2], width: 1.8, corner: "left" },
   truth: { dash: [2, 3], width: 1.5, corner: "below" },
 };
+const WORDS = { auto: "as the system", light: "light", dark: "dark" };
 const NEXT = { auto: "light", light: "dark", dark: "auto" };
 
 function rgb(text) {
@@ -22,7 +27,7 @@ export function readTheme() {
     return [name, { ...line, colour: of(name), text: of(`${name}-text`) }];
   }));
   return {
-    sides, ink: of("ink"), quiet: of("quiet"), line: of("line"), font: of("font"),
+    sides, ink: of("ink"), panel: of("panel"), quiet: of("quiet"), line: of("line"), font: of("font"),
     stage: { ground: rgb(of("ground")), off: rgb(of("off")), on: rgb(of("on")), edge: of("edge"), font: of("font") },
   };
 }
@@ -32,8 +37,8 @@ export function watchTheme(button, changed) {
   const root = document.documentElement;
   const name = () => root.dataset.theme ?? "auto";
   const label = () => {
-    button.textContent = { auto: "Auto", light: "Light", dark: "Dark" }[name()];
-    button.setAttribute("aria-label", `Colours: ${name()}. Change to ${NEXT[name()]}.`);
+    button.textContent = `Colours: ${WORDS[name()]}`;
+    button.setAttribute("aria-label", `Colours: ${WORDS[name()]}. Change to ${WORDS[NEXT[name()]]}.`);
   };
   button.addEventListener("click", () => {
     const next = NEXT[name()];

@@ -51,8 +51,8 @@ export class Timeline {
       if (!readout) continue;
       readout.replaceChildren(...[...panel.readout(now, selected, shown)].map(({ side, text }) => {
         const value = document.createElement("span");
-        value.textContent = side ? `${side} ${text}` : text;
-        if (side) value.style.color = theme.sides[side].text;
+        value.textContent = side ? `${side.name} ${text}` : text;
+        if (side) value.style.color = theme.sides[side.look].text;
         return value;
       }));
     }

@@ -6,14 +6,15 @@ export const ALIVE = -1; // how a life ended
 export const MERGED = 2;
 export const LOST = 3;
 
+const MARKS = 6; // at most, of ends that are marked at a time
 const TRAIL_POINTS = 120; // at most, of one trail
 
 export class Tracks {
   /** Columns of paths.py under this name; `ring`: per slot, window less inner radius, or null. Of the hardware a box is the window. */
-  constructor({ name, ids, ring, engine, stretch, stretches }, columns) {
+  constructor({ name, ids, ring, engine, look, hardware, stretch, stretches }, columns) {
     const of = (field) => columns[`${name}.${field}`];
     Object.assign(this, {
-      name, ids, ring, engine, stretch, stretches,
+      name, ids, ring, engine, look, hardware, stretch, stretches,
       slot: of("slot"), lane: of("lane"), birth: of("birth"), end: of("end"), ended: of("ended"), other: of("other"),
       t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), angle: of("angle"), nEv: of("n_ev"),
       aliveT: of("alive_t"), alive: of("alive"), quiet: of("quiet"),
@@ -85,7 +86,7 @@ export class Tracks {
     return places;
   }
 
-  /** Lives that ended within (since, now]: their positions, and a description of the latest. */
+  /** The latest lives that ended within (since, now]: their places, how fresh they are from 1 to 0, and words for the latest. */
   marks(since, now) {
     const found = [];
     for (let life = after(this.birth, now) - 1; life >= 0; life--) {
@@ -93,11 +94,14 @@ export class Tracks {
         const point = this.first[life + 1] - 1;
         const merged = this.ended[life] === MERGED;
         const into = merged && this.other[life] >= 0 ? ` → ${this.ids[this.other[life]]}` : "";
-        found.push({ x: this.x[point], y: this.y[point], kind: merged ? "merge" : "loss", at: this.end[life], text: `${this.ids[life]}${into}` });
+        const fresh = 1 - (now - this.end[life]) / Math.max(now - since, 1);
+        const text = `${this.ids[life]}${into}`;
+        found.push({ x: this.x[point], y: this.y[point], kind: merged ? "merge" : "loss", at: this.end[life], fresh, text });
       }
     }
-    const latest = Math.max(...found.map(({ at }) => at));
-    for (const mark of found) if (mark.at < latest) mark.text = "";
+    found.sort((a, b) => b.at - a.at);
+    found.length = Math.min(found.length, MARKS);
+    for (const mark of found) if (mark.at < found[0].at) mark.text = "";
     return found;
   }
 }

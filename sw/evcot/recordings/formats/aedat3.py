@@ -82,7 +82,7 @@ class Aedat3File:
         others = [f"source {source} ({name})" for source, name in sorted(self._sources.items()) if source != self._source]
         self.details: Mapping[str, str] = {
             "source": self._sources[self._source],
-            "passed over": ", ".join(others) or "nothing",
+            "not read": ", ".join(others) or "nothing else",
         }
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:

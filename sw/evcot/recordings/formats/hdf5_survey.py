@@ -47,12 +47,13 @@ _MOST_CHUNK_BYTES = 1 << 28
 _MOST_MEMORY_BYTES = 1 << 29  # limit for the survey process itself
 
 
-def survey(path: Path, *, matlab: bool = False) -> Survey:
+def survey(path: Path, *, matlab: bool = False, first: str = "") -> Survey:
     """Survey a file: "columns" (for each of t, x, y, p the dataset, the field or column to pick, its rows per chunk, its
-    filters), "count", "t_offset", "index", "sensor", "details".
+    filters), "count", "t_offset", "index", "sensor", "details", and the "others" that hold events.
 
     Args:
         matlab: accept any struct with the fields x, y, p, ts, whose columns may be matrices of one row.
+        first: the struct to take of several, if it is there.
 
     Raises:
         RecordingError: the file holds no events in a known layout, or its metadata are damaged.
@@ -60,7 +61,7 @@ def survey(path: Path, *, matlab: bool = False) -> Survey:
     from ...errors import RecordingError
     from .printable import printable
 
-    command = [sys.executable, "-P", __file__, str(path.absolute()), "matlab" if matlab else ""]
+    command = [sys.executable, "-P", __file__, str(path.absolute()), "matlab" if matlab else "", first]
     try:
         child = subprocess.run(command, capture_output=True, timeout=SECONDS, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
@@ -81,14 +82,14 @@ class _Refusal(Exception):
     """A file that violates a rule; the message is shown to the user."""
 
 
-def _survey(path: str, matlab: bool) -> Survey:
+def _survey(path: str, matlab: bool, first: str) -> Survey:
     import h5py
 
     _bound_memory()
     with h5py.File(path, "r") as file:
         size = Path(path).stat().st_size
         places = [(name, "") for name in file if name != "#refs#"] if matlab else _PLACES
-        present = [place for place in places if _is_here(file, place[0])]
+        present = sorted((place for place in places if _is_here(file, place[0])), key=lambda place: place[0] != first)
         for at, (place, index) in enumerate(present):
             columns = _columns(file[place])
             if columns:
@@ -108,6 +109,7 @@ def _survey(path: str, matlab: bool) -> Survey:
                     "t_offset": _offset(file) if place in ("events", "/") else 0,
                     "index": _index(file, index, size),
                     "sensor": _sensor(file, place),
+                    "others": others,
                     "details": {"events": place} | ({"also holds": ", ".join(others)} if others else {}),
                 }
         found = ", ".join(sorted(file)[:8]) or "nothing"
@@ -264,9 +266,9 @@ def _listed(value: Any) -> list[Any]:
 
 
 def _main() -> None:
-    path, kind = sys.argv[1:]
+    path, kind, first = sys.argv[1:]
     try:
-        found = _survey(path, kind == "matlab")
+        found = _survey(path, kind == "matlab", first)
     except _Refusal as error:
         found = {"error": str(error)}
     except Exception as error:

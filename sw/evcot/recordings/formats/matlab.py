@@ -3,6 +3,8 @@
 
 The fields may have any of the names in `hdf5_survey.NAMES`.
 
+Of several structs, TD is read: in files of the ATIS it has the changes, and EM exposure measurements. Else the first.
+
 MATLAB counts pixels from 1, and so do these tools; other exporters count from 0. The data decide: if some x or y is 0, both
 are counted from 0, else from 1. A polarity of 2 implies the coding 1 and 2, one of -1 the coding -1 and 1, neither 0 and 1.
 `ts` is in microseconds. Files of version 5 to 7 are decoded here; one of 7.3 is HDF5.
@@ -34,6 +36,7 @@ from .source import BLOCK_EVENTS, Format, Sensor
 
 __all__ = ["FORMATS"]
 
+_CHANGES = "TD"  # the struct with change detection
 _FIELDS = ("x", "y", "p", "ts")
 _HEADER_BYTES = 128
 # Element types; those that hold numbers -> dtype.
@@ -273,12 +276,25 @@ class _InHdf5:
             yield self.rows[first : min(first + BLOCK_EVENTS, self.count)].ravel()
 
 
-def _read_version_5(file: io.BufferedReader) -> tuple[str, dict[str, _Column]]:
+_Struct = tuple[str, dict[str, _Column], list[str]]  # its name, its columns, and the names of the others
+
+
+def _choose(names: list[str], wanted: str | None) -> str:
+    """The struct to read."""
+    if wanted is None:
+        return _CHANGES if _CHANGES in names else names[0]
+    if wanted not in names:
+        raise RecordingError(f"has no struct {wanted!r} of events: must be one of {', '.join(map(printable, names))}")
+    return wanted
+
+
+def _read_version_5(file: io.BufferedReader, wanted: str | None) -> _Struct:
     start = file.read(_HEADER_BYTES)
     order = {b"IM": "<", b"MI": ">"}[start[126:128]]
     size = file.seek(0, 2)
     at = _HEADER_BYTES
     others = 0
+    structs: dict[str, dict[str, _Column]] = {}
     while at < size:
         outer = _Elements(Section(file, at, size - at), order, size - at, at)
         kind, length = outer.tag()
@@ -293,9 +309,13 @@ def _read_version_5(file: io.BufferedReader) -> tuple[str, dict[str, _Column]]:
             found = _find_struct(_Elements(open_variable(), order, size - begin, begin))
         if found is not None:
             name, places = found
-            return name, {field: _Stored(field, places[field], open_variable) for field in _FIELDS}
-        others += 1
-    raise RecordingError(f"holds {others} variables, and no struct with the fields {', '.join(_FIELDS)}")
+            structs[name] = {field: _Stored(field, places[field], open_variable) for field in _FIELDS}
+        others += found is None
+    if not structs:
+        count = "1 variable" if others == 1 else f"{others} variables"
+        raise RecordingError(f"holds {count}, and no struct with the fields {', '.join(_FIELDS)}")
+    name = _choose([*structs], wanted)
+    return name, structs[name], [other for other in structs if other != name]
 
 
 def _section_opener(file: io.BufferedReader, begin: int, length: int) -> _Opener:
@@ -314,29 +334,32 @@ def _opener(file: io.BufferedReader, begin: int, length: int, order: str) -> _Op
     return lambda: _Inflated(Section(file, begin, length))
 
 
-def _read_version_7_3(path: Path) -> tuple[str, dict[str, _Column], Any]:
-    found = survey(path, matlab=True)
+def _read_version_7_3(path: Path, wanted: str | None) -> tuple[_Struct, Any]:
+    found = survey(path, matlab=True, first=wanted or _CHANGES)
+    if wanted is not None and found["details"]["events"] != wanted:
+        _choose([found["details"]["events"], *found["others"]], wanted)
     file = open_file(path)
     try:
         held = {field: open_rows(file, part) for field, part in found["columns"].items()}
     except BaseException:
         file.close()
         raise
-    return found["details"]["events"], {"ts" if field == "t" else field: _InHdf5(rows) for field, rows in held.items()}, file
+    columns: dict[str, _Column] = {"ts" if field == "t" else field: _InHdf5(rows) for field, rows in held.items()}
+    return (found["details"]["events"], columns, found["others"]), file
 
 
 class _MatlabFile:
     """A struct of events as a `source.Source`."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, wanted: str | None = None) -> None:
         self._file: Any = path.open("rb")
         try:
             if _is_version_7_3(self._file.read(_HEADER_BYTES)):
                 self._file.close()
-                name, self._columns, self._file = _read_version_7_3(path)
+                (name, self._columns, others), self._file = _read_version_7_3(path, wanted)
             else:
                 self._file.seek(0)
-                name, self._columns = _read_version_5(self._file)
+                name, self._columns, others = _read_version_5(self._file, wanted)
             self._look_over()
         except BaseException:
             self._file.close()
@@ -344,7 +367,9 @@ class _MatlabFile:
         self.sensor: Sensor | None = None
         self.left_out: Counter[str] = Counter()
         self.remarks: list[str] = []
-        self.details: Mapping[str, str] = {"struct": printable(name), "pixels": f"counted from {self._first}"}
+        self.details: Mapping[str, str] = {"struct": printable(name), "pixels": f"counted from {self._first}"} | (
+            {"also holds": ", ".join(map(printable, others))} if others else {}
+        )
 
     def _look_over(self) -> None:
         """Detect the coding of pixels and polarities."""
@@ -387,4 +412,4 @@ def _matches(start: bytes, _: Path) -> bool:
     return is_version_5 or _is_version_7_3(start)
 
 
-FORMATS = (Format("matlab", "MATLAB", _matches, _MatlabFile),)
+FORMATS = (Format("matlab", "MATLAB", _matches, _MatlabFile, _MatlabFile),)

@@ -73,12 +73,14 @@ class Format:
         title: display name: "Prophesee RAW, EVT 3.0".
         matches: whether the path, with its first bytes (up to 1024; empty for a directory), is such a file.
         open: opens it; raises RecordingError, without the file's name, if its header is damaged.
+        open_struct: opens one of several lists of events in it, by name; None where a file holds one.
     """
 
     name: str
     title: str
     matches: Callable[[bytes, Path], bool]
     open: Callable[[Path], Source]
+    open_struct: Callable[[Path, str], Source] | None = None
 
 
 class Sink(Protocol):

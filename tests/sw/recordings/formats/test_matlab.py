@@ -130,3 +130,42 @@ def test_damage_is_told_or_does_not_matter(tmp_path: Path, compressed: bool) -> 
     outcomes = fuzz(tmp_path / "events.mat", content, corruptions=CORRUPTIONS, seed=31)
     assert outcomes.refused > len(content) // 2
     assert outcomes.read
+
+
+def exposures() -> dict[str, Any]:
+    """What an ATIS measures beside changes: as many events, elsewhere."""
+    return struct(0, P) | {"x": X[::-1].astype(float)}
+
+
+@pytest.mark.parametrize("version", ["5", "7.3"])
+def test_of_several_structs_the_one_with_changes_is_read_and_the_others_are_named(tmp_path: Path, version: str) -> None:
+    path = tmp_path / "several.mat"
+    if version == "5":
+        write(path, {"EM": exposures(), "TD": struct(0, P), "more": exposures()}, do_compression=True)
+    else:
+        write_7_3(path, struct(0, P))
+        with h5py.File(path, "r+") as file:
+            for name, values in exposures().items():
+                file[f"EM/{name}"] = np.asarray(values, float)[None]
+    with open_recording(path) as file:
+        assert file.details["struct"] == "TD"
+        assert file.details["also holds"] == ("EM, more" if version == "5" else "EM")
+        assert_events(file.read().events)
+    with open_recording(path, struct="EM") as file:
+        assert file.details["struct"] == "EM"
+        np.testing.assert_array_equal(file.read().events.x, X[::-1])
+    with pytest.raises(RecordingError, match=r"has no struct 'EX' of events: must be one of EM, TD(, more)?$"):
+        open_recording(path, struct="EX")
+
+
+def test_the_first_struct_is_read_where_none_is_called_td(tmp_path: Path) -> None:
+    path = write(tmp_path / "several.mat", {"b": struct(0, P), "a": exposures()})
+    with open_recording(path) as file:
+        assert (file.details["struct"], file.details["also holds"]) == ("b", "a")
+
+
+def test_a_file_that_has_no_structs_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,x,y,p\n1,2,3,1\n")
+    with pytest.raises(RecordingError, match=r"a\.csv: is .*, which has no structs: struct must not be given$"):
+        open_recording(path, struct="TD")

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run is worth, in a few lines with figures: exactness, tracks, events, noise, agreement, and what to do about each.
+
+The terminal, summary.json and the report show these lines. Nothing here knows a ground truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from enum import IntEnum
+from typing import Any
+
+from evcot.events import Recording
+from evcot.metrics.quality import Quality, isolated, quality_of
+from evcot.tracks.log import TrackLog
+
+__all__ = ["Grade", "Line", "Verdict", "verdict_from", "verdict_of"]
+
+
+class Grade(IntEnum):
+    """How good something is; the order is that of `max` for the worst."""
+
+    GOOD = 0
+    FAIR = 1
+    POOR = 2
+
+    @property
+    def word(self) -> str:
+        """Its name in texts and in JSON."""
+        return self.name.lower()
+
+
+_GRADES = {grade.word: grade for grade in Grade}
+_HEADLINES = {
+    Grade.GOOD: "The tracks look sound.",
+    Grade.FAIR: "The tracks are usable, with the faults below.",
+    Grade.POOR: "The tracks are of little use.",
+}
+# figure: (fair from, poor from); of `owned` and `paired` below instead
+_SHORT = (0.25, 0.5)
+_NOISE_TIME = (0.1, 0.3)
+_NOISE_TRACKS = 0.3  # share of tracks from which on noise is no longer good
+_OWNED = (0.7, 0.5)
+_OWNED_SOUND = 0.8  # where lasting tracks own so much, short ones beside them are a nuisance and no failure
+_PAIRED = (0.7, 0.4)
+_FILTERED = 0.5  # share of the isolated events from which on filters are at work
+
+
+@dataclass(frozen=True)
+class Line:
+    """One finding: what it is about, whose it is (empty: of the run), how good it is, in words, and what to do."""
+
+    about: str
+    side: str
+    grade: Grade
+    text: str
+    advice: str = ""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict of a run.
+
+    Attributes:
+        grade, headline: of all of it; the hardware's tracks decide, or those of the software where it ran alone.
+        figures: the figures of `Quality` by side.
+    """
+
+    grade: Grade
+    headline: str
+    lines: tuple[Line, ...]
+    figures: Mapping[str, Quality] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as summary.json stores them."""
+        lines = [asdict(line) | {"grade": line.grade.word} for line in self.lines]
+        figures = {side: quality.to_dict() for side, quality in self.figures.items()}
+        return {"grade": self.grade.word, "headline": self.headline, "lines": lines, "figures": figures}
+
+
+def verdict_from(stored: Mapping[str, Any]) -> Verdict:
+    """What `Verdict.to_dict` wrote."""
+    lines = tuple(Line(**(line | {"grade": _GRADES[line["grade"]]})) for line in stored["lines"])
+    figures = {side: Quality(**values) for side, values in stored["figures"].items()}
+    return Verdict(_GRADES[stored["grade"]], stored["headline"], lines, figures)
+
+
+def verdict_of(recording: Recording, logs: Mapping[str, TrackLog], summary: Mapping[str, Any]) -> Verdict:
+    """The verdict of the logs of one recording.
+
+    Args:
+        logs: by side: hardware, model, or any other name for software.
+        summary: what else is known, as in summary.json; `exact`, `records`, `mismatch`, `agreement` and `config` are used where
+            they are there.
+    """
+    n = min((len(log.owner) for log in logs.values()), default=0)
+    events = recording.events[:n]
+    alone = isolated(events, (recording.width, recording.height))
+    figures = {side: quality_of(log, events, alone) for side, log in logs.items()}
+    lines = _exactness(summary)
+    for side, quality in figures.items():
+        lines += [_tracks(side, quality, summary), _events(side, quality), _noise(side, quality)]
+    lines += _agreement(summary)
+    decisive = "hardware" if "hardware" in figures else next(iter(figures), "")
+    grade = max((_counted(line) for line in lines if line.side in (decisive, "")), default=Grade.GOOD)
+    return Verdict(grade, _headline(grade, summary), tuple(lines), figures)
+
+
+def _counted(line: Line) -> Grade:
+    """Hardware and software that disagree do not say which of them is wrong: that alone makes no run useless."""
+    return min(line.grade, Grade.FAIR) if line.about == "agreement" else line.grade
+
+
+def _headline(grade: Grade, summary: Mapping[str, Any]) -> str:
+    if "mismatch" in summary:
+        return "Hardware and model differ: the run ended there."
+    if summary.get("exact") is False:
+        return "Hardware and model differ."
+    return _HEADLINES[grade]
+
+
+def _exactness(summary: Mapping[str, Any]) -> list[Line]:
+    if "mismatch" in summary:
+        found = summary["mismatch"]
+        text = f"hardware and model differ at event {found['event_index']:,}: {found['field']}"
+        return [Line("exactness", "", Grade.POOR, text)]
+    if "exact" not in summary:
+        return []
+    if not summary["exact"]:
+        return [Line("exactness", "", Grade.POOR, "hardware and model differ")]
+    text = f"hardware = model in all {summary.get('records', 0):,} records and in the owner of every event"
+    return [Line("exactness", "", Grade.GOOD, text)]
+
+
+def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
+    if not found.tracks:
+        return Line(
+            "tracks",
+            side,
+            Grade.POOR,
+            "no track became visible",
+            _register(side, summary, "clust_nev", "fewer events for a birth", "below"),
+        )
+    text = f"{_counted_tracks(found.tracks)} for about {found.alive_mean:.2g} alive"
+    if found.tracks_per_alive is not None:
+        text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} for each)"
+    share = found.short / found.tracks
+    text += f"; {_percent(share)} live less than {found.short_us / 1e6:.2g} s and stay where they began"
+    grade = _above(share, _SHORT)
+    if grade is Grade.POOR and (found.owned_fraction or 0) >= _OWNED_SOUND:
+        grade = Grade.FAIR
+    return Line("tracks", side, grade, text, _steadier(side, found, summary) if grade else "")
+
+
+def _events(side: str, found: Quality) -> Line:
+    if found.owned_fraction is None:
+        return Line("events", side, Grade.GOOD, "no event with a neighbour reached the tracker")
+    grade = Grade(2 - (found.owned_fraction >= _OWNED[1]) - (found.owned_fraction >= _OWNED[0]))
+    text = (
+        f"{_percent(found.owned_fraction)} of the events that are neither filtered out nor isolated belong to a lasting track"
+    )
+    return Line("events", side, grade, text)
+
+
+def _noise(side: str, found: Quality) -> Line:
+    if not found.isolated_fraction:
+        return Line("noise", side, Grade.GOOD, "no event is isolated")
+    dropped, owned = found.isolated_dropped_fraction or 0, found.isolated_owned_fraction or 0
+    text = f"{_percent(found.isolated_fraction)} of all events are isolated: {_percent(dropped)} of them filtered out, "
+    text += f"{_percent(owned)} in tracks"
+    grade = _above(found.noise_time_fraction or 0, _NOISE_TIME)
+    if found.noise_tracks:
+        text += f"; {found.noise_tracks:,} of {_counted_tracks(found.tracks)} mostly of such noise"
+        if found.noise_tracks > _NOISE_TRACKS * found.tracks:
+            grade = max(grade, Grade.FAIR)
+    return Line("noise", side, grade, text, _quieter(found) if grade else "")
+
+
+def _agreement(summary: Mapping[str, Any]) -> list[Line]:
+    found = summary.get("agreement")
+    if not found:
+        return []
+    shares = [found["paired_fraction_hardware"], found["paired_fraction_software"]]
+    if None in shares:
+        return [Line("agreement", "", Grade.POOR, "hardware or software has no track to compare")]
+    worse = min(shares)
+    grade = Grade(2 - (worse >= _PAIRED[1]) - (worse >= _PAIRED[0]))
+    text = (
+        f"{_percent(shares[0])} of the hardware's track time has a software track within {found['radius_px']:g} px, "
+        f"{_percent(shares[1])} of the software's a hardware track; {len(found['merges'])} of "
+        f"{found['merges_hardware']:,} and {found['merges_software']:,} merges correspond"
+    )
+    return [Line("agreement", "", grade, text)]
+
+
+def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
+    """What to do about many short tracks, by how they end."""
+    if 2 * found.noise_tracks > found.tracks:
+        return f"clusters on noise: {_quieter(found)}"
+    if found.short_merged >= found.short_lost:
+        what = "they end in a track beside them, so windows are too small for the objects"
+        return f"{what}: {_register(side, summary, 'init_radix', 'a larger window', 'above')}"
+    what = "they end in silence, so tracks are given up too soon or begin on too few events"
+    return f"{what}: {_register(side, summary, 'max_ticks', 'a longer lifetime', 'above')}"
+
+
+def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: str) -> str:
+    """A register of the hardware to change, or the automatic choice where it was not used."""
+    if side not in ("hardware", "model"):
+        return what
+    config = summary.get("config", {})
+    slots = config.get("cot", {}).get("slots")
+    set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what
+    return set_it if config.get("name") == "auto" else f"{set_it}, or `--preset auto`"
+
+
+def _quieter(found: Quality) -> str:
+    """The noise filter, or more of it."""
+    if (found.isolated_dropped_fraction or 0) < _FILTERED:
+        return "filter noise with --activity 5"
+    return "filter more noise with --activity-support 2 or a shorter --activity"
+
+
+def _above(share: float, limits: tuple[float, float]) -> Grade:
+    return Grade((share > limits[0]) + (share > limits[1]))
+
+
+def _counted_tracks(n: int) -> str:
+    return f"{n:,} track" if n == 1 else f"{n:,} tracks"
+
+
+def _percent(share: float) -> str:
+    """Whole percent, but neither 0 % of some nor 100 % of not quite all."""
+    if 0 < share < 0.005:
+        return "under 1 %"
+    if 0.995 <= share < 1:
+        return "over 99 %"
+    return f"{100 * share:.0f} %"

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How good a track log looks without a truth: whether tracks last, which events they took, how much of it is noise."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..events import Events
+from ..filters.config import FilterConfig
+from ..filters.run import filtered
+from ..tracks.log import DROPPED, Kind, TrackLog
+from ..tracks.timeline import OPEN, by_life, lifetimes
+
+__all__ = ["Quality", "isolated", "quality_of"]
+
+_SHORT_US = 200_000  # a shorter track is short, unless it travels
+_SHORT_PART = 0.1  # of the recording: of shorter recordings that is short
+_TRAVEL = 0.5  # of its own box: a track that travels further is not short
+_NEIGHBOUR_US = 10_000  # an event without a neighbouring event for so long is isolated
+_RUN = 1 << 21  # events at a time
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Figures of one log. A figure without data is None.
+
+    Attributes:
+        tracks: number of tracks; `alive_mean`: how many were alive, on average over the recording.
+        tracks_per_alive: tracks for each object alive.
+        short_us: a track is short if it ended sooner and travelled less than half its box.
+        short: number of short tracks; `short_merged` of them ended in another track, `short_lost` in silence.
+        owned_fraction: share of the events that passed the filters and have a neighbour, that belong to a visible track that is
+            not short.
+        isolated_fraction: share of all events without an event on one of the eight pixels around within the 10 ms before.
+        isolated_dropped_fraction, isolated_owned_fraction: shares of the isolated events that filters dropped, and that
+            belong to a visible track.
+        noise_tracks: number of tracks most of whose events are isolated; `noise_time_fraction`: their share of the time of all
+            tracks.
+    """
+
+    tracks: int
+    alive_mean: float
+    tracks_per_alive: float | None
+    short_us: int
+    short: int
+    short_merged: int
+    short_lost: int
+    owned_fraction: float | None
+    isolated_fraction: float | None
+    isolated_dropped_fraction: float | None
+    isolated_owned_fraction: float | None
+    noise_tracks: int
+    noise_time_fraction: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as summary.json stores them."""
+        return asdict(self)
+
+
+def isolated(events: Events, sensor: tuple[int, int]) -> NDArray[np.bool_]:
+    """The mask of the events that have no event on one of the eight pixels around within the 10 ms before, (n,) bool."""
+    keep = filtered((), FilterConfig(activity_us=_NEIGHBOUR_US), sensor).keep
+    parts = [~keep(events[begin : begin + _RUN]) for begin in range(0, len(events), _RUN)]
+    return np.concatenate([np.empty(0, np.bool_), *parts])
+
+
+def quality_of(log: TrackLog, events: Events, alone: NDArray[np.bool_]) -> Quality:
+    """The figures of a log.
+
+    Args:
+        events: (n,) those that the log decided.
+        alone: (n,) as `isolated` gives it; the logs of one recording share it.
+    """
+    begin_us, end_us = (int(events.t_us[0]), int(events.t_us[-1])) if len(events) else (0, 0)
+    span_us = max(end_us - begin_us, 1)
+    lives = lifetimes(log, end_us)
+    lengths_us = lives["end_us"] - lives["birth_us"]
+    alive_mean = float(lengths_us.sum() / span_us)
+    short_us = int(min(_SHORT_US, _SHORT_PART * span_us))
+    short = (lengths_us < short_us) & (lives["ended"] != OPEN) & ~_travelled(log)
+    life = _life_of_event(log, events.t_us, lives)
+    owned, passed = life >= 0, log.owner != DROPPED
+    events_of = np.bincount(life[owned], minlength=len(lives))
+    alone_of = np.bincount(life[owned & alone], minlength=len(lives))
+    noise = 2 * alone_of > events_of
+    lasting = owned & ~np.append(short, False)[life]
+    return Quality(
+        tracks=len(lives),
+        alive_mean=alive_mean,
+        tracks_per_alive=len(lives) / alive_mean if alive_mean else None,
+        short_us=short_us,
+        short=int(short.sum()),
+        short_merged=int((short & (lives["ended"] == Kind.MERGED)).sum()),
+        short_lost=int((short & (lives["ended"] == Kind.LOST)).sum()),
+        owned_fraction=_share(lasting, passed & ~alone),
+        isolated_fraction=_share(alone, np.ones(len(alone), np.bool_)),
+        isolated_dropped_fraction=_share(~passed, alone),
+        isolated_owned_fraction=_share(owned, alone),
+        noise_tracks=int(noise.sum()),
+        noise_time_fraction=float(lengths_us[noise].sum() / lengths_us.sum()) if lengths_us.sum() else None,
+    )
+
+
+def _share(chosen: NDArray[np.bool_], whole: NDArray[np.bool_]) -> float | None:
+    count = int(np.count_nonzero(whole))
+    return int(np.count_nonzero(chosen & whole)) / count if count else None
+
+
+def _travelled(log: TrackLog) -> NDArray[np.bool_]:
+    """For each life, whether its places are further apart than a part of its box."""
+    order, first = by_life(log)
+    if not len(first):
+        return np.empty(0, np.bool_)
+    records = log.records[order]
+    reach = np.hypot(*(np.maximum.reduceat(records[axis], first) - np.minimum.reduceat(records[axis], first) for axis in "xy"))
+    side = np.maximum.reduceat(np.maximum(records["width"], records["height"]), first)
+    return np.asarray(reach > _TRAVEL * side, np.bool_)
+
+
+def _life_of_event(log: TrackLog, t_us: NDArray[np.int64], lives: NDArray[np.void]) -> NDArray[np.int64]:
+    """For each event, the row of the life that it belongs to, -1 where its owner is none, or not visible at the time."""
+    if not len(lives) or not len(t_us):
+        return np.full(len(t_us), -1, np.int64)
+    order = np.lexsort((lives["birth_us"], lives["slot"]))
+    by_slot = lives[order]
+    begin_us = int(min(t_us[0], lives["birth_us"].min()))
+    span_us = int(max(t_us[-1], lives["end_us"].max())) - begin_us + 1
+    slot = by_slot["slot"].astype(np.int64) * span_us - begin_us
+    births, ends = slot + by_slot["birth_us"], slot + by_slot["end_us"]
+    found = np.empty(len(t_us), np.int64)
+    for begin in range(0, len(t_us), _RUN):
+        run = slice(begin, begin + _RUN)
+        owner = log.owner[run]
+        by_owner = np.argsort(owner, kind="stable")  # within a slot they stay in time order
+        keys = owner[by_owner].astype(np.int64) * span_us + (t_us[run][by_owner] - begin_us)
+        first, past = np.searchsorted(keys, births, "left"), np.searchsorted(keys, ends, "right")
+        past = np.minimum(past, np.append(first[1:], len(keys)))  # at the same time the later life of a slot owns
+        steps = np.zeros(len(keys) + 1, np.int64)
+        np.add.at(steps, first, order + 1)
+        np.add.at(steps, past, -(order + 1))
+        rows = np.empty(len(keys), np.int64)
+        rows[by_owner] = np.cumsum(steps[:-1]) - 1
+        found[run] = rows
+    return found

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict: every grade and every advice by the figures that lead to it, and real runs that are good and useless."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from evcot.events import Events, Recording
+from evcot.metrics.quality import Quality
+from evcot.tracks.log import TrackLog
+from evcot_cosim.lockstep import verdict as module
+from evcot_cosim.lockstep.summary import verdict_lines
+from evcot_cosim.lockstep.verdict import Grade, Verdict, verdict_from, verdict_of
+
+GOOD = Quality(
+    tracks=10, alive_mean=2.0, tracks_per_alive=5.0, short_us=200_000, short=1, short_merged=1, short_lost=0,
+    owned_fraction=0.9, isolated_fraction=0.1, isolated_dropped_fraction=0.9, isolated_owned_fraction=0.05,
+    noise_tracks=0, noise_time_fraction=0.0,
+)  # fmt: skip
+SUMMARY = {
+    "exact": True,
+    "records": 1_234,
+    "config": {"name": "slow", "cot": {"slots": [{"init_radix": 8, "max_ticks": 9, "clust_nev": 5}]}},
+}
+AGREEMENT = {
+    "paired_fraction_hardware": 0.9, "paired_fraction_software": 0.8, "radius_px": 12.0, "merges": [{}],
+    "merges_hardware": 3, "merges_software": 2,
+}  # fmt: skip
+
+
+def judged(
+    monkeypatch: pytest.MonkeyPatch, hardware: Quality | None = GOOD, software: Quality | None = None, **summary: Any
+) -> Verdict:
+    figures = {name: one for name, one in (("hardware", hardware), ("software", software)) if one is not None}
+    found = iter(figures.values())
+    monkeypatch.setattr(module, "quality_of", lambda *_: next(found))
+    nothing = np.empty(0, np.int64)
+    events = Events(nothing, nothing.astype(np.uint16), nothing.astype(np.uint16), nothing.astype(np.uint8))
+    logs = {name: TrackLog.empty("cot-rtl") for name in figures}
+    return verdict_of(Recording(events, 8, 8, "nothing"), logs, SUMMARY | summary)
+
+
+def line(verdict: Verdict, about: str, side: str = "hardware") -> module.Line:
+    return next(one for one in verdict.lines if (one.about, one.side) == (about, side))
+
+
+def test_a_good_run_is_good_in_every_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    verdict = judged(monkeypatch, software=GOOD, agreement=AGREEMENT)
+    assert {one.grade for one in verdict.lines} == {Grade.GOOD}
+    assert [one.about for one in verdict.lines] == ["exactness", *["tracks", "events", "noise"] * 2, "agreement"]
+    assert verdict.grade is Grade.GOOD
+    assert not any(one.advice for one in verdict.lines)
+
+
+@pytest.mark.parametrize(
+    ("change", "about", "grade", "advice"),
+    [
+        ({"tracks": 0}, "tracks", Grade.POOR, "clust_nev in run.toml below 5"),
+        ({"short": 6, "short_merged": 6, "owned_fraction": 0.6}, "tracks", Grade.POOR, "init_radix in run.toml above 8"),
+        ({"short": 6, "short_merged": 6}, "tracks", Grade.FAIR, "init_radix in run.toml above 8"),
+        ({"short": 3, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
+        ({"short": 6, "noise_tracks": 6}, "tracks", Grade.FAIR, "clusters on noise: filter more noise"),
+        ({"owned_fraction": 0.6}, "events", Grade.FAIR, ""),
+        ({"owned_fraction": 0.4}, "events", Grade.POOR, ""),
+        ({"noise_time_fraction": 0.2, "noise_tracks": 1}, "noise", Grade.FAIR, "--activity-support 2"),
+        ({"noise_time_fraction": 0.4, "isolated_dropped_fraction": 0.0}, "noise", Grade.POOR, "with --activity 5"),
+        ({"noise_tracks": 4}, "noise", Grade.FAIR, "--activity-support 2"),
+    ],
+)  # fmt: skip
+def test_a_figure_beyond_its_limit_has_its_grade_and_its_advice(
+    monkeypatch: pytest.MonkeyPatch, change: dict[str, Any], about: str, grade: Grade, advice: str
+) -> None:
+    verdict = judged(monkeypatch, replace(GOOD, **change))
+    found = line(verdict, about)
+    assert found.grade is grade
+    assert advice in found.advice
+    assert bool(found.advice) == bool(advice)
+    assert verdict.grade is grade
+
+
+def test_the_hardware_decides_and_the_software_where_it_is_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    poor = replace(GOOD, owned_fraction=0.1)
+    assert judged(monkeypatch, GOOD, poor).grade is Grade.GOOD
+    assert judged(monkeypatch, poor, GOOD).grade is Grade.POOR
+    assert judged(monkeypatch, None, poor).grade is Grade.POOR
+
+
+def test_disagreement_alone_makes_no_run_poor(monkeypatch: pytest.MonkeyPatch) -> None:
+    verdict = judged(monkeypatch, software=GOOD, agreement=AGREEMENT | {"paired_fraction_software": 0.1})
+    assert line(verdict, "agreement", "").grade is Grade.POOR
+    assert verdict.grade is Grade.FAIR
+
+
+def test_a_mismatch_stands_above_everything(monkeypatch: pytest.MonkeyPatch) -> None:
+    verdict = judged(monkeypatch, exact=False, mismatch={"event_index": 1_000, "field": "owner"})
+    assert verdict.headline == "Hardware and model differ: the run ended there."
+    assert verdict.lines[0].text == "hardware and model differ at event 1,000: owner"
+    assert verdict.grade is Grade.POOR
+
+
+def test_auto_is_recommended_only_where_it_was_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = replace(GOOD, short=6, short_merged=6)
+    assert "--preset auto" in line(judged(monkeypatch, bad), "tracks").advice
+    config = SUMMARY["config"] | {"name": "auto"}  # type: ignore[operator]
+    assert "--preset auto" not in line(judged(monkeypatch, bad, config=config), "tracks").advice
+
+
+def test_it_is_the_same_after_a_conversion_through_json(monkeypatch: pytest.MonkeyPatch) -> None:
+    verdict = judged(monkeypatch, replace(GOOD, owned_fraction=None), agreement=AGREEMENT)
+    assert verdict_from(json.loads(json.dumps(verdict.to_dict()))) == verdict
+
+
+def test_the_terminal_has_every_line_and_every_advice(monkeypatch: pytest.MonkeyPatch) -> None:
+    verdict = judged(monkeypatch, replace(GOOD, short=6, short_merged=6))
+    text = "\n".join(verdict_lines(verdict))
+    for one in verdict.lines:
+        assert one.text in text
+        assert one.advice in text
+    assert text.startswith(f"verdict: {verdict.headline}")
+
+
+@pytest.mark.parametrize(("tracks", "per"), [(3_000, "1,500"), (26, "13"), (3, "1.5")])
+def test_tracks_for_each_object_are_told_in_plain_numbers(monkeypatch: pytest.MonkeyPatch, tracks: int, per: str) -> None:
+    found = line(judged(monkeypatch, replace(GOOD, tracks=tracks, tracks_per_alive=tracks / 2)), "tracks").text
+    assert found.startswith(f"{tracks:,} tracks for about 2 alive ({per} for each)")
+
+
+DATA = Path(__file__).parents[4] / "shared" / "data"
+
+
+@pytest.mark.parametrize(
+    ("preset", "grade"), [("auto", {Grade.GOOD, Grade.FAIR}), ("slow", {Grade.POOR})], ids=["auto", "bad preset"]
+)
+@pytest.mark.parametrize("name", ["hand_dvs128.aedat4", "traffic_outbound.aedat4"])
+def test_a_real_recording_is_told_good_from_useless(name: str, preset: str, grade: set[Grade]) -> None:
+    if not (DATA / name).is_file():
+        pytest.skip(f"{name} is not here")
+    from evcot.hardware.cot import track as track_model
+    from evcot.recordings.files import open_recording
+    from evcot.trackers.auto.estimates import estimate
+    from evcot.trackers.auto_registers import auto_config
+    from evcot.trackers.presets import PRESETS, fit
+
+    with open_recording(DATA / name) as file:
+        recording = file.read()
+    sensor = recording.width, recording.height
+    config = auto_config(estimate([recording.events], sensor)) if preset == "auto" else fit(PRESETS[preset], *sensor)
+    log = track_model(recording, config.hardware(*sensor))
+    verdict = verdict_of(recording, {"hardware": log}, {"exact": True, "config": config.to_dict()})
+    assert verdict.grade in grade, verdict_lines(verdict)
