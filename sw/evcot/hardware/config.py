@@ -51,8 +51,8 @@ class CotConfig:
 
     Attributes:
         filters, filter_shape: registers and shape of the filter chain; with no filter enabled there is no chain.
-        motion: registers of the extended contract, docs/motion.md; while it is off the slots' registers say all. While it is on,
-            only `mode` of a slot's registers has a meaning.
+        motion: registers of the extended contract, docs/motion.md; off by default. While it is on, of a slot's registers only
+            `mode` has a meaning.
 
     Raises:
         ConfigError: a value outside its limits, another number of slots than the shape has, or a fixed start with motion.

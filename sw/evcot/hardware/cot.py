@@ -179,7 +179,7 @@ def to_track_records(
         out["radius"] = np.maximum(out["width"], out["height"]) / 2.0
         per_s = 1e6 / ((1 << SUB) * (1 << config.motion.step_log2) * config.tick_us)
         out["vx"], out["vy"] = raw["v_x"] * per_s, raw["v_y"] * per_s
-        visible = np.float64(config.motion.birth_support)
+        visible = np.full(len(raw), config.motion.birth_support, np.float64)
     else:
         out["radius"] = raw["radius"]
         out["width"] = out["height"] = 2.0 * out["radius"] + 1.0

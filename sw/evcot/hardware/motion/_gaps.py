@@ -6,9 +6,26 @@ from __future__ import annotations
 from numba import njit
 
 from ._state import (
-    BIN_LOG2_X, BIN_LOG2_Y, BINS, BINS_X, BINS_Y, CORRECTIONS, GAP_CORRECTIONS, GAP_PX, GAP_SHARE, HI_X, HI_Y, LO_X, LO_Y, LOOKED,
-    LOOKS_FROM, ONE, V_X, V_Y, Table,
-)  # fmt: skip
+    BIN_LOG2_X,
+    BIN_LOG2_Y,
+    BINS,
+    BINS_X,
+    BINS_Y,
+    CORRECTIONS,
+    GAP_CORRECTIONS,
+    GAP_PX,
+    GAP_SHARE,
+    HI_X,
+    HI_Y,
+    LO_X,
+    LO_Y,
+    LOOKED,
+    LOOKS_FROM,
+    ONE,
+    V_X,
+    V_Y,
+    Table,
+)
 from ._velocity import bit_length
 from ._windows import length
 from .contract import SUB

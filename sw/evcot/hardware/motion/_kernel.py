@@ -12,9 +12,34 @@ from ._meetings import absorbed, hide_sides, join
 from ._owner import find
 from ._sides import measure
 from ._state import (
-    CANDIDATE, CORRECTIONS, COUNT, DEADLINE, FREE, GAP_CORRECTIONS, HI_X, HI_Y, LO_X, LO_Y, MOVES_FROM, N_EV, NEVER, NEXT_STEP, NOW,
-    REL_MASK, REPORT_STEPS, REPORTED, SEQ, STATE, STEP_LOG2, SUPPORT, SUPPORT_MAX, VISIBLE, WIN_LO_X, WIN_LO_Y, Table,
-)  # fmt: skip
+    CANDIDATE,
+    CORRECTIONS,
+    COUNT,
+    DEADLINE,
+    FREE,
+    GAP_CORRECTIONS,
+    HI_X,
+    HI_Y,
+    LO_X,
+    LO_Y,
+    MOVES_FROM,
+    N_EV,
+    NEVER,
+    NEXT_STEP,
+    NOW,
+    REL_MASK,
+    REPORT_STEPS,
+    REPORTED,
+    SEQ,
+    STATE,
+    STEP_LOG2,
+    SUPPORT,
+    SUPPORT_MAX,
+    VISIBLE,
+    WIN_LO_X,
+    WIN_LO_Y,
+    Table,
+)
 from ._velocity import advance
 from ._windows import bounded, set_window
 

@@ -8,11 +8,56 @@ from numba import njit
 from ._gaps import clear_bins
 from ._lives import MERGED, MOVED, record
 from ._state import (
-    AT_HI_X, AT_HI_Y, AT_LO_X, AT_LO_Y, BEYOND, BOX_HI_X, BOX_HI_Y, BOX_LO_X, BOX_LO_Y, CANDIDATE, CORRECTIONS, DEADLINE, FREE,
-    HI_X, HI_Y, HIDDEN, ID, JOIN_LIFE, JOIN_PX, JOIN_REACH, JOIN_SPEED, JOIN_STEPS, KEEP_OLDER, LO_X, LO_Y, MEETS, MOVES_FROM,
-    NEVER, OFF_HI_X, OFF_HI_Y, OFF_LO_X, OFF_LO_Y, ONE, PARTNER, SEEDED, SEQ, STATE, STEP_LOG2, SUPPORT, SUPPORT_MAX, TOGETHER,
-    V_X, V_Y, VISIBLE, WIN_HI_X, WIN_HI_Y, WIN_LO_X, WIN_LO_Y, Table,
-)  # fmt: skip
+    AT_HI_X,
+    AT_HI_Y,
+    AT_LO_X,
+    AT_LO_Y,
+    BEYOND,
+    BOX_HI_X,
+    BOX_HI_Y,
+    BOX_LO_X,
+    BOX_LO_Y,
+    CANDIDATE,
+    CORRECTIONS,
+    DEADLINE,
+    FREE,
+    HI_X,
+    HI_Y,
+    HIDDEN,
+    ID,
+    JOIN_LIFE,
+    JOIN_PX,
+    JOIN_REACH,
+    JOIN_SPEED,
+    JOIN_STEPS,
+    KEEP_OLDER,
+    LO_X,
+    LO_Y,
+    MEETS,
+    MOVES_FROM,
+    NEVER,
+    OFF_HI_X,
+    OFF_HI_Y,
+    OFF_LO_X,
+    OFF_LO_Y,
+    ONE,
+    PARTNER,
+    SEEDED,
+    SEQ,
+    STATE,
+    STEP_LOG2,
+    SUPPORT,
+    SUPPORT_MAX,
+    TOGETHER,
+    V_X,
+    V_Y,
+    VISIBLE,
+    WIN_HI_X,
+    WIN_HI_Y,
+    WIN_LO_X,
+    WIN_LO_Y,
+    Table,
+)
 from ._windows import gap, in_window, set_window, windows_touch
 
 __all__ = ["absorbed", "hide_sides", "join"]
@@ -109,10 +154,10 @@ def join(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Tab
     partner = -1
     if s[CORRECTIONS, i] >= MOVES_FROM:
         for j in range(s.shape[1]):
-            if j != i and s[STATE, j] != FREE and s[CORRECTIONS, j] >= MOVES_FROM:
-                if _together(s, r, i, j) and _one_object(s, r, i, j):
-                    partner = j
-                    break
+            settled = j != i and s[STATE, j] != FREE and s[CORRECTIONS, j] >= MOVES_FROM
+            if settled and _together(s, r, i, j) and _one_object(s, r, i, j):
+                partner = j
+                break
     if partner < 0:
         s[TOGETHER, i] = max(s[TOGETHER, i] - 1, 0)
         return n

@@ -6,9 +6,28 @@ from __future__ import annotations
 from numba import njit
 
 from ._state import (
-    AT_HI_X, AT_HI_Y, AT_LO_X, AT_LO_Y, BEYOND, CANDIDATE, HI_X, HI_Y, HIDDEN, LO_X, LO_Y, MEETS, OFF_HI_X, OFF_HI_Y, OFF_LO_X,
-    OFF_LO_Y, SIDE_SHARE, SIDE_SHRINK, SIDE_STEP, STATE, Table,
-)  # fmt: skip
+    AT_HI_X,
+    AT_HI_Y,
+    AT_LO_X,
+    AT_LO_Y,
+    BEYOND,
+    CANDIDATE,
+    HI_X,
+    HI_Y,
+    HIDDEN,
+    LO_X,
+    LO_Y,
+    MEETS,
+    OFF_HI_X,
+    OFF_HI_Y,
+    OFF_LO_X,
+    OFF_LO_Y,
+    SIDE_SHARE,
+    SIDE_SHRINK,
+    SIDE_STEP,
+    STATE,
+    Table,
+)
 from .contract import SUB
 
 __all__ = ["measure", "shrink"]

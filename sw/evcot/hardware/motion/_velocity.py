@@ -7,9 +7,28 @@ import numpy as np
 from numba import njit
 
 from ._state import (
-    CORRECTIONS, FRICTION, GAIN_LOG2, GAIN_SLOW, HI_X, HI_Y, LAST, LO_X, LO_Y, MEETS, OFF_HI_X, OFF_HI_Y, OFF_LO_X, OFF_LO_Y,
-    SETTLE, SPEED_MAX, STEP_LOG2, USUAL, V_X, V_Y, Table,
-)  # fmt: skip
+    CORRECTIONS,
+    FRICTION,
+    GAIN_LOG2,
+    GAIN_SLOW,
+    HI_X,
+    HI_Y,
+    LAST,
+    LO_X,
+    LO_Y,
+    MEETS,
+    OFF_HI_X,
+    OFF_HI_Y,
+    OFF_LO_X,
+    OFF_LO_Y,
+    SETTLE,
+    SPEED_MAX,
+    STEP_LOG2,
+    USUAL,
+    V_X,
+    V_Y,
+    Table,
+)
 
 __all__ = ["advance", "bit_length", "correct_velocity", "over"]
 

@@ -6,10 +6,34 @@ from __future__ import annotations
 from numba import njit
 
 from ._state import (
-    BOX_HI_X, BOX_HI_Y, BOX_LO_X, BOX_LO_Y, CANDIDATE, CORRECTIONS, ELONGATION, HI_X, HI_Y, LO_X, LO_Y, MOVES_FROM, ONE,
-    RING_ACROSS, RING_ALONG, RING_ANY, RING_MAX, RING_PX, SIDE_MAX, STATE, V_X, V_Y, WIN_HI_X, WIN_HI_Y, WIN_LO_X, WIN_LO_Y,
+    BOX_HI_X,
+    BOX_HI_Y,
+    BOX_LO_X,
+    BOX_LO_Y,
+    CANDIDATE,
+    CORRECTIONS,
+    ELONGATION,
+    HI_X,
+    HI_Y,
+    LO_X,
+    LO_Y,
+    MOVES_FROM,
+    ONE,
+    RING_ACROSS,
+    RING_ALONG,
+    RING_ANY,
+    RING_MAX,
+    RING_PX,
+    SIDE_MAX,
+    STATE,
+    V_X,
+    V_Y,
+    WIN_HI_X,
+    WIN_HI_Y,
+    WIN_LO_X,
+    WIN_LO_Y,
     Table,
-)  # fmt: skip
+)
 from .contract import SUB
 
 __all__ = ["bounded", "gap", "in_box", "in_window", "length", "set_window", "windows_touch"]
