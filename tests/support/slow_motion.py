@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The extended contract once more, in plain Python and by objects, following docs/motion.md: nothing is shared with the kernels."""
+"""The extended contract once more, in plain Python and by objects, as docs/motion.md has it; nothing is shared with kernels."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from evcot.hardware.motion.contract import MotionRegisters
 from evcot.tracks.log import Kind
@@ -90,7 +91,7 @@ class Axis:
     def cut(self, share: int, least_px: int) -> None:
         limit = max(1, sum(self.bins) >> share)
         full = [b for b in range(16) if self.bins[b] > limit]
-        gaps = [(b - a - 1, -a) for a, b in zip(full, full[1:], strict=False) if b - a > 1]
+        gaps = [(b - a - 1, -a) for a, b in pairwise(full) if b - a > 1]
         if not gaps or max(gaps)[0] * self.bin_px < least_px:
             return
         width, begin = max(gaps)[0], 1 - max(gaps)[1]

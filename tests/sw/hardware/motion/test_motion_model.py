@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -70,7 +71,8 @@ def config_of(registers: MotionRegisters, **shape: int) -> CotConfig:
 
 def as_tuples(records: NDArray[np.void]) -> list[tuple[int, ...]]:
     names = (
-        "seq", "time", "kind", "track_id", "other_id", "cm_x", "cm_y", "width", "height", "v_x", "v_y", "support", "n_ev", "slot",
+        "seq", "time", "kind", "track_id", "other_id", "cm_x", "cm_y", "width", "height", "v_x", "v_y", "support", "n_ev",
+        "slot",
     )  # fmt: skip
     return list(zip(*(records[name].tolist() for name in names), strict=True))
 
@@ -108,7 +110,7 @@ def test_runs_may_be_cut_anywhere(cuts: list[int]) -> None:
     whole = CotModel(config_of(QUICK)).feed(events)
     model = CotModel(config_of(QUICK))
     bounds = [0, *cuts, len(events)]
-    parts = [model.feed(events[a:b]) for a, b in zip(bounds, bounds[1:], strict=False)]
+    parts = [model.feed(events[a:b]) for a, b in pairwise(bounds)]
     same(whole, Decisions(*(np.concatenate([getattr(part, name) for part in parts]) for name in Decisions._fields)))
 
 
