@@ -166,9 +166,9 @@ class Slot:
         r = self.r
         for axis in self.axes:
             part = axis.side >> r.side_shrink if r.side_shrink and not self.meets else 0
-            if not (axis.beyond[0] or axis.hidden[0]):
+            if not axis.beyond[0]:
                 axis.lo += part
-            if not (axis.beyond[1] or axis.hidden[1]):
+            if not axis.beyond[1]:
                 axis.hi -= part
             axis.beyond = [False, False]
         self.look()
@@ -194,9 +194,12 @@ class Slot:
         if self.looked < r.gap_corrections:
             return
         if self.corrections >= 8 and (x.v or y.v):
-            for axis, other in ((x, y), (y, x)):
+            sides = x.px, y.px
+            for i, axis, other in ((0, x, y), (1, y, x)):
                 if 2 * abs(other.v) >= abs(axis.v):
                     axis.cut(r.gap_share, r.gap_px)
+                elif sides[i] >= r.elongation * sides[1 - i]:
+                    axis.cut(r.gap_share, max(r.gap_px, sides[1 - i] // 2))
         self.clear_bins()
 
     def clear_bins(self) -> None:

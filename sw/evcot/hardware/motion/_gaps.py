@@ -12,6 +12,7 @@ from ._state import (
     BINS_X,
     BINS_Y,
     CORRECTIONS,
+    ELONGATION,
     GAP_CORRECTIONS,
     GAP_PX,
     GAP_SHARE,
@@ -55,8 +56,8 @@ def count_in_bins(s: Table, i: int, x: int, y: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int) -> None:
-    """If the histogram has a gap, leave the box with the part that has more events."""
+def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int, narrowest: int) -> None:
+    """If the histogram has a gap of so many pixels, leave the box with the part that has more events."""
     total = 0
     for b in range(BINS):
         total += s[bins + b, i]
@@ -75,7 +76,7 @@ def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int)
             run = 0
         else:
             run += 1
-    if widest == 0 or widest << bin_log2 < r[GAP_PX]:
+    if widest == 0 or widest << bin_log2 < narrowest:
         return
     begin = end - widest
     below = 0
@@ -94,7 +95,11 @@ def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int)
 
 @njit(cache=True, nogil=True)
 def look_for_gaps(s: Table, r: Table, i: int) -> None:
-    """At a correction: after every `gap_corrections`, cut the box at a gap on an axis that it does not mainly move along."""
+    """At a correction: after every `gap_corrections`, cut the box at a gap.
+
+    Across the motion any gap counts: a moving object's front reaches from side to side. Along it objects are hollow; there a gap
+    counts in a long box, if it is half as long as the box is wide.
+    """
     if r[GAP_CORRECTIONS] == 0:
         return
     s[LOOKED, i] += 1
@@ -103,8 +108,14 @@ def look_for_gaps(s: Table, r: Table, i: int) -> None:
     speed_x = abs(s[V_X, i])
     speed_y = abs(s[V_Y, i])
     if s[CORRECTIONS, i] >= LOOKS_FROM and speed_x + speed_y > 0:
+        width = length(s, LO_X, HI_X, i)
+        height = length(s, LO_Y, HI_Y, i)
         if 2 * speed_y >= speed_x:
-            _cut(s, r, i, LO_X, HI_X, BINS_X, s[BIN_LOG2_X, i])
+            _cut(s, r, i, LO_X, HI_X, BINS_X, s[BIN_LOG2_X, i], r[GAP_PX])
+        elif width >= r[ELONGATION] * height:
+            _cut(s, r, i, LO_X, HI_X, BINS_X, s[BIN_LOG2_X, i], max(r[GAP_PX], height >> 1))
         if 2 * speed_x >= speed_y:
-            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[BIN_LOG2_Y, i])
+            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[BIN_LOG2_Y, i], r[GAP_PX])
+        elif height >= r[ELONGATION] * width:
+            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[BIN_LOG2_Y, i], max(r[GAP_PX], width >> 1))
     clear_bins(s, i)

@@ -81,7 +81,7 @@ def shrink(s: Table, r: Table, i: int) -> None:
     if r[SIDE_SHRINK] and not s[MEETS, i]:
         width = max(s[HI_X, i] - s[LO_X, i], 0) >> r[SIDE_SHRINK]
         height = max(s[HI_Y, i] - s[LO_Y, i], 0) >> r[SIDE_SHRINK]
-        keep = s[BEYOND, i] | s[HIDDEN, i]
+        keep = s[BEYOND, i]
         if not keep & AT_LO_X:
             s[LO_X, i] += width
         if not keep & AT_HI_X:

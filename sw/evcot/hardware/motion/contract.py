@@ -72,7 +72,7 @@ class MotionRegisters:
     step_log2: int = 10
     side_step: int = 1024
     side_share: int = 4
-    side_shrink: int = 4
+    side_shrink: int = 5
     side_max: int = 160
     gain_log2: int = 4
     gain_slow: int = 2
