@@ -43,9 +43,7 @@ class Axis:
     box: tuple[int, int] = (0, 0)
     bins: list[int] = field(default_factory=lambda: [0] * 16)
     bin_px: int = 1
-
-    def __post_init__(self) -> None:
-        self.start = self.lo + self.hi
+    start: int = 0
 
     @property
     def side(self) -> int:
@@ -167,9 +165,9 @@ class Slot:
         for axis in self.axes:
             part = axis.side >> r.side_shrink if r.side_shrink and not self.meets else 0
             if not axis.beyond[0]:
-                axis.lo += part
+                axis.lo, axis.off[0] = axis.lo + part, axis.off[0] + part
             if not axis.beyond[1]:
-                axis.hi -= part
+                axis.hi, axis.off[1] = axis.hi - part, axis.off[1] - part
             axis.beyond = [False, False]
         self.look()
         ticks = max(now - self.last, 1)
@@ -182,6 +180,9 @@ class Slot:
         self.usual = ticks if self.corrections == 0 else self.usual + (ticks - self.usual) // 4
         self.last, self.count = now, 0
         self.corrections = min(self.corrections + 1, 63)
+        if self.corrections == 4:
+            for axis in self.axes:
+                axis.start = axis.lo + axis.hi
         self.n_ev = min(max(sum(axis.px for axis in self.axes), r.nev_low), r.nev_high)
         self.deadline = now + min(max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks)
         self.set_window()
@@ -252,7 +253,8 @@ class Slot:
         sides = [axis.hi - axis.lo for axis in self.axes]
         way = max(abs(axis.lo + axis.hi - axis.start) for axis in self.axes)
         return (
-            self.support >= r.birth_support
+            self.corrections >= 4
+            and self.support >= r.birth_support
             and min(sides) >= r.birth_px * PX
             and now - self.seeded >= r.birth_ticks
             and way >= (sum(sides) >> (r.birth_travel + 1)) + 2 * PX

@@ -97,8 +97,8 @@ def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int,
 def look_for_gaps(s: Table, r: Table, i: int) -> None:
     """At a correction: after every `gap_corrections`, cut the box at a gap.
 
-    Across the motion any gap counts: a moving object's front reaches from side to side. Along it objects are hollow; there a gap
-    counts in a long box, if it is half as long as the box is wide.
+    Across the motion any gap counts: a moving object's front reaches from side to side. Along it objects are hollow; there a
+    gap counts in a long box, if it is half as long as the box is wide.
     """
     if r[GAP_CORRECTIONS] == 0:
         return

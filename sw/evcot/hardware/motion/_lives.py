@@ -35,6 +35,7 @@ from ._state import (
     LO_X,
     LO_Y,
     MEETS,
+    MOVES_FROM,
     N_EV,
     NEV_HIGH,
     NEV_LOW,
@@ -96,8 +97,6 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
     s[HI_X, i] = (x << SUB) + half
     s[LO_Y, i] = (y << SUB) - half
     s[HI_Y, i] = (y << SUB) + half
-    s[FROM_X, i] = x << (SUB + 1)
-    s[FROM_Y, i] = y << (SUB + 1)
     for field in (
         V_X,
         V_Y,
@@ -131,6 +130,9 @@ def correct(s: Table, r: Table, i: int, now: int) -> None:
     look_for_gaps(s, r, i)
     correct_velocity(s, r, i, now)
     s[CORRECTIONS, i] = min(s[CORRECTIONS, i] + 1, CORRECTIONS_MAX)
+    if s[CORRECTIONS, i] == MOVES_FROM:
+        s[FROM_X, i] = s[LO_X, i] + s[HI_X, i]
+        s[FROM_Y, i] = s[LO_Y, i] + s[HI_Y, i]
     s[COUNT, i] = 0
     outline = length(s, LO_X, HI_X, i) + length(s, LO_Y, HI_Y, i)
     s[N_EV, i] = min(max(outline, r[NEV_LOW]), r[NEV_HIGH])
@@ -146,7 +148,8 @@ def appears(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int) -> bo
     way_x = abs(s[LO_X, i] + s[HI_X, i] - s[FROM_X, i])
     way_y = abs(s[LO_Y, i] + s[HI_Y, i] - s[FROM_Y, i])
     if (
-        s[SUPPORT, i] < r[BIRTH_SUPPORT]
+        s[CORRECTIONS, i] < MOVES_FROM
+        or s[SUPPORT, i] < r[BIRTH_SUPPORT]
         or min(width, height) < r[BIRTH_PX] << SUB
         or now - s[SEEDED, i] < r[BIRTH_TICKS]
         or max(way_x, way_y) < ((width + height) >> (r[BIRTH_TRAVEL] + 1)) + 2 * ONE

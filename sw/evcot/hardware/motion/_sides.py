@@ -81,13 +81,17 @@ def shrink(s: Table, r: Table, i: int) -> None:
     if r[SIDE_SHRINK] and not s[MEETS, i]:
         width = max(s[HI_X, i] - s[LO_X, i], 0) >> r[SIDE_SHRINK]
         height = max(s[HI_Y, i] - s[LO_Y, i], 0) >> r[SIDE_SHRINK]
-        keep = s[BEYOND, i]
-        if not keep & AT_LO_X:
+        marked = s[BEYOND, i]
+        if not marked & AT_LO_X:
             s[LO_X, i] += width
-        if not keep & AT_HI_X:
+            s[OFF_LO_X, i] += width
+        if not marked & AT_HI_X:
             s[HI_X, i] -= width
-        if not keep & AT_LO_Y:
+            s[OFF_HI_X, i] -= width
+        if not marked & AT_LO_Y:
             s[LO_Y, i] += height
-        if not keep & AT_HI_Y:
+            s[OFF_LO_Y, i] += height
+        if not marked & AT_HI_Y:
             s[HI_Y, i] -= height
+            s[OFF_HI_Y, i] -= height
     s[BEYOND, i] = 0

@@ -45,7 +45,7 @@ MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
         "birth_support": (1, 65535, "events that a candidate needs to become visible"),
         "birth_px": (0, 255, "sides that it needs"),
         "birth_ticks": (0, 2**24 - 1, "time that it needs"),
-        "birth_travel": (0, 8, "its middle has moved by 2^-birth_travel of its mean half side, and 1 px"),
+        "birth_travel": (0, 8, "since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side"),
         "gap_corrections": (0, 255, "corrections after which a box is looked through for a gap; 0: never"),
         "gap_share": (1, 15, "a bin with at most 2^-gap_share of the events is empty"),
         "gap_px": (1, 255, "narrowest gap"),
@@ -76,9 +76,9 @@ class MotionRegisters:
     side_max: int = 160
     gain_log2: int = 4
     gain_slow: int = 2
-    settle: int = 16
+    settle: int = 8
     speed_max: int = 32767
-    friction: int = 5
+    friction: int = 7
     nev_low: int = 8
     nev_high: int = 256
     seed_px: int = 4
