@@ -3,12 +3,13 @@
 
 python benchmarks/motion.py             # every row; a few minutes
 python benchmarks/motion.py traffic     # rows that begin so
+python benchmarks/motion.py --alone     # without the array of today
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,14 +33,17 @@ Row = tuple[str, str, list[Callable[[], Member]]]  # name, today's preset beside
 
 def main() -> int:
     """Print the table."""
-    begins = tuple(sys.argv[1:]) or ("",)
-    print("| | " + " | ".join(f"{title}, {column}" for title in ("motion", "today") for column in _COLUMNS) + " |")
-    print("|---" * (1 + 2 * len(_COLUMNS)) + "|")
+    alone = "--alone" in sys.argv
+    begins = tuple(word for word in sys.argv[1:] if word != "--alone") or ("",)
+    titles = ("motion",) if alone else ("motion", "today")
+    print("| | " + " | ".join(f"{title}, {column}" for title in titles for column in _COLUMNS) + " |")
+    print("|---" * (1 + len(titles) * len(_COLUMNS)) + "|")
     for name, today, builders in _rows():
         if not name.startswith(begins):
             continue
         try:
-            cells = np.array([[*_scores("motion", build()), *_scores(today, build())] for build in builders]).mean(axis=0)
+            presets = ("motion",) if alone else ("motion", today)
+            cells = np.array([_scores(presets, build()) for build in builders]).mean(axis=0)
         except Absent as reason:
             print(f"{name}: left out: {reason}", file=sys.stderr)
             continue
@@ -72,8 +76,12 @@ def _case(make: Callable[[str, int], quality_cases.Case], ways: str, seed: int) 
     return build
 
 
-def _scores(preset: str, member: Member) -> tuple[float, ...]:
-    """HOTA of centres and of boxes, switches a minute, and records BORN; NaN where there is no truth."""
+def _scores(presets: Sequence[str], member: Member) -> list[float]:
+    """For each preset HOTA of centres and of boxes, switches a minute, and records BORN; NaN where there is no truth."""
+    return [score for preset in presets for score in _score(preset, member)]
+
+
+def _score(preset: str, member: Member) -> tuple[float, ...]:
     run: RunConfig = PRESETS[preset]
     recording = member.recording
     tracker = ENGINES["cot"].start(run, run.filters, (recording.width, recording.height))

@@ -26,7 +26,7 @@ def divided(distance: int, shift: int, ticks: int) -> int:
     abc = ticks * 8 // 2**exponent - 8
     inverse = round(128 / (1 + (abc + 0.5) / 8))
     scale = exponent + 7 - shift
-    return distance * inverse // 2**scale if scale >= 0 else distance * inverse * 2**-scale
+    return distance * inverse // (1 << scale) if scale >= 0 else distance * inverse * (1 << -scale)
 
 
 @dataclass
