@@ -23,7 +23,7 @@ def pixel(value: int) -> int:
 def divided(distance: int, shift: int, ticks: int) -> int:
     """distance * 2^shift / ticks by four leading bits: 1.abc is inverted to a multiple of 1/128."""
     exponent = ticks.bit_length() - 1
-    abc = ticks * 8 // 2**exponent - 8
+    abc = (ticks * 8 >> exponent) - 8
     inverse = round(128 / (1 + (abc + 0.5) / 8))
     scale = exponent + 7 - shift
     return distance * inverse // (1 << scale) if scale >= 0 else distance * inverse * (1 << -scale)
