@@ -30,6 +30,7 @@ from ..names import Top
 from ..rtl.build import BuiltModel, build
 from .base import HardwareError, Stalls, pointer
 from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, source
+from .motion import refuse_motion
 from .silence import check_waits
 
 __all__ = ["Device", "StreamTimes", "arrangement_of", "build_device"]
@@ -65,9 +66,10 @@ def build_device(
         on_miss: called before a build that takes seconds.
 
     Raises:
-        ConfigError: a shape that `top` cannot have.
+        ConfigError: a shape that `top` cannot have, or a rule that the RTL does not have.
         ToolchainError: a tool is missing or too old, or the build fails.
     """
+    refuse_motion(config)
     shape = config.shape
     parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}
     module: str = top

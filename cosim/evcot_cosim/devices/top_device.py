@@ -26,6 +26,7 @@ from ..rtl.build import RANDOM_INITIAL_CPP, RANDOM_INITIAL_FLAGS, build
 from .base import Drive, Ending, HardwareError, pointer, reset
 from .device import _order_of
 from .driver import PARAMETERS
+from .motion import refuse_motion
 
 __all__ = [
     "COMMAND",
@@ -112,7 +113,12 @@ def filter_address(register: str = "commit") -> int:
 
 
 def configuration(config: CotConfig) -> list[Command]:
-    """The accesses that write and commit a configuration."""
+    """The accesses that write and commit a configuration.
+
+    Raises:
+        ConfigError: a rule that the RTL does not have.
+    """
+    refuse_motion(config)
     found = []
     for slot, registers in enumerate(config.slots):
         found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in REGISTERS]

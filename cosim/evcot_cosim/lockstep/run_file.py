@@ -144,6 +144,7 @@ def run_toml(run: RunFile) -> str:
         "shape": cot["shape"],
         "cot": {"tick_us": cot["tick_us"], **(slots[0] if same else {})},
         **({} if same else {"slot": slots}),
+        **({"motion": cot["motion"]} if "motion" in cot else {}),
         **config,
     }
     return _HEAD + (f"# {run.said}\n" if run.said else "") + tomli_w.dumps(tables)

@@ -10,6 +10,7 @@ from ..filters.contract import FilterShape
 from ..filters.registers import FilterRegisters
 from ..ranges import check_integer
 from .contract import REGISTERS, Mode, Shape
+from .motion.contract import MotionRegisters
 
 __all__ = ["CotConfig", "SlotConfig"]
 
@@ -50,9 +51,11 @@ class CotConfig:
 
     Attributes:
         filters, filter_shape: registers and shape of the filter chain; with no filter enabled there is no chain.
+        motion: registers of the extended contract, docs/motion.md; off by default. While it is on, of a slot's registers only
+            `mode` has a meaning.
 
     Raises:
-        ConfigError: a value outside its limits, or another number of slots than the shape has.
+        ConfigError: a value outside its limits, another number of slots than the shape has, or a fixed start with motion.
     """
 
     shape: Shape = field(default_factory=Shape)
@@ -60,6 +63,7 @@ class CotConfig:
     tick_us: int = 1
     filters: FilterRegisters = field(default_factory=FilterRegisters)
     filter_shape: FilterShape = field(default_factory=FilterShape)
+    motion: MotionRegisters = field(default_factory=MotionRegisters)
 
     def __post_init__(self) -> None:
         if not self.slots:
@@ -69,6 +73,8 @@ class CotConfig:
         check_integer("cot.tick_us", self.tick_us, 1, 1_000_000)
         for i, slot in enumerate(self.slots):
             slot.check(self.shape, f"cot.slot[{i}]")
+            if self.motion.enable and slot.mode == Mode.FIXED:
+                raise ConfigError(f"cot.slot[{i}].mode = {int(slot.mode)}: must be 0 or 2 with motion.enable = 1")
         if self.filtered:
             self.filters.check(self.filter_shape)
 

@@ -22,7 +22,9 @@ from ..tracks.log import TRACK, Kind, TrackLog
 from ..tracks.tracking import TrackerOutput, log_of
 from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise, rewrite
 from .config import CotConfig, SlotConfig
-from .contract import RECORD, REGISTERS
+from .contract import RECORD, REGISTERS, Mode
+from .motion.contract import MOTION_RECORD, SUB
+from .motion.model import MotionModel
 
 __all__ = ["Arrangement", "CotModel", "CotTracker", "Decisions", "to_track_records", "track"]
 
@@ -40,7 +42,7 @@ class Decisions(NamedTuple):
     """The result of a run of events.
 
     Attributes:
-        records: (m,) of dtype `contract.RECORD`, in chronological order.
+        records: (m,) of dtype `contract.RECORD`, with motion `motion.contract.MOTION_RECORD`; in chronological order.
         owner: (n,) int16, the slot that took each event, -1 if none did, `tracks.log.DROPPED` if a
             filter dropped it.
         rel_x, rel_y: (n,) uint16, the event's address in its owner's window (x - cm_x + R), 0 without an owner.
@@ -59,7 +61,10 @@ class CotModel:
 
     Args:
         config: shape and registers.
-        arrangement: array (the default) or chain.
+        arrangement: array (the default) or chain, which has no motion.
+
+    Raises:
+        ConfigError: a chain with motion.
     """
 
     def __init__(self, config: CotConfig, arrangement: Arrangement = Arrangement.ARRAY) -> None:
@@ -79,6 +84,11 @@ class CotModel:
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)
         self._filters = FilterChain(config.filters, config.filter_shape) if config.filtered else None
         initialise(self._state, self._regs, self._limits, self._globals)
+        self._motion: MotionModel | None = None
+        if config.motion.enable:
+            if arrangement is Arrangement.CHAIN:
+                raise ConfigError("motion.enable = 1: must be 0 for a chain; only an array has motion")
+            self._motion = MotionModel(shape, config.motion, [slot.mode for slot in config.slots])
 
     def feed(self, events: TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:
         """Process a run of events.
@@ -97,6 +107,8 @@ class CotModel:
         owner = np.empty(n, np.int16)
         rel_x = np.empty(n, np.uint16)
         rel_y = np.empty(n, np.uint16)
+        if self._motion is not None:
+            return Decisions(self._motion.feed(events, keep, owner, rel_x, rel_y), owner, rel_x, rel_y)
         per_event_max = 3 * self.config.shape.n_slots
         parts: list[NDArray[np.void]] = []
         done = 0
@@ -120,6 +132,10 @@ class CotModel:
             ConfigError: a register outside its limits.
         """
         registers.check(self.config.shape, f"slot[{slot}]")
+        if self._motion is not None:
+            if registers.mode == Mode.FIXED:
+                raise ConfigError(f"slot[{slot}].mode = {int(registers.mode)}: must be 0 or 2 with motion.enable = 1")
+            return self._motion.set_mode(slot, registers.mode) if restart else np.zeros(0, MOTION_RECORD)
         values = np.array([getattr(registers, name) for name in REGISTERS], np.int64)
         room = np.zeros(1, RECORD)
         return room[: rewrite(self._state, self._regs, self._limits, self._globals, slot, values, restart, room)]
@@ -127,7 +143,7 @@ class CotModel:
     @property
     def time(self) -> int:
         """Ticks since reset."""
-        return int(self._globals[Global.NOW])
+        return int(self._globals[Global.NOW]) if self._motion is None else self._motion.time
 
 
 def to_track_records(
@@ -135,28 +151,40 @@ def to_track_records(
 ) -> NDArray[np.void]:
     """Convert raw records to the units of a TrackLog: pixels, microseconds, event indices.
 
-    The hardware estimates neither extent nor velocity: width and height are the sides of the window, and vx, vy and angle 0.
+    Without motion the hardware estimates neither extent nor velocity: width and height are the sides of the window, and vx, vy
+    and angle 0.
 
     Args:
-        raw: (m,) of dtype `contract.RECORD`.
+        raw: (m,) of dtype `contract.RECORD` or `motion.contract.MOTION_RECORD`.
         config: the configuration that produced them.
         t_us: times of the events `first_seq`, `first_seq + 1`, …; must hold every event that caused a record.
         first_seq: sequence number of `t_us[0]`.
         t0_us: time of tick 0.
     """
     out = np.zeros(len(raw), TRACK)
-    lost = raw["kind"] == Kind.LOST
+    in_ticks = (raw["kind"] == Kind.LOST) | bool(config.motion.enable)  # motion steps are between events
     seq = raw["seq"].astype(np.int64)
-    cause = np.where(lost, 0, seq - first_seq)
-    out["t_us"] = np.where(lost, t0_us + raw["time"].astype(np.int64) * config.tick_us, t_us[cause] if len(t_us) else 0)
+    cause = np.where(in_ticks, 0, seq - first_seq)
+    out["t_us"] = np.where(in_ticks, t0_us + raw["time"].astype(np.int64) * config.tick_us, t_us[cause] if len(t_us) else 0)
     out["event_index"] = seq
-    for name in ("kind", "track_id", "slot", "radius", "n_ev", "support"):
+    for name in ("kind", "track_id", "slot", "n_ev", "support"):
         out[name] = raw[name]
-    out["x"] = raw["cm_x"] / (1 << config.shape.frac)
-    out["y"] = raw["cm_y"] / (1 << config.shape.frac)
-    out["width"] = out["height"] = 2.0 * out["radius"] + 1.0
-    visible_nev = np.array([slot.clust_nev for slot in config.slots], np.float64).take(raw["slot"], mode="clip")
-    out["confidence"] = out["support"] / (out["support"] + visible_nev)
+    frac = SUB if config.motion.enable else config.shape.frac
+    out["x"] = raw["cm_x"] / (1 << frac)
+    out["y"] = raw["cm_y"] / (1 << frac)
+    if config.motion.enable:
+        whole = 1.0 + 1.0 / (1 << config.motion.side_share)  # sides are quantiles: some events lie beyond them
+        for name in ("width", "height"):
+            out[name] = whole * raw[name] / (1 << SUB) + 1.0
+        out["radius"] = np.maximum(out["width"], out["height"]) / 2.0
+        per_s = 1e6 / ((1 << SUB) * (1 << config.motion.step_log2) * config.tick_us)
+        out["vx"], out["vy"] = raw["v_x"] * per_s, raw["v_y"] * per_s
+        visible = np.full(len(raw), config.motion.birth_support, np.float64)
+    else:
+        out["radius"] = raw["radius"]
+        out["width"] = out["height"] = 2.0 * out["radius"] + 1.0
+        visible = np.array([slot.clust_nev for slot in config.slots], np.float64).take(raw["slot"], mode="clip")
+    out["confidence"] = out["support"] / (out["support"] + visible)
     out["other_id"] = np.where(raw["kind"] == Kind.MERGED, raw["other_id"].astype(np.int64), -1)
     return out
 

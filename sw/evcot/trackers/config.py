@@ -15,6 +15,7 @@ from ..filters.config import FilterConfig
 from ..filters.hot_pixels import load_hot_pixels
 from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import Shape
+from ..hardware.motion.contract import MotionRegisters
 from ..outputs import note_input
 from .auto.config import AutoConfig
 from .rct.config import RctConfig
@@ -72,6 +73,8 @@ class RunConfig:
                 del values[name]
         for name in ("filters", "filter_shape"):
             del values["cot"][name]
+        if not self.cot.motion.enable:
+            del values["cot"]["motion"]
         return values
 
 
@@ -94,7 +97,8 @@ def _names(cls: type) -> set[str]:
 
 
 def load_toml(path: Path, base: RunConfig) -> RunConfig:
-    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[rct]`, `[auto]` and `[filters]` override `base`.
+    """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[motion]`, `[rct]`, `[auto]` and `[filters]`
+    override `base`.
 
     `software` says which software tracker runs, and `[software_filters]` what is in front of it if that is not `[filters]`.
 
@@ -142,7 +146,8 @@ def _tables(path: Path) -> Mapping[str, Any]:
 
 
 def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:
-    known = {"name", "software", "run", "files", "shape", "cot", "slot", "rct", "auto", "filters", "software_filters"}
+    known = {"name", "software", "run", "files", "shape", "cot", "slot", "motion", "rct", "auto", "filters"}
+    known.add("software_filters")
     _section(data, known, "top level")
     shape = replace(base.cot.shape, **_section(_table(data, "shape", "top level"), _names(Shape), "[shape]"))
     cot = dict(_section(_table(data, "cot", "top level"), _names(SlotConfig) | {"tick_us"}, "[cot]"))
@@ -156,11 +161,12 @@ def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConf
         raise ConfigError(f"[[slot]] occurs {len(own)} times: must be at most shape.n_slots = {shape.n_slots}")
     for i, entry in enumerate(own):
         slots[i] = replace(slots[i], **_section(entry, _names(SlotConfig), f"[[slot]] {i}"))
+    motion = replace(base.cot.motion, **_section(_table(data, "motion", "top level"), _names(MotionRegisters), "[motion]"))
     rct = replace(base.rct, **_section(_table(data, "rct", "top level"), _names(RctConfig), "[rct]"))
     auto = replace(base.auto, **_section(_table(data, "auto", "top level"), _names(AutoConfig), "[auto]"))
     return RunConfig(
         name=str(data.get("name", base.name)),
-        cot=CotConfig(shape, tuple(slots), tick_us),
+        cot=CotConfig(shape, tuple(slots), tick_us, motion=motion),
         rct=rct,
         filters=_filters(base.filters, _table(data, "filters", "top level"), folder),
         software=data.get("software", base.software),

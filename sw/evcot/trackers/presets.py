@@ -9,6 +9,7 @@ from ..errors import ConfigError
 from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import Shape
+from ..hardware.motion.contract import MotionRegisters
 from .config import RunConfig
 from .rct.config import RctConfig
 from .rct.presets import PRESETS as RCT_PRESETS
@@ -98,6 +99,12 @@ def _discs() -> RunConfig:
     return RunConfig("discs", CotConfig.uniform(Shape(), slot), RCT_PRESETS["discs"], FilterConfig(refractory_us=500))
 
 
+def _motion() -> RunConfig:
+    """Objects of any size that move: the extended contract, which the golden model has and the RTL not yet (docs/motion.md)."""
+    cot = CotConfig(Shape(n_slots=16), motion=MotionRegisters(enable=1))
+    return RunConfig("motion", cot, filters=FilterConfig(refractory_us=1_000, activity_us=5_000))
+
+
 PRESETS: dict[str, RunConfig] = {
     config.name: config
     for config in (
@@ -110,6 +117,7 @@ PRESETS: dict[str, RunConfig] = {
         _sensor("hd", 32, 48, 10_000),
         _traffic(),
         _discs(),
+        _motion(),
     )
 }
 
@@ -156,7 +164,7 @@ def fit(config: RunConfig, width: int, height: int, n_slots: int | None = None) 
     n = cot.shape.n_slots if n_slots is None else n_slots
     shape = replace(cot.shape, x_w=_bits(width), y_w=_bits(height), n_slots=n)
     slots = (cot.slots + cot.slots[-1:] * n)[:n]
-    return replace(config, cot=CotConfig(shape, slots, cot.tick_us))
+    return replace(config, cot=CotConfig(shape, slots, cot.tick_us, motion=cot.motion))
 
 
 def _bits(size: int) -> int:

@@ -28,7 +28,12 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         return 0
     rows = [("name", "N_ev", "window px", "lifetime", "tick")]
     for name, config in PRESETS.items():
-        slot = config.cot.slots[0]
+        slot, motion = config.cot.slots[0], config.cot.motion
+        if motion.enable:
+            lives_ms = (motion.life_ticks * config.cot.tick_us / 1000, motion.coast_ticks * config.cot.tick_us / 1000)
+            n_ev, life = f"{motion.nev_low} to {motion.nev_high}", f"{lives_ms[0]:g} to {lives_ms[1]:g} ms"
+            rows.append((name, n_ev, "by its box", life, f"{config.cot.tick_us} us"))
+            continue
         lifetime_ms = slot.max_ticks * config.cot.tick_us / 1000
         rows.append(
             (

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two objects in one box: a gap across the motion, found in a histogram of the events' places along each axis."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from ._state import (
+    BIN_LOG2_X,
+    BIN_LOG2_Y,
+    BINS,
+    BINS_X,
+    BINS_Y,
+    CORRECTIONS,
+    ELONGATION,
+    GAP_CORRECTIONS,
+    GAP_PX,
+    GAP_SHARE,
+    HI_X,
+    HI_Y,
+    LO_X,
+    LO_Y,
+    LOOKED,
+    LOOKS_FROM,
+    ONE,
+    V_X,
+    V_Y,
+    Table,
+)
+from ._velocity import bit_length
+from ._windows import length
+from .contract import SUB
+
+__all__ = ["clear_bins", "count_in_bins", "look_for_gaps"]
+
+
+@njit(cache=True, nogil=True)
+def clear_bins(s: Table, i: int) -> None:
+    """Begin new histograms: bins of 2^n pixels from the box's low side, four to eight for the whole side."""
+    for b in range(2 * BINS):
+        s[BINS_X + b, i] = 0
+    s[LOOKED, i] = 0
+    s[BIN_LOG2_X, i] = max(0, bit_length(length(s, LO_X, HI_X, i)) - 3)
+    s[BIN_LOG2_Y, i] = max(0, bit_length(length(s, LO_Y, HI_Y, i)) - 3)
+
+
+@njit(cache=True, nogil=True)
+def count_in_bins(s: Table, i: int, x: int, y: int) -> None:
+    """Count an event in both histograms, in the box's own frame."""
+    bin_x = (x - ((s[LO_X, i] + (ONE >> 1)) >> SUB)) >> s[BIN_LOG2_X, i]
+    bin_y = (y - ((s[LO_Y, i] + (ONE >> 1)) >> SUB)) >> s[BIN_LOG2_Y, i]
+    if 0 <= bin_x < BINS:
+        s[BINS_X + bin_x, i] += 1
+    if 0 <= bin_y < BINS:
+        s[BINS_Y + bin_y, i] += 1
+
+
+@njit(cache=True, nogil=True)
+def _cut(s: Table, r: Table, i: int, lo: int, hi: int, bins: int, bin_log2: int, narrowest: int) -> None:
+    """If the histogram has a gap of so many pixels, leave the box with the part that has more events."""
+    total = 0
+    for b in range(BINS):
+        total += s[bins + b, i]
+    least = max(1, total >> r[GAP_SHARE])
+    first = -1
+    widest = 0
+    end = 0  # of the widest gap, the first of equals
+    run = 0
+    for b in range(BINS):
+        if s[bins + b, i] > least:
+            if first < 0:
+                first = b
+            elif run > widest:
+                widest = run
+                end = b
+            run = 0
+        else:
+            run += 1
+    if widest == 0 or widest << bin_log2 < narrowest:
+        return
+    begin = end - widest
+    below = 0
+    above = 0
+    for b in range(BINS):
+        if b < begin:
+            below += s[bins + b, i]
+        elif b >= end:
+            above += s[bins + b, i]
+    if below >= above:
+        s[hi, i] = s[lo, i] + (begin << bin_log2 << SUB)
+    else:
+        s[lo, i] = s[lo, i] + (end << bin_log2 << SUB)
+        s[hi, i] = max(s[hi, i], s[lo, i])
+
+
+@njit(cache=True, nogil=True)
+def look_for_gaps(s: Table, r: Table, i: int) -> None:
+    """At a correction: after every `gap_corrections`, cut the box at a gap.
+
+    Across the motion any gap counts: a moving object's front reaches from side to side. Along it objects are hollow; there a
+    gap counts in a long box, if it is half as long as the box is wide.
+    """
+    if r[GAP_CORRECTIONS] == 0:
+        return
+    s[LOOKED, i] += 1
+    if s[LOOKED, i] < r[GAP_CORRECTIONS]:
+        return
+    speed_x = abs(s[V_X, i])
+    speed_y = abs(s[V_Y, i])
+    if s[CORRECTIONS, i] >= LOOKS_FROM and speed_x + speed_y > 0:
+        width = length(s, LO_X, HI_X, i)
+        height = length(s, LO_Y, HI_Y, i)
+        if 2 * speed_y >= speed_x:
+            _cut(s, r, i, LO_X, HI_X, BINS_X, s[BIN_LOG2_X, i], r[GAP_PX])
+        elif width >= r[ELONGATION] * height:
+            _cut(s, r, i, LO_X, HI_X, BINS_X, s[BIN_LOG2_X, i], max(r[GAP_PX], height >> 1))
+        if 2 * speed_x >= speed_y:
+            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[BIN_LOG2_Y, i], r[GAP_PX])
+        elif height >= r[ELONGATION] * width:
+            _cut(s, r, i, LO_Y, HI_Y, BINS_Y, s[BIN_LOG2_Y, i], max(r[GAP_PX], width >> 1))
+    clear_bins(s, i)

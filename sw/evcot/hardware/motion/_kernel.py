@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The extended contract's loop over events and motion steps."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from ...tracks.log import DROPPED
+from ._gaps import count_in_bins
+from ._lives import BORN, LOST, MOVED, appears, correct, record, seed
+from ._meetings import absorbed, hide_sides, join
+from ._owner import find
+from ._sides import measure
+from ._state import (
+    CANDIDATE,
+    CORRECTIONS,
+    COUNT,
+    DEADLINE,
+    FREE,
+    GAP_CORRECTIONS,
+    HI_X,
+    HI_Y,
+    LO_X,
+    LO_Y,
+    MOVES_FROM,
+    N_EV,
+    NEVER,
+    NEXT_STEP,
+    NOW,
+    REL_MASK,
+    REPORT_STEPS,
+    REPORTED,
+    SEQ,
+    STATE,
+    STEP_LOG2,
+    SUPPORT,
+    SUPPORT_MAX,
+    VISIBLE,
+    WIN_LO_X,
+    WIN_LO_Y,
+    Table,
+)
+from ._velocity import advance
+from ._windows import bounded, set_window
+
+__all__ = ["RECORDS_PER_SLOT", "feed", "initialise", "restart"]
+
+RECORDS_PER_SLOT = 3  # at most, of a motion step, or of an event
+
+
+@njit(cache=True, nogil=True)
+def initialise(s: Table, r: Table, glob: Table) -> None:
+    """Reset: every slot is free."""
+    glob[:] = 0
+    glob[NEXT_STEP] = 1 << r[STEP_LOG2]
+    for i in range(s.shape[1]):
+        s[STATE, i] = FREE
+        s[DEADLINE, i] = NEVER
+
+
+@njit(cache=True, nogil=True)
+def restart(s: Table, glob: Table, i: int, out: Table) -> int:
+    """End slot i's life at once; returns the number of records, one if it was visible."""
+    n = 0
+    if s[STATE, i] == VISIBLE:
+        n = record(s, i, LOST, glob[SEQ], glob[NOW], 0, out, n)
+    s[STATE, i] = FREE
+    s[DEADLINE, i] = NEVER
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Table, n: int) -> int:
+    """The motion step of one slot that lives."""
+    if now >= s[DEADLINE, i]:
+        if s[STATE, i] == VISIBLE:
+            n = record(s, i, LOST, glob[SEQ], now, 0, out, n)
+        s[STATE, i] = FREE
+        s[DEADLINE, i] = NEVER
+        return n
+    if s[STATE, i] == VISIBLE or s[CORRECTIONS, i] >= MOVES_FROM:
+        advance(s, r, i, now)
+    bounded(s, r, LO_X, HI_X, i)
+    bounded(s, r, LO_Y, HI_Y, i)
+    set_window(s, r, i)
+    n = join(s, r, lim, glob, i, now, out, n)
+    if s[STATE, i] == CANDIDATE and not absorbed(s, r, lim, i) and appears(s, r, lim, glob, i, now):
+        return record(s, i, BORN, glob[SEQ], now, 0, out, n)
+    if s[STATE, i] == VISIBLE:
+        hide_sides(s, i)
+        if now - s[REPORTED, i] >= r[REPORT_STEPS] << r[STEP_LOG2]:
+            n = record(s, i, MOVED, glob[SEQ], now, 0, out, n)
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> int:
+    """One motion step of all slots, in order."""
+    now = glob[NEXT_STEP]
+    glob[NEXT_STEP] += 1 << r[STEP_LOG2]
+    for i in range(s.shape[1]):
+        if s[STATE, i] != FREE:
+            n = _step_slot(s, r, lim, glob, i, now, out, n)
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
+    """What an event does to its owner; true when the window of N_ev events is complete."""
+    s[SUPPORT, i] = min(s[SUPPORT, i] + 1, lim[SUPPORT_MAX])
+    if shared:
+        return False
+    if r[GAP_CORRECTIONS]:
+        count_in_bins(s, i, x, y)
+    measure(s, r, i, x, y)
+    s[COUNT, i] += 1
+    return bool(s[COUNT, i] >= s[N_EV, i])
+
+
+@njit(cache=True, nogil=True)
+def feed(
+    s: Table, r: Table, lim: Table, glob: Table, modes: Table,
+    ticks: Table, xs: Table, ys: Table, keep: Table, begin: int, owner: Table, rel_x: Table, rel_y: Table, out: Table,
+) -> tuple[int, int]:  # fmt: skip
+    """Process events from `begin` on until all are done or `out` could overflow; returns (events done, records written).
+
+    Events whose entry in `keep` is false only advance time and the event count; an empty `keep` keeps all.
+    """
+    n = 0
+    room = RECORDS_PER_SLOT * s.shape[1]
+    all_kept = len(keep) == 0
+    for e in range(begin, len(ticks)):
+        x = int(xs[e])
+        y = int(ys[e])
+        now = ticks[e]
+        while glob[NEXT_STEP] <= now:
+            if n + room > len(out):
+                return e, n
+            n = _step(s, r, lim, glob, out, n)
+        if n + room > len(out):
+            return e, n
+        glob[NOW] = now
+        rel_x[e] = 0
+        rel_y[e] = 0
+        if not (all_kept or keep[e]):
+            owner[e] = DROPPED
+        else:
+            i, shared, seeds = find(s, modes, x, y)
+            owner[e] = i
+            if i >= 0:
+                if seeds:
+                    seed(s, r, i, x, y, now)
+                rel_x[e] = (x - s[WIN_LO_X, i]) & lim[REL_MASK]
+                rel_y[e] = (y - s[WIN_LO_Y, i]) & lim[REL_MASK]
+                if _take(s, r, lim, i, x, y, shared):
+                    correct(s, r, i, now)
+                    if s[STATE, i] == VISIBLE:
+                        n = record(s, i, MOVED, glob[SEQ], now, 0, out, n)
+        glob[SEQ] += 1
+    return len(ticks), n

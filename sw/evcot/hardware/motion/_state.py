@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables of the extended contract's kernels: a slot's fields, the registers, and what is common to all slots."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from numpy.typing import NDArray
+
+from .contract import SUB, MotionRegisters
+
+Table = NDArray[Any]
+
+# A slot's fields. Sides and velocities have SUB fractional bits, bounds are pixels, times are ticks.
+(STATE, LO_X, HI_X, LO_Y, HI_Y, V_X, V_Y, OFF_LO_X, OFF_HI_X, OFF_LO_Y, OFF_HI_Y, BEYOND, HIDDEN, MEETS,
+ BOX_LO_X, BOX_HI_X, BOX_LO_Y, BOX_HI_Y, WIN_LO_X, WIN_HI_X, WIN_LO_Y, WIN_HI_Y,
+ COUNT, N_EV, SUPPORT, CORRECTIONS, LAST, USUAL, DEADLINE, SEEDED, FROM_X, FROM_Y, PARTNER, TOGETHER, ID, REPORTED,
+ BIN_LOG2_X, BIN_LOG2_Y, LOOKED) = range(39)  # fmt: skip
+BINS = 16  # of each axis
+BINS_X, BINS_Y = 39, 39 + BINS
+FIELD_COUNT = 39 + 2 * BINS
+
+FREE, CANDIDATE, VISIBLE = range(3)  # STATE
+AT_LO_X, AT_HI_X, AT_LO_Y, AT_HI_Y = 1, 2, 4, 8  # bits of BEYOND and HIDDEN
+
+_NAMES = [field.name for field in fields(MotionRegisters)]
+(STEP_LOG2, SIDE_STEP, SIDE_SHARE, SIDE_SHRINK, SIDE_MAX, GAIN_LOG2, GAIN_SLOW, SETTLE, SPEED_MAX, FRICTION, NEV_LOW,
+ NEV_HIGH, SEED_PX, RING_PX, RING_MAX, RING_ACROSS, RING_ALONG, RING_ANY, ELONGATION, DETECT_TICKS, LIFE_LOG2, LIFE_TICKS,
+ COAST_TICKS, BIRTH_SUPPORT, BIRTH_PX, BIRTH_TICKS, BIRTH_TRAVEL, GAP_CORRECTIONS, GAP_SHARE, GAP_PX, JOIN_STEPS,
+ JOIN_LIFE, JOIN_SPEED, JOIN_REACH, JOIN_PX, KEEP_OLDER, REPORT_STEPS) = (
+    _NAMES.index(name)
+    for name in (
+        "step_log2", "side_step", "side_share", "side_shrink", "side_max", "gain_log2", "gain_slow", "settle", "speed_max",
+        "friction", "nev_low", "nev_high", "seed_px", "ring_px", "ring_max", "ring_across", "ring_along", "ring_any",
+        "elongation", "detect_ticks", "life_log2", "life_ticks", "coast_ticks", "birth_support", "birth_px", "birth_ticks",
+        "birth_travel", "gap_corrections", "gap_share", "gap_px", "join_steps", "join_life", "join_speed", "join_reach",
+        "join_px", "keep_older", "report_steps",
+    )
+)  # fmt: skip
+
+NOW, SEQ, BIRTHS, NEXT_STEP = range(4)  # common to all slots
+GLOBAL_COUNT = 4
+
+ID_MASK, SUPPORT_MAX, REL_MASK = range(3)  # follow from the hardware's widths
+LIMIT_COUNT = 3
+
+ONE = 1 << SUB
+NEVER = 1 << 62
+CORRECTIONS_MAX = 63  # the count saturates
+MOVES_FROM = 4  # corrections from which on a candidate's velocity counts
+LOOKS_FROM = 8  # corrections from which on a gap counts

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The velocity of a slot: an alpha-beta correction with the time since the last one, and the way of a motion step."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from ._state import (
+    CORRECTIONS,
+    FRICTION,
+    GAIN_LOG2,
+    GAIN_SLOW,
+    HI_X,
+    HI_Y,
+    LAST,
+    LO_X,
+    LO_Y,
+    MEETS,
+    OFF_HI_X,
+    OFF_HI_Y,
+    OFF_LO_X,
+    OFF_LO_Y,
+    SETTLE,
+    SPEED_MAX,
+    STEP_LOG2,
+    USUAL,
+    V_X,
+    V_Y,
+    Table,
+)
+
+__all__ = ["advance", "bit_length", "correct_velocity", "over"]
+
+INVERSES = np.array([round(1024 / (8.5 + m)) for m in range(8)], np.int64)  # 128 / (1 + (m + 1/2) / 8)
+
+
+@njit(cache=True, nogil=True)
+def bit_length(value: int) -> int:
+    """The number of bits of a value that is not negative."""
+    bits = 0
+    while value > 0:
+        value >>= 1
+        bits += 1
+    return bits
+
+
+@njit(cache=True, nogil=True)
+def over(distance: int, ticks: int, shift: int) -> int:
+    """distance * 2^shift / ticks, by the leading bit of `ticks` and the three below it, within 6 %."""
+    leading = bit_length(ticks) - 1
+    below = (ticks >> (leading - 3)) & 7 if leading >= 3 else (ticks << (3 - leading)) & 7
+    product = distance * INVERSES[below]
+    down = leading + 7 - shift
+    return int(product >> down if down >= 0 else product << -down)
+
+
+@njit(cache=True, nogil=True)
+def _common(low: int, high: int, slower: bool) -> int:
+    """Twice the way that two sides have in common: their mean, or the shorter of two ways in one direction."""
+    if not slower:
+        return low + high
+    if (low > 0) != (high > 0):
+        return 0
+    return 2 * low if abs(low) < abs(high) else 2 * high
+
+
+@njit(cache=True, nogil=True)
+def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
+    """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity."""
+    ticks = max(now - s[LAST, i], 1)
+    done = s[CORRECTIONS, i]
+    if done >= 2:
+        gain = min(1 + (done >> r[GAIN_SLOW]), r[GAIN_LOG2])
+        if s[MEETS, i]:
+            gain += 1
+        shift = r[STEP_LOG2] - 1 - gain
+        slower = done < r[SETTLE]
+        most = r[SPEED_MAX]
+        v_x = s[V_X, i] + over(_common(s[OFF_LO_X, i], s[OFF_HI_X, i], slower), ticks, shift)
+        v_y = s[V_Y, i] + over(_common(s[OFF_LO_Y, i], s[OFF_HI_Y, i], slower), ticks, shift)
+        s[V_X, i] = max(-most, min(most, v_x))
+        s[V_Y, i] = max(-most, min(most, v_y))
+    s[OFF_LO_X, i] = 0
+    s[OFF_HI_X, i] = 0
+    s[OFF_LO_Y, i] = 0
+    s[OFF_HI_Y, i] = 0
+    s[USUAL, i] = ticks if done == 0 else s[USUAL, i] + ((ticks - s[USUAL, i]) >> 2)
+    s[LAST, i] = now
+
+
+@njit(cache=True, nogil=True)
+def advance(s: Table, r: Table, i: int, now: int) -> None:
+    """A motion step: box and velocity go on; the velocity of a slot that has been silent for long dies away."""
+    v_x = s[V_X, i]
+    v_y = s[V_Y, i]
+    s[LO_X, i] += v_x
+    s[HI_X, i] += v_x
+    s[LO_Y, i] += v_y
+    s[HI_Y, i] += v_y
+    if r[FRICTION] and not s[MEETS, i] and now - s[LAST, i] > s[USUAL, i] << 2:
+        s[V_X, i] = v_x - (v_x >> r[FRICTION])
+        s[V_Y, i] = v_y - (v_y >> r[FRICTION])

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a slot's sides to the pixels of its box and of its window, and how the boxes of two slots lie to each other."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from ._state import (
+    BOX_HI_X,
+    BOX_HI_Y,
+    BOX_LO_X,
+    BOX_LO_Y,
+    CANDIDATE,
+    CORRECTIONS,
+    ELONGATION,
+    HI_X,
+    HI_Y,
+    LO_X,
+    LO_Y,
+    MOVES_FROM,
+    ONE,
+    RING_ACROSS,
+    RING_ALONG,
+    RING_ANY,
+    RING_MAX,
+    RING_PX,
+    SIDE_MAX,
+    STATE,
+    V_X,
+    V_Y,
+    WIN_HI_X,
+    WIN_HI_Y,
+    WIN_LO_X,
+    WIN_LO_Y,
+    Table,
+)
+from .contract import SUB
+
+__all__ = ["bounded", "gap", "in_box", "in_window", "length", "set_window", "windows_touch"]
+
+
+@njit(cache=True, nogil=True)
+def length(s: Table, lo: int, hi: int, i: int) -> int:
+    """A side of the box in whole pixels, at least 0."""
+    return int(max(s[hi, i] - s[lo, i], 0) >> SUB)
+
+
+@njit(cache=True, nogil=True)
+def _box(s: Table, lo: int, hi: int, box_lo: int, box_hi: int, i: int) -> None:
+    """The pixels of both sides, to nearest; sides that have passed each other give their middle pixel."""
+    low = (s[lo, i] + (ONE >> 1)) >> SUB
+    high = (s[hi, i] + (ONE >> 1)) >> SUB
+    if high < low:
+        low = (low + high) >> 1
+        high = low
+    s[box_lo, i] = low
+    s[box_hi, i] = high
+
+
+@njit(cache=True, nogil=True)
+def _reach(r: Table, across: int, along: int) -> int:
+    """How far a window reaches beyond its box along the motion: by the width, as long as the box is not much longer."""
+    if along < r[ELONGATION] * across:
+        return int((across >> r[RING_ALONG]) + r[RING_PX])
+    return int((along >> r[RING_ACROSS]) + r[RING_PX])
+
+
+@njit(cache=True, nogil=True)
+def set_window(s: Table, r: Table, i: int) -> None:
+    """Box and window of slot i from its sides and its velocity."""
+    width = length(s, LO_X, HI_X, i)
+    height = length(s, LO_Y, HI_Y, i)
+    speed_x = abs(s[V_X, i])
+    speed_y = abs(s[V_Y, i])
+    known = s[STATE, i] != CANDIDATE or s[CORRECTIONS, i] >= MOVES_FROM
+    if known and speed_y >= 2 * speed_x:
+        ring_x = (width >> r[RING_ACROSS]) + r[RING_PX]
+        ring_y = _reach(r, width, height)
+    elif known and speed_x >= 2 * speed_y:
+        ring_x = _reach(r, height, width)
+        ring_y = (height >> r[RING_ACROSS]) + r[RING_PX]
+    else:
+        ring_x = (width >> r[RING_ANY]) + r[RING_PX]
+        ring_y = (height >> r[RING_ANY]) + r[RING_PX]
+    ring_x = min(ring_x, r[RING_MAX])
+    ring_y = min(ring_y, r[RING_MAX])
+    _box(s, LO_X, HI_X, BOX_LO_X, BOX_HI_X, i)
+    _box(s, LO_Y, HI_Y, BOX_LO_Y, BOX_HI_Y, i)
+    s[WIN_LO_X, i] = s[BOX_LO_X, i] - ring_x
+    s[WIN_HI_X, i] = s[BOX_HI_X, i] + ring_x
+    s[WIN_LO_Y, i] = s[BOX_LO_Y, i] - ring_y
+    s[WIN_HI_Y, i] = s[BOX_HI_Y, i] + ring_y
+
+
+@njit(cache=True, nogil=True)
+def bounded(s: Table, r: Table, lo: int, hi: int, i: int) -> None:
+    """Limit a side's length to `side_max`, about its middle."""
+    most = r[SIDE_MAX] << SUB
+    if s[hi, i] - s[lo, i] > most:
+        middle = (s[hi, i] + s[lo, i]) >> 1
+        s[lo, i] = middle - (most >> 1)
+        s[hi, i] = middle + (most >> 1)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def in_window(s: Table, i: int, x: int, y: int) -> bool:
+    """Whether a pixel lies in slot i's window."""
+    return bool(s[WIN_LO_X, i] <= x and x <= s[WIN_HI_X, i] and s[WIN_LO_Y, i] <= y and y <= s[WIN_HI_Y, i])
+
+
+@njit(cache=True, nogil=True, inline="always")
+def in_box(s: Table, i: int, x: int, y: int) -> bool:
+    """Whether a pixel lies in slot i's box."""
+    return bool(s[BOX_LO_X, i] <= x and x <= s[BOX_HI_X, i] and s[BOX_LO_Y, i] <= y and y <= s[BOX_HI_Y, i])
+
+
+@njit(cache=True, nogil=True)
+def gap(s: Table, lo: int, hi: int, i: int, j: int) -> int:
+    """Pixels from one interval to the other; negative: how far they overlap."""
+    return int(max(s[lo, i], s[lo, j]) - min(s[hi, i], s[hi, j]))
+
+
+@njit(cache=True, nogil=True)
+def windows_touch(s: Table, i: int, j: int) -> bool:
+    """Whether two windows share a pixel."""
+    return gap(s, WIN_LO_X, WIN_HI_X, i, j) <= 0 and gap(s, WIN_LO_Y, WIN_HI_Y, i, j) <= 0

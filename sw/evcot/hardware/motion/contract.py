@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The extended contract: registers of the whole array, their ranges, and the record. docs/motion.md states the rules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+
+import numpy as np
+
+from ...errors import ConfigError
+from ...ranges import Range, check_integer
+
+__all__ = ["MOTION_RANGES", "MOTION_RECORD", "SUB", "MotionRegisters"]
+
+SUB = 12  # fractional bits of a side, and of a velocity in pixels per motion step
+
+# register -> (lowest, highest, meaning)
+MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
+    {
+        "enable": (0, 1, "0: the rules of algorithm.md; 1: those of motion.md"),
+        "step_log2": (0, 20, "a motion step every 2^step_log2 ticks"),
+        "side_step": (1, 65535, "way of a side for an event beyond and one within it, in 2^-12 px"),
+        "side_share": (1, 8, "2^-side_share of a slot's events lie beyond each side"),
+        "side_shrink": (0, 8, "a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never"),
+        "side_max": (1, 4095, "longest side, px"),
+        "gain_log2": (1, 12, "gain of a velocity's correction is 2^-gain_log2 in the end"),
+        "gain_slow": (0, 6, "2^gain_slow corrections until a gain is halved"),
+        "settle": (0, 63, "corrections during which a velocity follows the slower of two sides"),
+        "speed_max": (0, 32767, "limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events"),
+        "friction": (0, 15, "a silent slot loses 2^-friction of its velocity a step; 0: nothing"),
+        "nev_low": (1, 1023, "fewest events of a correction"),
+        "nev_high": (1, 1023, "most events of a correction"),
+        "seed_px": (1, 255, "half the side of a new candidate's box"),
+        "ring_px": (0, 255, "least distance of a window from its box"),
+        "ring_max": (0, 255, "largest distance of a window from its box"),
+        "ring_across": (0, 8, "distance across the motion is 2^-ring_across of the box's side there"),
+        "ring_along": (0, 8, "distance along the motion is 2^-ring_along of the side across it"),
+        "ring_any": (0, 8, "distance, where there is no one direction, is 2^-ring_any of the side"),
+        "elongation": (1, 15, "a box this many times as long as it is wide reaches along its motion as across it"),
+        "detect_ticks": (1, 2**24 - 1, "ticks within which a candidate must have its first correction"),
+        "life_log2": (0, 8, "a life ends after 2^life_log2 times the usual time between corrections without one"),
+        "life_ticks": (1, 2**24 - 1, "but not before this time"),
+        "coast_ticks": (1, 2**24 - 1, "nor after this time"),
+        "birth_support": (1, 65535, "events that a candidate needs to become visible"),
+        "birth_px": (0, 255, "sides that it needs"),
+        "birth_ticks": (0, 2**24 - 1, "time that it needs"),
+        "birth_travel": (0, 8, "since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side"),
+        "gap_corrections": (0, 255, "corrections after which a box is looked through for a gap; 0: never"),
+        "gap_share": (1, 15, "a bin with at most 2^-gap_share of the events is empty"),
+        "gap_px": (1, 255, "narrowest gap"),
+        "join_steps": (1, 1023, "steps for which two slots must move together before they merge"),
+        "join_life": (0, 15, "and 2^-join_life of the younger's life"),
+        "join_speed": (0, 8, "together: velocities differ by at most 2^-join_speed of the larger"),
+        "join_reach": (0, 8, "one object: a gap along the motion of at most 2^-join_reach of the width"),
+        "join_px": (0, 255, "one object: a gap of so many px otherwise"),
+        "keep_older": (0, 1, "of two that merge stays 0: the one with more support; 1: the one that was seeded first"),
+        "report_steps": (1, 1023, "steps after which a slot without a correction is reported"),
+    }
+)
+
+
+@dataclass(frozen=True)
+class MotionRegisters:
+    """The registers of the extended contract, off by default; meanings and limits in `MOTION_RANGES`.
+
+    Raises:
+        ConfigError: a value outside its range, or values that contradict each other.
+    """
+
+    enable: int = 0
+    step_log2: int = 10
+    side_step: int = 1024
+    side_share: int = 4
+    side_shrink: int = 5
+    side_max: int = 160
+    gain_log2: int = 4
+    gain_slow: int = 2
+    settle: int = 8
+    speed_max: int = 32767
+    friction: int = 7
+    nev_low: int = 8
+    nev_high: int = 256
+    seed_px: int = 4
+    ring_px: int = 2
+    ring_max: int = 24
+    ring_across: int = 1
+    ring_along: int = 1
+    ring_any: int = 1
+    elongation: int = 2
+    detect_ticks: int = 10_000
+    life_log2: int = 3
+    life_ticks: int = 20_000
+    coast_ticks: int = 100_000
+    birth_support: int = 200
+    birth_px: int = 4
+    birth_ticks: int = 10_000
+    birth_travel: int = 1
+    gap_corrections: int = 16
+    gap_share: int = 7
+    gap_px: int = 2
+    join_steps: int = 10
+    join_life: int = 3
+    join_speed: int = 1
+    join_reach: int = 0
+    join_px: int = 2
+    keep_older: int = 0
+    report_steps: int = 4
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            low, high, meaning = MOTION_RANGES[field.name]
+            check_integer(f"motion.{field.name}", getattr(self, field.name), int(low), int(high), meaning)
+        for less, more in (("nev_low", "nev_high"), ("ring_px", "ring_max"), ("life_ticks", "coast_ticks")):
+            if getattr(self, less) > getattr(self, more):
+                raise ConfigError(f"motion.{less} = {getattr(self, less)}: must be at most {more} = {getattr(self, more)}")
+        if self.side_max < 2 * self.seed_px:
+            raise ConfigError(f"motion.seed_px = {self.seed_px}: must be at most half of side_max = {self.side_max}")
+
+
+# What the extended contract puts out: like contract.RECORD, with a box and a velocity in place of the radius.
+MOTION_RECORD = np.dtype(
+    [
+        ("seq", "<u8"),  # number of the event that caused it; of a motion step, of the next event
+        ("time", "<u8"),  # ticks since reset
+        ("track_id", "<u4"),
+        ("other_id", "<u4"),  # MERGED: the survivor; else 0
+        ("cm_x", "<i4"),  # middle of the box, px with SUB fractional bits; may be off the sensor
+        ("cm_y", "<i4"),
+        ("width", "<u4"),  # of the box, px with SUB fractional bits
+        ("height", "<u4"),
+        ("v_x", "<i2"),  # 2^-SUB px per motion step
+        ("v_y", "<i2"),
+        ("support", "<u4"),
+        ("n_ev", "<u2"),
+        ("slot", "u1"),
+        ("kind", "u1"),
+        ("_pad", "<u4"),
+    ]
+)

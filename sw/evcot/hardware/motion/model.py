@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The golden model of the extended contract: tables and registers around the compiled kernel."""
+
+from __future__ import annotations
+
+from dataclasses import astuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...ticks import TickedEvents
+from ..contract import Shape
+from ._kernel import RECORDS_PER_SLOT, feed, initialise, restart
+from ._state import FIELD_COUNT, GLOBAL_COUNT, ID_MASK, LIMIT_COUNT, NOW, REL_MASK, SUPPORT_MAX
+from .contract import MOTION_RECORD, MotionRegisters
+
+__all__ = ["MotionModel"]
+
+
+class MotionModel:
+    """The state of an array with motion, and what events do to it.
+
+    Args:
+        modes: start mode of each slot, off or seeded.
+    """
+
+    def __init__(self, shape: Shape, registers: MotionRegisters, modes: list[int]) -> None:
+        self._registers = np.array(astuple(registers), np.int64)
+        self._limits = np.zeros(LIMIT_COUNT, np.int64)
+        self._limits[ID_MASK] = (1 << shape.id_w) - 1
+        self._limits[SUPPORT_MAX] = (1 << shape.sup_w) - 1
+        self._limits[REL_MASK] = (1 << shape.rel_w) - 1
+        self._modes = np.array(modes, np.int64)
+        self._state = np.zeros((FIELD_COUNT, shape.n_slots), np.int64)
+        self._globals = np.zeros(GLOBAL_COUNT, np.int64)
+        initialise(self._state, self._registers, self._globals)
+
+    def feed(
+        self,
+        events: TickedEvents,
+        keep: NDArray[np.bool_],
+        owner: NDArray[np.int16],
+        rel_x: NDArray[np.uint16],
+        rel_y: NDArray[np.uint16],
+    ) -> NDArray[np.void]:
+        """Process a run of events, fill in what was decided on each, and return the records, (m,) MOTION_RECORD."""
+        n, done = len(events), 0
+        least = 2 * RECORDS_PER_SLOT * len(self._modes)
+        parts: list[NDArray[np.void]] = []
+        while done < n:
+            buffer = np.zeros(max(least, (n - done) // 4), MOTION_RECORD)
+            done, count = feed(
+                self._state, self._registers, self._limits, self._globals, self._modes,
+                events.ticks, events.x, events.y, keep, done, owner, rel_x, rel_y, buffer,
+            )  # fmt: skip
+            parts.append(buffer[:count])
+        return np.concatenate(parts) if parts else np.zeros(0, MOTION_RECORD)
+
+    def set_mode(self, slot: int, mode: int) -> NDArray[np.void]:
+        """Restart a slot in another mode; returns the record of the life that ends, (m,) MOTION_RECORD."""
+        self._modes[slot] = mode
+        room = np.zeros(1, MOTION_RECORD)
+        return room[: restart(self._state, self._globals, slot, room)]
+
+    @property
+    def time(self) -> int:
+        """Ticks since reset, at the last event."""
+        return int(self._globals[NOW])

@@ -1,0 +1,402 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The extended contract once more, in plain Python and by objects, as docs/motion.md has it; nothing is shared with kernels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from evcot.hardware.motion.contract import MotionRegisters
+from evcot.tracks.log import Kind
+
+__all__ = ["SlowArray"]
+
+PX = 4096  # a pixel, in units of a side
+Record = tuple[int, ...]
+
+
+def pixel(value: int) -> int:
+    """To nearest, halves up."""
+    return (value + PX // 2) // PX
+
+
+def divided(distance: int, shift: int, ticks: int) -> int:
+    """distance * 2^shift / ticks by four leading bits: 1.abc is inverted to a multiple of 1/128."""
+    exponent = ticks.bit_length() - 1
+    abc = (ticks * 8 >> exponent) - 8
+    inverse = round(128 / (1 + (abc + 0.5) / 8))
+    scale = exponent + 7 - shift
+    return distance * inverse // (1 << scale) if scale >= 0 else distance * inverse * (1 << -scale)
+
+
+@dataclass
+class Axis:
+    """Both sides of a box on one axis."""
+
+    lo: int
+    hi: int
+    v: int = 0
+    off: list[int] = field(default_factory=lambda: [0, 0])  # what events have moved each side since the last correction
+    beyond: list[bool] = field(default_factory=lambda: [False, False])
+    hidden: list[bool] = field(default_factory=lambda: [False, False])
+    ring: int = 0
+    box: tuple[int, int] = (0, 0)
+    bins: list[int] = field(default_factory=lambda: [0] * 16)
+    bin_px: int = 1
+    start: int = 0
+
+    @property
+    def side(self) -> int:
+        return max(self.hi - self.lo, 0)
+
+    @property
+    def px(self) -> int:
+        return self.side // PX
+
+    @property
+    def window(self) -> tuple[int, int]:
+        return self.box[0] - self.ring, self.box[1] + self.ring
+
+    def set_box(self, ring: int) -> None:
+        low, high = pixel(self.lo), pixel(self.hi)
+        if high < low:
+            low = high = (low + high) // 2
+        self.box, self.ring = (low, high), ring
+
+    def measure(self, place: int, out: int, back: int) -> None:
+        if all(self.hidden):
+            return
+        moves = [-out if place < self.lo else back, out if place > self.hi else -back]
+        self.beyond = [self.beyond[0] or place < self.lo, self.beyond[1] or place > self.hi]
+        if self.hidden[0]:
+            moves[0] = moves[1]
+        if self.hidden[1]:
+            moves[1] = moves[0]
+        self.lo, self.hi = self.lo + moves[0], self.hi + moves[1]
+        self.off = [off + move for off, move in zip(self.off, moves, strict=True)]
+
+    def common(self, slower: bool) -> int:
+        """Twice the way of both sides."""
+        if not slower:
+            return sum(self.off)
+        if (self.off[0] > 0) != (self.off[1] > 0):
+            return 0
+        return 2 * (self.off[0] if abs(self.off[0]) < abs(self.off[1]) else self.off[1])
+
+    def clear_bins(self) -> None:
+        self.bins, self.bin_px = [0] * 16, 2 ** max(0, self.px.bit_length() - 3)
+
+    def cut(self, share: int, least_px: int) -> None:
+        limit = max(1, sum(self.bins) >> share)
+        full = [b for b in range(16) if self.bins[b] > limit]
+        gaps = [(b - a - 1, -a) for a, b in pairwise(full) if b - a > 1]
+        if not gaps or max(gaps)[0] * self.bin_px < least_px:
+            return
+        width, begin = max(gaps)[0], 1 - max(gaps)[1]
+        end = begin + width
+        if sum(self.bins[:begin]) >= sum(self.bins[end:]):
+            self.hi = self.lo + begin * self.bin_px * PX
+        else:
+            self.lo += end * self.bin_px * PX
+            self.hi = max(self.hi, self.lo)
+
+
+def gap(a: tuple[int, int], b: tuple[int, int]) -> int:
+    return max(a[0], b[0]) - min(a[1], b[1])
+
+
+class Slot:
+    """A candidate or a visible track."""
+
+    def __init__(self, number: int, r: MotionRegisters, x: int, y: int, now: int) -> None:
+        self.number, self.r, self.visible, self.id = number, r, False, 0
+        self.axes = [Axis((at - r.seed_px) * PX, (at + r.seed_px) * PX) for at in (x, y)]
+        self.count = self.support = self.corrections = self.together = self.looked = 0
+        self.partner: Slot | None = None
+        self.meets, self.n_ev = False, r.nev_low
+        self.last = self.seeded = now
+        self.usual, self.deadline, self.reported = r.detect_ticks, now + r.detect_ticks, 0
+        for axis in self.axes:
+            axis.clear_bins()
+        self.set_window()
+
+    def set_window(self) -> None:
+        r, (x, y) = self.r, self.axes
+        known = self.visible or self.corrections >= 4
+
+        def across(axis: Axis) -> int:
+            return (axis.px >> r.ring_across) + r.ring_px
+
+        def along(axis: Axis, other: Axis) -> int:
+            return (other.px >> r.ring_along) + r.ring_px if axis.px < r.elongation * other.px else across(axis)
+
+        if known and abs(y.v) >= 2 * abs(x.v):
+            rings = across(x), along(y, x)
+        elif known and abs(x.v) >= 2 * abs(y.v):
+            rings = along(x, y), across(y)
+        else:
+            rings = (x.px >> r.ring_any) + r.ring_px, (y.px >> r.ring_any) + r.ring_px
+        for axis, ring in zip(self.axes, rings, strict=True):
+            axis.set_box(min(ring, r.ring_max))
+
+    def holds(self, place: tuple[int, int]) -> bool:
+        return all(axis.window[0] <= at <= axis.window[1] for axis, at in zip(self.axes, place, strict=True))
+
+    def boxes(self, place: tuple[int, int]) -> bool:
+        return all(axis.box[0] <= at <= axis.box[1] for axis, at in zip(self.axes, place, strict=True))
+
+    def take(self, place: tuple[int, int], shared: bool, support_max: int) -> bool:
+        r = self.r
+        self.support = min(self.support + 1, support_max)
+        if shared:
+            return False
+        back = r.side_step >> r.side_share
+        faster = 1 if self.visible else 2
+        for axis, at in zip(self.axes, place, strict=True):
+            number = (at - pixel(axis.lo)) // axis.bin_px
+            if r.gap_corrections and 0 <= number < 16:
+                axis.bins[number] += 1
+            axis.measure(at * PX, faster * (r.side_step - back), faster * back)
+        self.count += 1
+        return self.count >= self.n_ev
+
+    def correct(self, now: int) -> None:
+        r = self.r
+        for axis in self.axes:
+            part = axis.side >> r.side_shrink if r.side_shrink and not self.meets else 0
+            if not axis.beyond[0]:
+                axis.lo, axis.off[0] = axis.lo + part, axis.off[0] + part
+            if not axis.beyond[1]:
+                axis.hi, axis.off[1] = axis.hi - part, axis.off[1] - part
+            axis.beyond = [False, False]
+        self.look()
+        ticks = max(now - self.last, 1)
+        for axis in self.axes:
+            if self.corrections >= 2:
+                gain = min(1 + self.corrections // 2**r.gain_slow, r.gain_log2) + self.meets
+                change = divided(axis.common(self.corrections < r.settle), r.step_log2 - 1 - gain, ticks)
+                axis.v = max(-r.speed_max, min(r.speed_max, axis.v + change))
+            axis.off = [0, 0]
+        self.usual = ticks if self.corrections == 0 else self.usual + (ticks - self.usual) // 4
+        self.last, self.count = now, 0
+        self.corrections = min(self.corrections + 1, 63)
+        if self.corrections == 4:
+            for axis in self.axes:
+                axis.start = axis.lo + axis.hi
+        self.n_ev = min(max(sum(axis.px for axis in self.axes), r.nev_low), r.nev_high)
+        self.deadline = now + min(max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks)
+        self.set_window()
+
+    def look(self) -> None:
+        r, (x, y) = self.r, self.axes
+        if not r.gap_corrections:
+            return
+        self.looked += 1
+        if self.looked < r.gap_corrections:
+            return
+        if self.corrections >= 8 and (x.v or y.v):
+            sides = x.px, y.px
+            for i, axis, other in ((0, x, y), (1, y, x)):
+                if 2 * abs(other.v) >= abs(axis.v):
+                    axis.cut(r.gap_share, r.gap_px)
+                elif sides[i] >= r.elongation * sides[1 - i]:
+                    axis.cut(r.gap_share, max(r.gap_px, sides[1 - i] // 2))
+        self.clear_bins()
+
+    def clear_bins(self) -> None:
+        self.looked = 0
+        for axis in self.axes:
+            axis.clear_bins()
+
+    def advance(self, now: int) -> None:
+        r = self.r
+        dies = r.friction and not self.meets and now - self.last > 4 * self.usual
+        for axis in self.axes:
+            axis.lo, axis.hi = axis.lo + axis.v, axis.hi + axis.v
+            if dies:
+                axis.v -= axis.v >> r.friction
+
+    def bound(self) -> None:
+        most = self.r.side_max * PX
+        for axis in self.axes:
+            if axis.hi - axis.lo > most:
+                middle = (axis.lo + axis.hi) // 2
+                axis.lo, axis.hi = middle - most // 2, middle + most // 2
+
+    def moves_with(self, other: Slot) -> bool:
+        fastest = max(abs(axis.v) for one in (self, other) for axis in one.axes)
+        apart = max(abs(a.v - b.v) for a, b in zip(self.axes, other.axes, strict=True))
+        return apart <= (fastest >> self.r.join_speed) + PX // 64
+
+    def is_one_with(self, other: Slot) -> bool:
+        r, leader = self.r, self if self.support >= other.support else other
+        gaps = [gap(a.box, b.box) for a, b in zip(self.axes, other.axes, strict=True)]
+        sides = [[axis.box[1] - axis.box[0] for axis in one.axes] for one in (self, other)]
+        abreast = [gaps[i] <= -(min(sides[0][i], sides[1][i]) // 2) for i in (0, 1)]
+        near = [r.join_px, r.join_px]
+        ahead = 1 if abs(leader.axes[1].v) >= abs(leader.axes[0].v) else 0
+        near[ahead] = max(sides[0][1 - ahead], sides[1][1 - ahead]) >> r.join_reach
+        return any(abreast[i] and gaps[1 - i] <= near[1 - i] for i in (0, 1))
+
+    def unite(self, other: Slot, support_max: int) -> None:
+        for axis, its in zip(self.axes, other.axes, strict=True):
+            axis.lo, axis.hi = min(axis.lo, its.lo), max(axis.hi, its.hi)
+            axis.off, axis.beyond = [0, 0], [True, True]
+        self.support = min(self.support + other.support, support_max)
+        self.deadline = max(self.deadline, other.deadline)
+        self.partner, self.together = None, 0
+        self.clear_bins()
+        self.set_window()
+
+    def appears(self, now: int) -> bool:
+        r = self.r
+        sides = [axis.hi - axis.lo for axis in self.axes]
+        way = max(abs(axis.lo + axis.hi - axis.start) for axis in self.axes)
+        return (
+            self.corrections >= 4
+            and self.support >= r.birth_support
+            and min(sides) >= r.birth_px * PX
+            and now - self.seeded >= r.birth_ticks
+            and way >= (sum(sides) >> (r.birth_travel + 1)) + 2 * PX
+        )
+
+    def hide(self, others: list[Slot]) -> None:
+        self.meets = False
+        for axis in self.axes:
+            axis.hidden = [False, False]
+        for other in others:
+            if any(gap(a.window, b.window) > 0 for a, b in zip(self.axes, other.axes, strict=True)):
+                continue
+            self.meets = True
+            for i in (0, 1):
+                mine, its = self.axes[i], other.axes[i]
+                if gap(self.axes[1 - i].box, other.axes[1 - i].window) <= 0:
+                    inside = [its.window[0] <= side <= its.window[1] for side in mine.box]
+                    mine.hidden = [a or b for a, b in zip(mine.hidden, inside, strict=True)]
+
+
+class SlowArray:
+    """All slots.
+
+    Attributes:
+        records: (seq, time, kind, id, other id, middle x, y, sides x, y, velocity x, y, support, n_ev, slot).
+        owners: of each event.
+    """
+
+    def __init__(self, registers: MotionRegisters, n_slots: int, support_max: int, id_mask: int) -> None:
+        self.r, self.support_max, self.id_mask = registers, support_max, id_mask
+        self.slots: list[Slot | None] = [None] * n_slots
+        self.records: list[Record] = []
+        self.owners: list[int] = []
+        self.births = 0
+        self.next_step = 2**registers.step_log2
+
+    def event(self, now: int, x: int, y: int) -> None:
+        while self.next_step <= now:
+            for i in range(len(self.slots)):
+                slot = self.slots[i]
+                if slot is not None:
+                    self._step(slot, self.next_step)
+            self.next_step += 2**self.r.step_log2
+        slot, shared = self._owner(now, (x, y))
+        self.owners.append(-1 if slot is None else slot.number)
+        if slot is not None and slot.take((x, y), shared, self.support_max):
+            slot.correct(now)
+            if slot.visible:
+                self._record(slot, Kind.MOVED, now, len(self.owners) - 1)
+
+    def _owner(self, now: int, place: tuple[int, int]) -> tuple[Slot | None, bool]:
+        here = [slot for slot in self.slots if slot is not None and slot.holds(place)]
+        visible = [slot for slot in here if slot.visible]
+        for choice in ([slot for slot in visible if slot.boxes(place)], visible):
+            if choice:
+                return choice[0], len(choice) > 1
+        if here:
+            return here[0], False
+        for i, slot in enumerate(self.slots):
+            if slot is None:
+                self.slots[i] = Slot(i, self.r, *place, now)
+                return self.slots[i], False
+        return None, False
+
+    def _record(self, slot: Slot, kind: Kind, time: int, seq: int | None = None, other: int = 0) -> None:
+        x, y = slot.axes
+        middle = [(axis.lo + axis.hi) // 2 for axis in slot.axes]
+        seq = len(self.owners) if seq is None else seq
+        slot.reported = time
+        self.records.append(
+            (seq, time, int(kind), slot.id, other, *middle, x.side, y.side, x.v, y.v, slot.support, slot.n_ev, slot.number)
+        )
+
+    def _living(self, but: Slot) -> list[Slot]:
+        return [slot for slot in self.slots if slot is not None and slot is not but]
+
+    def _step(self, slot: Slot, now: int) -> None:
+        r = self.r
+        if now >= slot.deadline:
+            if slot.visible:
+                self._record(slot, Kind.LOST, now)
+            self.slots[slot.number] = None
+            return
+        if slot.visible or slot.corrections >= 4:
+            slot.advance(now)
+        slot.bound()
+        slot.set_window()
+        self._join(slot, now)
+        if self.slots[slot.number] is not slot:
+            return
+        if not slot.visible:
+            if self._absorbed(slot) or not slot.appears(now):
+                return
+            slot.visible, slot.id = True, self.births & self.id_mask
+            self.births += 1
+            self._record(slot, Kind.BORN, now)
+            return
+        slot.hide([other for other in self._living(slot) if other.visible])
+        if now - slot.reported >= r.report_steps * 2**r.step_log2:
+            self._record(slot, Kind.MOVED, now)
+
+    def _join(self, slot: Slot, now: int) -> None:
+        r = self.r
+        partner = None
+        if slot.corrections >= 4:
+            settled = [other for other in self._living(slot) if other.corrections >= 4]
+            partner = next((other for other in settled if slot.moves_with(other) and slot.is_one_with(other)), None)
+        if partner is None:
+            slot.together = max(slot.together - 1, 0)
+            return
+        if slot.partner is None or slot.partner.number != partner.number:
+            slot.partner, slot.together = partner, 0
+        slot.together += 1
+        younger = now - max(slot.seeded, partner.seeded)
+        if slot.together < max(r.join_steps, younger // 2**r.step_log2 // 2**r.join_life):
+            return
+        stays, goes = slot, partner
+        if stays.visible != goes.visible:
+            swap = goes.visible
+        else:
+            swap = goes.seeded < stays.seeded if r.keep_older else goes.support > stays.support
+        if swap:
+            stays, goes = goes, stays
+        if goes.visible:
+            self._record(goes, Kind.MERGED, now, other=stays.id)
+        stays.unite(goes, self.support_max)
+        self.slots[goes.number] = None
+        if stays.visible:
+            self._record(stays, Kind.MOVED, now)
+
+    def _absorbed(self, slot: Slot) -> bool:
+        middle = tuple((axis.box[0] + axis.box[1]) // 2 for axis in slot.axes)
+        if any(other.visible and other.holds((middle[0], middle[1])) for other in self._living(slot)):
+            self.slots[slot.number] = None
+            return True
+        for other in self._living(slot):
+            if other.visible or any(gap(a.box, b.box) > 0 for a, b in zip(slot.axes, other.axes, strict=True)):
+                continue
+            if slot.support < other.support:
+                other.unite(slot, self.support_max)
+                self.slots[slot.number] = None
+                return True
+            slot.unite(other, self.support_max)
+            self.slots[other.number] = None
+        return False

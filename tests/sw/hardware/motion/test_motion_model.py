@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The golden model of the extended contract against a slow one in plain Python, on streams in which objects meet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot.errors import ConfigError
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import RECORD, Mode, Shape
+from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records
+from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
+from evcot.ticks import TickedEvents
+from evcot.tracks.log import DROPPED, Kind
+from support.slow_motion import SlowArray
+
+SHAPE = Shape(n_slots=5, x_w=7, y_w=6, sup_w=9, id_w=3, radix_w=5)
+QUICK = MotionRegisters(
+    enable=1, step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
+    birth_ticks=100, birth_travel=3, nev_low=4, nev_high=40, side_max=40, seed_px=3, gap_corrections=4, join_steps=3,
+    report_steps=2, ring_max=10,
+)  # fmt: skip
+VARIANTS = {
+    "quick": {},
+    "no prediction": {"speed_max": 0},
+    "slow limit": {"speed_max": 300, "friction": 2},
+    "no friction": {"friction": 0, "life_log2": 6},
+    "no gaps": {"gap_corrections": 0},
+    "gaps at once": {"gap_corrections": 1, "gap_share": 3, "gap_px": 1},
+    "no shrinking": {"side_shrink": 0, "side_share": 2},
+    "older stays": {"keep_older": 1, "join_steps": 1, "join_life": 15, "join_speed": 0},
+    "never together": {"join_steps": 1023},
+    "slow to merge": {"join_life": 0, "join_speed": 0, "join_reach": 1, "join_px": 6},
+    "wide rings": {"ring_across": 0, "ring_along": 0, "ring_any": 0, "ring_max": 255, "elongation": 1},
+    "narrow rings": {"ring_px": 0, "ring_across": 4, "ring_along": 3, "ring_any": 3, "elongation": 6},
+    "large sides": {"side_step": 60_000, "side_max": 60, "speed_max": 32_767},
+    "fine steps": {"step_log2": 0, "report_steps": 20, "gain_log2": 9, "gain_slow": 0, "settle": 0},
+    "coarse steps": {"step_log2": 9, "settle": 63, "gain_log2": 1, "join_steps": 1},
+    "everything is born": {"birth_support": 1, "birth_px": 0, "birth_ticks": 0, "birth_travel": 8},
+}
+
+
+def scene(seed: int, n: int = 6_000) -> TickedEvents:
+    """Outlines of some boxes that bounce, of every size and speed, with noise, pauses and a hot pixel."""
+    random = np.random.default_rng(seed)
+    ticks = np.cumsum(random.integers(0, 5, n) + np.where(random.random(n) < 0.002, 1_500, 0))
+    count = 4
+    which, side = random.integers(0, count, n), random.integers(0, 4, n)
+    half = random.uniform(2, 9, (2, count))[:, which]
+    room = np.array([[127.0], [63.0]]) - 2 * half
+    way = random.uniform(0, 60, (2, count))[:, which] + random.normal(0, 0.012, (2, count))[:, which] * ticks
+    middle = half + np.abs((way + room) % (2 * room) - room)
+    along = random.uniform(-1, 1, n) * half
+    sign = np.where(side % 2, 1, -1)
+    place = middle + np.where(side < 2, np.stack((sign * half[0], along[1])), np.stack((along[0], sign * half[1])))
+    noise = random.random(n) < 0.06
+    place[:, noise] = random.uniform(0, 1, (2, np.count_nonzero(noise))) * [[127], [63]]
+    place[:, random.random(n) < 0.02] = [[100], [10]]
+    x, y = np.clip(np.rint(place), 0, [[127], [63]]).astype(np.uint16)
+    return TickedEvents(ticks.astype(np.int64), x, y, np.zeros(n, np.uint8))
+
+
+def config_of(registers: MotionRegisters, **shape: int) -> CotConfig:
+    return CotConfig(replace(SHAPE, **shape), motion=registers)
+
+
+def as_tuples(records: NDArray[np.void]) -> list[tuple[int, ...]]:
+    names = (
+        "seq", "time", "kind", "track_id", "other_id", "cm_x", "cm_y", "width", "height", "v_x", "v_y", "support", "n_ev",
+        "slot",
+    )  # fmt: skip
+    return list(zip(*(records[name].tolist() for name in names), strict=True))
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_equals_a_slow_model(name: str, seed: int) -> None:
+    registers, events = replace(QUICK, **VARIANTS[name]), scene(seed)
+    model = CotModel(config_of(registers)).feed(events)
+    slow = SlowArray(registers, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
+    for at, x, y in zip(events.ticks.tolist(), events.x.tolist(), events.y.tolist(), strict=True):
+        slow.event(at, x, y)
+    assert model.owner.tolist() == slow.owners
+    assert as_tuples(model.records) == slow.records
+    assert len(slow.records) > 0
+
+
+def test_the_scenes_show_every_kind_of_record_and_shared_events() -> None:
+    """Else the comparison above would not say much."""
+    kinds = set()
+    for seed in (1, 2):
+        for changes in VARIANTS.values():
+            kinds |= set(CotModel(config_of(replace(QUICK, **changes))).feed(scene(seed)).records["kind"].tolist())
+    assert kinds == {int(kind) for kind in Kind}
+
+
+def same(a: Decisions, b: Decisions) -> None:
+    for name in ("records", "owner", "rel_x", "rel_y"):
+        assert np.array_equal(getattr(a, name), getattr(b, name)), name
+
+
+@pytest.mark.parametrize("cuts", [[1], [3_000], [10, 11, 12, 5_999], list(range(0, 6_000, 7))])
+def test_runs_may_be_cut_anywhere(cuts: list[int]) -> None:
+    events = scene(3)
+    whole = CotModel(config_of(QUICK)).feed(events)
+    model = CotModel(config_of(QUICK))
+    bounds = [0, *cuts, len(events)]
+    parts = [model.feed(events[a:b]) for a, b in pairwise(bounds)]
+    same(whole, Decisions(*(np.concatenate([getattr(part, name) for part in parts]) for name in Decisions._fields)))
+
+
+def test_an_event_is_at_its_place_in_its_owner_window() -> None:
+    decided = CotModel(config_of(QUICK)).feed(scene(1))
+    owned = decided.owner >= 0
+    assert owned.any()
+    assert decided.rel_x[owned].max() <= QUICK.side_max + 2 * QUICK.ring_max + 1
+    assert not decided.rel_x[~owned].any()
+
+
+def test_dropped_events_have_no_owner_but_advance_time() -> None:
+    events, random = scene(2), np.random.default_rng(5)
+    keep = random.random(len(events)) < 0.7
+    decided = CotModel(config_of(QUICK)).feed(events, keep)
+    alone = CotModel(config_of(QUICK)).feed(events[keep])
+    assert np.array_equal(decided.owner == DROPPED, ~keep)
+    assert np.array_equal(decided.owner[keep], alone.owner)
+    for name in ("time", "cm_x", "width", "v_y", "kind"):
+        assert np.array_equal(decided.records[name][: len(alone.records)], alone.records[name])
+
+
+def test_off_leaves_every_bit_as_it_was() -> None:
+    slot = SlotConfig(
+        init_radix=6, radix_min=4, radix_max=9, clust_nev=4, nev_min=2, nev_max=8, max_ticks=300, detect_ticks=200
+    )
+    events = scene(1)
+    plain = CotModel(CotConfig.uniform(SHAPE, slot)).feed(events)
+    off = CotModel(replace(CotConfig.uniform(SHAPE, slot), motion=replace(QUICK, enable=0))).feed(events)
+    assert off.records.dtype == RECORD
+    same(plain, off)
+
+
+def test_a_slot_that_is_off_is_never_used() -> None:
+    slots = tuple(SlotConfig(mode=Mode.OFF if i in (0, 3) else Mode.SEEDED) for i in range(SHAPE.n_slots))
+    decided = CotModel(replace(config_of(QUICK), slots=slots)).feed(scene(1))
+    assert set(np.unique(decided.owner)) >= {1, 2}
+    assert not np.isin(decided.owner, (0, 3)).any()
+
+
+def test_writing_mode_ends_a_life_with_a_record() -> None:
+    events, model = scene(1), CotModel(config_of(replace(QUICK, coast_ticks=100_000, life_ticks=100_000)))
+    born = model.feed(events).records
+    slot = int(born["slot"][born["kind"] == Kind.BORN][-1])
+    ended = model.write_registers(slot, SlotConfig(mode=Mode.OFF), restart=True)
+    assert ended.dtype == MOTION_RECORD
+    assert ended["kind"].tolist() in ([Kind.LOST], [])
+    assert len(model.write_registers(slot, SlotConfig(mode=Mode.OFF), restart=True)) == 0
+    with pytest.raises(ConfigError, match=r"^slot\[1\].mode = 1: must be 0 or 2 with motion.enable = 1$"):
+        model.write_registers(1, SlotConfig(mode=Mode.FIXED), restart=True)
+
+
+def test_a_fixed_start_and_a_chain_are_refused() -> None:
+    with pytest.raises(ConfigError, match=r"^cot.slot\[0\].mode = 1: must be 0 or 2 with motion.enable = 1$"):
+        replace(config_of(QUICK), slots=(SlotConfig(mode=Mode.FIXED),) * SHAPE.n_slots)
+    with pytest.raises(ConfigError, match=r"^motion.enable = 1: must be 0 for a chain; only an array has motion$"):
+        CotModel(config_of(QUICK), Arrangement.CHAIN)
+
+
+def test_records_in_pixels_and_seconds() -> None:
+    raw = np.zeros(1, MOTION_RECORD)
+    raw["cm_x"], raw["cm_y"], raw["width"], raw["height"], raw["v_x"], raw["v_y"] = (
+        10 << 12,
+        -4096,
+        32 << 12,
+        16 << 12,
+        2048,
+        -4096,
+    )
+    raw["time"], raw["support"] = 5, 30
+    config = replace(config_of(replace(QUICK, side_share=4)), tick_us=10)
+    (record,) = to_track_records(raw, config, np.array([999]), 0, 1_000)
+    assert (record["x"], record["y"], record["t_us"]) == (10.0, -1.0, 1_050)
+    assert (record["width"], record["height"], record["radius"]) == (35.0, 18.0, 17.5)
+    assert (record["vx"], record["vy"]) == (1562.5, -3125.0)  # of 320 us a step
+    assert record["confidence"] == 0.5

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the rules are for: boxes and velocities of known objects, objects that cross, one object of two edges, noise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import Shape
+from evcot.hardware.cot import CotModel
+from evcot.hardware.motion._velocity import over
+from evcot.hardware.motion.contract import MotionRegisters
+from evcot.ticks import TickedEvents
+from evcot.tracks.log import Kind
+
+ON = MotionRegisters(enable=1)
+PX = 4096.0
+
+Pair = tuple[float, float]
+Columns = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+
+
+def events(*columns: Columns) -> TickedEvents:
+    """Several objects' (t_us, x, y), merged."""
+    t, x, y = (np.concatenate(column) for column in zip(*columns, strict=True))
+    order = np.argsort(t, kind="stable")
+    place = np.clip(np.rint([x[order], y[order]]), 0, 255).astype(np.uint16)
+    return TickedEvents(t[order].astype(np.int64), place[0], place[1], np.zeros(len(t), np.uint8))
+
+
+def outline(
+    seed: int,
+    start: tuple[float, float],
+    speed: tuple[float, float],
+    half: tuple[float, float],
+    hz: float,
+    end_us: int = 1_000_000,
+) -> Columns:
+    """Events all round a box that moves straight on; speed in px/s."""
+    random = np.random.default_rng(seed)
+    n = round(hz * end_us * 1e-6)
+    t = np.sort(random.uniform(0, end_us, n))
+    x, y = random.uniform(-1, 1, (2, n))
+    on_side, sign = random.random(n) < 0.5, random.choice((-1.0, 1.0), n)
+    x, y = np.where(on_side, sign, x), np.where(on_side, y, sign)
+    return t, start[0] + speed[0] * t * 1e-6 + half[0] * x, start[1] + speed[1] * t * 1e-6 + half[1] * y
+
+
+def records(stream: TickedEvents, registers: MotionRegisters = ON, n_slots: int = 8) -> NDArray[np.void]:
+    return CotModel(CotConfig(Shape(n_slots=n_slots, x_w=8, y_w=8), motion=registers)).feed(stream).records
+
+
+def born(found: NDArray[np.void]) -> int:
+    return int(np.count_nonzero(found["kind"] == Kind.BORN))
+
+
+@pytest.mark.parametrize("speed", [(120.0, 0.0), (0.0, -120.0), (100.0, 60.0), (-100.0, -60.0)])
+def test_box_and_velocity_of_one_object(speed: tuple[float, float]) -> None:
+    start = tuple(30.0 if way > 0 else 220.0 if way < 0 else 128.0 for way in speed)
+    found = records(events(outline(1, (start[0], start[1]), speed, (14.0, 7.0), 20_000)))
+    assert born(found) == 1
+    late = found[found["time"] > 600_000]
+    seconds = late["time"] * 1e-6
+    assert np.abs(late["cm_x"] / PX - start[0] - speed[0] * seconds).max() < 2.0
+    assert np.abs(late["cm_y"] / PX - start[1] - speed[1] * seconds).max() < 2.0
+    assert np.median(late["width"]) / PX == pytest.approx(26.5, abs=2.0)
+    assert np.median(late["height"]) / PX == pytest.approx(13.2, abs=1.5)
+    per_s = 1e6 / 1024 / PX
+    assert np.median(late["v_x"]) * per_s == pytest.approx(speed[0], abs=8.0)
+    assert np.median(late["v_y"]) * per_s == pytest.approx(speed[1], abs=8.0)
+
+
+def test_prediction_carries_an_object_over_silence() -> None:
+    t, x, y = outline(2, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 20_000)
+    seen = (t < 500_000) | (t > 560_000)  # it goes on for 9 px behind something
+    stream = events((t[seen], x[seen], y[seen]))
+    registers = replace(ON, life_ticks=80_000)
+    found = records(stream, registers)
+    assert (born(found), np.count_nonzero(found["kind"] == Kind.LOST)) == (1, 0)
+    hidden = found[(found["time"] > 505_000) & (found["time"] < 560_000)]
+    assert len(hidden) >= 10
+    assert np.abs(hidden["cm_x"] / PX - 30.0 - 150e-6 * hidden["time"]).max() < 3.0
+    still = records(stream, replace(registers, speed_max=0))
+    waits = still[(still["time"] > 505_000) & (still["time"] < 560_000)]
+    assert np.ptp(waits["cm_x"]) == 0
+
+
+def test_a_silent_velocity_dies_away() -> None:
+    stream = events(outline(3, (30.0, 60.0), (150.0, 0.0), (8.0, 8.0), 20_000, 400_000))
+    last = TickedEvents(np.array([470_000]), *(np.array([200], np.uint16),) * 2, np.zeros(1, np.uint8))
+    both = [TickedEvents(*(np.concatenate(pair) for pair in zip(vars(stream).values(), vars(last).values(), strict=True)))]
+    found = records(both[0], replace(ON, life_ticks=100_000))
+    silent = found[found["time"] > 405_000]["v_x"]
+    assert 0.7 * silent[0] > silent[-1] > 0
+    assert (np.diff(silent) <= 0).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_two_that_cross_keep_their_identities(seed: int) -> None:
+    one = outline(seed, (40.0, 40.0), (140.0, 110.0), (9.0, 9.0), 15_000)
+    other = outline(seed + 50, (180.0, 40.0), (-140.0, 110.0), (9.0, 9.0), 15_000)
+    found = records(events(one, other))
+    assert (born(found), np.count_nonzero(found["kind"] == Kind.MERGED)) == (2, 0)
+    first, last = ({int(row["track_id"]): row["cm_x"] / PX for row in found[part]} for part in (found["time"] < 300_000, ...))
+    for track, x in first.items():
+        assert (last[track] > 110) == (x < 110), "each is on the other side in the end"
+
+
+def test_two_edges_of_one_object_become_one_track() -> None:
+    def bar(seed: int, y: float) -> Columns:
+        return outline(seed, (80.0, y), (0.0, 120.0), (12.0, 1.0), 8_000)
+
+    found = records(events(bar(1, 40.0), bar(2, 62.0)), replace(ON, birth_px=0))
+    late = found[found["time"] > 900_000]
+    assert len(set(late["track_id"].tolist())) == 1
+    assert np.median(late["height"]) / PX == pytest.approx(23.0, abs=3.0)
+    apart = records(events(bar(1, 40.0), bar(2, 62.0)), replace(ON, birth_px=0, join_steps=1023, ring_along=8, ring_any=8))
+    assert len(set(apart[apart["time"] > 900_000]["track_id"].tolist())) == 2
+
+
+def test_two_abreast_are_cut_apart() -> None:
+    """They appear as one, since they begin together and close by; the gap between them shows."""
+    starts = (1, 100.0, -16.0), (2, 119.0, 16.0)
+    stream = events(*(outline(seed, (x, 30.0), (way, 150.0), (8.0, 8.0), 12_000) for seed, x, way in starts))
+    both = [records(stream, replace(ON, gap_corrections=n, ring_across=0, ring_any=0)) for n in (16, 0)]
+    late = [found[found["time"] > 900_000] for found in both]
+    assert max(late[0]["width"]) / PX < 25
+    assert max(late[1]["width"]) / PX > 35
+
+
+def test_of_two_that_merge_the_one_with_more_support_stays_or_the_older() -> None:
+    def bar(seed: int, y: float, hz: float, begin_us: int) -> Columns:
+        t, x, y_px = outline(seed, (80.0, y), (0.0, 120.0), (12.0, 1.0), hz)
+        return t[t > begin_us], x[t > begin_us], y_px[t > begin_us]
+
+    stream = events(bar(1, 62.0, 3_000, 0), bar(2, 40.0, 16_000, 100_000))
+    apart = replace(ON, birth_px=0, join_steps=150, ring_along=8, ring_any=8)
+    stays = {}
+    for older in (0, 1):
+        found = records(stream, replace(apart, keep_older=older))
+        merged = found[found["kind"] == Kind.MERGED]
+        assert len(merged) == 1
+        stays[older] = int(merged["other_id"][0])
+    assert stays == {0: 1, 1: 0}
+
+
+def test_noise_and_a_hot_pixel_and_a_lamp_are_not_born() -> None:
+    random = np.random.default_rng(7)
+    n = 15_000
+    noise = np.sort(random.uniform(0, 1e6, n)), random.uniform(0, 255, n), random.uniform(0, 255, n)
+    hot = np.arange(0, 1e6, 200.0), np.full(5_000, 60.0), np.full(5_000, 60.0)
+    lamp = np.sort(random.uniform(0, 1e6, n)), *random.uniform(120, 140, (2, n))
+    assert born(records(events(hot))) == 0
+    assert born(records(events(lamp))) == 0
+    assert born(records(events(noise), n_slots=16)) == 0
+    asked_less = replace(ON, birth_travel=8, birth_px=0)
+    assert born(records(events(lamp), asked_less)) >= 1, "nothing but its rest keeps the lamp from being born"
+
+
+@pytest.mark.parametrize("ticks", [1, 2, 3, 7, 8, 9, 15, 16, 100, 1_000, 123_456, 2**24])
+def test_a_quotient_is_within_six_percent(ticks: int) -> None:
+    for distance in (-(2**20), -(2**14), 2**14, 2**20):
+        exact = distance * 2**20 / ticks
+        assert over(distance, ticks, 20) == pytest.approx(exact, rel=0.065, abs=1.5)
+    assert over(3 * 2**12, 2**10, 5) == math.floor(3 * 2**12 * round(1024 / 8.5) / 2**12)
