@@ -30,6 +30,7 @@ from .commands import (
     render,
     report,
     simulate,
+    sweep,
     track,
     waves,
 )
@@ -121,6 +122,7 @@ def parser() -> argparse.ArgumentParser:
         anomalies,
         board,
         bench,
+        sweep,
         presets,
     ):
         group.add(commands)

@@ -20,7 +20,7 @@ from evcot.metrics.rule import RULES
 from evcot.recordings.files import open_recording
 from evcot.recordings.formats.source import Sensor
 from evcot.scenes import Scene
-from evcot.scenes.registry import simulate_scene
+from evcot.scenes.registry import scene_settings, simulate_scene
 
 from .machine import content_of
 from .spec import Spec
@@ -130,8 +130,8 @@ def sensor_of(source: Input) -> Sensor:
         RecordingError: a recording that cannot be read.
     """
     if source.is_scene:
-        scene = _scene(source.name, source.scene_seed or 0, canonical(source.scene_settings))
-        return scene.recording.width, scene.recording.height
+        settings = scene_settings(source.name, source.scene_seed or 0, source.scene_settings)
+        return settings.width, settings.height
     return _file_sensor(source.name, source.content, source.skip_damaged)
 
 

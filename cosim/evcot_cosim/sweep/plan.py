@@ -11,6 +11,7 @@ from typing import Any
 from evcot.errors import ConfigError
 from evcot.hardware.contract import Shape
 from evcot.recordings.formats.source import Sensor
+from evcot.trackers.engines import ENGINES
 
 from ..lockstep.cosim import check_addresses_of
 from .axes import Point, grid, latin, uniform
@@ -34,15 +35,10 @@ class Invalid:
 
 @dataclass
 class Plan:
-    """Distinct runs in the order in which they are best done, those that cannot be, and the runs of each point.
-
-    Attributes:
-        of_points: for each point and engine, the keys of its runs.
-    """
+    """Distinct runs in the order in which they are best done, and those that cannot be."""
 
     tasks: list[Task] = field(default_factory=list)
     invalid: list[Invalid] = field(default_factory=list)
-    of_points: dict[tuple[int, str], list[str]] = field(default_factory=dict)
 
     @property
     def designs(self) -> int:
@@ -83,7 +79,6 @@ class Planner:
         self.inputs = inputs_of(spec)
         self._sensors = {id(each): sensor_of(each) for each in self.inputs}
         self._checked: dict[str, str | None] = {}
-        self._points = 0
 
     @property
     def paths(self) -> list[str]:
@@ -113,11 +108,12 @@ class Planner:
         plan.tasks = _designs_first(plan.tasks)
         return plan
 
-    def plan(self, points: Iterable[Point], engines: Sequence[str] | None = None) -> Plan:
+    def plan(self, points: Iterable[Point], engines: Sequence[str] | None = None, *, strict: bool = True) -> Plan:
         """The runs of points, each once.
 
         Args:
             engines: some of the specification's; None: all.
+            strict: whether it is an error that a value, or an engine, has no run that can be.
 
         Raises:
             ConfigError: every run with one of the values, or every run of an engine, cannot be; the first reason.
@@ -127,13 +123,11 @@ class Planner:
         accepted: set[tuple[str, str]] = set()
         for point in points:
             for engine in self.spec.engines if engines is None else engines:
-                keys: list[str] = []
                 named = [(engine, canonical([name, value])) for name, value in point.items() if concerns(name, engine)]
                 for task in self._tasks(engine, point):
                     fault = self._fault(task)
                     if fault is None:
                         accepted.update([*named, (engine, "")])
-                        keys.append(task.key)
                     else:
                         for each in [*named, (engine, "")]:
                             refused.setdefault(each, fault)
@@ -141,10 +135,8 @@ class Planner:
                         seen.add(task.key)
                         plan.tasks += [task] if fault is None else []
                         plan.invalid += [Invalid(task, fault)] if fault is not None else []
-                plan.of_points[self._points, engine] = keys
-            self._points += 1
         choices = {canonical([axis.name, value]) for axis in self.spec.axes for value in axis.choices} | {""}
-        for (engine, what), fault in refused.items():
+        for (engine, what), fault in refused.items() if strict else ():
             if what in choices and (engine, what) not in accepted:
                 raise ConfigError(f"no run of engine {engine} is possible{_with(what)}: {fault}")
         plan.tasks = _designs_first(plan.tasks)
@@ -155,6 +147,8 @@ class Planner:
         own: dict[str, Any] = {name: value for name, value in point.items() if concerns(name, engine)}
         tables = tables_of(with_fields(spec.tables, own), engine)
         preset = own.get(PRESET, spec.preset)
+        if PRESET in own and preset not in ENGINES[MODEL if engine == RTL else engine].presets:
+            return  # it is another engine's
         modules: Sequence[str] = ("",)
         if engine == RTL:
             modules = (own[HARDWARE],) if HARDWARE in own else spec.hardware

@@ -19,7 +19,7 @@ from evcot.trackers.engines import ENGINES
 
 from ..names import Top
 from .axes import METHODS, Axis, axis_from
-from .fields import HARDWARE, PRESET, RTL, nested
+from .fields import HARDWARE, MODEL, PRESET, RTL, nested
 from .metrics import METRICS
 from .task import canonical
 
@@ -325,6 +325,10 @@ def _check(spec: Spec) -> None:
         if axis.name in (PRESET, HARDWARE):
             if not axis.choices:
                 raise ConfigError(f"fields.{axis.name}: must be a list of names")
+            presets = {name for engine in spec.engines for name in ENGINES[MODEL if engine == RTL else engine].presets}
+            for choice in axis.choices if axis.name == PRESET else ():
+                if choice not in presets:
+                    raise ConfigError(f"fields.preset: {choice!r}: must be one of {', '.join(sorted(presets))}")
             if axis.name == HARDWARE and not set(axis.choices) <= set(get_args(Top)):
                 raise ConfigError(f"fields.hardware = {list(axis.choices)}: must be of {', '.join(get_args(Top))}")
     names = [canonical(axis.name) for axis in spec.axes]
