@@ -32,6 +32,7 @@ from .commands import (
     simulate,
     sweep,
     track,
+    tune,
     waves,
 )
 from .commands import filter as filter_command
@@ -123,6 +124,7 @@ def parser() -> argparse.ArgumentParser:
         board,
         bench,
         sweep,
+        tune,
         presets,
     ):
         group.add(commands)

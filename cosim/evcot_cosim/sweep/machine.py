@@ -25,7 +25,8 @@ Machine = Mapping[str, Any]
 """What `probe` says of a worker: host, versions, code, and contents: path -> digest, empty where it cannot be read."""
 
 _RESULTS_DEPEND_ON = ("numpy", "numba", "scipy")
-_ROOMS = ("devices", "lockstep", "rtl", "sweep")  # of this package, by which a result could change
+_ROOMS = ("devices", "lockstep", "rtl")  # of this package, by which a result could change; and of this room:
+_MODULES = ("configure", "cost", "execute", "fields", "inputs", "task")
 _BLOCK = 1 << 22
 
 
@@ -48,6 +49,8 @@ def code_fingerprint() -> str:
         for path in sorted((*folder.rglob("*.py"), *folder.rglob("*.cpp.j2"), *folder.rglob("*.toml"))):
             summary.update(str(path.relative_to(folder)).encode())
             summary.update(path.read_bytes())
+    for name in _MODULES:
+        summary.update(Path(__file__).with_name(f"{name}.py").read_bytes())
     return summary.hexdigest()
 
 

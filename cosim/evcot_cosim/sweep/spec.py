@@ -13,6 +13,7 @@ import tomli_w
 
 from evcot.errors import ConfigError
 from evcot.hardware.contract import Shape
+from evcot.metrics import RULES
 from evcot.outputs import note_input
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.trackers.engines import ENGINES
@@ -149,7 +150,7 @@ def spec_from(data: Mapping[str, Any], folder: Path, name: str) -> Spec:
     scalars = {key: data[key] for key in _SCALARS if key in data and key != "config"}
     recordings = tuple(str(folder / each) for each in data.get("recordings", ()))
     spec = Spec(
-        **{"name": name, **scalars},
+        **{"name": name, **scalars, "rule": _rule(data.get("rule", ""), folder)},
         recordings=recordings,
         scenes=tuple(data.get("scenes", ())),
         scene_settings=dict(data.get("scene_settings", {})),
@@ -189,6 +190,11 @@ def spec_toml(spec: Spec) -> str:
         shapes = [dict(shape) for shape in spec.fuzz.shapes]
         values["fuzz"] = {"modules": list(spec.fuzz.modules), "shapes": shapes, "events": spec.fuzz.events}
     return tomli_w.dumps({key: _lists(value) for key, value in values.items()})
+
+
+def _rule(rule: str, folder: Path) -> str:
+    """A rule's name, or the path of its file."""
+    return rule if rule in ("", *RULES) else str(folder / rule)
 
 
 def _lists(value: Any) -> Any:
