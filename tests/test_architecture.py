@@ -28,7 +28,9 @@ ROOMS = {
 }  # fmt: skip
 
 # What few users need, and could be lifted out as it is: nothing before the command line imports it.
-WINGS = ("evcot.anomalies", "evcot.pictures.films", "evcot_cosim.live", "evcot_cosim.pages", "evcot_cosim.fpga", "evcot_cosim.sweep")
+WINGS = (
+    "evcot.anomalies", "evcot.pictures.films", "evcot_cosim.live", "evcot_cosim.pages", "evcot_cosim.fpga", "evcot_cosim.sweep",
+)  # fmt: skip
 DOORS = ("evcot_cosim.commands", "evcot_cosim.cli", "evcot_cosim.__main__")
 
 

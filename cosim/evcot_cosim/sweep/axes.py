@@ -84,6 +84,8 @@ def axis_from(name: str, values: Any) -> Axis:
         ConfigError: no such field, no value, or a value outside the field's range.
     """
     check_field(name)
+    if isinstance(values, Mapping) and values.keys() == {"values"} and isinstance(values["values"], list):
+        values = values["values"]  # as `spec_toml` writes it: tables keep their order among tables
     if not isinstance(values, Mapping):
         axis = Axis(name, tuple(values) if isinstance(values, list) else (values,))
         if not axis.choices:

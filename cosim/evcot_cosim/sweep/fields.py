@@ -87,10 +87,10 @@ def with_fields(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[s
 
 
 def nested(table: Mapping[str, Any], where: str = "") -> dict[str, Any]:
-    """Fields by dotted name: TOML may have `rct.radius_px` or a table; a table with a key `from` is a range, not fields."""
+    """Fields by dotted name: TOML may have `rct.radius_px` or a table; what `axes` reads as a range is none of them."""
     found: dict[str, Any] = {}
     for key, value in table.items():
-        if isinstance(value, Mapping) and not {"from", "to"} & value.keys():
+        if isinstance(value, Mapping) and not {"from", "to", "values"} & value.keys():
             found |= nested(value, f"{where}{key}.")
         else:
             found[f"{where}{key}"] = value

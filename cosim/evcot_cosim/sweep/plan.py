@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
-from evcot.errors import ConfigError
+from evcot.errors import ConfigError, RecordingError
 from evcot.hardware.contract import Shape
 from evcot.recordings.formats.source import Sensor
 from evcot.trackers.engines import ENGINES
@@ -16,6 +16,7 @@ from evcot.trackers.engines import ENGINES
 from ..lockstep.cosim import check_addresses_of
 from .axes import Point, grid, latin, uniform
 from .configure import configuration, tables_of
+from .execute import FAILED, INVALID
 from .fields import HARDWARE, MODEL, PRESET, RTL, concerns, with_fields
 from .inputs import inputs_of, sensor_of
 from .machine import code_fingerprint, design_fingerprint
@@ -27,10 +28,15 @@ __all__ = ["Invalid", "Plan", "Planner", "points_of"]
 
 @dataclass(frozen=True)
 class Invalid:
-    """A run that cannot be: its settings together break a rule of the configuration."""
+    """A run that cannot be: its settings together break a rule of the configuration, or its recording is damaged.
+
+    Attributes:
+        status: of its row.
+    """
 
     task: Task
     error: str
+    status: str = INVALID
 
 
 @dataclass
@@ -71,13 +77,19 @@ class Planner:
         spec: the specification; its inputs are read.
 
     Raises:
-        ConfigError, RecordingError: an input that cannot be used.
+        ConfigError: an input that is missing.
     """
 
     def __init__(self, spec: Spec) -> None:
         self.spec = spec
         self.inputs = inputs_of(spec)
-        self._sensors = {id(each): sensor_of(each) for each in self.inputs}
+        self._sensors: dict[int, Sensor] = {}
+        self._damaged: dict[int, str] = {}
+        for each in self.inputs:
+            try:
+                self._sensors[id(each)] = sensor_of(each)
+            except RecordingError as error:  # other recordings are swept
+                self._damaged[id(each)] = str(error)
         self._checked: dict[str, str | None] = {}
 
     @property
@@ -125,6 +137,11 @@ class Planner:
             for engine in self.spec.engines if engines is None else engines:
                 named = [(engine, canonical([name, value])) for name, value in point.items() if concerns(name, engine)]
                 for task in self._tasks(engine, point):
+                    if id(task.input) in self._damaged:
+                        if task.key not in seen:
+                            plan.invalid.append(Invalid(task, self._damaged[id(task.input)], FAILED))
+                        seen.add(task.key)
+                        continue
                     fault = self._fault(task)
                     if fault is None:
                         accepted.update([*named, (engine, "")])
@@ -136,7 +153,7 @@ class Planner:
                         plan.tasks += [task] if fault is None else []
                         plan.invalid += [Invalid(task, fault)] if fault is not None else []
         choices = {canonical([axis.name, value]) for axis in self.spec.axes for value in axis.choices} | {""}
-        for (engine, what), fault in refused.items() if strict else ():
+        for (engine, what), fault in sorted(refused.items(), key=lambda each: each[0][1]) if strict else ():
             if what in choices and (engine, what) not in accepted:
                 raise ConfigError(f"no run of engine {engine} is possible{_with(what)}: {fault}")
         plan.tasks = _designs_first(plan.tasks)

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from .asking import Asker
 from .axes import Point
 from .cluster import Cluster
-from .execute import DONE, FAILED, INVALID, execute, row_of
+from .execute import DONE, FAILED, execute, row_of
 from .folder import begin, counted
 from .plan import Invalid, Plan, Planner, points_of
 from .pool import Done, LocalPool
@@ -131,7 +131,9 @@ class _Doing:
         self.keys |= {task.key for task in plan.tasks} | {each.task.key for each in plan.invalid}
         for each in plan.invalid:
             if each.task.key not in store.status:
-                rows[each.task.key] = self._add({**row_of(each.task), "status": INVALID, "error": each.error, "attempts": 0})
+                rows[each.task.key] = self._add(
+                    {**row_of(each.task), "status": each.status, "error": each.error, "attempts": 0}
+                )
         status = store.status
         left = [task for task in plan.tasks if task.key not in status or (self._again and status[task.key] == FAILED)]
         self._ended += len(plan.tasks) - len(left)

@@ -205,7 +205,7 @@ def _lists(value: Any) -> Any:
 
 def _axis_value(axis: Axis) -> Any:
     if axis.choices:
-        return list(axis.choices)
+        return {"values": list(axis.choices)}
     more = {"log": True} if axis.log else {}
     return {"from": axis.low, "to": axis.high, **more, **({} if axis.steps is None else {"steps": axis.steps})}
 

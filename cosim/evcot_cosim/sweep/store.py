@@ -72,17 +72,24 @@ class Store:
         try:
             self._runs.mkdir(exist_ok=True)
             self._journal = (folder / _JOURNAL).open("a+b", buffering=0)
-            try:
-                fcntl.flock(self._journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                self._journal.close()
-                raise ConfigError(f"{folder}: another sweep writes here: must have ended") from error
-            for left in self._runs.glob(".*.partial"):
-                left.unlink()
-            self.status = {row["key"]: row["status"] for row in self._rows(("key", "status"))}
-            self._recover()
         except OSError as error:
             raise OutputError(f"{folder}: cannot be written: {error.strerror or error}") from error
+        try:
+            self._begin()
+        except BaseException:
+            self._journal.close()
+            raise
+
+    def _begin(self) -> None:
+        """Keep others out, and take over what a sweep that was killed has left."""
+        try:
+            fcntl.flock(self._journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise ConfigError(f"{self.folder}: another sweep writes here: must have ended") from error
+        for left in self._runs.glob(".*.partial"):
+            left.unlink()
+        self.status: dict[str, str] = {row["key"]: row["status"] for row in self._rows(("key", "status"))}
+        self._recover()
 
     def __enter__(self) -> Store:
         return self
