@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -118,11 +119,9 @@ class Cluster:
         deadline = time.monotonic() + patience_s
         while True:
             try:
-                file = None if self._file is None else str(self._file)
-                return self._dask.Client(
-                    self._address, scheduler_file=file, timeout=min(patience_s, _CONNECT_S), set_as_default=False
-                )
-            except (OSError, TimeoutError, ValueError) as error:
+                address = self._address if self._file is None else json.loads(self._file.read_text())["address"]
+                return self._dask.Client(address, timeout=min(patience_s, _CONNECT_S), set_as_default=False)
+            except (OSError, TimeoutError, ValueError, KeyError, TypeError) as error:
                 if time.monotonic() > deadline or patience_s <= _CONNECT_S:
                     raise ConfigError(f"{self.name}: no scheduler answers: {' '.join(str(error).split())[:120]}") from error
                 time.sleep(0.5)

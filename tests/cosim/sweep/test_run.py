@@ -160,7 +160,7 @@ def test_the_key_is_of_contents_not_of_names(folder: Path, tmp_path: Path) -> No
     assert not keys(folder, preset="traffic") & keys(folder)
     before = keys(tmp_path)
     truth = tmp_path / "discs1.truth.csv"
-    truth.write_text(truth.read_text().replace("1\n", "0\n", 1))
+    truth.write_text("".join(truth.read_text().splitlines(keepends=True)[:-1]))
     assert len(keys(tmp_path) & before) == len(before) // 2, "another truth is another run"
 
 
