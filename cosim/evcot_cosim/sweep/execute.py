@@ -29,7 +29,7 @@ from ..devices.device import build_device
 from ..lockstep.cosim import stalls_from
 from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
-from ..lockstep.random_runs import random_run
+from ..lockstep.random_runs import random_config, random_run
 from ..names import Top
 from ..rtl.build import BuiltModel
 from .configure import configuration
@@ -144,8 +144,8 @@ def _lockstep(task: Task, config: CotConfig, stream: Stream, whole: bool) -> Tra
 
 def _fuzzed(task: Task) -> dict[str, Any]:
     shape, top = Shape(**task.tables["shape"]), cast(Top, task.hardware)
-    built = _built(CotConfig(shape), top)
     assert task.seed is not None
+    built = _built(random_config(np.random.default_rng(task.seed), shape), top)
     lockstep = random_run(shape, top, task.seed, task.events, built)
     own = {"events": lockstep.events, "records": lockstep.records, "build_s": 0.0 if built.cached else built.build_s}
     return {**own, **_hardware(lockstep)}

@@ -37,7 +37,7 @@ seeds = { from = 1, to = 3 }
 [fuzz]
 modules = ["cot_array", "cot"]
 events = 400
-shapes = [{ n_slots = 2, x_w = 5, y_w = 5, radix_w = 4, nev_w = 4, tc_w = 8, sup_w = 6, id_w = 4, seq_w = 12, time_w = 16, tick_w = 8 }]
+shapes = [{ n_slots = 2, x_w = 5, y_w = 5, radix_w = 4, nev_w = 4, tc_w = 8, sup_w = 6, id_w = 4, seq_w = 12, time_w = 20 }]
 """
 
 
