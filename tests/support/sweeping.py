@@ -6,13 +6,14 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import evcot
 from evcot.recordings.files import write_recording
 
-__all__ = ["Chore", "chore", "recorded"]
+__all__ = ["Chore", "chore", "recorded", "until"]
 
 
 @dataclass(frozen=True)
@@ -57,3 +58,11 @@ def recorded(folder: Path, seed: int, duration_us: int = 120_000) -> Path:
     write_recording(scene.recording, path)
     scene.truth.save(path.with_name(f"{path.stem}.truth.csv"))
     return path
+
+
+def until(true: Callable[[], bool], what: str, patience_s: float = 90.0) -> None:
+    """Wait until something is so."""
+    deadline = time.monotonic() + patience_s
+    while not true():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.05)

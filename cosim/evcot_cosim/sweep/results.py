@@ -57,7 +57,7 @@ def grouped(rows: Sequence[Mapping[str, Any]], metrics: Sequence[str]) -> list[G
     settings: dict[str, dict[str, Any]] = {}
     for row in rows:
         own = settings_of(row)
-        key = canonical([row["engine"], row["hardware"], row["preset"], own])
+        key = repr((row["engine"], row["hardware"], row["preset"], sorted(own.items())))
         found.setdefault(key, []).append(row)
         settings[key] = own
     groups = []
@@ -127,7 +127,7 @@ def responses(groups: Sequence[Group], metric: str) -> dict[str, list[Level]]:
         pairs = [
             (group.settings[name], group.means[metric]) for group in groups if name in group.settings and metric in group.means
         ]
-        if len({canonical(value) for value, _ in pairs}) > 1:
+        if len({repr(value) for value, _ in pairs}) > 1:
             found[name] = _levels(pairs)
     return found
 

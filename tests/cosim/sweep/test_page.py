@@ -16,6 +16,7 @@ from evcot_cosim.sweep.page import render
 from evcot_cosim.sweep.results import best_first, families_of, front, grouped, responses
 from evcot_cosim.sweep.spec import Spec, spec_from
 from evcot_cosim.sweep.task import Task, canonical
+from support.sweeping import until
 
 
 def row(number: int, settings: dict[str, Any], family: str = "a", status: str = "done", **figures: Any) -> dict[str, Any]:
@@ -107,17 +108,18 @@ def test_the_page_is_drawn_and_filtered(tmp_path: Path, browser: Any) -> None:
     assert heads == ["filters.polarity", "rct.alpha", "hota", "luts"]
     first = page.eval_on_selector_all("#lines tr:nth-child(2) td", "cells => cells.map((cell) => cell.textContent)")
     assert float(first[1]) == pytest.approx(0.5, abs=0.02), "the best of all"
+    page.locator("#parallel").scroll_into_view_if_needed()
     box = page.locator("#parallel").bounding_box()
     x, top, high = box["x"] + 50, box["y"] + 44, box["height"] - 68
     page.mouse.move(x, top + 0.05 * high)
     page.mouse.down()
     page.mouse.move(x, top - 2, steps=3)
     page.mouse.up()
-    page.wait_for_function("document.getElementById('kept').textContent.startsWith('1,000 of 2,000')")
+    until(lambda: page.inner_text("#kept").startswith("1,000 of 2,000"), "the lines that pass there")
     kept = page.eval_on_selector_all("#lines td:first-child", "cells => cells.map((cell) => cell.textContent)")
     assert set(kept) == {"on"}
     page.mouse.click(x, top + 0.3 * high)
-    page.wait_for_function("document.getElementById('kept').textContent.startsWith('2,000 of 2,000')")
+    until(lambda: page.inner_text("#kept").startswith("2,000 of 2,000"), "all lines")
     drawn = "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
     assert page.eval_on_selector("#scatter", drawn) > 20
     assert page.eval_on_selector("#parallel", drawn) > 20
