@@ -109,7 +109,7 @@ def _axes(groups: Sequence[Group], objectives: Sequence[tuple[str, str]]) -> tup
         values[name] = [getattr(group, name) or None for group in groups]
     for name in sorted({name for group in groups for name in group.settings}):
         values[name] = [group.settings.get(name) for group in groups]
-    values = {name: own for name, own in values.items() if len({canonical(value) for value in own}) > 1}
+    values = {name: own for name, own in values.items() if len({repr(value) for value in own}) > 1}
     ways: dict[str, str] = {}
     for metric, way in objectives:
         values[metric], ways[metric] = [group.means[metric] for group in groups], way

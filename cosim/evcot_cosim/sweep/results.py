@@ -88,11 +88,12 @@ def front(groups: Sequence[Group], objectives: Mapping[str, str]) -> list[Group]
     if not len(ordered) or not objectives:
         return []
     kept: list[int] = []
+    best = np.empty((0, costs.shape[1]))
     for i, cost in enumerate(costs):
-        others = costs[kept]
         # Whatever dominates comes before, or is equal in all: the order is by these costs.
-        if not ((others <= cost).all(axis=1) & (others < cost).any(axis=1)).any():
+        if not ((best <= cost).all(axis=1) & (best < cost).any(axis=1)).any():
             kept.append(i)
+            best = costs[kept]
     return [ordered[i] for i in kept]
 
 
@@ -133,18 +134,16 @@ def responses(groups: Sequence[Group], metric: str) -> dict[str, list[Level]]:
 
 
 def _levels(pairs: Sequence[tuple[Any, float]]) -> list[Level]:
-    distinct = list(dict.fromkeys(canonical(value) for value, _ in pairs))
-    numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value, _ in pairs)
+    distinct = {repr(value): value for value, _ in pairs}
+    numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in distinct.values())
     y = np.array([mean for _, mean in pairs])
+    order = sorted(distinct, key=lambda text: distinct[text]) if numbers else list(distinct)
+    rank = {text: i for i, text in enumerate(order)}
+    ranks = np.array([rank[repr(value)] for value, _ in pairs])
     if len(distinct) <= _BINS:
-        order = sorted(distinct, key=float) if numbers else distinct
-        of = np.array([order.index(canonical(value)) for value, _ in pairs])
-        return [_level(text.strip('"'), i / max(len(order) - 1, 1), y[of == i]) for i, text in enumerate(order)]
-    x = (
-        np.array([float(value) for value, _ in pairs])
-        if numbers
-        else np.array([distinct.index(canonical(v)) for v, _ in pairs], float)
-    )
+        shown = [value if isinstance(value, str) else canonical(value) for value in (distinct[text] for text in order)]
+        return [_level(text, i / max(len(order) - 1, 1), y[ranks == i]) for i, text in enumerate(shown)]
+    x = np.array([float(value) for value, _ in pairs]) if numbers else ranks.astype(float)
     edges = np.unique(np.quantile(x, np.linspace(0, 1, _BINS + 1)))
     of = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
     low, high = float(x.min()), float(x.max())

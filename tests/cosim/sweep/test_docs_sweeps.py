@@ -41,7 +41,7 @@ def test_the_queries_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.chdir(swept.folder)
     best, front, faults, took = (duckdb.sql(query).fetchall() for query in blocks("sql"))
     assert len(best) == 3, "two radii, and the model"
-    assert sorted(row[2] for row in best) == sorted((row[2] for row in best))
+    assert sorted(row[2] for row in best) == sorted(row[2] for row in best)
     assert [row[2] for row in best] == sorted((row[2] for row in best), reverse=True)
     costs = [row[-1] for row in front]
     assert costs == sorted(costs)
