@@ -59,7 +59,7 @@ def _spec(recordings: Path, samples: int, **more: Any) -> Spec:
 
 def _overhead(folder: Path, tasks: int) -> Iterator[Result]:
     """What a task takes beside its own work: planning, handing out, the row, the store; with one process."""
-    recordings = _recorded(folder, "tiny", width=32, height=32, duration_us=2_000, count=1)
+    recordings = _recorded(folder, "tiny", width=64, height=64, duration_us=2_000, count=1)
     begun = time.perf_counter()
     first_s = 0.0
 
@@ -100,7 +100,7 @@ def _speed_up(folder: Path, runs: int) -> Iterator[Result]:
 
 def _cluster(folder: Path, tasks: int) -> Iterator[Result]:
     """Two Dask workers against two processes, with runs of a few milliseconds: what the schedulers themselves take."""
-    recordings = _recorded(folder, "small", width=32, height=32, duration_us=2_000, count=1)
+    recordings = _recorded(folder, "small", width=64, height=64, duration_us=2_000, count=1)
     spec = _spec(recordings, tasks)
     with LocalPool(execute, 2) as pool:
         local_s = _timed(pool, spec)

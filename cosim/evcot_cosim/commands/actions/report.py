@@ -74,7 +74,7 @@ def _recording_of_run(options: argparse.Namespace) -> tuple[Recording, Source]:
 def _of_log(options: argparse.Namespace, command: str) -> Material:
     if options.recording is None:
         raise ConfigError(f"{options.run}: a log does not hold the events: must be given with --recording FILE")
-    log = TrackLog.load_npz(options.run)
+    log = TrackLog.load(options.run)
     recording, source = _recording(options)
     check_logs([(options.run, log)], source.recording, Extent.of([recording.events]))
     summary = {"name": recording.name, "command": command, "versions": {"evcot": evcot.__version__}}
