@@ -306,11 +306,25 @@ def _publish(files: Iterable[Path], home: Path, root: Path) -> None:
 @contextlib.contextmanager
 def _alone(root: Path, name: str) -> Iterator[None]:
     """Hold the lock of a model: who else needs it waits. It is released with its process, however that ends."""
-    folder = root / "models"
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / f".{name}.lock").open("ab") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
+    path = root / "models" / f".{name}.lock"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    while True:
+        with path.open("ab") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            if not _is_same(path, file.fileno()):  # whoever had it has removed it
+                continue
+            try:
+                yield
+            finally:
+                path.unlink()
+            return
+
+
+def _is_same(path: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(descriptor))
+    except FileNotFoundError:
+        return False
 
 
 @contextlib.contextmanager
