@@ -71,10 +71,10 @@ def read_log(path: Path | str) -> TrackLog:
     try:
         with Path(path).open("rb") as file:
             table = arrow.parquet.read_table(file, page_checksum_verification=True)
-    except (arrow.ArrowException, ValueError) as error:
+    except (arrow.ArrowException, ValueError, OSError) as error:
+        if isinstance(error, OSError) and error.strerror:
+            raise TrackLogError(f"{path}: cannot be read: {error.strerror}") from error
         raise TrackLogError(f"{path}: is damaged, or no Parquet file: {' '.join(str(error).split())[:120]}") from error
-    except OSError as error:
-        raise TrackLogError(f"{path}: cannot be read: {error.strerror or ' '.join(str(error).split())[:120]}") from error
     wanted = [*(TRACK.names or ()), _OWNERS]
     lacking = [name for name in wanted if name not in table.column_names]
     if lacking:

@@ -22,7 +22,7 @@ parquet = pytest.importorskip("pyarrow.parquet")
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> TrackLog:
     path = recorded(tmp_path_factory.mktemp("log"), 1)
-    return evcot.track(path, "rct", "discs", filters=evcot.FilterConfig(refractory_us=500))
+    return evcot.track(path, "rct", "discs", filters=evcot.FilterConfig(polarity="on"))
 
 
 def same(one: TrackLog, other: TrackLog) -> bool:
@@ -33,7 +33,7 @@ def same(one: TrackLog, other: TrackLog) -> bool:
 
 def test_a_log_comes_back(log: TrackLog, tmp_path: Path) -> None:
     assert len(log.records) > 10
-    assert set(np.unique(log.owner)) > {-2, -1, 0}
+    assert set(np.unique(log.owner).tolist()) >= {-2, -1, 0}
     log.save(tmp_path / "log.parquet")
     assert same(TrackLog.load(tmp_path / "log.parquet"), log)
     log.save(tmp_path / "again.parquet")
@@ -93,7 +93,10 @@ def test_what_is_no_log_is_refused(log: TrackLog, tmp_path: Path) -> None:
 
     path.write_bytes(whole[: len(whole) // 2])
     refused("is damaged, or no Parquet file")
-    at = len(whole) // 3
+    group = parquet.read_metadata(arrow.BufferReader(whole)).row_group(0)
+    column = group.column(group.num_columns - 1)  # the owners
+    at = column.data_page_offset + column.total_compressed_size - 5
+    at = min(at, (column.dictionary_page_offset or column.data_page_offset) + column.total_compressed_size - 5)
     path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
     refused("is damaged, or no Parquet file")
     for changed, why in (
