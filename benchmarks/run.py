@@ -40,6 +40,7 @@ _BENCHMARKS = (
     "anomalies",
     "quality",
     "live",
+    "sweep",
 )
 _FOLDER = Path("build") / "bench"
 

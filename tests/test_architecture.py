@@ -22,13 +22,15 @@ ROOMS = {
         "anomalies",
     ),
     "evcot_cosim": (
-        "tables", "names", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "pages", "commands",
+        "tables", "names", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages", "commands",
         "cli", "__main__",
     ),
 }  # fmt: skip
 
 # What few users need, and could be lifted out as it is: nothing before the command line imports it.
-WINGS = ("evcot.anomalies", "evcot.pictures.films", "evcot_cosim.live", "evcot_cosim.pages", "evcot_cosim.fpga")
+WINGS = (
+    "evcot.anomalies", "evcot.pictures.films", "evcot_cosim.live", "evcot_cosim.pages", "evcot_cosim.fpga", "evcot_cosim.sweep",
+)  # fmt: skip
 DOORS = ("evcot_cosim.commands", "evcot_cosim.cli", "evcot_cosim.__main__")
 
 

@@ -30,7 +30,9 @@ from .commands import (
     render,
     report,
     simulate,
+    sweep,
     track,
+    tune,
     waves,
 )
 from .commands import filter as filter_command
@@ -126,6 +128,8 @@ def parser() -> argparse.ArgumentParser:
         anomalies,
         board,
         bench,
+        sweep,
+        tune,
         presets,
     ):
         group.add(commands)

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Support for tests of the trackers: short stories run through both hardware and model, and random traffic and registers.
 
-A story is a list of events (tick, x, y). Random register values cover their whole legal ranges, small values as often as
-large ones; random traffic has bursts around moving targets, noise, equal ticks and long gaps.
+A story is a list of events (tick, x, y). Random registers and traffic are those of `evcot_cosim.lockstep.random_runs`.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -15,12 +13,12 @@ from typing import Literal
 import numpy as np
 
 from evcot.hardware.config import CotConfig, SlotConfig
-from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.hardware.contract import Mode, Shape
 from evcot.hardware.cot import Arrangement, CotModel, Decisions
-from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.lockstep.random_runs import random_config, random_traffic
 from evcot_cosim.names import Top
 
 from .ticked import ticked
@@ -104,64 +102,6 @@ OLD_AND_YOUNG: tuple[list[tuple[int, int, int]], CotConfig] = (
     ),
 )
 """A story and a configuration in which ids wrap around during a track's life."""
-
-
-def random_config(rng: np.random.Generator, shape: Shape) -> CotConfig:
-    """Random register values over their whole legal ranges, drawn separately for each slot."""
-    return CotConfig(shape, tuple(_random_slot(rng, shape) for _ in range(shape.n_slots)))
-
-
-def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
-    values = {name: _draw(rng, *register.limits(shape)) for name, register in REGISTERS.items()}
-    values["mode"] = int(rng.choice([Mode.OFF, Mode.FIXED, Mode.SEEDED], p=[0.05, 0.25, 0.7]))
-    for axis in ("init_cm_x", "init_cm_y"):  # anywhere, as likely in the middle as near 0
-        values[axis] = int(rng.integers(0, REGISTERS[axis].limits(shape)[1], endpoint=True))
-    for names in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
-        values.update(zip(names, sorted(values[name] for name in names), strict=True))
-    return SlotConfig(**values)
-
-
-def _draw(rng: np.random.Generator, low: int, high: int) -> int:
-    """An integer from low to high: sometimes a limit, else with a uniformly distributed bit length, often a short one."""
-    if rng.random() < 0.08:
-        return int(rng.choice([low, high]))
-    bits = rng.uniform(0, math.log2(high - low + 2))
-    if rng.random() < 0.5:
-        bits = min(bits, rng.uniform(0, 6))
-    return min(high, low + int(2**bits) - 1)
-
-
-def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_event: float, first_tick: int = 0) -> TickedEvents:
-    """Bursts around moving targets, noise between them, equal ticks, pauses and long silences.
-
-    Args:
-        rng: the only source of randomness.
-        shape: address widths, and how long a timer can run.
-        n: events.
-        ticks_per_event: about how many ticks pass from one event to the next within a burst.
-        first_tick: tick before the first event.
-    """
-    n_targets = int(rng.integers(1, 2 * shape.n_slots + 2))
-    burst = rng.geometric(1 / rng.uniform(2, 40), n)
-    target = np.repeat(rng.integers(0, n_targets, n), burst)[:n]
-    noisy = rng.random(n) < rng.choice([0.02, 0.1, 0.4])
-    axes = []
-    for width in (shape.x_w, shape.y_w):
-        size = 1 << width
-        span = min(size, 128)  # where the targets are: a part of a large sensor
-        speed = rng.normal(0, rng.choice([0.0, 0.5, 5.0]) * span / n * 8, n_targets)
-        path = rng.uniform(0, span, n_targets)[target] + speed[target] * np.arange(n)
-        path += rng.normal(0, rng.choice([0.3, 1.0, 3.0]), n)
-        folded = np.minimum(np.abs((path + span) % (2 * span) - span), span - 1)  # reflected at the borders
-        corner = rng.integers(0, size - span, endpoint=True)
-        noise = rng.integers(0, size, n) if rng.random() < 0.5 else corner + rng.integers(0, span, n)
-        axes.append(np.where(noisy, noise, corner + folded).astype(np.uint16))
-    steps = rng.poisson(ticks_per_event, n).astype(np.int64)
-    pauses = rng.random(n) < 0.003
-    steps[pauses] += rng.integers(0, max(2, int(60 * ticks_per_event)), np.count_nonzero(pauses))
-    silences = rng.random(n) < 2e-4
-    steps[silences] += rng.integers(0, 1 << min(shape.tc_w + 1, 34), np.count_nonzero(silences))
-    return TickedEvents(first_tick + np.cumsum(steps), axes[0], axes[1], rng.integers(0, 2, n, np.uint8))
 
 
 def compare_random_runs(

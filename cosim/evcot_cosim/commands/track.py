@@ -26,7 +26,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = add_command(commands, "track", "track the objects in a recording", _EXAMPLES)
     parser.add_argument("recording", type=input_path, metavar="FILE", help="the recording, in any format that evcot reads")
     engine_options(parser)
-    output_option(parser, "-o", "--output", metavar="LOG.npz", help="write the track log")
+    output_option(parser, "-o", "--output", metavar="LOG", help="write the track log, .npz or .parquet")
     output_option(parser, "--csv", metavar="LOG.csv", help="write its records as text")
     output_option(parser, "--boxes", metavar="FILE", help="write the tracks' boxes at the times of frames (--frame-us)")
     parser.add_argument("--boxes-format", metavar="NAME", help=f"of the boxes: {FORMATS_TEXT}")

@@ -17,6 +17,7 @@ from evcot.filters.run import filtered
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD
 from evcot.hardware.cot import CotModel, to_track_records
+from evcot.recordings.formats.source import Sensor
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.trackers.config import RunConfig
 from evcot.trackers.engines import ENGINES
@@ -32,7 +33,7 @@ from ..rtl.build import BuiltModel
 from .lockstep import Lockstep, chunks
 from .mismatch import Mismatch
 
-__all__ = ["CosimRun", "check_addresses", "rerun", "run_cosim", "stalls_from"]
+__all__ = ["CosimRun", "check_addresses", "check_addresses_of", "rerun", "run_cosim", "stalls_from"]
 
 
 @dataclass(frozen=True)
@@ -68,9 +69,14 @@ class CosimRun:
 
 def check_addresses(recording: Recording, config: CotConfig) -> None:
     """Raise ConfigError when the hardware's addresses are too narrow for the recording's sensor."""
-    for name, bits, size in (("x_w", config.shape.x_w, recording.width), ("y_w", config.shape.y_w, recording.height)):
+    check_addresses_of((recording.width, recording.height), config, recording.name)
+
+
+def check_addresses_of(sensor: Sensor, config: CotConfig, name: str) -> None:
+    """As `check_addresses`, for a sensor (width, height); `name` is what it belongs to."""
+    for field, bits, size in (("x_w", config.shape.x_w, sensor[0]), ("y_w", config.shape.y_w, sensor[1])):
         if size > 1 << bits:
-            raise ConfigError(f"shape.{name} = {bits}: too few bits for {size} pixels of {recording.name}")
+            raise ConfigError(f"shape.{field} = {bits}: too few bits for {size} pixels of {name}")
 
 
 def run_cosim(

@@ -26,7 +26,7 @@ from evcot.trackers.config import RunConfig, load_toml
 
 from ..names import Top
 
-__all__ = ["RUN_FILE", "RunFile", "Source", "read_run_file", "run_toml", "write_run_file"]
+__all__ = ["RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
 
 _HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] says of what.\n"
 
@@ -133,21 +133,31 @@ def run_toml(run: RunFile) -> str:
     name, kind = source.pop("recording"), "scene" if source.pop("is_scene") else "recording"
     source = {field: value for field, value in source.items() if value != plain[field]}
     stalls = {} if run.stalls is None else {"stalls": run.stalls}
-    config = _without_none(run.config.to_dict())
-    cot = config.pop("cot")
+    tables = config_tables(run.config)
+    tables = {
+        "name": tables.pop("name"),
+        "software": tables.pop("software"),
+        "run": {kind: name, **source, "hardware": run.hardware, **stalls, "digest": run.digest},
+        **tables,
+    }
+    return _HEAD + (f"# {run.said}\n" if run.said else "") + tomli_w.dumps(tables)
+
+
+def config_tables(config: RunConfig) -> dict[str, Any]:
+    """The complete configuration as the tables of a file for `--config`."""
+    values = _without_none(config.to_dict())
+    cot = values.pop("cot")
     slots = cot["slots"]
     same = all(slot == slots[0] for slot in slots)
-    tables = {
-        "name": config.pop("name"),
-        "software": config.pop("software"),
-        "run": {kind: name, **source, "hardware": run.hardware, **stalls, "digest": run.digest},
+    return {
+        "name": values.pop("name"),
+        "software": values.pop("software"),
         "shape": cot["shape"],
         "cot": {"tick_us": cot["tick_us"], **(slots[0] if same else {})},
         **({} if same else {"slot": slots}),
         **({"motion": cot["motion"]} if "motion" in cot else {}),
-        **config,
+        **values,
     }
-    return _HEAD + (f"# {run.said}\n" if run.said else "") + tomli_w.dumps(tables)
 
 
 def write_run_file(path: Path, run: RunFile) -> None:

@@ -143,13 +143,13 @@ def _lists(material: Material, found: Differences | None) -> dict[str, Any]:
     }
 
 
-def inline_modules(names: tuple[str, ...]) -> str:
+def inline_modules(names: tuple[str, ...], package: str = "evcot_cosim.report") -> str:
     """Concatenate modules in one scope, without their imports and exports, in order of their dependencies."""
-    return "\n".join(_EXPORT.sub("", _IMPORT.sub("", _source(f"{name}.js"))) for name in names)
+    return "\n".join(_EXPORT.sub("", _IMPORT.sub("", _source(f"{name}.js", package))) for name in names)
 
 
-def _source(name: str) -> str:
-    return (files("evcot_cosim.report") / "templates" / name).read_text(encoding="utf-8")
+def _source(name: str, package: str = "evcot_cosim.report") -> str:
+    return (files(package) / "templates" / name).read_text(encoding="utf-8")
 
 
 def _fitting(material: Material) -> tuple[Collected, Packed]:

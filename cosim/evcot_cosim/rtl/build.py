@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import fcntl
 import hashlib
 import importlib.metadata
 import json
@@ -130,9 +131,12 @@ def build(
             with contextlib.suppress(OSError):  # the cache may belong to another user
                 os.utime(home)  # models in use are not removed
         else:
-            if on_miss is not None:
-                on_miss()
-            _build_to(shared_object, root, recipe)
+            with _alone(root, home.name):  # another process may have built it in the meantime
+                cached = shared_object.is_file()
+                if not cached:
+                    if on_miss is not None:
+                        on_miss()
+                    _build_to(shared_object, root, recipe)
     except OSError as error:
         raise ToolchainError(f"{error.filename or root}: cannot keep the built model: {error.strerror or error}") from error
     return BuiltModel(top, parameters, shared_object, key, cached, time.perf_counter() - started)
@@ -297,6 +301,30 @@ def _publish(files: Iterable[Path], home: Path, root: Path) -> None:
             if not home.is_dir():
                 raise
             os.utime(home)
+
+
+@contextlib.contextmanager
+def _alone(root: Path, name: str) -> Iterator[None]:
+    """Hold the lock of a model: who else needs it waits. It is released with its process, however that ends."""
+    path = root / "models" / f".{name}.lock"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    while True:
+        with path.open("ab") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            if not _is_same(path, file.fileno()):  # whoever had it has removed it
+                continue
+            try:
+                yield
+            finally:
+                path.unlink()
+            return
+
+
+def _is_same(path: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(descriptor))
+    except FileNotFoundError:
+        return False
 
 
 @contextlib.contextmanager

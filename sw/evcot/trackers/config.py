@@ -20,7 +20,7 @@ from ..outputs import note_input
 from .auto.config import AutoConfig
 from .rct.config import RctConfig
 
-__all__ = ["RunConfig", "Software", "load_toml", "load_tracker"]
+__all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "run_config_from", "tracker_from"]
 
 Software = Literal["auto", "rct"]
 
@@ -111,7 +111,7 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
             starts with the file's name.
     """
     with _named(path):
-        return _override(base, _tables(path), path.parent)
+        return run_config_from(_tables(path), base, path.parent)
 
 
 def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) -> tuple[Any, FilterConfig]:
@@ -121,9 +121,16 @@ def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) ->
         ConfigError: as for `load_toml`.
     """
     with _named(path):
-        data = _section(_tables(path), {name, "filters"}, "top level")
-        own = _section(_table(data, name, "top level"), _names(type(settings)), f"[{name}]")
-        return replace(settings, **own), _filters(filters, _table(data, "filters", "top level"), path.parent)
+        return tracker_from(_tables(path), name, settings, filters, path.parent)
+
+
+def tracker_from(
+    tables: Mapping[str, Any], name: str, settings: Any, filters: FilterConfig, folder: Path
+) -> tuple[Any, FilterConfig]:
+    """As `load_tracker`, of tables that were read already; `folder` is that of their file."""
+    data = _section(tables, {name, "filters"}, "top level")
+    own = _section(_table(data, name, "top level"), _names(type(settings)), f"[{name}]")
+    return replace(settings, **own), _filters(filters, _table(data, "filters", "top level"), folder)
 
 
 @contextmanager
@@ -145,7 +152,8 @@ def _tables(path: Path) -> Mapping[str, Any]:
         raise ConfigError(f"is not TOML: {error}") from error
 
 
-def _override(base: RunConfig, data: Mapping[str, Any], folder: Path) -> RunConfig:
+def run_config_from(data: Mapping[str, Any], base: RunConfig, folder: Path) -> RunConfig:
+    """As `load_toml`, of tables that were read already; `folder` is that of their file."""
     known = {"name", "software", "run", "files", "shape", "cot", "slot", "motion", "rct", "auto", "filters"}
     known.add("software_filters")
     _section(data, known, "top level")

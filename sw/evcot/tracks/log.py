@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 from ..outputs import note_input, written_aside
+from .parquet import SUFFIX, read_log, write_log
 
 __all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
 
@@ -97,6 +98,27 @@ class TrackLog:
         """The records of one kind, (k,) of dtype `TRACK`."""
         chosen: NDArray[np.void] = self.records[self.records["kind"] == kind]
         return chosen
+
+    def save(self, path: Path | str, *, force: bool = False) -> None:
+        """Write the log: as Parquet where the name ends with .parquet, as `save_npz` otherwise.
+
+        Raises:
+            OutputError: the file exists (without `force`), or cannot be written.
+            TrackLogError: pyarrow is not installed.
+        """
+        if Path(path).suffix.lower() == SUFFIX:
+            write_log(self, path, force=force)
+        else:
+            self.save_npz(path, force=force)
+
+    @classmethod
+    def load(cls, path: Path | str) -> TrackLog:
+        """Read a log that `save` wrote.
+
+        Raises:
+            TrackLogError: the file is missing, damaged, or not a TrackLog.
+        """
+        return read_log(path) if Path(path).suffix.lower() == SUFFIX else cls.load_npz(path)
 
     def save_npz(self, path: Path | str, *, force: bool = False) -> None:
         """Write the log, compressed; equal logs give identical files.

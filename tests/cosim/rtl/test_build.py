@@ -222,11 +222,12 @@ def start_build(sources: Path, cache: Path, width: int) -> subprocess.Popen[byte
     """Another process that builds the counter."""
     script = (
         "import sys; from pathlib import Path; from evcot_cosim.rtl.build import build\n"
-        "build('counter', {'W': int(sys.argv[2])}, verilog=Path(sys.argv[1]))"
+        "print(build('counter', {'W': int(sys.argv[2])}, verilog=Path(sys.argv[1])).cached)"
     )
     return subprocess.Popen(
         [sys.executable, "-c", script, str(sources), str(width)],
         env={**os.environ, "EVCOT_CACHE": str(cache)},
+        stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
@@ -241,13 +242,17 @@ def test_an_interrupted_build_leaves_nothing_behind(sources: Path, tmp_path: Pat
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
-    assert process.wait(timeout=30) != 0
+    process.communicate(timeout=30)
+    assert process.returncode != 0
     assert [path for path in cache.rglob("*") if path.is_file()] == []
 
 
-def test_two_processes_may_build_the_same_model_at_once(sources: Path, cache: Path) -> None:
+def test_two_processes_that_need_the_same_model_build_it_once(sources: Path, cache: Path) -> None:
     both = [start_build(sources, cache, 7) for _ in range(2)]
-    assert [process.wait(timeout=120) for process in both] == [0, 0]
+    printed = [process.communicate(timeout=120)[0] for process in both]
+    assert [process.returncode for process in both] == [0, 0]
+    assert sorted(printed) == [b"False\n", b"True\n"], "the second waits, and finds it"
+    assert not list((cache / "models").glob(".*"))
     assert build("counter", {"W": 7}, verilog=sources).cached
     assert not list(cache.glob("building-*"))
 

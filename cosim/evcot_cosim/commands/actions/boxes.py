@@ -29,7 +29,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         boxes = replace(boxes, sensor=sensor or boxes.sensor)
     else:
         try:
-            boxes = boxes_of_log(checked(TrackLog.load_npz(options.source)), clock, sensor)
+            boxes = boxes_of_log(checked(TrackLog.load(options.source)), clock, sensor)
         except TrackLogError as error:
             message = str(error)
             raise TrackLogError(

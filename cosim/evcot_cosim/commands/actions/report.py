@@ -71,7 +71,7 @@ def _of_run(options: argparse.Namespace, folder: Path, logs: Sequence[Path]) -> 
     summary = read_summary(folder / SUMMARY)
     names = ("hardware", "model") if "mismatch" in summary else ("hardware", "software")
     paths = [folder / f"{name}.npz" for name in names]
-    sides = [Side(name, TrackLog.load_npz(path)) for name, path in zip(names, paths, strict=True)]
+    sides = [Side(name, TrackLog.load(path)) for name, path in zip(names, paths, strict=True)]
     recording, source = _recording(options) if options.recording is not None else _recording_of_run(folder)
     extent = run_extent(recording.events, [side.log for side in sides], summary)
     sides = _named(sides, logs)
@@ -88,7 +88,7 @@ def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
         paths = [folder / f"{name}.npz" for name in ("hardware", "software")]
         if "mismatch" in summary:
             raise ConfigError(f"{folder}: ended in a mismatch of hardware and model: must be a complete run")
-        logs = [TrackLog.load_npz(path) for path in paths]
+        logs = [TrackLog.load(path) for path in paths]
         check_logs(zip(paths, logs, strict=True), source.recording, Extent.of([recording.events]))
         runs.append(Run(folder.name or str(folder), summary, *logs))
     return comparison_of(recording, runs[0], runs[1], None if options.truth else truth_of(source, recording))
@@ -97,7 +97,7 @@ def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
 def _named(sides: list[Side], logs: Sequence[Path]) -> list[Side]:
     """The sides with those of further logs, named after their engine, else their file."""
     for path in logs:
-        log = TrackLog.load_npz(path)
+        log = TrackLog.load(path)
         taken = {side.name for side in sides}
         engine = _SIDES.get(log.engine, log.engine)
         names = [_slug(engine), _slug(path.stem), *(f"{_slug(engine)}_{i}" for i in range(2, len(taken) + 3))]
@@ -124,7 +124,7 @@ def _of_logs(options: argparse.Namespace, paths: Sequence[Path], command: str) -
     if options.recording is None:
         raise ConfigError(f"{paths[0]}: a log does not hold the events: must be given with --recording FILE")
     if len(paths) == 1:
-        log = TrackLog.load_npz(paths[0])
+        log = TrackLog.load(paths[0])
         sides = [Side(_SIDES.get(log.engine, "software"), log)]
     else:
         sides = _named([], paths)

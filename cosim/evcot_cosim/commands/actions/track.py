@@ -43,7 +43,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         with Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress:
             log = signed_log_of(options.engine, tracker, _counted(file.blocks(*window, required=True), progress))
     if options.output is not None:
-        log.save_npz(options.output, force=options.force)
+        log.save(options.output, force=options.force)
     if options.csv is not None:
         log.write_csv(options.csv, force=options.force)
     save_learned(options)

@@ -94,4 +94,4 @@ def _named(paths: list[Path]) -> tuple[Log, ...]:
     """Logs by their files' names; two of one name are told apart by their folders."""
     stems = [path.stem for path in paths]
     names = [str(path.with_suffix("")) if stems.count(path.stem) > 1 else path.stem for path in paths]
-    return tuple(Log(name, TrackLog.load_npz(path)) for name, path in zip(names, paths, strict=True))
+    return tuple(Log(name, TrackLog.load(path)) for name, path in zip(names, paths, strict=True))

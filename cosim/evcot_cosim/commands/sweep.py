@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot sweep`: many runs over recordings, engines, settings and seeds."""
+
+from __future__ import annotations
+
+import argparse
+
+from .parsing import add_command, input_or_name, input_path, output_option
+
+__all__ = ["add", "scheduler_options"]
+
+_EXAMPLES = """
+evcot sweep sweep.toml                                   # on all cores; again: goes on where it was ended
+evcot sweep sweep.toml --scheduler tcp://10.0.0.1:8786   # on a Dask cluster
+evcot sweep fuzz --dry-run                               # one that comes with evcot: the RTL against the model, by seeds
+evcot sweep build/sweep/traffic --only 3f1c0a9be2d84f67  # one run of a sweep again, compared with what is stored
+"""
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    title = "run a grid, random or chosen settings over recordings, engines and seeds, into a store"
+    parser = add_command(commands, "sweep", title, _EXAMPLES)
+    parser.add_argument(
+        "spec", type=input_or_name, metavar="SPEC", help="a TOML file (docs/sweeps.md), fuzz, or leave_one_family_out"
+    )
+    output_option(parser, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/sweep/NAME)")
+    scheduler_options(parser)
+    parser.add_argument("--retry", action="store_true", help="try runs again that have failed before")
+    parser.add_argument("--only", metavar="KEY", help="do this run of the sweep in the folder SPEC alone, and compare")
+    parser.add_argument("--dry-run", action="store_true", help="say how many runs there are, and run nothing")
+    parser.add_argument("--json", action="store_true", help="print what was done as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
+
+
+def scheduler_options(parser: argparse.ArgumentParser) -> None:
+    """Add --jobs, --scheduler and --scheduler-file."""
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes on this machine (default: one a core)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that runs already, as tcp://HOST:8786")
+    parser.add_argument(
+        "--scheduler-file", type=input_path, metavar="FILE", help="the same, by the file that `dask scheduler` writes"
+    )

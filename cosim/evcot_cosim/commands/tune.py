@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot tune`: settings chosen on some recordings and validated on others."""
+
+from __future__ import annotations
+
+import argparse
+
+from evcot.metrics import RULES
+from evcot.trackers.engines import ENGINES
+
+from .parsing import add_command, input_or_name, input_path, output_option
+from .sweep import scheduler_options
+
+__all__ = ["add"]
+
+_EXAMPLES = """
+evcot tune a.aedat4 b.aedat4 c.aedat4 --engine rct --preset traffic -o mine.toml     # truth: a.truth.csv or a_gt.csv beside a
+evcot tune drive.aedat4 --truth drive.csv --engine kalman -o mine.toml               # its beginning chooses, its end validates
+evcot tune a.raw b.raw --engine cot --field cot.init_radix=6..20 --field shape.n_slots=4,8 -o mine.toml
+evcot track d.aedat4 --engine rct --config mine.toml -o log.npz                      # what it is for
+"""
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the command line."""
+    parser = add_command(commands, "tune", "choose settings on some recordings, validate them on others", _EXAMPLES)
+    parser.add_argument("recordings", type=input_path, nargs="+", metavar="FILE", help="recordings with a known truth")
+    parser.add_argument(
+        "--truth", type=input_path, action="append", default=[], metavar="TRUTH",
+        help="of a recording, in their order; again for the next (default: NAME.truth.csv or NAME_gt.csv beside each)",
+    )  # fmt: skip
+    known = ", ".join(RULES)
+    parser.add_argument("--rule", type=input_or_name, metavar="RULE", help=f"of the truths: {known}, or a .toml file")
+    parser.add_argument("--engine", choices=[*ENGINES, "rtl"], default="rct", help="of which the settings are (default: rct)")
+    parser.add_argument("--preset", metavar="NAME", help="where to begin (default: the engine's first, or for the sensor)")
+    parser.add_argument("--config", type=input_path, metavar="TOML", help="overrides of the preset")
+    parser.add_argument(
+        "--field", action="append", default=[], metavar="NAME=LOW..HIGH",
+        help="a field to choose, as rct.radius_px=6..20 or shape.n_slots=4,8; again for more (default: every number of the "
+        "engine, from half to twice the preset's)",
+    )  # fmt: skip
+    parser.add_argument("--method", choices=("random", "latin", "optuna"), default="random", help="(default: random)")
+    parser.add_argument("--samples", type=int, default=60, metavar="N", help="settings that are tried (default: 60)")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of settings and of the division (default: 1)")
+    parser.add_argument("--objective", default="hota", metavar="METRIC", help="hota, idf1 and others; idsw:min for the least")
+    parser.add_argument(
+        "--validate", type=float, default=0.34, metavar="SHARE", help="of the recordings, or of the only one's time (0.34)"
+    )
+    output_option(parser, "-o", "--output", required=True, metavar="TOML", help="write the chosen settings, for --config")
+    parser.add_argument("--json", action="store_true", help="print what was found as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
+    scheduler_options(parser)

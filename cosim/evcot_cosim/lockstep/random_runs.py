@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random registers and traffic for the trackers, and a run of hardware and model on them.
+
+Register values cover their whole legal ranges, small values as often as large ones; traffic has bursts around moving targets,
+noise, equal ticks and long gaps.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from evcot.events import Events
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.ticks import TickedEvents
+
+from ..names import Top
+from ..rtl.build import BuiltModel
+from .cosim import stalls_from
+from .lockstep import Lockstep, chunks
+
+__all__ = ["RATES", "random_config", "random_run", "random_traffic"]
+
+RATES = (0.3, 2.0, 10.0)
+"""Ticks from one event to the next within a burst."""
+
+
+def random_config(rng: np.random.Generator, shape: Shape) -> CotConfig:
+    """Random register values over their whole legal ranges, drawn separately for each slot."""
+    return CotConfig(shape, tuple(_random_slot(rng, shape) for _ in range(shape.n_slots)))
+
+
+def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
+    values = {name: _draw(rng, *register.limits(shape)) for name, register in REGISTERS.items()}
+    values["mode"] = int(rng.choice([Mode.OFF, Mode.FIXED, Mode.SEEDED], p=[0.05, 0.25, 0.7]))
+    for axis in ("init_cm_x", "init_cm_y"):  # anywhere, as likely in the middle as near 0
+        values[axis] = int(rng.integers(0, REGISTERS[axis].limits(shape)[1], endpoint=True))
+    for names in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
+        values.update(zip(names, sorted(values[name] for name in names), strict=True))
+    return SlotConfig(**values)
+
+
+def _draw(rng: np.random.Generator, low: int, high: int) -> int:
+    """An integer from low to high: sometimes a limit, else with a uniformly distributed bit length, often a short one."""
+    if rng.random() < 0.08:
+        return int(rng.choice([low, high]))
+    bits = rng.uniform(0, math.log2(high - low + 2))
+    if rng.random() < 0.5:
+        bits = min(bits, rng.uniform(0, 6))
+    return min(high, low + int(2**bits) - 1)
+
+
+def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_event: float, first_tick: int = 0) -> TickedEvents:
+    """Bursts around moving targets, noise between them, equal ticks, pauses and long silences.
+
+    Args:
+        rng: the only source of randomness.
+        shape: address widths, and how long a timer can run.
+        n: events.
+        ticks_per_event: about how many ticks pass from one event to the next within a burst.
+        first_tick: tick before the first event.
+    """
+    n_targets = int(rng.integers(1, 2 * shape.n_slots + 2))
+    burst = rng.geometric(1 / rng.uniform(2, 40), n)
+    target = np.repeat(rng.integers(0, n_targets, n), burst)[:n]
+    noisy = rng.random(n) < rng.choice([0.02, 0.1, 0.4])
+    axes = []
+    for width in (shape.x_w, shape.y_w):
+        size = 1 << width
+        span = min(size, 128)  # where the targets are: a part of a large sensor
+        speed = rng.normal(0, rng.choice([0.0, 0.5, 5.0]) * span / n * 8, n_targets)
+        path = rng.uniform(0, span, n_targets)[target] + speed[target] * np.arange(n)
+        path += rng.normal(0, rng.choice([0.3, 1.0, 3.0]), n)
+        folded = np.minimum(np.abs((path + span) % (2 * span) - span), span - 1)  # reflected at the borders
+        corner = rng.integers(0, size - span, endpoint=True)
+        noise = rng.integers(0, size, n) if rng.random() < 0.5 else corner + rng.integers(0, span, n)
+        axes.append(np.where(noisy, noise, corner + folded).astype(np.uint16))
+    steps = rng.poisson(ticks_per_event, n).astype(np.int64)
+    pauses = rng.random(n) < 0.003
+    steps[pauses] += rng.integers(0, max(2, int(60 * ticks_per_event)), np.count_nonzero(pauses))
+    silences = rng.random(n) < 2e-4
+    steps[silences] += rng.integers(0, 1 << min(shape.tc_w + 1, 34), np.count_nonzero(silences))
+    return TickedEvents(first_tick + np.cumsum(steps), axes[0], axes[1], rng.integers(0, 2, n, np.uint8))
+
+
+def random_run(shape: Shape, top: Top, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
+    """Run hardware and model in lock-step on registers, traffic and stalls that a seed determines; three runs in four stall.
+
+    Args:
+        model: what `build_device` returned for the shape, to avoid the look-up.
+
+    Raises:
+        MismatchError: they differ.
+    """
+    rng = np.random.default_rng(seed)
+    config = random_config(rng, shape)
+    traffic = random_traffic(rng, shape, events, float(rng.choice(RATES)))
+    stream = Events(traffic.ticks, traffic.x, traffic.y, traffic.p)
+    stalls = stalls_from(seed if rng.random() < 0.75 else None)
+    with Lockstep(config, top, stalls=stalls, seed=seed, model=model) as lockstep:
+        for chunk in chunks(stream):
+            lockstep.feed(chunk)
+    return lockstep

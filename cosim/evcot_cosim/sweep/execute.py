@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One task, done in a worker: run it, score it, and return its row as plain values. Nothing is raised."""
+
+from __future__ import annotations
+
+import resource
+import socket
+import sys
+import time
+import traceback
+import warnings
+from datetime import UTC, datetime
+from threading import Lock
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.errors import EvcotError, RecordingWarning
+from evcot.events import Events
+from evcot.hardware.config import CotConfig
+from evcot.hardware.contract import Shape
+from evcot.hardware.cot import to_track_records
+from evcot.metrics import evaluate
+from evcot.trackers.engines import ENGINES
+from evcot.tracks.log import DROPPED, TRACK, Kind, TrackLog
+
+from ..devices.device import build_device
+from ..lockstep.cosim import stalls_from
+from ..lockstep.lockstep import Lockstep
+from ..lockstep.mismatch import MismatchError
+from ..lockstep.random_runs import random_config, random_run
+from ..names import Top
+from ..rtl.build import BuiltModel
+from .configure import configuration
+from .cost import hardware_cost
+from .fields import MODEL, RTL
+from .inputs import Stream, opened, truth_of
+from .machine import code_fingerprint, versions
+from .task import FUZZ, Task, canonical
+
+__all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
+
+DONE, FAILED, INVALID, MISMATCH = "done", "failed", "invalid", "mismatch"
+_ONE_AT_A_TIME = Lock()  # warnings are caught per process, and inputs are kept
+
+
+class Tracked(NamedTuple):
+    """What a run leaves: the log's records, counts of owners by what became of events, and what the hardware measured.
+
+    Attributes:
+        log: its owners are empty unless they were asked for.
+    """
+
+    log: TrackLog
+    counts: dict[str, int]
+    measured: dict[str, Any]
+    events: list[Events]
+
+
+def execute(task: Task) -> dict[str, Any]:
+    """The row of a task."""
+    with _ONE_AT_A_TIME:
+        row = row_of(task)
+        began, cpu = time.perf_counter(), time.process_time()
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always", RecordingWarning)
+            try:
+                if task.code != code_fingerprint():
+                    row |= {"status": FAILED, "error": f"the program is {code_fingerprint()}: must be {task.code}, the sweep's"}
+                else:
+                    row |= {"status": DONE, **(_fuzzed(task) if task.engine == FUZZ else _measured(task))}
+            except MismatchError as error:
+                row |= {"status": MISMATCH, "error": str(error)}
+            except EvcotError as error:
+                row |= {"status": FAILED, "error": str(error)}
+            except Exception as error:  # a row must say it: the sweep goes on
+                place = traceback.extract_tb(error.__traceback__)[-1]
+                text = " ".join(str(error).split())
+                row |= {"status": FAILED, "error": f"{type(error).__name__}: {text} ({place.name}, line {place.lineno})"}
+        row["warnings"] = "; ".join(dict.fromkeys(str(each.message) for each in warned))
+        row["wall_s"], row["cpu_s"] = time.perf_counter() - began, time.process_time() - cpu
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        row["memory_mb"] = peak / (1e6 if sys.platform == "darwin" else 1e3)
+        return row
+
+
+def row_of(task: Task) -> dict[str, Any]:
+    """What a row says before its run."""
+    source = task.input
+    about: dict[str, Any] = {}
+    if source is not None:
+        about = {
+            "input": source.name, "family": source.family, "content": source.content, "scene_seed": source.scene_seed,
+            "from_us": source.from_us, "to_us": source.to_us,
+        }  # fmt: skip
+    return {
+        "key": task.key, "engine": task.engine, "hardware": task.hardware, "preset": task.preset, "seed": task.seed, **about,
+        "settings": dict(task.settings), "task": canonical(task.to_dict()), "code": task.code, "design": task.design,
+        "versions": canonical(versions()), "host": socket.gethostname(),
+        "when": datetime.now(UTC).isoformat(timespec="milliseconds"), "error": "", "warnings": "",
+    }  # fmt: skip
+
+
+def _measured(task: Task) -> dict[str, Any]:
+    assert task.input is not None
+    with opened(task.input) as stream:
+        found = tracked(task, stream)
+        truth = truth_of(task.input, stream.sensor, stream.first_us)
+    figures: dict[str, Any] = {**found.counts, **found.measured}
+    if truth is not None:
+        figures |= evaluate(found.log, *truth).to_dict()
+    return figures
+
+
+def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
+    """Run a task's engine over a stream. Memory is that of the records, unless `whole`: events and owners are kept, too."""
+    slots = 1 if task.hardware == "cot" else None
+    settings, filters = configuration(task.engine, stream.sensor, task.preset, task.tables, slots)
+    if task.engine == RTL:
+        return _lockstep(task, settings.hardware(*stream.sensor), stream, whole)
+    tracker = ENGINES[task.engine].start(settings, filters, stream.sensor)
+    parts = _Parts(whole)
+    for block in stream.blocks:
+        parts.add(*tracker.feed(block), block)
+    parts.records.append(tracker.finish())
+    cost = hardware_cost("cot_array", settings.cot.shape.n_slots) if task.engine == MODEL else {}
+    return Tracked(parts.log("cot-model" if task.engine == MODEL else task.engine), parts.counts(), cost, parts.events)
+
+
+def _lockstep(task: Task, config: CotConfig, stream: Stream, whole: bool) -> Tracked:
+    top = cast(Top, task.hardware)
+    built = _built(config, top)
+    parts, first, t0_us = _Parts(whole), 0, None
+    with Lockstep(config, top, stalls=stalls_from(task.seed), seed=task.seed, model=built) as lockstep:
+        for block in stream.blocks:
+            decided = lockstep.feed(block).hardware
+            t0_us = int(block.t_us[0]) if t0_us is None else t0_us  # of the part: tick 0
+            parts.add(to_track_records(decided.records, config, block.t_us, first, t0_us), decided.owner, block)
+            first += len(block)
+        measured = {**_hardware(lockstep), "build_s": 0.0 if built.cached else built.build_s}
+    return Tracked(parts.log("cot-rtl"), parts.counts(), measured | hardware_cost(top, config.shape.n_slots), parts.events)
+
+
+def _fuzzed(task: Task) -> dict[str, Any]:
+    shape, top = Shape(**task.tables["shape"]), cast(Top, task.hardware)
+    assert task.seed is not None
+    built = _built(random_config(np.random.default_rng(task.seed), shape), top)
+    lockstep = random_run(shape, top, task.seed, task.events, built)
+    own = {"events": lockstep.events, "records": lockstep.records, "build_s": 0.0 if built.cached else built.build_s}
+    return {**own, **_hardware(lockstep)}
+
+
+def _hardware(lockstep: Lockstep) -> dict[str, Any]:
+    counts, cycles = lockstep.latency, lockstep.device.cycle
+    so_far = np.cumsum(counts)
+    quantiles = {"median": 0.5, "p99": 0.99, "max": 1.0}
+    found = {f"latency_{name}_clocks": int(np.searchsorted(so_far, part * so_far[-1])) for name, part in quantiles.items()}
+    latency = found if so_far[-1] else dict.fromkeys(found)
+    return {"cycles": cycles, "cycles_per_event": cycles / max(lockstep.events, 1), **latency}
+
+
+_models: dict[str, BuiltModel] = {}
+
+
+def _built(config: CotConfig, top: Top) -> BuiltModel:
+    """The compiled design: looked up once in a worker, built once on a machine."""
+    key = canonical([top, vars(config.shape), vars(config.filter_shape), int(config.filters.enable)])
+    found = _models.get(key)
+    if found is None:
+        found = build_device(config, top, waves=False)
+        _models[key] = found
+        return found
+    return BuiltModel(found.top, found.parameters, found.shared_object, found.key, True, 0.0)
+
+
+class _Parts:
+    """Records and counts of owners, block by block."""
+
+    def __init__(self, whole: bool) -> None:
+        self.records: list[NDArray[np.void]] = []
+        self.events: list[Events] = []
+        self._owners: list[NDArray[np.int16]] = []
+        self._whole = whole
+        self._count = dict.fromkeys(("events", "owned", "passed", "filtered"), 0)
+
+    def add(self, records: NDArray[np.void], owner: NDArray[np.int16], block: Events) -> None:
+        if len(records):
+            self.records.append(records)
+        self._count["events"] += len(owner)
+        self._count["owned"] += int(np.count_nonzero(owner >= 0))
+        self._count["passed"] += int(np.count_nonzero(owner == -1))
+        self._count["filtered"] += int(np.count_nonzero(owner == DROPPED))
+        if self._whole:
+            self._owners.append(owner)
+            self.events.append(block)
+
+    def log(self, engine: str) -> TrackLog:
+        records = np.concatenate([np.empty(0, TRACK), *self.records])
+        return TrackLog(engine, records, np.concatenate([np.empty(0, np.int16), *self._owners]))
+
+    def counts(self) -> dict[str, int]:
+        kinds = np.concatenate([np.empty(0, np.uint8), *(records["kind"] for records in self.records)])
+        born, merged, lost = (int(np.count_nonzero(kinds == kind)) for kind in (Kind.BORN, Kind.MERGED, Kind.LOST))
+        return {**self._count, "records": len(kinds), "tracks": born, "merged": merged, "lost": lost}

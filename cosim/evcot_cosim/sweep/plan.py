@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a specification to tasks: every point on every input, with every engine and seed; each distinct run once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from typing import Any
+
+from evcot.errors import ConfigError, RecordingError
+from evcot.hardware.contract import Shape
+from evcot.recordings.formats.source import Sensor
+from evcot.trackers.engines import ENGINES
+
+from ..lockstep.cosim import check_addresses_of
+from .axes import Point, grid, latin, uniform
+from .configure import configuration, tables_of
+from .execute import FAILED, INVALID
+from .fields import HARDWARE, MODEL, PRESET, RTL, concerns, with_fields
+from .inputs import inputs_of, sensor_of
+from .machine import code_fingerprint, design_fingerprint
+from .spec import Spec
+from .task import FUZZ, Input, Task, canonical
+
+__all__ = ["Invalid", "Plan", "Planner", "points_of"]
+
+
+@dataclass(frozen=True)
+class Invalid:
+    """A run that cannot be: its settings together break a rule of the configuration, or its recording is damaged.
+
+    Attributes:
+        status: of its row.
+    """
+
+    task: Task
+    error: str
+    status: str = INVALID
+
+
+@dataclass
+class Plan:
+    """Distinct runs in the order in which they are best done, and those that cannot be."""
+
+    tasks: list[Task] = field(default_factory=list)
+    invalid: list[Invalid] = field(default_factory=list)
+
+    @property
+    def designs(self) -> int:
+        """Number of distinct hardware designs."""
+        return len({design_of(task) for task in self.tasks if task.design})
+
+
+def design_of(task: Task) -> tuple[str, str]:
+    """What tells the designs of tasks apart: module and shape."""
+    tables = task.tables
+    filters = canonical(sorted(tables.get("filters", {}))) + str(task.preset)
+    size = canonical([task.input.width, task.input.height]) if task.input else ""
+    return task.hardware, canonical(tables.get("shape", {})) + filters + size
+
+
+def points_of(spec: Spec) -> Iterator[Point]:
+    """The points that a specification names before anything has run; those of Optuna come one batch after the other."""
+    if not spec.axes:
+        return iter([{}])
+    if spec.method == "grid":
+        return grid(spec.axes)
+    choose = latin if spec.method == "latin" else uniform
+    return choose(spec.axes, spec.samples, spec.sampling_seed)
+
+
+class Planner:
+    """Makes tasks of points.
+
+    Args:
+        spec: the specification; its inputs are read.
+
+    Raises:
+        ConfigError: an input that is missing.
+    """
+
+    def __init__(self, spec: Spec) -> None:
+        self.spec = spec
+        self.inputs = inputs_of(spec)
+        self._sensors: dict[int, Sensor] = {}
+        self._damaged: dict[int, str] = {}
+        for each in self.inputs:
+            try:
+                self._sensors[id(each)] = sensor_of(each)
+            except RecordingError as error:  # other recordings are swept
+                self._damaged[id(each)] = str(error)
+        self._checked: dict[str, str | None] = {}
+
+    @property
+    def paths(self) -> list[str]:
+        """The files that workers read."""
+        rules = {each.rule for each in self.inputs if each.rule_content}
+        files = {path for each in self.inputs if not each.is_scene for path in (each.name, each.truth) if path}
+        return sorted(files | rules)
+
+    def fuzz(self) -> Plan:
+        """The runs of `Fuzz`: modules x shapes x seeds."""
+        fuzz = self.spec.fuzz
+        assert fuzz is not None
+        plan = Plan()
+        for module in fuzz.modules:
+            for shape in fuzz.shapes:
+                settings = {f"shape.{name}": value for name, value in shape.items()}
+                tables = {"shape": dict(shape)}
+                common = Task(
+                    FUZZ, tables=tables, hardware=module, events=fuzz.events, settings=settings, code=code_fingerprint(),
+                    design=design_fingerprint(),
+                )  # fmt: skip
+                if module == "cot" and Shape(**shape).n_slots != 1:
+                    rule = f"shape.n_slots = {Shape(**shape).n_slots}: must be 1 for a single tracker"
+                    plan.invalid.append(Invalid(common, rule))
+                    continue
+                plan.tasks += [replace(common, seed=seed) for seed in self.spec.seeds]
+        plan.tasks = _designs_first(plan.tasks)
+        return plan
+
+    def plan(self, points: Iterable[Point], engines: Sequence[str] | None = None, *, strict: bool = True) -> Plan:
+        """The runs of points, each once.
+
+        Args:
+            engines: some of the specification's; None: all.
+            strict: whether it is an error that a value, or an engine, has no run that can be.
+
+        Raises:
+            ConfigError: every run with one of the values, or every run of an engine, cannot be; the first reason.
+        """
+        plan, seen = Plan(), set[str]()
+        refused: dict[tuple[str, str], str] = {}  # (engine, field = value) -> why
+        accepted: set[tuple[str, str]] = set()
+        for point in points:
+            for engine in self.spec.engines if engines is None else engines:
+                named = [(engine, canonical([name, value])) for name, value in point.items() if concerns(name, engine)]
+                for task in self._tasks(engine, point):
+                    if id(task.input) in self._damaged:
+                        if task.key not in seen:
+                            plan.invalid.append(Invalid(task, self._damaged[id(task.input)], FAILED))
+                        seen.add(task.key)
+                        continue
+                    fault = self._fault(task)
+                    if fault is None:
+                        accepted.update([*named, (engine, "")])
+                    else:
+                        for each in [*named, (engine, "")]:
+                            refused.setdefault(each, fault)
+                    if task.key not in seen:
+                        seen.add(task.key)
+                        plan.tasks += [task] if fault is None else []
+                        plan.invalid += [Invalid(task, fault)] if fault is not None else []
+        choices = {canonical([axis.name, value]) for axis in self.spec.axes for value in axis.choices} | {""}
+        for (engine, what), fault in sorted(refused.items(), key=lambda each: each[0][1]) if strict else ():
+            if what in choices and (engine, what) not in accepted:
+                raise ConfigError(f"no run of engine {engine} is possible{_with(what)}: {fault}")
+        plan.tasks = _designs_first(plan.tasks)
+        return plan
+
+    def _tasks(self, engine: str, point: Point) -> Iterator[Task]:
+        spec = self.spec
+        own: dict[str, Any] = {name: value for name, value in point.items() if concerns(name, engine)}
+        tables = tables_of(with_fields(spec.tables, own), engine)
+        preset = own.get(PRESET, spec.preset)
+        if PRESET in own and preset not in ENGINES[MODEL if engine == RTL else engine].presets:
+            return  # it is another engine's
+        modules: Sequence[str] = ("",)
+        if engine == RTL:
+            modules = (own[HARDWARE],) if HARDWARE in own else spec.hardware
+        seeds: Sequence[int | None] = spec.seeds if engine == RTL and spec.stalls else (None,)
+        design = design_fingerprint() if engine == RTL else ""
+        for source in self.inputs:
+            for module in modules:
+                for seed in (source.scene_seed,) if source.is_scene and seeds != (None,) else seeds:
+                    yield Task(engine, source, preset, tables, module, seed, 0, own, code_fingerprint(), design)
+
+    def _fault(self, task: Task) -> str | None:
+        """Why a run cannot be; None if it can."""
+        assert task.input is not None
+        sensor = self._sensors[id(task.input)]
+        what = canonical([task.engine, sensor, task.preset, task.tables, task.hardware])
+        if what not in self._checked:
+            self._checked[what] = _fault(task, sensor)
+        return self._checked[what]
+
+
+def _fault(task: Task, sensor: Sensor) -> str | None:
+    try:
+        slots = 1 if task.hardware == "cot" else None
+        config, filters = configuration(task.engine, sensor, task.preset, task.tables, slots)
+        if task.engine in (RTL, MODEL):
+            check_addresses_of(sensor, config.hardware(*sensor), "the input")
+            if task.hardware == "cot" and (config.cot.shape.n_slots != 1 or filters.enabled):
+                return "hardware = 'cot': must have one slot and no filters"
+    except ConfigError as error:
+        return str(error)
+    return None
+
+
+def _with(what: str) -> str:
+    return f" with {what.replace(chr(34), '')}" if what else ""
+
+
+def _designs_first(tasks: Sequence[Task]) -> list[Task]:
+    """One task of each design first, so that designs are built side by side; then by input, which a worker keeps."""
+    first: dict[tuple[str, str], Task] = {}
+    for task in tasks:
+        if task.design:
+            first.setdefault(design_of(task), task)
+    chosen = {id(task) for task in first.values()}
+    order: Mapping[str, int] = {}
+    rest = [task for task in tasks if id(task) not in chosen]
+    order = {_input_name(task.input): i for i, task in reversed(list(enumerate(rest)))}
+    return list(chain(first.values(), sorted(rest, key=lambda task: order[_input_name(task.input)])))
+
+
+def _input_name(source: Input | None) -> str:
+    return "" if source is None else canonical([source.name, source.scene_seed])

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parallel coordinates: lines drawn a few thousand at a time, so that the page stays responsive; ranges kept by dragging.
+import { shade, sharp, short } from "./shades.js";
+
+const TOP = 44;
+const BOTTOM = 24;
+const PER_FRAME = 4000;
+const LISTED = 12;
+
+/** Draws, and tells `kept(indices)` after each change of the ranges. */
+export function parallel(canvas, lines, theme, kept) {
+  const ranges = new Map(); // axis -> [low, high] places
+  let drawing = 0;
+  let drag = null;
+  // The best are drawn last, on top.
+  const objective = lines.objectives[0];
+  const order = Array.from({ length: lines.count }, (_, i) => i).sort((a, b) => lines.merit(objective, a) - lines.merit(objective, b));
+
+  const x = (k, width) => 50 + (k * (width - 100)) / Math.max(lines.axes.length - 1, 1);
+  const y = (place, height) => TOP + (1 - place) * (height - TOP - BOTTOM);
+  const passes = (i) => [...ranges].every(([k, [low, high]]) => {
+    const place = lines.place(lines.axes[k], i);
+    return place >= low && place <= high;
+  });
+
+  function draw() {
+    const { context, width, height } = sharp(canvas);
+    const mine = ++drawing;
+    const colours = theme();
+    const chosen = order.filter(passes);
+    frame(context, width, height, colours);
+    const alpha = Math.max(0.04, Math.min(0.9, 60 / Math.sqrt(chosen.length + 1) / 6));
+    let at = 0;
+    function some() {
+      if (mine !== drawing) return;
+      const end = Math.min(at + PER_FRAME, chosen.length);
+      for (; at < end; at++) {
+        const i = chosen[at];
+        context.strokeStyle = shade(lines.merit(objective, i), alpha);
+        context.beginPath();
+        let open = false;
+        lines.axes.forEach((axis, k) => {
+          const place = lines.place(axis, i);
+          if (Number.isNaN(place)) open = false;
+          else if (open) context.lineTo(x(k, width), y(place, height));
+          else { context.moveTo(x(k, width), y(place, height)); open = true; }
+        });
+        context.stroke();
+      }
+      if (at < chosen.length) requestAnimationFrame(some);
+      else frame(context, width, height, colours);
+    }
+    some();
+    kept(chosen.slice(-LISTED).reverse(), chosen.length);
+  }
+
+  function frame(context, width, height, colours) {
+    context.font = `11px ${colours.font}`;
+    context.textAlign = "center";
+    lines.axes.forEach((axis, k) => {
+      const at = x(k, width);
+      context.strokeStyle = colours.ink;
+      context.lineWidth = 1;
+      context.beginPath();
+      context.moveTo(at, TOP);
+      context.lineTo(at, height - BOTTOM);
+      context.stroke();
+      context.fillStyle = colours.ink;
+      context.fillText(axis.name, at, k % 2 ? 26 : 12);
+      context.fillStyle = colours.quiet;
+      context.fillText(axis.titles ? axis.titles.at(-1) : short(axis.high), at, TOP - 5);
+      context.fillText(axis.titles ? axis.titles[0] : short(axis.low), at, height - 10);
+      const range = ranges.get(k);
+      if (range) {
+        context.strokeRect(at - 6, y(range[1], height), 12, y(range[0], height) - y(range[1], height));
+      }
+    });
+  }
+
+  function where(event) {
+    const box = canvas.getBoundingClientRect();
+    const across = event.clientX - box.left;
+    const place = 1 - (event.clientY - box.top - TOP) / (box.height - TOP - BOTTOM);
+    const k = lines.axes.map((_, each) => Math.abs(x(each, box.width) - across)).reduce((best, gap, each, all) => (gap < all[best] ? each : best), 0);
+    return { k, place: Math.min(Math.max(place, 0), 1), near: Math.abs(x(k, box.width) - across) < 24 };
+  }
+
+  canvas.addEventListener("pointerdown", (event) => {
+    const at = where(event);
+    if (!at.near) return;
+    drag = at;
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!drag) return;
+    const { place } = where(event);
+    if (Math.abs(place - drag.place) > 0.01) ranges.set(drag.k, [Math.min(place, drag.place), Math.max(place, drag.place)]);
+    draw();
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    if (drag && Math.abs(where(event).place - drag.place) <= 0.01) ranges.delete(drag.k);
+    drag = null;
+    draw();
+  });
+  return draw;
+}

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A Dask cluster gives what the processes of one machine give, and loses nothing when parts of it die."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from subprocess import Popen
+from typing import Any
+
+import pytest
+
+from evcot.errors import ConfigError
+from evcot_cosim.sweep.cluster import Cluster
+from evcot_cosim.sweep.execute import execute
+from evcot_cosim.sweep.metrics import METRICS
+from evcot_cosim.sweep.run import run_sweep
+from evcot_cosim.sweep.spec import Spec, spec_from
+from evcot_cosim.sweep.store import read_rows
+from support.sweeping import Chore, chore, recorded
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("distributed")
+pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask itself, and of its threads when a scheduler dies
+
+Start = Callable[..., Popen[bytes]]
+
+
+def free_port() -> int:
+    with contextlib.closing(socket.create_server(("127.0.0.1", 0))) as server:
+        port: int = server.getsockname()[1]
+        return port
+
+
+@pytest.fixture
+def port() -> int:
+    return free_port()
+
+
+@pytest.fixture
+def address(port: int, dask: Start) -> str:
+    """A scheduler with two workers."""
+    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    for _ in range(2):
+        dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1")
+    return f"tcp://127.0.0.1:{port}"
+
+
+def connected(function: Callable[[Any], Any], address: str, workers: int = 2) -> Cluster:
+    cluster = Cluster(function, address)
+    cluster._client.wait_for_workers(workers, timeout=90)
+    return cluster
+
+
+def spec_of(folder: Path) -> Spec:
+    values: dict[str, Any] = {
+        "recordings": [str(folder)], "engines": ["rct", "cot"], "preset": "discs", "objectives": {"hota": "max"},
+        "fields": {"rct.radius_px": [6.0, 9.0], "cot.init_radix": [8, 10]},
+    }  # fmt: skip
+    return spec_from(values, folder, "small")
+
+
+def exact(folder: Path) -> dict[str, tuple[Any, ...]]:
+    return {row["key"]: tuple(row[name] for name in ("status", "error", "task", *METRICS)) for row in read_rows(folder)}
+
+
+def test_a_cluster_gives_the_same_bit_for_bit(address: str, tmp_path: Path) -> None:
+    recorded(tmp_path, 1)
+    connected(execute, address).__exit__(None, None, None)
+    there = run_sweep(spec_of(tmp_path), tmp_path.with_name("there"), jobs=1, scheduler=address)
+    here = run_sweep(spec_of(tmp_path), tmp_path.with_name("here"), jobs=1)
+    assert (there.new, here.new) == (4, 4)
+    assert exact(there.folder) == exact(here.folder)
+
+
+def test_a_recording_that_is_missing_on_one_worker_is_named(port: int, dask: Start, tmp_path: Path) -> None:
+    """The workers run in different folders, and are asked for a path relative to them."""
+    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", folder=tmp_path / name)
+    recorded(tmp_path / "one", 1)
+    here = Path.cwd()
+    os.chdir(tmp_path / "one")
+    try:
+        with connected(execute, f"tcp://127.0.0.1:{port}") as cluster:
+            with pytest.raises(ConfigError, match=r"^discs1.npz: is missing on worker tcp://.* on .*: must be the same file"):
+                cluster.check(["discs1.npz"])
+            (tmp_path / "two" / "discs1.npz").write_bytes(Path("discs1.npz").read_bytes())
+            assert len(cluster.check(["discs1.npz"])) == 2
+    finally:
+        os.chdir(here)
+
+
+def test_no_scheduler_and_no_workers_are_said(port: int, dask: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("evcot_cosim.sweep.cluster._CONNECT_S", 1)
+    with pytest.raises(ConfigError, match=rf"^--scheduler tcp://127.0.0.1:{port}: no scheduler answers: "):
+        Cluster(chore, f"tcp://127.0.0.1:{port}")
+    for text in (None, "no JSON", "[]"):
+        if text is not None:
+            (tmp_path / "file.json").write_text(text)
+        with pytest.raises(ConfigError, match=rf"^--scheduler-file {tmp_path}/file.json: no scheduler answers: "):
+            Cluster(chore, file=tmp_path / "file.json")
+    monkeypatch.undo()
+    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    with Cluster(chore, f"tcp://127.0.0.1:{port}") as cluster, pytest.raises(ConfigError, match="has no workers"):
+        cluster.check([])
+
+
+def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(address: str, tmp_path: Path) -> None:
+    tasks = [Chore(i, {3: "die", 5: "die once"}.get(i, "return"), str(tmp_path)) for i in range(10)]
+    with connected(chore, address) as cluster:
+        found = {done.task.number: done for done in cluster.run(tasks)}
+    assert sorted(found) == list(range(10))
+    assert found[3].result is None
+    assert found[3].fault == f"worker was killed, {found[3].attempts} times"
+    assert all(found[i].result is not None for i in range(10) if i != 3)
+
+
+def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp_path: Path) -> None:
+    scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    address = f"tcp://127.0.0.1:{port}"
+    dask("worker", address, "--nthreads", "1", "--death-timeout", "120")
+    tasks = [Chore(i, "return", str(tmp_path)) for i in range(200)]
+
+    def slowly() -> Iterator[Chore]:
+        for task in tasks:
+            if task.number == 60:
+                scheduler.send_signal(signal.SIGKILL)
+                scheduler.wait()
+                threading.Timer(1.0, lambda: restarted.append(start())).start()
+            yield task
+
+    def start() -> Popen[bytes]:
+        process = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+        dask("worker", address, "--nthreads", "1")
+        return process
+
+    restarted: list[Popen[bytes]] = []
+    with connected(chore, address, 1) as cluster:
+        numbers = [done.task.number for done in cluster.run(slowly()) if done.result is not None]
+    assert sorted(numbers) == list(range(200)), "each once"
+    assert len(restarted) == 1

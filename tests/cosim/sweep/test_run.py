@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sweeps as a whole: the same results however they are run, resumed, killed; and what cannot be is refused before a run."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import evcot
+from evcot.errors import ConfigError, OutputError
+from evcot_cosim.sweep import machine
+from evcot_cosim.sweep.execute import execute
+from evcot_cosim.sweep.metrics import METRICS
+from evcot_cosim.sweep.plan import Planner, points_of
+from evcot_cosim.sweep.repeat import repeat
+from evcot_cosim.sweep.run import Swept, run_sweep
+from evcot_cosim.sweep.spec import Spec, read_spec, spec_from, spec_toml
+from evcot_cosim.sweep.store import Store, read_rows
+from evcot_cosim.sweep.task import Task
+from support.sweeping import recorded
+
+pytest.importorskip("pyarrow")
+
+RADII = [6.0, 9.0, 14.0]
+Rows = dict[str, tuple[Any, ...]]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two recordings with truths."""
+    folder = tmp_path_factory.mktemp("recordings")
+    for seed in (1, 2):
+        recorded(folder, seed)
+    return folder
+
+
+def spec_of(folder: Path, **more: Any) -> Spec:
+    values: dict[str, Any] = {
+        "recordings": [str(folder)], "engines": ["rct", "cot"], "preset": "discs", "objectives": {"hota": "max"},
+        "fields": {"rct.radius_px": RADII, "cot.init_radix": [8, 10], "filters.refractory_us": [0, 500]},
+    }  # fmt: skip
+    return spec_from(values | more, folder, "small")
+
+
+def exact(folder: Path) -> Rows:
+    """Everything that must not depend on how a run was done."""
+    rows = read_rows(folder)
+    return {row["key"]: tuple(row[name] for name in ("status", "engine", "error", "task", *METRICS)) for row in rows}
+
+
+@pytest.fixture(scope="module")
+def once(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Swept, Path]:
+    """The whole sweep, in one process."""
+    out = tmp_path_factory.mktemp("out") / "once"
+    return run_sweep(spec_of(folder), out, jobs=1), out
+
+
+def test_each_distinct_run_is_done_once(once: tuple[Swept, Path]) -> None:
+    swept, out = once
+    # The tracker knows nothing of registers, the model nothing of radius_px: 3 x 2 and 2 x 2 configurations on 2 recordings.
+    assert (swept.runs, swept.new, dict(swept.counts)) == (20, 20, {"done": 20})
+    rows = read_rows(out)
+    assert sorted(row["engine"] for row in rows) == ["cot"] * 8 + ["rct"] * 12
+    assert {row["rct.radius_px"] for row in rows if row["engine"] == "cot"} == {None}
+
+
+def test_a_row_is_what_track_and_evaluate_say(once: tuple[Swept, Path], folder: Path) -> None:
+    _, out = once
+    rows = [row for row in read_rows(out) if row["engine"] == "rct" and row["input"].endswith("discs1.npz")]
+    (row,) = (row for row in rows if row["rct.radius_px"] == 9.0 and row["filters.refractory_us"] == 500)
+    filters = evcot.FilterConfig(refractory_us=500)
+    log = evcot.track(folder / "discs1.npz", "rct", "discs", radius_px=9.0, filters=filters)
+    scores = evcot.evaluate(log, folder / "discs1.truth.csv", sensor=(96, 64)).to_dict()
+    assert {name: row[name] for name in scores} == scores
+    assert (row["events"], row["records"], row["owned"]) == (len(log.owner), len(log.records), int((log.owner >= 0).sum()))
+
+
+def test_two_processes_give_the_same_bit_for_bit(once: tuple[Swept, Path], folder: Path, tmp_path: Path) -> None:
+    run_sweep(spec_of(folder), tmp_path / "two", jobs=2)
+    assert exact(tmp_path / "two") == exact(once[1])
+
+
+def test_nothing_is_done_twice(once: tuple[Swept, Path], folder: Path, tmp_path: Path) -> None:
+    swept, out = once[0], tmp_path / "out"
+    shutil.copytree(once[1], out)
+    before = {row["key"]: row["when"] for row in read_rows(out)}
+    again = run_sweep(spec_of(folder), out, jobs=1)
+    assert (again.runs, again.new) == (20, 0)
+    larger = run_sweep(
+        spec_of(folder, fields={"rct.radius_px": [*RADII, 20.0], "filters.refractory_us": [0, 500]}), out, jobs=1
+    )
+    assert larger.new == 8, "the new radius, and the model with its preset, with either filter on either recording"
+    assert {key: when for key, when in ((row["key"], row["when"]) for row in read_rows(out)) if key in before} == before
+    assert swept.keys & larger.keys
+
+
+def test_a_sweep_that_is_killed_goes_on(once: tuple[Swept, Path], folder: Path, tmp_path: Path) -> None:
+    path, out = tmp_path / "spec.toml", tmp_path / "out"
+    path.write_text(spec_toml(spec_of(folder)))
+    command = [sys.executable, "-m", "evcot_cosim", "sweep", str(path), "-o", str(out), "--jobs", "1", "-q"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE)
+    journal = out / "journal.jsonl"
+    while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b"\n") >= 3):
+        time.sleep(0.005)
+    os.kill(process.pid, signal.SIGKILL)
+    process.communicate()
+    with Store(out) as store:
+        kept = dict(store.status)
+    assert len(kept) >= 3
+    when = {row["key"]: row["when"] for row in read_rows(out)}
+    swept = run_sweep(spec_of(folder), out, jobs=2)
+    assert swept.new == 20 - len(kept)
+    assert exact(out) == exact(once[1])
+    assert {row["key"]: row["when"] for row in read_rows(out) if row["key"] in kept} == when
+
+
+def test_one_run_is_repeated_by_its_key(once: tuple[Swept, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    _, out = once
+    row = read_rows(out)[0]
+    assert row["command"] == f"evcot sweep {out} --only {row['key']}"
+    assert repeat(out, row["key"]).differences == ()
+    assert repeat(out, row["key"][:12]).row["hota"] == row["hota"]
+    with pytest.raises(ConfigError, match="--only 0: is the key of 0 runs"):
+        repeat(out, "0")
+    changed = execute(Task.from_dict(json.loads(row["task"])))
+    monkeypatch.setattr("evcot_cosim.sweep.repeat.execute", lambda _: changed | {"hota": 0.25})
+    (difference,) = repeat(out, row["key"]).differences
+    assert (difference.name, difference.stored, difference.now) == ("hota", row["hota"], 0.25)
+
+
+def test_a_file_that_changes_is_noticed(folder: Path, tmp_path: Path) -> None:
+    path = recorded(tmp_path, 5)
+    (task,) = Planner(spec_of(tmp_path, engines=["rct"], fields={})).plan(points_of(spec_of(tmp_path, fields={}))).tasks
+    assert execute(task)["status"] == "done"
+    path.unlink()
+    recorded(tmp_path, 6).rename(path)
+    row = execute(task)
+    assert (row["status"], row["error"]) == ("failed", f"{path}: has changed since the sweep began: must stay as it is")
+    path.unlink()
+    assert execute(task)["error"] == f"{path}: cannot be read: No such file or directory"
+
+
+def test_the_key_is_of_contents_not_of_names(folder: Path, tmp_path: Path) -> None:
+    def keys(where: Path, **more: Any) -> set[str]:
+        spec = spec_of(where, **more)
+        return {task.key for task in Planner(spec).plan(points_of(spec)).tasks}
+
+    for name in os.listdir(folder):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    assert keys(tmp_path) == keys(folder)
+    assert not keys(folder, preset="traffic") & keys(folder)
+    before = keys(tmp_path)
+    truth = tmp_path / "discs1.truth.csv"
+    truth.write_text("".join(truth.read_text().splitlines(keepends=True)[:-1]))
+    assert len(keys(tmp_path) & before) == len(before) // 2, "another truth is another run"
+
+
+def test_a_damaged_file_is_a_row(tmp_path: Path) -> None:
+    path = recorded(tmp_path, 1)
+    (tmp_path / "bad.csv.txt").write_text("t,x,y,p\n0,1,1,1\n5,2,2,0\n4,95,x,1\n")
+    spec = spec_of(tmp_path, engines=["rct"], fields={})
+    swept = run_sweep(spec, tmp_path.with_name("damaged"), jobs=1)
+    rows = {Path(row["input"]).name: row for row in read_rows(swept.folder)}
+    assert rows[path.name]["status"] == "done"
+    assert rows["bad.csv.txt"]["status"] == "failed"
+    assert "bad.csv.txt" in rows["bad.csv.txt"]["error"]
+
+
+def test_settings_that_contradict_each_other_are_rows(folder: Path, tmp_path: Path) -> None:
+    spec = spec_of(folder, engines=["cot"], fields={"cot.init_radix": [8, 10], "cot.radix_max": [9, 12]})
+    swept = run_sweep(spec, tmp_path / "out", jobs=1)
+    assert dict(swept.counts) == {"done": 6, "invalid": 2}
+    errors = {row["error"] for row in read_rows(swept.folder) if row["status"] == "invalid"}
+    assert errors == {"cot.slot[0].init_radix = 10: must lie from radix_min = 6 to radix_max = 9"}
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [
+        ({"enginess": ["rct"]}, "unknown field 'enginess': must be one of "),
+        ({"engines": ["rtc"]}, "engines: 'rtc': must be one of auto, rct, "),
+        ({"recordings": ["gone.raw"]}, "gone.raw: is missing: must be a recording"),
+        ({"fields": {"rct.radius": [1.0]}}, "fields.rct.radius: no such field"),
+        ({"fields": {"cot.init_radix": [8, 200]}}, "no run of engine cot is possible with [cot.init_radix,200]: cot.slot[0]"),
+        ({"objectives": {"hotta": "max"}}, "objectives.hotta: no such metric: must be one of hota, "),
+        ({"objectives": {"hota": "up"}}, "objectives.hota = 'up': must be max or min"),
+        ({"seeds": {"from": 4, "to": 3}}, "seeds: from 4 to 3: must not be negative or empty"),
+        ({"seeds": []}, "seeds = []: must be whole numbers"),
+        ({"parts": [[5, 5]]}, "parts = [[5, 5]]: must be a list of "),
+        ({"method": "latin"}, "samples = 0: must be at least 1"),
+        ({"method": "best"}, "method = 'best': must be one of grid, random, latin, optuna"),
+        ({"truth": {"a.raw": "b.csv"}}, "a.raw: must be one of the recordings"),
+        ({"families": {"a": ["c.raw"]}}, "c.raw: must be one of scenes or recordings"),
+        ({"preset": "dics"}, "no run of engine rct is possible: preset dics: must be one of plain, "),
+        ({"fields": {"preset": ["discs", "dics"]}}, "fields.preset: 'dics': must be one of "),
+        ({"hardware": ["cot_arry"]}, "hardware: 'cot_arry': must be one of "),
+        ({"fuzz": {"events": 5}}, "fuzz: must not be given with recordings, scenes or fields"),
+        ({"samples": True}, "samples = True: must be a whole number"),
+        ({"tables": {"rct": {"radius": 3.0}}}, "no run of engine rct is possible: [rct]: unknown field 'radius'"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_before_anything_has_run(
+    more: dict[str, Any], why: str, folder: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(ConfigError) as refused:
+        run_sweep(spec_of(folder, **more), tmp_path / "out", jobs=1)
+    assert why in str(refused.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_specification_goes_round(folder: Path, tmp_path: Path) -> None:
+    spec = spec_of(
+        folder, seeds={"from": 3, "to": 9}, parts=[[0, 50_000], [50_000]], families={"a": [str(folder)]}, stalls=True,
+        fields={"rct": {"radius_px": {"from": 1.0, "to": 9.0, "steps": 4, "log": True}}, "cot.init_radix": [7, 8]},
+    )  # fmt: skip
+    assert [axis.name for axis in spec.axes] == ["rct.radius_px", "cot.init_radix"]
+    (tmp_path / "again.toml").write_text(spec_toml(spec))
+    assert read_spec(str(tmp_path / "again.toml")) == spec
+
+
+def test_a_folder_of_somebody_else_is_left_alone(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine").write_text("mine")
+    with pytest.raises(OutputError, match="holds files, and evcot did not make it"):
+        run_sweep(spec_of(folder), tmp_path, jobs=1)
+    assert os.listdir(tmp_path) == ["mine"]
+
+
+def test_optuna_asks_for_the_same_points_however_many_workers(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("optuna")
+    fields = {"rct.radius_px": {"from": 5.0, "to": 20.0}, "filters.polarity": ["on", "off"]}
+    spec = spec_of(folder, method="optuna", samples=14, batch=4, engines=["rct"], fields=fields)
+    one = run_sweep(spec, tmp_path / "one", jobs=1)
+    two = run_sweep(spec, tmp_path / "two", jobs=2)
+    assert one.keys == two.keys
+    assert exact(tmp_path / "one") == exact(tmp_path / "two")
+    assert 20 <= one.runs <= 28
+    again = run_sweep(spec, tmp_path / "one", jobs=2)
+    assert (again.new, again.keys) == (0, one.keys)
+
+
+def test_another_program_does_no_task(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = spec_of(folder, engines=["rct"], fields={})
+    task = Planner(spec).plan(points_of(spec)).tasks[0]
+    monkeypatch.setattr("evcot_cosim.sweep.execute.code_fingerprint", lambda: "other")
+    assert execute(task)["error"] == f"the program is other: must be {machine.code_fingerprint()}, the sweep's"
+
+
+def test_workers_that_differ_are_refused(folder: Path) -> None:
+    own = machine.probe([str(folder / "discs1.npz")])
+    machine.check_same(own, {"tcp://a": dict(own)})
+    for change, why in (
+        ({"versions": own["versions"] | {"numpy": "1.0"}}, f"has numpy 1.0: must be {own['versions']['numpy']}, as here"),
+        ({"code": "0" * 16}, f"sources of evcot differ ({'0' * 16})"),
+        ({"design": "1" * 16}, "RTL differ"),
+        ({"contents": {}}, "discs1.npz: is missing on worker tcp://b on "),
+        ({"contents": dict.fromkeys(own["contents"], "2" * 16)}, "discs1.npz: differs from the one here on worker tcp://b"),
+    ):
+        with pytest.raises(ConfigError) as refused:
+            machine.check_same(own, {"tcp://a": dict(own), "tcp://b": {**own, **change}})
+        assert why in str(refused.value)

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The store: one row a run, complete files alone, nothing lost when the writer is killed."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from evcot.errors import ConfigError, OutputError
+from evcot_cosim.sweep import store as store_module
+from evcot_cosim.sweep.store import COLUMNS, Store, read_rows
+
+pytest.importorskip("pyarrow")
+
+
+def row(number: int, status: str = "done", **settings: Any) -> dict[str, Any]:
+    return {"key": f"{number:016x}", "status": status, "engine": "rct", "hota": number / 7, "settings": settings, "task": "{}"}
+
+
+def keys(folder: Path) -> list[str]:
+    return [each["key"] for each in read_rows(folder)]
+
+
+def test_rows_are_a_dataset_of_one_file_in_the_end(tmp_path: Path) -> None:
+    for begin in (0, 3):
+        with Store(tmp_path) as store:
+            for number in range(begin, begin + 3):
+                store.add(row(number, **{"rct.radius_px": 1.5 * number, "cot.init_radix": number}))
+                store.flush()
+    rows = read_rows(tmp_path)
+    assert [each["hota"] for each in rows] == [number / 7 for number in range(6)], "bit for bit"
+    assert [each["rct.radius_px"] for each in rows] == [1.5 * number for number in range(6)]
+    assert [each["cot.init_radix"] for each in rows] == list(range(6))
+    assert set(COLUMNS) <= rows[0].keys()
+    assert len(list((tmp_path / "runs").iterdir())) == 1
+    assert (tmp_path / "journal.jsonl").read_bytes() == b""
+
+
+def test_fields_that_only_some_runs_have_are_null_elsewhere(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.add(row(1, a=1))
+        store.flush()
+        store.add(row(2, a=2.5, b="text", c=[1, 2]))
+    assert [(each["a"], each["b"], each["c"]) for each in read_rows(tmp_path)] == [(1.0, None, None), (2.5, "text", "[1, 2]")]
+
+
+def test_a_writer_that_is_killed_loses_no_row(tmp_path: Path) -> None:
+    first = Store(tmp_path)
+    first.add(row(1))
+    first.flush()
+    first.add(row(2))
+    first.add(row(3))
+    copy = tmp_path.with_name("copy")
+    shutil.copytree(tmp_path, copy)  # as the disk is at that moment
+    with (copy / "journal.jsonl").open("ab") as journal:
+        journal.write(json.dumps(row(4)).encode()[:40])  # and a line that is cut off
+    (copy / "runs" / ".runs-000002.parquet.partial").write_bytes(b"half a file")
+    with Store(copy) as again:
+        assert again.status == {f"{number:016x}": "done" for number in (1, 2, 3)}
+        assert again.read(["status"]) == [{"key": f"{number:016x}", "status": "done"} for number in (1, 2, 3)]
+        again.add(row(4))
+    assert keys(copy) == [f"{number:016x}" for number in (1, 2, 3, 4)]
+    first._journal.close()
+
+
+def test_a_journal_whose_rows_are_in_the_dataset_already_adds_none(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.add(row(1))
+        line = (tmp_path / "journal.jsonl").read_bytes()
+    (tmp_path / "journal.jsonl").write_bytes(line)
+    with Store(tmp_path):
+        pass
+    assert keys(tmp_path) == [f"{1:016x}"]
+    assert store_module.require_pyarrow().parquet.read_table(tmp_path / "runs").num_rows == 1
+
+
+def test_of_a_run_that_is_done_again_the_later_row_counts(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.add(row(1, "failed"))
+        store.flush()
+        store.add(row(1, "done"))
+    assert [(each["key"], each["status"]) for each in read_rows(tmp_path)] == [(f"{1:016x}", "done")]
+    assert store_module.require_pyarrow().parquet.read_table(tmp_path / "runs").num_rows == 1
+
+
+def test_a_full_disk_leaves_whole_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with Store(tmp_path) as store:
+        store.add(row(1))
+        with Path("/dev/full").open("r+b", buffering=0) as full:
+            journal = store._journal
+
+            class Full:
+                def fileno(self) -> int:
+                    return journal.fileno()
+
+                def write(self, data: bytes) -> int:
+                    journal.write(data[:10])
+                    return full.write(data)
+
+                def truncate(self, size: int) -> int:
+                    return journal.truncate(size)
+
+                def close(self) -> None:
+                    journal.close()
+
+            monkeypatch.setattr(store, "_journal", Full())
+            with pytest.raises(OutputError, match=r"journal.jsonl: cannot be written: No space left"):
+                store.add(row(2))
+            assert (tmp_path / "journal.jsonl").read_bytes().endswith(b"\n")
+    assert keys(tmp_path) == [f"{1:016x}"]
+
+
+def test_two_sweeps_do_not_write_at_a_time(tmp_path: Path) -> None:
+    with Store(tmp_path), pytest.raises(ConfigError, match="another sweep writes here"):
+        Store(tmp_path)
+
+
+def test_a_file_that_is_no_parquet_is_named(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "runs-000001.parquet").write_bytes(b"text")
+    with pytest.raises(ConfigError, match=r"runs-000001.parquet: cannot be read"):
+        read_rows(tmp_path)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Support for tests of sweeps: small recordings with truths, and tasks that end their worker. Workers import this module."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import evcot
+from evcot.recordings.files import write_recording
+
+__all__ = ["Chore", "chore", "recorded", "until"]
+
+
+@dataclass(frozen=True)
+class Chore:
+    """A task for a scheduler alone.
+
+    Attributes:
+        number: which one.
+        does: "return", "die" by a signal, "die once" (then return), "exit", or "sleep" for a minute.
+        folder: where it notes that it was begun.
+    """
+
+    number: int
+    does: str = "return"
+    folder: str = ""
+
+    @property
+    def key(self) -> str:
+        return str(self.number)
+
+
+def chore(task: Chore) -> dict[str, int]:
+    """Do a chore; returns its number and the process."""
+    begun = 0
+    if task.folder:
+        note = Path(task.folder) / f"{task.number}"
+        begun = len(note.read_text()) if note.exists() else 0
+        note.write_text("x" * (begun + 1))
+    if task.does == "die" or (task.does == "die once" and not begun):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if task.does == "exit":
+        os._exit(3)
+    if task.does == "sleep":
+        time.sleep(60)
+    return {"number": task.number, "pid": os.getpid()}
+
+
+def recorded(folder: Path, seed: int, duration_us: int = 120_000) -> Path:
+    """A recording of two discs on a small sensor, with its truth beside it."""
+    scene = evcot.simulate("discs", seed=seed, width=96, height=64, duration_us=duration_us, count=2)
+    path = folder / f"discs{seed}.npz"
+    write_recording(scene.recording, path)
+    scene.truth.save(path.with_name(f"{path.stem}.truth.csv"))
+    return path
+
+
+def until(true: Callable[[], bool], what: str, patience_s: float = 90.0) -> None:
+    """Wait until something is so."""
+    deadline = time.monotonic() + patience_s
+    while not true():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.05)
