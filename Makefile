@@ -59,7 +59,7 @@ mutants: $(VENV)/.installed-test ## Mutation testing: break the RTL in one place
 fuzz: $(VENV)/.installed-test ## Fuzz the readers: all damage cases of the tests, for recordings of every format (an hour)
 	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/recordings/formats -k "damage or cut or corruption" $(ARGS)
 
-fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of the RTL [ARGS="cot_engine --n 8 --seeds 5"]
+fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of the RTL [ARGS="cot_array --n 8 --seeds 5"]
 	@$(BIN)/python -m evcot_cosim.fpga $(ARGS)
 
 fpga-check: $(VENV)/.installed-fpga ## Check for regressions of area and speed against hw/fpga/figures.json

@@ -19,7 +19,7 @@ _ENGINE_GOALS_M = {8: 5.0, 32: 3.0}  # by slots
 
 
 def measure(folder: Path, quick: bool) -> Iterator[Result]:
-    """stream_rate_8, stream_vs_bare, checked_vs_bare, engine_rate_8, engine_rate_32."""
+    """stream_rate_8, stream_vs_bare, checked_vs_bare, array_rate_8, array_rate_32."""
     config = streams.config().cot
     model = build_device(config, waves=False)
     events = streams.joined(200_000 if quick else 1_000_000)
@@ -63,20 +63,20 @@ def measure(folder: Path, quick: bool) -> Iterator[Result]:
 
 
 def _engine_rate(slots: int, goal_m: float, count: int, rounds: int) -> Result:
-    """cot_engine with as many discs as slots."""
+    """cot_array with as many discs as slots."""
     config = streams.config(slots).cot
-    model = build_device(config, "cot_engine", waves=False)
+    model = build_device(config, "cot_array", waves=False)
     events = streams.joined(count, slots)
 
     clocks = 0
 
     def drive() -> Timing:
         nonlocal clocks
-        with Lockstep(config, "cot_engine", check=False, model=model) as lockstep:
+        with Lockstep(config, "cot_array", check=False, model=model) as lockstep:
             timing = timed(lambda: list(map(lockstep.feed, chunks(events))))
             clocks = lockstep.device.cycle
             return timing
 
     rate_m = count / take_turns({"engine": drive}, rounds).seconds("engine", Clock.CPU) / 1e6
     how = f"{clocks / count:.2f} clocks an event; chunks of 65,536, no check, CPU time"
-    return Result(f"engine_rate_{slots}", rate_m, "M events/s", goal_m, "goal", goal=Goal(1), how=how)
+    return Result(f"array_rate_{slots}", rate_m, "M events/s", goal_m, "goal", goal=Goal(1), how=how)
