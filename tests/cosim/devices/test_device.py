@@ -190,7 +190,6 @@ def test_what_the_model_must_be() -> None:
         Arrangement.CHAIN,
         Arrangement.CHAIN,
         Arrangement.ARRAY,
-        Arrangement.ARRAY,
     ]
 
 

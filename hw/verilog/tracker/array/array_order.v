@@ -32,8 +32,29 @@ module array_order #(
 
     assign second_first = |(at & ~behind);
 
-    // Each slot one place forward; the last place takes the slot that moves.
-    wire [(N+1)*SLOT_W-1:0] onward = {slot_behind, row};
+    reg [N*SLOT_W-1:0] ordered;  // by slot number
+
+    always @* begin : by_number
+        integer i;
+        for (i = 0; i < N; i = i + 1) ordered[SLOT_W*i+:SLOT_W] = i[SLOT_W-1:0];
+    end
+
+    // Each slot behind the one that moves goes one place forward; the last place takes that slot. A simulator computes it only where
+    // it is needed.
+    reg [N*SLOT_W-1:0] next_row;
+
+    always @* begin : move
+        integer i;
+        reg [(N+1)*SLOT_W-1:0] onward;
+        i        = 0;
+        onward   = {((N + 1) * SLOT_W) {1'bx}};
+        next_row = {(N * SLOT_W) {1'bx}};
+        if (moves) begin
+            onward   = {slot_behind, row};
+            next_row = row;
+            for (i = 0; i < N; i = i + 1) if (behind[i]) next_row[SLOT_W*i+:SLOT_W] = onward[SLOT_W*(i+1)+:SLOT_W];
+        end
+    end
 
     always @(posedge clk) begin : update
         integer i;
@@ -43,11 +64,8 @@ module array_order #(
         moves       <= born && !rst;
         if (asked)
             for (i = 0; i < N; i = i + 1) at[i] <= row[SLOT_W*i+:SLOT_W] == slot;
-        if (rst)
-            for (i = 0; i < N; i = i + 1) row[SLOT_W*i+:SLOT_W] <= i[SLOT_W-1:0];
-        else if (moves)
-            for (i = 0; i < N; i = i + 1)
-                if (behind[i]) row[SLOT_W*i+:SLOT_W] <= onward[SLOT_W*(i+1)+:SLOT_W];
+        if (rst) row <= ordered;
+        else if (moves) row <= next_row;
     end
 
 endmodule

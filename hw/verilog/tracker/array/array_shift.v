@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arithmetic right shift of ~a_not | ~b_not | c by k, 0 to 8, in few levels of logic; the last shift by one is left to the reader.
+// The arithmetic right shift of ~a_not | ~b_not | c by k, 0 to 9, in few levels of logic; the last shift by one is left to the reader.
 //
 // k is decoded while it is loaded: a one-hot register for the even shifts, and `odd` for the lowest bit. `evenly` is the
-// result of the even shift; the reader must shift it by one more if `odd` is high.
+// result of the even shift; the reader must shift it by one more if `odd` is high. From k = 10 on it is 0: nothing moves.
 //
 // Latency: k is loaded a clock before a_not, b_not and c, from which the path is combinational.
 `default_nettype none
