@@ -10,7 +10,7 @@
 // Latency, unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16;
 // owned and passed events likewise.
 // Throughput: a token every clock. More clocks, where N > 16 those in brackets: 6 (7) after an event that moves a centre or
-// starts a life, 2 N + 40 (2 N + 45) for the end of a life, about 4 (X_W + FRAC) + 35 (2 (X_W + FRAC) + 40) for a merge, and
+// starts a life, 2 N + 40 (2 N + 45) for the end of a life, 4 (X_W + FRAC) + 25 (2 (X_W + FRAC) + 22) for a merge, and
 // N + 12 every max_ticks or detect_ticks, whichever is less.
 // Every output is held until accepted. Reset turns all slots off; about 12 N clocks later the array is idle.
 // All outputs are registers; no path leads from an input to an output.
@@ -204,6 +204,11 @@ module cot_array #(
     reg [SEQ_W-1:0]   seq;         // number of its event, or of the next one where a life ends
     reg [SEQ_W-1:0]   next_seq;
 
+`ifdef FORMAL
+    wire [N*N-1:0] f_shared;
+    wire [N-1:0]   f_holds;
+`endif
+
     // ---- M to D: whose is it? ----------------------------------------------------------------------------------------
 
     wire              m_due, e_other, d_active, d_other, d_free;
@@ -249,6 +254,13 @@ module cot_array #(
         .w_window (w_window),
         .w_active (w_active),
         .active   (active)
+`ifdef FORMAL
+        ,
+        .f_x      ({1'b1, {(AT_X - X_W - 1) {1'b0}}, u_x}),
+        .f_y      ({1'b1, {(AT_Y - Y_W - 1) {1'b0}}, u_y}),
+        .f_shared (f_shared),
+        .f_holds  (f_holds)
+`endif
     );
 
     // Where the slots are far, registers that synthesis keeps apart. Where they are few, those that differ in their reset stay apart,
@@ -779,6 +791,10 @@ module cot_array #(
             idle    <= 1'b0;
         end
     end
+
+`ifdef FORMAL
+`include "cot_array_rules.vh"
+`endif
 
 endmodule
 
