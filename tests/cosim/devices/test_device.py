@@ -80,7 +80,7 @@ class TestStalls:
     def test_a_stalled_stream_takes_longer_and_decides_the_same(self) -> None:
         free, slow = (
             Device(config_of("cot_array")),
-            Device(config_of("cot_array"), stalls=Stalls(own=np.array([1] + [0] * 9))),
+            Device(config_of("cot_array"), stalls=Stalls(own=np.array([1] + [0] * 39))),
         )
         events = traffic(2000)
         assert same(free.stream(events), slow.stream(events))
