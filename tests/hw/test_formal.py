@@ -40,17 +40,17 @@ def hw(tmp_path: Path) -> Path:
     return Path(shutil.copytree(HW, tmp_path / "hw"))
 
 
-def test_outputs_hold_until_taken(hw: Path) -> None:
+def test_events_out_hold_until_taken(hw: Path) -> None:
     assert prove(hw) == "PASS"
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
-        ("cot_array.v", "u_special || found || stalled", "u_special || found"),
         ("array_output.v", "(own && !m_own_ready) ||", ""),
+        ("array_output.v", "|| (pass && !m_pass_ready)", ""),
     ],
-    ids=["a waiting record is overwritten", "a waiting event is overwritten"],
+    ids=["a waiting owned event is overwritten", "a waiting passed event is overwritten"],
 )
 def test_broken_rtl_is_not_proven(hw: Path, file: str, old: str, new: str) -> None:
     (path,) = (hw / "verilog").rglob(file)
