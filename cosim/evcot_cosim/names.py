@@ -7,7 +7,7 @@ from typing import Literal
 
 __all__ = ["MOMENTS", "Top"]
 
-Top = Literal["cot", "cot_chain", "cot_array", "cot_engine"]
+Top = Literal["cot", "cot_chain", "cot_array"]
 """The hardware module."""
 
 MOMENTS = "birth:N, move:N, merge:N, loss:N (the N-th, 1 without it), mismatch, event:N (from 0) or time:MS"

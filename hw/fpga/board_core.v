@@ -16,7 +16,7 @@ module board_core #(
     parameter CLOCK_HZ = 12000000,
     parameter BAUD     = 1000000,  // bits per second of the line
     parameter FULL     = 1,        // 0: board_small
-    parameter TRACKER  = 0,        // of evcot_top: 0 cot_array, 2 cot_engine
+    parameter TRACKER  = 0,        // of evcot_top: 0 cot_array, 1 cot_chain
     parameter N        = 4         // tracker slots, 1, 2, 4 or 8
 ) (
     input  wire clk,

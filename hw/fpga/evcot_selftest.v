@@ -3,16 +3,13 @@
 //
 // After reset the registers of all slots are written, then events of lfsr_event_source.v go in, one tick each. Records, owned
 // and passed events are folded into a signature each: rotated by one bit, then the word's 32-bit pieces exclusive-ored in.
-// What they hold depends on the order of the events alone, so the signatures are the same for cot_array and cot_engine, at
-// any clock, and those of the Python twin, evcot_cosim/fpga/selftest.py.
+// What they hold depends on the order of the events alone, so the signatures are the same at any clock, and those of the Python twin, evcot_cosim/fpga/selftest.py.
 //
 // done is asserted once everything is idle and stays high; passed is then high if the signatures are as expected. Reset restarts.
 `default_nettype none
 `include "evcot_defs.vh"
 
-module evcot_selftest #(
-    parameter TRACKER = 2  // 0: cot_array, 2: cot_engine
-) (
+module evcot_selftest (
     input  wire        clk,
     input  wire        rst,
 
@@ -117,7 +114,6 @@ module evcot_selftest #(
     wire [Y_W-1:0]    pass_y;
 
     cot_tracker #(
-        .TRACKER(TRACKER),
         .N      (N),
         .TICK_W (1)
     ) u_tracker (

@@ -66,7 +66,7 @@
 #define EVCOT_BUILD_SOURCES_SHIFT 8u
 #define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
-#define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain, 2 engine */
+#define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain */
 
 /* size of the sensor */
 #define EVCOT_SENSOR 0x018u

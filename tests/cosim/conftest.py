@@ -63,7 +63,7 @@ def stalls() -> Stalls:
 def vcds(config: CotConfig, blobs: Events, stalls: Stalls, tmp_path_factory: pytest.TempPathFactory) -> dict[Top, Path]:
     """The waveform of one run through each arrangement of trackers."""
     folder = tmp_path_factory.mktemp("vcds")
-    return {top: dumped(config, blobs, stalls, folder / f"{top}.vcd", top) for top in ("cot_array", "cot_chain", "cot_engine")}
+    return {top: dumped(config, blobs, stalls, folder / f"{top}.vcd", top) for top in ("cot_array", "cot_chain")}
 
 
 def dumped(config: CotConfig, events: Events, stalls: Stalls, path: Path, top: Top) -> Path:

@@ -166,7 +166,7 @@ def broken_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, o
 def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    broken_verilog(tmp_path, monkeypatch, "cot_array.v", "!(|behind)) older = 1'b1;", "(|behind)) older = 1'b1;")
+    broken_verilog(tmp_path, monkeypatch, "array_order.v", "|(at & ~behind)", "|(at & behind)")
     assert main(["cosim", str(recording), "--stalls", "9"]) == 1
     printed = capsys.readouterr()
     assert printed.out == ""

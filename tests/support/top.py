@@ -18,9 +18,9 @@ from evcot_cosim.devices.top_device import Pace, TopDevice
 
 from .trials import random_traffic
 
-__all__ = ["ARRAY", "BUILDS", "CHAIN", "DVS128", "ENGINE", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
+__all__ = ["ARRAY", "BUILDS", "CHAIN", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
 
-ARRAY, CHAIN, ENGINE = 0, 1, 2
+ARRAY, CHAIN = 0, 1
 SMALL = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=32, time_w=32)
 SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)
 EVERY = SlotConfig(  # a record for every event
@@ -40,10 +40,10 @@ class Build(NamedTuple):
 
 BUILDS = {
     "array behind filters": Build(SMALL, SENSOR, {"TRACKER": ARRAY, "SOURCES": 3, "HAS": 127, "FIFO_DEPTH": 40}),
-    "engine": Build(
+    "array": Build(
         DVS128.cot.shape,
         FilterShape(128, 128),
-        {"TRACKER": ENGINE, "HAS": 3, "DATA_W": 256, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
+        {"TRACKER": ARRAY, "HAS": 3, "DATA_W": 256, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
     ),
     "sources": Build(
         Shape(n_slots=2, x_w=8, y_w=8),

@@ -83,7 +83,7 @@ def run_story(
     ticks, x, y = np.array(list(story), np.int64).reshape(-1, 3).T
     events = ticked(ticks, x, y, (x ^ y) & 1)
     if engine == "model":
-        arrangement = Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
+        arrangement = Arrangement.ARRAY if top == "cot_array" else Arrangement.CHAIN
         return Outcome(config, CotModel(config, arrangement).feed(events))
     return Outcome(config, Device(config, top).stream(events))
 

@@ -90,7 +90,7 @@ def build_device(
 
 
 class Device:
-    """One simulated tracker: `cot`, `cot_chain`, `cot_array` or `cot_engine`.
+    """One simulated tracker: `cot`, `cot_chain` or `cot_array`.
 
     Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` runs one clock, about 10^4 per second.
     Streaming: `stream` passes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
@@ -272,7 +272,7 @@ class Device:
 
 def arrangement_of(top: Top) -> Arrangement:
     """The golden model's arrangement that matches a module."""
-    return Arrangement.ARRAY if top in ("cot_array", "cot_engine") else Arrangement.CHAIN
+    return Arrangement.ARRAY if top == "cot_array" else Arrangement.CHAIN
 
 
 def _order_of(records: NDArray[np.void]) -> NDArray[np.intp]:

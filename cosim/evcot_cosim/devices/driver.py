@@ -96,14 +96,14 @@ DRIVE = Drive(
 
 @cache
 def source(top: str, shape: Shape) -> str:
-    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array`, `cot_engine` or `cot_filtered`."""
+    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array` or `cot_filtered`."""
     return DRIVE.source(
         top,
         single=top == "cot",
         takes_seq=top == "cot",
-        in_order=top in ("cot", "cot_array", "cot_engine"),
+        in_order=top in ("cot", "cot_array"),
         filtered=top == "cot_filtered",
-        registered=top == "cot_engine",
+        registered=top == "cot_array",
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,
         time_mask=(1 << shape.time_w) - 1,

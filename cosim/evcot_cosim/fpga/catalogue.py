@@ -55,24 +55,23 @@ class Module:
 _SIZES = (1, 2, 4, 8, 16, 32, 64)
 _TICK = {"TICK_W": 1}
 _SMALL = {"TICK_W": 1, "X_W": 7, "Y_W": 7}
-# What the host makes whole again: with it 8 slots of the engine fit the block RAMs of an HX8K.
+# What the host makes whole again: with it 8 slots of the array fit the block RAMs of an HX8K.
 _NARROW = {"TICK_W": 20, "SEQ_W": 32, "ID_W": 16, "TIME_W": 32, "TC_W": 22}
 _PIXELS = {"WIDTH": 128, "HEIGHT": 128}
 # As in hw/fpga/examples: kv260_evcot.v and davis_evcot.v.
 _KV260 = {
-    "SOURCES": 16, "SOURCE": 4, "TRACKER": 2, "WIDTH": 1280, "HEIGHT": 720, "X_W": 11, "Y_W": 10, "DATA_W": 64,
+    "SOURCES": 16, "SOURCE": 4, "WIDTH": 1280, "HEIGHT": 720, "X_W": 11, "Y_W": 10, "DATA_W": 64,
 }  # fmt: skip
 
 _DAVIS = {
-    "SOURCES": 4, "SOURCE": 2, "TRACKER": 2, "WIDTH": 240, "HEIGHT": 180, "X_W": 8, "Y_W": 8, "DATA_W": 32
+    "SOURCES": 4, "SOURCE": 2, "WIDTH": 240, "HEIGHT": 180, "X_W": 8, "Y_W": 8, "DATA_W": 32
 }  # fmt: skip
 
 _TABLE = (
     Module("cot", "cot", _TICK, answer="record"),
     Module("cot_chain", "cot_chain", _TICK, _SIZES, (8,), "record"),
-    Module("cot_array", "cot_array", _TICK, _SIZES, (8,), "record"),
-    Module("cot_engine", "cot_engine", _TICK, _SIZES, (8, 32), "record"),
-    Module("cot_engine_narrow", "cot_engine", _NARROW, (8,), (8,), "record"),
+    Module("cot_array", "cot_array", _TICK, _SIZES, (8, 32), "record"),
+    Module("cot_array_narrow", "cot_array", _NARROW, (8,), (8,), "record"),
     Module("cot_published_chain", "cot_published_chain", answer="centre"),
     Module("filter_region", "filter_region", _SMALL, answer="token"),
     Module("filter_polarity", "filter_polarity", _SMALL, answer="token"),
@@ -90,7 +89,7 @@ _TABLE = (
     Module("overload_fifo", "overload_fifo", answer="token"),
     Module("aer_in", "aer_in", answer="aer_event"),
     Module("aer_out", "aer_out", answer="aer_request"),
-    Module("evcot_top", "evcot_top", {"TRACKER": 2}, _SIZES, (8,), "beat"),
+    Module("evcot_top", "evcot_top", {}, _SIZES, (8,), "beat"),
     Module("evcot_top_kv260", "evcot_top", _KV260, (8,), (8,), asks_mhz=125),
     Module("evcot_top_davis", "evcot_top", _DAVIS, (4,), (4,), asks_mhz=100),
 )

@@ -20,7 +20,7 @@ from .report import PUBLISHED_NS, latency_name
 
 __all__ = ["draw"]
 
-_COLOURS = {"cot_chain": "#009E73", "cot_array": "#D55E00", "cot_engine": "#0072B2"}
+_COLOURS = {"cot_chain": "#009E73", "cot_array": "#0072B2"}
 _MARKERS = {"ecp5-25": "o", "ecp5-45": "s", "ecp5-85": "D"}
 _INK = "#333333"
 _STYLE: dict[Any, Any] = {

@@ -14,15 +14,15 @@ from .sources import flat
 
 __all__ = ["TOPS", "release_text", "write_release"]
 
-TOPS = ("evcot_top", "cot_engine", "cot_array")
+TOPS = ("evcot_top", "cot_array")
 """Modules that are described for Vivado."""
 
 _HEADER = """\
 // SPDX-License-Identifier: Apache-2.0
 // evcot {version}: all RTL modules in one file, plain Verilog-2005, no includes and no vendor primitives.
 //
-// {count} modules, each after those that it instantiates. Pick a top: evcot_top (standard buses), cot_engine (to build),
-// cot_array (to read), or a single filter or decoder; the header of each says its latency, throughput, stalls and reset.
+// {count} modules, each after those that it instantiates. Pick a top: evcot_top (standard buses), cot_array (tokens in),
+// or a single filter or decoder; the header of each says its latency, throughput, stalls and reset.
 // Generated from hw/verilog by `python -m evcot_cosim.fpga --release`: edit there.
 /* verilator lint_off DECLFILENAME */
 

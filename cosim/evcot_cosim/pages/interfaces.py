@@ -43,8 +43,10 @@ def _tokens() -> Diagram:
         sim.io.cfg_addr, sim.io.cfg_data = REGISTERS[name].address, int(slot[name])
         sim.clock.tick()
     sim.io.cfg_valid = 0
-    for _ in range(4):
-        sim.clock.tick()
+    for valid in (0, 1, 0):  # idle, then one token without ticks: with the first, the array looks up its deadlines
+        sim.io.s_valid = valid
+        for _ in range(1 if valid else 60):
+            sim.clock.tick()
     # ticks, event, x, y
     words = [(0, 1, 40, 40), (3, 1, 42, 40), (9, 0, 0, 0), (1, 1, 90, 10), (2, 1, 42, 42), (1, 1, 44, 42), (4, 1, 44, 44)]
     offer = Offer(sim, "s_", ("tick", "event", "x", "y"), words, {0, 4})
@@ -71,7 +73,7 @@ def _tokens() -> Diagram:
         Lane("m_pass_seq", ("m_pass_seq",), str, "m_pass_valid"),
     )
     trace = Trace(sim, [("tokens", tokens), ("records", records), ("owned", owned), ("passed", passed)])
-    play(trace, 15, [offer], {"m_cm_ready": (), "m_own_ready": (7, 8), "m_pass_ready": ()})
+    play(trace, 40, [offer], {"m_cm_ready": (), "m_own_ready": (28, 29), "m_pass_ready": ()})
     return trace.diagram()
 
 

@@ -82,7 +82,7 @@ class Group:
 
 
 _STATE, _KIND, _MODE = (Codes.of(enum) for enum in (State, Kind, Mode))
-_PHASE = Codes("phase", tuple((name, None) for name in ("RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT")))
+_PHASE = Codes("phase", tuple((name, None) for name in ("RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN")))
 
 
 def _rows(names: str, colour: Colour = Colour.PLAIN, form: Form = Form.DECIMAL) -> tuple[Row, ...]:
@@ -143,7 +143,7 @@ _TRACKER = Group(
         *_rows("active ring s_valid s_ready", Colour.CONTROL),
         *_rows("cm_x cm_y", Colour.PLACE, Form.PLOT_PIXELS),
         Row("radius", form=Form.PLOT, colour=Colour.PLACE),
-        *_rows("lo_x hi_x lo_y hi_y", Colour.PLACE),
+        *_rows("lo_x_not hi_x lo_y_not hi_y", Colour.PLACE),
         *_rows("av_x av_y", Colour.PLACE, Form.PIXELS),
         *_rows("tc tc2 last_tc2", Colour.TIME),
         *_rows("n_ev count support id"),
@@ -160,50 +160,32 @@ _FILTERED = Group(
         *_rows("is_event skip x y p", Colour.EVENT),
     ),
 )
-_ARRAY_CORE = Group(
+_ARRAY_DECISION = Group(
     "decision",
     (
         Row("phase", codes=_PHASE, colour=Colour.CONTROL),
-        *_rows("space token_valid token_taken", Colour.CONTROL),
-        *_rows("token_event token_skip x y", Colour.EVENT),
-        *_rows("tick now seq", Colour.TIME),
-        *_rows("in_active in_candidate seeds owner slot"),
-        *_rows("takes passes updates ends due restarting overlaps", Colour.CONTROL),
-        *_rows("moved stays goes births"),
+        *_rows("commit", Colour.CONTROL),
+        *_rows("u_time", Colour.TIME),
+        *_rows("u_x u_y u_p", Colour.EVENT),
+        *_rows("u_takes u_passes", Colour.CONTROL),
+        *_rows("u_update.u_slot"),
+        *_rows("u_update.u_last u_special u_ends restarts found", Colour.CONTROL),
+        *_rows("moved found_slot stays goes"),
+        *_rows("now seq", Colour.TIME),
+        *_rows("u_update.births"),
     ),
 )
-_ARRAY_SLOT = Group(
-    "slot {slot}",
-    (
-        Row("active", packed=True, colour=Colour.CONTROL),
-        Row("window", packed=True, colour=Colour.CONTROL),
-        Row("free", packed=True, colour=Colour.CONTROL),
-        Row("cm_x[{slot}]", "cm_x", Form.PLOT_PIXELS, Colour.PLACE),
-        Row("cm_y[{slot}]", "cm_y", Form.PLOT_PIXELS, Colour.PLACE),
-        Row("g[{slot}]", "g", Form.PLOT, Colour.PLACE),
-        *(Row(name, packed=True, colour=Colour.PLACE) for name in ("lo_x", "hi_x", "lo_y", "hi_y")),
-        *(Row(f"{name}[{{slot}}]", name, Form.PIXELS, Colour.PLACE) for name in ("av_x", "av_y")),
-        Row("deadline", packed=True, colour=Colour.TIME),
-        *(Row(f"{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("start", "last_tc2")),
-        *(Row(f"{name}[{{slot}}]", name) for name in ("ring", "n_ev", "count", "support", "id")),
-        Row("u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
-    ),
-)
-_ENGINE_PHASE = Codes("engine_phase", tuple((n, None) for n in ("RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN")))
-_ENGINE_CORE = Group(
+_ARRAY_PIPELINE = Group(
     "pipeline",
     (
-        Row("phase", codes=_ENGINE_PHASE, colour=Colour.CONTROL),
-        *_rows("issue m_valid m_check e_valid c_valid u_valid commit rewind found", Colour.CONTROL),
+        *_rows("token_valid issue m_valid m_check e_valid d_valid c_valid u_valid rewind", Colour.CONTROL),
         *_rows("m_hi_x m_hi_y", Colour.EVENT),
-        *_rows("d_slot u_update.c_slot u_update.u_slot v_slot w_slot"),
-        *_rows("u_update.u_last u_special u_ends w_checks restarts", Colour.CONTROL),
-        *_rows("now seq", Colour.TIME),
-        *_rows("moved found_slot stays goes"),
+        *_rows("d_slot u_update.c_slot v_slot w_slot"),
+        *_rows("w_checks stalled closed", Colour.CONTROL),
     ),
 )
 _CM = "POS_X", "POS_Y", "RADIX_W"  # what lies in u_update.cm, from the top
-_ENGINE_SLOT = Group(
+_ARRAY_SLOT = Group(
     "slot {slot}",
     (
         Row("active", packed=True, colour=Colour.CONTROL),
@@ -219,26 +201,19 @@ _ENGINE_SLOT = Group(
         Row("u_update.u_regs.mode_mem[{slot}]", "mode", codes=_MODE),
     ),
 )
+_ARRAY = (_ARRAY_DECISION, _ARRAY_SLOT, _ARRAY_PIPELINE)
 _OUTPUTS = (_RECORDS, _OWNED, _PASSED)
 
 # Module -> what to show of it, from top to bottom. Signals that a waveform lacks are left out.
 VIEWS: dict[str, tuple[Group, ...]] = {
     "cot": (_INPUT, _TRACKER, *_OUTPUTS, Group("registers", _rows(_REGISTERS), closed=True)),
     "cot_chain": (_INPUT, _CHAIN_SLOT, *_OUTPUTS),
-    "cot_array": (
-        _INPUT,
-        _ARRAY_CORE,
-        _ARRAY_SLOT,
-        *_OUTPUTS,
-        Group("registers", (Row("mode", codes=_MODE), *_rows(_REGISTERS)), closed=True),
-    ),
-    "cot_engine": (_INPUT, _ENGINE_CORE, _ENGINE_SLOT, *_OUTPUTS),
+    "cot_array": (_INPUT, *_ARRAY, *_OUTPUTS, _below("u_update.", Group("registers", _rows(_REGISTERS), closed=True))),
     "cot_filtered": (
         _INPUT,
         _FILTERED,
-        *(_below("u_trackers.g_array.u_tracker.", group) for group in (_ARRAY_CORE, _ARRAY_SLOT)),
+        *(_below("u_trackers.g_array.u_tracker.", group) for group in _ARRAY),
         _below("u_trackers.g_chain.u_tracker.", _CHAIN_SLOT),
-        *(_below("u_trackers.g_engine.u_tracker.", group) for group in (_ENGINE_CORE, _ENGINE_SLOT)),
         *_OUTPUTS,
     ),
 }

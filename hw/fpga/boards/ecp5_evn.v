@@ -22,7 +22,6 @@ module ecp5_evn (
 
     board_core #(
         .CLOCK_HZ(12000000),
-        .TRACKER (2),
         .N       (8)
     ) u_core (
         .clk   (clk),

@@ -22,7 +22,6 @@ module ulx3s (
 
     board_core #(
         .CLOCK_HZ(25000000),
-        .TRACKER (2),
         .N       (8)
     ) u_core (
         .clk   (clk_25mhz),

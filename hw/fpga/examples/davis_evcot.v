@@ -48,7 +48,6 @@ module davis_evcot (
     evcot_top #(
         .SOURCES(4),  // AER
         .SOURCE (2),
-        .TRACKER(2),  // the engine
         .N      (4),
         .WIDTH  (240),
         .HEIGHT (180),

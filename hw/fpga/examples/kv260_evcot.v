@@ -52,7 +52,6 @@ module kv260_evcot (
     evcot_top #(
         .SOURCES(16),   // EVT 2.1 and nothing else
         .SOURCE (4),
-        .TRACKER(2),    // the engine
         .N      (8),
         .WIDTH  (1280),
         .HEIGHT (720),

@@ -26,7 +26,6 @@
 // Kinds of trackers.
 `define EVCOT_TRACKER_ARRAY 0
 `define EVCOT_TRACKER_CHAIN 1
-`define EVCOT_TRACKER_ENGINE 2
 
 // Bit numbers of the interrupts.
 `define EVCOT_IRQ_BIRTH 0

@@ -9,7 +9,7 @@
 // the gate is closed: write the registers of a slot, commit them, set control.enable.
 //
 // Latency, unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 16 clocks,
-// those of the filters that are built, and those of the tracker: 2 in cot_array, 5 in the first of cot_chain, cot_engine's.
+// those of the filters that are built, and those of the tracker: those of cot_array, or 5 in the first of cot_chain.
 // Throughput: an event per clock, where source, filters and trackers keep up.
 // Stall:   back-pressure of an output stalls the trackers, then the gate, then the source; with control.drop events are
 //          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 if
@@ -24,7 +24,7 @@
 module evcot_top #(
     parameter SOURCES      = 1,    // sources to build, a bit each: 1 events, 2 LFSR, 4 AER, 8 EVT 2.0, 16 EVT 2.1, 32 EVT 3.0
     parameter SOURCE       = 0,    // number of the one that is selected after reset
-    parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain, 2 cot_engine
+    parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain
     parameter HAS          = 0,    // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH        = 346,  // pixels of the sensor across
     parameter HEIGHT       = 260,  // pixels of the sensor down

@@ -30,6 +30,9 @@
 `define EVCOT_TIME_W_MIN 8
 `define EVCOT_TIME_W_MAX 48 // bits of the tick count
 
+// From this hist_avg on neither average nor centre moves.
+`define EVCOT_HIST_AVG_STILL 10
+
 // Shape of a filter chain: inclusive parameter ranges.
 `define EVCOT_WIDTH_MIN 1
 `define EVCOT_WIDTH_MAX 65536 // pixels of the sensor across

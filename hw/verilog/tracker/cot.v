@@ -91,6 +91,8 @@ module cot #(
     localparam SUM_W = (TC_W > TICK_W ? TC_W : TICK_W) + 1;  // a timer plus a tick
     localparam POS_X = X_W + FRAC;
     localparam POS_Y = Y_W + FRAC;
+    localparam AT_X  = (X_W > RADIX_W + 1 ? X_W : RADIX_W + 1) + 2;  // bits of a bound of a window: see cot_window.v
+    localparam AT_Y  = (Y_W > RADIX_W + 1 ? Y_W : RADIX_W + 1) + 2;
     localparam REL_X = (X_W > RADIX_W + 2 ? X_W : RADIX_W + 2) + 1;
     localparam REL_Y = (Y_W > RADIX_W + 2 ? Y_W : RADIX_W + 2) + 1;
 
@@ -120,6 +122,7 @@ module cot #(
         .cfg_addr    (cfg_addr),
         .cfg_data    (cfg_data),
         .slot        (1'b0),
+        .late_slot   (1'b0),
         .mode        (mode),
         .init_cm_x   (init_cm_x),
         .init_cm_y   (init_cm_y),
@@ -181,18 +184,23 @@ module cot #(
     // ---- window ----------------------------------------------------------------------------------------------------
 
     wire [RADIX_W:0] radius = {1'b0, g} + {1'b0, radix_th};
-    wire [X_W-1:0]   pixel_x, lo_x, hi_x;
-    wire [Y_W-1:0]   pixel_y, lo_y, hi_y;
+    wire [RADIX_W+1:0] inset = {1'b0, radius} - 1'b1;
+    wire [X_W-1:0]   pixel_x;
+    wire [Y_W-1:0]   pixel_y;
+    wire [AT_X-1:0]  lo_x_not, hi_x;
+    wire [AT_Y-1:0]  lo_y_not, hi_y;
 
     cot_window #(
         .W   (X_W),
         .FRAC(FRAC),
         .R_W (RADIX_W + 1)
     ) u_window_x (
+        .asked (1'b1),
         .centre(cm_x),
         .radius(radius),
+        .inset (inset),
         .pixel (pixel_x),
-        .lo    (lo_x),
+        .lo_not(lo_x_not),
         .hi    (hi_x)
     );
     cot_window #(
@@ -200,15 +208,19 @@ module cot #(
         .FRAC(FRAC),
         .R_W (RADIX_W + 1)
     ) u_window_y (
+        .asked (1'b1),
         .centre(cm_y),
         .radius(radius),
+        .inset (inset),
         .pixel (pixel_y),
-        .lo    (lo_y),
+        .lo_not(lo_y_not),
         .hi    (hi_y)
     );
 
     wire has_window = collecting || mode == `EVCOT_MODE_FIXED;
-    wire inside_window = has_window && token_x >= lo_x && token_x <= hi_x && token_y >= lo_y && token_y <= hi_y;
+    wire [AT_X-1:0] at_x = {1'b1, {(AT_X - X_W - 1) {1'b0}}, token_x};  // as the bounds are
+    wire [AT_Y-1:0] at_y = {1'b1, {(AT_Y - Y_W - 1) {1'b0}}, token_y};
+    wire inside_window = has_window && at_x >= ~lo_x_not && at_x <= hi_x && at_y >= ~lo_y_not && at_y <= hi_y;
 
     // Address within the window: x - centre + R, from 0 to 2R. A seed lies in the middle.
     wire [REL_X-1:0] rel_x = {{(REL_X - X_W) {1'b0}}, token_x} + {{(REL_X - RADIX_W - 1) {1'b0}}, radius}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A filter chain in front of N trackers: the array, the chain or the engine.
+// A filter chain in front of N trackers: the array or the chain.
 //
 // Ports and behaviour are those of the trackers, and filter_cfg_* writes the registers of filter_chain.v. An event that a
 // filter drops is not output, but it is numbered: every record and every output event carries the number that its
@@ -12,7 +12,7 @@
 `include "evcot_defs.vh"
 
 module cot_filtered #(
-    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array, cot_chain or cot_engine
+    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array or cot_chain
     parameter HAS     = 127, // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH   = 346, // pixels of the sensor across
     parameter HEIGHT  = 260, // pixels of the sensor down

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instantiates the array, the chain or the engine, with one set of ports for all. Latency and behaviour: see those modules.
+// Instantiates the array or the chain, with one set of ports for all. Latency and behaviour: see those modules.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"
 
 module cot_tracker #(
-    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array, cot_chain or cot_engine
+    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array or cot_chain
     parameter N       = 8,   // tracker slots
     parameter X_W     = 9,   // bits of an x address
     parameter Y_W     = 9,   // bits of a y address
@@ -74,68 +74,11 @@ module cot_tracker #(
     output wire                idle          // nothing inside, no register write under way
 );
 
-    parameter_check #(.OK(TRACKER >= 0 && TRACKER <= `EVCOT_TRACKER_ENGINE)) TRACKER_must_be_0_to_2 ();
+    parameter_check #(.OK(TRACKER == `EVCOT_TRACKER_ARRAY || TRACKER == `EVCOT_TRACKER_CHAIN)) TRACKER_must_be_0_or_1 ();
 
     generate
         if (TRACKER == `EVCOT_TRACKER_CHAIN) begin : g_chain
             cot_chain #(
-                .N      (N),
-                .X_W    (X_W),
-                .Y_W    (Y_W),
-                .FRAC   (FRAC),
-                .TICK_W (TICK_W),
-                .RADIX_W(RADIX_W),
-                .NEV_W  (NEV_W),
-                .TC_W   (TC_W),
-                .SUP_W  (SUP_W),
-                .ID_W   (ID_W),
-                .SEQ_W  (SEQ_W),
-                .TIME_W (TIME_W)
-            ) u_tracker (
-                .clk         (clk),
-                .rst         (rst),
-                .cfg_valid   (cfg_valid),
-                .cfg_slot    (cfg_slot),
-                .cfg_addr    (cfg_addr),
-                .cfg_data    (cfg_data),
-                .s_valid     (s_valid),
-                .s_ready     (s_ready),
-                .s_tick      (s_tick),
-                .s_event     (s_event),
-                .s_skip      (s_skip),
-                .s_x         (s_x),
-                .s_y         (s_y),
-                .s_p         (s_p),
-                .m_cm_valid  (m_cm_valid),
-                .m_cm_ready  (m_cm_ready),
-                .m_cm_kind   (m_cm_kind),
-                .m_cm_slot   (m_cm_slot),
-                .m_cm_id     (m_cm_id),
-                .m_cm_other  (m_cm_other),
-                .m_cm_x      (m_cm_x),
-                .m_cm_y      (m_cm_y),
-                .m_cm_radius (m_cm_radius),
-                .m_cm_n_ev   (m_cm_n_ev),
-                .m_cm_support(m_cm_support),
-                .m_cm_seq    (m_cm_seq),
-                .m_cm_time   (m_cm_time),
-                .m_own_valid (m_own_valid),
-                .m_own_ready (m_own_ready),
-                .m_own_slot  (m_own_slot),
-                .m_own_x     (m_own_x),
-                .m_own_y     (m_own_y),
-                .m_own_p     (m_own_p),
-                .m_own_seq   (m_own_seq),
-                .m_pass_valid(m_pass_valid),
-                .m_pass_ready(m_pass_ready),
-                .m_pass_x    (m_pass_x),
-                .m_pass_y    (m_pass_y),
-                .m_pass_p    (m_pass_p),
-                .m_pass_seq  (m_pass_seq),
-                .idle        (idle)
-            );
-        end else if (TRACKER == `EVCOT_TRACKER_ENGINE) begin : g_engine
-            cot_engine #(
                 .N      (N),
                 .X_W    (X_W),
                 .Y_W    (Y_W),

@@ -82,7 +82,8 @@ module cot_update #(
     // av += (event - av) * alpha, then cm += (av - cm) * alpha
     approach #(
         .W   (X_W + FRAC),
-        .FRAC(FRAC)
+        .FRAC(FRAC),
+        .STILL(`EVCOT_HIST_AVG_STILL)
     ) u_av_x (
         .value (av_x),
         .target({x, {FRAC{1'b0}}}),
@@ -91,7 +92,8 @@ module cot_update #(
     );
     approach #(
         .W   (Y_W + FRAC),
-        .FRAC(FRAC)
+        .FRAC(FRAC),
+        .STILL(`EVCOT_HIST_AVG_STILL)
     ) u_av_y (
         .value (av_y),
         .target({y, {FRAC{1'b0}}}),
@@ -100,7 +102,8 @@ module cot_update #(
     );
     approach #(
         .W   (X_W + FRAC),
-        .FRAC(FRAC)
+        .FRAC(FRAC),
+        .STILL(`EVCOT_HIST_AVG_STILL)
     ) u_cm_x (
         .value (cm_x),
         .target(new_av_x),
@@ -109,7 +112,8 @@ module cot_update #(
     );
     approach #(
         .W   (Y_W + FRAC),
-        .FRAC(FRAC)
+        .FRAC(FRAC),
+        .STILL(`EVCOT_HIST_AVG_STILL)
     ) u_cm_y (
         .value (cm_y),
         .target(new_av_y),

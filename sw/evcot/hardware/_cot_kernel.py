@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..tracks.log import DROPPED, Kind
-from .contract import REGISTERS, Mode
+from .contract import HIST_AVG_STILL, REGISTERS, Mode
 
 __all__ = ["FIELD_COUNT", "GLOBAL_COUNT", "LIMIT_COUNT", "Global", "Limit", "feed", "initialise", "rewrite"]
 
@@ -70,7 +70,12 @@ def _pixel(centre: int, frac: int) -> int:
 
 @njit(cache=True, nogil=True, inline="always")
 def _approach(value: int, target: int, k: int, frac: int) -> int:
-    """value + (target - value) * 2^-k: rounded to nearest with fractional bits, floor (the plain shift) without."""
+    """value + (target - value) * 2^-k: rounded to nearest with fractional bits, floor (the plain shift) without.
+
+    A k from HIST_AVG_STILL on, which only a host without the bus can write, leaves the value as it is.
+    """
+    if k >= HIST_AVG_STILL:
+        return value
     half = ((1 << k) >> 1) if frac > 0 else 0
     return value + ((target - value + half) >> k)
 

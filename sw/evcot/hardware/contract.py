@@ -17,6 +17,7 @@ from ..errors import ConfigError
 from ..ranges import check_integer
 
 __all__ = [
+    "HIST_AVG_STILL",
     "RECORD",
     "REGISTERS",
     "SHAPE_RANGES",
@@ -28,6 +29,9 @@ __all__ = [
 ]
 
 SLOTS_MAX = 64
+
+HIST_AVG_STILL = 10
+"""From this `hist_avg` on, which the bus refuses, neither average nor centre moves."""
 
 
 class Mode(IntEnum):

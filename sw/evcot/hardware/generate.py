@@ -22,7 +22,7 @@ from ..filters.decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE, weights
 from ..outputs import written_aside
 from ..templating import templates
 from ..tracks.log import Kind
-from .contract import RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
+from .contract import HIST_AVG_STILL, RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
 from .published.registers import SELECT, SELECT_FIRST, SELECT_NONE
@@ -152,6 +152,7 @@ def render() -> dict[str, str]:
     contents: dict[str, dict[str, Any]] = {
         "hw/verilog/common/evcot_defs.vh": {
             "shape_ranges": SHAPE_RANGES, "filter_shape_ranges": FILTER_SHAPE_RANGES, "enums": enums,
+            "hist_avg_still": HIST_AVG_STILL,
         },
         "hw/verilog/filter/decay_table.vh": {
             "units": UNITS_PER_HALF_LIFE, "clock_frac": CLOCK_FRAC, "weights": weights(0)[:UNITS_PER_HALF_LIFE],

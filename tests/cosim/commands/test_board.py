@@ -19,7 +19,7 @@ pytest.importorskip("serial", reason="needs pyserial")
 Capture = pytest.CaptureFixture[str]
 
 
-@pytest.mark.parametrize(("name", "slots", "tracker"), [("icebreaker", 1, "cot_array"), ("ulx3s", 8, "cot_engine")])
+@pytest.mark.parametrize(("name", "slots", "tracker"), [("icebreaker", 1, "cot_array"), ("ulx3s", 8, "cot_array")])
 def test_a_board_says_what_it_is_and_gives_the_models_records(name: str, slots: int, tracker: str, capsys: Capture) -> None:
     with SimulatedBoard(BOARDS[name]) as simulated:
         assert main(["board", simulated.port, "--records", "40"]) == 0

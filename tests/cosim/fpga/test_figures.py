@@ -14,7 +14,7 @@ from evcot_cosim.fpga import cli
 from evcot_cosim.fpga.devices import DEVICES, Resources
 from evcot_cosim.fpga.figures import Figure, growths, load, save, seed_noise
 
-SIX = Figure("cot_engine", 8, "ecp5-25", "k", 4000, 3000, 0, 600, 2, 5, (118.0, 120.0, 121.0, 119.5, 122.0))
+SIX = Figure("cot_array", 8, "ecp5-25", "k", 4000, 3000, 0, 600, 2, 5, (118.0, 120.0, 121.0, 119.5, 122.0))
 
 
 def worse(now: Figure, before: Figure = SIX, noise: float = 0.01) -> list[str]:
@@ -33,7 +33,7 @@ def test_a_file_gives_back_what_was_saved(tmp_path: Path) -> None:
     figures = {row.name: row for row in (SIX, none)}
     save(tmp_path / "figures.json", figures, {"yosys": "0.70"})
     assert load(tmp_path / "figures.json") == figures
-    assert list(figures) == ["cot_engine N=8 ecp5-25", "filter_mask ecp5-25"]
+    assert list(figures) == ["cot_array N=8 ecp5-25", "filter_mask ecp5-25"]
     assert len((tmp_path / "figures.json").read_text().splitlines()) < 12
     assert load(tmp_path / "none.json") == {}
 

@@ -81,8 +81,8 @@ def test_a_release_has_its_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("top", "chosen"),
     [
-        ("cot_engine", {}),
-        ("cot_engine", {"N": 1, "X_W": 5}),
+        ("cot_array", {}),
+        ("cot_array", {"N": 1, "X_W": 5}),
         ("cot_array", {"N": 5}),
         ("evcot_top", {}),
         ("evcot_top", {"DATA_W": 32}),
@@ -128,7 +128,7 @@ def test_the_dialogue_hands_every_parameter_to_the_module(top: str) -> None:
 
 
 def test_the_width_of_a_slot_number_follows_the_number_of_slots() -> None:
-    tree = ET.fromstring(component("cot_engine", "evcot.v"))
+    tree = ET.fromstring(component("cot_array", "evcot.v"))
     slot_w = next(one for one in tree.iter(f"{SPIRIT}modelParameter") if one.findtext(f"{SPIRIT}name") == "SLOT_W")
     value = slot_w.find(f"{SPIRIT}value")
     assert value is not None
@@ -183,7 +183,7 @@ def test_buses_are_told_by_their_ports() -> None:
     assert found["s_axil"] == ("aximm", "slave", 19)
     assert found["s_axis"] == ("axis", "slave", 5)
     assert found["m_axis_records"] == ("axis", "master", 5)
-    assert buses(read("cot_engine")) == []
+    assert buses(read("cot_array")) == []
     tree = ET.fromstring(component("evcot_top", "evcot.v"))
     named = [bus.findtext(f"{SPIRIT}name") for bus in tree.iter(f"{SPIRIT}busInterface")]
     assert named == [*found, "clk", "rst", "irq"]

@@ -19,7 +19,7 @@ from evcot_cosim.fpga.report import write_tables
 from evcot_cosim.rtl.files import verilog_dir
 
 REPOSITORY = verilog_dir().parents[1]
-ENGINE = Figure("cot_engine", 8, "ecp5-25", "k", 4_001, 3_000, 0, 600, 2, 3, (118.0, 125.0, 131.0))
+ARRAY = Figure("cot_array", 8, "ecp5-25", "k", 4_001, 3_000, 0, 600, 2, 3, (118.0, 125.0, 131.0))
 MASK = Figure("filter_mask", None, "hx8k", "k", 200, 100, 40, 0, 0, misfit="does not fit: 40 of 32 block RAMs")
 MARKS = "".join(f"{name}:\n<!-- {name} -->\nold\n<!-- end -->\n" for name in ("cost", "scaling", "latency", "noise"))
 
@@ -37,46 +37,46 @@ def section(text: str, name: str) -> str:
 def test_tables_say_what_was_measured(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     page.write_text(f"before\n{MARKS}after\n")
-    write_tables(page, table(ENGINE, MASK), {"cot_engine N=8": 8, "filter_mask": 4})
+    write_tables(page, table(ARRAY, MASK), {"cot_array N=8": 8, "filter_mask": 4})
     text = page.read_text()
-    assert "| cot_engine, N = 8 | 4,001 | 600 | 3,000 | 0 | 2 | 125 (131) |" in section(text, "cost")
+    assert "| cot_array, N = 8 | 4,001 | 600 | 3,000 | 0 | 2 | 125 (131) |" in section(text, "cost")
     assert "| filter_mask | 200 | 0 | 100 | 40 | 0 | does not fit: 40 of 32 block RAMs |" in section(text, "cost")
-    assert "| cot_engine, N = 8 | 8 | ecp5-25 | 125 | 64 |" in section(text, "latency")  # 8 clocks of 8 ns
+    assert "| cot_array, N = 8 | 8 | ecp5-25 | 125 | 64 |" in section(text, "latency")  # 8 clocks of 8 ns
     assert "filter_mask" not in section(text, "latency")
     assert "| published tracker, its cell alone | 7 at 50 MHz |  |  | 140 |" in section(text, "latency")
-    assert "cot_engine" not in section(text, "scaling")  # one size does not scale
+    assert "cot_array" not in section(text, "scaling")  # one size does not scale
     assert "old" not in text
     assert text.startswith("before\ncost:\n")
     assert text.endswith("<!-- end -->\nafter\n")
 
-    write_tables(page, table(ENGINE, MASK), {"cot_engine N=8": 8, "filter_mask": 4})
+    write_tables(page, table(ARRAY, MASK), {"cot_array N=8": 8, "filter_mask": 4})
     assert page.read_text() == text
 
 
 def test_latency_is_that_on_the_first_device_that_was_routed_for(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     page.write_text(MARKS)
-    too_small = replace(ENGINE, fmax_mhz=(), misfit="does not fit: more of everything")
-    larger = [replace(ENGINE, device=device, fmax_mhz=(mhz,)) for device, mhz in (("ecp5-85", 160.0), ("ecp5-45", 100.0))]
-    write_tables(page, table(too_small, *larger), {"cot_engine N=8": 8})
-    assert "| cot_engine, N = 8 | 8 | ecp5-45 | 100 | 80 |" in section(page.read_text(), "latency")
+    too_small = replace(ARRAY, fmax_mhz=(), misfit="does not fit: more of everything")
+    larger = [replace(ARRAY, device=device, fmax_mhz=(mhz,)) for device, mhz in (("ecp5-85", 160.0), ("ecp5-45", 100.0))]
+    write_tables(page, table(too_small, *larger), {"cot_array N=8": 8})
+    assert "| cot_array, N = 8 | 8 | ecp5-45 | 100 | 80 |" in section(page.read_text(), "latency")
 
 
 def test_scaling_tells_luts_once_for_one_synthesis_and_fmax_for_each_device(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     page.write_text(MARKS)
-    small, large = replace(ENGINE, n=1, luts=900), replace(ENGINE, device="ecp5-85", fmax_mhz=(140.0,), misfit="gave up twice")
-    tight = replace(ENGINE, device="hx8k", luts=4_100, fmax_mhz=(), misfit="does not fit: 35 of 32 block RAMs")
+    small, large = replace(ARRAY, n=1, luts=900), replace(ARRAY, device="ecp5-85", fmax_mhz=(140.0,), misfit="gave up twice")
+    tight = replace(ARRAY, device="hx8k", luts=4_100, fmax_mhz=(), misfit="does not fit: 35 of 32 block RAMs")
     fits = replace(tight, n=1, luts=800, seeds=1, fmax_mhz=(97.0,), misfit="")
     gowin = replace(small, device="gowin", luts=950, fmax_mhz=(), seeds=0)
-    write_tables(page, table(small, ENGINE, large, fits, tight, gowin), {})
+    write_tables(page, table(small, ARRAY, large, fits, tight, gowin), {})
     assert section(page.read_text(), "scaling").splitlines()[2:] == [
-        "| cot_engine, LUTs, ecp5 | 900 | 4,001 |",
-        "| cot_engine, MHz, ecp5-25 | 125 (131) | 125 (131) |",
-        "| cot_engine, MHz, ecp5-85 |  | 140 (140), 1 of 3 seeds |",
-        "| cot_engine, LUTs, hx8k | 800 | 4,100 |",
-        "| cot_engine, MHz, hx8k | 97 (97) | – |",
-        "| cot_engine, LUTs, gowin | 950 |  |",
+        "| cot_array, LUTs, ecp5 | 900 | 4,001 |",
+        "| cot_array, MHz, ecp5-25 | 125 (131) | 125 (131) |",
+        "| cot_array, MHz, ecp5-85 |  | 140 (140), 1 of 3 seeds |",
+        "| cot_array, LUTs, hx8k | 800 | 4,100 |",
+        "| cot_array, MHz, hx8k | 97 (97) | – |",
+        "| cot_array, LUTs, gowin | 950 |  |",
     ]
 
 
@@ -84,7 +84,7 @@ def test_a_mark_that_is_missing_is_named(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     page.write_text(MARKS.replace("<!-- scaling -->", ""))
     with pytest.raises(ConfigError, match=r"fpga.md: <!-- scaling --> is there 0 times: must be once"):
-        write_tables(page, table(ENGINE), {})
+        write_tables(page, table(ARRAY), {})
 
 
 def test_the_page_is_that_of_the_recorded_figures(tmp_path: Path) -> None:
@@ -97,8 +97,8 @@ def test_the_page_is_that_of_the_recorded_figures(tmp_path: Path) -> None:
 
 
 def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
-    draw(table(ENGINE), {}, tmp_path / "few.png")
-    many = [replace(ENGINE, module=name, n=n) for name in ("cot_chain", "cot_array", "cot_engine") for n in (1, 2, 4, 8)]
+    draw(table(ARRAY), {}, tmp_path / "few.png")
+    many = [replace(ARRAY, module=name, n=n) for name in ("cot_chain", "cot_array") for n in (1, 2, 4, 8)]
     draw(table(*many), {f"{row.module} N={row.n}": 8 for row in many}, tmp_path / "many.png")
     for name in ("few.png", "many.png"):
         with Image.open(tmp_path / name) as picture:

@@ -40,7 +40,7 @@ def near(log: TrackLog, place: tuple[int, int], reach_px: float = 5) -> int:
     return int(np.count_nonzero(np.hypot(log.records["x"] - place[0], log.records["y"] - place[1]) < reach_px))
 
 
-@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
 def test_all_engines_work_behind_the_same_filters(top: str) -> None:
     recording = noisy_blob()
     filters = FilterConfig(hot_pixels=(HOT,), activity_us=20_000)

@@ -127,43 +127,49 @@ class TestChunks:
 
 class TestMismatch:
     @pytest.mark.parametrize(
-        ("right", "wrong", "events", "expected"),
+        ("file", "right", "wrong", "events", "expected"),
         [
             # An event on the window's last column passes.
             (
-                "x <= hi_x[i*X_W +: X_W]",
-                "x < hi_x[i*X_W +: X_W]",
+                "array_match.v",
+                "{1'b0, m_lo_x_not} + 1'b1;",
+                "{1'b0, m_lo_x_not};",
                 at((0, 20), (5, 64), (7, 64), (9, 70)),
                 (3, 9, "owner", -1, 1),
             ),
             (
-                "m_own_x <= rel_x[RADIX_W+1:0];",
-                "m_own_x <= rel_x[RADIX_W+1:0] + (seq == 2);",
+                "array_update.v",
+                "assign v_rel_x = rel_x[RADIX_W+1:0];",
+                "assign v_rel_x = rel_x[RADIX_W+1:0] + (seq == 2);",
                 at((0, 64), (5, 65), (7, 66)),
                 (2, 7, "rel_x", 8, 7),
             ),
             (
-                "m_cm_support <= updates ? new_support : cur_support;",
-                "m_cm_support <= cur_support;",
+                "array_update.v",
+                "m_cm_support <= w_support[SUP_W-1:0] | {SUP_W{w_support[SUP_W]}};",
+                "m_cm_support <= w_support[SUP_W-1:0] - 1'b1;",
                 at((0, 64), (5, 65)),
                 (0, 0, "record.support", 0, 1),
             ),
             (
-                "wire reports = updates || (ends && cur_active)",
-                "wire reports = updates",
+                "array_update.v",
+                "w_reports <= v_last || v_join || v_report;",
+                "w_reports <= v_last || v_join;",
                 at((0, 64), (5, 65), (2000, 20)),
                 (2, 2000, "record.time", 2000, 1005),
             ),
             # The second run has a record less than it should.
             (
-                "wire reports = updates || (ends && cur_active)",
-                "wire reports = (updates && seq != 3) || (ends && cur_active)",
+                "array_update.v",
+                "w_reports <= v_last || v_join || v_report;",
+                "w_reports <= (v_last && seq != 3) || v_join || v_report;",
                 at((0, 64), (5, 65), (6, 66), (7, 67)),
                 (3, 7, "records", "1 records", "2 records"),
             ),
             (
-                "m_pass_valid <= 1'b1;",
-                "m_pass_valid <= seq != 3;",
+                "array_output.v",
+                "if (s_valid) begin",
+                "if (s_valid && s_seq != 3) begin",
                 at((0, 20), (0, 60), (1, 100), (8, 100)),
                 (3, 8, "stream", "cot_array lost event 3 (clock ", "in order"),
             ),
@@ -171,9 +177,9 @@ class TestMismatch:
         ids=["owner", "address", "record", "missing loss", "missing record", "stream"],
     )
     def test_the_first_difference_is_named(
-        self, tmp_path: Path, right: str, wrong: str, events: Events, expected: tuple[int, int, str, object, object]
+        self, tmp_path: Path, file: str, right: str, wrong: str, events: Events, expected: tuple[int, int, str, object, object]
     ) -> None:
-        verilog = broken_copy(tmp_path / "rtl", "cot_array.v", right, wrong)
+        verilog = broken_copy(tmp_path / "rtl", file, right, wrong)
         with Lockstep(CONFIG, verilog=verilog, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
             run_all(lockstep, chunks(events, 2))  # the event's index counts from the first run
         found = caught.value.mismatch
@@ -190,8 +196,8 @@ class TestMismatch:
         assert isinstance(caught.value, EvcotError)
 
     def test_its_record_repeats_the_run(self, tmp_path: Path) -> None:
-        verilog = broken_copy(tmp_path / "rtl", "cot_array.v", "m_cm_support <= updates ? new_support : cur_support;",
-                              "m_cm_support <= cur_support;")  # fmt: skip
+        right = "m_cm_support <= w_support[SUP_W-1:0] | {SUP_W{w_support[SUP_W]}};"
+        verilog = broken_copy(tmp_path / "rtl", "array_update.v", right, right.replace(" | ", " - 1'b1 | "))
         with Lockstep(CONFIG, verilog=verilog, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
             lockstep.feed(at((0, 64)))
         stored = json.loads(json.dumps(asdict(caught.value.mismatch)))
@@ -203,7 +209,7 @@ class TestMismatch:
         assert CotConfig(Shape(**config["shape"]), slots, config["tick_us"]) == CONFIG
 
     def test_a_broken_chain_is_found_too(self, tmp_path: Path) -> None:
-        verilog = broken_copy(tmp_path / "rtl", "cot.v", "token_x >= lo_x", "token_x > lo_x")
+        verilog = broken_copy(tmp_path / "rtl", "cot.v", "at_x >= ~lo_x_not", "at_x > ~lo_x_not")
         with (
             Lockstep(CONFIG, "cot_chain", verilog=verilog) as lockstep,
             pytest.raises(MismatchError, match=r"event 1, tick 3: owner: hardware has 1, model has 0"),
@@ -232,7 +238,7 @@ class TestDumpWindow:
         assert seen == [CHUNK]
 
     def test_a_fault_of_the_hardware_is_what_it_shows(self, tmp_path: Path) -> None:
-        verilog = broken_copy(tmp_path / "rtl", "cot_array.v", "m_pass_valid <= 1'b1;", "m_pass_valid <= 1'b0;")
+        verilog = broken_copy(tmp_path / "rtl", "array_output.v", "if (s_valid) begin", "if (s_valid && s_owned) begin")
         config = CotConfig.uniform(SHAPE, replace(JUMPY, mode=Mode.OFF))
         dump_window(busy(50), config, tmp_path / "w.vcd", 0, 40, verilog=verilog)
         assert (tmp_path / "w.vcd").stat().st_size > 1000

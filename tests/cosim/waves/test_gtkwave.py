@@ -28,11 +28,9 @@ from evcot_cosim.waves.gtkwave import write_view
 from evcot_cosim.waves.views import VIEWS
 from support.ticked import ticked
 
-PHASES = ["RUN", "CHECK", "ABSORB", "DIVIDE", "REPORT"]
-ENGINE_PHASES = ["RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN"]
+PHASES = ["RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN"]
 CODES = {
     "phase.txt": dict(enumerate(PHASES)),
-    "engine_phase.txt": dict(enumerate(ENGINE_PHASES)),
     **{f"{enum.__name__.lower()}.txt": {int(member): member.name for member in enum} for enum in (Kind, Mode, State)},
 }
 
@@ -95,7 +93,7 @@ def folder(vcds: dict[Top, Path], tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
 def test_a_view_names_only_signals_that_the_waveform_has(folder: Path, top: str) -> None:
     references = {entry.reference for entry in Wave.open(folder / f"{top}.vcd", ["*clk"]).signals}
     traces = [bit for _, _, trace, _, _ in View(folder / f"{top}.gtkw").rows() for bit in trace.split()]
@@ -105,7 +103,7 @@ def test_a_view_names_only_signals_that_the_waveform_has(folder: Path, top: str)
 
 def test_everything_in_the_table_exists_in_the_hardware(folder: Path) -> None:
     """A signal that has been renamed in the RTL would silently leave the view; the tables are for whole modules."""
-    for top in ("cot_array", "cot_chain", "cot_engine"):
+    for top in ("cot_array", "cot_chain"):
         view = View(folder / f"{top}.gtkw")
         for group in VIEWS[top]:
             shown = {label for label, *_ in view.shown[group.title.replace("{slot}", "2")]}
@@ -113,7 +111,7 @@ def test_everything_in_the_table_exists_in_the_hardware(folder: Path) -> None:
             assert wanted - shown <= {"m_pass_tick", "m_pass_event"}, group.title  # only a tracker passes those on
 
 
-@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
 def test_trackers_behind_filters_are_shown_as_on_their_own(top: Top, config: CotConfig, folder: Path) -> None:
     alone = View(folder / f"{top}.gtkw")
     device = Device(replace(config, filters=FilterRegisters(enable=1 << Filter.POLARITY)), top)
@@ -139,23 +137,23 @@ def test_a_slot_of_a_packed_vector_is_its_own_bits(folder: Path) -> None:
     view = View(folder / "cot_array.gtkw")
     assert view.row("slot 2", "active")[0] == "(0)TOP.cot_array.active[2:0]"  # counted from the left
     assert view.row("slot 0", "active")[0] == "(2)TOP.cot_array.active[2:0]"
-    slot_1 = " ".join(f"({i})TOP.cot_array.lo_x[20:0]" for i in range(7, 14))
-    assert view.row("slot 1", "lo_x")[0] == slot_1
 
 
 def test_a_part_of_a_word_of_memory_is_its_own_bits(folder: Path) -> None:
     """Eleven bits of x, eleven of y, five of g in one word."""
-    view = View(folder / "cot_engine.gtkw")
+    view = View(folder / "cot_array.gtkw")
     for label, bits in (("cm_x", range(11)), ("cm_y", range(11, 22)), ("g", range(22, 27))):
-        word = "TOP.cot_engine.u_update.cm[2][26:0]"
+        word = "TOP.cot_array.u_update.cm[2][26:0]"
         assert view.row("slot 2", label)[0].split() == [f"({i}){word}" for i in bits]
 
 
 def test_a_single_slot_is_shown_too(tmp_path: Path) -> None:
     vcd = tmp_path / "one.vcd"
-    vcd.write_text(header("cot_array", "N [31:0]", "active", "cm_x[0] [6:0]", widths=(32, 1, 7)) + "#0\nb1 a\n0b\nb0 c\n#9\n")
+    below = "$scope module u_update $end\n$var wire 7 c av_x[0] [6:0] $end\n$upscope $end\n$upscope $end\n"
+    scopes = header("cot_array", "N [31:0]", "active", widths=(32, 1)).replace("$upscope $end\n", below, 1)
+    vcd.write_text(scopes + "#0\nb1 a\n0b\nb0 c\n#9\n")
     write_view(vcd, tmp_path / "one.gtkw")
-    assert [label for label, *_ in View(tmp_path / "one.gtkw").shown["slot 0"]] == ["active", "cm_x"]
+    assert [label for label, *_ in View(tmp_path / "one.gtkw").shown["slot 0"]] == ["active", "av_x"]
 
 
 @pytest.mark.parametrize(
@@ -165,8 +163,6 @@ def test_a_single_slot_is_shown_too(tmp_path: Path) -> None:
         ("cot_array", "records out", "m_cm_kind", "kind.txt"),
         ("cot_array", "slot 1", "mode", "mode.txt"),
         ("cot_chain", "tracker 1", "state", "state.txt"),
-        ("cot_engine", "pipeline", "phase", "engine_phase.txt"),
-        ("cot_engine", "slot 1", "mode", "mode.txt"),
     ],
 )
 def test_codes_are_shown_by_name(folder: Path, top: str, group: str, signal: str, file: str) -> None:
@@ -182,7 +178,6 @@ def test_centres_and_radius_are_curves(folder: Path) -> None:
     for top, group, radius in (
         ("cot_array", "slot 0", "g"),
         ("cot_chain", "tracker 0", "radius"),
-        ("cot_engine", "slot 0", "g"),
     ):
         view = View(folder / f"{top}.gtkw")
         curves = [label for label, _, flags, _ in view.shown[group] if flags & CURVE]
@@ -225,7 +220,7 @@ def header(module: str, *names: str, widths: tuple[int, ...], ports: int = 0) ->
 
 def test_what_a_view_needs_lies_beside_it_under_any_name(folder: Path) -> None:
     """All paths are in one made-up folder, the save file's own among them; GTKWave turns that into: beside the save file."""
-    for top in ("cot_array", "cot_chain", "cot_engine"):
+    for top in ("cot_array", "cot_chain"):
         view = View(folder / f"{top}.gtkw")
         needed = [view.settings["dumpfile"], view.settings["savefile"], *(names for *_, names in view.rows() if names)]
         assert {os.path.dirname(path) for path in needed} == {"/beside"}
@@ -237,7 +232,6 @@ def test_views_in_one_folder_do_not_share_files(folder: Path) -> None:
     assert {path.name for path in folder.glob("*.txt")} == {
         *(f"cot_array-{name}.txt" for name in ("kind", "mode", "phase")),
         *(f"cot_chain-{name}.txt" for name in ("kind", "mode", "state")),
-        *(f"cot_engine-{name}.txt" for name in ("kind", "mode", "engine_phase")),
     }  # fmt: skip
 
 
@@ -336,7 +330,7 @@ def meant(view: View, wave: Wave, frac: int, time: int) -> dict[tuple[str, str],
 @pytest.mark.parametrize("both_named", [False, True], ids=["view", "vcd and view"])
 @pytest.mark.parametrize(
     ("top", "moment"),
-    [("cot_array", "cot_array.merges"), ("cot_chain", "tracker[1].u_cot.updated"), ("cot_engine", "cot_engine.found")],
+    [("cot_chain", "tracker[1].u_cot.updated"), ("cot_array", "cot_array.found")],
 )
 def test_gtkwave_shows_every_value_after_the_folder_has_been_renamed(
     folder: Path, config: CotConfig, top: str, moment: str, both_named: bool
@@ -353,11 +347,11 @@ def test_gtkwave_shows_every_value_after_the_folder_has_been_renamed(
 @pytest.mark.parametrize("slots", [1, 2])
 def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_path: Path) -> None:
     shape = replace(config.shape, n_slots=slots)
-    device = Device(CotConfig(shape, config.slots[:slots]), "cot_engine")
+    device = Device(CotConfig(shape, config.slots[:slots]), "cot_array")
     with device.dumping(tmp_path / "run.vcd"):
         device.stream(ticked(1, 60, 60))
     write_view(tmp_path / "run.vcd", tmp_path / "run.gtkw")
     result = shown_by_gtkwave([tmp_path / "run.vcd", tmp_path / "run.gtkw"], 100, tmp_path / "values.tcl")
-    wanted = {"d_slot", "c_slot", "u_slot", "v_slot", "w_slot", "found_slot"}
-    assert wanted <= {label for group, label in result if group == "pipeline"}
+    wanted = {"d_slot", "c_slot", "v_slot", "w_slot", "u_slot", "found_slot"}
+    assert wanted <= {label for group, label in result if group in ("decision", "pipeline")}
     assert ("slot 0", "active") in result

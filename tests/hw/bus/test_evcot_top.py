@@ -42,7 +42,7 @@ from shared import SHARED
 from support.top import BUILDS, DVS128, EVERY, SMALL, device_of, traffic_of
 from support.trials import random_config
 
-TRACKERS = ("array behind filters", "engine", "chain")
+TRACKERS = ("array behind filters", "array", "chain")
 STATUS, CONTROL = address_of("status"), address_of("control")
 PENDING = 2
 
@@ -109,7 +109,7 @@ def test_a_recording_gives_the_log_of_the_golden_model() -> None:
         pytest.skip(f"{path} is not there")
     events = read_recording(path).events[:150_000]
     config = replace(DVS128.cot, filter_shape=FilterShape(128, 128))
-    device = device_of("engine", config)
+    device = device_of("array", config)
     device.configure()
     played = device.run(pack_events(events.t_us, events.x, events.y, events.p))
     golden = CotModel(config).feed(TickedEvents.of(events, config.tick_us))
@@ -202,9 +202,9 @@ def alive(records: NDArray[np.void], slot: int) -> bool:
 
 def test_commits_that_wait_together_take_effect_at_one_event() -> None:
     rng = np.random.default_rng(5)
-    device = device_of("engine", random_config(rng, BUILDS["engine"].shape))
+    device = device_of("array", random_config(rng, BUILDS["array"].shape))
     device.configure()
-    traffic = traffic_of(rng, BUILDS["engine"], 4_000)
+    traffic = traffic_of(rng, BUILDS["array"], 4_000)
     commits = [write(slot_address(slot), 1, 1_000) for slot in (2, 5, 7)]
     # The gate stays closed from the first commit until nothing is under way: the others come before that.
     played = device.run(
@@ -220,11 +220,11 @@ def test_commits_that_wait_together_take_effect_at_one_event() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_filters_change_between_two_events(seed: int) -> None:
     rng = np.random.default_rng([9, seed])
-    build = BUILDS["engine"]
+    build = BUILDS["array"]
     config = replace(
         random_config(rng, build.shape), filter_shape=build.filter_shape, filters=FilterRegisters(enable=1, region_x1=90)
     )
-    device = device_of("engine", config, pace=Pace.random(rng))
+    device = device_of("array", config, pace=Pace.random(rng))
     device.configure()
     traffic = traffic_of(rng, build, 6_000)
     played = device.run(
@@ -291,7 +291,7 @@ def assert_prompt(run: TopRun) -> None:
     assert waited.max() <= 64, run.commands[np.argmax(waited)]
 
 
-@pytest.mark.parametrize("name", ["array behind filters", "engine"])
+@pytest.mark.parametrize("name", ["array behind filters", "array"])
 def test_no_access_waits_longer_than_64_clocks(name: str) -> None:
     """Right after reset, and while all banks are copied at once; the next one, at every clock in turn, meets that."""
     build = BUILDS[name]
@@ -351,7 +351,7 @@ def test_nothing_is_taken_during_a_soft_reset() -> None:
     assert Registers(device).counters()["events_in"] == after
 
 
-@pytest.mark.parametrize("name", ["array behind filters", "engine"])
+@pytest.mark.parametrize("name", ["array behind filters", "array"])
 def test_a_soft_reset_cuts_no_record_and_withdraws_no_event(name: str) -> None:
     """What had reached the outputs comes out whole, at any pace; the drive sees to it that no beat is taken back."""
     build = BUILDS[name]
@@ -568,11 +568,11 @@ def latency(name: str) -> int:
 def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:
     found = {name: latency(name) for name in TRACKERS}
     print(found)
-    own = re.search(r"a record after (\d+)", rtl_files()["cot_engine.v"].read_text())
+    own = re.search(r"a record after (\d+)", rtl_files()["cot_array.v"].read_text())
     assert own is not None
-    assert found == {"array behind filters": 16 + 38 + 2, "engine": 16 + 2 + int(own[1]), "chain": 16 + 5}
+    assert found == {"array behind filters": 16 + 38 + int(own[1]), "array": 16 + 2 + int(own[1]), "chain": 16 + 5}
 
 
 def test_refuses_a_source_that_was_not_built() -> None:
     with pytest.raises(ToolchainError, match="SOURCE must be one of SOURCES"):
-        TopDevice(replace(DVS128.cot, filter_shape=BUILDS["engine"].filter_shape), {"SOURCES": 1, "SOURCE": 3})
+        TopDevice(replace(DVS128.cot, filter_shape=BUILDS["array"].filter_shape), {"SOURCES": 1, "SOURCE": 3})

@@ -62,11 +62,9 @@ def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
     [
         ("cot_array", 127),
         ("cot_chain", 127),
-        ("cot_engine", 127),
         ("cot_array", enable(Filter.MASK, Filter.ACTIVITY)),
-        ("cot_engine", enable(Filter.MASK, Filter.ACTIVITY)),
     ],
-    ids=["array behind all", "chain behind all", "engine behind all", "array behind two", "engine behind two"],
+    ids=["array behind all", "chain behind all", "array behind two"],
 )
 def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled: int) -> None:
     print("seed 7")
@@ -112,7 +110,7 @@ def test_a_hot_pixel_starts_no_life() -> None:
     assert set(made.owner[1::2].tolist()) == {0}
 
 
-@pytest.mark.parametrize("top", ["cot_array", "cot_chain", "cot_engine"])
+@pytest.mark.parametrize("top", ["cot_array", "cot_chain"])
 def test_reset_empties_the_memories(top: Top) -> None:
     filters = FilterRegisters(enable=enable(Filter.ACTIVITY), activity_ticks=500)
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
@@ -130,6 +128,6 @@ def test_a_single_tracker_has_no_filters_in_front() -> None:
         build_device(config, "cot")
 
 
-@pytest.mark.parametrize("tracker", [0, 1, 2])
+@pytest.mark.parametrize("tracker", [0, 1])
 def test_lints_clean(tracker: int) -> None:
     assert lint("cot_filtered", TRACKER=tracker) == (0, "")
