@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // hw/verilog/stream/block_memory.v in block RAMs of an ECP5, 1,024 words of 18 bits each, read through their output registers.
 //
-// Below 65 words and above 1,024 it is the plain description.
+// As Yosys instantiates them but for the register. Below 65 words and above 1,024 it is the plain description.
 `default_nettype none
 
 module block_memory #(
@@ -42,17 +42,17 @@ module block_memory #(
                     .DATA_WIDTH_B(18),
                     .REGMODE_A   ("NOREG"),
                     .REGMODE_B   ("OUTREG"),
-                    .RESETMODE   ("SYNC"),
-                    .ASYNC_RESET_RELEASE("SYNC"),
+                    .RESETMODE   ("ASYNC"),
+                    .ASYNC_RESET_RELEASE("ASYNC"),
                     .CSDECODE_A  ("0b000"),
                     .CSDECODE_B  ("0b000"),
-                    .WRITEMODE_A ("NORMAL"),
-                    .WRITEMODE_B ("NORMAL"),
+                    .WRITEMODE_A ("READBEFOREWRITE"),
+                    .WRITEMODE_B ("READBEFOREWRITE"),
                     .CLKAMUX     ("CLKA"),
                     .CLKBMUX     ("CLKB"),
                     .GSR         ("AUTO")
                 ) u_ram (
-                    .CLKA(clk), .CEA(write), .WEA(1'b1), .OCEA(1'b0), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0),
+                    .CLKA(clk), .CEA(1'b1), .WEA(write), .OCEA(1'b1), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0),
                     .CSA2(1'b0), .ADA0(1'b1), .ADA1(1'b1), .ADA2(1'b0), .ADA3(1'b0), .ADA4(to[0]), .ADA5(to[1]),
                     .ADA6(to[2]), .ADA7(to[3]), .ADA8(to[4]), .ADA9(to[5]), .ADA10(to[6]), .ADA11(to[7]),
                     .ADA12(to[8]), .ADA13(to[9]), .DIA0(d[0]), .DIA1(d[1]), .DIA2(d[2]), .DIA3(d[3]), .DIA4(d[4]),

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // First-in first-out queue, first word falls through.
 //
-// Latency:    1 clock from s_ to m_ when empty, 3 with BLOCK = 1.
-// Throughput: 1 word per clock; with DEPTH = 1, one word in two clocks, with BLOCK = 1 in three, since a full queue accepts
-//             nothing until the clock after a word has left.
+// Latency:    1 clock from s_ to m_ when empty, 4 with BLOCK = 1.
+// Throughput: 1 word per clock; with DEPTH = 1, one word in two clocks, since a full queue accepts nothing until the clock after a
+//             word has left; with BLOCK = 1 and DEPTH below 4, DEPTH words in four clocks.
 // Stall:      s_ready is low while DEPTH words are held; with BLOCK = 1 there is one more in the output register.
 // Reset:      becomes empty. The memory is not reset.
 // Combinational paths: none from port to port. m_data is a memory read, with BLOCK = 1 a register.
@@ -14,7 +14,7 @@ module fifo #(
     parameter W = 8,
     // words held, at least 1, any number
     parameter DEPTH = 16,
-    // 1: for block RAM, which is slow to read: two registers stand behind it, and no word is read in the clock of its writing
+    // 1: for block RAM, which is slow: a register stands before it, two behind it, and no word is read in the clock of its writing
     parameter BLOCK = 0
 ) (
     input  wire                       clk,
@@ -56,7 +56,10 @@ module fifo #(
             // The oldest word is read out of the memory as soon as there is room behind it, and occupies its entry until it leaves
             // the first register.
             reg  ram_valid, m_valid_reg;
-            wire unread = {1'b0, level_reg} != {{LEVEL_W{1'b0}}, ram_valid};
+            reg  settling;  // the newest word is on its way into the memory
+            reg  [ADDR_W-1:0] to_reg;
+            reg  [W-1:0] data_reg;
+            wire unread = {1'b0, level_reg} != {{(LEVEL_W - 1) {1'b0}}, ram_valid && settling, ram_valid ^ settling};
             wire moves = m_ready || !m_valid_reg;
             wire reads = moves || !ram_valid;
 
@@ -69,9 +72,9 @@ module fifo #(
                 .DEPTH(DEPTH)
             ) u_memory (
                 .clk          (clk),
-                .write        (push),
-                .write_address(write_reg),
-                .write_data   (s_data),
+                .write        (settling),
+                .write_address(to_reg),
+                .write_data   (data_reg),
                 .read_enable  (reads),
                 .read_address (read_reg),
                 .out_enable   (moves),
@@ -79,9 +82,12 @@ module fifo #(
             );
 
             always @(posedge clk) begin
+                settling <= push;
+                to_reg <= write_reg;
+                data_reg <= s_data;
                 if (reads) ram_valid <= unread;
                 if (moves) m_valid_reg <= ram_valid;
-                if (rst) {ram_valid, m_valid_reg} <= 2'b00;
+                if (rst) {settling, ram_valid, m_valid_reg} <= 3'b000;
             end
         end else begin : g_through
             reg [W-1:0] memory [0:DEPTH-1];

@@ -7,8 +7,8 @@
 // and leave with the next event, or as soon as the queue is empty. Dropped events get no number.
 // With drop_enable low the queue is a plain one: s_ready falls while it is full.
 //
-// Latency:    5 clocks from s_ to m_ when empty.
-// Throughput: 1 token per clock; with DEPTH = 1, one in three clocks.
+// Latency:    6 clocks from s_ to m_ when empty.
+// Throughput: 1 token per clock; with DEPTH below 4, DEPTH tokens in four clocks.
 // Stall:      a token is held until accepted; s_ready stays high while drop_enable is.
 // Reset:      becomes empty, counts from 0.
 // Counters:   n_in = n_out + n_dropped + held, at every clock. They count events, skipped ones included, and wrap around.

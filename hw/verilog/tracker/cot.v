@@ -250,13 +250,14 @@ module cot #(
     reg  [TC_W:0]    left;       // signed
     reg              written;    // a register, in the clock before
     reg  [SEQ_W-1:0] write_seq;  // the next event then
+    reg              entered;    // it has entered the row
     wire [TC_W-1:0]  limit     = active ? max_ticks : detect_ticks;
     wire [TC_W-1:0]  timer     = active ? tc : tc2;
     wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !active};
 
     wire due     = collecting && left[TC_W];
     wire expired = due || (collecting && {{(SUM_W - TICK_W) {1'b0}}, tick} > {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]});
-    wire ends    = s_valid ? expired : due && next_seq != write_seq;
+    wire ends    = s_valid ? expired : due && entered;
 
     wire [TIME_W:0] deadline = {now, 1'b1} + {{(TIME_W - TC_W - 1) {left[TC_W]}}, left, 1'b1};
 
@@ -431,6 +432,7 @@ module cot #(
         endcase
 
         written <= cfg_valid;
+        entered <= !cfg_valid && next_seq != write_seq;
         if (cfg_valid) begin
             write_seq <= next_seq;
             if (cfg_addr == `EVCOT_REG_MODE) restart <= 1'b1;
@@ -447,6 +449,7 @@ module cot #(
             now          <= {TIME_W{1'b0}};
             next_id      <= ID_FIRST[ID_W-1:0];
             written      <= 1'b0;
+            entered      <= 1'b0;
             write_seq    <= {SEQ_W{1'b0}};
         end
     end
