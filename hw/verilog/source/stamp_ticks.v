@@ -103,17 +103,19 @@ module stamp_ticks #(
     reg  [Y_W-1:0]     near_y;
 
     wire [T_W-1:0]     passed   = later ? ahead : {T_W{1'b0}};
-    wire [NEAR_W-1:0]  less_now = {2'b00, passed[TICK_US_W-1:0]} - {2'b00, tick_us};
-    wire               is_long  = passed[T_W-1:TICK_US_W] != {(T_W - TICK_US_W) {1'b0}};
+    wire [NEAR_W-1:0]  less_now = {2'b00, ahead[TICK_US_W-1:0]} - {2'b00, tick_us};
+    wire               is_long  = ahead[T_W-1:TICK_US_W] != {(T_W - TICK_US_W) {1'b0}};
+    reg  [NEAR_W-1:0]  less_none;  // the same where nothing has passed
 
     assign near_ready = !near_valid || near_leaves;
 
     always @(posedge clk) begin
+        less_none <= {NEAR_W{1'b0}} - {2'b00, tick_us};
         if (near_ready) begin
             near_valid  <= valid;
             near_passed <= passed;
-            divides     <= valid && !every_us && (is_long || !less_now[NEAR_W-1]);
-            less_one    <= less_now;
+            divides     <= valid && later && !every_us && (is_long || !less_now[NEAR_W-1]);
+            less_one    <= later ? less_now : less_none;
             near_x      <= x;
             near_y      <= y;
             near_p      <= p;
