@@ -11,6 +11,9 @@
 //             most. A write of `mask` is refused until the filters are cleared after a reset, since it would be lost.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
 //             and marks every mode as written.
+// Throughput: one access at a time, a read or a write.
+// Stall:      an access waits as above, never for an event.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"

@@ -4,6 +4,12 @@
 // Combinational. With fractional bits (FRAC > 0) the step is rounded to nearest, halves up; without, it is the plain
 // arithmetic shift, which stops up to 2^k - 1 short of a target that lies above. The result lies between value and target,
 // so it cannot overflow.
+//
+// Latency:    none, combinational.
+// Throughput: a value per clock.
+// Stall:      none.
+// Reset:      none, it has no state.
+// Combinational paths: value, target, k -> result.
 `default_nettype none
 `include "evcot_defs.vh"
 

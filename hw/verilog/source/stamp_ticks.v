@@ -64,30 +64,34 @@ module stamp_ticks #(
     wire [T_W:0]       since = {1'b0, s_t} - {1'b0, latest};
     wire               backward = begun && since[T_W];
 
-    reg                valid, p;
-    reg                later;  // than the latest one
-    reg  [T_W-1:0]     ahead;  // by how many microseconds, if so
+    wire               valid, later, p;  // later: than the latest one
+    wire [T_W-1:0]     ahead;            // by how many microseconds, if so
+    wire [X_W-1:0]     x;
+    wire [Y_W-1:0]     y;
     reg                behind;
-    reg  [X_W-1:0]     x;
-    reg  [Y_W-1:0]     y;
 
-    assign s_ready = !valid || near_ready;
+    // Ends the path of s_ready.
+    skid_buffer #(
+        .W(1 + T_W + X_W + Y_W + 1)
+    ) u_since (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(s_valid),
+        .s_ready(s_ready),
+        .s_data ({begun && !backward, since[T_W-1:0], s_x, s_y, s_p}),
+        .m_valid(valid),
+        .m_ready(near_ready),
+        .m_data ({later, ahead, x, y, p})
+    );
 
     always @(posedge clk) begin
-        if (s_ready) valid <= s_valid;
         if (s_valid && s_ready) begin
             begun <= 1'b1;
             if (!backward) latest <= s_t;
-            later <= begun && !backward;
-            ahead <= since[T_W-1:0];
-            x     <= s_x;
-            y     <= s_y;
-            p     <= s_p;
         end
         behind <= s_valid && s_ready && backward;
         if (behind) n_backward <= n_backward + 1'b1;
         if (rst) begin
-            valid      <= 1'b0;
             begun      <= 1'b0;
             behind     <= 1'b0;
             n_backward <= {COUNT_W{1'b0}};

@@ -82,7 +82,7 @@ module overload_fifo #(
     wire arrives = s_valid && s_ready && (s_event || s_skip);
     wire keeps   = arrives && room;
     wire drops   = arrives && !room;
-    wire flushes = !arrives && empty && some;
+    wire flushes = !arrives && empty && waits;  // ticks that come now go with those of before, or in the next clock
     wire gives   = m_valid && m_ready && (m_event || m_skip);
 
     fifo #(

@@ -10,7 +10,7 @@
 // Throughput: that of cot.v, an event every 3 to 5 clocks, in every tracker at once.
 // Stall:      every output is held until accepted, and a tracker that waits stops those before it.
 // Reset:      turns all trackers off.
-// Combinational paths: m_pass_ready -> the last tracker's state; s_ready and all outputs but m_pass_valid are registers.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 

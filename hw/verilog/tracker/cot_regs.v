@@ -4,6 +4,12 @@
 // Writes take effect on the next clock; reads are combinational, so the bank maps to distributed RAM. Reset turns every slot
 // off and leaves the other registers as they are. Addresses and meanings: evcot_defs.vh, docs/algorithm.md. Values are
 // stored unchecked: the host must check legal ranges. Bits of cfg_data above a register's width are ignored.
+//
+// Latency:    1 clock from a write to its effect.
+// Throughput: a write and a read of one slot per clock.
+// Stall:      none.
+// Reset:      every mode becomes off, the other registers stay.
+// Combinational paths: slot -> all registers of that slot.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -3,6 +3,12 @@
 //
 // Combinational. The centre is rounded to nearest (halves up), so a window is always 2R + 1 pixels wide before it is clipped
 // to the address range 0 .. 2^W - 1. Two windows share a pixel exactly when their clipped bounds overlap.
+//
+// Latency:    none, combinational.
+// Throughput: a value per clock.
+// Stall:      none.
+// Reset:      none, it has no state.
+// Combinational paths: centre, radius -> pixel, lo, hi.
 `default_nettype none
 `include "evcot_defs.vh"
 

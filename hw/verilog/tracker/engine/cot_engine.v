@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // cot_array as a pipeline: the same ports, registers and records, the same three streams bit for bit. docs/engine.md draws it.
 //
-// Latency, unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16.
+// Latency:    unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16.
 // Throughput: a token every clock. More clocks, where N > 16 those in brackets: 6 (7) after an event that moves a centre or
 // starts a life, 2 N + 40 (2 N + 45) for the end of a life, about 4 (X_W + FRAC) + 35 (2 (X_W + FRAC) + 40) for a merge, and
 // N + 12 every max_ticks or detect_ticks, whichever is less.
-// Every output is held until accepted. Reset turns all slots off; about 12 N clocks later the engine is idle.
-// All outputs are registers; no path leads from an input to an output.
+// Stall:      every output is held until accepted.
+// Reset:      turns all slots off; about 12 N clocks later the engine is idle.
+// Combinational paths: none; all outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
 

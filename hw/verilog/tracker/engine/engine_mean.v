@@ -6,8 +6,12 @@
 // non-restoring division from the highest bit: the weight is added to a negative remainder in the next clock, and subtracted from
 // any other; the sign is the quotient bit. This also holds for negative products.
 //
-// Latency: 2 W + 3 clocks from the edge that takes `start` to `done`, which stays until the next start. `b` must be there with
+// Latency:    2 W + 3 clocks from the edge that takes `start` to `done`, which stays until the next start. `b` must be there with
 // `start`, the others until `done`, `weight` from W clocks after `start` on. It must not be zero.
+// Throughput: one mean at a time.
+// Stall:      none.
+// Reset:      nothing is under way.
+// Combinational paths: none.
 `default_nettype none
 
 module engine_mean #(

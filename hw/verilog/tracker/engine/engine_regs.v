@@ -4,6 +4,12 @@
 //
 // Writes take effect on the next clock, those of a mode one clock later; reads are combinational. Reset turns every slot off and
 // leaves the other registers as they are.
+//
+// Latency:    1 clock from a write to its effect, 2 of a mode.
+// Throughput: a write and a read of two slots per clock.
+// Stall:      none.
+// Reset:      every mode becomes off, the other registers stay.
+// Combinational paths: c_slot, u_slot -> all registers of that slot.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -7,6 +7,12 @@
 // at all.
 //
 // Combinational.
+//
+// Latency:    none, combinational.
+// Throughput: a value per clock.
+// Stall:      none.
+// Reset:      none, it has no state.
+// Combinational paths: every input -> lo_not, hi.
 `default_nettype none
 
 module engine_window #(
