@@ -241,16 +241,17 @@ module axi_lite_regs #(
         low     <= in_filter ? filter_low(place) : slot_low(place);
         high    <= in_filter ? filter_high(place) : slot_high(place);
         refuses <= in_filter ? filter_refuses(place) : slot_refuses(place);
-        over    <= shadowed && merged > high;
-        under   <= shadowed && merged < low;
+        over    <= merged > high;
+        under   <= merged < low;
 
         off_sensor <= marks && (merged[15:0] > LAST_X[15:0] || {1'b0, merged[30:16]} > LAST_Y[15:0]);
     end
 
     wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
     wire fault_pending  = acts && locked;
-    wire fault_refused  = acts && !locked && (words_refused || off_sensor || ((over || under) && refuses));
-    wire fault_clamped  = acts && !locked && (words_clamped || ((over || under) && !refuses)) && !fault_refused;
+    wire off_limits     = shadowed && (over || under);
+    wire fault_refused  = acts && !locked && (words_refused || off_sensor || (off_limits && refuses));
+    wire fault_clamped  = acts && !locked && (words_clamped || (off_limits && !refuses)) && !fault_refused;
     wire faulty         = fault_unmapped || fault_pending || fault_refused || fault_clamped;
     wire stores         = acts && shadowed && !locked && !fault_refused;
 

@@ -183,7 +183,7 @@ module cot #(
 
     // ---- centre, average and window --------------------------------------------------------------------------------
 
-    wire               inside_x, inside_y, ring_x, ring_y;
+    wire               hit_x, hit_y, ring_x, ring_y;
     wire [RADIX_W+1:0] rel_x, rel_y;
     wire [RADIX_W:0]   radius = {1'b0, g} + {1'b0, radix_th};
     reg  [RADIX_W:0]   radius_reg;
@@ -209,7 +209,7 @@ module cot #(
         .k     (hist_avg),
         .cm    (cm_x),
         .av    (av_x),
-        .inside(inside_x),
+        .hit   (hit_x),
         .rel   (rel_x),
         .ring  (ring_x)
     );
@@ -231,13 +231,13 @@ module cot #(
         .k     (hist_avg),
         .cm    (cm_y),
         .av    (av_y),
-        .inside(inside_y),
+        .hit   (hit_y),
         .rel   (rel_y),
         .ring  (ring_y)
     );
 
     wire has_window = collecting || mode == `EVCOT_MODE_FIXED;
-    wire inside_window = has_window && inside_x && inside_y;
+    wire inside_window = has_window && hit_x && hit_y;
 
     // ---- time ------------------------------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@
 // Throughput: a step per clock.
 // Stall:      none of its own.
 // Reset:      none; place loads all that decides.
-// Combinational paths: token -> inside, rel; g -> ring.
+// Combinational paths: token -> hit, rel; g -> ring.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -35,7 +35,7 @@ module cot_axis #(
 
     output reg  [W+FRAC-1:0]  cm,
     output reg  [W+FRAC-1:0]  av,
-    output wire               inside,  // the token lies in the window
+    output wire               hit,     // the token lies in the window
     output wire [RADIX_W+1:0] rel,     // its address in the window
     output wire               ring     // the token that began lies further than g from the centre
 );
@@ -71,7 +71,7 @@ module cot_axis #(
     // Address within the window: x - centre + R, from 0 to 2R.
     wire [REL_W-1:0] wide_rel = {{(REL_W - W) {1'b0}}, token} + base;
 
-    assign inside = token >= lo_reg && token <= hi_reg;
+    assign hit    = token >= lo_reg && token <= hi_reg;
     assign rel    = wide_rel[RADIX_W+1:0];
 
     reg signed [D_W-1:0] off;  // from the centre's pixel to the token

@@ -17,6 +17,7 @@ from ..errors import ConfigError
 from ..ranges import check_integer
 
 __all__ = [
+    "ORDERED",
     "RECORD",
     "REGISTERS",
     "SHAPE_RANGES",
@@ -162,6 +163,9 @@ REGISTERS: dict[str, Register] = {
     "nev_th": Register(13, "tc_w", 0, None, "TH", "ticks by which a window must differ from the previous one to change N_ev"),
     "detect_ticks": Register(14, "tc_w", 1, None, "", "ticks within which a candidate must collect clust_nev events"),
 }
+
+ORDERED = (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max"))
+"""Registers of one slot that must not decrease from left to right; the hardware does not compare them with each other."""
 
 
 # A record as output by the hardware: centres in fixed point with `Shape.frac` fractional bits.
