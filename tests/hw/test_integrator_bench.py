@@ -48,7 +48,8 @@ def test_it_passes_in_verilator(tmp_path: Path) -> None:
     if shutil.which("g++") is None:
         pytest.skip("g++ is not installed")
     tools = find_toolchain()
-    command = [str(tools.executable), "--binary", "--timing", "-Wall", "-Wno-fatal", "-Wno-BLKSEQ", "-CFLAGS", "-O0", "--quiet"]
+    command = [str(tools.executable), "--binary", "--timing", "-Wall", "-Wno-fatal", "-Wno-BLKSEQ", "--quiet"]
+    command += ["-CFLAGS", "-O0 -std=c++20 -fcoroutines"]
     command += [*search_flags(verilog_dir()), "--top-module", "integrator_tb", "--Mdir", "obj", str(BENCH)]
     built = subprocess.run(command, cwd=tmp_path, env=tools.environment, capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr

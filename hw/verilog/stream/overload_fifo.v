@@ -7,7 +7,7 @@
 // and leave with the next event, or as soon as the queue is empty. Dropped events get no number.
 // With drop_enable low the queue is a plain one: s_ready falls while it is full.
 //
-// Latency:    6 clocks from s_ to m_ when empty.
+// Latency:    6 clocks from s_ to m_ when empty, 7 of ticks without an event.
 // Throughput: 1 token per clock; with DEPTH below 4, DEPTH tokens in four clocks.
 // Stall:      a token is held until accepted; s_ready stays high while drop_enable is.
 // Reset:      becomes empty, counts from 0.

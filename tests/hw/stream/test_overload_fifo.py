@@ -87,7 +87,7 @@ class TestStories:
         device = device_of(3, 8, 16)
         run = device.run({"s_": [[9, 0, 0, 0, 0, 0]]})
         assert run.words["m_"][:, :3].tolist() == [[9, 0, 0]]
-        assert run.given["m_"] - run.accepted["s_"] == 6
+        assert run.given["m_"] - run.accepted["s_"] == 7
 
     def test_without_drop_enable_the_source_waits(self) -> None:
         device = device_of(3, 8, 16, drop_enable=0)
