@@ -79,10 +79,12 @@ module overload_fifo #(
 
     assign s_ready = drop_enable || room;
 
-    wire arrives = s_valid && s_ready && (s_event || s_skip);
-    wire keeps   = arrives && room;
+    // With room s_ready is high, and an empty queue has room: neither keeps nor flushes has to look at drop_enable.
+    wire comes   = s_valid && (s_event || s_skip);
+    wire arrives = comes && s_ready;
+    wire keeps   = comes && room;
     wire drops   = arrives && !room;
-    wire flushes = !arrives && empty && waits;  // ticks that come now go with those of before, or in the next clock
+    wire flushes = !comes && empty && waits;  // ticks that come now go with those of before, or in the next clock
     wire gives   = m_valid && m_ready && (m_event || m_skip);
 
     fifo #(

@@ -108,7 +108,9 @@ def test_the_body_uses_the_cell_as_synthesis_does_but_for_the_output_register(tm
     assert [len(found) for found in rams] == [1, 1]
     used = [{name: value.lstrip() for name, value in found[0]["parameters"].items() if "INIT" not in name} for found in rams]
     assert {name for name in used[1] if used[0][name] != used[1][name]} == {"REGMODE_B"}
-    wires = [{pin: bits for pin, bits in found[0]["connections"].items() if pin[:2] not in ("DI", "AD", "DO")} for found in rams]
+    wires = [
+        {pin: bits for pin, bits in found[0]["connections"].items() if pin[:2] not in ("DI", "AD", "DO")} for found in rams
+    ]
     tied = [{(pin, bits[0]) for pin, bits in found.items() if bits[0] in ("0", "1")} for found in wires]
     assert tied[0] - tied[1] == {("OCEB", "1")}
     assert tied[1] <= tied[0]
