@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""hw/fpga/examples/integrator_tb.v: plain Verilog around evcot_top, written from the documents: run in Icarus, elaborated by Verilator."""
+"""hw/fpga/examples/integrator_tb.v, plain Verilog written from the documents: run in Icarus, elaborated by Verilator."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bench for evcot_top written from docs/modules.md and docs/registers.md alone, without our Python: for Icarus and Verilator.
+// A bench for evcot_top written from docs/modules.md and docs/registers.md alone, without our Python: run in Icarus.
 //
-//     iverilog -g2005 -I... -y... -s integrator_tb integrator_tb.v        verilator --binary --timing -I... -y... integrator_tb.v
+//     iverilog -g2005 -I... -y... -s integrator_tb -o tb integrator_tb.v && vvp tb
 //
 // One slot follows a cluster that is born, moves and is lost; what leaves is compared word by word, with an output that stalls for
 // a while. Prints PASS, or FAIL with what differed.
