@@ -8,7 +8,7 @@ from pathlib import Path
 import evcot
 from evcot.outputs import written_aside
 
-from ..rtl.files import modules, verilog_dir
+from ..rtl.files import modules, rtl_files, verilog_dir
 from .ipxact import component, constraints_file, dialogue, dialogue_file
 from .sources import flat
 
@@ -41,7 +41,7 @@ def _papers(root: Path) -> tuple[Path, ...]:
 
 
 def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
-    """Write the release to a new folder: evcot.v, the constraints, ecp5/ and ip/TOP/ with a copy of evcot.v.
+    """Write the release to a new folder: evcot.v, constraints, ecp5/, examples/, scripts/, ip/TOP/ with a copy of evcot.v.
 
     Raises:
         OutputError: a file cannot be written.
@@ -53,6 +53,10 @@ def write_release(folder: Path, verilog: Path | None = None) -> list[Path]:
         files[path.name] = path.read_bytes()
     for path in sorted((boards / "ecp5").iterdir()):
         files[f"ecp5/{path.name}"] = path.read_bytes()
+    for folder_name in ("examples", "scripts"):
+        for path in sorted((boards / folder_name).iterdir()):
+            files[f"{folder_name}/{path.name}"] = path.read_bytes()
+    files["examples/evcot_regs.vh"] = rtl_files(verilog)["evcot_regs.vh"].read_bytes()
     for top in TOPS:
         files[f"ip/{top}/evcot.v"] = text
         files[f"ip/{top}/component.xml"] = component(top, "evcot.v", verilog).encode()

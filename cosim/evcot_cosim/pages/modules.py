@@ -23,6 +23,10 @@ the modules that it instantiates. The text is each file's header comment. A stre
 ready and its data; `clk`, `rst` and self-explanatory ports are left out. Cost as in [fpga.md](fpga.md), at N = 8 where there
 is an N; a module without such a table is only measured as a part of others.
 
+What all trackers have in common (addresses of registers and the rules between them, when `cfg_*` may be written, kinds of
+records, order between the streams, what a blocked output stops) is on [registers.md](registers.md). A bench written from these
+two pages alone, in plain Verilog: [integrator_tb.v](../hw/fpga/examples/integrator_tb.v).
+
 """
 
 

@@ -6,11 +6,14 @@
 // is copied to its tracker or filter word by word, `mode` last and only if it was written. All banks pending by then are copied
 // before busy is de-asserted; between two of them an access that waits is served.
 //
-// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 2 more if a bank
+// Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 3 more if a bank
 //             is being copied, and 33 for the first access to a bank after reset, while its part of the shadow is filled: 64 at
 //             most. A write of `mask` is refused until the filters are cleared after a reset, since it would be lost.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
 //             and marks every mode as written.
+// Throughput: one access at a time, a read or a write.
+// Stall:      an access waits as above, never for an event.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"
@@ -219,7 +222,8 @@ module axi_lite_regs #(
     // ---- an access ---------------------------------------------------------------------------------------------------
 
     wire [31:0] lanes = {{8{strb[3]}}, {8{strb[2]}}, {8{strb[1]}}, {8{strb[0]}}};
-    reg  [31:0] merged, shadow_out;
+    reg  [31:0] merged;
+    wire [31:0] in_shadow;
 
     wire        words_known, words_writable, words_clamped, words_refused;
     wire [31:0] words_value, words_kept;
@@ -230,25 +234,24 @@ module axi_lite_regs #(
     wire [31:0] legal = over ? high : under ? low : merged;
 
     // Free-running: each has had its clock by the time it is asked for.
-    reg  [31:0] in_shadow, low, high;
+    reg  [31:0] low, high;
     reg         refuses, over, under, off_sensor;
 
     always @(posedge clk) begin
-        in_shadow <= shadow_out;
-
         low     <= in_filter ? filter_low(place) : slot_low(place);
         high    <= in_filter ? filter_high(place) : slot_high(place);
         refuses <= in_filter ? filter_refuses(place) : slot_refuses(place);
-        over    <= shadowed && merged > high;
-        under   <= shadowed && merged < low;
+        over    <= merged > high;
+        under   <= merged < low;
 
         off_sensor <= marks && (merged[15:0] > LAST_X[15:0] || {1'b0, merged[30:16]} > LAST_Y[15:0]);
     end
 
     wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
     wire fault_pending  = acts && locked;
-    wire fault_refused  = acts && !locked && (words_refused || off_sensor || ((over || under) && refuses));
-    wire fault_clamped  = acts && !locked && (words_clamped || ((over || under) && !refuses)) && !fault_refused;
+    wire off_limits     = shadowed && (over || under);
+    wire fault_refused  = acts && !locked && (words_refused || off_sensor || (off_limits && refuses));
+    wire fault_clamped  = acts && !locked && (words_clamped || (off_limits && !refuses)) && !fault_refused;
     wire faulty         = fault_unmapped || fault_pending || fault_refused || fault_clamped;
     wire stores         = acts && shadowed && !locked && !fault_refused;
 
@@ -256,13 +259,12 @@ module axi_lite_regs #(
 
     // Data read in the clock in which the same word is written is not used. The word of a bank's commit holds the number of
     // the first event after it.
-    (* no_rw_check *) reg [31:0] shadow [0:(N+1)*(1<<REG_W)-1];
     reg [REG_W:0]    fill;           // the word that is written in FILL, and a clock for the last to settle
     reg [N:0]        filled;         // by bank
     reg [BANK_W-1:0] copied;         // the bank in COPY
     reg [REG_W-1:0]  step;           // the word that is read in COPY: 1 to the last register, then 0
-    reg              late;           // the word before it has been read
-    reg [REG_W-1:0]  late_word;
+    reg              late, later;    // the word before it has been read, and the one before that has come out
+    reg [REG_W-1:0]  late_word, later_word;
 
     wire fills  = state == FILL && !fill[REG_W];
     wire last   = step == `EVCOT_BANK_LAST;
@@ -278,9 +280,21 @@ module axi_lite_regs #(
         shadow_write <= fills || stamps || stores;
         shadow_to    <= fills ? {bank, fill[REG_W-1:0]} : stamps ? {copied, `EVCOT_BANK_COMMIT} : {bank, place};
         shadow_in    <= fills ? first : stamps ? seq[31:0] : legal;
-        if (shadow_write) shadow[shadow_to] <= shadow_in;
-        shadow_out <= shadow[shadow_from];
     end
+
+    block_memory #(
+        .W    (32),
+        .DEPTH((N + 1) << REG_W)
+    ) u_shadow (
+        .clk          (clk),
+        .write        (shadow_write),
+        .write_address(shadow_to),
+        .write_data   (shadow_in),
+        .read_enable  (1'b1),
+        .read_address (shadow_from),
+        .out_enable   (1'b1),
+        .read_data    (in_shadow)
+    );
 
     // ---- a bank takes effect -----------------------------------------------------------------------------------------
 
@@ -293,8 +307,12 @@ module axi_lite_regs #(
     end
 
     wire copies_filters = copied == FILTERS;
-    wire copied_all = state == COPY && late && late_word == `EVCOT_REG_MODE;
-    wire committed  = copied_all && pending == ({{N{1'b0}}, 1'b1} << copied);
+    reg  ends;   // mode has come out, the last word of a bank
+    wire copied_all = state == COPY && ends;
+    wire committed  = copied_all && alone;
+
+    reg alone;  // no other bank is pending; known long before the last word has been copied
+    always @(posedge clk) alone <= pending == ({{N{1'b0}}, 1'b1} << copied);
 
     reg  [47:0] commit_seq;
     reg  [31:0] commit_count;
@@ -321,6 +339,8 @@ module axi_lite_regs #(
                 copied <= next_bank;
                 step   <= {{(REG_W - 1) {1'b0}}, 1'b1};
                 late   <= 1'b0;
+                later  <= 1'b0;
+                ends   <= 1'b0;
                 turns  <= 1'b0;
                 if (!core_rst) begin
                     if (apply && |pending && !(turns && request_valid)) state <= COPY;
@@ -351,16 +371,19 @@ module axi_lite_regs #(
                 state <= ANSWER;
             end
             COPY: begin
-                step      <= last ? {REG_W{1'b0}} : step + 1'b1;
-                late      <= 1'b1;
-                late_word <= step;
-                cfg_slot  <= copied[SLOT_W-1:0];
-                cfg_addr  <= late_word;
-                cfg_data  <= shadow_out;
-                if (late) begin
-                    cfg_valid        <= !copies_filters && slot_has(late_word)
-                                      && (late_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
-                    filter_cfg_valid <= copies_filters && filter_has(late_word) && late_word != `EVCOT_FREG_MASK;
+                step       <= last ? {REG_W{1'b0}} : step + 1'b1;
+                late       <= 1'b1;
+                late_word  <= step;
+                later      <= late;
+                ends       <= late && late_word == `EVCOT_REG_MODE;
+                later_word <= late_word;
+                cfg_slot   <= copied[SLOT_W-1:0];
+                cfg_addr   <= later_word;
+                cfg_data   <= in_shadow;
+                if (later) begin
+                    cfg_valid        <= !copies_filters && slot_has(later_word)
+                                      && (later_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
+                    filter_cfg_valid <= copies_filters && filter_has(later_word) && later_word != `EVCOT_FREG_MASK;
                 end
                 if (copied_all) begin
                     pending[copied] <= 1'b0;

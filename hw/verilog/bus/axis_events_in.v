@@ -5,10 +5,11 @@
 // T_W bits; a smaller decrease is a time that runs backwards, and is passed on unchanged. A beat whose tkeep is not all
 // ones, or whose pixel lies beyond WIDTH x HEIGHT, is skipped and counted. tlast is ignored.
 //
-// Latency:    3 clocks. Throughput: an event per clock.
+// Latency:    3 clocks.
 // Stall:      an event is held until accepted.
 // Reset:      empty, counter 0, time starts at the first event's 32 bits.
 // Combinational paths: none; s_axis_tready is a register.
+// Throughput: an event per clock.
 `default_nettype none
 `include "evcot_regs.vh"
 

@@ -3,7 +3,10 @@
 //
 // tuser is the slot, so that a switch can route each slot to its own classifier. Each event is a packet: tlast is 1.
 //
-// Latency: 1 clock. Throughput: an event per clock. Stall: a beat is held until accepted. Reset: empty.
+// Latency:    1 clock.
+// Throughput: an event per clock.
+// Stall:      a beat is held until accepted.
+// Reset:      becomes empty.
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_regs.vh"

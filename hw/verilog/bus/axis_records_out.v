@@ -4,10 +4,11 @@
 // A record takes EVCOT_RECORD_W / DATA_W beats, rounded up; tlast marks the last one, in which tkeep is 0 for the bytes
 // beyond the record. Fields are padded with zeros.
 //
-// Latency:    2 clocks to the first beat. Throughput: a beat per clock.
+// Latency:    2 clocks to the first beat.
 // Stall:      up to DEPTH records are queued while the output stalls; then m_cm_ready is de-asserted.
 // Reset:      empty; a record that is being sent is truncated.
 // Combinational paths: none.
+// Throughput: a beat per clock.
 `default_nettype none
 `include "evcot_regs.vh"
 

@@ -8,8 +8,8 @@
 // Registers and the words of all streams: docs/registers.md. After reset SOURCE is selected, slots and filters are off and
 // the gate is closed: write the registers of a slot, commit them, set control.enable.
 //
-// Latency, unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 16 clocks,
-// those of the filters that are built, and those of the tracker: those of cot_array, or 5 in the first of cot_chain.
+// Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 17 clocks,
+//          those of the filters that are built, and those of the tracker: those of cot_array, or 6 in the first of cot_chain.
 // Throughput: an event per clock, where source, filters and trackers keep up.
 // Stall:   back-pressure of an output stalls the trackers, then the gate, then the source; with control.drop events are
 //          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 if
@@ -17,6 +17,7 @@
 // Reset:   synchronous, active high, at least 2 clocks. Written registers are lost; control.soft_reset keeps them, but
 //          slots and filters are off after it until they are committed. It violates no handshake: data that has reached an
 //          output is sent completely, and a handshake with an AER chip is completed.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "evcot_regs.vh"

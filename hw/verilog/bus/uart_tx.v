@@ -4,6 +4,8 @@
 // Latency:    the start bit begins 1 clock after the byte is accepted.
 // Throughput: a byte per 10 bits.
 // Reset:      the line is high.
+// Stall:      s_ready is low while a byte is being sent.
+// Combinational paths: none.
 `default_nettype none
 
 module uart_tx #(

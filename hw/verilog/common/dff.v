@@ -7,6 +7,7 @@
 //             RESET_TO_COMPLEMENT = 1, the published flip-flop: q becomes ~d at every clock while rst is high.
 //             Powers up at 0.
 // Combinational paths: none.
+// Stall:      none.
 `default_nettype none
 
 module dff #(

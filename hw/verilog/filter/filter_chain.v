@@ -8,7 +8,7 @@
 // Stall:      a token is held until accepted; back-pressure fills the filters one by one.
 // Reset:      disables all filters and empties all memories, pixel by pixel. Until that is done idle is low, tokens wait
 //             in front of the filter concerned, and marks of hot pixels are lost.
-// Combinational paths: those of the filters, and with HAS = 0 everything.
+// Combinational paths: none; with HAS = 0, by wire, from every s_ to its m_ and from m_ready to s_ready.
 `default_nettype none
 `include "evcot_defs.vh"
 

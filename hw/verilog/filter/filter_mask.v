@@ -8,7 +8,7 @@
 // Throughput: 1 token per clock, except for the clock after a mark.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty, then unmarks every pixel, one a clock. Meanwhile idle and s_ready are low and marks are lost.
-// Combinational paths: none through s_ready and m_; mask_valid -> idle.
+// Combinational paths: mask_valid -> idle; s_ready and all m_ outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -3,7 +3,9 @@
 //
 // Latency:    1 clock from s_ to m_.
 // Throughput: 1 token per clock.
-// Stall, reset, combinational paths: those of skid_buffer.v; s_ready and all m_ outputs are registers.
+// Stall:      a token is held until accepted.
+// Reset:      becomes empty.
+// Combinational paths: none; s_ready and all m_ outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
 

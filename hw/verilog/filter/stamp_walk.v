@@ -17,6 +17,9 @@
 //
 // Reset: time 0, no token held; then a first walk, during which `clearing` is high, to write every cell. No token is accepted meanwhile.
 // Combinational paths: advance -> s_ready.
+// Latency:    none: `advance` moves the token that is held.
+// Throughput: a token per clock, but as above where a segment ends before its walk.
+// Stall:      advance low holds everything.
 `default_nettype none
 
 module stamp_walk #(

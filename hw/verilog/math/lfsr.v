@@ -11,6 +11,7 @@
 //             seed that was loaded last), also for as long as enable then stays low.
 // Reset:      state, start of the period and done become 0.
 // Combinational paths: load, seed -> seed_error.
+// Stall:      none but enable.
 `default_nettype none
 
 module lfsr #(

@@ -6,8 +6,13 @@
 // non-restoring division from the highest bit: the weight is added to a negative remainder in the next clock, and subtracted from
 // any other; the sign is the quotient bit. This also holds for negative products.
 //
-// Latency: 2 W + 3 clocks from the edge that takes `start` to `done`, which stays until the next start. `b` must be there with
-// `start`, the others until `done`, `weight` from W clocks after `start` on. It must not be zero.
+// `b` must be there with `start`, the others until `done`, `weight` from W clocks after `start` on. It must not be zero.
+//
+// Latency:    2 W + 3 clocks from the edge that takes `start` to `done`, which stays until the next start.
+// Throughput: a mean at a time.
+// Stall:      none.
+// Reset:      none; `start` loads all that decides.
+// Combinational paths: none.
 `default_nettype none
 
 module weighted_mean #(

@@ -4,6 +4,12 @@
 // The lowest-numbered sender with a request goes first; a word that is being sent is never withdrawn. A word passes without
 // delay when the bus is free, that is, after the receiver has de-asserted its acknowledge of the previous word: a receiver
 // that ties its acknowledge low gets one word only. Senders must hold request and word until acknowledged.
+//
+// Latency:    none, by wire; a clock between two words.
+// Throughput: a word per handshake.
+// Stall:      a sender waits for its acknowledge.
+// Reset:      no sender holds the bus.
+// Combinational paths: s_req_n, s_word, m_ack_n -> s_ack_n, m_req_n, m_word.
 `default_nettype none
 
 module aer_merge #(

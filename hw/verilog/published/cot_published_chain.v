@@ -15,6 +15,7 @@
 // Reset:      every register has its default; no tracker is enabled then and none selected.
 // Combinational paths: s_high, s_low -> m_pass_high, m_pass_low; past trackers that are not enabled, s_req_n -> m_pass_req_n and
 //             m_pass_ack_n -> s_ack_n.
+// Throughput: one event at a time in each tracker: the next request after its acknowledge.
 `default_nettype none
 `include "published_regs.vh"
 

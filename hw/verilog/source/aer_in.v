@@ -15,6 +15,7 @@
 // Reset:      no acknowledge, no row is known; a request that is already asserted counts as a new one.
 // Flush:      an event inside is dropped and counters are cleared, but the handshake continues: a word that has not been acknowledged
 //             is sampled after the flush, one that has been is not sampled again, and the row is kept.
+// Combinational paths: active_low -> aer_ack, idle.
 `default_nettype none
 
 module aer_in #(

@@ -8,6 +8,7 @@
 // Throughput: with a receiver that answers at once, a word in SETUP + 2 * SYNC + 3 clocks, occasionally one more.
 // Stall:      a receiver that does not acknowledge, or does not de-assert its acknowledge, holds s_ready low.
 // Reset:      no request; s_ready rises once the acknowledge is de-asserted.
+// Combinational paths: active_low -> aer_req.
 `default_nettype none
 
 module aer_out #(

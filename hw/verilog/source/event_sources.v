@@ -8,7 +8,12 @@
 // Ticks come from the events' own time (stamp_ticks) or from the clock (tick_prescaler). The time of an event of the LFSR is
 // that of its software model, sw/evcot/hardware/lfsr_event_source.py: a microsecond per step. Settings may change under reset only.
 //
-// Latency, throughput, stalls, reset: those of the parts. A source that is not selected accepts nothing.
+// Latency:    the sum of the parts of the selected source; from a beat of `events` 14 clocks to m_.
+// Throughput: an event per clock, where source and ticks keep up.
+// Stall:      a token is held until accepted; with drop what does not fit is dropped and counted. A source that is not selected accepts
+//             nothing.
+// Reset:      becomes empty; the AER handshake goes on but for aer_rst.
+// Combinational paths: rst -> s_axis_tready; active_low -> aer_ack.
 `default_nettype none
 `include "evcot_regs.vh"
 

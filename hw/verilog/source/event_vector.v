@@ -84,6 +84,7 @@ module event_vector #(
 
     reg  [T_W-1:0] t;
     reg  [11:0]    left;
+    reg  [11:0]    room;    // columns from `left` to the edge of the sensor
     reg  [10:0]    y;
     reg            p, known;
     reg  [L-1:0]   lowest;  // the bit that leaves next, alone
@@ -92,6 +93,7 @@ module event_vector #(
 
     assign in_leaves = in_valid && ending && output_ready;
 
+    wire [12:0]  in_room   = COLUMNS[12:0] - {1'b0, in_x};
     wire [L-1:0] in_rest   = in_mask & (in_mask - 1'b1);
     wire [L-1:0] next_rest = rest & (rest - 1'b1);
 
@@ -129,6 +131,7 @@ module event_vector #(
         if (in_leaves) begin
             t     <= in_t;
             left  <= in_x;
+            room  <= (in_room[12] || {21'd0, in_y} >= ROWS) ? 12'd0 : in_room[11:0];
             y     <= in_y;
             p     <= in_p;
             known <= in_known;
@@ -142,12 +145,12 @@ module event_vector #(
 
     // ---- the event: is it on the sensor? -----------------------------------------------------------------------------
 
-    reg            event_valid, event_p, event_known;
+    reg            event_valid, event_p, event_known, event_inside;
     reg  [T_W-1:0] event_t;
-    reg  [11:0]    event_x;
-    reg  [10:0]    event_y;
+    reg  [X_W-1:0] event_x;
+    reg  [Y_W-1:0] event_y;
+    wire [11:0]    next_x = left + {7'd0, index};
 
-    wire inside_sensor = {20'd0, event_x} < COLUMNS && {21'd0, event_y} < ROWS;
     wire leaves = event_valid && output_ready;
 
     skid_buffer #(
@@ -155,9 +158,9 @@ module event_vector #(
     ) u_output (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(event_valid && event_known && inside_sensor),
+        .s_valid(event_valid && event_known && event_inside),
         .s_ready(output_ready),
-        .s_data ({event_t, event_x[X_W-1:0], event_y[Y_W-1:0], event_p}),
+        .s_data ({event_t, event_x, event_y, event_p}),
         .m_valid(m_valid),
         .m_ready(m_ready),
         .m_data ({m_t, m_x, m_y, m_p})
@@ -167,16 +170,17 @@ module event_vector #(
 
     always @(posedge clk) begin
         if (output_ready) begin
-            event_valid <= |lowest;
-            event_t     <= t;
-            event_x     <= left + {7'd0, index};
-            event_y     <= y;
-            event_p     <= p;
-            event_known <= known;
+            event_valid  <= |lowest;
+            event_t      <= t;
+            event_x      <= next_x[X_W-1:0];
+            event_y      <= y[Y_W-1:0];
+            event_p      <= p;
+            event_known  <= known;
+            event_inside <= {7'd0, index} < room;
         end
         if (m_valid && m_ready) n_events <= n_events + 1'b1;
         if (leaves && !event_known) n_untimed <= n_untimed + 1'b1;
-        if (leaves && event_known && !inside_sensor) n_outside <= n_outside + 1'b1;
+        if (leaves && event_known && !event_inside) n_outside <= n_outside + 1'b1;
         if (rst) begin
             event_valid <= 1'b0;
             n_events    <= {COUNT_W{1'b0}};
@@ -184,6 +188,8 @@ module event_vector #(
             n_outside   <= {COUNT_W{1'b0}};
         end
     end
+
+    wire unused = &{1'b0, COLUMNS, next_x, y};
 
 endmodule
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decoder for one of Prophesee's formats on 64-bit beats, EVT 2.0, 2.1 or 3.0, with the same ports for each.
 //
-// Latency, throughput, stalls, reset: those of evt2_decoder.v, evt21_decoder.v and evt3_decoder.v.
+// Latency:    that of evt2_decoder.v, evt21_decoder.v or evt3_decoder.v, as all below.
+// Throughput: likewise.
+// Stall:      likewise.
+// Reset:      likewise.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_regs.vh"
 

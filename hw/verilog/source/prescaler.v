@@ -4,7 +4,9 @@
 // Latency:    the first pulse is in the clock `period` - 1 clocks after reset has ended.
 // A new period takes effect at once, counted from the last pulse: if more clocks have passed already, the pulse is output now.
 // Reset:      the period starts over.
-// Combinational paths: period -> pulse.
+// Combinational paths: period, rst -> pulse.
+// Throughput: a pulse per clock at most.
+// Stall:      none.
 `default_nettype none
 
 module prescaler #(

@@ -64,30 +64,34 @@ module stamp_ticks #(
     wire [T_W:0]       since = {1'b0, s_t} - {1'b0, latest};
     wire               backward = begun && since[T_W];
 
-    reg                valid, p;
-    reg                later;  // than the latest one
-    reg  [T_W-1:0]     ahead;  // by how many microseconds, if so
+    wire               valid, later, p;  // later: than the latest one
+    wire [T_W-1:0]     ahead;            // by how many microseconds, if so
+    wire [X_W-1:0]     x;
+    wire [Y_W-1:0]     y;
     reg                behind;
-    reg  [X_W-1:0]     x;
-    reg  [Y_W-1:0]     y;
 
-    assign s_ready = !valid || near_ready;
+    // Ends the path of s_ready.
+    skid_buffer #(
+        .W(1 + T_W + X_W + Y_W + 1)
+    ) u_since (
+        .clk    (clk),
+        .rst    (rst),
+        .s_valid(s_valid),
+        .s_ready(s_ready),
+        .s_data ({begun && !backward, since[T_W-1:0], s_x, s_y, s_p}),
+        .m_valid(valid),
+        .m_ready(near_ready),
+        .m_data ({later, ahead, x, y, p})
+    );
 
     always @(posedge clk) begin
-        if (s_ready) valid <= s_valid;
         if (s_valid && s_ready) begin
             begun <= 1'b1;
             if (!backward) latest <= s_t;
-            later <= begun && !backward;
-            ahead <= since[T_W-1:0];
-            x     <= s_x;
-            y     <= s_y;
-            p     <= s_p;
         end
         behind <= s_valid && s_ready && backward;
         if (behind) n_backward <= n_backward + 1'b1;
         if (rst) begin
-            valid      <= 1'b0;
             begun      <= 1'b0;
             behind     <= 1'b0;
             n_backward <= {COUNT_W{1'b0}};
@@ -103,17 +107,19 @@ module stamp_ticks #(
     reg  [Y_W-1:0]     near_y;
 
     wire [T_W-1:0]     passed   = later ? ahead : {T_W{1'b0}};
-    wire [NEAR_W-1:0]  less_now = {2'b00, passed[TICK_US_W-1:0]} - {2'b00, tick_us};
-    wire               is_long  = passed[T_W-1:TICK_US_W] != {(T_W - TICK_US_W) {1'b0}};
+    wire [NEAR_W-1:0]  less_now = {2'b00, ahead[TICK_US_W-1:0]} - {2'b00, tick_us};
+    wire               is_long  = ahead[T_W-1:TICK_US_W] != {(T_W - TICK_US_W) {1'b0}};
+    reg  [NEAR_W-1:0]  less_none;  // the same where nothing has passed
 
     assign near_ready = !near_valid || near_leaves;
 
     always @(posedge clk) begin
+        less_none <= {NEAR_W{1'b0}} - {2'b00, tick_us};
         if (near_ready) begin
             near_valid  <= valid;
             near_passed <= passed;
-            divides     <= valid && !every_us && (is_long || !less_now[NEAR_W-1]);
-            less_one    <= less_now;
+            divides     <= valid && later && !every_us && (is_long || !less_now[NEAR_W-1]);
+            less_one    <= later ? less_now : less_none;
             near_x      <= x;
             near_y      <= y;
             near_p      <= p;

@@ -8,7 +8,7 @@
 // Throughput: 1 token per clock; ticks that do not fit into one token take one more for every 2^TICK_W - 1.
 // Stall:      a token is held until accepted. An event that has to wait gets the time at which it is accepted.
 // Reset:      becomes empty, the prescaler starts over.
-// Combinational paths: prescale feeds registers; m_ and s_ready come from registers.
+// Combinational paths: none; m_ and s_ready come from registers.
 `default_nettype none
 
 module tick_prescaler #(

@@ -7,8 +7,8 @@
 // and leave with the next event, or as soon as the queue is empty. Dropped events get no number.
 // With drop_enable low the queue is a plain one: s_ready falls while it is full.
 //
-// Latency:    5 clocks from s_ to m_ when empty.
-// Throughput: 1 token per clock; with DEPTH = 1, one in three clocks.
+// Latency:    6 clocks from s_ to m_ when empty, 7 of ticks without an event.
+// Throughput: 1 token per clock; with DEPTH below 4, DEPTH tokens in four clocks.
 // Stall:      a token is held until accepted; s_ready stays high while drop_enable is.
 // Reset:      becomes empty, counts from 0.
 // Counters:   n_in = n_out + n_dropped + held, at every clock. They count events, skipped ones included, and wrap around.
@@ -79,10 +79,12 @@ module overload_fifo #(
 
     assign s_ready = drop_enable || room;
 
-    wire arrives = s_valid && s_ready && (s_event || s_skip);
-    wire keeps   = arrives && room;
+    // With room s_ready is high, and an empty queue has room: neither keeps nor flushes has to look at drop_enable.
+    wire comes   = s_valid && (s_event || s_skip);
+    wire arrives = comes && s_ready;
+    wire keeps   = comes && room;
     wire drops   = arrives && !room;
-    wire flushes = !arrives && empty && some;
+    wire flushes = !comes && empty && waits;  // ticks that come now go with those of before, or in the next clock
     wire gives   = m_valid && m_ready && (m_event || m_skip);
 
     fifo #(

@@ -5,10 +5,11 @@
 // A valid token at the output is never withdrawn: the gate closes once it has been accepted. After reset it stays closed until
 // everything behind it has been idle once, since memories take some time to clear.
 //
-// Latency:    none, by wire. Throughput: a token per clock.
+// Latency:    none, by wire.
+// Throughput: a token per clock.
 // Stall:      while closed, s_ready is low.
 // Reset:      closed; the next event is number 0.
-// Combinational paths: s_valid -> m_valid, m_ready -> s_ready.
+// Combinational paths: s_valid -> m_valid; m_ready -> s_ready; busy, idle -> apply.
 `default_nettype none
 
 module token_gate #(

@@ -7,10 +7,13 @@
 // pass-through of everything else. Time travels down the pass-through port in order with the events: an event that is owned
 // here leaves its ticks there as a token without event.
 //
-// Latency, unstalled, counted from the clock edge that takes the event: passed or owned event out after 2, centre out after 3.
-// Throughput: an event every 3 clocks, every 4 at a centre update, a token without event every 2.
-// Every output is held until accepted, and the FSM waits for all of them. Reset turns the tracker off.
-// s_ready depends combinationally on s_tick: put a skid_buffer in front where that path is too long.
+// Latency:    unstalled, from the clock edge that takes the event: passed or owned event out after 2 clocks, centre out after 4.
+// Throughput: an event every 3 clocks, every 5 at a centre update, a token without event every 2.
+// Stall:      every output is held until accepted, and the FSM waits for all of them.
+// Reset:      turns the tracker off.
+// Registers:  a write takes effect on the next token; s_ready is low in the clock after a write. A life that a shorter timer ends
+//             so is reported when the next event enters, s_valid or next_seq says which.
+// Combinational paths: s_tick -> s_ready; put a skid_buffer in front where that is too long.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -46,6 +49,7 @@ module cot #(
     input  wire [Y_W-1:0]      s_y,
     input  wire                s_p,
     input  wire [SEQ_W-1:0]    s_seq,   // number of this event, or of the next one where there is none
+    input  wire [SEQ_W-1:0]    next_seq,  // at any time: number of the next event to enter the row of trackers
 
     // centre of mass: one record per birth, move and loss
     output wire                m_cm_valid,
@@ -89,12 +93,6 @@ module cot #(
     parameter_check #(.OK(TIME_W >= TICK_W)) TIME_W_must_be_at_least_TICK_W ();
 
     localparam SUM_W = (TC_W > TICK_W ? TC_W : TICK_W) + 1;  // a timer plus a tick
-    localparam POS_X = X_W + FRAC;
-    localparam POS_Y = Y_W + FRAC;
-    localparam AT_X  = (X_W > RADIX_W + 1 ? X_W : RADIX_W + 1) + 2;  // bits of a bound of a window: see cot_window.v
-    localparam AT_Y  = (Y_W > RADIX_W + 1 ? Y_W : RADIX_W + 1) + 2;
-    localparam REL_X = (X_W > RADIX_W + 2 ? X_W : RADIX_W + 2) + 1;
-    localparam REL_Y = (Y_W > RADIX_W + 2 ? Y_W : RADIX_W + 2) + 1;
 
     // ---- registers -------------------------------------------------------------------------------------------------
 
@@ -146,8 +144,8 @@ module cot #(
     reg                   restart;    // mode was written: INIT_CELL at the next opportunity
 
     reg                   active;     // visible; else a candidate
-    reg [POS_X-1:0]       cm_x, av_x;
-    reg [POS_Y-1:0]       cm_y, av_y;
+    wire [X_W+FRAC-1:0]   cm_x, av_x;
+    wire [Y_W+FRAC-1:0]   cm_y, av_y;
     reg [RADIX_W-1:0]     g;
     reg                   ring;
     reg [NEV_W-1:0]       n_ev, count;
@@ -167,11 +165,11 @@ module cot #(
     reg [Y_W-1:0]         token_y;
     reg                   token_p;
     reg [SEQ_W-1:0]       token_seq;
-    reg                   had_event;  // token_event, before the event was taken from it
 
     // outputs not yet taken
     reg                   cm_pending, own_pending, pass_pending;
     reg                   updated;    // the token's event has been counted in
+    reg                   moved;      // and the centre has moved
     reg [1:0]             cm_kind;
     reg [SEQ_W-1:0]       cm_seq;
     reg [TIME_W-1:0]      cm_time;
@@ -179,123 +177,109 @@ module cot #(
 
     wire collecting = active || count != {NEV_W{1'b0}};
     wire free       = mode == `EVCOT_MODE_SEEDED && !collecting;  // any event starts a life
+    wire begins     = state == `EVCOT_ST_EV_DISCRI;
+    wire takes      = (state == `EVCOT_ST_EV_NO_PROC || state == `EVCOT_ST_EV_PROC) && !updated;
+    wire moves      = state == `EVCOT_ST_EV_PROC && updated && !moved;
     wire busy       = (cm_pending && !m_cm_ready) || (own_pending && !m_own_ready) || (pass_pending && !m_pass_ready);
 
-    // ---- window ----------------------------------------------------------------------------------------------------
+    // ---- centre, average and window --------------------------------------------------------------------------------
 
-    wire [RADIX_W:0] radius = {1'b0, g} + {1'b0, radix_th};
-    wire [RADIX_W+1:0] inset = {1'b0, radius} - 1'b1;
-    wire [X_W-1:0]   pixel_x;
-    wire [Y_W-1:0]   pixel_y;
-    wire [AT_X-1:0]  lo_x_not, hi_x;
-    wire [AT_Y-1:0]  lo_y_not, hi_y;
+    wire               hit_x, hit_y, ring_x, ring_y;
+    wire [RADIX_W+1:0] rel_x, rel_y;
+    wire [RADIX_W:0]   radius = {1'b0, g} + {1'b0, radix_th};
+    reg  [RADIX_W:0]   radius_reg;
 
-    cot_window #(
-        .W   (X_W),
-        .FRAC(FRAC),
-        .R_W (RADIX_W + 1)
-    ) u_window_x (
-        .asked (1'b1),
-        .centre(cm_x),
+    wire placed = state == `EVCOT_ST_INIT_CELL && !busy;
+    wire seeds  = begins && free;
+
+    cot_axis #(
+        .W      (X_W),
+        .FRAC   (FRAC),
+        .RADIX_W(RADIX_W)
+    ) u_x (
+        .clk   (clk),
+        .place (placed || seeds),
+        .at    (seeds ? token_x : init_cm_x),
+        .token (token_x),
+        .begins(begins),
+        .seeds (free),
+        .takes (takes),
+        .moves (moves),
+        .g     (g),
         .radius(radius),
-        .inset (inset),
-        .pixel (pixel_x),
-        .lo_not(lo_x_not),
-        .hi    (hi_x)
+        .k     (hist_avg),
+        .cm    (cm_x),
+        .av    (av_x),
+        .hit   (hit_x),
+        .rel   (rel_x),
+        .ring  (ring_x)
     );
-    cot_window #(
-        .W   (Y_W),
-        .FRAC(FRAC),
-        .R_W (RADIX_W + 1)
-    ) u_window_y (
-        .asked (1'b1),
-        .centre(cm_y),
+    cot_axis #(
+        .W      (Y_W),
+        .FRAC   (FRAC),
+        .RADIX_W(RADIX_W)
+    ) u_y (
+        .clk   (clk),
+        .place (placed || seeds),
+        .at    (seeds ? token_y : init_cm_y),
+        .token (token_y),
+        .begins(begins),
+        .seeds (free),
+        .takes (takes),
+        .moves (moves),
+        .g     (g),
         .radius(radius),
-        .inset (inset),
-        .pixel (pixel_y),
-        .lo_not(lo_y_not),
-        .hi    (hi_y)
+        .k     (hist_avg),
+        .cm    (cm_y),
+        .av    (av_y),
+        .hit   (hit_y),
+        .rel   (rel_y),
+        .ring  (ring_y)
     );
 
     wire has_window = collecting || mode == `EVCOT_MODE_FIXED;
-    wire [AT_X-1:0] at_x = {1'b1, {(AT_X - X_W - 1) {1'b0}}, token_x};  // as the bounds are
-    wire [AT_Y-1:0] at_y = {1'b1, {(AT_Y - Y_W - 1) {1'b0}}, token_y};
-    wire inside_window = has_window && at_x >= ~lo_x_not && at_x <= hi_x && at_y >= ~lo_y_not && at_y <= hi_y;
-
-    // Address within the window: x - centre + R, from 0 to 2R. A seed lies in the middle.
-    wire [REL_X-1:0] rel_x = {{(REL_X - X_W) {1'b0}}, token_x} + {{(REL_X - RADIX_W - 1) {1'b0}}, radius}
-                           - {{(REL_X - X_W) {1'b0}}, pixel_x};
-    wire [REL_Y-1:0] rel_y = {{(REL_Y - Y_W) {1'b0}}, token_y} + {{(REL_Y - RADIX_W - 1) {1'b0}}, radius}
-                           - {{(REL_Y - Y_W) {1'b0}}, pixel_y};
-    wire unused_rel = &{1'b0, rel_x[REL_X-1:RADIX_W+2], rel_y[REL_Y-1:RADIX_W+2]};
+    wire inside_window = has_window && hit_x && hit_y;
 
     // ---- time ------------------------------------------------------------------------------------------------------
 
     wire [TICK_W-1:0] tick = tick_used ? {TICK_W{1'b0}} : s_tick;
     wire [SUM_W-1:0] tc_after  = {{(SUM_W - TC_W) {1'b0}}, tc} + {{(SUM_W - TICK_W) {1'b0}}, tick};
     wire [SUM_W-1:0] tc2_after = {{(SUM_W - TC_W) {1'b0}}, tc2} + {{(SUM_W - TICK_W) {1'b0}}, tick};
-    wire [SUM_W-1:0] tc_top    = {{(SUM_W - TC_W) {1'b0}}, {TC_W{1'b1}}};
 
-    wire lifetime_over = active && tc_after >= {{(SUM_W - TC_W) {1'b0}}, max_ticks};
-    wire detect_over   = !active && collecting && tc2_after > {{(SUM_W - TC_W) {1'b0}}, detect_ticks};
-    wire expired       = lifetime_over || detect_over;
+    // How many ticks the life outlasts, formed a clock after what they depend on. A cluster's ends max_ticks after its last event, a
+    // candidate's at the tick after detect_ticks. A life is due without a further tick only where a write has shortened it.
+    reg  [TC_W:0]    left;       // signed
+    reg              written;    // a register, in the clock before
+    reg  [SEQ_W-1:0] write_seq;  // the next event then
+    reg              entered;    // it has entered the row
+    wire [TC_W-1:0]  limit     = active ? max_ticks : detect_ticks;
+    wire [TC_W-1:0]  timer     = active ? tc : tc2;
+    wire [TC_W+1:0]  left_next = {1'b0, limit, 1'b1} + {1'b1, ~timer, !active};
+
+    wire due     = collecting && left[TC_W];
+    wire expired = due || (collecting && {{(SUM_W - TICK_W) {1'b0}}, tick} > {{(SUM_W - TC_W) {1'b0}}, left[TC_W-1:0]});
+    wire ends    = s_valid ? expired : due && entered;
+
+    wire [TIME_W:0] deadline = {now, 1'b1} + {{(TIME_W - TC_W - 1) {left[TC_W]}}, left, 1'b1};
 
     // ---- arithmetic ------------------------------------------------------------------------------------------------
 
-    wire               last, new_ring;
-    wire [POS_X-1:0]   new_av_x, new_cm_x;
-    wire [POS_Y-1:0]   new_av_y, new_cm_y;
-    wire [SUP_W-1:0]   new_support;
-    wire [RADIX_W-1:0] new_g;
-    wire [NEV_W-1:0]   new_n_ev;
+    wire [NEV_W:0] next_count = {1'b0, count} + 1'b1;
+    wire           last       = next_count >= {1'b0, n_ev};
 
-    cot_update #(
-        .X_W    (X_W),
-        .Y_W    (Y_W),
-        .FRAC   (FRAC),
-        .RADIX_W(RADIX_W),
-        .NEV_W  (NEV_W),
-        .TC_W   (TC_W),
-        .SUP_W  (SUP_W)
-    ) u_update (
-        .x          (token_x),
-        .y          (token_y),
-        .active     (active),
-        .cm_x       (cm_x),
-        .cm_y       (cm_y),
-        .pixel_x    (pixel_x),
-        .pixel_y    (pixel_y),
-        .av_x       (av_x),
-        .av_y       (av_y),
-        .g          (g),
-        .ring       (ring),
-        .n_ev       (n_ev),
-        .count      (count),
-        .support    (support),
-        .tc2        (tc2),
-        .last_tc2   (last_tc2),
-        .radix_step (radix_step),
-        .radix_min  (radix_min),
-        .radix_max  (radix_max),
-        .hist_avg   (hist_avg),
-        .nev_min    (nev_min),
-        .nev_max    (nev_max),
-        .nev_th     (nev_th),
-        .last       (last),
-        .new_av_x   (new_av_x),
-        .new_av_y   (new_av_y),
-        .new_ring   (new_ring),
-        .new_support(new_support),
-        .new_cm_x   (new_cm_x),
-        .new_cm_y   (new_cm_y),
-        .new_g      (new_g),
-        .new_n_ev   (new_n_ev)
-    );
+    wire [RADIX_W:0] grown  = {1'b0, g} + {1'b0, radix_step};
+    wire [RADIX_W:0] lowest = {1'b0, radix_min} + {1'b0, radix_step};
+    wire [NEV_W:0]   doubled = {n_ev, 1'b0};
+    wire [NEV_W-1:0] halved  = n_ev >> 1;
+
+    reg slower, faster;  // than the window before by more than nev_th, whose first has none before it
+
+    wire unused = &{1'b0, av_x, av_y, left_next[0], deadline[0]};
 
     // ---- outputs ---------------------------------------------------------------------------------------------------
 
-    assign s_ready      = state == `EVCOT_ST_IDLE && !restart && !expired;
-    assign idle         = state == `EVCOT_ST_IDLE && !restart;
+    assign s_ready      = state == `EVCOT_ST_IDLE && !restart && !written && !expired;
+    assign idle         = state == `EVCOT_ST_IDLE && !restart && !written;
 
     assign m_cm_valid   = cm_pending;
     assign m_cm_kind    = cm_kind;
@@ -325,6 +309,11 @@ module cot #(
     // ---- FSM -------------------------------------------------------------------------------------------------------
 
     always @(posedge clk) begin
+        radius_reg <= radius;
+        left       <= left_next[TC_W+1:1];
+        slower     <= active && {1'b0, tc2} > {1'b0, last_tc2} + {1'b0, nev_th};
+        faster     <= active && {1'b0, tc2} + {1'b0, nev_th} < {1'b0, last_tc2};
+
         if (m_cm_ready) cm_pending <= 1'b0;
         if (m_own_ready) own_pending <= 1'b0;
         if (m_pass_ready) pass_pending <= 1'b0;
@@ -334,10 +323,6 @@ module cot #(
             `EVCOT_ST_INIT_CELL:
             if (!busy) begin
                 active  <= 1'b0;
-                cm_x    <= {init_cm_x, {FRAC{1'b0}}};
-                cm_y    <= {init_cm_y, {FRAC{1'b0}}};
-                av_x    <= {init_cm_x, {FRAC{1'b0}}};
-                av_y    <= {init_cm_y, {FRAC{1'b0}}};
                 g       <= init_radix;
                 ring    <= 1'b0;
                 n_ev    <= clust_nev;
@@ -354,30 +339,29 @@ module cot #(
                 restart    <= 1'b0;
                 cm_pending <= active;
                 cm_kind    <= `EVCOT_KIND_LOST;
-                cm_seq     <= token_seq + {{(SEQ_W - 1) {1'b0}}, had_event};
+                cm_seq     <= write_seq;
                 cm_time    <= now;
                 state      <= `EVCOT_ST_INIT_CELL;
-            end else if (s_valid && expired) begin
-                tick_used  <= 1'b1;
-                now        <= now + {{(TIME_W - TICK_W) {1'b0}}, tick};
+            end else if (ends && !written) begin
+                tick_used  <= s_valid;
+                now        <= now + {{(TIME_W - TICK_W) {1'b0}}, s_valid ? tick : {TICK_W{1'b0}}};
                 cm_pending <= active;
                 cm_kind    <= `EVCOT_KIND_LOST;
-                cm_seq     <= s_seq;
-                cm_time    <= now + {{(TIME_W - TC_W) {1'b0}}, max_ticks} - {{(TIME_W - TC_W) {1'b0}}, tc};
+                cm_seq     <= due ? write_seq : s_seq;
+                cm_time    <= deadline[TIME_W:1];
                 state      <= `EVCOT_ST_INIT_CELL;
-            end else if (s_valid) begin
+            end else if (s_valid && !written) begin
                 tick_used   <= 1'b0;
                 now         <= now + {{(TIME_W - TICK_W) {1'b0}}, tick};
                 token_tick  <= s_tick;
                 token_event <= s_event;
-                had_event   <= s_event;
                 token_x     <= s_x;
                 token_y     <= s_y;
                 token_p     <= s_p;
                 token_seq   <= s_seq;
                 if (collecting) begin
-                    tc  <= (tc_after > tc_top) ? {TC_W{1'b1}} : tc_after[TC_W-1:0];
-                    tc2 <= (tc2_after > tc_top) ? {TC_W{1'b1}} : tc2_after[TC_W-1:0];
+                    tc  <= (tc_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc_after[TC_W-1:0];
+                    tc2 <= (tc2_after[SUM_W-1:TC_W] != {(SUM_W - TC_W) {1'b0}}) ? {TC_W{1'b1}} : tc2_after[TC_W-1:0];
                 end
                 if (s_event) state <= `EVCOT_ST_EV_DISCRI;
                 else if (s_tick != {TICK_W{1'b0}}) begin
@@ -390,18 +374,13 @@ module cot #(
             `EVCOT_ST_EV_DISCRI:
             if (inside_window || free) begin
                 updated      <= 1'b0;
+                moved        <= 1'b0;
                 tc           <= {TC_W{1'b0}};
                 own_pending  <= 1'b1;
-                own_x        <= free ? {1'b0, radius} : rel_x[RADIX_W+1:0];
-                own_y        <= free ? {1'b0, radius} : rel_y[RADIX_W+1:0];
+                own_x        <= free ? {1'b0, radius_reg} : rel_x;
+                own_y        <= free ? {1'b0, radius_reg} : rel_y;
                 pass_pending <= token_tick != {TICK_W{1'b0}};  // the ticks travel on, the event does not
                 token_event  <= 1'b0;
-                if (free) begin
-                    cm_x <= {token_x, {FRAC{1'b0}}};
-                    cm_y <= {token_y, {FRAC{1'b0}}};
-                    av_x <= {token_x, {FRAC{1'b0}}};
-                    av_y <= {token_y, {FRAC{1'b0}}};
-                end
                 state <= last ? `EVCOT_ST_EV_PROC : `EVCOT_ST_EV_NO_PROC;
             end else begin
                 pass_pending <= 1'b1;
@@ -415,26 +394,26 @@ module cot #(
             `EVCOT_ST_EV_NO_PROC: begin
                 if (!updated) begin
                     updated <= 1'b1;
-                    av_x    <= new_av_x;
-                    av_y    <= new_av_y;
-                    ring    <= new_ring;
-                    support <= new_support;
-                    count   <= count + 1'b1;
+                    ring    <= ring || ring_x || ring_y;
+                    support <= (&support) ? support : support + 1'b1;
+                    count   <= next_count[NEV_W-1:0];
                 end
                 if (!busy) state <= `EVCOT_ST_IDLE;
             end
 
-            // Counts the event in, moves the centre, then offers the new centre until it is taken.
+            // Counts the event in, then moves the centre, then offers it until it is taken.
             `EVCOT_ST_EV_PROC:
             if (!updated) begin
-                updated    <= 1'b1;
-                av_x       <= new_av_x;
-                av_y       <= new_av_y;
-                cm_x       <= new_cm_x;
-                cm_y       <= new_cm_y;
-                g          <= new_g;
-                n_ev       <= new_n_ev;
-                support    <= new_support;
+                updated <= 1'b1;
+                ring    <= ring || ring_x || ring_y;
+                support <= (&support) ? support : support + 1'b1;
+            end else if (!moved) begin
+                moved      <= 1'b1;
+                g          <= ring ? ((grown > {1'b0, radix_max}) ? radix_max : grown[RADIX_W-1:0])
+                                   : (({1'b0, g} < lowest) ? radix_min : g - radix_step);
+                n_ev       <= slower ? ((doubled > {1'b0, nev_max}) ? nev_max : doubled[NEV_W-1:0])
+                            : faster ? ((halved < nev_min) ? nev_min : halved)
+                                     : n_ev;
                 ring       <= 1'b0;
                 count      <= {NEV_W{1'b0}};
                 tc2        <= {TC_W{1'b0}};
@@ -453,7 +432,12 @@ module cot #(
             default: state <= `EVCOT_ST_INIT_CELL;
         endcase
 
-        if (cfg_valid && cfg_addr == `EVCOT_REG_MODE) restart <= 1'b1;
+        written <= cfg_valid;
+        entered <= !cfg_valid && next_seq != write_seq;
+        if (cfg_valid) begin
+            write_seq <= next_seq;
+            if (cfg_addr == `EVCOT_REG_MODE) restart <= 1'b1;
+        end
 
         if (rst) begin
             state        <= `EVCOT_ST_INIT_CELL;
@@ -465,8 +449,9 @@ module cot #(
             tick_used    <= 1'b0;
             now          <= {TIME_W{1'b0}};
             next_id      <= ID_FIRST[ID_W-1:0];
-            had_event    <= 1'b0;
-            token_seq    <= {SEQ_W{1'b0}};
+            written      <= 1'b0;
+            entered      <= 1'b0;
+            write_seq    <= {SEQ_W{1'b0}};
         end
     end
 

@@ -5,10 +5,12 @@
 // each event at the tick at which it happened, however late it arrives. Events are numbered at the input; the records and the owned
 // events of all trackers are merged round robin, and each tracker's own stay in order.
 //
-// Latency, unstalled: as cot.v, plus 1 clock at the input, 2 per upstream tracker, and 1 where records and owned events
-// are merged.
-// Throughput: that of cot.v, an event every 3 to 4 clocks, in every tracker at once.
-// Every output is held until accepted. Reset turns all trackers off. s_ready is a register.
+// Latency:    unstalled: that of cot.v, plus 1 clock at the input, 2 per upstream tracker, and 1 where records and owned events
+//             are merged.
+// Throughput: that of cot.v, an event every 3 to 5 clocks, in every tracker at once.
+// Stall:      every output is held until accepted, and a tracker that waits stops those before it.
+// Reset:      turns all trackers off.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -171,6 +173,7 @@ module cot_chain #(
                 .s_y         (link[i*TOKEN_W + SEQ_W + 1 +: Y_W]),
                 .s_p         (link[i*TOKEN_W + SEQ_W]),
                 .s_seq       (link[i*TOKEN_W +: SEQ_W]),
+                .next_seq    (seq),
                 .m_cm_valid  (cm_valid[i]),
                 .m_cm_ready  (cm_ready[i]),
                 .m_cm_kind   (kind),

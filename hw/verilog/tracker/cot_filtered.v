@@ -5,9 +5,11 @@
 // filter drops is not output, but it is numbered: every record and every output event carries the number that its
 // event had at the input.
 //
-// Latency: that of the filters that HAS builds, plus that of the trackers. Throughput: that of the slower one.
-// Every output is held until accepted. Reset disables all filters and turns all slots off; idle rises when the filters'
-// memories have been cleared.
+// Latency:    that of the filters that HAS builds, plus that of the trackers.
+// Throughput: that of the slower one.
+// Stall:      every output is held until accepted; one that waits stops the trackers, and these the filters.
+// Reset:      disables all filters and turns all slots off; idle rises when the filters' memories have been cleared.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 

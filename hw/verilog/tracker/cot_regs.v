@@ -6,6 +6,12 @@
 // RAM. Reset turns every slot off and leaves the other registers as they are. Addresses and meanings: evcot_defs.vh,
 // docs/algorithm.md. Values are stored unchecked: the host must check legal ranges. Bits of cfg_data above a register's width are
 // ignored.
+//
+// Latency:    1 clock from a write to its effect, 2 of a mode.
+// Throughput: a write and a read of two slots per clock.
+// Stall:      none.
+// Reset:      every mode becomes off, the other registers stay.
+// Combinational paths: c_slot, u_slot -> all registers of that slot.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -9,6 +9,12 @@
 // lower bound is given as its complement, which is what a comparison adds.
 //
 // Combinational.
+//
+// Latency:    none, combinational.
+// Throughput: a value per clock.
+// Stall:      none.
+// Reset:      none, it has no state.
+// Combinational paths: every input -> pixel, lo_not, hi.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -9,7 +9,7 @@ from ..errors import ConfigError
 from ..filters.contract import FilterShape
 from ..filters.registers import FilterRegisters
 from ..ranges import check_integer
-from .contract import REGISTERS, Mode, Shape
+from .contract import ORDERED, REGISTERS, Mode, Shape
 from .motion.contract import MotionRegisters
 
 __all__ = ["CotConfig", "SlotConfig"]
@@ -39,7 +39,7 @@ class SlotConfig:
         """Raise ConfigError for the first register outside its limits; `where` prefixes the field's name."""
         for name, register in REGISTERS.items():
             check_integer(f"{where}.{name}", getattr(self, name), *register.limits(shape), register.meaning)
-        for low_name, name, high_name in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
+        for low_name, name, high_name in ORDERED:
             low, value, high = getattr(self, low_name), getattr(self, name), getattr(self, high_name)
             if not low <= value <= high:
                 raise ConfigError(f"{where}.{name} = {value}: must lie from {low_name} = {low} to {high_name} = {high}")

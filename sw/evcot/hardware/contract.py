@@ -18,6 +18,7 @@ from ..ranges import check_integer
 
 __all__ = [
     "HIST_AVG_STILL",
+    "ORDERED",
     "RECORD",
     "REGISTERS",
     "SHAPE_RANGES",
@@ -166,6 +167,9 @@ REGISTERS: dict[str, Register] = {
     "nev_th": Register(13, "tc_w", 0, None, "TH", "ticks by which a window must differ from the previous one to change N_ev"),
     "detect_ticks": Register(14, "tc_w", 1, None, "", "ticks within which a candidate must collect clust_nev events"),
 }
+
+ORDERED = (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max"))
+"""Registers of one slot that must not decrease from left to right; the hardware does not compare them with each other."""
 
 
 # A record as output by the hardware: centres in fixed point with `Shape.frac` fractional bits.

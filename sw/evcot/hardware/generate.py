@@ -22,7 +22,7 @@ from ..filters.decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE, weights
 from ..outputs import written_aside
 from ..templating import templates
 from ..tracks.log import Kind
-from .contract import HIST_AVG_STILL, RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
+from .contract import HIST_AVG_STILL, ORDERED, RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
 from .published.registers import SELECT, SELECT_FIRST, SELECT_NONE
@@ -31,6 +31,15 @@ from .registers import Access, Bank, Field, Word, register_map
 __all__ = ["render", "stale", "write"]
 
 _ROOT = Path(__file__).resolve().parents[3]
+
+
+_KINDS = {
+    Kind.BORN: "the first centre of a track",
+    Kind.MOVED: "a further centre; also of the survivor, after the MERGED of the other",
+    Kind.MERGED: "a track that has ended in another one, `other_id`, with its own last centre",
+    Kind.LOST: "a track that has ended, by its timer or by a write of `mode`; `seq` is the number of the next event",
+}
+"""What a record of each kind is."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +112,8 @@ def _vocabulary() -> dict[str, Any]:
         "attributes": sorted(["slot", "filters", *(word.name for word in register_of.words if word.fields[0].name)]),
         "irqs": next(word for word in register_of.words if word.name == "irq_status").fields,
         "slot_registers": REGISTERS,
+        "ordered": ORDERED,
+        "kind_meanings": _KINDS,
         "filter_registers": FILTER_REGISTERS,
         "limits": {
             "slot": [(name, "REG", entry.low, _verilog_high(entry)) for name, entry in REGISTERS.items()],

@@ -24,7 +24,7 @@ RULE = (
 )
 
 
-@pytest.mark.parametrize("top", ["cot", "cot_array", "cot_chain", "cot_engine"])
+@pytest.mark.parametrize("top", ["cot", "cot_array", "cot_chain"])
 def test_no_rtl_is_built_with_motion(top: Top) -> None:
     for build in (build_device, Device):
         with pytest.raises(ConfigError) as caught:

@@ -13,7 +13,7 @@ from evcot_cosim.rtl.files import copy_rtl, modules, rtl_files
 
 
 def test_a_module_comes_with_all_below_it_and_after_them() -> None:
-    assert closure(["cot"]) == ["parameter_check", "approach", "cot_window", "cot_regs", "cot_update", "cot"]
+    assert closure(["cot"]) == ["parameter_check", "cot_window", "cot_regs", "cot_axis", "cot"]
     assert closure(["filter_region"])[-1] == "filter_region"
     assert closure(modules()) == modules()
 
@@ -51,11 +51,11 @@ def test_modules_come_that_are_instantiated_and_no_others(tmp_path: Path) -> Non
 
 def test_what_is_not_verilog_is_named_with_its_place(tmp_path: Path) -> None:
     copy_rtl(tmp_path)
-    (tmp_path / "approach.v").write_text("module approach (;\nendmodule\n")
-    for read in (lambda: closure(["cot"], tmp_path), lambda: flat(["approach"], tmp_path)):
+    (tmp_path / "cot_window.v").write_text("module cot_window (;\nendmodule\n")
+    for read in (lambda: closure(["cot"], tmp_path), lambda: flat(["cot_window"], tmp_path)):
         with pytest.raises(ConfigError) as told:
             read()
-        assert str(told.value).startswith(f"{tmp_path / 'approach.v'}:1:18: error: ")
+        assert str(told.value).startswith(f"{tmp_path / 'cot_window.v'}:1:20: error: ")
 
 
 def test_includes_are_in_their_places_once() -> None:
@@ -74,8 +74,8 @@ def test_rules_to_prove_are_left_out() -> None:
 def test_a_comment_changes_nothing_and_code_does(tmp_path: Path) -> None:
     copy_rtl(tmp_path)
     before = flat(closure(["cot"], tmp_path), tmp_path)
-    update = tmp_path / "cot_update.v"
-    update.write_text("// said once more\n\n" + update.read_text())
+    axis = tmp_path / "cot_axis.v"
+    axis.write_text("// said once more\n\n" + axis.read_text())
     assert flat(closure(["cot"], tmp_path), tmp_path) == before
-    update.write_text(update.read_text().replace("wire", "wire ", 1))
+    axis.write_text(axis.read_text().replace("wire", "wire ", 1))
     assert flat(closure(["cot"], tmp_path), tmp_path) != before

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from evcot.hardware._cot_kernel import _approach
-from evcot.hardware.contract import HIST_AVG_STILL
 from support.testing import evaluate, lint
 
 SHIFTS = np.arange(9)
@@ -52,18 +51,6 @@ def test_rounds_with_fractional_bits_and_floors_without(frac: int, value: int, t
     assert found["result"].tolist() == [result]
 
 
-@pytest.mark.parametrize("frac", [0, 4])
-def test_from_still_on_the_value_stays(frac: int) -> None:
-    value, target, k = (axis.ravel() for axis in np.meshgrid([5, 4000], [0, 4095], np.arange(16)))
-    inputs = {"value": value, "target": target, "k": k}
-    result = evaluate("approach", {"W": 12, "FRAC": frac, "STILL": HIST_AVG_STILL}, inputs, ["result"])["result"]
-    np.testing.assert_array_equal(result, steps(value, target, k, frac))
-    np.testing.assert_array_equal(result[k >= HIST_AVG_STILL], value[k >= HIST_AVG_STILL])
-    assert (result[k == HIST_AVG_STILL - 1] != value[k == HIST_AVG_STILL - 1]).any()
-    shifts = evaluate("approach", {"W": 12, "FRAC": frac}, inputs, ["result"])["result"]
-    assert (shifts[k == HIST_AVG_STILL] != value[k == HIST_AVG_STILL]).any()
-
-
 @pytest.mark.parametrize(("w", "frac"), [(1, 0), (24, 8)])
 def test_lints_clean(w: int, frac: int) -> None:
     assert lint("approach", W=w, FRAC=frac) == (0, "")
@@ -71,13 +58,7 @@ def test_lints_clean(w: int, frac: int) -> None:
 
 @pytest.mark.parametrize(
     ("parameters", "rule"),
-    [
-        ({"W": 0}, "W_must_be_1_to_24"),
-        ({"W": 25}, "W_must_be_1_to_24"),
-        ({"FRAC": 9}, "FRAC_must_be_0_to_8"),
-        ({"STILL": 0}, "STILL_must_be_1_to_16"),
-        ({"STILL": 17}, "STILL_must_be_1_to_16"),
-    ],
+    [({"W": 0}, "W_must_be_1_to_24"), ({"W": 25}, "W_must_be_1_to_24"), ({"FRAC": 9}, "FRAC_must_be_0_to_8")],
 )
 def test_refuses_parameters_out_of_range(parameters: dict[str, int], rule: str) -> None:
     code, log = lint("approach", **parameters)

@@ -81,7 +81,7 @@ def test_with_block_ram_one_more_than_its_depth_is_on_offer(sim: PyVerilator, de
 
 
 def test_reset_empties_it(sim: PyVerilator, block: int) -> None:
-    latency = 3 if block else 1
+    latency = 4 if block else 1
     sim.io.s_valid, sim.io.s_data = 1, 7
     for _ in range(latency):
         sim.clock.tick()
@@ -96,13 +96,13 @@ def test_reset_empties_it(sim: PyVerilator, block: int) -> None:
 
 
 def test_throughput(sim: PyVerilator, depth: int, block: int) -> None:
-    """A word every clock, one clock later, with block RAM three; one in so many clocks when only one word fits."""
-    latency = 3 if block else 1
+    """A word every clock, one clock later, with block RAM four; one in so many clocks when only one word fits."""
+    latency = 4 if block else 1
     words = [(k,) for k in range(40)]
     sink = Sink(sim, "m", ["data"], always())
     run_streams(sim, [Source(sim, "s", ["data"], words, always())], [sink])
     assert sink.words == words
-    apart = 1 if depth > 1 else 3 if block else 2
+    apart = 1 if depth > 1 else 4 if block else 2
     assert sink.clocks == [latency + k * apart for k in range(40)]
 
 

@@ -61,13 +61,13 @@ def test_refuses_parameters(given: dict[str, int], rule: str) -> None:
 
 class TestStories:
     def test_the_newest_event_is_dropped_and_its_ticks_go_with_the_next(self) -> None:
-        device = device_of(3, 8, 16)
+        device = device_of(5, 8, 16)  # enough for an event a clock
         device.stalls = {"m_": np.array([0] * 25 + [1] * 75, np.uint8)}
         run = device.run({"s_": [[k, 1, 0, k, 0, 1] for k in range(1, 16)]})
         device.stalls = {}
         last = device.run({"s_": [[100, 1, 0, 99, 0, 0]]})
         result = [(tick, x) for tick, _, _, x, _, _ in np.concatenate([run.words["m_"], last.words["m_"]]).tolist()]
-        kept = 3 + BEHIND
+        kept = 5 + BEHIND
         assert result[:kept] == [(k, k) for k in range(1, kept + 1)]
         assert sum(tick for tick, _ in result) == sum(range(1, 16)) + 100
         assert result[-1][1] == 99
@@ -87,7 +87,7 @@ class TestStories:
         device = device_of(3, 8, 16)
         run = device.run({"s_": [[9, 0, 0, 0, 0, 0]]})
         assert run.words["m_"][:, :3].tolist() == [[9, 0, 0]]
-        assert run.given["m_"] - run.accepted["s_"] == 5
+        assert run.given["m_"] - run.accepted["s_"] == 7
 
     def test_without_drop_enable_the_source_waits(self) -> None:
         device = device_of(3, 8, 16, drop_enable=0)
@@ -159,8 +159,8 @@ def test_counters_add_up_at_every_clock(shape: tuple[int, int, int]) -> None:
 
 
 def test_clocks() -> None:
-    """A token every clock, 5 clocks later."""
+    """A token every clock, 6 clocks later."""
     device = device_of(64, 20, 40)
     run = device.run({"s_": [[1, 1, 0, 0, 0, 0]] * 100})
     assert set(np.diff(run.accepted["s_"])) == {1}
-    assert set(run.given["m_"] - run.accepted["s_"]) == {5}
+    assert set(run.given["m_"] - run.accepted["s_"]) == {6}

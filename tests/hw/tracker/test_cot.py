@@ -366,10 +366,10 @@ def timed(story: list[Event], **registers: int) -> tuple[list[int], list[int]]:
 class TestClocks:
     """What the header of cot.v claims."""
 
-    def test_a_centre_comes_3_clocks_after_its_event_and_takes_4(self) -> None:
+    def test_a_centre_comes_4_clocks_after_its_event_and_takes_5(self) -> None:
         accepted, recorded = timed(at([0] * 9), **n_ev_of(1))
-        assert np.subtract(recorded, accepted).tolist() == [3] * 9
-        assert set(np.diff(accepted)) == {4}
+        assert np.subtract(recorded, accepted).tolist() == [4] * 9
+        assert set(np.diff(accepted)) == {5}
 
     @pytest.mark.parametrize("x", [64, 0], ids=["owned", "passed"])
     def test_other_events_take_3_clocks(self, x: int) -> None:

@@ -4,6 +4,8 @@
 // Latency:    1 clock.
 // Throughput: a value per clock.
 // Reset:      none.
+// Stall:      none.
+// Combinational paths: none.
 `default_nettype none
 
 (* keep_hierarchy *)

@@ -2,6 +2,12 @@
 // The lowest bit that is set, found in a tree: of two halves the lower one wins if it has any.
 //
 // Combinational.
+//
+// Latency:    none, combinational.
+// Throughput: a value per clock.
+// Stall:      none.
+// Reset:      none, it has no state.
+// Combinational paths: among, asked -> lowest, any.
 `default_nettype none
 
 module array_lowest #(

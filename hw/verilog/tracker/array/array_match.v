@@ -11,6 +11,8 @@
 //             used in the next, a change of the free slots two clocks later for an event in E.
 // Throughput: 1 probe per clock.
 // Reset:      no slot has a window or is free.
+// Stall:      none.
+// Combinational paths: none.
 `default_nettype none
 
 module array_match #(

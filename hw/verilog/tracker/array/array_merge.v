@@ -2,8 +2,12 @@
 // Merges two tracks: finds the survivor and its new state. The first born survives, at the mean of both centres weighted
 // by support, with the larger g and the sum of both supports.
 //
-// Latency: 5 clocks from take_b to stays, goes, join_g and join_support; `done` is high once join_x and join_y are valid too, after
+// Latency:    5 clocks from take_b to stays, goes, join_g and join_support; `done` is high once join_x and join_y are valid too, after
 //          2 W + 5 clocks where MEANS is 2 and 4 W + 10 where it is 1, W the bits of a centre (of the wider axis).
+// Throughput: one merge at a time.
+// Stall:      none.
+// Reset:      nothing is under way.
+// Combinational paths: none.
 `default_nettype none
 
 module array_merge #(

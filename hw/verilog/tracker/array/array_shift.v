@@ -5,6 +5,10 @@
 // result of the even shift; the reader must shift it by one more if `odd` is high. From k = 10 on it is 0: nothing moves.
 //
 // Latency: k is loaded a clock before a_not, b_not and c, from which the path is combinational.
+// Throughput: a shift per clock.
+// Stall:      none.
+// Reset:      none.
+// Combinational paths: a_not, b_not, c -> evenly.
 `default_nettype none
 
 module array_shift #(

@@ -11,6 +11,8 @@
 //             operation, no valid event may be in C until it has left X and one more clock has passed: 6 clocks later.
 //             Events that are flushed may be, directly behind it. An operation is issued when U and V are empty.
 // Reset:      no record; ids from 0. The context is not reset: clear every slot.
+// Stall:      none; what must not commit is flushed.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -7,13 +7,14 @@
 // a pixel with another active one, the two merge: the first born survives, at the mean of both centres weighted by support
 // and with the larger g; the other returns to INIT_CELL. This repeats until no active windows overlap.
 //
-// Latency, unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16;
-// owned and passed events likewise.
+// Latency:    unstalled, from the clock edge that takes the event: a record after 11, or 12 where N > 16; owned and passed
+//             events likewise.
 // Throughput: a token every clock. More clocks, where N > 16 those in brackets: 6 (7) after an event that moves a centre or
 // starts a life, 2 N + 40 (2 N + 45) for the end of a life, 4 (X_W + FRAC) + 25 (2 (X_W + FRAC) + 22) for a merge, and
 // N + 12 every max_ticks or detect_ticks, whichever is less.
-// Every output is held until accepted. Reset turns all slots off; about 12 N clocks later the array is idle.
-// All outputs are registers; no path leads from an input to an output.
+// Stall:      every output is held until accepted.
+// Reset:      turns all slots off; about 12 N clocks later the array is idle.
+// Combinational paths: none; all outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
 

