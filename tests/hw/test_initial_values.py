@@ -32,12 +32,13 @@ SHAPE = Shape(n_slots=2, x_w=5, y_w=5, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_
 SENSOR = FilterShape(width=WIDTH, height=HEIGHT, stamp_w=10, recent_depth=4)
 FILTERS = FilterRegisters(
     region_x0=1, region_x1=18, polarity=1, refractory_ticks=3, activity_ticks=40, recent_ticks=60, recent_radius=3,
-    decay_rate=1 << 22, decay_epsilon=4, decay_support=40, hot_pixels=((5, 5), (9, 7), (0, 0)),
+    decay_rate=1 << 22, decay_epsilon=4, decay_support=40, rowcol_ticks=90, rowcol_radius=3,
+    hot_pixels=((5, 5), (9, 7), (0, 0)),
 )  # fmt: skip
 STATUS, CONTROL = address_of("status"), address_of("control")
 SOFT_RESET = write(CONTROL, 1 << 9)
 EVENTS, QUIET = 250, 1_000
-BUILDS = [*((0, 1 << which) for which in Filter), (0, 127), (0, 0), (1, 0), (2, 0)]
+BUILDS = [*((0, 1 << which) for which in Filter), (0, 255), (0, 0), (1, 0), (2, 0)]
 EVERY_BUILD = pytest.mark.parametrize(("tracker", "has"), BUILDS, ids=[f"tracker {t}, filters {h}" for t, h in BUILDS])
 
 

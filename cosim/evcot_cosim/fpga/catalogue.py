@@ -81,6 +81,7 @@ _TABLE = (
     Module("filter_activity", "filter_activity", {**_SMALL, **_PIXELS}, answer="token"),
     Module("filter_recent", "filter_recent", _SMALL, answer="token"),
     Module("filter_decay", "filter_decay", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_rowcol", "filter_rowcol", {**_SMALL, **_PIXELS}, answer="token"),
     Module("filter_chain", "filter_chain", {**_SMALL, **_PIXELS}, answer="token"),
     Module("filter_chain_346x260", "filter_chain", _TICK, answer="token"),
     Module("evt2_decoder", "evt2_decoder", answer="event"),

@@ -28,7 +28,7 @@ module axi_lite_regs #(
     parameter ID_W         = 32,   // bits of a track id
     parameter SEQ_W        = 48,   // bits of an event's number
     parameter TIME_W       = 48,   // bits of the tick count
-    parameter HAS          = 127,  // filters that are built
+    parameter HAS          = 255,  // filters that are built
     parameter SOURCES      = 1,    // sources that are built, a bit each: EVCOT_SOURCE_*
     parameter SOURCE       = 0,    // the one selected after reset
     parameter TRACKER      = 0,    // EVCOT_TRACKER_*
@@ -467,7 +467,7 @@ module axi_lite_regs #(
         .shape2_id_w         (ID_W_32[5:0]),
         .shape2_seq_w        (SEQ_W_32[5:0]),
         .shape2_time_w       (TIME_W_32[5:0]),
-        .build_filters       (HAS_32[6:0]),
+        .build_filters       (HAS_32[7:0]),
         .build_sources       (SOURCES_32[5:0]),
         .build_tracker       (TRACKER_32[1:0]),
         .sensor_last_x       (LAST_X[15:0]),

@@ -105,7 +105,7 @@ module evcot_top #(
     output wire                m_axis_passed_tlast
 );
 
-    parameter_check #(.OK(HAS >= 0 && HAS <= 127)) HAS_must_be_0_to_127 ();
+    parameter_check #(.OK(HAS >= 0 && HAS <= 255)) HAS_must_be_0_to_255 ();
     parameter_check #(.OK(WIDTH >= 1 && WIDTH <= (1 << X_W))) WIDTH_must_be_1_to_2_to_the_X_W ();
     parameter_check #(.OK(HEIGHT >= 1 && HEIGHT <= (1 << Y_W))) HEIGHT_must_be_1_to_2_to_the_Y_W ();
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 16384)) FIFO_DEPTH_must_be_1_to_16384 ();

@@ -89,6 +89,7 @@
 `define EVCOT_FILTER_ACTIVITY 3'd4
 `define EVCOT_FILTER_RECENT 3'd5
 `define EVCOT_FILTER_DECAY 3'd6
+`define EVCOT_FILTER_ROWCOL 3'd7
 
 // Word addresses of the registers of a filter chain.
 `define EVCOT_FREG_W 5
@@ -108,5 +109,8 @@
 `define EVCOT_FREG_DECAY_EPSILON 5'd13
 `define EVCOT_FREG_DECAY_SUPPORT 5'd14
 `define EVCOT_FREG_MASK 5'd15
+`define EVCOT_FREG_ROWCOL_TICKS 5'd16
+`define EVCOT_FREG_ROWCOL_RADIUS 5'd17
+`define EVCOT_FREG_ROWCOL_SUPPORT 5'd18
 
 `endif

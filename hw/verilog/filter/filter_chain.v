@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seven filters in series, in the order of docs/filters.md: each sees only the events that the previous ones kept.
+// The eight filters in series, in the order of docs/filters.md: each sees only the events that the previous ones kept.
 //
 // HAS says which filters are built; one that is not passes its tokens on by wire, and its bit in `enable` has no effect.
 //
-// Latency:    the sum of those of the filters that are built, enabled or not: 38 clocks from s_ to m_ for all seven.
+// Latency:    the sum of those of the filters that are built, enabled or not: 47 clocks from s_ to m_ for all eight.
 // Throughput: that of the slowest filter: 1 token per clock, with the rare stalls of stamp_walk.v and a clock for each mark.
 // Stall:      a token is held until accepted; back-pressure fills the filters one by one.
 // Reset:      disables all filters and empties all memories, pixel by pixel. Until that is done idle is low, tokens wait
@@ -13,7 +13,7 @@
 `include "evcot_defs.vh"
 
 module filter_chain #(
-    parameter HAS          = 127,  // filters to build, one bit each in the order of EVCOT_FILTER_*
+    parameter HAS          = 255,  // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter X_W          = 9,    // bits of an x address
     parameter Y_W          = 9,    // bits of a y address
     parameter TICK_W       = 20,   // bits of the tick input
@@ -53,7 +53,7 @@ module filter_chain #(
     output wire              idle  // nothing inside, no mark under way, all memories empty after reset
 );
 
-    parameter_check #(.OK(HAS >= 0 && HAS <= 127)) HAS_must_be_0_to_127 ();
+    parameter_check #(.OK(HAS >= 0 && HAS <= 255)) HAS_must_be_0_to_255 ();
     parameter_check #(.OK(X_W >= `EVCOT_X_W_MIN && X_W <= `EVCOT_X_W_MAX)) X_W_must_be_1_to_16 ();
     parameter_check #(.OK(Y_W >= `EVCOT_Y_W_MIN && Y_W <= `EVCOT_Y_W_MAX)) Y_W_must_be_1_to_16 ();
     parameter_check #(.OK(TICK_W >= `EVCOT_TICK_W_MIN && TICK_W <= `EVCOT_TICK_W_MAX)) TICK_W_must_be_1_to_32 ();
@@ -65,7 +65,7 @@ module filter_chain #(
     ) RECENT_DEPTH_must_be_1_to_256 ();
 
     localparam [31:0] FILTERS = HAS;
-    localparam [6:0]  BUILT   = FILTERS[6:0];
+    localparam [7:0]  BUILT   = FILTERS[7:0];
 
     localparam REGION     = `EVCOT_FILTER_REGION;
     localparam POLARITY   = `EVCOT_FILTER_POLARITY;
@@ -74,14 +74,16 @@ module filter_chain #(
     localparam ACTIVITY   = `EVCOT_FILTER_ACTIVITY;
     localparam RECENT     = `EVCOT_FILTER_RECENT;
     localparam DECAY      = `EVCOT_FILTER_DECAY;
+    localparam ROWCOL     = `EVCOT_FILTER_ROWCOL;
 
     // ---- registers ---------------------------------------------------------------------------------------------------
 
-    wire [6:0]         enable;
+    wire [7:0]         enable;
     wire [15:0]        region_x0, region_x1, region_y0, region_y1;
     wire               polarity;
-    wire [STAMP_W-2:0] refractory_ticks, activity_ticks, recent_ticks;
-    wire [3:0]         activity_support, recent_radius;
+    wire [STAMP_W-2:0] refractory_ticks, activity_ticks, recent_ticks, rowcol_ticks;
+    wire [3:0]         activity_support, recent_radius, rowcol_radius;
+    wire [2:0]         rowcol_support;
     wire [8:0]         recent_support;
     wire [24:0]        decay_rate;
     wire [7:0]         decay_epsilon;
@@ -113,6 +115,9 @@ module filter_chain #(
         .decay_rate      (decay_rate),
         .decay_epsilon   (decay_epsilon),
         .decay_support   (decay_support),
+        .rowcol_ticks    (rowcol_ticks),
+        .rowcol_radius   (rowcol_radius),
+        .rowcol_support  (rowcol_support),
         .mask_valid      (mask_valid),
         .mask_x          (mask_x),
         .mask_y          (mask_y),
@@ -121,12 +126,12 @@ module filter_chain #(
 
     // ---- the row: what leaves a filter enters the next ---------------------------------------------------------------
 
-    wire [6:0]          in_valid, in_ready, in_event, in_skip, in_p;
-    wire [6:0]          out_valid, out_ready, out_event, out_skip, out_p;
-    wire [7*TICK_W-1:0] in_tick, out_tick;
-    wire [7*X_W-1:0]    in_x, out_x;
-    wire [7*Y_W-1:0]    in_y, out_y;
-    wire [6:0]          filter_idle;
+    wire [7:0]          in_valid, in_ready, in_event, in_skip, in_p;
+    wire [7:0]          out_valid, out_ready, out_event, out_skip, out_p;
+    wire [8*TICK_W-1:0] in_tick, out_tick;
+    wire [8*X_W-1:0]    in_x, out_x;
+    wire [8*Y_W-1:0]    in_y, out_y;
+    wire [7:0]          filter_idle;
 
     assign {m_valid, in_valid}  = {out_valid, s_valid};
     assign {out_ready, s_ready} = {m_ready, in_ready};
@@ -140,7 +145,7 @@ module filter_chain #(
 
     genvar k;
     generate
-        for (k = 0; k < 7; k = k + 1) begin : g_wire
+        for (k = 0; k < 8; k = k + 1) begin : g_wire
             if (!BUILT[k]) begin : g_past
                 assign out_valid[k]                 = in_valid[k];
                 assign in_ready[k]                  = out_ready[k];
@@ -379,12 +384,46 @@ module filter_chain #(
                 .idle         (filter_idle[DECAY])
             );
         end
+        if (BUILT[ROWCOL]) begin : g_rowcol
+            filter_rowcol #(
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .TICK_W (TICK_W),
+                .WIDTH  (WIDTH),
+                .HEIGHT (HEIGHT),
+                .STAMP_W(STAMP_W)
+            ) u_rowcol (
+                .clk           (clk),
+                .rst           (rst),
+                .enable        (enable[ROWCOL]),
+                .rowcol_ticks  (rowcol_ticks),
+                .rowcol_radius (rowcol_radius),
+                .rowcol_support(rowcol_support),
+                .s_valid       (in_valid[ROWCOL]),
+                .s_ready       (in_ready[ROWCOL]),
+                .s_tick        (in_tick[ROWCOL*TICK_W +: TICK_W]),
+                .s_event       (in_event[ROWCOL]),
+                .s_skip        (in_skip[ROWCOL]),
+                .s_x           (in_x[ROWCOL*X_W +: X_W]),
+                .s_y           (in_y[ROWCOL*Y_W +: Y_W]),
+                .s_p           (in_p[ROWCOL]),
+                .m_valid       (out_valid[ROWCOL]),
+                .m_ready       (out_ready[ROWCOL]),
+                .m_tick        (out_tick[ROWCOL*TICK_W +: TICK_W]),
+                .m_event       (out_event[ROWCOL]),
+                .m_skip        (out_skip[ROWCOL]),
+                .m_x           (out_x[ROWCOL*X_W +: X_W]),
+                .m_y           (out_y[ROWCOL*Y_W +: Y_W]),
+                .m_p           (out_p[ROWCOL]),
+                .idle          (filter_idle[ROWCOL])
+            );
+        end
     endgenerate
 
     // What the filters that are not built would read.
     wire unused = &{1'b0, enable, region_x0, region_x1, region_y0, region_y1, polarity, refractory_ticks, activity_ticks,
                     activity_support, recent_ticks, recent_radius, recent_support, decay_rate, decay_epsilon, decay_support,
-                    mask_valid, mask_x, mask_y, mask_hot};
+                    rowcol_ticks, rowcol_radius, rowcol_support, mask_valid, mask_x, mask_y, mask_hot};
 
 endmodule
 

@@ -17,7 +17,7 @@ module filter_regs #(
     input  wire [`EVCOT_FREG_W-1:0] cfg_addr,
     input  wire [31:0]        cfg_data,
 
-    output reg  [6:0]         enable,            // bit EVCOT_FILTER_*
+    output reg  [7:0]         enable,            // bit EVCOT_FILTER_*
     output reg  [15:0]        region_x0,
     output reg  [15:0]        region_x1,
     output reg  [15:0]        region_y0,
@@ -32,6 +32,9 @@ module filter_regs #(
     output reg  [24:0]        decay_rate,
     output reg  [7:0]         decay_epsilon,
     output reg  [11:0]        decay_support,
+    output reg  [STAMP_W-2:0] rowcol_ticks,
+    output reg  [3:0]         rowcol_radius,
+    output reg  [2:0]         rowcol_support,
     output reg                mask_valid,        // mark one pixel
     output reg  [15:0]        mask_x,
     output reg  [14:0]        mask_y,
@@ -44,7 +47,7 @@ module filter_regs #(
         mask_valid <= cfg_valid && cfg_addr == `EVCOT_FREG_MASK;
         if (cfg_valid)
             case (cfg_addr)
-                `EVCOT_FREG_ENABLE:           enable                     <= cfg_data[6:0];
+                `EVCOT_FREG_ENABLE:           enable                     <= cfg_data[7:0];
                 `EVCOT_FREG_REGION_X0:        region_x0                  <= cfg_data[15:0];
                 `EVCOT_FREG_REGION_X1:        region_x1                  <= cfg_data[15:0];
                 `EVCOT_FREG_REGION_Y0:        region_y0                  <= cfg_data[15:0];
@@ -59,11 +62,14 @@ module filter_regs #(
                 `EVCOT_FREG_DECAY_RATE:       decay_rate                 <= cfg_data[24:0];
                 `EVCOT_FREG_DECAY_EPSILON:    decay_epsilon              <= cfg_data[7:0];
                 `EVCOT_FREG_DECAY_SUPPORT:    decay_support              <= cfg_data[11:0];
+                `EVCOT_FREG_ROWCOL_TICKS:     rowcol_ticks               <= cfg_data[STAMP_W-2:0];
+                `EVCOT_FREG_ROWCOL_RADIUS:    rowcol_radius              <= cfg_data[3:0];
+                `EVCOT_FREG_ROWCOL_SUPPORT:   rowcol_support             <= cfg_data[2:0];
                 `EVCOT_FREG_MASK:             {mask_hot, mask_y, mask_x} <= cfg_data;
                 default: ;
             endcase
         if (rst) begin
-            enable     <= 7'd0;
+            enable     <= 8'd0;
             decay_rate <= 25'd0;
             mask_valid <= 1'b0;
         end

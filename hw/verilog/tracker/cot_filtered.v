@@ -13,7 +13,7 @@
 
 module cot_filtered #(
     parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array, cot_chain or cot_engine
-    parameter HAS     = 127, // filters to build, one bit each in the order of EVCOT_FILTER_*
+    parameter HAS     = 255, // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH   = 346, // pixels of the sensor across
     parameter HEIGHT  = 260, // pixels of the sensor down
     parameter STAMP_W = 20,  // bits of a time stamp in a filter's memory

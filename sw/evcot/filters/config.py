@@ -28,6 +28,9 @@ FILTER_RANGES: dict[str, Range] = {
     "decay_tau_us": (0.0, 1e9, "time constant of a weight's decay; 0 is off"),
     "decay_epsilon": (0.0, 1.0, "weight up to which an event is discarded"),
     "decay_support": (1 / 256, 8.0, "sum of weights that an event needs"),
+    "rowcol_us": (0, 10**9, "oldest event of a row or column that supports an event; 0 is off"),
+    "rowcol_radius": (1, 15, "how near it must be along the row or column, pixels"),
+    "rowcol_support": (1, 6, "rows and columns whose last events an event needs"),
 }
 
 
@@ -57,6 +60,9 @@ class FilterConfig:
     decay_tau_us: float = 0.0
     decay_epsilon: float = 0.1
     decay_support: float = 1.0
+    rowcol_us: int = 0
+    rowcol_radius: int = 1
+    rowcol_support: int = 1
 
     def __post_init__(self) -> None:
         if self.region is not None:
@@ -87,6 +93,7 @@ class FilterConfig:
             Filter.ACTIVITY: self.activity_us,
             Filter.RECENT: self.recent_us,
             Filter.DECAY: self.decay_tau_us,
+            Filter.ROWCOL: self.rowcol_us,
         }
         return tuple(which for which in Filter if on[which])
 
@@ -124,6 +131,9 @@ class FilterConfig:
             decay_rate=self._decay_rate(tick_us),
             decay_epsilon=min(255, math.floor(256 * self.decay_epsilon + 0.5)),
             decay_support=max(1, math.floor(256 * self.decay_support + 0.5)),
+            rowcol_ticks=self._ticks("rowcol", tick_us),
+            rowcol_radius=self.rowcol_radius,
+            rowcol_support=self.rowcol_support,
             hot_pixels=self.hot_pixels,
         )
 

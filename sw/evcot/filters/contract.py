@@ -31,6 +31,7 @@ class Filter(IntEnum):
     ACTIVITY = 4
     RECENT = 5
     DECAY = 6
+    ROWCOL = 7
 
 
 # Shape of a filter chain: field -> (lowest, highest, meaning). The RTL checks the same ranges at elaboration.
@@ -95,6 +96,9 @@ FILTER_REGISTERS: dict[str, FilterRegister] = {
     "decay_epsilon": FilterRegister(13, 0, 255, "weight in 1/256 up to which an event is discarded"),
     "decay_support": FilterRegister(14, 1, 2048, "sum of weights in 1/256 that an event needs"),
     "mask": FilterRegister(15, 0, (1 << 32) - 1, "marks one pixel as hot, or not: see `mask_word`"),
+    "rowcol_ticks": FilterRegister(16, 0, None, "oldest event of a row or column that supports another"),
+    "rowcol_radius": FilterRegister(17, 1, 15, "how near along its row or column it must be"),
+    "rowcol_support": FilterRegister(18, 1, 6, "rows and columns whose last events an event needs"),
 }
 
 

@@ -35,6 +35,9 @@ class FilterRegisters:
     decay_rate: int = 1
     decay_epsilon: int = 0
     decay_support: int = 1
+    rowcol_ticks: int = 0
+    rowcol_radius: int = 1
+    rowcol_support: int = 1
     hot_pixels: tuple[tuple[int, int], ...] = ()
 
     def enables(self, which: Filter) -> bool:

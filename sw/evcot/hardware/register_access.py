@@ -216,6 +216,9 @@ class _Filters(Group):
     decay_epsilon = BankRegister("filter", "decay_epsilon")
     decay_support = BankRegister("filter", "decay_support")
     mask = BankRegister("filter", "mask")
+    rowcol_ticks = BankRegister("filter", "rowcol_ticks")
+    rowcol_radius = BankRegister("filter", "rowcol_radius")
+    rowcol_support = BankRegister("filter", "rowcol_support")
 
     def commit(self) -> None:
         """Make all values written take effect, at one point between two events."""

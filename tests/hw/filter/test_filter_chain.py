@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""filter_chain.v: seven filters in a row decide what the software's chain decides, whichever are enabled or built."""
+"""filter_chain.v: eight filters in a row decide what the software's chain decides, whichever are enabled or built."""
 
 from __future__ import annotations
 
@@ -63,6 +63,9 @@ def random_registers(rng: np.random.Generator, enable: int) -> FilterRegisters:
         decay_rate=int(2 ** rng.uniform(16, 22)),
         decay_epsilon=int(rng.integers(0, 40)),
         decay_support=int(rng.integers(1, 300)),
+        rowcol_ticks=int(2 ** rng.uniform(4, 8.9)),
+        rowcol_radius=int(rng.integers(1, 12)),
+        rowcol_support=int(rng.integers(1, 4)),
         hot_pixels=tuple(zip(rng.integers(0, 29, 40).tolist(), rng.integers(0, 22, 40).tolist(), strict=True)),
     )
 
@@ -110,13 +113,17 @@ def test_all_filters_together_are_exact(device: FilterDevice) -> None:
         rng = np.random.default_rng([72, run])
         device.stalls = Stalls.random(rng) if run % 3 == 1 else Stalls()
         lenient = replace(
-            random_registers(rng, ALL), activity_support=1, recent_support=1, decay_support=int(rng.integers(1, 60))
+            random_registers(rng, ALL),
+            activity_support=1,
+            recent_support=1,
+            decay_support=int(rng.integers(1, 60)),
+            rowcol_support=1,
         )
         kept.append(agrees(device, lenient, rng, 40_000))
     assert np.median(kept) > 0.05
 
 
-@pytest.mark.parametrize("has", [0b1010101, 0b0101010, 0b0100100])
+@pytest.mark.parametrize("has", [0b01010101, 0b10101010, 0b10100100])
 def test_filters_that_are_not_built_hand_everything_on(has: int) -> None:
     print("seed 73")
     rng = np.random.default_rng([73, has])
@@ -131,7 +138,7 @@ def test_filters_that_are_not_built_hand_everything_on(has: int) -> None:
     assert kept > 0.01
 
 
-@pytest.mark.parametrize("has", [ALL, 0b1010101, 0b0101010, 0b0100100])
+@pytest.mark.parametrize("has", [ALL, 0b01010101, 0b10101010, 0b10100100])
 def test_a_token_every_clock_after_the_latencies_of_all_that_are_built(has: int) -> None:
     device = chain(has)
     write(device, FilterRegisters(enable=ALL))
@@ -175,7 +182,7 @@ def test_registers_written_between_runs_count_from_then_on(device: FilterDevice)
 def test_reset_disables_all_filters_and_empties_their_memories(device: FilterDevice) -> None:
     print("seed 75")
     rng = np.random.default_rng(75)
-    registers = replace(random_registers(rng, ALL), recent_support=1, decay_support=1)
+    registers = replace(random_registers(rng, ALL), recent_support=1, decay_support=1, rowcol_support=1)
     agrees(device, registers, rng, 2000)
     device.reset()
     assert device.settled_after >= 29 * 22  # the longest walks: a pixel a clock
