@@ -67,6 +67,8 @@
 #define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
 #define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain, 2 engine */
+#define EVCOT_BUILD_CELL_PX_SHIFT 24u
+#define EVCOT_BUILD_CELL_PX_MASK 0x07000000u /* ro: side of a cell of the filters' memory in pixels; 0: a time stamp per pixel and filter */
 
 /* size of the sensor */
 #define EVCOT_SENSOR 0x018u
@@ -263,6 +265,7 @@
 #define EVCOT_FILTER_ROWCOL_TICKS 0x0240u /* oldest event of a row or column that supports another */
 #define EVCOT_FILTER_ROWCOL_RADIUS 0x0244u /* how near along its row or column it must be */
 #define EVCOT_FILTER_ROWCOL_SUPPORT 0x0248u /* rows and columns whose last events an event needs */
+#define EVCOT_FILTER_STAMP_SHIFT 0x024Cu /* log2 of the ticks in a unit of the time stamps of cells */
 #define EVCOT_FILTER_COMMIT 0x027Cu
 
 /* Sources. */

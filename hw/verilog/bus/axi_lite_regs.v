@@ -36,6 +36,7 @@ module axi_lite_regs #(
     parameter HEIGHT       = 260,  // pixels of the sensor down
     parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
     parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter CELL_PX      = 0,    // side of a cell of the filters' memory in pixels
     parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
     parameter SLOT_W       = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
@@ -433,7 +434,7 @@ module axi_lite_regs #(
     // A parameter that is given from outside has 32 bits.
     localparam [31:0] HAS_32 = HAS, SOURCES_32 = SOURCES, TRACKER_32 = TRACKER, FRAC_32 = FRAC, RADIX_W_32 = RADIX_W;
     localparam [31:0] X_W_32 = X_W, Y_W_32 = Y_W, NEV_W_32 = NEV_W, TICK_W_32 = TICK_W, TC_W_32 = TC_W, SUP_W_32 = SUP_W;
-    localparam [31:0] ID_W_32 = ID_W, SEQ_W_32 = SEQ_W, TIME_W_32 = TIME_W, STAMP_W_32 = STAMP_W;
+    localparam [31:0] ID_W_32 = ID_W, SEQ_W_32 = SEQ_W, TIME_W_32 = TIME_W, STAMP_W_32 = STAMP_W, CELL_PX_32 = CELL_PX;
 
     axi_lite_words #(
         .X_W    (X_W),
@@ -470,6 +471,7 @@ module axi_lite_regs #(
         .build_filters       (HAS_32[7:0]),
         .build_sources       (SOURCES_32[5:0]),
         .build_tracker       (TRACKER_32[1:0]),
+        .build_cell_px       (CELL_PX_32[2:0]),
         .sensor_last_x       (LAST_X[15:0]),
         .sensor_last_y       (LAST_Y[15:0]),
         .memory_stamp_w      (STAMP_W_32[5:0]),

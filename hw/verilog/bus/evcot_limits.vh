@@ -84,6 +84,7 @@ function filter_has(input [`EVCOT_FREG_W-1:0] word);
         `EVCOT_FREG_ROWCOL_TICKS,
         `EVCOT_FREG_ROWCOL_RADIUS,
         `EVCOT_FREG_ROWCOL_SUPPORT,
+        `EVCOT_FREG_STAMP_SHIFT,
         `EVCOT_BANK_COMMIT: filter_has = 1'b1;
         default: filter_has = 1'b0;
     endcase
@@ -124,6 +125,7 @@ function [31:0] filter_high(input [`EVCOT_FREG_W-1:0] word);
         `EVCOT_FREG_ROWCOL_TICKS: filter_high = 32'hffffffff >> (33 - STAMP_W);
         `EVCOT_FREG_ROWCOL_RADIUS: filter_high = 32'd15;
         `EVCOT_FREG_ROWCOL_SUPPORT: filter_high = 32'd6;
+        `EVCOT_FREG_STAMP_SHIFT: filter_high = 32'd15;
         default: filter_high = 32'hffffffff;
     endcase
 endfunction

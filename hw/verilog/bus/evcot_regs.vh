@@ -13,7 +13,7 @@
 `define EVCOT_BANK_FILTER 14'h200
 `define EVCOT_BANK_SLOT 14'h2000
 `define EVCOT_BANK_COMMIT 5'd31
-`define EVCOT_BANK_LAST 5'd18
+`define EVCOT_BANK_LAST 5'd19
 
 // Bit numbers of the sources.
 `define EVCOT_SOURCE_EVENTS 0

@@ -30,6 +30,7 @@ module evcot_top #(
     parameter HEIGHT       = 260,  // pixels of the sensor down
     parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
     parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter CELL_PX      = 0,    // side of a cell of the filters' memory in pixels: 1, 2 or 4; 0: a time stamp per pixel
     parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
     parameter RECORD_DEPTH = 16,   // records that may wait for m_axis_records
     parameter DATA_W       = 64,   // bits of a beat of m_axis_records: 32, 64, 128 or 256
@@ -163,6 +164,7 @@ module evcot_top #(
         .HEIGHT      (HEIGHT),
         .STAMP_W     (STAMP_W),
         .RECENT_DEPTH(RECENT_DEPTH),
+        .CELL_PX     (CELL_PX),
         .FIFO_DEPTH  (FIFO_DEPTH)
     ) u_regs (
         .clk             (clk),
@@ -366,6 +368,7 @@ module evcot_top #(
         .HEIGHT      (HEIGHT),
         .STAMP_W     (STAMP_W),
         .RECENT_DEPTH(RECENT_DEPTH),
+        .CELL_PX     (CELL_PX),
         .N           (N),
         .X_W         (X_W),
         .Y_W         (Y_W),

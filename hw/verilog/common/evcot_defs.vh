@@ -39,6 +39,8 @@
 `define EVCOT_STAMP_W_MAX 32 // bits of a time stamp in a filter's memory
 `define EVCOT_RECENT_DEPTH_MIN 1
 `define EVCOT_RECENT_DEPTH_MAX 256 // events in the FIFO of recent events
+`define EVCOT_CELL_PX_MIN 0
+`define EVCOT_CELL_PX_MAX 4 // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter
 
 // States of the tracker FSM.
 `define EVCOT_ST_W 3
@@ -112,5 +114,6 @@
 `define EVCOT_FREG_ROWCOL_TICKS 5'd16
 `define EVCOT_FREG_ROWCOL_RADIUS 5'd17
 `define EVCOT_FREG_ROWCOL_SUPPORT 5'd18
+`define EVCOT_FREG_STAMP_SHIFT 5'd19
 
 `endif

@@ -3,7 +3,8 @@
 //
 // HAS says which filters are built; one that is not passes its tokens on by wire, and its bit in `enable` has no effect.
 //
-// Latency:    the sum of those of the filters that are built, enabled or not: 47 clocks from s_ to m_ for all eight.
+// Latency:    the sum of those of the filters that are built, enabled or not: 48 clocks from s_ to m_ for all eight. With CELL_PX
+//             > 0, filter_cells is in the place of refractory and activity, and decay takes as long as its header says.
 // Throughput: that of the slowest filter: 1 token per clock, with the rare stalls of stamp_walk.v and a clock for each mark.
 // Stall:      a token is held until accepted; back-pressure fills the filters one by one.
 // Reset:      disables all filters and empties all memories, pixel by pixel. Until that is done idle is low, tokens wait
@@ -20,7 +21,8 @@ module filter_chain #(
     parameter WIDTH        = 346,  // pixels of the sensor across
     parameter HEIGHT       = 260,  // pixels of the sensor down
     parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
-    parameter RECENT_DEPTH = 32    // events in the FIFO of recent events
+    parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter CELL_PX      = 0     // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -64,6 +66,10 @@ module filter_chain #(
         .OK(RECENT_DEPTH >= `EVCOT_RECENT_DEPTH_MIN && RECENT_DEPTH <= `EVCOT_RECENT_DEPTH_MAX)
     ) RECENT_DEPTH_must_be_1_to_256 ();
 
+    parameter_check #(
+        .OK(CELL_PX == `EVCOT_CELL_PX_MIN || CELL_PX == 1 || CELL_PX == 2 || CELL_PX == `EVCOT_CELL_PX_MAX)
+    ) CELL_PX_must_be_0_to_4_and_not_3 ();
+
     localparam [31:0] FILTERS = HAS;
     localparam [7:0]  BUILT   = FILTERS[7:0];
 
@@ -76,6 +82,9 @@ module filter_chain #(
     localparam DECAY      = `EVCOT_FILTER_DECAY;
     localparam ROWCOL     = `EVCOT_FILTER_ROWCOL;
 
+    // With cells the filters refractory and activity are one, in the place of refractory (or of activity, if that is built alone).
+    localparam JOINED = CELL_PX != 0 && BUILT[REFRACTORY];
+
     // ---- registers ---------------------------------------------------------------------------------------------------
 
     wire [7:0]         enable;
@@ -84,6 +93,7 @@ module filter_chain #(
     wire [STAMP_W-2:0] refractory_ticks, activity_ticks, recent_ticks, rowcol_ticks;
     wire [3:0]         activity_support, recent_radius, rowcol_radius;
     wire [2:0]         rowcol_support;
+    wire [3:0]         stamp_shift;
     wire [8:0]         recent_support;
     wire [24:0]        decay_rate;
     wire [7:0]         decay_epsilon;
@@ -118,6 +128,7 @@ module filter_chain #(
         .rowcol_ticks    (rowcol_ticks),
         .rowcol_radius   (rowcol_radius),
         .rowcol_support  (rowcol_support),
+        .stamp_shift     (stamp_shift),
         .mask_valid      (mask_valid),
         .mask_x          (mask_x),
         .mask_y          (mask_y),
@@ -146,7 +157,7 @@ module filter_chain #(
     genvar k;
     generate
         for (k = 0; k < 8; k = k + 1) begin : g_wire
-            if (!BUILT[k]) begin : g_past
+            if (!BUILT[k] || (k == ACTIVITY && JOINED)) begin : g_past
                 assign out_valid[k]                 = in_valid[k];
                 assign in_ready[k]                  = out_ready[k];
                 assign out_tick[k*TICK_W +: TICK_W] = in_tick[k*TICK_W +: TICK_W];
@@ -253,7 +264,7 @@ module filter_chain #(
                 .idle      (filter_idle[MASK])
             );
         end
-        if (BUILT[REFRACTORY]) begin : g_refractory
+        if (BUILT[REFRACTORY] && CELL_PX == 0) begin : g_refractory
             filter_refractory #(
                 .X_W    (X_W),
                 .Y_W    (Y_W),
@@ -285,7 +296,46 @@ module filter_chain #(
                 .idle            (filter_idle[REFRACTORY])
             );
         end
-        if (BUILT[ACTIVITY]) begin : g_activity
+        if (CELL_PX != 0 && (BUILT[REFRACTORY] || BUILT[ACTIVITY])) begin : g_cells
+            localparam AT = JOINED ? REFRACTORY : ACTIVITY;
+
+            filter_cells #(
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .TICK_W (TICK_W),
+                .WIDTH  (WIDTH),
+                .HEIGHT (HEIGHT),
+                .STAMP_W(STAMP_W),
+                .CELL_PX(CELL_PX)
+            ) u_cells (
+                .clk              (clk),
+                .rst              (rst),
+                .enable_refractory(enable[REFRACTORY] && BUILT[REFRACTORY]),
+                .enable_activity  (enable[ACTIVITY] && BUILT[ACTIVITY]),
+                .refractory_ticks (refractory_ticks),
+                .activity_ticks   (activity_ticks),
+                .activity_support (activity_support),
+                .stamp_shift      (stamp_shift),
+                .s_valid          (in_valid[AT]),
+                .s_ready          (in_ready[AT]),
+                .s_tick           (in_tick[AT*TICK_W +: TICK_W]),
+                .s_event          (in_event[AT]),
+                .s_skip           (in_skip[AT]),
+                .s_x              (in_x[AT*X_W +: X_W]),
+                .s_y              (in_y[AT*Y_W +: Y_W]),
+                .s_p              (in_p[AT]),
+                .m_valid          (out_valid[AT]),
+                .m_ready          (out_ready[AT]),
+                .m_tick           (out_tick[AT*TICK_W +: TICK_W]),
+                .m_event          (out_event[AT]),
+                .m_skip           (out_skip[AT]),
+                .m_x              (out_x[AT*X_W +: X_W]),
+                .m_y              (out_y[AT*Y_W +: Y_W]),
+                .m_p              (out_p[AT]),
+                .idle             (filter_idle[AT])
+            );
+        end
+        if (BUILT[ACTIVITY] && CELL_PX == 0) begin : g_activity
             filter_activity #(
                 .X_W    (X_W),
                 .Y_W    (Y_W),
@@ -353,11 +403,12 @@ module filter_chain #(
         end
         if (BUILT[DECAY]) begin : g_decay
             filter_decay #(
-                .X_W   (X_W),
-                .Y_W   (Y_W),
-                .TICK_W(TICK_W),
-                .WIDTH (WIDTH),
-                .HEIGHT(HEIGHT)
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .TICK_W (TICK_W),
+                .WIDTH  (WIDTH),
+                .HEIGHT (HEIGHT),
+                .CELL_PX(CELL_PX)
             ) u_decay (
                 .clk          (clk),
                 .rst          (rst),
@@ -423,7 +474,7 @@ module filter_chain #(
     // What the filters that are not built would read.
     wire unused = &{1'b0, enable, region_x0, region_x1, region_y0, region_y1, polarity, refractory_ticks, activity_ticks,
                     activity_support, recent_ticks, recent_radius, recent_support, decay_rate, decay_epsilon, decay_support,
-                    rowcol_ticks, rowcol_radius, rowcol_support, mask_valid, mask_x, mask_y, mask_hot};
+                    rowcol_ticks, rowcol_radius, rowcol_support, stamp_shift, mask_valid, mask_x, mask_y, mask_hot};
 
 endmodule
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The software-written registers of a filter chain: one write port, every value on an output.
 //
-// Writes take effect on the next clock. Reset disables all filters, stops the clock of filter_decay, which runs whether it is
-// enabled or not, and leaves the other registers as they are. Addresses and meanings: evcot_defs.vh, docs/filters.md. Values are stored unchecked: the host must check legal ranges. Bits of
-// cfg_data above a register's width are ignored. Register `mask` is not a value but a command: it is output for one clock.
+// Writes take effect on the next clock. Reset disables all filters, stops the clock of filter_decay, gives that of filter_cells
+// units of a tick, as both run whether enabled or not, and leaves the other registers as they are. Addresses and meanings:
+// evcot_defs.vh, docs/filters.md. Values are stored unchecked: the host must check legal ranges. Bits of cfg_data above a
+// register's width are ignored. Register `mask` is not a value but a command: it is output for one clock.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -35,6 +36,7 @@ module filter_regs #(
     output reg  [STAMP_W-2:0] rowcol_ticks,
     output reg  [3:0]         rowcol_radius,
     output reg  [2:0]         rowcol_support,
+    output reg  [3:0]         stamp_shift,
     output reg                mask_valid,        // mark one pixel
     output reg  [15:0]        mask_x,
     output reg  [14:0]        mask_y,
@@ -65,13 +67,15 @@ module filter_regs #(
                 `EVCOT_FREG_ROWCOL_TICKS:     rowcol_ticks               <= cfg_data[STAMP_W-2:0];
                 `EVCOT_FREG_ROWCOL_RADIUS:    rowcol_radius              <= cfg_data[3:0];
                 `EVCOT_FREG_ROWCOL_SUPPORT:   rowcol_support             <= cfg_data[2:0];
+                `EVCOT_FREG_STAMP_SHIFT:      stamp_shift                <= cfg_data[3:0];
                 `EVCOT_FREG_MASK:             {mask_hot, mask_y, mask_x} <= cfg_data;
                 default: ;
             endcase
         if (rst) begin
-            enable     <= 8'd0;
-            decay_rate <= 25'd0;
-            mask_valid <= 1'b0;
+            enable      <= 8'd0;
+            decay_rate  <= 25'd0;
+            stamp_shift <= 4'd0;
+            mask_valid  <= 1'b0;
         end
     end
 

@@ -4,10 +4,10 @@
 //
 // Two stamp_line.v hold the last event of each column and of each row; stamp_walk.v explains why stamps of STAMP_W bits are exact.
 //
-// Latency:    9 clocks from s_ to m_: time and place, slot, addresses, RAM, its output, correction, ages, comparison, decision.
+// Latency:    10 clocks from s_ to m_: time and place, slot, addresses, RAM, its output, correction in two, ages, comparison, decision.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
 // Stall:      while the output is full, the pipeline stalls.
-// Reset:      becomes empty and clears the memory: ceil(max(WIDTH, HEIGHT)/4) + 7 clocks with idle and s_ready low.
+// Reset:      becomes empty and clears the memory: ceil(max(WIDTH, HEIGHT)/4) + 8 clocks with idle and s_ready low.
 // RAM:        4 * ceil(max(WIDTH, HEIGHT)/4) * (2 * STAMP_W + X_W + Y_W) bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
@@ -75,12 +75,12 @@ module filter_rowcol #(
 
     // ---- time and place ----------------------------------------------------------------------------------------------
 
-    wire [5:0]           access, visits;
-    wire [6*ROW_W-1:0]   column_row, line_row;
-    wire [6*STAMP_W-1:0] now;
-    wire [6*DATA_W-1:0]  data;
-    wire [6*X_W-1:0]     places_x;
-    wire [6*Y_W-1:0]     places_y;
+    wire [6:0]           access, visits;
+    wire [7*ROW_W-1:0]   column_row, line_row;
+    wire [7*STAMP_W-1:0] now;
+    wire [7*DATA_W-1:0]  data;
+    wire [7*X_W-1:0]     places_x;
+    wire [7*Y_W-1:0]     places_y;
     wire                 slots_valid, clearing, slots_idle;
 
     wire [31:0] x         = {{(32 - X_W) {1'b0}}, s_x};
@@ -119,7 +119,7 @@ module filter_rowcol #(
 
     genvar s;
     generate
-        for (s = 0; s < 6; s = s + 1) begin : g_stage
+        for (s = 0; s < 7; s = s + 1) begin : g_stage
             assign places_x[s*X_W +: X_W]     = data[s*DATA_W + 1 + Y_W +: X_W];
             assign places_y[s*Y_W +: Y_W]     = data[s*DATA_W + 1 +: Y_W];
             assign line_row[s*ROW_W +: ROW_W] = visits[s] ? column_row[s*ROW_W +: ROW_W] : data[s*DATA_W + TOKEN_W +: ROW_W];
@@ -200,7 +200,7 @@ module filter_rowcol #(
         reg signed [DX_W-1:0] dx;
         if (space) begin
             compared_valid <= slots_valid;
-            compared       <= data[5*DATA_W +: TOKEN_W];
+            compared       <= data[6*DATA_W +: TOKEN_W];
             for (k = 0; k < 4; k = k + 1) begin
                 dy = {{(DY_W - Y_W) {column_apart[k*(Y_W+1) + Y_W]}}, column_apart[k*(Y_W+1) +: Y_W]};
                 dx = {{(DX_W - X_W) {row_apart[k*(X_W+1) + X_W]}}, row_apart[k*(X_W+1) +: X_W]};

@@ -4,7 +4,7 @@
 //
 // Slots and stages are those of stamp_slots.v; outputs belong to the slot in `age`. All events that reach the memory are stored.
 //
-// Latency:    5 clocks from stage 0 to the outputs, in stage 5.
+// Latency:    6 clocks from stage 0 to the outputs, in stage 6.
 // Throughput: 1 slot per clock.
 // Stall:      while advance is low everything is held.
 // Reset:      none of its own: see stamp_slots.v.
@@ -25,12 +25,12 @@ module stamp_line #(
     input  wire                     advance,
 
     // by stage: see stamp_slots.v
-    input  wire [5:0]               access,
-    input  wire [5:0]               visits,
-    input  wire [6*ROW_W-1:0]       row,
-    input  wire [6*STAMP_W-1:0]     now,
-    input  wire [6*PLACE_W-1:0]     place,
-    input  wire [6*OTHER_W-1:0]     other,
+    input  wire [6:0]               access,
+    input  wire [6:0]               visits,
+    input  wire [7*ROW_W-1:0]       row,
+    input  wire [7*STAMP_W-1:0]     now,
+    input  wire [7*PLACE_W-1:0]     place,
+    input  wire [7*OTHER_W-1:0]     other,
     input  wire                     clearing,
 
     // by bank
@@ -46,20 +46,21 @@ module stamp_line #(
     localparam [PLACE_W:0]   ONE  = 1;
     localparam [STAMP_W-1:0] KEEP = {{(STAMP_W - SEGMENT_W - 1) {1'b1}}, {(SEGMENT_W + 1) {1'b0}}};
 
-    // ---- which of the four slots ahead is at a column that the slot in `ask` reads -----------------------------------
+    // ---- which of the five slots ahead is at a column that the slot in `ask` reads -----------------------------------
 
     wire [PLACE_W+2:0] asked = {3'd0, place[PLACE_W-1:0]};  // room for the row of a narrow sensor
-    reg  [3:0]         meeting;                             // with the slots in `read`, `found`, `held`, `then`
-    reg  [3:0]         meets_read;
-    reg  [2:0]         meets_found;
-    reg  [1:0]         meets_held;
+    reg  [4:0]         meeting;                             // with the slots in `read`, `found`, `held`, `taken`, `then`
+    reg  [4:0]         meets_read;
+    reg  [3:0]         meets_found;
+    reg  [2:0]         meets_held;
+    reg  [1:0]         meets_taken;
     reg                meets_then;
 
     always @* begin : meet
         integer s;
         reg [PLACE_W:0] difference;
         reg [PLACE_W-1:0] ahead;
-        for (s = 1; s < 5; s = s + 1) begin
+        for (s = 1; s < 6; s = s + 1) begin
             ahead      = place[s*PLACE_W +: PLACE_W];
             difference = {1'b0, ahead} - {1'b0, place[PLACE_W-1:0]};
             meeting[s-1] = access[s] && (visits[0] ? row[s*ROW_W +: ROW_W] == row[ROW_W-1:0]
@@ -70,22 +71,23 @@ module stamp_line #(
     always @(posedge clk)
         if (advance) begin
             meets_read  <= meeting;
-            meets_found <= meets_read[2:0];
-            meets_held  <= meets_found[1:0];
-            meets_then  <= meets_held[0];
+            meets_found <= meets_read[3:0];
+            meets_held  <= meets_found[2:0];
+            meets_taken <= meets_held[1:0];
+            meets_then  <= meets_taken[0];
         end
 
     // ---- banks -------------------------------------------------------------------------------------------------------
 
-    wire [PLACE_W-1:0] then_place = place[4*PLACE_W +: PLACE_W];
-    wire [OTHER_W-1:0] then_other = other[4*OTHER_W +: OTHER_W];
-    wire [STAMP_W-1:0] then_now   = now[4*STAMP_W +: STAMP_W];
+    wire [PLACE_W-1:0] then_place = place[5*PLACE_W +: PLACE_W];
+    wire [OTHER_W-1:0] then_other = other[5*OTHER_W +: OTHER_W];
+    wire [STAMP_W-1:0] then_now   = now[5*STAMP_W +: STAMP_W];
     wire [31:0]        then_at    = {{(32 - PLACE_W) {1'b0}}, then_place};
     wire               then_left  = then_at != 32'd0;        // a column beside it is on the sensor
     wire               then_right = then_at + 32'd1 < END;
 
-    wire [STAMP_W-1:0] stamp      = visits[5] ? now[5*STAMP_W +: STAMP_W] - KEEP : now[5*STAMP_W +: STAMP_W];
-    wire [WORD_W-1:0]  write_word = {other[5*OTHER_W +: OTHER_W], stamp};
+    wire [STAMP_W-1:0] stamp      = visits[6] ? now[6*STAMP_W +: STAMP_W] - KEEP : now[6*STAMP_W +: STAMP_W];
+    wire [WORD_W-1:0]  write_word = {other[6*OTHER_W +: OTHER_W], stamp};
     reg  [WORD_W-1:0]  last_word, second_word;
 
     always @(posedge clk)
@@ -106,8 +108,8 @@ module stamp_line #(
             wire [ROW_W-1:0] aside = right ? {{(ROW_W - 1) {1'b0}}, 1'b1} : {ROW_W{left}};
 
             reg  [ROW_W-1:0]   read_row;
-            wire [WORD_W-1:0]  was, held;
-            wire               unused  = &{1'b0, held};
+            wire [WORD_W-1:0]  was, taken;
+            wire               unused  = &{1'b0, taken};
             wire               too_old = &age[b*STAMP_W + SEGMENT_W + 1 +: STAMP_W - SEGMENT_W - 1];
 
             stamp_bank #(
@@ -118,13 +120,13 @@ module stamp_line #(
                 .clk        (clk),
                 .advance    (advance),
                 .read_row   (read_row),
-                .writes     (visits[5] ? too_old || clearing : access[5] && own[b]),
-                .write_row  (row[5*ROW_W +: ROW_W]),
+                .writes     (visits[6] ? too_old || clearing : access[6] && own[b]),
+                .write_row  (row[6*ROW_W +: ROW_W]),
                 .write_word (write_word),
                 .last_word  (last_word),
                 .second_word(second_word),
-                .meets      ({meets_read[3], meets_found[2], meets_held[1], meets_then}),
-                .held       (held),
+                .meets      ({meets_read[4], meets_found[3], meets_held[2], meets_taken[1], meets_then}),
+                .taken      (taken),
                 .was        (was)
             );
 
@@ -141,7 +143,7 @@ module stamp_line #(
         end
     endgenerate
 
-    wire unused = &{1'b0, asked, access[0], visits[4:1], row, now, other, meets_found, meets_read};
+    wire unused = &{1'b0, asked, access[0], visits[5:1], row, now, other, meets_found, meets_read};
 
 endmodule
 

@@ -65,6 +65,7 @@ class _Build(Group):
     filters = Bits("build", "filters")
     sources = Bits("build", "sources")
     tracker = Bits("build", "tracker")
+    cell_px = Bits("build", "cell_px")
 
 
 class _Sensor(Group):
@@ -219,6 +220,7 @@ class _Filters(Group):
     rowcol_ticks = BankRegister("filter", "rowcol_ticks")
     rowcol_radius = BankRegister("filter", "rowcol_radius")
     rowcol_support = BankRegister("filter", "rowcol_support")
+    stamp_shift = BankRegister("filter", "stamp_shift")
 
     def commit(self) -> None:
         """Make all values written take effect, at one point between two events."""

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// hw/verilog/stream/block_memory.v in block RAMs of an ECP5, 1,024 words of 18 bits each, or 2,048 of 9, read through their output
+// registers.
+//
+// As Yosys instantiates them but for the register. Below 65 words, above 1,024 of more than 9 bits and above 2,048 it is the plain
+// description.
+`default_nettype none
+
+module block_memory #(
+    parameter W      = 8,
+    parameter DEPTH  = 256,
+    parameter ADDR_W = (DEPTH > 1) ? $clog2(DEPTH) : 1
+) (
+    input  wire              clk,
+
+    input  wire              write,
+    input  wire [ADDR_W-1:0] write_address,
+    input  wire [W-1:0]      write_data,
+
+    input  wire              read_enable,
+    input  wire [ADDR_W-1:0] read_address,
+    input  wire              out_enable,
+    output wire [W-1:0]      read_data
+);
+
+    localparam RAMS = (W + 17) / 18;
+
+    genvar i;
+    generate
+        if (DEPTH > 64 && DEPTH <= 1024) begin : g_cells
+            wire [9:0]         to   = {{(10 - ADDR_W) {1'b0}}, write_address};
+            wire [9:0]         from = {{(10 - ADDR_W) {1'b0}}, read_address};
+            wire [18*RAMS-1:0] in   = {{(18 * RAMS - W) {1'b0}}, write_data};
+            wire [18*RAMS-1:0] out;
+            assign read_data = out[W-1:0];
+
+            for (i = 0; i < RAMS; i = i + 1) begin : g_ram
+                wire [17:0] d = in[18*i+:18];
+                wire [17:0] q;
+                assign out[18*i+:18] = q;
+
+                DP16KD #(
+                    .DATA_WIDTH_A(18),
+                    .DATA_WIDTH_B(18),
+                    .REGMODE_A   ("NOREG"),
+                    .REGMODE_B   ("OUTREG"),
+                    .RESETMODE   ("ASYNC"),
+                    .ASYNC_RESET_RELEASE("ASYNC"),
+                    .CSDECODE_A  ("0b000"),
+                    .CSDECODE_B  ("0b000"),
+                    .WRITEMODE_A ("READBEFOREWRITE"),
+                    .WRITEMODE_B ("READBEFOREWRITE"),
+                    .CLKAMUX     ("CLKA"),
+                    .CLKBMUX     ("CLKB"),
+                    .GSR         ("AUTO")
+                ) u_ram (
+                    .CLKA(clk), .CEA(1'b1), .WEA(write), .OCEA(1'b1), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0),
+                    .CSA2(1'b0), .ADA0(1'b1), .ADA1(1'b1), .ADA2(1'b0), .ADA3(1'b0), .ADA4(to[0]), .ADA5(to[1]),
+                    .ADA6(to[2]), .ADA7(to[3]), .ADA8(to[4]), .ADA9(to[5]), .ADA10(to[6]), .ADA11(to[7]),
+                    .ADA12(to[8]), .ADA13(to[9]), .DIA0(d[0]), .DIA1(d[1]), .DIA2(d[2]), .DIA3(d[3]), .DIA4(d[4]),
+                    .DIA5(d[5]), .DIA6(d[6]), .DIA7(d[7]), .DIA8(d[8]), .DIA9(d[9]), .DIA10(d[10]), .DIA11(d[11]),
+                    .DIA12(d[12]), .DIA13(d[13]), .DIA14(d[14]), .DIA15(d[15]), .DIA16(d[16]), .DIA17(d[17]),
+                    .CLKB(clk), .CEB(read_enable), .WEB(1'b0), .OCEB(out_enable), .RSTB(1'b0), .CSB0(1'b0),
+                    .CSB1(1'b0), .CSB2(1'b0), .ADB0(1'b0), .ADB1(1'b0), .ADB2(1'b0), .ADB3(1'b0), .ADB4(from[0]),
+                    .ADB5(from[1]), .ADB6(from[2]), .ADB7(from[3]), .ADB8(from[4]), .ADB9(from[5]), .ADB10(from[6]),
+                    .ADB11(from[7]), .ADB12(from[8]), .ADB13(from[9]), .DIB0(1'b0), .DIB1(1'b0), .DIB2(1'b0),
+                    .DIB3(1'b0), .DIB4(1'b0), .DIB5(1'b0), .DIB6(1'b0), .DIB7(1'b0), .DIB8(1'b0), .DIB9(1'b0),
+                    .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0), .DIB16(1'b0),
+                    .DIB17(1'b0), .DOB0(q[0]), .DOB1(q[1]), .DOB2(q[2]), .DOB3(q[3]), .DOB4(q[4]), .DOB5(q[5]),
+                    .DOB6(q[6]), .DOB7(q[7]), .DOB8(q[8]), .DOB9(q[9]), .DOB10(q[10]), .DOB11(q[11]), .DOB12(q[12]),
+                    .DOB13(q[13]), .DOB14(q[14]), .DOB15(q[15]), .DOB16(q[16]), .DOB17(q[17])
+                );
+            end
+        end else if (W <= 9 && DEPTH > 1024 && DEPTH <= 2048) begin : g_narrow
+            wire [10:0] to   = write_address;
+            wire [10:0] from = read_address;
+            wire [8:0]  d    = write_data;
+            wire [8:0]  q;
+            assign read_data = q[W-1:0];
+
+            DP16KD #(
+                .DATA_WIDTH_A(9),
+                .DATA_WIDTH_B(9),
+                .REGMODE_A   ("NOREG"),
+                .REGMODE_B   ("OUTREG"),
+                .RESETMODE   ("ASYNC"),
+                .ASYNC_RESET_RELEASE("ASYNC"),
+                .CSDECODE_A  ("0b000"),
+                .CSDECODE_B  ("0b000"),
+                .WRITEMODE_A ("READBEFOREWRITE"),
+                .WRITEMODE_B ("READBEFOREWRITE"),
+                .CLKAMUX     ("CLKA"),
+                .CLKBMUX     ("CLKB"),
+                .GSR         ("AUTO")
+            ) u_narrow (
+                .CLKA(clk), .CEA(1'b1), .WEA(write), .OCEA(1'b1), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0), .CSA2(1'b0),
+                .ADA0(1'b0), .ADA1(1'b0), .ADA2(1'b0), .ADA3(to[0]), .ADA4(to[1]), .ADA5(to[2]), .ADA6(to[3]),
+                .ADA7(to[4]), .ADA8(to[5]), .ADA9(to[6]), .ADA10(to[7]), .ADA11(to[8]), .ADA12(to[9]), .ADA13(to[10]),
+                .DIA0(d[0]), .DIA1(d[1]), .DIA2(d[2]), .DIA3(d[3]), .DIA4(d[4]), .DIA5(d[5]), .DIA6(d[6]), .DIA7(d[7]),
+                .DIA8(d[8]), .DIA9(1'b0), .DIA10(1'b0), .DIA11(1'b0), .DIA12(1'b0), .DIA13(1'b0), .DIA14(1'b0),
+                .DIA15(1'b0), .DIA16(1'b0), .DIA17(1'b0), .CLKB(clk), .CEB(read_enable), .WEB(1'b0), .OCEB(out_enable),
+                .RSTB(1'b0), .CSB0(1'b0), .CSB1(1'b0), .CSB2(1'b0), .ADB0(1'b0), .ADB1(1'b0), .ADB2(1'b0),
+                .ADB3(from[0]), .ADB4(from[1]), .ADB5(from[2]), .ADB6(from[3]), .ADB7(from[4]), .ADB8(from[5]),
+                .ADB9(from[6]), .ADB10(from[7]), .ADB11(from[8]), .ADB12(from[9]), .ADB13(from[10]), .DIB0(1'b0),
+                .DIB1(1'b0), .DIB2(1'b0), .DIB3(1'b0), .DIB4(1'b0), .DIB5(1'b0), .DIB6(1'b0), .DIB7(1'b0), .DIB8(1'b0),
+                .DIB9(1'b0), .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0),
+                .DIB16(1'b0), .DIB17(1'b0), .DOB0(q[0]), .DOB1(q[1]), .DOB2(q[2]), .DOB3(q[3]), .DOB4(q[4]),
+                .DOB5(q[5]), .DOB6(q[6]), .DOB7(q[7]), .DOB8(q[8])
+            );
+        end else begin : g_plain
+            (* no_rw_check *) reg [W-1:0] memory [0:DEPTH-1];
+            reg [W-1:0] ram_reg, out_reg;
+
+            assign read_data = out_reg;
+
+            always @(posedge clk) begin
+                if (write) memory[write_address] <= write_data;
+                if (read_enable) ram_reg <= memory[read_address];
+                if (out_enable) out_reg <= ram_reg;
+            end
+        end
+    endgenerate
+
+endmodule
+
+`default_nettype wire
