@@ -43,8 +43,8 @@ class FilterConfig:
         region: (x0, y0, x1, y1), first and last column and row that pass, in pixels; None is off.
         polarity: the polarity that passes; None is off.
         hot_pixels: (x, y) of the pixels that are masked.
-        cell_px: the memories of refractory, activity and decay: 0, a time stamp per pixel in each; 1, 2 or 4, one of cells of this
-            side for the first two, and one for the third.
+        cell_px: memories of refractory, activity and decay: 0, a time stamp per pixel in each; 1, 2 or 4, cells of this side, one
+            memory for the first two.
 
     Raises:
         ConfigError: a value outside its range.
@@ -166,7 +166,9 @@ class FilterConfig:
         if refractory and not refractory >> shift:
             unit = (1 << shift) * tick_us
             stamps = f"one unit of stamps of {CELL_STAMP_W[self.cell_px]} bits that reach activity_us = {self.activity_us}"
-            raise ConfigError(f"filters.refractory_us = {self.refractory_us}: must be at least {unit}, {stamps}; or a smaller cell_px")
+            raise ConfigError(
+                f"filters.refractory_us = {self.refractory_us}: must be at least {unit}, {stamps}; or a smaller cell_px"
+            )
         return shift
 
     def _decay_rate(self, tick_us: int) -> int:

@@ -67,4 +67,6 @@ class FilterRegisters:
             ticks = getattr(self, name)
             if self.enables(which) and not low <= ticks >> self.stamp_shift <= high:
                 stamps = f"stamps of {CELL_STAMP_W[shape.cell_px]} bits in units of {unit} ticks"
-                raise ConfigError(f"filters.{name} = {ticks}: must be from {low * unit} to {(high + 1) * unit - 1}, with {stamps}")
+                raise ConfigError(
+                    f"filters.{name} = {ticks}: must be from {low * unit} to {(high + 1) * unit - 1}, with {stamps}"
+                )

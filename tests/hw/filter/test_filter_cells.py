@@ -226,7 +226,9 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int, int]) 
 
 def test_the_rule_as_it_stands_gives_the_same(small: FilterDevice) -> None:
     width, height = (int(small.model.parameters[name]) for name in ("WIDTH", "HEIGHT"))
-    for run, (refractory, activity, support, shift) in enumerate([(0, 5, 2, 0), (9, 20, 1, 1), (16, None, 1, 2), (4, 90, 3, 2)]):
+    for run, (refractory, activity, support, shift) in enumerate(
+        [(0, 5, 2, 0), (9, 20, 1, 1), (16, None, 1, 2), (4, 90, 3, 2)]
+    ):
         choose(small, refractory=refractory, activity=activity, support=support, shift=shift)
         small.reset()
         traffic = filter_traffic(np.random.default_rng(run), 2_000, width, height, longest_gap=300, gaps=0.05, beyond=1)

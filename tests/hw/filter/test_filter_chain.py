@@ -27,6 +27,7 @@ SHAPE = FilterShape(width=29, height=22, stamp_w=10, recent_depth=12)
 
 def chain(has: int = ALL, shape: FilterShape = SHAPE) -> FilterDevice:
     sizes = {"WIDTH": shape.width, "HEIGHT": shape.height, "STAMP_W": shape.stamp_w, "RECENT_DEPTH": shape.recent_depth}
+    sizes |= {"CELL_PX": shape.cell_px}
     return FilterDevice("filter_chain", {"HAS": has, "X_W": 5, "Y_W": 5, "TICK_W": 8, **sizes})
 
 
@@ -70,11 +71,13 @@ def random_registers(rng: np.random.Generator, enable: int) -> FilterRegisters:
     )
 
 
-def agrees(device: FilterDevice, registers: FilterRegisters, rng: np.random.Generator, n: int) -> float:
+def agrees(
+    device: FilterDevice, registers: FilterRegisters, rng: np.random.Generator, n: int, shape: FilterShape = SHAPE
+) -> float:
     """Streams random traffic from reset through hardware and software alike; returns which part stays."""
     device.reset()
     write(device, registers)
-    golden = FilterChain(registers, SHAPE)
+    golden = FilterChain(registers, shape)
 
     def wanted(batch: FilterTraffic) -> NDArray[np.bool_]:
         keep = batch.keep.copy()
@@ -150,6 +153,25 @@ def test_a_token_every_clock_after_the_latencies_of_all_that_are_built(has: int)
     assert has != ALL or clocks == latency("filter_chain")
 
 
+@pytest.mark.parametrize("side", [1, 2, 4])
+@pytest.mark.parametrize("has", [ALL, 0b01010010, 0b00001000])
+def test_with_cells_refractory_and_activity_are_one_and_decide_the_same(side: int, has: int) -> None:
+    print("seed 76")
+    shape = replace(SHAPE, cell_px=side)
+    device, kept = chain(has, shape), []
+    for run in range(5):
+        rng = np.random.default_rng([76, side, has, run])
+        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        enable = has if run % 2 else has & int(rng.integers(ALL + 1))
+        shift = {1: 0, 2: 2, 4: 4}[side]
+        registers = replace(
+            random_registers(rng, enable), refractory_ticks=int(rng.integers(1, 20)) << shift, stamp_shift=shift,
+            activity_ticks=int(rng.integers(6, 24)) << shift, recent_support=1, decay_support=int(rng.integers(1, 60)),
+        )  # fmt: skip
+        kept.append(agrees(device, registers, rng, 8000, shape))
+    assert 0 < np.median(kept) < 0.97
+
+
 def test_a_row_of_none_is_a_wire() -> None:
     device = chain(0)
     device.set(s_valid=1, s_event=1, s_x=17, m_ready=0)
@@ -205,6 +227,7 @@ def test_idle_is_low_while_a_mark_is_under_way(device: FilterDevice) -> None:
         {},
         {"HAS": 0},
         *({"HAS": 1 << which} for which in Filter),
+        *({"CELL_PX": side} for side in (1, 2, 4)),
         {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1, "STAMP_W": 4, "RECENT_DEPTH": 1},
         {"X_W": 16, "Y_W": 16, "TICK_W": 32, "STAMP_W": 32, "RECENT_DEPTH": 256},
     ],
@@ -227,3 +250,9 @@ def test_refuses_parameters_out_of_range(name: str, low: int, high: int, end: in
     code, log = lint("filter_chain", **{"HAS": 0, name: (low - 1, high + 1)[end]})
     assert code != 0
     assert f"{name}_must_be_{low}_to_{high}" in log
+
+
+def test_refuses_cells_of_three() -> None:
+    code, log = lint("filter_chain", HAS=0, CELL_PX=3)
+    assert code != 0
+    assert "CELL_PX_must_be_0_to_4_and_not_3" in log
