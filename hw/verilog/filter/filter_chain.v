@@ -3,7 +3,7 @@
 //
 // HAS says which filters are built; one that is not passes its tokens on by wire, and its bit in `enable` has no effect.
 //
-// Latency:    the sum of those of the filters that are built, enabled or not: 48 clocks from s_ to m_ for all eight. With CELL_PX
+// Latency:    the sum of those of the filters that are built, enabled or not: 52 clocks from s_ to m_ for all eight. With CELL_PX
 //             > 0, filter_cells is in the place of refractory and activity, and decay takes as long as its header says.
 // Throughput: that of the slowest filter: 1 token per clock, with the rare stalls of stamp_walk.v and a clock for each mark.
 // Stall:      a token is held until accepted; back-pressure fills the filters one by one.

@@ -43,8 +43,8 @@ class FilterConfig:
         region: (x0, y0, x1, y1), first and last column and row that pass, in pixels; None is off.
         polarity: the polarity that passes; None is off.
         hot_pixels: (x, y) of the pixels that are masked.
-        cell_px: memories of refractory, activity and decay: 0, a time stamp per pixel in each; 1, 2 or 4, cells of this side, one
-            memory for the first two.
+        cell_px: memories of refractory, activity and decay: 0, a time stamp per pixel in each; 1, 2 or 4, cells of this side,
+            with one memory for the first two.
 
     Raises:
         ConfigError: a value outside its range.

@@ -218,7 +218,7 @@ def test_idle_is_low_while_a_mark_is_under_way(device: FilterDevice) -> None:
     assert device.sim.io.idle == 1
     write(device, FilterRegisters(hot_pixels=((3, 4),)))
     assert device.sim.io.idle == 0
-    assert device.settle() == 2
+    assert device.settle() == 3
 
 
 @pytest.mark.parametrize(
