@@ -289,8 +289,9 @@ class Registers(Group):
             )
         sensor = _Sensor(transport, 0, self.shape, self.filter_shape)
         memory = _Memory(transport, 0, self.shape, self.filter_shape)
+        cell_px = _Build(transport, 0, self.shape, self.filter_shape).cell_px
         self.shape = self._shape()
-        self.filter_shape = FilterShape(sensor.last_x + 1, sensor.last_y + 1, memory.stamp_w, memory.recent_last + 1)
+        self.filter_shape = FilterShape(sensor.last_x + 1, sensor.last_y + 1, memory.stamp_w, memory.recent_last + 1, cell_px)
         shapes = self.shape, self.filter_shape
         self.version = _Version(transport, 0, *shapes)
         self.shape0 = _Shape0(transport, 0, *shapes)
