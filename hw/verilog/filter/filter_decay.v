@@ -209,7 +209,7 @@ module filter_decay #(
         if (space) begin
             for (k = 0; k < 16; k = k + 1) begin
                 full[k*9 +: 9]     <= near[k] ? decay_weight(fine[k*5 +: 5]) : 9'd0;
-                halvings[k*4 +: 4] <= near[k] ? age[k*STAMP_W + 5 - COARSE +: 4] : 4'd0;  // what is no neighbour may never have been read
+                halvings[k*4 +: 4] <= near[k] ? age[k*STAMP_W + 5 - COARSE +: 4] : 4'd0;  // else never read, perhaps
 
                 halved = full[k*9 +: 9] >> halvings[k*4 +: 4];
                 weight[k*9 +: 9] <= (halved > {1'b0, decay_epsilon}) ? halved : 9'd0;
