@@ -251,12 +251,19 @@ module cell_memory #(
 
     // ---- banks -------------------------------------------------------------------------------------------------------
 
-    wire [31:0] then_column = {16'd0, columns[5*16 +: 16]};
-    wire [31:0] then_line   = {16'd0, lines[5*16 +: 16]};
-    wire        then_left   = then_column != 32'd0;  // a cell beside it is on the sensor
-    wire        then_right  = then_column + 32'd1 < END_X;
-    wire        then_above  = then_line != 32'd0;
-    wire        then_below  = then_line + 32'd1 < END_Y;
+    wire [31:0] taken_column = {16'd0, columns[4*16 +: 16]};
+    wire [31:0] taken_line   = {16'd0, lines[4*16 +: 16]};
+    wire [1:0]  then_column  = columns[5*16 +: 2];
+    wire [1:0]  then_line    = lines[5*16 +: 2];
+    reg         then_left, then_right, then_above, then_below;  // a cell beside it is on the sensor
+
+    always @(posedge clk)
+        if (advance) begin
+            then_left  <= taken_column != 32'd0;
+            then_right <= taken_column + 32'd1 < END_X;
+            then_above <= taken_line != 32'd0;
+            then_below <= taken_line + 32'd1 < END_Y;
+        end
 
     reg  [15:0] age_around, age_own;
 
@@ -275,12 +282,12 @@ module cell_memory #(
             wire [ROW_W-1:0] aside   = right ? {{(ROW_W - 1) {1'b0}}, 1'b1} : {ROW_W{left}};
             wire [ROW_W-1:0] astride = below ? STRIDE[ROW_W-1:0] : above ? {ROW_W{1'b0}} - STRIDE[ROW_W-1:0] : {ROW_W{1'b0}};
 
-            wire own_column = then_column[1:0] == COL;
-            wire own_line   = then_line[1:0] == LINE;
-            wire in_columns = own_column || (then_column[1:0] == COL - 2'd1 && then_right)
-                                         || (then_column[1:0] == COL + 2'd1 && then_left);
-            wire in_lines   = own_line || (then_line[1:0] == LINE - 2'd1 && then_below)
-                                       || (then_line[1:0] == LINE + 2'd1 && then_above);
+            wire own_column = then_column == COL;
+            wire own_line   = then_line == LINE;
+            wire in_columns = own_column || (then_column == COL - 2'd1 && then_right)
+                                         || (then_column == COL + 2'd1 && then_left);
+            wire in_lines   = own_line || (then_line == LINE - 2'd1 && then_below)
+                                       || (then_line == LINE + 2'd1 && then_above);
 
             reg  [ROW_W-1:0]  read_row;
             wire [WORD_W-1:0] was;
