@@ -26,7 +26,14 @@ FILTERS: dict[str, tuple[str, FilterConfig]] = {
     "recent, 32 events": ("recent_us", FilterConfig()),
     "recent, 256 events": ("recent_us", FilterConfig(recent_depth=256)),
     "decay": ("decay_tau_us", FilterConfig()),
+    "row and column": ("rowcol_us", FilterConfig()),
+    **{
+        f"activity, 2 neighbours, cells of {side}": ("activity_us", FilterConfig(activity_support=2, cell_px=side))
+        for side in (1, 2, 4)
+    },
+    **{f"decay, cells of {side}": ("decay_tau_us", FilterConfig(cell_px=side)) for side in (2, 4)},
 }
+EXACT = 5  # the first curves: those of filters with a time stamp per pixel, or a FIFO
 PICTURE = Path(__file__).parents[1] / "docs" / "images" / "filters_roc.png"
 
 Curves = Mapping[str, list[Effect]]
@@ -53,18 +60,27 @@ def _print(hz_per_px: float, share: float, curves: Curves) -> None:
         best = max(range(len(effects)), key=lambda i: effects[i].signal_kept + effects[i].noise_removed)
         signal, removed = effects[best].signal_kept, effects[best].noise_removed
         print(
-            f"  {name:24} AUC {area_under_curve(effects):.3f}; "
+            f"  {name:36} AUC {area_under_curve(effects):.3f}; "
             f"at {WINDOWS_US[best] / 1000:5.1f} ms: signal kept {signal:.1%}, noise removed {removed:.1%}",
             flush=True,
         )
 
 
 def _draw(curves: Mapping[float, Curves]) -> None:
-    figure, axes = plt.subplots(1, len(curves), figsize=(11, 4), sharey=True, layout="constrained")
+    figure, axes = plt.subplots(1, len(curves), figsize=(13, 6), sharey=True, layout="constrained")
     for axis, (hz_per_px, by_filter) in zip(axes, curves.items(), strict=True):
-        for name, effects in by_filter.items():
+        for number, (name, effects) in enumerate(by_filter.items()):
+            style = "-" if number < EXACT else "--"
             signal, noise = zip(*effects, strict=True)
-            axis.plot(noise, signal, marker=".", markersize=4, linewidth=1, label=f"{name} ({area_under_curve(effects):.3f})")
+            axis.plot(
+                noise,
+                signal,
+                marker=".",
+                markersize=4,
+                linewidth=1,
+                linestyle=style,
+                label=f"{name} ({area_under_curve(effects):.3f})",
+            )
         axis.set(title=f"noise {hz_per_px:g} Hz per pixel", xlabel="noise kept", xscale="log", xlim=(1e-4, 1), ylim=(0, 1.02))
         axis.grid(linewidth=0.3)
         axis.legend(title="filter (area under curve)", fontsize="x-small", title_fontsize="x-small", loc="lower right")

@@ -62,11 +62,13 @@
 /* build options of the hardware */
 #define EVCOT_BUILD 0x014u
 #define EVCOT_BUILD_FILTERS_SHIFT 0u
-#define EVCOT_BUILD_FILTERS_MASK 0x0000007Fu /* ro: a bit for each filter, in their order */
+#define EVCOT_BUILD_FILTERS_MASK 0x000000FFu /* ro: a bit for each filter, in their order */
 #define EVCOT_BUILD_SOURCES_SHIFT 8u
 #define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
 #define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain */
+#define EVCOT_BUILD_CELL_PX_SHIFT 24u
+#define EVCOT_BUILD_CELL_PX_MASK 0x07000000u /* ro: side of a cell of the filters' memory in pixels; 0: a time stamp per pixel and filter */
 
 /* size of the sensor */
 #define EVCOT_SENSOR 0x018u
@@ -260,6 +262,10 @@
 #define EVCOT_FILTER_DECAY_EPSILON 0x0234u /* weight in 1/256 up to which an event is discarded */
 #define EVCOT_FILTER_DECAY_SUPPORT 0x0238u /* sum of weights in 1/256 that an event needs */
 #define EVCOT_FILTER_MASK 0x023Cu /* marks one pixel as hot, or not: see `mask_word` */
+#define EVCOT_FILTER_ROWCOL_TICKS 0x0240u /* oldest event of a row or column that supports another */
+#define EVCOT_FILTER_ROWCOL_RADIUS 0x0244u /* how near along its row or column it must be */
+#define EVCOT_FILTER_ROWCOL_SUPPORT 0x0248u /* rows and columns whose last events an event needs */
+#define EVCOT_FILTER_STAMP_SHIFT 0x024Cu /* log2 of the ticks in a unit of the time stamps of cells */
 #define EVCOT_FILTER_COMMIT 0x027Cu
 
 /* Sources. */

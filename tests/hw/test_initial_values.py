@@ -32,20 +32,24 @@ SHAPE = Shape(n_slots=2, x_w=5, y_w=5, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_
 SENSOR = FilterShape(width=WIDTH, height=HEIGHT, stamp_w=10, recent_depth=4)
 FILTERS = FilterRegisters(
     region_x0=1, region_x1=18, polarity=1, refractory_ticks=3, activity_ticks=40, recent_ticks=60, recent_radius=3,
-    decay_rate=1 << 22, decay_epsilon=4, decay_support=40, hot_pixels=((5, 5), (9, 7), (0, 0)),
+    decay_rate=1 << 22, decay_epsilon=4, decay_support=40, rowcol_ticks=90, rowcol_radius=3, stamp_shift=1,
+    hot_pixels=((5, 5), (9, 7), (0, 0)),
 )  # fmt: skip
 STATUS, CONTROL = address_of("status"), address_of("control")
 SOFT_RESET = write(CONTROL, 1 << 9)
 EVENTS, QUIET = 250, 1_000
-BUILDS = [*((0, 1 << which) for which in Filter), (0, 127), (0, 0), (1, 0)]
+BUILDS = [*((0, 1 << which) for which in Filter), (0, 255), (0, 0), (1, 0)]
 EVERY_BUILD = pytest.mark.parametrize(("tracker", "has"), BUILDS, ids=[f"tracker {t}, filters {h}" for t, h in BUILDS])
 
 
-def case(has: int) -> tuple[CotConfig, list[tuple[list[Command], np.ndarray[tuple[int], np.dtype[np.uint64]]]]]:
+def case(
+    has: int, cell_px: int = 0
+) -> tuple[CotConfig, list[tuple[list[Command], np.ndarray[tuple[int], np.dtype[np.uint64]]]]]:
     """A configuration, and the program: accesses and input words, in turn."""
     config = CotConfig.uniform(SHAPE, EVERY)
     filters = replace(FILTERS, enable=has, hot_pixels=FILTERS.hot_pixels if has >> Filter.MASK & 1 else ())
-    whole = replace(config, filters=filters, filter_shape=SENSOR) if has else config
+    sensor = replace(SENSOR, cell_px=cell_px)
+    whole = replace(config, filters=filters, filter_shape=sensor) if has else config
     enable = [poll(STATUS, 2, 0), write(CONTROL, 1)]
     rng = np.random.default_rng([60, has])
     parts, now = [], 0
@@ -57,15 +61,15 @@ def case(has: int) -> tuple[CotConfig, list[tuple[list[Command], np.ndarray[tupl
             x, y = traffic.x % WIDTH, traffic.y % HEIGHT
             parts.append(([], pack_events(traffic.ticks, x, y, traffic.p)))
             now = int(traffic.ticks[-1]) + 1
-    return replace(config, filter_shape=SENSOR), parts
+    return replace(config, filter_shape=sensor), parts
 
 
 def parameters(tracker: int, has: int) -> dict[str, int]:
     return {"TRACKER": tracker, "HAS": has}
 
 
-def in_verilator(tracker: int, has: int, *, random_initial: bool = False) -> four_state.Beats:
-    config, parts = case(has)
+def in_verilator(tracker: int, has: int, cell_px: int = 0, *, random_initial: bool = False) -> four_state.Beats:
+    config, parts = case(has, cell_px)
     given = {**parameters(tracker, has), "FIFO_DEPTH": 8, "RECORD_DEPTH": 2}
     device = TopDevice(config, given, random_initial=random_initial)
     device.sim.io.aer_req = 1  # no request
@@ -81,12 +85,12 @@ def in_verilator(tracker: int, has: int, *, random_initial: bool = False) -> fou
     )
 
 
-def in_icarus(folder: Path, tracker: int, has: int, seed: int) -> four_state.Beats:
-    _, parts = case(has)
+def in_icarus(folder: Path, tracker: int, has: int, seed: int, cell_px: int = 0) -> four_state.Beats:
+    _, parts = case(has, cell_px)
     program = [four_state.reset()]
     for accesses, words in parts:
         program += [*four_state.commands(accesses), *four_state.words(words), four_state.quiet(QUIET)]
-    sensor = {"WIDTH": WIDTH, "HEIGHT": HEIGHT}
+    sensor = {"WIDTH": WIDTH, "HEIGHT": HEIGHT, "CELL_PX": cell_px}
     return four_state.play_top(folder, program, {**parameters(tracker, has), **sensor}, seed)
 
 
@@ -119,6 +123,15 @@ def test_random_initial_values(tracker: int, has: int) -> None:
     expected = in_verilator(tracker, has)
     for _ in range(3):
         same(in_verilator(tracker, has, random_initial=True), expected, tracker)
+
+
+@needs_icarus
+@pytest.mark.parametrize("cell_px", [1, 2, 4])
+def test_memories_of_cells(tmp_path: Path, cell_px: int) -> None:
+    expected = in_verilator(0, 255, cell_px)
+    assert len(expected.owned) + len(expected.passed) > 60
+    same(in_icarus(tmp_path, 0, 255, 1 + cell_px, cell_px), expected, 0)
+    same(in_verilator(0, 255, cell_px, random_initial=True), expected, 0)
 
 
 @needs_icarus

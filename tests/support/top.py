@@ -39,7 +39,7 @@ class Build(NamedTuple):
 
 
 BUILDS = {
-    "array behind filters": Build(SMALL, SENSOR, {"TRACKER": ARRAY, "SOURCES": 3, "HAS": 127, "FIFO_DEPTH": 40}),
+    "array behind filters": Build(SMALL, SENSOR, {"TRACKER": ARRAY, "SOURCES": 3, "HAS": 255, "FIFO_DEPTH": 40}),
     "array": Build(
         DVS128.cot.shape,
         FilterShape(128, 128),

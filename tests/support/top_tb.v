@@ -17,6 +17,7 @@ module top_tb;
     parameter X_W = 5;
     parameter Y_W = 5;
     parameter STAMP_W = 10;
+    parameter CELL_PX = 0;
     parameter SEED = 1;
 
     reg  [103:0] program [0:65535];
@@ -45,8 +46,8 @@ module top_tb;
 
     evcot_top #(
         .SOURCES(SOURCES), .SOURCE(SOURCE), .TRACKER(TRACKER), .HAS(HAS), .WIDTH(WIDTH), .HEIGHT(HEIGHT), .N(N), .X_W(X_W),
-        .Y_W(Y_W), .STAMP_W(STAMP_W), .RADIX_W(5), .NEV_W(6), .TC_W(12), .SUP_W(8), .ID_W(16), .SEQ_W(32), .TIME_W(32),
-        .RECENT_DEPTH(4), .FIFO_DEPTH(8), .RECORD_DEPTH(2)
+        .Y_W(Y_W), .STAMP_W(STAMP_W), .CELL_PX(CELL_PX), .RADIX_W(5), .NEV_W(6), .TC_W(12), .SUP_W(8), .ID_W(16),
+        .SEQ_W(32), .TIME_W(32), .RECENT_DEPTH(4), .FIFO_DEPTH(8), .RECORD_DEPTH(2)
     ) dut (
         .clk(clk), .rst(rst),
         .s_axil_awvalid(awvalid), .s_axil_awready(awready), .s_axil_awaddr(address), .s_axil_awprot(3'd0),

@@ -38,6 +38,15 @@ NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
     "--decay-tau": ("decay_tau_us", milliseconds, "MS", "keep events whose neighbours' weights, decaying so, add up"),
     "--decay-epsilon": ("decay_epsilon", float, "W", "weight up to which an event is forgotten (default: 0.1)"),
     "--decay-support": ("decay_support", float, "W", "sum of weights that an event needs (default: 1)"),
+    "--rowcol": ("rowcol_us", milliseconds, "MS", "keep events near the last one of a row or column beside, at most so old"),
+    "--rowcol-radius": ("rowcol_radius", int, "PX", "how near along the row or column (default: 1)"),
+    "--rowcol-support": ("rowcol_support", int, "N", "of how many rows and columns (default: 1)"),
+    "--cell": (
+        "cell_px",
+        int,
+        "PX",
+        "one small memory of cells, 1, 2 or 4 pixels wide (default: 0, a time per pixel and filter)",
+    ),
 }
 
 

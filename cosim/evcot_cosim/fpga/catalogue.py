@@ -58,6 +58,9 @@ _SMALL = {"TICK_W": 1, "X_W": 7, "Y_W": 7}
 # What the host makes whole again: with it 8 slots of the array fit the block RAMs of an HX8K.
 _NARROW = {"TICK_W": 20, "SEQ_W": 32, "ID_W": 16, "TIME_W": 32, "TC_W": 22}
 _PIXELS = {"WIDTH": 128, "HEIGHT": 128}
+# Chains with memories of cells: HAS = 127 is all filters but rowcol, 191 all but decay.
+_VGA = {"TICK_W": 1, "X_W": 10, "Y_W": 9, "WIDTH": 640, "HEIGHT": 480}
+_HD = {"TICK_W": 1, "X_W": 11, "Y_W": 10, "WIDTH": 1280, "HEIGHT": 720}
 # As in hw/fpga/examples: kv260_evcot.v and davis_evcot.v.
 _KV260 = {
     "SOURCES": 16, "SOURCE": 4, "WIDTH": 1280, "HEIGHT": 720, "X_W": 11, "Y_W": 10, "DATA_W": 64,
@@ -80,8 +83,15 @@ _TABLE = (
     Module("filter_activity", "filter_activity", {**_SMALL, **_PIXELS}, answer="token"),
     Module("filter_recent", "filter_recent", _SMALL, answer="token"),
     Module("filter_decay", "filter_decay", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_rowcol", "filter_rowcol", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_cells", "filter_cells", {**_SMALL, **_PIXELS}, answer="token"),
+    Module("filter_cells_346x260", "filter_cells", _TICK, answer="token"),
     Module("filter_chain", "filter_chain", {**_SMALL, **_PIXELS}, answer="token"),
     Module("filter_chain_346x260", "filter_chain", _TICK, answer="token"),
+    Module("filter_chain_346x260_cells", "filter_chain", {**_TICK, "HAS": 127, "CELL_PX": 1}, answer="token"),
+    Module("filter_chain_640x480_cells", "filter_chain", {**_VGA, "HAS": 127, "CELL_PX": 2}, answer="token"),
+    Module("filter_chain_1280x720_coarse", "filter_chain", {**_HD, "HAS": 127, "CELL_PX": 4}, answer="token"),
+    Module("filter_chain_1280x720_fine", "filter_chain", {**_HD, "HAS": 191, "CELL_PX": 2}, answer="token"),
     Module("evt2_decoder", "evt2_decoder", answer="event"),
     Module("evt21_decoder", "evt21_decoder", answer="event"),
     Module("evt3_decoder", "evt3_decoder", answer="event"),

@@ -86,6 +86,8 @@ _XILINX_CELLS = {
     "FD": _FF,
     "RAM32M": Resources(luts=4, lut_rams=4),
     "RAM64M": Resources(luts=4, lut_rams=4),
+    "RAM32M16": Resources(luts=8, lut_rams=8),
+    "RAM64M8": Resources(luts=8, lut_rams=8),
     "RAM32X1D": Resources(luts=2, lut_rams=2),
     "RAM64X1D": Resources(luts=2, lut_rams=2),
     "RAM128X1D": Resources(luts=4, lut_rams=4),
@@ -131,6 +133,14 @@ _TABLE = (
     _ice40("up5k", "iCE40 UP5K", "synth_ice40 -device u -dsp", Resources(5_280, 5_280, 30, 0, 8), "sg48"),
     _ice40("hx8k", "iCE40 HX8K", "synth_ice40 -device hx", Resources(7_680, 7_680, 32), "ct256"),
     Device("xilinx7", "Xilinx 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf", _XILINX_CELLS, "18 kbit"),
+    Device(
+        "kv260",
+        "Kria KV260 (XCK26)",
+        "synth_xilinx -family xcup -flatten -noiopad -noclkbuf",
+        _XILINX_CELLS,
+        "18 kbit",
+        Resources(117_120, 234_240, 288, 57_600, 1_248),
+    ),
     Device("gowin", "Gowin GW2A", "synth_gowin -family gw2a -noiopads", _GOWIN_CELLS, "18 kbit"),
 )
 

@@ -47,6 +47,7 @@ CHOICES: Mapping[str, Mapping[int, str]] = {
     "TRACKER": {i: f"cot_{name}" for i, name in enumerate(register_map().trackers)},
     "SOURCE": dict(enumerate(register_map().sources)),
     "DATA_W": {bits: f"{bits} bits" for bits in (32, 64, 128, 256)},
+    "CELL_PX": {0: "a time stamp per pixel and filter", **{side: f"cells of {side} x {side} pixels" for side in (1, 2, 4)}},
 }
 """The legal values of an enumerated parameter, and their labels."""
 

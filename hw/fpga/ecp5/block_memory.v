@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// hw/verilog/stream/block_memory.v in block RAMs of an ECP5, 1,024 words of 18 bits each, read through their output registers.
+// hw/verilog/stream/block_memory.v in block RAMs of an ECP5, read through their output registers: 1,024 words of 18 bits each, 2,048
+// of 9 or 16,384 of 1.
 //
-// As Yosys instantiates them but for the register. Below 65 words and above 1,024 it is the plain description.
+// As Yosys instantiates them but for the register. Below 65 words, and where one such RAM is not deep enough, it is the plain
+// description.
 `default_nettype none
 
 module block_memory #(
@@ -69,6 +71,74 @@ module block_memory #(
                     .DOB13(q[13]), .DOB14(q[14]), .DOB15(q[15]), .DOB16(q[16]), .DOB17(q[17])
                 );
             end
+        end else if (W <= 9 && DEPTH > 1024 && DEPTH <= 2048) begin : g_narrow
+            wire [10:0] to   = write_address;
+            wire [10:0] from = read_address;
+            wire [8:0]  d    = write_data;
+            wire [8:0]  q;
+            assign read_data = q[W-1:0];
+
+            DP16KD #(
+                .DATA_WIDTH_A(9),
+                .DATA_WIDTH_B(9),
+                .REGMODE_A   ("NOREG"),
+                .REGMODE_B   ("OUTREG"),
+                .RESETMODE   ("ASYNC"),
+                .ASYNC_RESET_RELEASE("ASYNC"),
+                .CSDECODE_A  ("0b000"),
+                .CSDECODE_B  ("0b000"),
+                .WRITEMODE_A ("READBEFOREWRITE"),
+                .WRITEMODE_B ("READBEFOREWRITE"),
+                .CLKAMUX     ("CLKA"),
+                .CLKBMUX     ("CLKB"),
+                .GSR         ("AUTO")
+            ) u_narrow (
+                .CLKA(clk), .CEA(1'b1), .WEA(write), .OCEA(1'b1), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0), .CSA2(1'b0),
+                .ADA0(1'b0), .ADA1(1'b0), .ADA2(1'b0), .ADA3(to[0]), .ADA4(to[1]), .ADA5(to[2]), .ADA6(to[3]),
+                .ADA7(to[4]), .ADA8(to[5]), .ADA9(to[6]), .ADA10(to[7]), .ADA11(to[8]), .ADA12(to[9]), .ADA13(to[10]),
+                .DIA0(d[0]), .DIA1(d[1]), .DIA2(d[2]), .DIA3(d[3]), .DIA4(d[4]), .DIA5(d[5]), .DIA6(d[6]), .DIA7(d[7]),
+                .DIA8(d[8]), .DIA9(1'b0), .DIA10(1'b0), .DIA11(1'b0), .DIA12(1'b0), .DIA13(1'b0), .DIA14(1'b0),
+                .DIA15(1'b0), .DIA16(1'b0), .DIA17(1'b0), .CLKB(clk), .CEB(read_enable), .WEB(1'b0), .OCEB(out_enable),
+                .RSTB(1'b0), .CSB0(1'b0), .CSB1(1'b0), .CSB2(1'b0), .ADB0(1'b0), .ADB1(1'b0), .ADB2(1'b0),
+                .ADB3(from[0]), .ADB4(from[1]), .ADB5(from[2]), .ADB6(from[3]), .ADB7(from[4]), .ADB8(from[5]),
+                .ADB9(from[6]), .ADB10(from[7]), .ADB11(from[8]), .ADB12(from[9]), .ADB13(from[10]), .DIB0(1'b0),
+                .DIB1(1'b0), .DIB2(1'b0), .DIB3(1'b0), .DIB4(1'b0), .DIB5(1'b0), .DIB6(1'b0), .DIB7(1'b0), .DIB8(1'b0),
+                .DIB9(1'b0), .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0),
+                .DIB16(1'b0), .DIB17(1'b0), .DOB0(q[0]), .DOB1(q[1]), .DOB2(q[2]), .DOB3(q[3]), .DOB4(q[4]),
+                .DOB5(q[5]), .DOB6(q[6]), .DOB7(q[7]), .DOB8(q[8])
+            );
+        end else if (W == 1 && DEPTH > 2048 && DEPTH <= 16384) begin : g_bit
+            wire [13:0] to   = {{(14 - ADDR_W) {1'b0}}, write_address};
+            wire [13:0] from = {{(14 - ADDR_W) {1'b0}}, read_address};
+
+            DP16KD #(
+                .DATA_WIDTH_A(1),
+                .DATA_WIDTH_B(1),
+                .REGMODE_A   ("NOREG"),
+                .REGMODE_B   ("OUTREG"),
+                .RESETMODE   ("ASYNC"),
+                .ASYNC_RESET_RELEASE("ASYNC"),
+                .CSDECODE_A  ("0b000"),
+                .CSDECODE_B  ("0b000"),
+                .WRITEMODE_A ("READBEFOREWRITE"),
+                .WRITEMODE_B ("READBEFOREWRITE"),
+                .CLKAMUX     ("CLKA"),
+                .CLKBMUX     ("CLKB"),
+                .GSR         ("AUTO")
+            ) u_bit (
+                .CLKA(clk), .CEA(1'b1), .WEA(write), .OCEA(1'b1), .RSTA(1'b0), .CSA0(1'b0), .CSA1(1'b0), .CSA2(1'b0),
+                .ADA0(to[0]), .ADA1(to[1]), .ADA2(to[2]), .ADA3(to[3]), .ADA4(to[4]), .ADA5(to[5]), .ADA6(to[6]),
+                .ADA7(to[7]), .ADA8(to[8]), .ADA9(to[9]), .ADA10(to[10]), .ADA11(to[11]), .ADA12(to[12]), .ADA13(to[13]),
+                .DIA0(write_data[0]), .DIA1(1'b0), .DIA2(1'b0), .DIA3(1'b0), .DIA4(1'b0), .DIA5(1'b0), .DIA6(1'b0),
+                .DIA7(1'b0), .DIA8(1'b0), .DIA9(1'b0), .DIA10(1'b0), .DIA11(1'b0), .DIA12(1'b0), .DIA13(1'b0), .DIA14(1'b0),
+                .DIA15(1'b0), .DIA16(1'b0), .DIA17(1'b0), .CLKB(clk), .CEB(read_enable), .WEB(1'b0), .OCEB(out_enable),
+                .RSTB(1'b0), .CSB0(1'b0), .CSB1(1'b0), .CSB2(1'b0), .ADB0(from[0]), .ADB1(from[1]), .ADB2(from[2]),
+                .ADB3(from[3]), .ADB4(from[4]), .ADB5(from[5]), .ADB6(from[6]), .ADB7(from[7]), .ADB8(from[8]),
+                .ADB9(from[9]), .ADB10(from[10]), .ADB11(from[11]), .ADB12(from[12]), .ADB13(from[13]), .DIB0(1'b0),
+                .DIB1(1'b0), .DIB2(1'b0), .DIB3(1'b0), .DIB4(1'b0), .DIB5(1'b0), .DIB6(1'b0), .DIB7(1'b0), .DIB8(1'b0),
+                .DIB9(1'b0), .DIB10(1'b0), .DIB11(1'b0), .DIB12(1'b0), .DIB13(1'b0), .DIB14(1'b0), .DIB15(1'b0),
+                .DIB16(1'b0), .DIB17(1'b0), .DOB0(read_data[0])
+            );
         end else begin : g_plain
             (* no_rw_check *) reg [W-1:0] memory [0:DEPTH-1];
             reg [W-1:0] ram_reg, out_reg;

@@ -31,7 +31,7 @@ module axi_lite_regs #(
     parameter ID_W         = 32,   // bits of a track id
     parameter SEQ_W        = 48,   // bits of an event's number
     parameter TIME_W       = 48,   // bits of the tick count
-    parameter HAS          = 127,  // filters that are built
+    parameter HAS          = 255,  // filters that are built
     parameter SOURCES      = 1,    // sources that are built, a bit each: EVCOT_SOURCE_*
     parameter SOURCE       = 0,    // the one selected after reset
     parameter TRACKER      = 0,    // EVCOT_TRACKER_*
@@ -39,6 +39,7 @@ module axi_lite_regs #(
     parameter HEIGHT       = 260,  // pixels of the sensor down
     parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
     parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter CELL_PX      = 0,    // side of a cell of the filters' memory in pixels
     parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
     parameter SLOT_W       = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
 ) (
@@ -456,7 +457,7 @@ module axi_lite_regs #(
     // A parameter that is given from outside has 32 bits.
     localparam [31:0] HAS_32 = HAS, SOURCES_32 = SOURCES, TRACKER_32 = TRACKER, FRAC_32 = FRAC, RADIX_W_32 = RADIX_W;
     localparam [31:0] X_W_32 = X_W, Y_W_32 = Y_W, NEV_W_32 = NEV_W, TICK_W_32 = TICK_W, TC_W_32 = TC_W, SUP_W_32 = SUP_W;
-    localparam [31:0] ID_W_32 = ID_W, SEQ_W_32 = SEQ_W, TIME_W_32 = TIME_W, STAMP_W_32 = STAMP_W;
+    localparam [31:0] ID_W_32 = ID_W, SEQ_W_32 = SEQ_W, TIME_W_32 = TIME_W, STAMP_W_32 = STAMP_W, CELL_PX_32 = CELL_PX;
 
     axi_lite_words #(
         .X_W    (X_W),
@@ -490,9 +491,10 @@ module axi_lite_regs #(
         .shape2_id_w         (ID_W_32[5:0]),
         .shape2_seq_w        (SEQ_W_32[5:0]),
         .shape2_time_w       (TIME_W_32[5:0]),
-        .build_filters       (HAS_32[6:0]),
+        .build_filters       (HAS_32[7:0]),
         .build_sources       (SOURCES_32[5:0]),
         .build_tracker       (TRACKER_32[1:0]),
+        .build_cell_px       (CELL_PX_32[2:0]),
         .sensor_last_x       (LAST_X[15:0]),
         .sensor_last_y       (LAST_Y[15:0]),
         .memory_stamp_w      (STAMP_W_32[5:0]),

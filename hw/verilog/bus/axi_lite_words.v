@@ -59,9 +59,10 @@ module axi_lite_words #(
     input  wire [5:0]  shape2_time_w,
 
     // 014: build options of the hardware
-    input  wire [6:0]  build_filters,
+    input  wire [7:0]  build_filters,
     input  wire [5:0]  build_sources,
     input  wire [1:0]  build_tracker,
+    input  wire [2:0]  build_cell_px,
 
     // 018: size of the sensor
     input  wire [15:0] sensor_last_x,
@@ -342,9 +343,10 @@ module axi_lite_words #(
         held[13:8] = held[13:8] | ({6{at_shape2}} & shape2_id_w);
         held[21:16] = held[21:16] | ({6{at_shape2}} & shape2_seq_w);
         held[29:24] = held[29:24] | ({6{at_shape2}} & shape2_time_w);
-        held[6:0] = held[6:0] | ({7{at_build}} & build_filters);
+        held[7:0] = held[7:0] | ({8{at_build}} & build_filters);
         held[13:8] = held[13:8] | ({6{at_build}} & build_sources);
         held[17:16] = held[17:16] | ({2{at_build}} & build_tracker);
+        held[26:24] = held[26:24] | ({3{at_build}} & build_cell_px);
         held[15:0] = held[15:0] | ({16{at_sensor}} & sensor_last_x);
         held[31:16] = held[31:16] | ({16{at_sensor}} & sensor_last_y);
         held[5:0] = held[5:0] | ({6{at_memory}} & memory_stamp_w);

@@ -81,6 +81,10 @@ function filter_has(input [`EVCOT_FREG_W-1:0] word);
         `EVCOT_FREG_DECAY_EPSILON,
         `EVCOT_FREG_DECAY_SUPPORT,
         `EVCOT_FREG_MASK,
+        `EVCOT_FREG_ROWCOL_TICKS,
+        `EVCOT_FREG_ROWCOL_RADIUS,
+        `EVCOT_FREG_ROWCOL_SUPPORT,
+        `EVCOT_FREG_STAMP_SHIFT,
         `EVCOT_BANK_COMMIT: filter_has = 1'b1;
         default: filter_has = 1'b0;
     endcase
@@ -94,13 +98,15 @@ function [31:0] filter_low(input [`EVCOT_FREG_W-1:0] word);
         `EVCOT_FREG_RECENT_SUPPORT: filter_low = 32'd1;
         `EVCOT_FREG_DECAY_RATE: filter_low = 32'd1;
         `EVCOT_FREG_DECAY_SUPPORT: filter_low = 32'd1;
+        `EVCOT_FREG_ROWCOL_RADIUS: filter_low = 32'd1;
+        `EVCOT_FREG_ROWCOL_SUPPORT: filter_low = 32'd1;
         default: filter_low = 32'd0;
     endcase
 endfunction
 
 function [31:0] filter_high(input [`EVCOT_FREG_W-1:0] word);
     case (word)
-        `EVCOT_FREG_ENABLE: filter_high = 32'd127;
+        `EVCOT_FREG_ENABLE: filter_high = 32'd255;
         `EVCOT_FREG_REGION_X0: filter_high = 32'd65535;
         `EVCOT_FREG_REGION_X1: filter_high = 32'd65535;
         `EVCOT_FREG_REGION_Y0: filter_high = 32'd65535;
@@ -116,6 +122,10 @@ function [31:0] filter_high(input [`EVCOT_FREG_W-1:0] word);
         `EVCOT_FREG_DECAY_EPSILON: filter_high = 32'd255;
         `EVCOT_FREG_DECAY_SUPPORT: filter_high = 32'd2048;
         `EVCOT_FREG_MASK: filter_high = 32'd4294967295;
+        `EVCOT_FREG_ROWCOL_TICKS: filter_high = 32'hffffffff >> (33 - STAMP_W);
+        `EVCOT_FREG_ROWCOL_RADIUS: filter_high = 32'd15;
+        `EVCOT_FREG_ROWCOL_SUPPORT: filter_high = 32'd6;
+        `EVCOT_FREG_STAMP_SHIFT: filter_high = 32'd15;
         default: filter_high = 32'hffffffff;
     endcase
 endfunction

@@ -6,14 +6,14 @@
 
 `define EVCOT_CSR_ID      32'h45564354
 `define EVCOT_CSR_MAJOR   16'd2
-`define EVCOT_CSR_MINOR   16'd0
+`define EVCOT_CSR_MINOR   16'd1
 `define EVCOT_CSR_ADDR_W  14
 
 // Banks: base address of the first of each kind; in each bank, the word that commits and the last register.
 `define EVCOT_BANK_FILTER 14'h200
 `define EVCOT_BANK_SLOT 14'h2000
 `define EVCOT_BANK_COMMIT 5'd31
-`define EVCOT_BANK_LAST 5'd15
+`define EVCOT_BANK_LAST 5'd19
 
 // Bit numbers of the sources.
 `define EVCOT_SOURCE_EVENTS 0

@@ -31,6 +31,7 @@ module evcot_top #(
     parameter HEIGHT       = 260,  // pixels of the sensor down
     parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
     parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter CELL_PX      = 0,    // side of a cell of the filters' memory in pixels: 1, 2 or 4; 0: a time stamp per pixel
     parameter FIFO_DEPTH   = 256,  // tokens in the input FIFO
     parameter RECORD_DEPTH = 16,   // records that may wait for m_axis_records
     parameter DATA_W       = 64,   // bits of a beat of m_axis_records: 32, 64, 128 or 256
@@ -106,7 +107,7 @@ module evcot_top #(
     output wire                m_axis_passed_tlast
 );
 
-    parameter_check #(.OK(HAS >= 0 && HAS <= 127)) HAS_must_be_0_to_127 ();
+    parameter_check #(.OK(HAS >= 0 && HAS <= 255)) HAS_must_be_0_to_255 ();
     parameter_check #(.OK(WIDTH >= 1 && WIDTH <= (1 << X_W))) WIDTH_must_be_1_to_2_to_the_X_W ();
     parameter_check #(.OK(HEIGHT >= 1 && HEIGHT <= (1 << Y_W))) HEIGHT_must_be_1_to_2_to_the_Y_W ();
     parameter_check #(.OK(FIFO_DEPTH >= 1 && FIFO_DEPTH <= 16384)) FIFO_DEPTH_must_be_1_to_16384 ();
@@ -164,6 +165,7 @@ module evcot_top #(
         .HEIGHT      (HEIGHT),
         .STAMP_W     (STAMP_W),
         .RECENT_DEPTH(RECENT_DEPTH),
+        .CELL_PX     (CELL_PX),
         .FIFO_DEPTH  (FIFO_DEPTH)
     ) u_regs (
         .clk             (clk),
@@ -367,6 +369,7 @@ module evcot_top #(
         .HEIGHT      (HEIGHT),
         .STAMP_W     (STAMP_W),
         .RECENT_DEPTH(RECENT_DEPTH),
+        .CELL_PX     (CELL_PX),
         .N           (N),
         .X_W         (X_W),
         .Y_W         (Y_W),

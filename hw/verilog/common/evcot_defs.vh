@@ -42,6 +42,8 @@
 `define EVCOT_STAMP_W_MAX 32 // bits of a time stamp in a filter's memory
 `define EVCOT_RECENT_DEPTH_MIN 1
 `define EVCOT_RECENT_DEPTH_MAX 256 // events in the FIFO of recent events
+`define EVCOT_CELL_PX_MIN 0
+`define EVCOT_CELL_PX_MAX 4 // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter
 
 // States of the tracker FSM.
 `define EVCOT_ST_W 3
@@ -92,6 +94,7 @@
 `define EVCOT_FILTER_ACTIVITY 3'd4
 `define EVCOT_FILTER_RECENT 3'd5
 `define EVCOT_FILTER_DECAY 3'd6
+`define EVCOT_FILTER_ROWCOL 3'd7
 
 // Word addresses of the registers of a filter chain.
 `define EVCOT_FREG_W 5
@@ -111,5 +114,9 @@
 `define EVCOT_FREG_DECAY_EPSILON 5'd13
 `define EVCOT_FREG_DECAY_SUPPORT 5'd14
 `define EVCOT_FREG_MASK 5'd15
+`define EVCOT_FREG_ROWCOL_TICKS 5'd16
+`define EVCOT_FREG_ROWCOL_RADIUS 5'd17
+`define EVCOT_FREG_ROWCOL_SUPPORT 5'd18
+`define EVCOT_FREG_STAMP_SHIFT 5'd19
 
 `endif

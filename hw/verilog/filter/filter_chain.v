@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seven filters in series, in the order of docs/filters.md: each sees only the events that the previous ones kept.
+// The eight filters in series, in the order of docs/filters.md: each sees only the events that the previous ones kept.
 //
 // HAS says which filters are built; one that is not passes its tokens on by wire, and its bit in `enable` has no effect.
 //
-// Latency:    the sum of those of the filters that are built, enabled or not: 38 clocks from s_ to m_ for all seven.
+// Latency:    the sum of those of the filters that are built, enabled or not: 52 clocks from s_ to m_ for all eight. With CELL_PX
+//             > 0, filter_cells is in the place of refractory and activity, and decay takes as long as its header says.
 // Throughput: that of the slowest filter: 1 token per clock, with the rare stalls of stamp_walk.v and a clock for each mark.
 // Stall:      a token is held until accepted; back-pressure fills the filters one by one.
 // Reset:      disables all filters and empties all memories, pixel by pixel. Until that is done idle is low, tokens wait
@@ -13,14 +14,15 @@
 `include "evcot_defs.vh"
 
 module filter_chain #(
-    parameter HAS          = 127,  // filters to build, one bit each in the order of EVCOT_FILTER_*
+    parameter HAS          = 255,  // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter X_W          = 9,    // bits of an x address
     parameter Y_W          = 9,    // bits of a y address
     parameter TICK_W       = 20,   // bits of the tick input
     parameter WIDTH        = 346,  // pixels of the sensor across
     parameter HEIGHT       = 260,  // pixels of the sensor down
     parameter STAMP_W      = 20,   // bits of a time stamp in a filter's memory
-    parameter RECENT_DEPTH = 32    // events in the FIFO of recent events
+    parameter RECENT_DEPTH = 32,   // events in the FIFO of recent events
+    parameter CELL_PX      = 0     // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -53,7 +55,7 @@ module filter_chain #(
     output wire              idle  // nothing inside, no mark under way, all memories empty after reset
 );
 
-    parameter_check #(.OK(HAS >= 0 && HAS <= 127)) HAS_must_be_0_to_127 ();
+    parameter_check #(.OK(HAS >= 0 && HAS <= 255)) HAS_must_be_0_to_255 ();
     parameter_check #(.OK(X_W >= `EVCOT_X_W_MIN && X_W <= `EVCOT_X_W_MAX)) X_W_must_be_1_to_16 ();
     parameter_check #(.OK(Y_W >= `EVCOT_Y_W_MIN && Y_W <= `EVCOT_Y_W_MAX)) Y_W_must_be_1_to_16 ();
     parameter_check #(.OK(TICK_W >= `EVCOT_TICK_W_MIN && TICK_W <= `EVCOT_TICK_W_MAX)) TICK_W_must_be_1_to_32 ();
@@ -64,8 +66,12 @@ module filter_chain #(
         .OK(RECENT_DEPTH >= `EVCOT_RECENT_DEPTH_MIN && RECENT_DEPTH <= `EVCOT_RECENT_DEPTH_MAX)
     ) RECENT_DEPTH_must_be_1_to_256 ();
 
+    parameter_check #(
+        .OK(CELL_PX == `EVCOT_CELL_PX_MIN || CELL_PX == 1 || CELL_PX == 2 || CELL_PX == `EVCOT_CELL_PX_MAX)
+    ) CELL_PX_must_be_0_to_4_and_not_3 ();
+
     localparam [31:0] FILTERS = HAS;
-    localparam [6:0]  BUILT   = FILTERS[6:0];
+    localparam [7:0]  BUILT   = FILTERS[7:0];
 
     localparam REGION     = `EVCOT_FILTER_REGION;
     localparam POLARITY   = `EVCOT_FILTER_POLARITY;
@@ -74,14 +80,20 @@ module filter_chain #(
     localparam ACTIVITY   = `EVCOT_FILTER_ACTIVITY;
     localparam RECENT     = `EVCOT_FILTER_RECENT;
     localparam DECAY      = `EVCOT_FILTER_DECAY;
+    localparam ROWCOL     = `EVCOT_FILTER_ROWCOL;
+
+    // With cells the filters refractory and activity are one, in the place of refractory (or of activity, if that is built alone).
+    localparam JOINED = CELL_PX != 0 && BUILT[REFRACTORY];
 
     // ---- registers ---------------------------------------------------------------------------------------------------
 
-    wire [6:0]         enable;
+    wire [7:0]         enable;
     wire [15:0]        region_x0, region_x1, region_y0, region_y1;
     wire               polarity;
-    wire [STAMP_W-2:0] refractory_ticks, activity_ticks, recent_ticks;
-    wire [3:0]         activity_support, recent_radius;
+    wire [STAMP_W-2:0] refractory_ticks, activity_ticks, recent_ticks, rowcol_ticks;
+    wire [3:0]         activity_support, recent_radius, rowcol_radius;
+    wire [2:0]         rowcol_support;
+    wire [3:0]         stamp_shift;
     wire [8:0]         recent_support;
     wire [24:0]        decay_rate;
     wire [7:0]         decay_epsilon;
@@ -113,6 +125,10 @@ module filter_chain #(
         .decay_rate      (decay_rate),
         .decay_epsilon   (decay_epsilon),
         .decay_support   (decay_support),
+        .rowcol_ticks    (rowcol_ticks),
+        .rowcol_radius   (rowcol_radius),
+        .rowcol_support  (rowcol_support),
+        .stamp_shift     (stamp_shift),
         .mask_valid      (mask_valid),
         .mask_x          (mask_x),
         .mask_y          (mask_y),
@@ -121,12 +137,12 @@ module filter_chain #(
 
     // ---- the row: what leaves a filter enters the next ---------------------------------------------------------------
 
-    wire [6:0]          in_valid, in_ready, in_event, in_skip, in_p;
-    wire [6:0]          out_valid, out_ready, out_event, out_skip, out_p;
-    wire [7*TICK_W-1:0] in_tick, out_tick;
-    wire [7*X_W-1:0]    in_x, out_x;
-    wire [7*Y_W-1:0]    in_y, out_y;
-    wire [6:0]          filter_idle;
+    wire [7:0]          in_valid, in_ready, in_event, in_skip, in_p;
+    wire [7:0]          out_valid, out_ready, out_event, out_skip, out_p;
+    wire [8*TICK_W-1:0] in_tick, out_tick;
+    wire [8*X_W-1:0]    in_x, out_x;
+    wire [8*Y_W-1:0]    in_y, out_y;
+    wire [7:0]          filter_idle;
 
     assign {m_valid, in_valid}  = {out_valid, s_valid};
     assign {out_ready, s_ready} = {m_ready, in_ready};
@@ -140,8 +156,8 @@ module filter_chain #(
 
     genvar k;
     generate
-        for (k = 0; k < 7; k = k + 1) begin : g_wire
-            if (!BUILT[k]) begin : g_past
+        for (k = 0; k < 8; k = k + 1) begin : g_wire
+            if (!BUILT[k] || (k == ACTIVITY && JOINED)) begin : g_past
                 assign out_valid[k]                 = in_valid[k];
                 assign in_ready[k]                  = out_ready[k];
                 assign out_tick[k*TICK_W +: TICK_W] = in_tick[k*TICK_W +: TICK_W];
@@ -248,7 +264,7 @@ module filter_chain #(
                 .idle      (filter_idle[MASK])
             );
         end
-        if (BUILT[REFRACTORY]) begin : g_refractory
+        if (BUILT[REFRACTORY] && CELL_PX == 0) begin : g_refractory
             filter_refractory #(
                 .X_W    (X_W),
                 .Y_W    (Y_W),
@@ -280,7 +296,46 @@ module filter_chain #(
                 .idle            (filter_idle[REFRACTORY])
             );
         end
-        if (BUILT[ACTIVITY]) begin : g_activity
+        if (CELL_PX != 0 && (BUILT[REFRACTORY] || BUILT[ACTIVITY])) begin : g_cells
+            localparam AT = JOINED ? REFRACTORY : ACTIVITY;
+
+            filter_cells #(
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .TICK_W (TICK_W),
+                .WIDTH  (WIDTH),
+                .HEIGHT (HEIGHT),
+                .STAMP_W(STAMP_W),
+                .CELL_PX(CELL_PX)
+            ) u_cells (
+                .clk              (clk),
+                .rst              (rst),
+                .enable_refractory(enable[REFRACTORY] && BUILT[REFRACTORY]),
+                .enable_activity  (enable[ACTIVITY] && BUILT[ACTIVITY]),
+                .refractory_ticks (refractory_ticks),
+                .activity_ticks   (activity_ticks),
+                .activity_support (activity_support),
+                .stamp_shift      (stamp_shift),
+                .s_valid          (in_valid[AT]),
+                .s_ready          (in_ready[AT]),
+                .s_tick           (in_tick[AT*TICK_W +: TICK_W]),
+                .s_event          (in_event[AT]),
+                .s_skip           (in_skip[AT]),
+                .s_x              (in_x[AT*X_W +: X_W]),
+                .s_y              (in_y[AT*Y_W +: Y_W]),
+                .s_p              (in_p[AT]),
+                .m_valid          (out_valid[AT]),
+                .m_ready          (out_ready[AT]),
+                .m_tick           (out_tick[AT*TICK_W +: TICK_W]),
+                .m_event          (out_event[AT]),
+                .m_skip           (out_skip[AT]),
+                .m_x              (out_x[AT*X_W +: X_W]),
+                .m_y              (out_y[AT*Y_W +: Y_W]),
+                .m_p              (out_p[AT]),
+                .idle             (filter_idle[AT])
+            );
+        end
+        if (BUILT[ACTIVITY] && CELL_PX == 0) begin : g_activity
             filter_activity #(
                 .X_W    (X_W),
                 .Y_W    (Y_W),
@@ -348,11 +403,12 @@ module filter_chain #(
         end
         if (BUILT[DECAY]) begin : g_decay
             filter_decay #(
-                .X_W   (X_W),
-                .Y_W   (Y_W),
-                .TICK_W(TICK_W),
-                .WIDTH (WIDTH),
-                .HEIGHT(HEIGHT)
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .TICK_W (TICK_W),
+                .WIDTH  (WIDTH),
+                .HEIGHT (HEIGHT),
+                .CELL_PX(CELL_PX)
             ) u_decay (
                 .clk          (clk),
                 .rst          (rst),
@@ -379,12 +435,46 @@ module filter_chain #(
                 .idle         (filter_idle[DECAY])
             );
         end
+        if (BUILT[ROWCOL]) begin : g_rowcol
+            filter_rowcol #(
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .TICK_W (TICK_W),
+                .WIDTH  (WIDTH),
+                .HEIGHT (HEIGHT),
+                .STAMP_W(STAMP_W)
+            ) u_rowcol (
+                .clk           (clk),
+                .rst           (rst),
+                .enable        (enable[ROWCOL]),
+                .rowcol_ticks  (rowcol_ticks),
+                .rowcol_radius (rowcol_radius),
+                .rowcol_support(rowcol_support),
+                .s_valid       (in_valid[ROWCOL]),
+                .s_ready       (in_ready[ROWCOL]),
+                .s_tick        (in_tick[ROWCOL*TICK_W +: TICK_W]),
+                .s_event       (in_event[ROWCOL]),
+                .s_skip        (in_skip[ROWCOL]),
+                .s_x           (in_x[ROWCOL*X_W +: X_W]),
+                .s_y           (in_y[ROWCOL*Y_W +: Y_W]),
+                .s_p           (in_p[ROWCOL]),
+                .m_valid       (out_valid[ROWCOL]),
+                .m_ready       (out_ready[ROWCOL]),
+                .m_tick        (out_tick[ROWCOL*TICK_W +: TICK_W]),
+                .m_event       (out_event[ROWCOL]),
+                .m_skip        (out_skip[ROWCOL]),
+                .m_x           (out_x[ROWCOL*X_W +: X_W]),
+                .m_y           (out_y[ROWCOL*Y_W +: Y_W]),
+                .m_p           (out_p[ROWCOL]),
+                .idle          (filter_idle[ROWCOL])
+            );
+        end
     endgenerate
 
     // What the filters that are not built would read.
     wire unused = &{1'b0, enable, region_x0, region_x1, region_y0, region_y1, polarity, refractory_ticks, activity_ticks,
                     activity_support, recent_ticks, recent_radius, recent_support, decay_rate, decay_epsilon, decay_support,
-                    mask_valid, mask_x, mask_y, mask_hot};
+                    rowcol_ticks, rowcol_radius, rowcol_support, stamp_shift, mask_valid, mask_x, mask_y, mask_hot};
 
 endmodule
 

@@ -5,12 +5,16 @@
 // Time is measured in units of 1/32 of a half-life, in which the stamps are stored. A weight is halved once per 32 units, so after 257
 // it is 0, and stamps of 9 bits, exact below an age of 384, are sufficient for any rate: see stamp_walk.v.
 //
-// Latency:    13 clocks from s_ to m_: products and sum of the clock, 6 of the memory, table, halving, sums, sum, decision.
+// With CELL_PX > 0 the memory is cell_memory.v: stamps of 9, 7 or 5 bits of cells of 1, 2 or 4 pixels, in units of 1/32, 1/8 or
+// 1/2 of a half-life; the 9 cells around an event count, its own if that cell's last event was on another pixel.
+//
+// Latency:    13 clocks from s_ to m_: products and sum of the clock, 6 of the memory, table, halving, sums, sum, decision; with
+//             CELL_PX > 0 it is 16, 9 of the memory.
 // Throughput: 1 token per clock; for stalls by the walk over the memory, which are rare, see stamp_walk.v.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty and clears the memory: ceil(WIDTH/4) * ceil(HEIGHT/4) + 6 clocks with idle low, in which two
 //             tokens at most are taken.
-// RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * 9 bits. Two multipliers, TICK_W x 13 and TICK_W x 12 bits.
+// RAM:        16 * ceil(WIDTH/4) * ceil(HEIGHT/4) * 9 bits; with cells as many bits for WIDTH and HEIGHT in cells. Two multipliers, TICK_W x 13 and TICK_W x 12 bits.
 // Combinational paths: none; s_ready comes from registers alone, and all m_ outputs are registers.
 `default_nettype none
 `include "evcot_defs.vh"
@@ -20,7 +24,8 @@ module filter_decay #(
     parameter Y_W    = 9,    // bits of a y address
     parameter TICK_W = 20,   // bits of the tick input
     parameter WIDTH  = 346,  // pixels of the sensor across
-    parameter HEIGHT = 260   // pixels of the sensor down
+    parameter HEIGHT = 260,  // pixels of the sensor down
+    parameter CELL_PX = 0    // side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -60,8 +65,11 @@ module filter_decay #(
 
     localparam TOKEN_W   = TICK_W + X_W + Y_W + 4;
     localparam PRODUCT_W = TICK_W + 25;
-    localparam UNITS_W   = PRODUCT_W + 1 - CLOCK_FRAC;  // of one token
-    localparam STAMP_W   = 9;
+    localparam COARSE    = (CELL_PX == 4) ? 4 : (CELL_PX == 2) ? 2 : 0;  // log2 of the units of 1/32 half-life in a step of a stamp
+    localparam FRAC      = CLOCK_FRAC + COARSE;
+    localparam CLOCK_W   = (PRODUCT_W > FRAC ? PRODUCT_W : FRAC) + 1;
+    localparam UNITS_W   = CLOCK_W - FRAC;              // of one token
+    localparam STAMP_W   = 9 - COARSE;
 
     // ---- how many units pass -----------------------------------------------------------------------------------------
 
@@ -69,12 +77,13 @@ module filter_decay #(
     reg [TOKEN_W-1:0]    scaled, passed;
     reg [TICK_W+12:0]    low_product;
     reg [TICK_W+11:0]    high_product;
-    reg [CLOCK_FRAC-1:0] fraction;  // of a unit, that has passed so far
+    reg [FRAC-1:0]       fraction;  // of a unit, that has passed so far
     reg [UNITS_W-1:0]    units;
 
     wire               memory_ready;
     wire               moves = memory_ready || !passed_valid;
-    wire [PRODUCT_W:0] clock = {{UNITS_W{1'b0}}, fraction} + {13'd0, low_product} + {1'b0, high_product, 13'd0};
+    wire [CLOCK_W-1:0] clock = {{UNITS_W{1'b0}}, fraction} + {{(CLOCK_W - TICK_W - 13) {1'b0}}, low_product}
+                             + {{(CLOCK_W - PRODUCT_W) {1'b0}}, high_product, 13'd0};
 
     assign s_ready = moves;
 
@@ -87,13 +96,13 @@ module filter_decay #(
 
             passed_valid <= scaled_valid;
             passed       <= scaled;
-            units        <= clock[PRODUCT_W:CLOCK_FRAC];
-            if (scaled_valid) fraction <= clock[CLOCK_FRAC-1:0];
+            units        <= clock[CLOCK_W-1:FRAC];
+            if (scaled_valid) fraction <= clock[FRAC-1:0];
         end
         if (rst) begin
             scaled_valid <= 1'b0;
             passed_valid <= 1'b0;
-            fraction     <= {CLOCK_FRAC{1'b0}};
+            fraction     <= {FRAC{1'b0}};
         end
     end
 
@@ -105,33 +114,82 @@ module filter_decay #(
     wire [15:0]           near;
     wire [16*STAMP_W-1:0] age;
 
-    stamp_memory #(
-        .X_W      (X_W),
-        .Y_W      (Y_W),
-        .WIDTH    (WIDTH),
-        .HEIGHT   (HEIGHT),
-        .STAMP_W  (STAMP_W),
-        .SEGMENT_W(6),
-        .STEP_W   (UNITS_W),
-        .DATA_W   (TOKEN_W)
-    ) u_memory (
-        .clk     (clk),
-        .rst     (rst),
-        .advance (space),
-        .s_valid (passed_valid),
-        .s_ready (memory_ready),
-        .s_step  (units),
-        .s_access(passed[TOKEN_W-1]),
-        .s_x     (passed[Y_W+1 +: X_W]),
-        .s_y     (passed[1 +: Y_W]),
-        .s_data  (passed),
-        .m_valid (old_valid),
-        .m_data  (old),
-        .m_inside(old_inside),
-        .m_near  (near),
-        .m_age   (age),
-        .idle    (memory_idle)
-    );
+    generate
+        if (CELL_PX == 0) begin : g_pixels
+            stamp_memory #(
+                .X_W      (X_W),
+                .Y_W      (Y_W),
+                .WIDTH    (WIDTH),
+                .HEIGHT   (HEIGHT),
+                .STAMP_W  (STAMP_W),
+                .SEGMENT_W(6),
+                .STEP_W   (UNITS_W),
+                .DATA_W   (TOKEN_W)
+            ) u_memory (
+                .clk     (clk),
+                .rst     (rst),
+                .advance (space),
+                .s_valid (passed_valid),
+                .s_ready (memory_ready),
+                .s_step  (units),
+                .s_access(passed[TOKEN_W-1]),
+                .s_x     (passed[Y_W+1 +: X_W]),
+                .s_y     (passed[1 +: Y_W]),
+                .s_data  (passed),
+                .m_valid (old_valid),
+                .m_data  (old),
+                .m_inside(old_inside),
+                .m_near  (near),
+                .m_age   (age),
+                .idle    (memory_idle)
+            );
+        end else begin : g_cells
+            wire stays;
+            wire unused = &{1'b0, stays};
+
+            cell_memory #(
+                .X_W    (X_W),
+                .Y_W    (Y_W),
+                .WIDTH  (WIDTH),
+                .HEIGHT (HEIGHT),
+                .CELL_PX(CELL_PX),
+                .STEP_W (UNITS_W),
+                .DATA_W (TOKEN_W)
+            ) u_memory (
+                .clk      (clk),
+                .rst      (rst),
+                .advance  (space),
+                .silence  ({STAMP_W{1'b0}}),
+                .s_valid  (passed_valid),
+                .s_ready  (memory_ready),
+                .s_step   (units),
+                .s_access (passed[TOKEN_W-1]),
+                .s_x      (passed[Y_W+1 +: X_W]),
+                .s_y      (passed[1 +: Y_W]),
+                .s_data   (passed),
+                .m_valid  (old_valid),
+                .m_data   (old),
+                .m_inside (old_inside),
+                .m_stays  (stays),
+                .m_reached(near),
+                .m_age    (age),
+                .idle     (memory_idle)
+            );
+        end
+    endgenerate
+
+    wire [16*5-1:0] fine;  // the ages' units of 1/32 half-life within one
+
+    genvar b;
+    generate
+        for (b = 0; b < 16; b = b + 1) begin : g_fine
+            if (COARSE == 0) begin : g_all
+                assign fine[b*5 +: 5] = age[b*STAMP_W +: 5];
+            end else begin : g_some
+                assign fine[b*5 +: 5] = {age[b*STAMP_W +: 5 - COARSE], {COARSE{1'b0}}};
+            end
+        end
+    endgenerate
 
     // ---- their weights -----------------------------------------------------------------------------------------------
 
@@ -150,8 +208,8 @@ module filter_decay #(
         reg [8:0] halved;
         if (space) begin
             for (k = 0; k < 16; k = k + 1) begin
-                full[k*9 +: 9]     <= near[k] ? decay_weight(age[k*9 +: 5]) : 9'd0;
-                halvings[k*4 +: 4] <= near[k] ? age[k*9 + 5 +: 4] : 4'd0;  // what is no neighbour may never have been read
+                full[k*9 +: 9]     <= near[k] ? decay_weight(fine[k*5 +: 5]) : 9'd0;
+                halvings[k*4 +: 4] <= near[k] ? age[k*STAMP_W + 5 - COARSE +: 4] : 4'd0;  // else never read, perhaps
 
                 halved = full[k*9 +: 9] >> halvings[k*4 +: 4];
                 weight[k*9 +: 9] <= (halved > {1'b0, decay_epsilon}) ? halved : 9'd0;

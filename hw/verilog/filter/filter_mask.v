@@ -4,8 +4,8 @@
 // The RAM has one port, so reads and writes never collide: a mark stalls the tokens for a clock. It applies to every token that
 // is accepted in the same clock or later; for a token inside, it may apply. Marks beyond WIDTH x HEIGHT are ignored.
 //
-// Latency:    4 clocks from s_ to m_: the pixel's address, the RAM, which of its blocks, the decision.
-// Throughput: 1 token per clock, except for the clock after a mark.
+// Latency:    6 clocks from s_ to m_: product, the pixel's address, the RAM and its output, which of its parts, the decision.
+// Throughput: 1 token per clock, except for the second clock after a mark.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty, then unmarks every pixel, one a clock. Meanwhile idle and s_ready are low and marks are lost.
 // Combinational paths: mask_valid -> idle; s_ready and all m_ outputs are registers.
@@ -61,6 +61,8 @@ module filter_mask #(
     localparam PIXELS  = WIDTH * HEIGHT;
     localparam ADDR_W  = (PIXELS > 1) ? $clog2(PIXELS) : 1;
     localparam TOKEN_W = TICK_W + 1 + X_W + Y_W + 1;
+    localparam PART_W  = 14;  // log2 of the pixels in a block RAM
+    localparam PARTS   = (PIXELS + (1 << PART_W) - 1) >> PART_W;
 
     localparam [31:0] LAST    = PIXELS - 1;
     localparam [31:0] COLUMNS = WIDTH;
@@ -70,24 +72,29 @@ module filter_mask #(
 
     // ---- marks, and the walk that unmarks all pixels after reset -----------------------------------------------------
 
-    reg walks, marks, mark_hot;
-    reg [ADDR_W-1:0] mark_at;
+    reg              walks, marks, mark_hot, comes, comes_hot;
+    reg [ADDR_W-1:0] mark_at, comes_product, comes_column;
 
-    wire [31:0] mask_column = {16'd0, mask_x};
-    wire [31:0] mask_row    = {17'd0, mask_y};
-    wire [31:0] mask_at     = mask_row * COLUMNS + mask_column;
+    wire [31:0] mask_column  = {16'd0, mask_x};
+    wire [31:0] mask_row     = {17'd0, mask_y};
+    wire [31:0] mask_product = mask_row * COLUMNS;
 
     always @(posedge clk) begin
+        comes         <= mask_valid && !walks && mask_column < COLUMNS && mask_row < ROWS;
+        comes_hot     <= mask_hot;
+        comes_product <= mask_product[ADDR_W-1:0];
+        comes_column  <= mask_column[ADDR_W-1:0];
         if (walks) begin
-            walks   <= mark_at != LAST[ADDR_W-1:0];
-            marks   <= mark_at != LAST[ADDR_W-1:0];
-            mark_at <= mark_at + 1'b1;
+            walks    <= mark_at != LAST[ADDR_W-1:0];
+            marks    <= mark_at != LAST[ADDR_W-1:0];
+            mark_at  <= mark_at + 1'b1;
         end else begin
-            marks    <= mask_valid && mask_column < COLUMNS && mask_row < ROWS;
-            mark_at  <= mask_at[ADDR_W-1:0];
-            mark_hot <= mask_hot;
+            marks    <= comes;
+            mark_at  <= comes_product + comes_column;
+            mark_hot <= comes_hot;
         end
         if (rst) begin
+            comes    <= 1'b0;
             walks    <= 1'b1;
             marks    <= 1'b1;
             mark_at  <= {ADDR_W{1'b0}};
@@ -95,77 +102,103 @@ module filter_mask #(
         end
     end
 
-    // ---- tokens: address, RAM, decision ------------------------------------------------------------------------------
+    // ---- tokens: product, address, RAM and its output, which part, decision ------------------------------------------
 
-    reg addressed_valid, addressed_event, addressed_outside;
-    reg read_valid, read_event, read_outside;
-    reg known_valid, known_event, hot;
-    reg [TOKEN_W-1:0] addressed, read, known;
-    reg [ADDR_W-1:0] address;
-    reg memory [0:PIXELS-1];
-    reg marked;
+    reg [4:0]           valid, is_event;  // by stage
+    reg [3:0]           outside;
+    reg [5*TOKEN_W-1:0] token;
+    reg [ADDR_W-1:0]    product, across, address;
+    reg                 hot;
 
     wire space;
     wire advance = space && !marks;
 
-    wire [31:0] column = {{(32 - X_W) {1'b0}}, s_x};
-    wire [31:0] row    = {{(32 - Y_W) {1'b0}}, s_y};
-    wire [31:0] at     = row * COLUMNS + column;
+    wire [31:0] column   = {{(32 - X_W) {1'b0}}, s_x};
+    wire [31:0] row      = {{(32 - Y_W) {1'b0}}, s_y};
+    wire [31:0] row_base = row * COLUMNS;
 
-    wire [ADDR_W-1:0] port = marks ? mark_at : address;
+    wire [PARTS-1:0] marked;     // what each part holds
+    wire             is_marked;  // the part with the pixel
 
-    always @(posedge clk) begin
-        if (marks) memory[port] <= mark_hot;
-        else if (space) marked <= memory[port];
-    end
+    genvar p;
+    generate
+        for (p = 0; p < PARTS; p = p + 1) begin : g_part
+            localparam WORDS = (p == PARTS - 1) ? PIXELS - (p << PART_W) : 1 << PART_W;
+            localparam AT_W  = (WORDS > 1) ? $clog2(WORDS) : 1;
+            wire here;
+
+            block_memory #(
+                .W    (1),
+                .DEPTH(WORDS)
+            ) u_memory (
+                .clk          (clk),
+                .write        (marks && here),
+                .write_address(mark_at[AT_W-1:0]),
+                .write_data   (mark_hot),
+                .read_enable  (advance),
+                .read_address (address[AT_W-1:0]),
+                .out_enable   (advance),
+                .read_data    (marked[p])
+            );
+
+            if (PARTS == 1) begin : g_only
+                assign here = 1'b1;
+            end else begin : g_one_of
+                localparam [31:0] PART = p;
+                assign here = mark_at[ADDR_W-1:PART_W] == PART[ADDR_W-PART_W-1:0];
+            end
+        end
+        if (PARTS == 1) begin : g_one
+            assign is_marked = marked;
+        end else begin : g_choice
+            reg [ADDR_W-PART_W-1:0] read_part, held_part;
+            always @(posedge clk)
+                if (advance) begin
+                    read_part <= address[ADDR_W-1:PART_W];
+                    held_part <= read_part;
+                end
+            assign is_marked = marked[held_part];
+        end
+    endgenerate
 
     always @(posedge clk) begin
         if (advance) begin
-            addressed_valid   <= s_valid;
-            addressed_event   <= s_event;
-            addressed_outside <= column >= COLUMNS || row >= ROWS;
-            addressed         <= {s_tick, s_skip, s_x, s_y, s_p};
-            address           <= at[ADDR_W-1:0];
-            read_valid        <= addressed_valid;
-            read_event        <= addressed_event;
-            read_outside      <= addressed_outside;
-            read              <= addressed;
-            known_valid       <= read_valid;
-            known_event       <= read_event;
-            known             <= read;
-            hot               <= marked || read_outside;
+            valid    <= {valid[3:0], s_valid};
+            is_event <= {is_event[3:0], s_event};
+            outside  <= {outside[2:0], column >= COLUMNS || row >= ROWS};
+            token    <= {token[4*TOKEN_W-1:0], s_tick, s_skip, s_x, s_y, s_p};
+            product  <= row_base[ADDR_W-1:0];
+            across   <= column[ADDR_W-1:0];
+            address  <= product + across;
+            hot      <= is_marked || outside[3];
         end
-        if (rst) begin
-            addressed_valid <= 1'b0;
-            read_valid      <= 1'b0;
-            known_valid     <= 1'b0;
-        end
+        if (rst) valid <= 5'd0;
     end
 
     wire [TICK_W-1:0] tick;
     wire              skip;
     wire [X_W+Y_W:0]  rest;  // x, y, p
-    assign {tick, skip, rest} = known;
+    assign {tick, skip, rest} = token[4*TOKEN_W +: TOKEN_W];
 
-    wire drops = known_event && enable && hot;
+    wire drops = is_event[4] && enable && hot;
 
     skid_buffer #(
         .W(TICK_W + X_W + Y_W + 3)
     ) u_output (
         .clk    (clk),
         .rst    (rst),
-        .s_valid(known_valid && !marks),
+        .s_valid(valid[4] && !marks),
         .s_ready(space),
-        .s_data ({tick, known_event && !drops, skip || drops, rest}),
+        .s_data ({tick, is_event[4] && !drops, skip || drops, rest}),
         .m_valid(m_valid),
         .m_ready(m_ready),
         .m_data ({m_tick, m_event, m_skip, m_x, m_y, m_p})
     );
 
     assign s_ready = advance;
-    assign idle    = !mask_valid && !marks && !addressed_valid && !read_valid && !known_valid && !m_valid;
+    assign idle    = !mask_valid && !comes && !marks && valid == 5'd0 && !m_valid;
 
-    wire unused = &{1'b0, at, mask_at};
+    wire unused = &{1'b0, row_base, mask_product};
 
 endmodule
 

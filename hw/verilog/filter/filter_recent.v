@@ -13,7 +13,7 @@
 // A token of H ticks or more removes all. So an entry that is kept is less than 2H ticks old, recent_ticks less its age lies
 // between -2H and H, and modulo 4H its sign says whether the entry counts.
 //
-// Latency:    4 clocks from s_ to m_: time, comparison, count, decision.
+// Latency:    6 clocks from s_ to m_: time, comparison in two, count in two, decision.
 // Throughput: 1 token per clock.
 // Stall:      while the output is full, the pipeline stalls.
 // Reset:      becomes empty and clears the memory.
@@ -69,7 +69,7 @@ module filter_recent #(
     localparam TOKEN_W = TICK_W + 1 + X_W + Y_W + 1;
     localparam TIME_W  = STAMP_W + 1;
     localparam ENTRY_W = X_W + Y_W + TIME_W;
-    localparam COUNT_W = $clog2(DEPTH + 1);
+    localparam COUNT_W = (DEPTH > 15) ? $clog2(DEPTH + 1) : 4;  // room for a part of eight
     localparam WIDE_W  = (TICK_W > TIME_W ? TICK_W : TIME_W) + 1;  // room to compare ticks with H
     localparam DX_W    = (X_W > 4 ? X_W : 4) + 2;                  // room for x + recent_radius - any x
     localparam DY_W    = (Y_W > 4 ? Y_W : 4) + 2;
@@ -111,7 +111,7 @@ module filter_recent #(
     reg [DEPTH*ENTRY_W-1:0] entries;  // the newest first
     reg [DEPTH-1:0]         holds;    // entries that are not forgotten
 
-    wire [DEPTH-1:0] kept, near;
+    wire [DEPTH-1:0] kept, in_time, near_x, near_y, same_x, same_y;
 
     genvar i;
     generate
@@ -127,12 +127,13 @@ module filter_recent #(
             // 0 to 2 radii where it counts, 1 radius in the same column or row
             wire [DX_W-1:0]   from_x = last_x - {{(DX_W - X_W) {1'b0}}, entry_x};
             wire [DY_W-1:0]   from_y = last_y - {{(DY_W - Y_W) {1'b0}}, entry_y};
-            wire              near_x = !(|from_x[DX_W-1:5]) && from_x[4:0] <= {recent_radius, 1'b0};
-            wire              near_y = !(|from_y[DY_W-1:5]) && from_y[4:0] <= {recent_radius, 1'b0};
-            wire              same   = from_x[4:0] == {1'b0, recent_radius} && from_y[4:0] == {1'b0, recent_radius};
+            assign near_x[i] = !(|from_x[DX_W-1:5]) && from_x[4:0] <= {recent_radius, 1'b0};
+            assign near_y[i] = !(|from_y[DY_W-1:5]) && from_y[4:0] <= {recent_radius, 1'b0};
+            assign same_x[i] = from_x[4:0] == {1'b0, recent_radius};
+            assign same_y[i] = from_y[4:0] == {1'b0, recent_radius};
 
-            assign kept[i] = holds[i] && !jump && !quarters[1];
-            assign near[i] = kept[i] && !margin[TIME_W-1] && near_x && near_y && !same;
+            assign kept[i]    = holds[i] && !jump && !quarters[1];
+            assign in_time[i] = kept[i] && !margin[TIME_W-1];
 
             wire unused = &{1'b0, quarters[0], margin};
         end
@@ -142,22 +143,31 @@ module filter_recent #(
     wire [(DEPTH+1)*ENTRY_W-1:0] next_entries = {entries, timed[1 +: X_W+Y_W], now};
     wire [DEPTH:0]               next_holds   = {kept, 1'b1};
 
-    reg compared_valid, compared_event;
-    reg [TOKEN_W-1:0] compared;
-    reg [DEPTH-1:0] supporters;
+    reg               placed_valid, placed_event, compared_valid, compared_event;
+    reg [TOKEN_W-1:0] placed, compared;
+    reg [DEPTH-1:0]   is_in_time, is_near_x, is_near_y, is_same_x, is_same_y, supporters;
 
     always @(posedge clk) begin
         if (space) begin
-            compared_valid <= timed_valid;
-            compared_event <= timed_event;
-            compared       <= timed;
-            supporters     <= near;
+            placed_valid   <= timed_valid;
+            placed_event   <= timed_event;
+            placed         <= timed;
+            is_in_time     <= in_time;
+            is_near_x      <= near_x;
+            is_near_y      <= near_y;
+            is_same_x      <= same_x;
+            is_same_y      <= same_y;
+            compared_valid <= placed_valid;
+            compared_event <= placed_event;
+            compared       <= placed;
+            supporters     <= is_in_time & is_near_x & is_near_y & ~(is_same_x & is_same_y);
             if (timed_valid) begin
                 holds <= pushes ? next_holds[DEPTH-1:0] : kept;
                 if (pushes) entries <= next_entries[DEPTH*ENTRY_W-1:0];
             end
         end
         if (rst) begin
+            placed_valid   <= 1'b0;
             compared_valid <= 1'b0;
             holds          <= {DEPTH{1'b0}};
         end
@@ -165,25 +175,42 @@ module filter_recent #(
 
     // ---- count -------------------------------------------------------------------------------------------------------
 
-    reg counted_valid, counted_event;
-    reg [TOKEN_W-1:0] counted;
+    localparam PARTS = (DEPTH + 7) / 8;
+
+    reg               added_valid, added_event, counted_valid, counted_event;
+    reg [TOKEN_W-1:0] added, counted;
+    reg [4*PARTS-1:0] part, parts;  // sums of eight entries each
     reg [COUNT_W-1:0] support, sum;
 
+    wire [8*PARTS-1:0] of_eight = {{(8 * PARTS - DEPTH) {1'b0}}, supporters};
+
     always @* begin : add_up
-        integer k;
+        integer k, j;
         k   = 0;  // on every path, or it would be a latch
+        j   = 0;
         sum = {COUNT_W{1'b0}};
-        for (k = 0; k < DEPTH; k = k + 1) sum = sum + {{(COUNT_W - 1) {1'b0}}, supporters[k]};
+        for (k = 0; k < PARTS; k = k + 1) begin
+            part[4*k +: 4] = 4'd0;
+            for (j = 0; j < 8; j = j + 1) part[4*k +: 4] = part[4*k +: 4] + {3'd0, of_eight[8*k + j]};
+            sum = sum + {{(COUNT_W - 4) {1'b0}}, parts[4*k +: 4]};
+        end
     end
 
     always @(posedge clk) begin
         if (space) begin
-            counted_valid <= compared_valid;
-            counted_event <= compared_event;
-            counted       <= compared;
+            added_valid   <= compared_valid;
+            added_event   <= compared_event;
+            added         <= compared;
+            parts         <= part;
+            counted_valid <= added_valid;
+            counted_event <= added_event;
+            counted       <= added;
             support       <= sum;
         end
-        if (rst) counted_valid <= 1'b0;
+        if (rst) begin
+            added_valid   <= 1'b0;
+            counted_valid <= 1'b0;
+        end
     end
 
     // ---- decision ----------------------------------------------------------------------------------------------------
@@ -209,7 +236,7 @@ module filter_recent #(
     );
 
     assign s_ready = space;
-    assign idle    = !timed_valid && !compared_valid && !counted_valid && !m_valid;
+    assign idle    = !timed_valid && !placed_valid && !compared_valid && !added_valid && !counted_valid && !m_valid;
 
     wire unused = &{1'b0, next_entries[DEPTH*ENTRY_W +: ENTRY_W], next_holds[DEPTH]};
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The software-written registers of a filter chain: one write port, every value on an output.
 //
-// Writes take effect on the next clock. Reset disables all filters, stops the clock of filter_decay, which runs whether it is
-// enabled or not, and leaves the other registers as they are. Addresses and meanings: evcot_defs.vh, docs/filters.md. Values are stored unchecked: the host must check legal ranges. Bits of
-// cfg_data above a register's width are ignored. Register `mask` is not a value but a command: it is output for one clock.
+// Writes take effect on the next clock. Reset disables all filters, stops the clock of filter_decay, gives that of filter_cells
+// units of a tick, as both run whether enabled or not, and leaves the other registers as they are. Addresses and meanings:
+// evcot_defs.vh, docs/filters.md. Values are stored unchecked: the host must check legal ranges. Bits of cfg_data above a
+// register's width are ignored. Register `mask` is not a value but a command: it is output for one clock.
 //
 // Latency:    1 clock from a write to its effect.
 // Throughput: a write per clock.
@@ -23,7 +24,7 @@ module filter_regs #(
     input  wire [`EVCOT_FREG_W-1:0] cfg_addr,
     input  wire [31:0]        cfg_data,
 
-    output reg  [6:0]         enable,            // bit EVCOT_FILTER_*
+    output reg  [7:0]         enable,            // bit EVCOT_FILTER_*
     output reg  [15:0]        region_x0,
     output reg  [15:0]        region_x1,
     output reg  [15:0]        region_y0,
@@ -38,6 +39,10 @@ module filter_regs #(
     output reg  [24:0]        decay_rate,
     output reg  [7:0]         decay_epsilon,
     output reg  [11:0]        decay_support,
+    output reg  [STAMP_W-2:0] rowcol_ticks,
+    output reg  [3:0]         rowcol_radius,
+    output reg  [2:0]         rowcol_support,
+    output reg  [3:0]         stamp_shift,
     output reg                mask_valid,        // mark one pixel
     output reg  [15:0]        mask_x,
     output reg  [14:0]        mask_y,
@@ -50,7 +55,7 @@ module filter_regs #(
         mask_valid <= cfg_valid && cfg_addr == `EVCOT_FREG_MASK;
         if (cfg_valid)
             case (cfg_addr)
-                `EVCOT_FREG_ENABLE:           enable                     <= cfg_data[6:0];
+                `EVCOT_FREG_ENABLE:           enable                     <= cfg_data[7:0];
                 `EVCOT_FREG_REGION_X0:        region_x0                  <= cfg_data[15:0];
                 `EVCOT_FREG_REGION_X1:        region_x1                  <= cfg_data[15:0];
                 `EVCOT_FREG_REGION_Y0:        region_y0                  <= cfg_data[15:0];
@@ -65,13 +70,18 @@ module filter_regs #(
                 `EVCOT_FREG_DECAY_RATE:       decay_rate                 <= cfg_data[24:0];
                 `EVCOT_FREG_DECAY_EPSILON:    decay_epsilon              <= cfg_data[7:0];
                 `EVCOT_FREG_DECAY_SUPPORT:    decay_support              <= cfg_data[11:0];
+                `EVCOT_FREG_ROWCOL_TICKS:     rowcol_ticks               <= cfg_data[STAMP_W-2:0];
+                `EVCOT_FREG_ROWCOL_RADIUS:    rowcol_radius              <= cfg_data[3:0];
+                `EVCOT_FREG_ROWCOL_SUPPORT:   rowcol_support             <= cfg_data[2:0];
+                `EVCOT_FREG_STAMP_SHIFT:      stamp_shift                <= cfg_data[3:0];
                 `EVCOT_FREG_MASK:             {mask_hot, mask_y, mask_x} <= cfg_data;
                 default: ;
             endcase
         if (rst) begin
-            enable     <= 7'd0;
-            decay_rate <= 25'd0;
-            mask_valid <= 1'b0;
+            enable      <= 8'd0;
+            decay_rate  <= 25'd0;
+            stamp_shift <= 4'd0;
+            mask_valid  <= 1'b0;
         end
     end
 

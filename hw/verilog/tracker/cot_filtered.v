@@ -15,11 +15,12 @@
 
 module cot_filtered #(
     parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array or cot_chain
-    parameter HAS     = 127, // filters to build, one bit each in the order of EVCOT_FILTER_*
+    parameter HAS     = 255, // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH   = 346, // pixels of the sensor across
     parameter HEIGHT  = 260, // pixels of the sensor down
     parameter STAMP_W = 20,  // bits of a time stamp in a filter's memory
     parameter RECENT_DEPTH = 32,  // events in the FIFO of recent events
+    parameter CELL_PX = 0,   // side of a cell of the filters' memory in pixels; 0: a time stamp per pixel and filter
     parameter N       = 8,   // tracker slots
     parameter X_W     = 9,   // bits of an x address
     parameter Y_W     = 9,   // bits of a y address
@@ -107,7 +108,8 @@ module cot_filtered #(
         .WIDTH       (WIDTH),
         .HEIGHT      (HEIGHT),
         .STAMP_W     (STAMP_W),
-        .RECENT_DEPTH(RECENT_DEPTH)
+        .RECENT_DEPTH(RECENT_DEPTH),
+        .CELL_PX     (CELL_PX)
     ) u_filters (
         .clk      (clk),
         .rst      (rst),

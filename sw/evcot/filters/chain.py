@@ -19,6 +19,7 @@ from .recent import RecentFilter
 from .refractory import RefractoryFilter
 from .region import RegionFilter
 from .registers import FilterRegisters
+from .rowcol import RowColumnFilter
 
 __all__ = ["FILTERS", "FilterChain", "Total"]
 
@@ -30,6 +31,7 @@ FILTERS: dict[Filter, type[EventFilter]] = {
     Filter.ACTIVITY: ActivityFilter,
     Filter.RECENT: RecentFilter,
     Filter.DECAY: DecayFilter,
+    Filter.ROWCOL: RowColumnFilter,
 }
 
 

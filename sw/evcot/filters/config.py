@@ -10,7 +10,7 @@ from typing import Literal
 
 from ..errors import ConfigError
 from ..ranges import Range, check_ranges
-from .contract import FILTER_REGISTERS, Filter, FilterShape
+from .contract import CELL_PX, CELL_STAMP_W, FILTER_REGISTERS, Filter, FilterShape
 from .decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE
 from .registers import FilterRegisters
 
@@ -28,6 +28,10 @@ FILTER_RANGES: dict[str, Range] = {
     "decay_tau_us": (0.0, 1e9, "time constant of a weight's decay; 0 is off"),
     "decay_epsilon": (0.0, 1.0, "weight up to which an event is discarded"),
     "decay_support": (1 / 256, 8.0, "sum of weights that an event needs"),
+    "rowcol_us": (0, 10**9, "oldest event of a row or column that supports an event; 0 is off"),
+    "rowcol_radius": (1, 15, "how near it must be along the row or column, pixels"),
+    "rowcol_support": (1, 6, "rows and columns whose last events an event needs"),
+    "cell_px": (0, 4, "side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter"),
 }
 
 
@@ -39,6 +43,8 @@ class FilterConfig:
         region: (x0, y0, x1, y1), first and last column and row that pass, in pixels; None is off.
         polarity: the polarity that passes; None is off.
         hot_pixels: (x, y) of the pixels that are masked.
+        cell_px: memories of refractory, activity and decay: 0, a time stamp per pixel in each; 1, 2 or 4, cells of this side,
+            with one memory for the first two.
 
     Raises:
         ConfigError: a value outside its range.
@@ -57,6 +63,10 @@ class FilterConfig:
     decay_tau_us: float = 0.0
     decay_epsilon: float = 0.1
     decay_support: float = 1.0
+    rowcol_us: int = 0
+    rowcol_radius: int = 1
+    rowcol_support: int = 1
+    cell_px: int = 0
 
     def __post_init__(self) -> None:
         if self.region is not None:
@@ -71,6 +81,8 @@ class FilterConfig:
         pixels = tuple(_addresses(pixel, 2, "filters.hot_pixels holds", "x, y") for pixel in self.hot_pixels)
         object.__setattr__(self, "hot_pixels", tuple(dict.fromkeys(pixels)))
         check_ranges("filters", self, FILTER_RANGES)
+        if self.cell_px not in CELL_PX:
+            raise ConfigError(f"filters.cell_px = {self.cell_px}: must be 0, 1, 2 or 4")
         if self.recent_support > self.recent_depth:
             raise ConfigError(
                 f"filters.recent_support = {self.recent_support}: must be at most recent_depth = {self.recent_depth}"
@@ -87,6 +99,7 @@ class FilterConfig:
             Filter.ACTIVITY: self.activity_us,
             Filter.RECENT: self.recent_us,
             Filter.DECAY: self.decay_tau_us,
+            Filter.ROWCOL: self.rowcol_us,
         }
         return tuple(which for which in Filter if on[which])
 
@@ -97,7 +110,7 @@ class FilterConfig:
 
     def shape(self, width: int, height: int) -> FilterShape:
         """The shape of the filter chain in hardware for a sensor of this size."""
-        return FilterShape(width, height, recent_depth=self.recent_depth)
+        return FilterShape(width, height, recent_depth=self.recent_depth, cell_px=self.cell_px)
 
     def registers(self, tick_us: int) -> FilterRegisters:
         """Convert to the hardware's integers: times to the nearest tick and weights to the nearest 1/256, halves up.
@@ -108,6 +121,7 @@ class FilterConfig:
             ConfigError: a time below one tick, or beyond the range of the time stamps.
         """
         x0, y0, x1, y1 = self.region or (0, 0, 65535, 65535)
+        refractory, activity = self._ticks("refractory", tick_us), self._ticks("activity", tick_us)
         return FilterRegisters(
             enable=sum(1 << which for which in self.filters),
             region_x0=x0,
@@ -115,8 +129,8 @@ class FilterConfig:
             region_y0=y0,
             region_y1=y1,
             polarity=int(self.polarity != "off"),
-            refractory_ticks=self._ticks("refractory", tick_us) or 1,
-            activity_ticks=self._ticks("activity", tick_us),
+            refractory_ticks=refractory or 1,
+            activity_ticks=activity,
             activity_support=self.activity_support,
             recent_ticks=self._ticks("recent", tick_us),
             recent_radius=self.recent_radius,
@@ -124,6 +138,10 @@ class FilterConfig:
             decay_rate=self._decay_rate(tick_us),
             decay_epsilon=min(255, math.floor(256 * self.decay_epsilon + 0.5)),
             decay_support=max(1, math.floor(256 * self.decay_support + 0.5)),
+            rowcol_ticks=self._ticks("rowcol", tick_us),
+            rowcol_radius=self.rowcol_radius,
+            rowcol_support=self.rowcol_support,
+            stamp_shift=self._stamp_shift(refractory, activity, tick_us),
             hot_pixels=self.hot_pixels,
         )
 
@@ -136,6 +154,22 @@ class FilterConfig:
                 f"filters.{name}_us = {us}: must be from {tick_us} to {high * tick_us}, 1 to {high} ticks of {tick_us} us"
             )
         return (2 * us + tick_us) // (2 * tick_us) if us else 0
+
+    def _stamp_shift(self, refractory: int, activity: int, tick_us: int) -> int:
+        """The finest unit with which the stamps of cells reach both times; 0 without cells."""
+        if not self.cell_px:
+            return 0
+        most = FilterShape(cell_px=self.cell_px).units_max
+        shift = 0
+        while refractory >> shift > most or activity >> shift >= most:
+            shift += 1
+        if refractory and not refractory >> shift:
+            unit = (1 << shift) * tick_us
+            stamps = f"one unit of stamps of {CELL_STAMP_W[self.cell_px]} bits that reach activity_us = {self.activity_us}"
+            raise ConfigError(
+                f"filters.refractory_us = {self.refractory_us}: must be at least {unit}, {stamps}; or a smaller cell_px"
+            )
+        return shift
 
     def _decay_rate(self, tick_us: int) -> int:
         """Units of the decay clock per tick, in 2^-24; 1 if the filter is off."""

@@ -9,9 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
+from ..errors import ConfigError
 from ..ranges import check_integer
 
 __all__ = [
+    "CELL_PX",
+    "CELL_STAMP_W",
     "FILTER_REGISTERS",
     "FILTER_SHAPE_RANGES",
     "Filter",
@@ -31,7 +34,14 @@ class Filter(IntEnum):
     ACTIVITY = 4
     RECENT = 5
     DECAY = 6
+    ROWCOL = 7
 
+
+CELL_STAMP_W: dict[int, int] = {1: 9, 2: 7, 4: 5}
+"""Side of a cell in pixels -> bits of its time stamp: with the place of the event within the cell, 9 bits."""
+
+CELL_PX = (0, *CELL_STAMP_W)
+"""Legal values of `FilterShape.cell_px`."""
 
 # Shape of a filter chain: field -> (lowest, highest, meaning). The RTL checks the same ranges at elaboration.
 FILTER_SHAPE_RANGES: dict[str, tuple[int, int, str]] = {
@@ -39,6 +49,7 @@ FILTER_SHAPE_RANGES: dict[str, tuple[int, int, str]] = {
     "height": (1, 65536, "pixels of the sensor down"),
     "stamp_w": (4, 32, "bits of a time stamp in a filter's memory"),
     "recent_depth": (1, 256, "events in the FIFO of recent events"),
+    "cell_px": (0, 4, "side of a cell in pixels: 1, 2 or 4; 0: a time stamp per pixel and filter"),
 }
 
 
@@ -47,18 +58,26 @@ class FilterShape:
     """Elaboration parameters of a filter chain in hardware.
 
     Raises:
-        ConfigError: a field lies outside `FILTER_SHAPE_RANGES`.
+        ConfigError: a field lies outside `FILTER_SHAPE_RANGES`, or cell_px is 3.
     """
 
     width: int = 346
     height: int = 260
     stamp_w: int = 20
     recent_depth: int = 32
+    cell_px: int = 0
 
     def __post_init__(self) -> None:
         for field in fields(self):
             low, high, meaning = FILTER_SHAPE_RANGES[field.name]
             check_integer(f"filter shape.{field.name}", getattr(self, field.name), low, high, meaning)
+        if self.cell_px not in CELL_PX:
+            raise ConfigError(f"filter shape.cell_px = {self.cell_px}: must be 0, 1, 2 or 4")
+
+    @property
+    def units_max(self) -> int:
+        """Units from which on an age in a cell counts as none: 384, 96 or 24; with a time stamp per pixel there is none."""
+        return 3 << (CELL_STAMP_W[self.cell_px] - 2)
 
 
 @dataclass(frozen=True)
@@ -95,6 +114,10 @@ FILTER_REGISTERS: dict[str, FilterRegister] = {
     "decay_epsilon": FilterRegister(13, 0, 255, "weight in 1/256 up to which an event is discarded"),
     "decay_support": FilterRegister(14, 1, 2048, "sum of weights in 1/256 that an event needs"),
     "mask": FilterRegister(15, 0, (1 << 32) - 1, "marks one pixel as hot, or not: see `mask_word`"),
+    "rowcol_ticks": FilterRegister(16, 0, None, "oldest event of a row or column that supports another"),
+    "rowcol_radius": FilterRegister(17, 1, 15, "how near along its row or column it must be"),
+    "rowcol_support": FilterRegister(18, 1, 6, "rows and columns whose last events an event needs"),
+    "stamp_shift": FilterRegister(19, 0, 15, "log2 of the ticks in a unit of the time stamps of cells"),
 }
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..errors import ConfigError
 from ..ranges import check_integer
-from .contract import FILTER_REGISTERS, Filter, FilterShape
+from .contract import CELL_STAMP_W, FILTER_REGISTERS, Filter, FilterShape
 
 __all__ = ["FilterRegisters"]
 
@@ -35,6 +35,10 @@ class FilterRegisters:
     decay_rate: int = 1
     decay_epsilon: int = 0
     decay_support: int = 1
+    rowcol_ticks: int = 0
+    rowcol_radius: int = 1
+    rowcol_support: int = 1
+    stamp_shift: int = 0
     hot_pixels: tuple[tuple[int, int], ...] = ()
 
     def enables(self, which: Filter) -> bool:
@@ -42,11 +46,27 @@ class FilterRegisters:
         return bool(self.enable >> which & 1)
 
     def check(self, shape: FilterShape) -> None:
-        """Raise ConfigError for the first register outside its limits, or hot pixel outside the sensor."""
+        """Raise ConfigError for the first register outside its limits, or hot pixel outside the sensor.
+
+        With cells, the times of refractory and activity, where enabled, must also be representable in units of the stamps.
+        """
         for name, register in FILTER_REGISTERS.items():
             if name == "mask":
                 continue
             check_integer(f"filters.{name}", getattr(self, name), *register.limits(shape), register.meaning)
+        if shape.cell_px:
+            self._check_units(shape)
         for x, y in self.hot_pixels:
             if not (0 <= x < shape.width and 0 <= y < shape.height):
                 raise ConfigError(f"filters.hot_pixels holds ({x}, {y}): must lie on the {shape.width}x{shape.height} sensor")
+
+    def _check_units(self, shape: FilterShape) -> None:
+        unit, most = 1 << self.stamp_shift, shape.units_max
+        times = {"refractory_ticks": (Filter.REFRACTORY, 1, most), "activity_ticks": (Filter.ACTIVITY, 0, most - 1)}
+        for name, (which, low, high) in times.items():
+            ticks = getattr(self, name)
+            if self.enables(which) and not low <= ticks >> self.stamp_shift <= high:
+                stamps = f"stamps of {CELL_STAMP_W[shape.cell_px]} bits in units of {unit} ticks"
+                raise ConfigError(
+                    f"filters.{name} = {ticks}: must be from {low * unit} to {(high + 1) * unit - 1}, with {stamps}"
+                )

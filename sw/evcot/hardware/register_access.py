@@ -65,6 +65,7 @@ class _Build(Group):
     filters = Bits("build", "filters")
     sources = Bits("build", "sources")
     tracker = Bits("build", "tracker")
+    cell_px = Bits("build", "cell_px")
 
 
 class _Sensor(Group):
@@ -216,6 +217,10 @@ class _Filters(Group):
     decay_epsilon = BankRegister("filter", "decay_epsilon")
     decay_support = BankRegister("filter", "decay_support")
     mask = BankRegister("filter", "mask")
+    rowcol_ticks = BankRegister("filter", "rowcol_ticks")
+    rowcol_radius = BankRegister("filter", "rowcol_radius")
+    rowcol_support = BankRegister("filter", "rowcol_support")
+    stamp_shift = BankRegister("filter", "stamp_shift")
 
     def commit(self) -> None:
         """Make all values written take effect, at one point between two events."""
@@ -284,8 +289,9 @@ class Registers(Group):
             )
         sensor = _Sensor(transport, 0, self.shape, self.filter_shape)
         memory = _Memory(transport, 0, self.shape, self.filter_shape)
+        cell_px = _Build(transport, 0, self.shape, self.filter_shape).cell_px
         self.shape = self._shape()
-        self.filter_shape = FilterShape(sensor.last_x + 1, sensor.last_y + 1, memory.stamp_w, memory.recent_last + 1)
+        self.filter_shape = FilterShape(sensor.last_x + 1, sensor.last_y + 1, memory.stamp_w, memory.recent_last + 1, cell_px)
         shapes = self.shape, self.filter_shape
         self.version = _Version(transport, 0, *shapes)
         self.shape0 = _Shape0(transport, 0, *shapes)

@@ -70,6 +70,13 @@ def refusal(capture: pytest.CaptureFixture[str], source: Path, *options: str) ->
             "--decay-tau 4 --decay-epsilon 0.3 --decay-support 0.7",
             FilterConfig(decay_tau_us=4_000, decay_epsilon=0.3, decay_support=0.7),
         ),
+        ("--activity 3 --refractory 2 --cell 2", FilterConfig(activity_us=3_000, refractory_us=2_000, cell_px=2)),
+        ("--decay-tau 4 --cell 4", FilterConfig(decay_tau_us=4_000, cell_px=4)),
+        ("--rowcol 3", FilterConfig(rowcol_us=3_000)),
+        (
+            "--rowcol 3 --rowcol-radius 5 --rowcol-support 2",
+            FilterConfig(rowcol_us=3_000, rowcol_radius=5, rowcol_support=2),
+        ),
         ("--polarity on --activity 3", FilterConfig(polarity="on", activity_us=3_000)),
     ],
 )

@@ -60,6 +60,19 @@ def test_all_engines_work_behind_the_same_filters(top: str) -> None:
     assert near(bare.software, HOT) > 10
 
 
+@pytest.mark.parametrize("side", [1, 2, 4])
+def test_hardware_and_model_have_the_same_memory_of_cells(side: int) -> None:
+    recording = noisy_blob()
+    filters = FilterConfig(refractory_us=5_000, activity_us=20_000, decay_tau_us=20_000.0, rowcol_us=90_000, cell_px=side)
+    config = replace(fit(for_sensor(128), 128, 128, 4), filters=filters)
+    run = run_cosim(recording, config, "cot_array")
+    _, keep = apply(recording, filters)
+    assert 0.02 < keep.mean() < 0.9
+    for log in (run.hardware, run.model, run.software):
+        np.testing.assert_array_equal(log.owner == DROPPED, ~keep)
+    assert np.array_equal(run.hardware.records, run.model.records)
+
+
 def test_a_config_file_puts_filters_in_front(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_recording(noisy_blob(), tmp_path / "noisy.npz")
     (tmp_path / "hot.txt").write_text(f"# hot pixels of a 128x128 sensor\n{HOT[0]} {HOT[1]}\n")

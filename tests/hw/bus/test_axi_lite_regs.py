@@ -47,7 +47,7 @@ def test_the_hardware_says_what_it_is(device: TopDevice) -> None:
     assert registers.id.to_bytes(4, "big") == b"EVCT"
     assert (registers.version.major, registers.version.minor) == register_map().version
     assert (registers.shape, registers.filter_shape) == (BUILD.shape, BUILD.filter_shape)
-    assert (registers.build.filters, registers.build.sources, registers.build.tracker) == (127, 3, 0)
+    assert (registers.build.filters, registers.build.sources, registers.build.tracker) == (255, 3, 0)
     assert registers.memory.fifo_depth == 40
     assert len(registers.slot) == 4
 
@@ -117,7 +117,7 @@ def test_a_filters_register_clamps_what_is_illegal(device: TopDevice, name: str,
     ("address", "legal", "illegal"),
     [
         (slot_address(3, "mode"), 2, 3),
-        (filter_address("enable"), 127, 128),
+        (filter_address("enable"), 255, 256),
         (filter_address("polarity"), 1, 2),
         (address_of("source"), 1, 2),  # AER is not built
     ],

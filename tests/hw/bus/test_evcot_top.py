@@ -79,7 +79,7 @@ def test_random_registers_traffic_and_stalls_are_exact(name: str) -> None:
     for run in range(5):
         rng = np.random.default_rng([31, run])
         config = replace(random_config(rng, build.shape), filter_shape=build.filter_shape)
-        if build.parameters.get("HAS") == 127 and run % 2:
+        if build.parameters.get("HAS") == 255 and run % 2:
             config = replace(
                 config, filters=FilterRegisters(enable=1 << Filter.REFRACTORY, refractory_ticks=int(rng.integers(1, 30)))
             )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""filter_chain.v: seven filters in a row decide what the software's chain decides, whichever are enabled or built."""
+"""filter_chain.v: eight filters in a row decide what the software's chain decides, whichever are enabled or built."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ SHAPE = FilterShape(width=29, height=22, stamp_w=10, recent_depth=12)
 
 def chain(has: int = ALL, shape: FilterShape = SHAPE) -> FilterDevice:
     sizes = {"WIDTH": shape.width, "HEIGHT": shape.height, "STAMP_W": shape.stamp_w, "RECENT_DEPTH": shape.recent_depth}
+    sizes |= {"CELL_PX": shape.cell_px}
     return FilterDevice("filter_chain", {"HAS": has, "X_W": 5, "Y_W": 5, "TICK_W": 8, **sizes})
 
 
@@ -63,15 +64,20 @@ def random_registers(rng: np.random.Generator, enable: int) -> FilterRegisters:
         decay_rate=int(2 ** rng.uniform(16, 22)),
         decay_epsilon=int(rng.integers(0, 40)),
         decay_support=int(rng.integers(1, 300)),
+        rowcol_ticks=int(2 ** rng.uniform(4, 8.9)),
+        rowcol_radius=int(rng.integers(1, 12)),
+        rowcol_support=int(rng.integers(1, 4)),
         hot_pixels=tuple(zip(rng.integers(0, 29, 40).tolist(), rng.integers(0, 22, 40).tolist(), strict=True)),
     )
 
 
-def agrees(device: FilterDevice, registers: FilterRegisters, rng: np.random.Generator, n: int) -> float:
+def agrees(
+    device: FilterDevice, registers: FilterRegisters, rng: np.random.Generator, n: int, shape: FilterShape = SHAPE
+) -> float:
     """Streams random traffic from reset through hardware and software alike; returns which part stays."""
     device.reset()
     write(device, registers)
-    golden = FilterChain(registers, SHAPE)
+    golden = FilterChain(registers, shape)
 
     def wanted(batch: FilterTraffic) -> NDArray[np.bool_]:
         keep = batch.keep.copy()
@@ -110,13 +116,17 @@ def test_all_filters_together_are_exact(device: FilterDevice) -> None:
         rng = np.random.default_rng([72, run])
         device.stalls = Stalls.random(rng) if run % 3 == 1 else Stalls()
         lenient = replace(
-            random_registers(rng, ALL), activity_support=1, recent_support=1, decay_support=int(rng.integers(1, 60))
+            random_registers(rng, ALL),
+            activity_support=1,
+            recent_support=1,
+            decay_support=int(rng.integers(1, 60)),
+            rowcol_support=1,
         )
         kept.append(agrees(device, lenient, rng, 40_000))
     assert np.median(kept) > 0.05
 
 
-@pytest.mark.parametrize("has", [0b1010101, 0b0101010, 0b0100100])
+@pytest.mark.parametrize("has", [0b01010101, 0b10101010, 0b10100100])
 def test_filters_that_are_not_built_hand_everything_on(has: int) -> None:
     print("seed 73")
     rng = np.random.default_rng([73, has])
@@ -131,7 +141,7 @@ def test_filters_that_are_not_built_hand_everything_on(has: int) -> None:
     assert kept > 0.01
 
 
-@pytest.mark.parametrize("has", [ALL, 0b1010101, 0b0101010, 0b0100100])
+@pytest.mark.parametrize("has", [ALL, 0b01010101, 0b10101010, 0b10100100])
 def test_a_token_every_clock_after_the_latencies_of_all_that_are_built(has: int) -> None:
     device = chain(has)
     write(device, FilterRegisters(enable=ALL))
@@ -141,6 +151,25 @@ def test_a_token_every_clock_after_the_latencies_of_all_that_are_built(has: int)
     clocks = sum(latency(f"filter_{which.name.lower()}") for which in Filter if has >> which & 1)
     assert (times.given - times.accepted == clocks).all()
     assert has != ALL or clocks == latency("filter_chain")
+
+
+@pytest.mark.parametrize("side", [1, 2, 4])
+@pytest.mark.parametrize("has", [ALL, 0b01010010, 0b00001000])
+def test_with_cells_refractory_and_activity_are_one_and_decide_the_same(side: int, has: int) -> None:
+    print("seed 76")
+    shape = replace(SHAPE, cell_px=side)
+    device, kept = chain(has, shape), []
+    for run in range(5):
+        rng = np.random.default_rng([76, side, has, run])
+        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        enable = has if run % 2 else has & int(rng.integers(ALL + 1))
+        shift = {1: 0, 2: 2, 4: 4}[side]
+        registers = replace(
+            random_registers(rng, enable), refractory_ticks=int(rng.integers(1, 20)) << shift, stamp_shift=shift,
+            activity_ticks=int(rng.integers(6, 24)) << shift, recent_support=1, decay_support=int(rng.integers(1, 60)),
+        )  # fmt: skip
+        kept.append(agrees(device, registers, rng, 8000, shape))
+    assert 0 < np.median(kept) < 0.97
 
 
 def test_a_row_of_none_is_a_wire() -> None:
@@ -175,7 +204,7 @@ def test_registers_written_between_runs_count_from_then_on(device: FilterDevice)
 def test_reset_disables_all_filters_and_empties_their_memories(device: FilterDevice) -> None:
     print("seed 75")
     rng = np.random.default_rng(75)
-    registers = replace(random_registers(rng, ALL), recent_support=1, decay_support=1)
+    registers = replace(random_registers(rng, ALL), recent_support=1, decay_support=1, rowcol_support=1)
     agrees(device, registers, rng, 2000)
     device.reset()
     assert device.settled_after >= 29 * 22  # the longest walks: a pixel a clock
@@ -189,7 +218,7 @@ def test_idle_is_low_while_a_mark_is_under_way(device: FilterDevice) -> None:
     assert device.sim.io.idle == 1
     write(device, FilterRegisters(hot_pixels=((3, 4),)))
     assert device.sim.io.idle == 0
-    assert device.settle() == 2
+    assert device.settle() == 3
 
 
 @pytest.mark.parametrize(
@@ -198,6 +227,7 @@ def test_idle_is_low_while_a_mark_is_under_way(device: FilterDevice) -> None:
         {},
         {"HAS": 0},
         *({"HAS": 1 << which} for which in Filter),
+        *({"CELL_PX": side} for side in (1, 2, 4)),
         {"X_W": 1, "Y_W": 1, "TICK_W": 1, "WIDTH": 1, "HEIGHT": 1, "STAMP_W": 4, "RECENT_DEPTH": 1},
         {"X_W": 16, "Y_W": 16, "TICK_W": 32, "STAMP_W": 32, "RECENT_DEPTH": 256},
     ],
@@ -220,3 +250,9 @@ def test_refuses_parameters_out_of_range(name: str, low: int, high: int, end: in
     code, log = lint("filter_chain", **{"HAS": 0, name: (low - 1, high + 1)[end]})
     assert code != 0
     assert f"{name}_must_be_{low}_to_{high}" in log
+
+
+def test_refuses_cells_of_three() -> None:
+    code, log = lint("filter_chain", HAS=0, CELL_PX=3)
+    assert code != 0
+    assert "CELL_PX_must_be_0_to_4_and_not_3" in log

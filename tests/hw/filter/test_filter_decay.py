@@ -21,9 +21,9 @@ TOP = "filter_decay"
 ONE_A_TICK = 1 << 24  # decay_rate of one unit per tick: a half-life of 32 ticks
 
 
-def device_of(width: int, height: int, tick_w: int) -> FilterDevice:
+def device_of(width: int, height: int, tick_w: int, cell_px: int = 0) -> FilterDevice:
     ports = {"enable": 1, "decay_rate": ONE_A_TICK, "decay_epsilon": 0, "decay_support": 1}
-    return FilterDevice(TOP, parameters(width, height, tick_w=tick_w), ports)
+    return FilterDevice(TOP, parameters(width, height, tick_w=tick_w, CELL_PX=cell_px), ports)
 
 
 def golden(device: FilterDevice, traffic: FilterTraffic) -> NDArray[np.bool_]:
@@ -32,7 +32,7 @@ def golden(device: FilterDevice, traffic: FilterTraffic) -> NDArray[np.bool_]:
     rate, epsilon, support = int(io.decay_rate), int(io.decay_epsilon), int(io.decay_support)
     registers = FilterRegisters(decay_rate=rate, decay_epsilon=epsilon, decay_support=support)
     keep = traffic.keep.copy()
-    model = DecayFilter(registers, FilterShape(given["WIDTH"], given["HEIGHT"]))
+    model = DecayFilter(registers, FilterShape(given["WIDTH"], given["HEIGHT"], cell_px=given["CELL_PX"]))
     model.narrow(traffic, keep)
     return keep
 
@@ -183,6 +183,36 @@ def test_random_traffic_is_exact_under_stalls(shape: tuple[int, int, int]) -> No
     assert width * height == 1 or 0.05 < np.mean(stayed) < 0.95
 
 
+# (width, height, tick_w, cell_px) -> runs, events in each
+CELLS = {
+    (11, 9, 1, 2): (6, 10_000),
+    (23, 17, 8, 4): (12, 10_000),
+    (64, 48, 20, 2): (8, 20_000),
+    (64, 48, 8, 1): (6, 20_000),
+}
+
+
+@pytest.mark.parametrize("shape", CELLS)
+def test_random_traffic_is_exact_with_cells(shape: tuple[int, int, int, int]) -> None:
+    width, height, tick_w, _ = shape
+    runs, n = CELLS[shape]
+    device = device_of(*shape)
+    stayed = []
+    for run in range(runs):
+        rng = np.random.default_rng([2031, run])
+        rate = ONE_A_TICK if run == 0 else int(2 ** rng.uniform(14, 24))
+        device.set(decay_rate=rate, decay_epsilon=int(rng.choice([0, 3, 10])), decay_support=int(rng.choice([1, 200, 500])))
+        device.reset()
+        device.stalls = Stalls.random(rng) if run % 2 else Stalls()
+        unit = ONE_A_TICK / rate
+        gap = int(unit * (2048 if tick_w > 1 else 600))
+        waits = float(rng.choice([0, 0.1 * unit, min(unit, 20)]))
+        traffic = filter_traffic(rng, n, width, height, ticks_per_event=waits, longest_gap=gap, gaps=20 / n, beyond=1)
+        stayed.append(compare_with_reference(device, traffic, lambda batch: golden(device, batch), parts=1 + run % 3))
+    print(f"{shape}: {runs * n} events, {np.mean(stayed):.2f} stay")
+    assert 0.05 < np.mean(stayed) < 0.97
+
+
 def test_the_rule_as_it_stands_gives_the_same(small: FilterDevice) -> None:
     for run, (rate, epsilon, support) in enumerate([(ONE_A_TICK, 0, 300), (9_999_999, 20, 500), (1_234_567, 100, 1000)]):
         small.set(decay_rate=rate, decay_epsilon=epsilon, decay_support=support)
@@ -214,6 +244,16 @@ class TestClocks:
         _, times = device.stream_timed(traffic, traffic.keep)
         assert set(np.diff(times.accepted)) == {1}
         assert set(times.given - times.accepted) == {13}
+
+    @pytest.mark.parametrize("side", [1, 4])
+    def test_with_cells_after_16(self, side: int) -> None:
+        device = device_of(64, 48, 20, side)
+        device.set(decay_rate=ONE_A_TICK // 400)
+        traffic = filter_traffic(np.random.default_rng(1), 20_000, 64, 48, ticks_per_event=0.01)
+        _, times = device.stream_timed(traffic, traffic.keep)
+        assert set(np.diff(times.accepted)) == {1}
+        assert set(times.given - times.accepted) == {16}
+        assert device.settled_after == 16 // side * (12 // side) + 8
 
     def test_reset_takes_a_clock_for_each_square_of_16_pixels(self) -> None:
         for width, height, tick_w in SHAPES:

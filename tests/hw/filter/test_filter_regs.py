@@ -80,7 +80,7 @@ def test_reset_disables_all_filters_stops_the_clock_of_the_decay_and_keeps_the_r
     sim.io.cfg_valid, sim.io.cfg_addr = 1, FILTER_REGISTERS["mask"].address
     reset(sim, clocks=1)
     assert sim.io.mask_valid == 0
-    assert shown(sim) == dict.fromkeys(VALUES, 1) | {"enable": 0, "decay_rate": 0}
+    assert shown(sim) == dict.fromkeys(VALUES, 1) | {"enable": 0, "decay_rate": 0, "stamp_shift": 0}
 
 
 @pytest.mark.parametrize("stamp_w", [4, 20, 32])

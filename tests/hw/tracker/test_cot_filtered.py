@@ -53,6 +53,9 @@ def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
         decay_rate=int(rng.integers(1 << 12, 1 << 20)),
         decay_epsilon=int(rng.integers(0, 20)),
         decay_support=int(rng.integers(1, 60)),
+        rowcol_ticks=int(rng.integers(20, 400)),
+        rowcol_radius=int(rng.integers(3, 15)),
+        rowcol_support=1,
         hot_pixels=tuple(sorted(hot)),
     )
 
@@ -60,8 +63,8 @@ def random_filters(rng: np.random.Generator, enabled: int) -> FilterRegisters:
 @pytest.mark.parametrize(
     ("top", "enabled"),
     [
-        ("cot_array", 127),
-        ("cot_chain", 127),
+        ("cot_array", 255),
+        ("cot_chain", 255),
         ("cot_array", enable(Filter.MASK, Filter.ACTIVITY)),
     ],
     ids=["array behind all", "chain behind all", "array behind two"],

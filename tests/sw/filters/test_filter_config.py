@@ -33,6 +33,9 @@ EVERYTHING = FilterConfig(
     decay_tau_us=5000.0,
     decay_epsilon=0.25,
     decay_support=1.5,
+    rowcol_us=4000,
+    rowcol_radius=2,
+    rowcol_support=2,
 )
 
 
@@ -57,6 +60,7 @@ class TestConfig:
             ({"activity_us": 1}, Filter.ACTIVITY),
             ({"recent_us": 1}, Filter.RECENT),
             ({"decay_tau_us": 100.0}, Filter.DECAY),
+            ({"rowcol_us": 1}, Filter.ROWCOL),
         ],
     )
     def test_each_is_turned_on_by_its_own_field(self, changed: dict[str, Any], which: Filter) -> None:
@@ -103,7 +107,7 @@ class TestRegisters:
     def test_each_goes_to_its_register(self) -> None:
         registers = EVERYTHING.registers(tick_us=10)
         assert registers == FilterRegisters(
-            enable=0b1111111,
+            enable=0b11111111,
             region_x0=1,
             region_y0=2,
             region_x1=30,
@@ -118,6 +122,9 @@ class TestRegisters:
             decay_rate=round(2**24 * 32 / (500 * math.log(2))),
             decay_epsilon=64,
             decay_support=384,
+            rowcol_ticks=400,
+            rowcol_radius=2,
+            rowcol_support=2,
             hot_pixels=((5, 6),),
         )
         shape = EVERYTHING.shape(346, 260)

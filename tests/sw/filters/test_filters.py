@@ -44,6 +44,9 @@ def registers(random: np.random.Generator, width: int, height: int) -> FilterReg
         decay_rate=int(random.integers(1 << 20, 1 << 24)),
         decay_epsilon=int(random.integers(0, 100)),
         decay_support=int(random.integers(1, 600)),
+        rowcol_ticks=int(random.integers(0, 60)),
+        rowcol_radius=int(random.integers(1, 4)),
+        rowcol_support=int(random.integers(1, 4)),
         hot_pixels=((int(random.integers(0, width)), int(random.integers(0, height))),),
     )
 
@@ -70,6 +73,8 @@ def rule_of(which: Filter, regs: FilterRegisters, shape: FilterShape) -> Rule:
     """The rule of docs/filters.md, word for word, with unlimited memory."""
     then: dict[Pixel, int] = {}
     fifo: list[tuple[int, int, int]] = []
+    columns: dict[int, tuple[int, Pixel]] = {}
+    rows: dict[int, tuple[int, Pixel]] = {}
 
     def on_sensor(x: int, y: int) -> bool:
         return x < shape.width and y < shape.height
@@ -110,6 +115,14 @@ def rule_of(which: Filter, regs: FilterRegisters, shape: FilterShape) -> Rule:
         then[x, y] = unit
         return sum(weight for weight in weights if weight > regs.decay_epsilon) >= regs.decay_support
 
+    def rowcol(now: int, x: int, y: int, _p: int) -> bool:
+        if not on_sensor(x, y):
+            return False
+        last = [(columns.get(x + step), 1) for step in (-1, 0, 1)] + [(rows.get(y + step), 0) for step in (-1, 0, 1)]
+        found = [(event, axis) for event, axis in last if event and now - event[0] <= regs.rowcol_ticks and event[1] != (x, y)]
+        columns[x] = rows[y] = now, (x, y)
+        return sum(abs(event[1][axis] - (x, y)[axis]) <= regs.rowcol_radius for event, axis in found) >= regs.rowcol_support
+
     return {
         Filter.REGION: region,
         Filter.POLARITY: polarity,
@@ -118,6 +131,7 @@ def rule_of(which: Filter, regs: FilterRegisters, shape: FilterShape) -> Rule:
         Filter.ACTIVITY: activity,
         Filter.RECENT: recent,
         Filter.DECAY: decay,
+        Filter.ROWCOL: rowcol,
     }[which]
 
 
@@ -144,7 +158,9 @@ def test_a_filter_keeps_its_rule(which: Filter, size: Pixel, start: int) -> None
         assert keep.tolist() == wanted, f"seed {seed}"
         dropped, kept = dropped + wanted.count(False), kept + wanted.count(True)
     assert dropped
-    assert kept or (size == (1, 1) and which in (Filter.MASK, Filter.ACTIVITY, Filter.DECAY))  # a single pixel has no neighbour
+    assert kept or (
+        size == (1, 1) and which in (Filter.MASK, Filter.ACTIVITY, Filter.DECAY, Filter.ROWCOL)
+    )  # a single pixel has no neighbour
 
 
 @pytest.mark.parametrize("which", Filter, ids=lambda which: which.name)
@@ -164,10 +180,14 @@ def test_what_stays_does_not_depend_on_where_runs_are_cut(which: Filter) -> None
 def test_the_first_event_of_all_may_come_at_the_last_tick(which: Filter) -> None:
     """An empty memory entry is never taken for a recent event, or for one in the future."""
     regs = FilterRegisters(
-        refractory_ticks=(1 << 31) - 1, activity_ticks=(1 << 31) - 1, recent_ticks=(1 << 31) - 1, decay_rate=1 << 24
+        refractory_ticks=(1 << 31) - 1,
+        activity_ticks=(1 << 31) - 1,
+        recent_ticks=(1 << 31) - 1,
+        decay_rate=1 << 24,
+        rowcol_ticks=(1 << 31) - 1,
     )
     keep = FILTERS[which](regs, FilterShape(1, 1, stamp_w=32)).feed(ticked(END, 0, 0, 1))
-    assert keep[0] == (which not in (Filter.ACTIVITY, Filter.RECENT, Filter.DECAY))
+    assert keep[0] == (which not in (Filter.ACTIVITY, Filter.RECENT, Filter.DECAY, Filter.ROWCOL))
 
 
 @pytest.mark.parametrize("depth", [1, 2, 31, 32, 256])

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Converts the ticks of a stream of tokens to units of 2^shift ticks, the step of time stamps of few bits (cell_memory.v).
+//
+// Units are those of the time since reset: with a sum of T ticks so far, floor(T / 2^shift) units have passed, whenever
+// `shift` was written.
+//
+// Latency:    2 clocks from s_ to m_: sum, shift.
+// Throughput: 1 token per clock.
+// Stall:      while m_ready is low, up to two tokens are held.
+// Reset:      time 0, no token inside.
+// Combinational paths: m_ready -> s_ready.
+`default_nettype none
+
+module stamp_units #(
+    parameter TICK_W = 20,  // bits of the tick input
+    parameter DATA_W = 1    // bits that travel with a token
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire [3:0]        shift,
+
+    input  wire              s_valid,
+    output wire              s_ready,
+    input  wire [TICK_W-1:0] s_tick,
+    input  wire [DATA_W-1:0] s_data,
+
+    output wire              m_valid,
+    input  wire              m_ready,
+    output wire [(TICK_W > 15 ? TICK_W : 15):0] m_units,
+    output wire [DATA_W-1:0] m_data,
+
+    output wire              idle  // nothing inside
+);
+
+    localparam PLACE_W = 15;                                     // bits of a place in a unit, of 2^15 ticks at most
+    localparam SUM_W   = (TICK_W > PLACE_W ? TICK_W : PLACE_W) + 1;
+
+    reg  [PLACE_W-1:0] ticks;  // so far, modulo 2^15
+    reg                sum_valid, units_valid;
+    reg  [SUM_W-1:0]   sum, units;
+    reg  [DATA_W-1:0]  sum_data, units_data;
+
+    wire [SUM_W-1:0]   step   = {{(SUM_W - TICK_W) {1'b0}}, s_tick};
+    wire [PLACE_W-1:0] in_unit = ticks & ~({PLACE_W{1'b1}} << shift);
+    wire               moves  = m_ready || !units_valid;
+
+    always @(posedge clk) begin
+        if (moves) begin
+            sum_valid   <= s_valid;
+            sum_data    <= s_data;
+            sum         <= step + {{(SUM_W - PLACE_W) {1'b0}}, in_unit};
+            if (s_valid) ticks <= ticks + step[PLACE_W-1:0];
+
+            units_valid <= sum_valid;
+            units_data  <= sum_data;
+            units       <= sum >> shift;
+        end
+        if (rst) begin
+            sum_valid   <= 1'b0;
+            units_valid <= 1'b0;
+            ticks       <= {PLACE_W{1'b0}};
+        end
+    end
+
+    assign s_ready = moves;
+    assign m_valid = units_valid;
+    assign m_units = units;
+    assign m_data  = units_data;
+    assign idle    = !sum_valid && !units_valid;
+
+endmodule
+
+`default_nettype wire
