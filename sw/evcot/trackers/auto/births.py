@@ -23,6 +23,7 @@ Table = NDArray[Any]
 
 BIRTH_US = 5_000  # the shortest window
 _NOISE_LEVEL = 2  # the window in which the noise is measured
+_BEGINNING_US = 2 * BIRTH_US << _NOISE_LEVEL  # until something can be born
 _NOISE_MIX = 0.2
 _CELL_PIXELS = 2.0  # fewer in a cell are noise
 _SIGMAS = 3.0  # above the noise
@@ -143,7 +144,9 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.born_us = t_us
     o.packets = 0
     o.silent_us = 0
-    o.enters = o.edge = _edge(rules, box)
+    # What is there when the stream begins has not entered.
+    begins = t_us - world.run[0].first_us <= _BEGINNING_US
+    o.enters = o.edge = -1 if begins else _edge(rules, box)
     o.travel = o.within = o.path = o.still = 0.0
     o.inside = -1
     o.meets = False

@@ -24,7 +24,7 @@ AUTO_RANGES: dict[str, Range] = {
     "coast": (0.0, 1000.0, "half sides that an object would travel without support before it is lost"),
     "memory": (0.05, 100.0, "half sides of travel for which the outline of an object is kept"),
     "dense": (0.0, 1.0, "density that belongs to an object, as a part of that where its pixels lie on average"),
-    "tolerance": (0.0, 4.0, "half sides by which a box may differ from its object's picture before it is moved at once"),
+    "tolerance": (0.0, 4.0, "half sides by which a box may reach beyond its object's picture before it is shrunk at once"),
     "full": (0.0, 10.0, "pixels that an object sends at least, for each pixel that it travels and each of its side"),
     "elongation": (1.0, 100.0, "length by width from which on an object has no gap"),
     "gap": (0.0, 4.0, "gap in an object, as a part of the length by which it is shorter than that"),
@@ -43,7 +43,7 @@ class AutoConfig:
 
     max_objects: int = 64
     quantile: float = 0.03
-    gate: float = 0.25
+    gate: float = 0.35
     events_per_sample: float = 5.0
     agility: float = 0.5
     growth_agility: float = 0.3

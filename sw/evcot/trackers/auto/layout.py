@@ -71,6 +71,7 @@ OBJECT = np.dtype(
         ("unfitted", "<f8"),  # since the box was held against it
         ("gain", "<f8"),  # weight of a pixel drawn now
         ("floor", "<f8"),  # noise in a bin of the picture
+        ("contrast", "<f8"),  # pixels of its picture in the box, per area, by those around it
         ("gate", "<f8"),  # width of the gate around the box
         ("left", "<f8"),  # the box and the gate
         ("right", "<f8"),
@@ -137,14 +138,17 @@ class World(NamedTuple):
     cov: Table  # (n, 2, 4, 4)
     beyond: Table  # (n, 2, 2): weight of the open packet's events beyond the low and the high side
     abreast: Table  # (n, 2): weight of the events between the other axis's sides
+    moments: Table  # (n, 2, 2): sums over these of the offset from the centre, and of its absolute value; px
+    usual: Table  # (n, 2, 3): fading sums, of weights and of both moments in half sides
     profile: Table  # (n, PROFILE * PROFILE): events in each part of the box, fading
     total: Table  # (n,) of all parts
     picture: Table  # (n, BINS, BINS) float32: weight of the pixels in the object's frame, by row
     done: Table  # (BINS, BINS) bool, bin_queue: (BINS * BINS,) of a search in a picture
     bin_queue: Table
-    line: Table  # (BINS,) float32, parts: (16, 3, 2), whole and bounds: (2, 2), group_box: (4,): work space
+    line: Table  # (BINS,) float32, parts: (16, 3, 2), whole, rest and bounds: (2, 2), group_box: (4,): work space
     parts: Table
     whole: Table
+    rest: Table
     bounds: Table
     group_box: Table
     seen: Table  # (height, width, 2) int32: the packet of each pixel's last event; and see `restless.rests`
@@ -180,6 +184,8 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros((n_objects, 2, 4, 4)),
         np.zeros((n_objects, 2, 2)),
         np.zeros((n_objects, 2)),
+        np.zeros((n_objects, 2, 2)),
+        np.zeros((n_objects, 2, 3)),
         np.zeros((n_objects, PROFILE * PROFILE)),
         np.zeros(n_objects),
         np.zeros((n_objects, BINS, BINS), np.float32),
@@ -187,6 +193,7 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros(BINS * BINS, np.int64),
         np.zeros(BINS, np.float32),
         np.zeros((16, 3, 2)),
+        np.zeros((2, 2)),
         np.zeros((2, 2)),
         np.zeros((2, 2)),
         np.zeros(4),

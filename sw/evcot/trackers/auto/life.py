@@ -13,6 +13,7 @@ from ..._numba_private import step
 from ...tracks.log import Kind
 from ..kalman.motion import correct, predict
 from .births import BIRTH_US, find_births, list_living
+from .centroid import correct_by_centroid
 from .layout import PROFILE, UNSET_US, Rules, World
 from .outline import add_travel, clear_picture, fit_outline
 from .sharing import prepare_packet
@@ -47,6 +48,7 @@ _GROWTH_KEEPS = 2.0  # half sides of travel
 _EMISSION = 0.2  # half sides that an object travels at least while it sends as many pixels as its picture fills
 _FIT_EVERY = 0.15  # half sides of travel between two looks at a picture
 _FAR_MORE = 4.0  # times the rate
+_LEAST_CONTRAST = 2.0
 _LEAVING_PATIENCE = 0.25  # factor of the coasting of an object at the edge on its way out
 
 
@@ -135,13 +137,16 @@ def _correct(rules: Rules, world: World, i: int, lasted_s: float) -> None:
             continue
         density = 1.0 / (2.0 * s[2])
         q = rules.quantile
-        variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density)
+        # How far the noise differs from place to place is not known: where it is more than the share it decides nothing.
+        variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density) * (1.0 + noise / (q * n)) ** 2
         for high in range(2):
             if _hidden(world, i, axis, high):
                 continue
             sign = 1.0 if high else -1.0
             off = sign * ((world.beyond[i, axis, high] - noise) / n - q) / density
             correct(s, p, sign, off, variance)
+        went = o.speed * lasted_s / _half(world, i)
+        correct_by_centroid(rules, world, i, axis, n, noise * (2.0 + 2.0 * s[2] / o.gate), went)
 
 
 @step
@@ -302,7 +307,8 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
         o.usual += 0.1 * mix * (o.rate / o.speed - o.usual)
         background = max(run.noise, 0.0) * (o.right - o.left) * (o.bottom - o.top)
-        if o.rate >= max(o.speed * max(_LEAST_SUPPORT * o.usual, rules.full * 2.0 * half), background):
+        least = max(o.speed * max(_LEAST_SUPPORT * o.usual, rules.full * 2.0 * half), background)
+        if o.rate >= least and o.contrast >= _LEAST_CONTRAST:
             o.silent_us = 0
         else:
             o.silent_us += lasted_us
@@ -318,7 +324,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         seen = max(went, _EMISSION * max(o.weight - noise, 0.0) / o.area)
         add_travel(rules, world, i, seen, noise_px)
         o.unfitted += seen
-        if not o.meets and o.unfitted >= _FIT_EVERY:
+        if o.unfitted >= _FIT_EVERY:
             o.unfitted = 0.0
             fit_outline(rules, world, i)
         patience = rules.coast * (_COVERED_PATIENCE if _covered(world, i) else 1.0 if o.track_id >= 0 else _TENTATIVE_COAST)

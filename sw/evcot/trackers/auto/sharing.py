@@ -36,6 +36,7 @@ def prepare_packet(rules: Rules, world: World) -> None:
         o.packet_events = 0
         world.beyond[i] = 0.0
         world.abreast[i] = 0.0
+        world.moments[i] = 0.0
         o.gate = max(_LEAST_GATE_PX, 0.5 * rules.gate * (o.half_x + o.half_y))
         _open_gate(o, rules.width, rules.height)
         _choose_unit(world, i)
@@ -135,12 +136,16 @@ def _take(world: World, i: int, x: float, y: float, weight: float) -> None:
     o.weight += weight
     if abs(dy) <= o.half_y:
         world.abreast[i, 0] += weight
+        world.moments[i, 0, 0] += weight * dx
+        world.moments[i, 0, 1] += weight * abs(dx)
         if dx > o.half_x:
             world.beyond[i, 0, 1] += weight
         elif dx < -o.half_x:
             world.beyond[i, 0, 0] += weight
     if abs(dx) <= o.half_x:
         world.abreast[i, 1] += weight
+        world.moments[i, 1, 0] += weight * dy
+        world.moments[i, 1, 1] += weight * abs(dy)
         if dy > o.half_y:
             world.beyond[i, 1, 1] += weight
         elif dy < -o.half_y:

@@ -17,6 +17,7 @@ Table = NDArray[Any]
 
 _TOGETHER = 2.0  # half sides travelled with one box in the other, after which they are one whatever their velocities
 _NEW = 1.0  # half sides travelled, up to which an object is new
+_FAR = 3.0  # half sides travelled, from which an object has come far
 _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half side
 _BESIDE = 0.1  # of the larger one's whole sides: the gap between it and such a part
 _THIN = 0.4  # thickness of an edge, as a part of its length
@@ -92,7 +93,10 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     unsure = 0.0
     for axis in range(2):
         unsure += world.cov[i, axis, 1, 1] + world.cov[k, axis, 1, 1]
-    if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * (fast + np.sqrt(unsure)):
+    # Two that have come far alone must be known to move together; of others it need only be possible.
+    known = min(one.travel, other.travel) >= _FAR and one.track_id >= 0 and other.track_id >= 0
+    most = fast - np.sqrt(unsure) if known else fast + np.sqrt(unsure)
+    if np.hypot(a[0, 1] - b[0, 1], a[1, 1] - b[1, 1]) > rules.merge_velocity * most:
         return False
     half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
     larger = max(half_a, half_b)
