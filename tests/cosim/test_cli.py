@@ -147,6 +147,7 @@ def test_presets_are_listed(capsys: Capture) -> None:
         "hd",
         "traffic",
         "discs",
+        "motion",
         "auto",
     ]
     assert main(["presets", "--json"]) == 0

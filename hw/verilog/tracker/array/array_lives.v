@@ -14,7 +14,7 @@
 // Latency:    5 clocks from the last slot of a walk to its result.
 // Throughput: a slot per clock of a walk.
 // Stall:      step low holds a walk.
-// Reset:      no bound: the first token waits for a walk.
+// Reset:      the steps of a walk under way are dropped. There is no bound: the first token waits for a walk.
 // Combinational paths: m_time -> m_due.
 `default_nettype none
 
@@ -26,6 +26,7 @@ module array_lives #(
     parameter SLOT_W  = 3    // bits of a slot number
 ) (
     input  wire               clk,
+    input  wire               rst,
 
     // M: has the bound come?
     input  wire [LIFE_W-1:0]  m_time,
@@ -102,6 +103,7 @@ module array_lives #(
             if (surveys) granted <= least;
         end
         if (finish) bound <= when[LIFE_W-1:0];
+        if (rst) {step_reg, step_1, step_2, took} <= 4'd0;  // of a walk that reset has broken off
     end
 
     wire unused = &{1'b0, over, to_least, to_before, wide, when};

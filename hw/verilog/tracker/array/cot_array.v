@@ -410,6 +410,7 @@ module cot_array #(
         .SLOT_W (SLOT_W)
     ) u_lives (
         .clk         (clk),
+        .rst         (rst),
         .m_time      (m_time[LIFE_W-1:0]),
         .m_due       (m_due),
         .walks       (walks),

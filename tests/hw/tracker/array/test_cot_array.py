@@ -468,8 +468,9 @@ def test_registers_written_between_events_act_as_in_the_model() -> None:
             slot = int(rng.integers(8))
             name = str(rng.choice(sorted(REGISTERS)))
             try:
-                slots[slot] = replace(slots[slot], **{name: getattr(other.slots[slot], name)})
-                written = [name]
+                changed = replace(slots[slot], **{name: getattr(other.slots[slot], name)})
+                changed.check(EIGHT, "slot")
+                slots[slot], written = changed, [name]
             except ConfigError:
                 slots[slot] = replace(other.slots[slot], mode=slots[slot].mode)
                 written = [name for name in REGISTERS if name != "mode"]
