@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What replaying costs the array, which decides all events behind one that moves a centre again: how many of them did that window
-touch, and how many clocks would an event take if only these were decided again?
+"""What replaying costs the array, which decides all events behind one that moves a centre again: how many of them did that
+window touch, and how many clocks would an event take if only these were decided again?
 """
 
 from __future__ import annotations

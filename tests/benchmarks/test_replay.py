@@ -25,7 +25,7 @@ def decided(records: list[tuple[Kind, int, int, int, int, int]], owners: list[in
 
 
 def test_events_in_the_old_window_in_the_new_one_or_of_the_slot_are_touched() -> None:
-    # Slot 1 is born at 20, [16, 24], and moves to 30, [26, 34]. Behind it: 90 of slot 0, 17 in the old window, 34 in the new one.
+    # Slot 1 is born at 20, [16, 24], and moves to 30, [26, 34]. Behind: 90 of slot 0, 17 in the old window, 34 in the new.
     records = [record(Kind.BORN, 1, 0, 20, 4), record(Kind.LOST, 0, 3, 0, 0), record(Kind.MOVED, 1, 5, 30, 4)]
     x = np.array([20, 60, 61, 62, 63, 30, 90, 17, 34, 35], np.uint16)
     y = np.full(10, 64, np.uint16)

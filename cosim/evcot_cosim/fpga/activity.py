@@ -139,12 +139,11 @@ def design_of(top: str, parameters: Mapping[str, int], verilog: Path | None = No
             return ast.VisitAction.Skip
         if isinstance(node, ast.InstanceSymbol):
             modules[node.hierarchicalPath] = node.definition.name
+            inward = [port.name for port in node.body.portList if port.direction == ast.ArgumentDirection.In]
+            fed.update(f"{node.hierarchicalPath}.{name}" for name in inward)
             for connection in node.portConnections:
-                port, whole = connection.port, connection.expression
-                if port.direction == ast.ArgumentDirection.In:
-                    if len(modules) > 1:
-                        fed.add(f"{node.hierarchicalPath}.{port.name}")
-                elif whole is not None:
+                whole = connection.expression
+                if whole is not None and connection.port.direction != ast.ArgumentDirection.In:
                     fed.update(_targets(ast, whole.left if isinstance(whole, ast.AssignmentExpression) else whole))
         elif isinstance(node, (ast.VariableSymbol, ast.NetSymbol)):
             driven.add(node.hierarchicalPath)
