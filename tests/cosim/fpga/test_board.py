@@ -78,7 +78,7 @@ def test_a_full_board_refuses_what_its_map_refuses() -> None:
 def test_a_broken_tracker_lights_the_other_led(tmp_path: Path) -> None:
     folder = sources(tmp_path)
     update = folder / "cot.v"
-    text, right = update.read_text(), "last  = next_count >= {1'b0, n_ev};"
+    text, right = update.read_text(), "last       = next_count >= {1'b0, n_ev};"
     assert text.count(right) == 1
     update.write_text(text.replace(right, right.replace(">=", ">")))
     board = SimulatedBoard(BOARDS["icebreaker"], folder)

@@ -13,9 +13,13 @@ from PIL import Image
 from evcot.errors import ConfigError
 from evcot_cosim.fpga.catalogue import MODULES
 from evcot_cosim.fpga.curves import draw
-from evcot_cosim.fpga.figures import Figure, Figures, load
+from evcot_cosim.fpga.devices import DEVICES
+from evcot_cosim.fpga.figures import Figure, Figures, load, recorded_with
 from evcot_cosim.fpga.latency import clocks
-from evcot_cosim.fpga.report import write_tables
+from evcot_cosim.fpga.measure import Case, key_of
+from evcot_cosim.fpga.outdated import outdated
+from evcot_cosim.fpga.report import shown_clocks, write_tables
+from evcot_cosim.fpga.sources import closure, flat
 from evcot_cosim.rtl.files import verilog_dir
 
 REPOSITORY = verilog_dir().parents[1]
@@ -80,6 +84,32 @@ def test_scaling_tells_luts_once_for_one_synthesis_and_fmax_for_each_device(tmp_
     ]
 
 
+def test_what_is_of_another_text_of_the_module_is_marked(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    page.write_text(MARKS)
+    small = replace(ARRAY, n=1, luts=900)
+    write_tables(page, table(small, ARRAY, MASK), {"cot_array N=1": 8, "cot_array N=8": 8}, {ARRAY.name})
+    text = page.read_text()
+    assert "| cot_array, N = 8 † | 4,001 |" in section(text, "cost")
+    assert "| filter_mask | 200 |" in section(text, "cost")
+    assert "| cot_array, LUTs, ecp5 | 900 | 4,001 † |" in section(text, "scaling")
+    assert "| cot_array, MHz, ecp5-25 | 125 (131) | 125 (131) † |" in section(text, "scaling")
+    assert "| cot_array, N = 8 | 8 | ecp5-25 | 125 † | 64 † |" in section(text, "latency")
+    assert "| cot_array, N = 1 | 8 | ecp5-25 | 125 | 64 |" in section(text, "latency")
+    assert shown_clocks(text) == {"cot_array N=1": 8, "cot_array N=8": 8}
+
+
+def test_a_figure_is_outdated_when_its_key_is_not_that_of_the_sources() -> None:
+    case = Case(MODULES["filter_polarity"], None, DEVICES["ecp5-25"])
+    modules = closure([case.module.top])
+    now = key_of(case, (modules, flat(modules)), "Yosys 1")
+    fresh = Figure("filter_polarity", None, "ecp5-25", now, 33, 39, 0, 0, 0)
+    assert outdated([fresh], "Yosys 1") == frozenset()
+    assert outdated([fresh], "Yosys 2") == {fresh.name}
+    elsewhere = replace(fresh, device="hx8k")  # with other commands
+    assert outdated([fresh, elsewhere, replace(fresh, module="gone")], "Yosys 1") == {elsewhere.name, "gone ecp5-25"}
+
+
 def test_a_mark_that_is_missing_is_named(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     page.write_text(MARKS.replace("<!-- scaling -->", ""))
@@ -91,9 +121,11 @@ def test_the_page_is_that_of_the_recorded_figures(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     shown = (REPOSITORY / "docs" / "fpga.md").read_text()
     page.write_text(shown)
-    write_tables(page, load(REPOSITORY / "hw" / "fpga" / "figures.json"), {})
-    for name in ("cost", "scaling", "noise"):
-        assert section(page.read_text(), name) == section(shown, name), "run make fpga ARGS=--record"
+    recorded = REPOSITORY / "hw" / "fpga" / "figures.json"
+    figures = load(recorded)
+    write_tables(page, figures, shown_clocks(shown), outdated(figures.values(), recorded_with(recorded)))
+    for name in ("cost", "scaling", "latency", "noise"):
+        assert section(page.read_text(), name) == section(shown, name), "run make generate"
 
 
 def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
@@ -117,7 +149,7 @@ LATENCIES = {
 def test_latency_is_what_the_modules_header_and_the_page_say(name: str, expected: int) -> None:
     assert clocks(MODULES[name], None) == expected
     shown = section((REPOSITORY / "docs" / "fpga.md").read_text(), "latency")
-    assert re.search(rf"^\| {name} \| {expected} \| ecp5-25 \| \d+ \| \d+ \|$", shown, re.MULTILINE)
+    assert re.search(rf"^\| {name} \| {expected} \| ecp5-25 \| \d+(?: †)? \| \d+(?: †)? \|$", shown, re.MULTILINE)
 
 
 def test_what_answers_nothing_has_no_latency() -> None:
