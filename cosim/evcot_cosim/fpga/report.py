@@ -150,10 +150,11 @@ def latency_name(module: str, n: int | None) -> str:
 
 
 def _latency(figures: Figures, clocks: Mapping[str, int], outdated: Collection[str]) -> str:
-    """Each case on the first device that it was routed for."""
+    """Each case on the first device that it was routed for, as the module is now if it was."""
     rows: list[tuple[str, str, str, str, str]] = []
     for name, count in clocks.items():
-        for device in DEVICES:
+        fresh = [device for device in DEVICES if f"{name} {device}" not in outdated]
+        for device in (*fresh, *DEVICES):
             figure = figures.get(f"{name} {device}")
             if figure is not None and (mhz := figure.median_mhz) is not None:
                 old = _OLD * (figure.name in outdated)

@@ -64,6 +64,8 @@ def test_latency_is_that_on_the_first_device_that_was_routed_for(tmp_path: Path)
     larger = [replace(ARRAY, device=device, fmax_mhz=(mhz,)) for device, mhz in (("ecp5-85", 160.0), ("ecp5-45", 100.0))]
     write_tables(page, table(too_small, *larger), {"cot_array N=8": 8})
     assert "| cot_array, N = 8 | 8 | ecp5-45 | 100 | 80 |" in section(page.read_text(), "latency")
+    write_tables(page, table(*larger), {"cot_array N=8": 8}, {larger[1].name})
+    assert "| cot_array, N = 8 | 8 | ecp5-85 | 160 | 50 |" in section(page.read_text(), "latency")
 
 
 def test_scaling_tells_luts_once_for_one_synthesis_and_fmax_for_each_device(tmp_path: Path) -> None:
