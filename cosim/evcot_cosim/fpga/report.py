@@ -13,7 +13,7 @@ from evcot.outputs import written_aside
 from .devices import DEVICES
 from .figures import Figure, Figures, seed_noise, smallest_loss
 
-__all__ = ["PUBLISHED_NS", "filled", "latency_name", "shown_clocks", "write_tables"]
+__all__ = ["MARK", "PUBLISHED_NS", "filled", "latency_name", "shown_clocks", "write_tables"]
 
 PUBLISHED_NS = (
     ("published library of event-based components, any of them", "", "below 300"),
@@ -24,7 +24,7 @@ PUBLISHED_NS = (
 """Latencies of the published library: name, clocks, nanoseconds."""
 
 
-_OLD = " †"
+MARK = " †"
 """Behind what was measured before a change of the module."""
 
 
@@ -101,7 +101,7 @@ def _cost(figures: Iterable[Figure], outdated: Collection[str]) -> str:
         head = ["module", "LUTs", "of them RAM", "FFs", f"block RAMs ({device.block_ram})", "multipliers"]
         cells = [
             [
-                _label(row) + _OLD * (row.name in outdated),
+                _label(row) + MARK * (row.name in outdated),
                 *(f"{value:,}" for value in (row.luts, row.lut_rams, row.ffs, row.block_rams, row.multipliers)),
             ]
             for row in here
@@ -126,7 +126,7 @@ def _scaling(figures: Iterable[Figure], outdated: Collection[str]) -> str:
             here = {row.n: row for row in scaled if row.module == module and row.device == name}
             if here and device.synthesis not in done:
                 done.add(device.synthesis)
-                luts = {n: f"{row.luts:,}{_OLD * (row.name in outdated)}" for n, row in here.items()}
+                luts = {n: f"{row.luts:,}{MARK * (row.name in outdated)}" for n, row in here.items()}
                 family = "ecp5" if device.synthesis == "synth_ecp5" else name
                 rows.append([f"{module}, LUTs, {family}", *(luts.get(n, "") for n in sizes)])
             if device.placement and any(row.median_mhz for row in here.values()):
@@ -136,7 +136,7 @@ def _scaling(figures: Iterable[Figure], outdated: Collection[str]) -> str:
 
 
 def _fmax(figure: Figure, outdated: Collection[str]) -> str:
-    return ("–" if figure.misfit.startswith("does not fit") else _mhz(figure)) + _OLD * (figure.name in outdated)
+    return ("–" if figure.misfit.startswith("does not fit") else _mhz(figure)) + MARK * (figure.name in outdated)
 
 
 def _noise(noise: float) -> str:
@@ -157,7 +157,7 @@ def _latency(figures: Figures, clocks: Mapping[str, int], outdated: Collection[s
         for device in (*fresh, *DEVICES):
             figure = figures.get(f"{name} {device}")
             if figure is not None and (mhz := figure.median_mhz) is not None:
-                old = _OLD * (figure.name in outdated)
+                old = MARK * (figure.name in outdated)
                 rows.append((_label(figure), str(count), device, f"{mhz:.0f}{old}", f"{count / mhz * 1e3:.0f}{old}"))
                 break
     rows += [(name, count, "", "", ns) for name, count, ns in PUBLISHED_NS]
