@@ -29,6 +29,7 @@ _BENCHMARKS = (
     "filters",
     "scenes",
     "latency",
+    "replay",
     "starts",
     "memory",
     "recordings",

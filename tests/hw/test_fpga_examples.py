@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from pyverilator import PyVerilator
 
+from evcot.errors import ToolchainError
 from evcot.hardware.contract import RECORD
 from evcot.hardware.register_access import Registers
 from evcot.tracks.log import Kind
@@ -47,6 +48,29 @@ def test_each_is_placed_and_routed_with_its_own_parameters(name: str) -> None:
 def test_the_clock_that_the_davis_example_asks_for_is_the_one_it_is_measured_against() -> None:
     (period_ns,) = re.findall(r"create_clock -name clk -period ([\d.]+)", (EXAMPLES / "davis_evcot.xdc").read_text())
     assert MODULES["evcot_top_davis"].asks_mhz == 1e3 / float(period_ns)
+
+
+@pytest.mark.parametrize(
+    ("top", "parameter", "value", "rule"),
+    [
+        ("davis_evcot", "N", 65, "N must be 1 to 64"),
+        ("davis_evcot", "WIDTH", 257, "WIDTH must be 1 to 2 to the X W"),
+        ("davis_evcot", "SOURCE", 4, "SOURCE must be one of SOURCES"),
+        ("kv260_evcot", "HEIGHT", 0, "HEIGHT must be 1 to 2 to the Y W"),
+        ("kv260_evcot", "SOURCES", 64, "must be"),
+        ("kv260_evcot", "DATA_W", 48, "DATA W must be 32 64 128 or 256"),
+        ("kv260_evcot", "X_W", 17, "W must be 1 to 16"),  # of the window, which Verilator comes to first
+    ],
+)
+def test_a_parameter_out_of_range_stops_elaboration_by_name(
+    top: str, parameter: str, value: int, rule: str, tmp_path: Path
+) -> None:
+    text = (EXAMPLES / f"{top}.v").read_text()
+    broken, count = re.subn(rf"(\.{parameter}\s*)\(\d+\)", rf"\1({value})", text)
+    assert count == 1
+    (copy_rtl(tmp_path) / f"{top}.v").write_text(broken)
+    with pytest.raises(ToolchainError, match=rf"cannot build {top}: .*{rule}"):
+        load(top, verilog=tmp_path)
 
 
 class Board:

@@ -16,7 +16,7 @@ from ..tables import print_table
 from . import tools
 from .catalogue import MODULES, Module, chosen
 from .devices import DEVICES
-from .figures import Figure, Figures, growths, load, save, seed_noise
+from .figures import Figure, Figures, growths, load, recorded_with, save, seed_noise
 from .measure import PATIENCE_MIN, Case
 from .release import write_release
 from .run import figures_of, synthesised
@@ -116,6 +116,7 @@ def _document(figures: Figures) -> None:
     """Tables and picture of docs/fpga.md from what is recorded."""
     from .curves import draw
     from .latency import clocks
+    from .outdated import outdated
     from .report import latency_name, write_tables
 
     modules = list(MODULES)
@@ -124,8 +125,9 @@ def _document(figures: Figures) -> None:
     measured = {latency_name(name, n): clocks(MODULES[name], n) for name, n in cases}
     latencies = {name: count for name, count in measured.items() if count is not None}
     docs = verilog_dir().parents[1] / "docs"
+    old = outdated(figures.values(), recorded_with(_file()))
     draw(figures, latencies, docs / "images" / "fpga_scaling.png")
-    write_tables(docs / "fpga.md", figures, latencies)
+    write_tables(docs / "fpga.md", figures, latencies, old)
 
 
 def _check(options: argparse.Namespace) -> int:

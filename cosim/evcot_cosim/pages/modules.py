@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ..fpga.catalogue import MODULES
 from ..fpga.devices import DEVICES
-from ..fpga.figures import Figure, load
+from ..fpga.figures import Figure, load, recorded_with
 from ..fpga.header import DeclaredPort, Header, read
+from ..fpga.outdated import outdated
+from ..fpga.report import MARK
 from ..rtl.files import modules, verilog_dir
 
 __all__ = ["page"]
@@ -21,7 +23,8 @@ _HEAD = """# Modules
 Made from `hw/verilog` and `hw/fpga/figures.json` by `python -m evcot_cosim.pages`, in the order of `manifest.txt`: each after
 the modules that it instantiates. The text is each file's header comment. A stream is listed as one bundle of ports: valid,
 ready and its data; `clk`, `rst` and self-explanatory ports are left out. Cost as in [fpga.md](fpga.md), at N = 8 where there
-is an N; a module without such a table is only measured as a part of others.
+is an N, and † marks what was measured before the module last changed; a module without such a table is only measured as a part
+of others.
 
 What all trackers have in common (addresses of registers and the rules between them, when `cfg_*` may be written, kinds of
 records, order between the streams, what a blocked output stops) is on [registers.md](registers.md). A bench written from these
@@ -34,13 +37,15 @@ def page(verilog: Path | None = None) -> str:
     """The whole page."""
     folder = verilog or verilog_dir()
     names = modules(folder)
-    figures = load(folder.parent / "fpga" / "figures.json").values()
+    recorded = folder.parent / "fpga" / "figures.json"
+    figures = load(recorded).values()
+    old = outdated(figures, recorded_with(recorded)) if figures else frozenset()
     contents = " ·\n".join(f"[{name}](#{name})" for name in names)
-    sections = (_section(read(name, folder), figures) for name in names)
+    sections = (_section(read(name, folder), figures, old) for name in names)
     return f"{_HEAD}{contents}\n\n" + "\n".join(sections)
 
 
-def _section(header: Header, figures: Iterable[Figure]) -> str:
+def _section(header: Header, figures: Iterable[Figure], old: Collection[str]) -> str:
     parts = [f"## {header.top}\n", _prose(header.comment)]
     settable = [parameter for parameter in header.parameters if not parameter.derived]
     if settable:
@@ -49,7 +54,7 @@ def _section(header: Header, figures: Iterable[Figure]) -> str:
     bundles = list(_bundles(header.ports))
     if bundles:
         parts.append(_table(("ports", "", "carry", "meaning"), bundles))
-    cost = [_cost(figure) for figure in figures if figure.n in (None, 8) and MODULES[figure.module].top == header.top]
+    cost = [_cost(figure, old) for figure in figures if figure.n in (None, 8) and MODULES[figure.module].top == header.top]
     if cost:
         parts.append(_table(("on", "LUTs", "FFs", "block RAMs", "Fmax, median"), cost))
     return "\n".join(parts)
@@ -141,9 +146,9 @@ def _bundle(prefix: str, ports: Sequence[DeclaredPort], bus: bool) -> tuple[str,
     return f"`{shown}`", direction, names, _escaped(told)
 
 
-def _cost(figure: Figure) -> tuple[str, ...]:
+def _cost(figure: Figure, old: Collection[str]) -> tuple[str, ...]:
     device = DEVICES[figure.device].title if figure.device in DEVICES else figure.device
     size = "N = 8, " if figure.n else ""
     size += f"{figure.module}, " if figure.module != MODULES[figure.module].top else ""
     fmax = f"{figure.median_mhz:.0f} MHz" if figure.median_mhz is not None else figure.misfit
-    return f"{size}{device}", f"{figure.luts:,}", f"{figure.ffs:,}", f"{figure.block_rams:,}", fmax
+    return f"{size}{device}{MARK * (figure.name in old)}", f"{figure.luts:,}", f"{figure.ffs:,}", f"{figure.block_rams:,}", fmax

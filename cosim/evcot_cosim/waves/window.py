@@ -20,9 +20,9 @@ from .fst import fst_writer, write_fst
 from .gtkwave import Marker, write_view
 from .views import VIEWS
 
-__all__ = ["Window", "wave_names", "write_waves"]
+__all__ = ["CLOCK", "Window", "wave_names", "write_waves"]
 
-_CLOCK, _EDGE = 10, 5  # steps of a VCD's time: a clock, and where its edge rises
+CLOCK, _EDGE = 10, 5  # steps of a VCD's time: a clock, and where its edge rises
 _SHOWN_CLOCKS = 40  # before and after a moment, when the view opens
 
 
@@ -79,7 +79,7 @@ def write_waves(
     vcd = folder / f"{name}.vcd"
     clocks = dump_window(events, config, vcd, window.first, window.last, top=top, stalls=stalls, force=force)
     view = folder / f"{name}.gtkw"
-    write_view(vcd, view, _markers(moment, clocks) if moment else (), reach=_SHOWN_CLOCKS * _CLOCK, force=force)
+    write_view(vcd, view, _markers(moment, clocks) if moment else (), reach=_SHOWN_CLOCKS * CLOCK, force=force)
     if fst_writer() is not None:
         write_fst(vcd, vcd.with_suffix(".fst"), force=force)
     return vcd, view
@@ -90,11 +90,11 @@ def _markers(moment: Moment, clocks: Clocks) -> list[Marker]:
     markers = []
     if moment.event_index < len(clocks.accepted):
         title = "event" if moment.kind is not None else moment.name
-        markers.append(Marker(int(clocks.accepted[moment.event_index]) * _CLOCK + _EDGE, title))
+        markers.append(Marker(int(clocks.accepted[moment.event_index]) * CLOCK + _EDGE, title))
     if moment.kind is not None:
         records = clocks.records
         found = np.flatnonzero((records["kind"] == moment.kind) & (records["track_id"] == moment.track_id))
         at = found[records["seq"][found] >= moment.event_index]
         if len(at):
-            markers.append(Marker(int(clocks.recorded[at[0]]) * _CLOCK + _EDGE, moment.name))
+            markers.append(Marker(int(clocks.recorded[at[0]]) * CLOCK + _EDGE, moment.name))
     return markers

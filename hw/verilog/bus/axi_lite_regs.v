@@ -420,15 +420,16 @@ module axi_lite_regs #(
     wire [3:0] fault_clear;
     wire [`EVCOT_IRQ_W-1:0] irq_clear, irq_enable;
     reg  [`EVCOT_IRQ_W-1:0] irq_status;
-    reg  [3:0]  fault;
+    reg  [3:0]  fault, faults;  // faults: of the clock before, so that what an access is refused for has a clock of its own
     reg  [`EVCOT_CSR_ADDR_W-1:0] fault_address;
     reg  [31:0] events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls, backward;
 
     always @(posedge clk) begin
         irq_status <= (irq_status & ~irq_clear) | {committed, happened};
         irq        <= |(irq_status & irq_enable);
-        fault      <= (fault & ~fault_clear) | {fault_unmapped, fault_pending, fault_refused, fault_clamped};
-        if (faulty) fault_address <= {word, 2'b00};
+        faults     <= {fault_unmapped, fault_pending, fault_refused, fault_clamped};
+        fault      <= (fault & ~fault_clear) | faults;
+        if (faults != 4'd0) fault_address <= {word, 2'b00};
         if (latch) begin
             events_in      <= n_events_in;
             events_dropped <= n_events_dropped;
@@ -446,7 +447,7 @@ module axi_lite_regs #(
             irq        <= 1'b0;
         end
         if (rst) begin
-            fault         <= 4'd0;
+            {fault, faults} <= 8'd0;
             fault_address <= {`EVCOT_CSR_ADDR_W{1'b0}};
             {events_in, events_dropped, malformed, events, filtered, owned, passed, records, stalls, backward} <= {10 * 32{1'b0}};
         end

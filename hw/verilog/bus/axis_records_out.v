@@ -118,24 +118,26 @@ module axis_records_out #(
         if (rst) beat <= {BEAT_W{1'b0}};
     end
 
-    wire cut;
+    reg              m_valid_reg, last_reg;
+    reg [DATA_W-1:0] data_reg;
 
-    skid_buffer #(
-        .W(DATA_W + 1)
-    ) u_output (
-        .clk    (clk),
-        .rst    (rst),
-        .s_valid(valid),
-        .s_ready(ready),
-        .s_data ({last, bytes[beat*DATA_W +: DATA_W]}),
-        .m_valid(m_axis_tvalid),
-        .m_ready(m_axis_tready),
-        .m_data ({cut, m_axis_tdata})
-    );
+    // One register and not a skid buffer: nothing leads on from tready but to the queue, and a choice less stands behind its memory.
+    assign ready = m_axis_tready || !m_valid_reg;
 
-    assign m_axis_tlast = cut;
-    assign m_axis_tkeep = cut ? SOME : ALL;
-    assign idle         = level == 0 && !m_axis_tvalid;
+    always @(posedge clk) begin
+        if (ready) begin
+            m_valid_reg <= valid;
+            last_reg    <= last;
+            data_reg    <= bytes[beat*DATA_W +: DATA_W];
+        end
+        if (rst) m_valid_reg <= 1'b0;
+    end
+
+    assign m_axis_tvalid = m_valid_reg;
+    assign m_axis_tdata  = data_reg;
+    assign m_axis_tlast  = last_reg;
+    assign m_axis_tkeep  = last_reg ? SOME : ALL;
+    assign idle          = level == 0 && !m_valid_reg;
 
 endmodule
 

@@ -40,7 +40,7 @@ module skid_buffer #(
     always @(posedge clk) begin
         s_ready_reg <= !skid_valid_next;
         skid_valid_reg <= skid_valid_next;
-        if (accept) skid_data_reg <= s_data;
+        if (s_ready_reg) skid_data_reg <= s_data;
         if (output_free) begin
             m_valid_reg <= skid_valid_reg || accept;
             m_data_reg <= skid_valid_reg ? skid_data_reg : s_data;

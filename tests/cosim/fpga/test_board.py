@@ -77,10 +77,10 @@ def test_a_full_board_refuses_what_its_map_refuses() -> None:
 
 def test_a_broken_tracker_lights_the_other_led(tmp_path: Path) -> None:
     folder = sources(tmp_path)
-    update = folder / "cot.v"
-    text, right = update.read_text(), "last  = next_count >= {1'b0, n_ev};"
+    update = folder / "array_update.v"
+    text, right = update.read_text(), "{y_n_ev == ONE, y_n_ev == TWO, y_n_ev - 1'b1}"
     assert text.count(right) == 1
-    update.write_text(text.replace(right, right.replace(">=", ">")))
+    update.write_text(text.replace(right, "{1'b0, y_n_ev == ONE, y_n_ev}"))
     board = SimulatedBoard(BOARDS["icebreaker"], folder)
     with powered(board) as host:
         host.records(RECORDS + 5)

@@ -295,7 +295,7 @@ def test_no_access_waits_longer_than_64_clocks(name: str) -> None:
         assert_prompt(first)
         assert not first.commands["response"].any()
     device.run(commands=[poll(STATUS, PENDING, 0), write(CONTROL, 1)])
-    commits = [write(address, 1, after=8) for address in (*map(slot_address, range(slots)), filter_address())]
+    commits = [write(address, 1, after=20) for address in (*map(slot_address, range(slots)), filter_address())]
     rng, longest, together = np.random.default_rng(8), [], 0
     for late in range(12):
         # Nobody takes what comes out, so the commits wait; then they take effect together, while the bus is busy.
@@ -561,7 +561,7 @@ def test_clocks_from_an_event_to_its_record_are_those_of_the_header() -> None:
     print(found)
     own = re.search(r"a record after (\d+)", rtl_files()["cot_array.v"].read_text())
     assert own is not None
-    assert found == {"array behind filters": 17 + 38 + int(own[1]), "array": 17 + 2 + int(own[1]), "chain": 17 + 6}
+    assert found == {"array behind filters": 17 + 52 + int(own[1]), "array": 17 + 2 + int(own[1]), "chain": 17 + 6}
 
 
 def test_refuses_a_source_that_was_not_built() -> None:

@@ -41,7 +41,8 @@ endmodule
 
 def cell() -> str:
     """A model of the block RAM with the pins that the body connects."""
-    pins = list(dict.fromkeys(re.findall(r"\.(\w+)\(", ECP5.read_text().partition(") u_ram (")[2])))
+    connections = ECP5.read_text().partition(") u_ram (")[2].partition(");")[0]  # of the first: the others have no more
+    pins = list(dict.fromkeys(re.findall(r"\.(\w+)\(", connections)))
     outputs = [pin for pin in pins if pin.startswith("DO")]
     ports = [f"{'output' if pin in outputs else 'input'} {pin}" for pin in pins]
     data_in, data_out = (", ".join(f"{name}{i}" for i in reversed(range(18))) for name in ("DIA", "DOB"))

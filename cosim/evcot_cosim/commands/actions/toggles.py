@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`evcot toggles`: a part of a run simulated again, and what every bit did in it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import reduce
+from operator import add
+from pathlib import Path
+
+from evcot.errors import ConfigError
+
+from ...devices.device import build_device
+from ...fpga.activity import ModuleToggles, by_module, design_of, nets_of
+from ...lockstep.lockstep import dump_window
+from ...names import Top
+from ...tables import print_table
+from ...waves.saif import write_saif
+from ...waves.toggles import count_toggles
+from ...waves.window import CLOCK, Window
+from ..options import window_from
+from ..toggles import TOGGLES_MS
+from .counting import Counting
+from .filters import save_learned
+from .job import Job, job_from
+
+__all__ = ["run"]
+
+_MOST_EVENTS = 200_000  # whose waveform, which lies on the disk while it is counted, takes a gigabyte or two
+
+
+@dataclass(frozen=True)
+class _Counted:
+    top: Top
+    n_events: int
+    n_clocks: int
+    modules: dict[str, ModuleToggles]
+
+    @property
+    def whole(self) -> ModuleToggles:
+        return reduce(add, self.modules.values())
+
+
+def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
+    """Print the table, and write SAIF if asked for; 0."""
+    options.from_ms = options.from_ms or 0.0
+    options.to_ms = options.from_ms + TOGGLES_MS if options.to_ms is None else options.to_ms
+    from_us, to_us = window_from(options)
+    assert to_us is not None
+    with Counting("simulating (the hardware is compiled once)", enabled=not (options.quiet or options.json)):
+        job = job_from(options, until_us=to_us)
+        window = Window.of_time(job.recording.events, from_us, to_us)
+        if (n := window.last + 1 - window.first) > _MOST_EVENTS:
+            raise ConfigError(
+                f"--from {options.from_ms:g} --to {options.to_ms:g}: {n:,} events: must be at most {_MOST_EVENTS:,}"
+            )
+        if options.beside == job.top:
+            raise ConfigError(f"--beside {options.beside}: must be another module than --hardware")
+        counted = [_count(job, job.top, window, options.saif, force=options.force)]
+        if options.beside is not None:
+            counted.append(_count(job, options.beside, window))
+    save_learned(options)
+    if options.json:
+        print(json.dumps([{**asdict(one), "whole": asdict(one.whole)} for one in counted], indent=1))
+    elif not options.quiet:
+        _print(counted)
+    return 0
+
+
+def _count(job: Job, top: Top, window: Window, saif: Path | None = None, *, force: bool = False) -> _Counted:
+    config = job.config.hardware(job.recording.width, job.recording.height)
+    model = build_device(config, top)
+    with tempfile.TemporaryDirectory() as folder:
+        vcd = Path(folder) / "waves.vcd"
+        dump_window(job.recording.events, config, vcd, window.first, window.last, top=top, stalls=job.stalls)
+        activity = count_toggles(vcd)
+    design = design_of(model.top, model.parameters)
+    modules = by_module(design, activity)
+    if saif is not None:
+        write_saif(activity, saif, f"TOP.{model.top}", nets_of(design, activity), force=force)
+    return _Counted(top, window.last + 1 - window.first, activity.duration // CLOCK, modules)
+
+
+def _print(counted: Sequence[_Counted]) -> None:
+    rows: list[Sequence[str]] = [
+        ("hardware", "module", "instances", "registers, bits", "toggles an event", "wires, bits", "toggles an event")
+    ]
+    for one in counted:
+        shown = [(name, toggles) for name, toggles in one.modules.items() if toggles.registers or toggles.wires]
+        for name, toggles in [*shown, ("all", one.whole)]:
+            instances = f"{toggles.instances:,}" if name != "all" else ""
+            rows.append((
+                one.top, name, instances,
+                f"{toggles.registers:,}", f"{toggles.register_toggles / one.n_events:.1f}",
+                f"{toggles.wires:,}", f"{toggles.wire_toggles / one.n_events:.1f}",
+            ))  # fmt: skip
+    print_table(rows)
+    for one in counted:
+        print(f"{one.top}: {one.n_events:,} events, {one.n_clocks / one.n_events:.2f} clocks an event")

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which recorded figures are of a module that has changed since, and docs/fpga.md with these marked.
+
+A key is a hash of all inputs of a synthesis, so nothing has to be synthesised to know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+from ..rtl.files import verilog_dir
+from .catalogue import MODULES
+from .devices import DEVICES
+from .figures import Figure, load, recorded_with
+from .measure import Case, key_of
+from .report import filled, shown_clocks
+from .sources import closure, flat
+
+__all__ = ["outdated", "page"]
+
+
+def outdated(figures: Iterable[Figure], yosys: str) -> frozenset[str]:
+    """The names of the figures whose module, harness or commands are not what they were.
+
+    Args:
+        yosys: the version with which they were recorded.
+
+    Raises:
+        ToolchainError: pyslang is not installed.
+    """
+
+    @cache
+    def sources(top: str) -> tuple[list[str], str]:
+        modules = closure([top])
+        return modules, flat(modules)
+
+    def current(figure: Figure) -> bool:
+        module, device = MODULES.get(figure.module), DEVICES.get(figure.device)
+        if module is None or device is None:
+            return False
+        return key_of(Case(module, figure.n, device), sources(module.top), yosys) == figure.key
+
+    return frozenset(figure.name for figure in figures if not current(figure))
+
+
+def page() -> str:
+    """docs/fpga.md as it should be: its tables from hw/fpga/figures.json, what is outdated marked, latencies as they are there.
+
+    Raises:
+        ConfigError: the page lacks a mark, or the figures are none.
+        ToolchainError: pyslang is not installed.
+    """
+    recorded = verilog_dir().parent / "fpga" / "figures.json"
+    figures = load(recorded)
+    path: Path = verilog_dir().parents[1] / "docs" / "fpga.md"
+    text = path.read_text()
+    return filled(path, text, figures, shown_clocks(text), outdated(figures.values(), recorded_with(recorded)))
