@@ -156,13 +156,13 @@ class Lockstep:
 def _record_difference(
     hardware: NDArray[np.void], model: NDArray[np.void]
 ) -> tuple[int, str, int | str | None, int | str | None] | None:
-    words = RECORD.itemsize // 8
+    words = hardware.dtype.itemsize // 8
     both = min(len(hardware), len(model))
     theirs = hardware.view("<u8").reshape(-1, words)[:both]
     ours = model.view("<u8").reshape(-1, words)[:both]
     if not np.array_equal(theirs, ours):
         i = int(np.flatnonzero((theirs != ours).any(axis=1))[0])
-        field = next(name for name in RECORD.names or () if hardware[i][name] != model[i][name])
+        field = next(name for name in hardware.dtype.names or () if hardware[i][name] != model[i][name])
         index = int(min(hardware[i]["seq"], model[i]["seq"]))
         return index, f"record.{field}", int(hardware[i][field]), int(model[i][field])
     if len(hardware) != len(model):
@@ -198,7 +198,7 @@ def dump_window(
         ToolchainError: a tool is missing or too old, or the build fails.
     """
     device = Device(config, top, stalls=stalls, verilog=verilog)
-    parts = [Clocks.none()]
+    parts = []
     with device.dumping(path, first_event, last_event, force=force):
         for chunk in chunks(events):
             if device.seq > last_event:
@@ -210,7 +210,7 @@ def dump_window(
             parts.append(Clocks(times.accepted, decided.records, times.recorded))
             if progress is not None:
                 progress(device.seq)
-    return Clocks(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    return Clocks(*(np.concatenate(column) for column in zip(*parts, strict=True))) if parts else Clocks.none()
 
 
 class Clocks(NamedTuple):
