@@ -8,12 +8,14 @@ noise, equal ticks and long gaps.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.ticks import TickedEvents
 
 from ..names import Top
@@ -21,7 +23,7 @@ from ..rtl.build import BuiltModel
 from .cosim import stalls_from
 from .lockstep import Lockstep, chunks
 
-__all__ = ["RATES", "random_config", "random_run", "random_traffic"]
+__all__ = ["RATES", "random_config", "random_motion", "random_motion_run", "random_run", "random_traffic"]
 
 RATES = (0.3, 2.0, 10.0)
 """Ticks from one event to the next within a burst."""
@@ -40,6 +42,31 @@ def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
     for names in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
         values.update(zip(names, sorted(values[name] for name in names), strict=True))
     return SlotConfig(**values)
+
+
+_LIVELY = MotionRegisters(
+    enable=1, step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
+    birth_ticks=100, birth_travel=3, nev_low=4, nev_high=40, side_max=40, seed_px=3, gap_corrections=4, join_steps=3,
+    report_steps=2, ring_max=10,
+)  # fmt: skip
+
+
+def random_motion(rng: np.random.Generator, shape: Shape) -> CotConfig:
+    """Random registers of an array with motion: any share of them over their whole legal ranges, the others such that objects
+    become visible, meet and end within thousands of events. A few slots are off."""
+    share = rng.choice([0.05, 0.2, 0.5, 1.0])
+    values = {}
+    for name, (low, high, _) in MOTION_RANGES.items():
+        values[name] = _draw(rng, int(low), int(high)) if rng.random() < share else getattr(_LIVELY, name)
+    values["enable"] = 1
+    values["step_log2"] = min(values["step_log2"], 12)  # or there is none
+    values["seed_px"] = min(values["seed_px"], max(1, values["side_max"] // 2))
+    values["side_max"] = max(values["side_max"], 2)
+    for names in (("nev_low", "nev_high"), ("ring_px", "ring_max"), ("life_ticks", "coast_ticks")):
+        values.update(zip(names, sorted(values[name] for name in names), strict=True))
+    modes = rng.choice([Mode.OFF, Mode.SEEDED], shape.n_slots, p=[0.1, 0.9])
+    slots = tuple(replace(_random_slot(rng, shape), mode=int(mode)) for mode in modes)
+    return CotConfig(shape, slots, motion=MotionRegisters(**values))
 
 
 def _draw(rng: np.random.Generator, low: int, high: int) -> int:
@@ -95,8 +122,23 @@ def random_run(shape: Shape, top: Top, seed: int, events: int, model: BuiltModel
         MismatchError: they differ.
     """
     rng = np.random.default_rng(seed)
-    config = random_config(rng, shape)
-    traffic = random_traffic(rng, shape, events, float(rng.choice(RATES)))
+    return _run(rng, random_config(rng, shape), top, seed, events, model)
+
+
+def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
+    """The same for an array with motion.
+
+    Raises:
+        MismatchError: they differ.
+    """
+    rng = np.random.default_rng(seed)
+    return _run(rng, random_motion(rng, shape), "cot_array", seed, events, model)
+
+
+def _run(
+    rng: np.random.Generator, config: CotConfig, top: Top, seed: int, events: int, model: BuiltModel | None
+) -> Lockstep:
+    traffic = random_traffic(rng, config.shape, events, float(rng.choice(RATES)))
     stream = Events(traffic.ticks, traffic.x, traffic.y, traffic.p)
     stalls = stalls_from(seed if rng.random() < 0.75 else None)
     with Lockstep(config, top, stalls=stalls, seed=seed, model=model) as lockstep:
