@@ -111,7 +111,7 @@ class Lockstep:
                 ) from error
             step = Step(hardware, expected.result())
             self._compare(hardware, expected.result(), ticked.ticks)
-        self._count_clocks(hardware.records, times)
+        self._count_clocks(hardware.records, times, ticked.ticks)
         self.wall_s += time.perf_counter() - started
         self.events += len(events)
         self.records += len(step.hardware.records)
@@ -128,9 +128,11 @@ class Lockstep:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _count_clocks(self, records: NDArray[np.void], times: StreamTimes) -> None:
-        caused = records["kind"] != Kind.LOST
-        taken = times.accepted[records["seq"][caused].astype(np.int64) - self.events]
+    def _count_clocks(self, records: NDArray[np.void], times: StreamTimes, ticks: NDArray[np.int64]) -> None:
+        event = np.minimum(records["seq"].astype(np.int64) - self.events, len(ticks) - 1)
+        # Of records with a motion step's time, some are sent before the event that they count as.
+        caused = (records["kind"] != Kind.LOST) & (records["time"].astype(np.int64) == ticks[event])
+        taken = times.accepted[event[caused]]
         clocks = np.minimum(times.recorded[caused] - taken, LATENCY_MAX)
         self.latency += np.bincount(clocks, minlength=LATENCY_MAX + 1)
 

@@ -135,9 +135,7 @@ def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | 
     return _run(rng, random_motion(rng, shape), "cot_array", seed, events, model)
 
 
-def _run(
-    rng: np.random.Generator, config: CotConfig, top: Top, seed: int, events: int, model: BuiltModel | None
-) -> Lockstep:
+def _run(rng: np.random.Generator, config: CotConfig, top: Top, seed: int, events: int, model: BuiltModel | None) -> Lockstep:
     traffic = random_traffic(rng, config.shape, events, float(rng.choice(RATES)))
     stream = Events(traffic.ticks, traffic.x, traffic.y, traffic.p)
     stalls = stalls_from(seed if rng.random() < 0.75 else None)
