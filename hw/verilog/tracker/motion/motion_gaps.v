@@ -4,7 +4,7 @@
 // A bin that was not used since its slot's bins were cleared is not cleared itself: `used` says which were. An event names its bin on
 // each axis; `count` makes it one more, two clocks later.
 //
-// Latency:    2 clocks from count to the bin; 54 clocks from look to done.
+// Latency:    2 clocks from count to the bin; 55 clocks from look to done.
 // Throughput: an event every second clock, or a look, not both at a time.
 // Stall:      what a look found stays until the next one.
 // Reset:      waits for a look. Bins are not reset.
