@@ -113,6 +113,7 @@ module cot_motion #(
     localparam [6:0] LOAD    = 7'd1;   // an event: reads its owner's context
     localparam [6:0] SEED    = 7'd2;   // clears the bins of a candidate that begins
     localparam [6:0] SEEDED  = 7'd3;   // and places it
+    localparam [6:0] CLEAR   = 7'd68;  // clears the bins, by the lengths that are known since the clock before
     localparam [6:0] TAKE    = 7'd4;   // compares the event with the sides
     localparam [6:0] MOVE    = 7'd5;   // moves them
     localparam [6:0] WINDOW  = 7'd6;   // waits for box and window
@@ -121,6 +122,7 @@ module cot_motion #(
     localparam [6:0] FREE    = 7'd9;   // ends a life at a restart
 
     localparam [6:0] SHRINK   = 7'd10;  // a correction: how far the sides move inwards
+    localparam [6:0] SHRINK_1 = 7'd70;
     localparam [6:0] INWARDS  = 7'd11;
     localparam [6:0] LOOK     = 7'd12;  // are bins looked at?
     localparam [6:0] LOOK_AT  = 7'd13;  // on which axes?
@@ -154,6 +156,8 @@ module cot_motion #(
     localparam [6:0] SCAN_1  = 7'd39;
     localparam [6:0] SCAN_2  = 7'd40;
     localparam [6:0] SCAN_3  = 7'd41;
+    localparam [6:0] SCAN_4  = 7'd71;
+    localparam [6:0] SCAN_5  = 7'd72;
     localparam [6:0] FOUND   = 7'd42;  // what follows
 
     localparam [6:0] PARTNER = 7'd43;  // it has a partner
@@ -270,7 +274,7 @@ module cot_motion #(
 
     // ---- slots -----------------------------------------------------------------------------------------------------
 
-    reg [6:0]        state, after, after_record;
+    reg [6:0]        state, after, after_clear, after_record;
     reg [SLOT_W-1:0] at;      // the slot whose context is read and written
     reg [SLOT_W:0]   slot;    // of a motion step
     reg [SLOT_W:0]   other;   // with which it is compared
@@ -377,7 +381,7 @@ module cot_motion #(
     wire [SIDE_W-1:0]      side_y  = apart_y[SIDE_W] ? {SIDE_W{1'b0}} : apart_y[SIDE_W-1:0];
     wire [PX_W-1:0]        length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]        length_y = side_y[SIDE_W-1:12];
-    wire [PX_W:0]          outline = {1'b0, length_x} + {1'b0, length_y};
+    reg  [PX_W:0]          outline;
     wire [14:0]            speed_x = v_x[15] ? -v_x[14:0] : v_x[14:0];
     wire [14:0]            speed_y = v_y[15] ? -v_y[14:0] : v_y[14:0];
     wire                   moves   = is_visible || corrections >= 6'd4;  // its velocity counts
@@ -453,8 +457,11 @@ module cot_motion #(
     wire [15:0] share = side_step >> side_share;
     reg  [15:0] one_back, one_out;
 
-    wire signed [PX_W:0] from_x = {{(PX_W + 1 - X_W) {1'b0}}, x} - {lo_x[SIDE_W-1], lo_x[SIDE_W-1:12]} - {{PX_W{1'b0}}, lo_x[11]};
-    wire signed [PX_W:0] from_y = {{(PX_W + 1 - Y_W) {1'b0}}, y} - {lo_y[SIDE_W-1], lo_y[SIDE_W-1:12]} - {{PX_W{1'b0}}, lo_y[11]};
+    // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
+    wire [PX_W+1:0] place_x = {{(PX_W + 1 - X_W) {1'b0}}, x, 1'b1} + ~{lo_x[SIDE_W-1], lo_x[SIDE_W-1:11]};
+    wire [PX_W+1:0] place_y = {{(PX_W + 1 - Y_W) {1'b0}}, y, 1'b1} + ~{lo_y[SIDE_W-1], lo_y[SIDE_W-1:11]};
+    wire [PX_W:0]   from_x = place_x[PX_W+1:1];
+    wire [PX_W:0]   from_y = place_y[PX_W+1:1];
     wire [PX_W:0] bins_x = from_x >> log2_x;
     wire [PX_W:0] bins_y = from_y >> log2_y;
     wire [PX_W-1:0] window_lo_x = window[3*PX_W+:PX_W];
@@ -558,7 +565,7 @@ module cot_motion #(
     wire           looks_y = across_y || {4'd0, was_y} >= long_x;
     wire [PX_W-1:0] least_gap = {{(PX_W - 8) {1'b0}}, gap_px};
     wire [PX_W-1:0] half_other = {1'b0, on_y ? was_x[PX_W-1:1] : was_y[PX_W-1:1]};
-    wire [PX_W-1:0] narrowest = (on_y ? across_y : across_x) || least_gap > half_other ? least_gap : half_other;
+    reg  [PX_W-1:0] narrowest;
 
     motion_gaps #(
         .PX_W  (PX_W),
@@ -864,14 +871,20 @@ module cot_motion #(
                 end
             end
             SEED: begin
-                looked       <= 8'd0;
-                used_x       <= 16'd0;
-                used_y       <= 16'd0;
-                log2_x       <= bin_log2(length_x);
-                log2_y       <= bin_log2(length_y);
+                was_x        <= length_x;
+                was_y        <= length_y;
                 window_start <= 1'b1;
                 after        <= SEEDED;
-                state        <= WINDOW;
+                after_clear  <= WINDOW;
+                state        <= CLEAR;
+            end
+            CLEAR: begin
+                looked <= 8'd0;
+                used_x <= 16'd0;
+                used_y <= 16'd0;
+                log2_x <= bin_log2(was_x);
+                log2_y <= bin_log2(was_y);
+                state  <= after_clear;
             end
             SEEDED: begin
                 place <= 1'b1;
@@ -956,8 +969,13 @@ module cot_motion #(
 
             // ---- a correction ------------------------------------------------------------------------------------------
             SHRINK: begin
-                part_x <= meets || side_shrink == 4'd0 ? {SIDE_W{1'b0}} : side_x >> side_shrink;
-                part_y <= meets || side_shrink == 4'd0 ? {SIDE_W{1'b0}} : side_y >> side_shrink;
+                part_x <= meets || side_shrink == 4'd0 ? {SIDE_W{1'b0}} : side_x;
+                part_y <= meets || side_shrink == 4'd0 ? {SIDE_W{1'b0}} : side_y;
+                state  <= SHRINK_1;
+            end
+            SHRINK_1: begin
+                part_x <= part_x >> side_shrink;
+                part_y <= part_y >> side_shrink;
                 state  <= INWARDS;
             end
             INWARDS: begin
@@ -983,19 +1001,22 @@ module cot_motion #(
             LOOK: begin
                 was_x    <= length_x;
                 was_y    <= length_y;
-                long_x   <= {4'd0, length_x} * {{PX_W{1'b0}}, elongation};
-                long_y   <= {4'd0, length_y} * {{PX_W{1'b0}}, elongation};
                 across_x <= {speed_y, 1'b0} >= {1'b0, speed_x};
                 across_y <= {speed_x, 1'b0} >= {1'b0, speed_y};
                 on_y     <= 1'b0;
                 looked   <= looked + 8'd1;
                 state    <= {1'b0, looked} + 9'd1 < {1'b0, gap_corrections} ? TICKS : LOOK_AT;
             end
-            LOOK_AT: state <= corrections >= 6'd8 && (v_x != 16'sd0 || v_y != 16'sd0) ? LOOK_GO : LOOKED;
+            LOOK_AT: begin
+                long_x <= {4'd0, was_x} * {{PX_W{1'b0}}, elongation};
+                long_y <= {4'd0, was_y} * {{PX_W{1'b0}}, elongation};
+                state  <= corrections >= 6'd8 && (v_x != 16'sd0 || v_y != 16'sd0) ? LOOK_GO : LOOKED;
+            end
             LOOK_GO:
             if (on_y ? looks_y : looks_x) begin
-                look  <= 1'b1;
-                state <= LOOKING;
+                narrowest <= (on_y ? across_y : across_x) || least_gap > half_other ? least_gap : half_other;
+                look      <= 1'b1;
+                state     <= LOOKING;
             end else begin
                 on_y  <= 1'b1;
                 state <= on_y ? LOOKED : LOOK_GO;
@@ -1031,12 +1052,10 @@ module cot_motion #(
                 state <= on_y ? LOOKED : LOOK_GO;
             end
             LOOKED: begin
-                looked <= 8'd0;
-                used_x <= 16'd0;
-                used_y <= 16'd0;
-                log2_x <= bin_log2(length_x);
-                log2_y <= bin_log2(length_y);
-                state  <= TICKS;
+                was_x       <= length_x;
+                was_y       <= length_y;
+                after_clear <= TICKS;
+                state       <= CLEAR;
             end
             TICKS: begin
                 age   <= op_time - last;
@@ -1063,12 +1082,13 @@ module cot_motion #(
                 usual       <= corrections == 6'd0 ? ticks : usual + {slower_by[24], slower_by[24:2]};
                 corrections <= corrections == 6'd63 ? 6'd63 : corrections + 6'd1;
                 if (corrections == 6'd3) starts[at] <= {sum_x, sum_y};
-                count <= 10'd0;
-                n_ev  <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
-                       : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
-                state <= GRANT;
+                count   <= 10'd0;
+                outline <= {1'b0, length_x} + {1'b0, length_y};
+                state   <= GRANT;
             end
             GRANT: begin
+                n_ev  <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
+                       : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
                 grant <= {8'd0, usual} << life_log2;
                 state <= LIFE;
             end
@@ -1137,16 +1157,18 @@ module cot_motion #(
             LONG: begin
                 too_long_x <= apart_x > longest;
                 too_long_y <= apart_y > longest;
+                way_x      <= {sum_x[SIDE_W], sum_x};
+                way_y      <= {sum_y[SIDE_W], sum_y};
                 state      <= SHORTEN;
             end
             SHORTEN: begin
                 if (too_long_x) begin
-                    lo_x <= sum_x[SIDE_W:1] - half_longest;
-                    hi_x <= sum_x[SIDE_W:1] + half_longest;
+                    lo_x <= way_x[SIDE_W:1] - half_longest;
+                    hi_x <= way_x[SIDE_W:1] + half_longest;
                 end
                 if (too_long_y) begin
-                    lo_y <= sum_y[SIDE_W:1] - half_longest;
-                    hi_y <= sum_y[SIDE_W:1] + half_longest;
+                    lo_y <= way_y[SIDE_W:1] - half_longest;
+                    hi_y <= way_y[SIDE_W:1] + half_longest;
                 end
                 window_start <= 1'b1;
                 after        <= PLACED;
@@ -1200,7 +1222,9 @@ module cot_motion #(
             end
             SCAN_1: state <= scan == FOR_PARTNER ? SCAN_2 : FOUND;
             SCAN_2: state <= SCAN_3;
-            SCAN_3: state <= FOUND;
+            SCAN_3: state <= SCAN_4;
+            SCAN_4: state <= SCAN_5;
+            SCAN_5: state <= FOUND;
             FOUND: begin
                 other <= other + {{SLOT_W{1'b0}}, 1'b1};
                 state <= SCAN;
@@ -1334,14 +1358,12 @@ module cot_motion #(
                 state           <= UNITED;
             end
             UNITED: begin
-                looked       <= 8'd0;
-                used_x       <= 16'd0;
-                used_y       <= 16'd0;
-                log2_x       <= bin_log2(length_x);
-                log2_y       <= bin_log2(length_y);
+                was_x        <= length_x;
+                was_y        <= length_y;
                 window_start <= 1'b1;
                 after        <= MERGED;
-                state        <= WINDOW;
+                after_clear  <= WINDOW;
+                state        <= CLEAR;
             end
             MERGED: begin
                 store        <= 1'b1;
@@ -1434,7 +1456,7 @@ module cot_motion #(
         end
     end
 
-    wire unused = &{1'b0, wide_rel_x, wide_rel_y, slow_gain[6:4], slower_by[1:0], until_step, over_deadline, later};
+    wire unused = &{1'b0, wide_rel_x, wide_rel_y, slow_gain[6:4], slower_by[1:0], place_x[0], place_y[0], until_step, over_deadline, later};
 
 endmodule
 

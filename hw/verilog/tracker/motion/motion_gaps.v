@@ -2,10 +2,10 @@
 // The bins of all slots, and the search for a gap in them: docs/motion.md, "Gaps".
 //
 // A bin that was not used since its slot's bins were cleared is not cleared itself: `used` says which were. An event names its bin on
-// each axis; `count` makes it one more, two clocks later.
+// each axis; `count` makes it one more, three clocks later.
 //
-// Latency:    2 clocks from count to the bin; 55 clocks from look to done.
-// Throughput: an event every second clock, or a look, not both at a time.
+// Latency:    3 clocks from count to the bin; 58 clocks from look to done.
+// Throughput: an event every fourth clock, or a look, not both at a time.
 // Stall:      what a look found stays until the next one.
 // Reset:      waits for a look. Bins are not reset.
 // Combinational paths: none.
@@ -57,20 +57,22 @@ module motion_gaps #(
     reg [BIN_W-1:0] read_x, read_y;
 
     reg [2:0]        state;
-    reg [4:0]        at;       // bin that is read; the one before it is there
+    reg [4:0]        at;       // bin that is read; that of two clocks before is there
     reg              counts_x, counts_y, was_first_x, was_first_y, was_used, wide;
-    reg [SLOT_W+3:0] place_x, place_y;
+    reg              adds_x, adds_y;
+    reg [SLOT_W+3:0] place_x, place_y, to_x, to_y;
+    reg [BIN_W-1:0]  more_x, more_y, value;
     reg [BIN_W-1:0]  total, least, below, above;
     reg              any;      // a bin that is not empty was there
-    reg [3:0]        run, widest, behind, bin;
+    reg [3:0]        run, widest, behind, next_bin, bin;
+    reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
 
     wire             looking = state != WAIT;
     wire [SLOT_W+3:0] from_x = {slot, looking ? at[3:0] : bin_x};
     wire [SLOT_W+3:0] from_y = {slot, looking ? at[3:0] : bin_y};
-    wire [BIN_W-1:0] value   = !was_used ? {BIN_W{1'b0}} : on_y ? read_y : read_x;
     wire [BIN_W-1:0] share   = total >> gap_share;
-    wire [WIDE_W-1:0] width  = {{(WIDE_W - 4) {1'b0}}, widest} << bin_log2;
-    wire             last    = at == 5'd16;
+    wire             there   = at > 5'd1;  // the value of `bin`
+    wire             last    = at == 5'd17;
 
     always @(posedge clk) begin
         // an event: read, then write
@@ -82,13 +84,21 @@ module motion_gaps #(
         was_first_y <= first_y;
         place_x     <= from_x;
         place_y     <= from_y;
-        if (counts_x) bins_x[place_x] <= was_first_x ? {{(BIN_W - 1) {1'b0}}, 1'b1} : read_x + {{(BIN_W - 1) {1'b0}}, 1'b1};
-        if (counts_y) bins_y[place_y] <= was_first_y ? {{(BIN_W - 1) {1'b0}}, 1'b1} : read_y + {{(BIN_W - 1) {1'b0}}, 1'b1};
+        more_x      <= was_first_x ? {BIN_W{1'b0}} : read_x;
+        more_y      <= was_first_y ? {BIN_W{1'b0}} : read_y;
+        adds_x      <= counts_x;
+        adds_y      <= counts_y;
+        to_x        <= place_x;
+        to_y        <= place_y;
+        if (adds_x) bins_x[to_x] <= more_x + {{(BIN_W - 1) {1'b0}}, 1'b1};
+        if (adds_y) bins_y[to_y] <= more_y + {{(BIN_W - 1) {1'b0}}, 1'b1};
 
         // a look: three times through the bins
         done     <= 1'b0;
         was_used <= used[at[3:0]];
-        bin      <= at[3:0];
+        next_bin <= at[3:0];
+        bin      <= next_bin;
+        value    <= !was_used ? {BIN_W{1'b0}} : on_y ? read_y : read_x;
         if (looking) at <= last ? 5'd0 : at + 5'd1;
         case (state)
             WAIT: begin
@@ -97,7 +107,7 @@ module motion_gaps #(
                 if (look) state <= SUM;
             end
             SUM: begin
-                if (at != 5'd0) total <= total + value;
+                if (there) total <= total + value;
                 if (last) state <= LEAST;
             end
             LEAST: begin
@@ -109,7 +119,7 @@ module motion_gaps #(
                 state  <= RUNS;
             end
             RUNS: begin
-                if (at != 5'd0) begin
+                if (there) begin
                     if (value > least) begin
                         any <= 1'b1;
                         run <= 4'd0;
@@ -124,17 +134,18 @@ module motion_gaps #(
             PLACE: begin
                 begins <= behind - widest;
                 ends   <= behind;
-                wide   <= widest != 4'd0 && width >= {{(WIDE_W - PX_W) {1'b0}}, narrowest};
+                width  <= {{(WIDE_W - 4) {1'b0}}, widest} << bin_log2;
                 below  <= {BIN_W{1'b0}};
                 above  <= {BIN_W{1'b0}};
                 at     <= 5'd0;
                 state  <= PARTS;
             end
             PARTS: begin
-                if (at != 5'd0) begin
+                if (there) begin
                     if (bin < begins) below <= below + value;
                     if (bin >= ends) above <= above + value;
                 end
+                wide <= widest != 4'd0 && width >= {{(WIDE_W - PX_W) {1'b0}}, narrowest};
                 if (last) state <= JUDGE;
             end
             JUDGE: begin
@@ -150,6 +161,8 @@ module motion_gaps #(
             done     <= 1'b0;
             counts_x <= 1'b0;
             counts_y <= 1'b0;
+            adds_x   <= 1'b0;
+            adds_y   <= 1'b0;
         end
     end
 

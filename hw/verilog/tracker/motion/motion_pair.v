@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a slot lies and moves to another one: docs/motion.md, "Merging" and "Hidden sides". `one` is the slot, `other` the other.
 //
-// Latency:    4 clocks from start to the outputs; inputs of `other` need stay for one, all others until then.
-// Throughput: a pair every fourth clock.
+// Latency:    2 clocks from start to the outputs, but 6 to alike; inputs of `other` need stay for one, all others until then.
+// Throughput: a pair every sixth clock.
 // Stall:      outputs stay until a clock after the next start.
 // Reset:      none, nothing is used before it was computed.
 // Combinational paths: none.
@@ -40,7 +40,7 @@ module motion_pair #(
 
     localparam GAP_W = PX_W + 1;
 
-    reg [2:0] step;  // one of them is high: the values of the step before are there
+    reg [4:0] step;  // one of them is high: the values of the step before are there
 
     // ---- the other's ---------------------------------------------------------------------------------------------------
 
@@ -73,29 +73,26 @@ module motion_pair #(
     reg [15:0] apart_x, apart_y;
     reg        along_y, own_along_y; // its motion is along y
     reg        own_leads;            // one has at least as much support
-    wire [14:0] fastest = fast > own_fast ? fast : own_fast;
-    wire [14:0] allowed = fastest >> join_speed;
-    wire [15:0] most    = {1'b0, allowed} + 16'd64;
-    wire        leads_y = own_leads ? own_along_y : along_y;
+    reg [14:0] fastest, allowed;
+    reg        leads_y;
+    wire [15:0] most = {1'b0, allowed} + 16'd64;
 
     // ---- boxes ---------------------------------------------------------------------------------------------------------
 
     reg signed [PX_W-1:0] from_x, to_x, from_y, to_y;  // what lies between them
     reg [PX_W-1:0] less_x, more_x, less_y, more_y;     // their sides
     reg [PX_W-1:0] side_x, side_y, own_side_x, own_side_y;
-    reg signed [GAP_W-1:0] gap_x, gap_y;
+    reg signed [GAP_W-1:0] shared_x, shared_y;  // how far they overlap; negative: how far they are apart
     reg [PX_W-1:0] near_x, near_y;
-    reg together;
+    reg together, abreast_x, abreast_y, close_x, close_y;
 
     wire signed [GAP_W-1:0] half_x = {2'b00, less_x[PX_W-1:1]};
     wire signed [GAP_W-1:0] half_y = {2'b00, less_y[PX_W-1:1]};
-    wire abreast_x = gap_x <= -half_x;
-    wire abreast_y = gap_y <= -half_y;
-    wire close_x   = gap_x <= $signed({1'b0, near_x});
-    wire close_y   = gap_y <= $signed({1'b0, near_y});
+    wire signed [GAP_W-1:0] spare_x = shared_x + $signed({1'b0, near_x});
+    wire signed [GAP_W-1:0] spare_y = shared_y + $signed({1'b0, near_y});
 
     always @(posedge clk) begin
-        step <= {step[1:0], start};
+        step <= {step[3:0], start};
         if (start) begin
             {box_lo_x, box_hi_x, box_lo_y, box_hi_y} <= other_box;
             {win_lo_x, win_hi_x, win_lo_y, win_hi_y} <= other_window;
@@ -131,23 +128,31 @@ module motion_pair #(
             own_side_y  <= own_hi_y - own_lo_y;
         end
         if (step[1]) begin
-            together <= apart_x <= most && apart_y <= most;
-            gap_x    <= {from_x[PX_W-1], from_x} - {to_x[PX_W-1], to_x};
-            gap_y    <= {from_y[PX_W-1], from_y} - {to_y[PX_W-1], to_y};
+            fastest  <= fast > own_fast ? fast : own_fast;
+            leads_y  <= own_leads ? own_along_y : along_y;
+            shared_x <= {to_x[PX_W-1], to_x} - {from_x[PX_W-1], from_x};
+            shared_y <= {to_y[PX_W-1], to_y} - {from_y[PX_W-1], from_y};
             less_x   <= side_x < own_side_x ? side_x : own_side_x;
             less_y   <= side_y < own_side_y ? side_y : own_side_y;
-            near_x   <= leads_y ? {{(PX_W - 8) {1'b0}}, join_px} : more_y >> join_reach;
-            near_y   <= leads_y ? more_x >> join_reach : {{(PX_W - 8) {1'b0}}, join_px};
+            more_x   <= side_x > own_side_x ? side_x : own_side_x;
+            more_y   <= side_y > own_side_y ? side_y : own_side_y;
         end
-        if (step[2]) alike <= together && ((abreast_x && close_y) || (abreast_y && close_x));
+        if (step[2]) begin
+            allowed   <= fastest >> join_speed;
+            abreast_x <= shared_x >= half_x;
+            abreast_y <= shared_y >= half_y;
+            near_x    <= leads_y ? {{(PX_W - 8) {1'b0}}, join_px} : more_y >> join_reach;
+            near_y    <= leads_y ? more_x >> join_reach : {{(PX_W - 8) {1'b0}}, join_px};
+        end
+        if (step[3]) begin
+            together <= apart_x <= most && apart_y <= most;
+            close_x  <= !spare_x[GAP_W-1];
+            close_y  <= !spare_y[GAP_W-1];
+        end
+        if (step[4]) alike <= together && ((abreast_x && close_y) || (abreast_y && close_x));
     end
 
-    always @* begin
-        more_x = side_x > own_side_x ? side_x : own_side_x;
-        more_y = side_y > own_side_y ? side_y : own_side_y;
-    end
-
-    wire unused = &{1'b0, sum_x[0], sum_y[0], less_x[0], less_y[0]};
+    wire unused = &{1'b0, sum_x[0], sum_y[0], less_x[0], less_y[0], spare_x[GAP_W-2:0], spare_y[GAP_W-2:0]};
 
 endmodule
 

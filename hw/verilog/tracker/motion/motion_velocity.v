@@ -3,7 +3,7 @@
 //
 // d·2^-g over the time since the last correction, by the leading bit of that time and the three bits below it.
 //
-// Latency:    16 to 46 clocks from start to done; inputs must stay, v_x and v_y as well.
+// Latency:    22 to 56 clocks from start to done; inputs must stay, v_x and v_y as well.
 // Throughput: one at a time.
 // Stall:      the results stay until the next start.
 // Reset:      waits for a start.
@@ -45,7 +45,9 @@ module motion_velocity #(
     localparam [3:0] TIMES   = 4'd5;  // its product with the inverse of the time's leading bits
     localparam [3:0] SHIFT   = 4'd6;
     localparam [3:0] LIMIT   = 4'd7;  // of the change
-    localparam [3:0] SUM     = 4'd8;  // and of the velocity
+    localparam [3:0] SUM     = 4'd8;
+    localparam [3:0] BOUND   = 4'd9;  // and of the velocity
+    localparam [3:0] SIZES   = 4'd10; // of the offsets
 
     reg [3:0]             state;
     reg                   on_y;
@@ -59,8 +61,7 @@ module motion_velocity #(
     reg signed [16:0]     change;
     reg [6:0]             inverse;  // round(1024 / (8.5 + m)), m the three bits below the leading one
 
-    wire [OFF_W-1:0] abs_low  = low[OFF_W-1] ? -low : low;
-    wire [OFF_W-1:0] abs_high = high[OFF_W-1] ? -high : high;
+    reg [OFF_W-1:0] abs_low, abs_high;
     wire low_rises  = !low[OFF_W-1] && |low;
     wire high_rises = !high[OFF_W-1] && |high;
     wire signed [D_W-1:0] shorter = low_less ? {low, 1'b0} : {high, 1'b0};
@@ -70,8 +71,8 @@ module motion_velocity #(
     wire too_high = !product[P_W-1] && |product[P_W-2:16];
     wire too_low  = product[P_W-1] && !(&product[P_W-2:16]);
     wire signed [15:0] v_now = on_y ? v_y : v_x;
-    wire signed [17:0] sum   = {{2{v_now[15]}}, v_now} + {change[16], change};
     wire signed [17:0] most  = {3'd0, speed_max};
+    reg signed [17:0]  sum;
     wire signed [17:0] bound = sum > most ? most : sum < -most ? -most : sum;
     wire unused = &{1'b0, bound[17:16]};
 
@@ -109,7 +110,12 @@ module motion_velocity #(
             SIDES: begin
                 low   <= on_y ? off_lo_y : off_lo_x;
                 high  <= on_y ? off_hi_y : off_hi_x;
-                state <= COMPARE;
+                state <= SIZES;
+            end
+            SIZES: begin
+                abs_low  <= low[OFF_W-1] ? -low : low;
+                abs_high <= high[OFF_W-1] ? -high : high;
+                state    <= COMPARE;
             end
             COMPARE: begin
                 low_less <= abs_low < abs_high;
@@ -141,6 +147,10 @@ module motion_velocity #(
                 state  <= SUM;
             end
             SUM: begin
+                sum   <= {{2{v_now[15]}}, v_now} + {change[16], change};
+                state <= BOUND;
+            end
+            BOUND: begin
                 on_y  <= 1'b1;
                 done  <= on_y;
                 state <= on_y ? WAIT : SIDES;

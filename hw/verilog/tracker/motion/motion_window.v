@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Box and window of a slot from its sides and its velocity: docs/motion.md, "Windows".
 //
-// Latency:    7 clocks from start to done; inputs must stay.
+// Latency:    7 clocks from start to done; sides need stay for one, other inputs until then.
 // Throughput: one at a time.
 // Stall:      box and window stay until the next start.
 // Reset:      done is low until the next start has come through.
@@ -43,6 +43,7 @@ module motion_window #(
     reg [5:0] step;  // one of them is high: the values of the step before are there
 
     reg signed [PX_W-1:0] low_x, high_x, low_y, high_y;
+    reg [PX_W-1:0]   width, height;
     reg [LONG_W-1:0] long_x, long_y;    // so long must the other axis be at least
     reg              along_x, along_y;  // the direction of the motion
     reg [PX_W-1:0]   base_x, base_y;    // what a ring follows from
@@ -64,6 +65,8 @@ module motion_window #(
         step <= {step[4:0], start};
         done <= step[5];
         if (start) begin
+            width  <= length_x;
+            height <= length_y;
             low_x  <= lo_x[SIDE_W-1:12] + {{(PX_W - 1) {1'b0}}, lo_x[11]};
             high_x <= hi_x[SIDE_W-1:12] + {{(PX_W - 1) {1'b0}}, hi_x[11]};
             low_y  <= lo_y[SIDE_W-1:12] + {{(PX_W - 1) {1'b0}}, lo_y[11]};
@@ -80,12 +83,12 @@ module motion_window #(
             end
             along_y <= known && {1'b0, speed_y} >= {speed_x, 1'b0};
             along_x <= known && {1'b0, speed_x} >= {speed_y, 1'b0};
-            long_x  <= {{4{1'b0}}, length_x} * {{PX_W{1'b0}}, elongation};
-            long_y  <= {{4{1'b0}}, length_y} * {{PX_W{1'b0}}, elongation};
+            long_x  <= {{4{1'b0}}, width} * {{PX_W{1'b0}}, elongation};
+            long_y  <= {{4{1'b0}}, height} * {{PX_W{1'b0}}, elongation};
         end
         if (step[1]) begin
-            base_x  <= length_x;
-            base_y  <= length_y;
+            base_x  <= width;
+            base_y  <= height;
             shift_x <= ring_any;
             shift_y <= ring_any;
             if (along_y || along_x) begin
@@ -93,13 +96,13 @@ module motion_window #(
                 shift_y <= ring_across;
             end
             if (along_y) begin
-                if ({4'd0, length_y} < long_x) begin
-                    base_y  <= length_x;
+                if ({4'd0, height} < long_x) begin
+                    base_y  <= width;
                     shift_y <= ring_along;
                 end
             end else if (along_x) begin
-                if ({4'd0, length_x} < long_y) begin
-                    base_x  <= length_y;
+                if ({4'd0, width} < long_y) begin
+                    base_x  <= height;
                     shift_x <= ring_along;
                 end
             end

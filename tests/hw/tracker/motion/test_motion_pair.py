@@ -57,7 +57,7 @@ def test_random_pairs() -> None:
         io.start = 1
         sim.clock.tick()
         io.start, io.other_box, io.other_window, io.other_v_x, io.other_support = 0, 0, 0, 0, 0
-        for _clock in range(3):
+        for _clock in range(5):
             sim.clock.tick()
         one.hide([other])
         sides = [side for axis in one.axes for side in axis.hidden]
