@@ -12,6 +12,7 @@ from evcot.tracks.log import Kind
 __all__ = ["SlowArray"]
 
 PX = 4096  # a pixel, in units of a side
+REACH_PX = 512  # how far out a box may be moved, of a sensor of at most as many pixels
 Record = tuple[int, ...]
 
 
@@ -170,7 +171,7 @@ class Slot:
                 axis.hi, axis.off[1] = axis.hi - part, axis.off[1] - part
             axis.beyond = [False, False]
         self.look()
-        ticks = max(now - self.last, 1)
+        ticks = min(max(now - self.last, 1), 2**24 - 1)
         for axis in self.axes:
             if self.corrections >= 2:
                 gain = min(1 + self.corrections // 2**r.gain_slow, r.gain_log2) + self.meets
@@ -212,7 +213,8 @@ class Slot:
         r = self.r
         dies = r.friction and not self.meets and now - self.last > 4 * self.usual
         for axis in self.axes:
-            axis.lo, axis.hi = axis.lo + axis.v, axis.hi + axis.v
+            if all(-REACH_PX * PX <= side + axis.v < 2 * REACH_PX * PX for side in (axis.lo, axis.hi)):
+                axis.lo, axis.hi = axis.lo + axis.v, axis.hi + axis.v
             if dies:
                 axis.v -= axis.v >> r.friction
 
@@ -369,7 +371,7 @@ class SlowArray:
             slot.partner, slot.together = partner, 0
         slot.together += 1
         younger = now - max(slot.seeded, partner.seeded)
-        if slot.together < max(r.join_steps, younger // 2**r.step_log2 // 2**r.join_life):
+        if slot.together < min(max(r.join_steps, younger // 2**r.step_log2 // 2**r.join_life), 65535):
             return
         stays, goes = slot, partner
         if stays.visible != goes.visible:

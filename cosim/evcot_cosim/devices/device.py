@@ -21,6 +21,7 @@ from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, REGISTERS, Shape
 from evcot.hardware.cot import Arrangement, Decisions
+from evcot.hardware.motion.contract import MOTION_RECORD, motion_addresses
 from evcot.hardware.registers import register_map
 from evcot.outputs import path_written_aside
 from evcot.ticks import TickCounter, TickedEvents
@@ -29,13 +30,14 @@ from evcot.tracks.log import Kind
 from ..names import Top
 from ..rtl.build import BuiltModel, build
 from .base import HardwareError, Stalls, pointer
-from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, source
-from .motion import refuse_motion
+from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, source
+from .motion import MOTION_PARAMETERS, check_motion, motion_writes
 from .silence import check_waits
 
 __all__ = ["Device", "StreamTimes", "arrangement_of", "build_device"]
 
 _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
+_MOTION, _MOTION_FILTERED = "cot_motion", "cot_motion_filtered"  # the array with motion, alone and with filters
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
 
@@ -69,10 +71,14 @@ def build_device(
         ConfigError: a shape that `top` cannot have, or a rule that the RTL does not have.
         ToolchainError: a tool is missing or too old, or the build fails.
     """
-    refuse_motion(config)
-    shape = config.shape
-    parameters = {verilog_name: getattr(shape, name) for name, verilog_name in PARAMETERS.items()}
-    module: str = top
+    check_motion(config, top)
+    shape, motion = config.shape, bool(config.motion.enable)
+    parameters = {
+        verilog_name: getattr(shape, name)
+        for name, verilog_name in PARAMETERS.items()
+        if not motion or name in MOTION_PARAMETERS
+    }
+    module: str = _MOTION if motion else top
     if top == "cot":
         if shape.n_slots != 1:
             raise ConfigError(f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker")
@@ -80,10 +86,11 @@ def build_device(
             raise ConfigError("a single `cot` has no filters in front: use cot_array with one slot")
         del parameters["N"]
     elif config.filtered:
-        module = _FILTERED
+        module = _MOTION_FILTERED if motion else _FILTERED
         parameters |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
-        tracker = register_map().trackers.index(top.removeprefix("cot_"))
-        parameters |= {"HAS": config.filters.enable, "TRACKER": tracker}
+        parameters["HAS"] = config.filters.enable
+        if not motion:
+            parameters["TRACKER"] = register_map().trackers.index(top.removeprefix("cot_"))
     drive = {"stream.cpp": source(module, shape)}
     flags = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
     return build(module, parameters, drive, extra_flags=flags, verilog=verilog, on_miss=on_miss)
@@ -144,6 +151,8 @@ class Device:
         self.seq = 0
         self.cycle = 0
         self._clock = TickCounter(self.config.tick_us)
+        if self.config.motion.enable:
+            self._write(motion_writes(self.config.motion))
         for slot, registers in enumerate(self.config.slots):
             self.write_registers(slot, registers)
         if self.config.filtered:
@@ -152,14 +161,23 @@ class Device:
         self._settle()
 
     def write_registers(self, slot: int, registers: SlotConfig) -> None:
-        """Write one slot's registers through the register port, `mode` last: that restarts the slot."""
+        """Write one slot's registers through the register port, `mode` last: that restarts the slot.
+
+        With motion a slot has no other.
+        """
+        if self.top != "cot":
+            self.sim.io.cfg_slot = slot
+        if self.config.motion.enable:
+            self._write([(motion_addresses()["mode"], int(registers.mode))])
+        else:
+            names = sorted(REGISTERS, key="mode".__eq__)
+            self._write([(REGISTERS[name].address, int(getattr(registers, name))) for name in names])
+
+    def _write(self, writes: list[tuple[int, int]]) -> None:
         io = self.sim.io
         io.cfg_valid = 1
-        if self.top != "cot":
-            io.cfg_slot = slot
-        for name in sorted(REGISTERS, key="mode".__eq__):
-            io.cfg_addr = REGISTERS[name].address
-            io.cfg_data = int(getattr(registers, name))
+        for address, value in writes:
+            io.cfg_addr, io.cfg_data = address, value
             self.sim.clock.tick()
         io.cfg_valid = 0
 
@@ -229,7 +247,9 @@ class Device:
         owner = np.full(n, UNDECIDED, np.int16)
         rel_x, rel_y = np.zeros(n, np.uint16), np.zeros(n, np.uint16)  # stay 0 for events dropped by a filter
         patterns = self.stalls
-        job = DRIVE.job(
+        motion = bool(self.config.motion.enable)
+        drive, record = (MOTION_DRIVE, MOTION_RECORD) if motion else (DRIVE, RECORD)
+        job = drive.job(
             n=n, ticks=pointer(ticked.ticks), x=pointer(ticked.x), y=pointer(ticked.y), p=pointer(ticked.p), keep=pointer(keep),
             first_seq=self.seq,
             in_pattern=pointer(patterns.source), in_length=len(patterns.source),
@@ -244,15 +264,16 @@ class Device:
         recorded: list[NDArray[np.int64]] = []
         status = Status.RECORDS_FULL
         # An event starts or moves one track; a track ends once, by a merge (two records) or by its lifetime (one).
-        most = 3 * n + 2 * self.shape.n_slots
+        # With motion each step moves every slot, so that there is no such limit.
+        most = _FOREVER if motion else 3 * n + 2 * self.shape.n_slots
         while status == Status.RECORDS_FULL:
             if sum(map(len, records)) > most:
                 raise HardwareError(f"{self.top} sends more records than {n} events can cause", self.seq + job.next)
-            room = np.zeros(max(1024, n // 4), RECORD)
+            room = np.zeros(max(1024, n // 4), record)
             clocks = None if accepted is None else np.zeros(len(room), np.int64)
             job.records, job.record_capacity, job.n_records = pointer(room), len(room), 0
             job.record_cycle = pointer(clocks)
-            status = DRIVE.call(self.sim, job)
+            status = drive.call(self.sim, job)
             records.append(room[: job.n_records])
             if clocks is not None:
                 recorded.append(clocks[: job.n_records])

@@ -5,12 +5,15 @@ from __future__ import annotations
 
 from functools import cache
 
+import numpy as np
+
 from evcot.hardware.contract import RECORD, SLOTS_MAX, Shape
+from evcot.hardware.motion.contract import MOTION_RECORD
 from evcot.tracks.log import DROPPED, Kind
 
 from .base import Drive, Ending, pattern_fields
 
-__all__ = ["DRIVE", "PARAMETERS", "UNDECIDED", "Status", "source"]
+__all__ = ["DRIVE", "MOTION_DRIVE", "PARAMETERS", "UNDECIDED", "Status", "source"]
 
 UNDECIDED = DROPPED  # owner of an event that the hardware has not reported: behind filters, a dropped one
 
@@ -44,71 +47,74 @@ class Status(Ending):
     PASSED_CHANGED = "changed the address or polarity of passed event"
 
 
-_C_TYPES = {"u1": "uint8_t", "u2": "uint16_t", "u4": "uint32_t", "u8": "uint64_t"}
+_C_TYPES = {f"{sign}{size}": f"{prefix}int{8 * size}_t" for sign, prefix in (("u", "u"), ("i", "")) for size in (1, 2, 4, 8)}
 
 
-def _record() -> dict[str, str]:
-    assert RECORD.names is not None
-    return {name: _C_TYPES[RECORD[name].str[1:]] for name in RECORD.names}
+def _drive(record: np.dtype[np.void]) -> Drive[Status]:
+    assert record.names is not None
+    fields = {name: _C_TYPES[record[name].str[1:]] for name in record.names}
+    return Drive("evcot_stream", "stream.cpp.j2", _JOB, Status, structures={"Record": fields})
 
 
-DRIVE = Drive(
-    "evcot_stream",
-    "stream.cpp.j2",
-    {
-        # events in
-        "n": "int64_t",
-        "ticks": "const int64_t*",
-        "x": "const uint16_t*",
-        "y": "const uint16_t*",
-        "p": "const uint8_t*",
-        "keep": "const uint8_t*",  # 0: a filter dropped the event, which is only counted; null: none was dropped
-        "first_seq": "uint64_t",
-        **pattern_fields("in", "cm", "own", "pass"),
-        # decisions out
-        "owner": "int16_t*",
-        "rel_x": "uint16_t*",
-        "rel_y": "uint16_t*",
-        "records": "Record*",
-        "record_capacity": "int64_t",
-        "n_records": "int64_t",
-        # clocks of handshakes, or null
-        "accept_cycle": "int64_t*",
-        "record_cycle": "int64_t*",
-        # state of the drive
-        "now": "int64_t",
-        "cycle": "int64_t",
-        "next": "int64_t",
-        "holding": "int64_t",
-        "holds_event": "int64_t",
-        "held_tick": "int64_t",
-        "fault_seq": "int64_t",
-        "began": "int64_t",  # tick of the last event before this call
-        # waveform: clocks from the one after event vcd_from - 1 was accepted to the one that accepts event vcd_to
-        "vcd": "void*",
-        "vcd_from": "int64_t",
-        "vcd_to": "int64_t",
-    },
-    Status,
-    structures={"Record": _record()},
-)
+_JOB = {
+    # events in
+    "n": "int64_t",
+    "ticks": "const int64_t*",
+    "x": "const uint16_t*",
+    "y": "const uint16_t*",
+    "p": "const uint8_t*",
+    "keep": "const uint8_t*",  # 0: a filter dropped the event, which is only counted; null: none was dropped
+    "first_seq": "uint64_t",
+    **pattern_fields("in", "cm", "own", "pass"),
+    # decisions out
+    "owner": "int16_t*",
+    "rel_x": "uint16_t*",
+    "rel_y": "uint16_t*",
+    "records": "Record*",
+    "record_capacity": "int64_t",
+    "n_records": "int64_t",
+    # clocks of handshakes, or null
+    "accept_cycle": "int64_t*",
+    "record_cycle": "int64_t*",
+    # state of the drive
+    "now": "int64_t",
+    "cycle": "int64_t",
+    "next": "int64_t",
+    "holding": "int64_t",
+    "holds_event": "int64_t",
+    "held_tick": "int64_t",
+    "fault_seq": "int64_t",
+    "began": "int64_t",  # tick of the last event before this call
+    # waveform: clocks from the one after event vcd_from - 1 was accepted to the one that accepts event vcd_to
+    "vcd": "void*",
+    "vcd_from": "int64_t",
+    "vcd_to": "int64_t",
+}
+
+DRIVE = _drive(RECORD)
+MOTION_DRIVE = _drive(MOTION_RECORD)
+"""That of an array with motion, whose records have a box and a velocity."""
 
 
 @cache
 def source(top: str, shape: Shape) -> str:
-    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array` or `cot_filtered`."""
-    return DRIVE.source(
+    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array`, `cot_filtered`, `cot_motion`
+    or `cot_motion_filtered`."""
+    motion = top.startswith("cot_motion")
+    return (MOTION_DRIVE if motion else DRIVE).source(
         top,
+        motion=motion,
+        side_w=shape.reach_log2 + 16,
         single=top == "cot",
         takes_seq=top == "cot",
-        in_order=top in ("cot", "cot_array"),
-        filtered=top == "cot_filtered",
-        registered=top == "cot_array",
+        in_order=top in ("cot", "cot_array", "cot_motion"),
+        filtered=top in ("cot_filtered", "cot_motion_filtered"),
+        registered=top in ("cot_array", "cot_motion"),
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,
         time_mask=(1 << shape.time_w) - 1,
         lost=int(Kind.LOST),
         slots_max=SLOTS_MAX,
         undecided=UNDECIDED,
-        record_size=RECORD.itemsize,
+        record_size=(MOTION_RECORD if motion else RECORD).itemsize,
     )

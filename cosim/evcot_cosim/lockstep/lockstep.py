@@ -111,7 +111,7 @@ class Lockstep:
                 ) from error
             step = Step(hardware, expected.result())
             self._compare(hardware, expected.result(), ticked.ticks)
-        self._count_clocks(hardware.records, times)
+        self._count_clocks(hardware.records, times, ticked.ticks)
         self.wall_s += time.perf_counter() - started
         self.events += len(events)
         self.records += len(step.hardware.records)
@@ -128,9 +128,11 @@ class Lockstep:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _count_clocks(self, records: NDArray[np.void], times: StreamTimes) -> None:
-        caused = records["kind"] != Kind.LOST
-        taken = times.accepted[records["seq"][caused].astype(np.int64) - self.events]
+    def _count_clocks(self, records: NDArray[np.void], times: StreamTimes, ticks: NDArray[np.int64]) -> None:
+        event = np.minimum(records["seq"].astype(np.int64) - self.events, len(ticks) - 1)
+        # Of records with a motion step's time, some are sent before the event that they count as.
+        caused = (records["kind"] != Kind.LOST) & (records["time"].astype(np.int64) == ticks[event])
+        taken = times.accepted[event[caused]]
         clocks = np.minimum(times.recorded[caused] - taken, LATENCY_MAX)
         self.latency += np.bincount(clocks, minlength=LATENCY_MAX + 1)
 
@@ -156,13 +158,13 @@ class Lockstep:
 def _record_difference(
     hardware: NDArray[np.void], model: NDArray[np.void]
 ) -> tuple[int, str, int | str | None, int | str | None] | None:
-    words = RECORD.itemsize // 8
+    words = hardware.dtype.itemsize // 8
     both = min(len(hardware), len(model))
     theirs = hardware.view("<u8").reshape(-1, words)[:both]
     ours = model.view("<u8").reshape(-1, words)[:both]
     if not np.array_equal(theirs, ours):
         i = int(np.flatnonzero((theirs != ours).any(axis=1))[0])
-        field = next(name for name in RECORD.names or () if hardware[i][name] != model[i][name])
+        field = next(name for name in hardware.dtype.names or () if hardware[i][name] != model[i][name])
         index = int(min(hardware[i]["seq"], model[i]["seq"]))
         return index, f"record.{field}", int(hardware[i][field]), int(model[i][field])
     if len(hardware) != len(model):
@@ -198,7 +200,7 @@ def dump_window(
         ToolchainError: a tool is missing or too old, or the build fails.
     """
     device = Device(config, top, stalls=stalls, verilog=verilog)
-    parts = [Clocks.none()]
+    parts = []
     with device.dumping(path, first_event, last_event, force=force):
         for chunk in chunks(events):
             if device.seq > last_event:
@@ -210,7 +212,7 @@ def dump_window(
             parts.append(Clocks(times.accepted, decided.records, times.recorded))
             if progress is not None:
                 progress(device.seq)
-    return Clocks(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    return Clocks(*(np.concatenate(column) for column in zip(*parts, strict=True))) if parts else Clocks.none()
 
 
 class Clocks(NamedTuple):

@@ -8,12 +8,14 @@ noise, equal ticks and long gaps.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from evcot.events import Events
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import REGISTERS, Mode, Shape
+from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
 from evcot.ticks import TickedEvents
 
 from ..names import Top
@@ -21,7 +23,7 @@ from ..rtl.build import BuiltModel
 from .cosim import stalls_from
 from .lockstep import Lockstep, chunks
 
-__all__ = ["RATES", "random_config", "random_run", "random_traffic"]
+__all__ = ["RATES", "random_config", "random_motion", "random_motion_run", "random_outlines", "random_run", "random_traffic"]
 
 RATES = (0.3, 2.0, 10.0)
 """Ticks from one event to the next within a burst."""
@@ -40,6 +42,31 @@ def _random_slot(rng: np.random.Generator, shape: Shape) -> SlotConfig:
     for names in (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "nev_max")):
         values.update(zip(names, sorted(values[name] for name in names), strict=True))
     return SlotConfig(**values)
+
+
+_LIVELY = MotionRegisters(
+    enable=1, step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
+    birth_ticks=100, birth_travel=5, nev_low=4, nev_high=40, side_max=40, seed_px=3, gap_corrections=4, join_steps=3,
+    report_steps=2, ring_max=10,
+)  # fmt: skip
+
+
+def random_motion(rng: np.random.Generator, shape: Shape) -> CotConfig:
+    """Random registers of an array with motion: any share of them over their whole legal ranges, the others such that objects
+    become visible, meet and end within thousands of events. A few slots are off."""
+    share = rng.choice([0.02, 0.05, 0.1, 0.2, 1.0], p=[0.3, 0.3, 0.2, 0.1, 0.1])
+    values = {}
+    for name, (low, high, _) in MOTION_RANGES.items():
+        values[name] = _draw(rng, int(low), int(high)) if rng.random() < share else getattr(_LIVELY, name)
+    values["enable"] = 1
+    values["step_log2"] = min(values["step_log2"], 12)  # or there is none
+    values["seed_px"] = min(values["seed_px"], max(1, values["side_max"] // 2))
+    values["side_max"] = max(values["side_max"], 2)
+    for names in (("nev_low", "nev_high"), ("ring_px", "ring_max"), ("life_ticks", "coast_ticks")):
+        values.update(zip(names, sorted(values[name] for name in names), strict=True))
+    modes = rng.choice([Mode.OFF, Mode.SEEDED], shape.n_slots, p=[0.1, 0.9])
+    slots = tuple(replace(_random_slot(rng, shape), mode=int(mode)) for mode in modes)
+    return CotConfig(shape, slots, motion=MotionRegisters(**values))
 
 
 def _draw(rng: np.random.Generator, low: int, high: int) -> int:
@@ -85,6 +112,37 @@ def random_traffic(rng: np.random.Generator, shape: Shape, n: int, ticks_per_eve
     return TickedEvents(first_tick + np.cumsum(steps), axes[0], axes[1], rng.integers(0, 2, n, np.uint8))
 
 
+def random_outlines(rng: np.random.Generator, shape: Shape, n: int, ticks_per_event: float) -> TickedEvents:
+    """Outlines of boxes of every size and speed that bounce off the borders and run through each other, with noise, pauses and
+    a hot pixel: what becomes visible, meets and hides in an array with motion.
+
+    Args:
+        rng, shape, n, ticks_per_event: as for `random_traffic`.
+    """
+    count = int(rng.integers(1, shape.n_slots + 3))
+    size = np.array([[1 << shape.x_w], [1 << shape.y_w]])
+    span = np.minimum(size, 128) - 1
+    corner = rng.integers(0, size - span)
+    ticks = np.cumsum(rng.poisson(ticks_per_event, n) + np.where(rng.random(n) < 0.002, rng.integers(0, 3_000, n), 0))
+    which, side = rng.integers(0, count, n), rng.integers(0, 4, n)
+    half = np.minimum(rng.uniform(1, rng.choice([4, 9, 20]), (2, count)), span / 3)[:, which]
+    room = span - 2 * half
+    speed, start = rng.normal(0, rng.choice([0.0, 0.004, 0.02]), (2, count)), rng.uniform(0, 60, (2, count))
+    if rng.random() < 0.5:  # in pairs that move together, side by side
+        pairs = np.arange(count) // 2 * 2
+        speed, start = speed[:, pairs], start[:, pairs] + (np.arange(count) % 2) * rng.uniform(-15, 15, (2, 1))
+    way = start[:, which] + speed[:, which] * ticks
+    middle = half + np.abs((way + room) % (2 * room) - room)
+    along = rng.uniform(-1, 1, n) * half
+    sign = np.where(side % 2, 1, -1)
+    place = middle + np.where(side < 2, np.stack((sign * half[0], along[1])), np.stack((along[0], sign * half[1])))
+    noise = rng.random(n) < rng.choice([0.0, 0.06, 0.3])
+    place[:, noise] = rng.uniform(0, 1, (2, np.count_nonzero(noise))) * span
+    place[:, rng.random(n) < 0.02] = span // 2
+    x, y = (corner + np.clip(np.rint(place), 0, span)).astype(np.uint16)
+    return TickedEvents(ticks.astype(np.int64), x, y, rng.integers(0, 2, n, np.uint8))
+
+
 def random_run(shape: Shape, top: Top, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
     """Run hardware and model in lock-step on registers, traffic and stalls that a seed determines; three runs in four stall.
 
@@ -96,7 +154,24 @@ def random_run(shape: Shape, top: Top, seed: int, events: int, model: BuiltModel
     """
     rng = np.random.default_rng(seed)
     config = random_config(rng, shape)
-    traffic = random_traffic(rng, shape, events, float(rng.choice(RATES)))
+    return _run(rng, config, random_traffic(rng, shape, events, float(rng.choice(RATES))), top, seed, model)
+
+
+def random_motion_run(shape: Shape, seed: int, events: int, model: BuiltModel | None = None) -> Lockstep:
+    """The same for an array with motion, on outlines three times in four.
+
+    Raises:
+        MismatchError: they differ.
+    """
+    rng = np.random.default_rng(seed)
+    config = random_motion(rng, shape)
+    traffic = (random_traffic if rng.random() < 0.25 else random_outlines)(rng, shape, events, float(rng.choice(RATES)))
+    return _run(rng, config, traffic, "cot_array", seed, model)
+
+
+def _run(
+    rng: np.random.Generator, config: CotConfig, traffic: TickedEvents, top: Top, seed: int, model: BuiltModel | None
+) -> Lockstep:
     stream = Events(traffic.ticks, traffic.x, traffic.y, traffic.p)
     stalls = stalls_from(seed if rng.random() < 0.75 else None)
     with Lockstep(config, top, stalls=stalls, seed=seed, model=model) as lockstep:

@@ -119,6 +119,11 @@ class Shape:
         """Bits of a recentred address, 0..2R."""
         return self.radix_w + 2
 
+    @property
+    def reach_log2(self) -> int:
+        """With motion a box is not moved farther than 2^reach_log2 px out of the address space of as many pixels a side."""
+        return max(self.x_w, self.y_w, 9)
+
 
 @dataclass(frozen=True)
 class Register:

@@ -24,6 +24,7 @@ from ..templating import templates
 from ..tracks.log import Kind
 from .contract import HIST_AVG_STILL, ORDERED, RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
+from .motion.contract import MOTION_RANGES, MotionRegisters, motion_addresses
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
 from .published.registers import SELECT, SELECT_FIRST, SELECT_NONE
 from .registers import Access, Bank, Field, Word, register_map
@@ -59,6 +60,23 @@ def _codes(prefix: str, comment: str, enum: type[IntEnum]) -> _Codes:
 
 def _bank_codes(prefix: str, comment: str, bank: Bank) -> _Codes:
     return _Codes(prefix, comment, [(name, register.address) for name, register in bank.registers.items()], bank.word_w)
+
+
+def _motion_codes() -> _Codes:
+    addresses = motion_addresses()
+    comment = "Word addresses of the registers of an array with motion: the mode of a slot, then those of the whole array."
+    return _Codes("MREG", comment, list(addresses.items()), max(addresses.values()).bit_length())
+
+
+def _motion_registers() -> dict[str, Any]:
+    """Variables of motion_regs.v: name, bits, reset value and meaning of each register."""
+    start = MotionRegisters()
+    rows = [
+        (name, int(high).bit_length(), getattr(start, name), int(low), int(high), meaning)
+        for name, (low, high, meaning) in MOTION_RANGES.items()
+        if name in motion_addresses()
+    ]
+    return {"rows": rows}
 
 
 def _verilog_high(register: Register | FilterRegister) -> str:
@@ -157,6 +175,7 @@ def render() -> dict[str, str]:
         _bank_codes("REG", "Word addresses of the registers of a slot.", banks["slot"]),
         _codes("FILTER", "The filters of a chain, in their order: bits of `enable`.", Filter),
         _bank_codes("FREG", "Word addresses of the registers of a filter chain.", banks["filter"]),
+        _motion_codes(),
     ]
     rows = [(width, tap_mask(width), taps) for width, taps in TAPS.items()]
     vocabulary = _vocabulary()
@@ -172,6 +191,7 @@ def render() -> dict[str, str]:
         "hw/verilog/published/published_regs.vh": {
             "select": SELECT, "select_first": SELECT_FIRST, "select_none": SELECT_NONE, "registers": PUBLISHED_REGISTERS,
         },
+        "hw/verilog/tracker/motion/motion_regs.v": _motion_registers(),
         "hw/verilog/bus/evcot_regs.vh": vocabulary,
         "hw/verilog/bus/evcot_limits.vh": vocabulary,
         "hw/verilog/bus/axi_lite_words.v": vocabulary,

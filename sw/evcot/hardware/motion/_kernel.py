@@ -79,7 +79,7 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
         s[DEADLINE, i] = NEVER
         return n
     if s[STATE, i] == VISIBLE or s[CORRECTIONS, i] >= MOVES_FROM:
-        advance(s, r, i, now)
+        advance(s, r, lim, i, now)
     bounded(s, r, LO_X, HI_X, i)
     bounded(s, r, LO_Y, HI_Y, i)
     set_window(s, r, i)

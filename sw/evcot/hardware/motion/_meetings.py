@@ -49,6 +49,7 @@ from ._state import (
     SUPPORT,
     SUPPORT_MAX,
     TOGETHER,
+    TOGETHER_MAX,
     V_X,
     V_Y,
     VISIBLE,
@@ -166,7 +167,7 @@ def join(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, out: Tab
         s[TOGETHER, i] = 0
     s[TOGETHER, i] += 1
     lived = (now - max(s[SEEDED, i], s[SEEDED, partner])) >> r[STEP_LOG2] >> r[JOIN_LIFE]
-    if s[TOGETHER, i] < max(r[JOIN_STEPS], lived):
+    if s[TOGETHER, i] < min(max(r[JOIN_STEPS], lived), TOGETHER_MAX):
         return n
     stays = _staying(s, r, i, partner)
     goes = partner if stays == i else i

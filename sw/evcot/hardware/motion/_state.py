@@ -42,11 +42,13 @@ _NAMES = [field.name for field in fields(MotionRegisters)]
 NOW, SEQ, BIRTHS, NEXT_STEP = range(4)  # common to all slots
 GLOBAL_COUNT = 4
 
-ID_MASK, SUPPORT_MAX, REL_MASK = range(3)  # follow from the hardware's widths
-LIMIT_COUNT = 3
+ID_MASK, SUPPORT_MAX, REL_MASK, REACH = range(4)  # follow from the hardware's widths
+LIMIT_COUNT = 4
 
 ONE = 1 << SUB
 NEVER = 1 << 62
 CORRECTIONS_MAX = 63  # the count saturates
+TICKS_MAX = (1 << 24) - 1  # ticks between two corrections, saturating
+TOGETHER_MAX = (1 << 16) - 1  # steps together after which two merge in any case
 MOVES_FROM = 4  # corrections from which on a candidate's velocity counts
 LOOKS_FROM = 8  # corrections from which on a gap counts

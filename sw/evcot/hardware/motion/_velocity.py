@@ -21,9 +21,11 @@ from ._state import (
     OFF_HI_Y,
     OFF_LO_X,
     OFF_LO_Y,
+    REACH,
     SETTLE,
     SPEED_MAX,
     STEP_LOG2,
+    TICKS_MAX,
     USUAL,
     V_X,
     V_Y,
@@ -68,7 +70,7 @@ def _common(low: int, high: int, slower: bool) -> int:
 @njit(cache=True, nogil=True)
 def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
     """Turn what the sides had to be moved since the last correction, beyond the prediction, into a change of velocity."""
-    ticks = max(now - s[LAST, i], 1)
+    ticks = min(max(now - s[LAST, i], 1), TICKS_MAX)
     done = s[CORRECTIONS, i]
     if done >= 2:
         gain = min(1 + (done >> r[GAIN_SLOW]), r[GAIN_LOG2])
@@ -90,14 +92,22 @@ def correct_velocity(s: Table, r: Table, i: int, now: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def advance(s: Table, r: Table, i: int, now: int) -> None:
+def _move(s: Table, lo: int, hi: int, way: int, i: int, reach: int) -> None:
+    """Move both sides of an axis, unless one of them would go too far out of the sensor."""
+    low = s[lo, i] + way
+    high = s[hi, i] + way
+    if -reach <= low and low < 2 * reach and -reach <= high and high < 2 * reach:
+        s[lo, i] = low
+        s[hi, i] = high
+
+
+@njit(cache=True, nogil=True)
+def advance(s: Table, r: Table, lim: Table, i: int, now: int) -> None:
     """A motion step: box and velocity go on; the velocity of a slot that has been silent for long dies away."""
     v_x = s[V_X, i]
     v_y = s[V_Y, i]
-    s[LO_X, i] += v_x
-    s[HI_X, i] += v_x
-    s[LO_Y, i] += v_y
-    s[HI_Y, i] += v_y
+    _move(s, LO_X, HI_X, v_x, i, lim[REACH])
+    _move(s, LO_Y, HI_Y, v_y, i, lim[REACH])
     if r[FRICTION] and not s[MEETS, i] and now - s[LAST, i] > s[USUAL, i] << 2:
         s[V_X, i] = v_x - (v_x >> r[FRICTION])
         s[V_Y, i] = v_y - (v_y >> r[FRICTION])

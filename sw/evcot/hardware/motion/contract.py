@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import ConfigError
 from ...ranges import Range, check_integer
 
-__all__ = ["MOTION_RANGES", "MOTION_RECORD", "SUB", "MotionRegisters"]
+__all__ = ["MOTION_RANGES", "MOTION_RECORD", "SUB", "MotionRegisters", "motion_addresses"]
 
 SUB = 12  # fractional bits of a side, and of a velocity in pixels per motion step
 
@@ -116,6 +116,14 @@ class MotionRegisters:
                 raise ConfigError(f"motion.{less} = {getattr(self, less)}: must be at most {more} = {getattr(self, more)}")
         if self.side_max < 2 * self.seed_px:
             raise ConfigError(f"motion.seed_px = {self.seed_px}: must be at most half of side_max = {self.side_max}")
+
+
+def motion_addresses() -> dict[str, int]:
+    """Word addresses on the register port of cot_motion.v: a slot's `mode`, then the registers of the whole array.
+
+    The module has these rules and no others: there is no `enable`.
+    """
+    return {"mode": 0} | {name: address for address, name in enumerate(MOTION_RANGES) if name != "enable"}
 
 
 # What the extended contract puts out: like contract.RECORD, with a box and a velocity in place of the radius.

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ...ticks import TickedEvents
 from ..contract import Shape
 from ._kernel import RECORDS_PER_SLOT, feed, initialise, restart
-from ._state import FIELD_COUNT, GLOBAL_COUNT, ID_MASK, LIMIT_COUNT, NOW, REL_MASK, SUPPORT_MAX
-from .contract import MOTION_RECORD, MotionRegisters
+from ._state import FIELD_COUNT, GLOBAL_COUNT, ID_MASK, LIMIT_COUNT, NOW, REACH, REL_MASK, SUPPORT_MAX
+from .contract import MOTION_RECORD, SUB, MotionRegisters
 
 __all__ = ["MotionModel"]
 
@@ -30,6 +30,7 @@ class MotionModel:
         self._limits[ID_MASK] = (1 << shape.id_w) - 1
         self._limits[SUPPORT_MAX] = (1 << shape.sup_w) - 1
         self._limits[REL_MASK] = (1 << shape.rel_w) - 1
+        self._limits[REACH] = 1 << (shape.reach_log2 + SUB)
         self._modes = np.array(modes, np.int64)
         self._state = np.zeros((FIELD_COUNT, shape.n_slots), np.int64)
         self._globals = np.zeros(GLOBAL_COUNT, np.int64)

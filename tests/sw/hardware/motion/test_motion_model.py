@@ -12,57 +12,12 @@ from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
 from evcot.hardware.config import CotConfig, SlotConfig
-from evcot.hardware.contract import RECORD, Mode, Shape
+from evcot.hardware.contract import RECORD, Mode
 from evcot.hardware.cot import Arrangement, CotModel, Decisions, to_track_records
 from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
-from evcot.ticks import TickedEvents
 from evcot.tracks.log import DROPPED, Kind
+from support.moving import QUICK, SHAPE, VARIANTS, scene
 from support.slow_motion import SlowArray
-
-SHAPE = Shape(n_slots=5, x_w=7, y_w=6, sup_w=9, id_w=3, radix_w=5)
-QUICK = MotionRegisters(
-    enable=1, step_log2=5, side_step=900, detect_ticks=300, life_ticks=400, coast_ticks=2_000, birth_support=30, birth_px=2,
-    birth_ticks=100, birth_travel=3, nev_low=4, nev_high=40, side_max=40, seed_px=3, gap_corrections=4, join_steps=3,
-    report_steps=2, ring_max=10,
-)  # fmt: skip
-VARIANTS = {
-    "quick": {},
-    "no prediction": {"speed_max": 0},
-    "slow limit": {"speed_max": 300, "friction": 2},
-    "no friction": {"friction": 0, "life_log2": 6},
-    "no gaps": {"gap_corrections": 0},
-    "gaps at once": {"gap_corrections": 1, "gap_share": 3, "gap_px": 1},
-    "no shrinking": {"side_shrink": 0, "side_share": 2},
-    "older stays": {"keep_older": 1, "join_steps": 1, "join_life": 15, "join_speed": 0},
-    "never together": {"join_steps": 1023},
-    "slow to merge": {"join_life": 0, "join_speed": 0, "join_reach": 1, "join_px": 6},
-    "wide rings": {"ring_across": 0, "ring_along": 0, "ring_any": 0, "ring_max": 255, "elongation": 1},
-    "narrow rings": {"ring_px": 0, "ring_across": 4, "ring_along": 3, "ring_any": 3, "elongation": 6},
-    "large sides": {"side_step": 60_000, "side_max": 60, "speed_max": 32_767},
-    "fine steps": {"step_log2": 0, "report_steps": 20, "gain_log2": 9, "gain_slow": 0, "settle": 0},
-    "coarse steps": {"step_log2": 9, "settle": 63, "gain_log2": 1, "join_steps": 1},
-    "everything is born": {"birth_support": 1, "birth_px": 0, "birth_ticks": 0, "birth_travel": 8},
-}
-
-
-def scene(seed: int, n: int = 6_000) -> TickedEvents:
-    """Outlines of some boxes that bounce, of every size and speed, with noise, pauses and a hot pixel."""
-    random = np.random.default_rng(seed)
-    ticks = np.cumsum(random.integers(0, 5, n) + np.where(random.random(n) < 0.002, 1_500, 0))
-    count = 4
-    which, side = random.integers(0, count, n), random.integers(0, 4, n)
-    half = random.uniform(2, 9, (2, count))[:, which]
-    room = np.array([[127.0], [63.0]]) - 2 * half
-    way = random.uniform(0, 60, (2, count))[:, which] + random.normal(0, 0.012, (2, count))[:, which] * ticks
-    middle = half + np.abs((way + room) % (2 * room) - room)
-    along = random.uniform(-1, 1, n) * half
-    sign = np.where(side % 2, 1, -1)
-    place = middle + np.where(side < 2, np.stack((sign * half[0], along[1])), np.stack((along[0], sign * half[1])))
-    noise = random.random(n) < 0.06
-    place[:, noise] = random.uniform(0, 1, (2, np.count_nonzero(noise))) * [[127], [63]]
-    place[:, random.random(n) < 0.02] = [[100], [10]]
-    x, y = np.clip(np.rint(place), 0, [[127], [63]]).astype(np.uint16)
-    return TickedEvents(ticks.astype(np.int64), x, y, np.zeros(n, np.uint8))
 
 
 def config_of(registers: MotionRegisters, **shape: int) -> CotConfig:

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bins of all slots, and the search for a gap in them: docs/motion.md, "Gaps".
+//
+// A bin that was not used since its slot's bins were cleared is not cleared itself: `used` says which were. An event names its bin on
+// each axis; `count` makes it one more, three clocks later.
+//
+// Latency:    3 clocks from count to the bin; 58 clocks from look to done.
+// Throughput: an event every fourth clock, or a look, not both at a time.
+// Stall:      what a look found stays until the next one.
+// Reset:      waits for a look. Bins are not reset.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_gaps #(
+    parameter PX_W   = 13,  // bits of a length in pixels
+    parameter SLOT_W = 3    // bits of a slot number
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire [SLOT_W-1:0] slot,
+    input  wire              count,
+    input  wire              in_x,       // the event has a bin on x
+    input  wire              in_y,
+    input  wire [3:0]        bin_x,
+    input  wire [3:0]        bin_y,
+    input  wire              first_x,    // its bin was not used yet
+    input  wire              first_y,
+
+    input  wire              look,
+    input  wire              on_y,
+    input  wire [15:0]       used,       // bins of this axis
+    input  wire [4:0]        bin_log2,   // a bin has 2^bin_log2 pixels
+    input  wire [PX_W-1:0]   narrowest,  // pixels of a gap
+    input  wire [3:0]        gap_share,
+
+    output reg               done,
+    output reg               found,
+    output reg               low_stays,  // the part below the gap has at least as many events
+    output reg  [3:0]        begins,     // first bin of the gap
+    output reg  [3:0]        ends        // first bin behind it
+);
+
+    localparam BIN_W  = 18;         // bits of a count: 255 corrections of 1023 events
+    localparam WIDE_W = PX_W + 16;  // bits of the gap's width, with room for a shift
+
+    localparam [2:0] WAIT  = 3'd0;
+    localparam [2:0] SUM   = 3'd1;  // all events
+    localparam [2:0] LEAST = 3'd2;  // what an empty bin has at most
+    localparam [2:0] RUNS  = 3'd3;  // the widest gap
+    localparam [2:0] PLACE = 3'd4;
+    localparam [2:0] PARTS = 3'd5;  // events below and above it
+    localparam [2:0] JUDGE = 3'd6;
+
+    reg [BIN_W-1:0] bins_x[0:(16<<SLOT_W)-1];
+    reg [BIN_W-1:0] bins_y[0:(16<<SLOT_W)-1];
+    reg [BIN_W-1:0] read_x, read_y;
+
+    reg [2:0]        state;
+    reg [4:0]        at;       // bin that is read; that of two clocks before is there
+    reg              counts_x, counts_y, was_first_x, was_first_y, was_used, wide;
+    reg              adds_x, adds_y;
+    reg [SLOT_W+3:0] place_x, place_y, to_x, to_y;
+    reg [BIN_W-1:0]  more_x, more_y, value;
+    reg [BIN_W-1:0]  total, least, below, above;
+    reg              any;      // a bin that is not empty was there
+    reg [3:0]        run, widest, behind, next_bin, bin;
+    reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
+
+    wire             looking = state != WAIT;
+    wire [SLOT_W+3:0] from_x = {slot, looking ? at[3:0] : bin_x};
+    wire [SLOT_W+3:0] from_y = {slot, looking ? at[3:0] : bin_y};
+    wire [BIN_W-1:0] share   = total >> gap_share;
+    wire             there   = at > 5'd1;  // the value of `bin`
+    wire             last    = at == 5'd17;
+
+    always @(posedge clk) begin
+        // an event: read, then write
+        read_x      <= bins_x[from_x];
+        read_y      <= bins_y[from_y];
+        counts_x    <= count && in_x;
+        counts_y    <= count && in_y;
+        was_first_x <= first_x;
+        was_first_y <= first_y;
+        place_x     <= from_x;
+        place_y     <= from_y;
+        more_x      <= was_first_x ? {BIN_W{1'b0}} : read_x;
+        more_y      <= was_first_y ? {BIN_W{1'b0}} : read_y;
+        adds_x      <= counts_x;
+        adds_y      <= counts_y;
+        to_x        <= place_x;
+        to_y        <= place_y;
+        if (adds_x) bins_x[to_x] <= more_x + {{(BIN_W - 1) {1'b0}}, 1'b1};
+        if (adds_y) bins_y[to_y] <= more_y + {{(BIN_W - 1) {1'b0}}, 1'b1};
+
+        // a look: three times through the bins
+        done     <= 1'b0;
+        was_used <= used[at[3:0]];
+        next_bin <= at[3:0];
+        bin      <= next_bin;
+        value    <= !was_used ? {BIN_W{1'b0}} : on_y ? read_y : read_x;
+        if (looking) at <= last ? 5'd0 : at + 5'd1;
+        case (state)
+            WAIT: begin
+                at    <= 5'd0;
+                total <= {BIN_W{1'b0}};
+                if (look) state <= SUM;
+            end
+            SUM: begin
+                if (there) total <= total + value;
+                if (last) state <= LEAST;
+            end
+            LEAST: begin
+                least  <= share == {BIN_W{1'b0}} ? {{(BIN_W - 1) {1'b0}}, 1'b1} : share;
+                any    <= 1'b0;
+                run    <= 4'd0;
+                widest <= 4'd0;
+                at     <= 5'd0;
+                state  <= RUNS;
+            end
+            RUNS: begin
+                if (there) begin
+                    if (value > least) begin
+                        any <= 1'b1;
+                        run <= 4'd0;
+                        if (any && run > widest) begin
+                            widest <= run;
+                            behind <= bin;
+                        end
+                    end else run <= run + 4'd1;
+                end
+                if (last) state <= PLACE;
+            end
+            PLACE: begin
+                begins <= behind - widest;
+                ends   <= behind;
+                width  <= {{(WIDE_W - 4) {1'b0}}, widest} << bin_log2;
+                below  <= {BIN_W{1'b0}};
+                above  <= {BIN_W{1'b0}};
+                at     <= 5'd0;
+                state  <= PARTS;
+            end
+            PARTS: begin
+                if (there) begin
+                    if (bin < begins) below <= below + value;
+                    if (bin >= ends) above <= above + value;
+                end
+                wide <= widest != 4'd0 && width >= {{(WIDE_W - PX_W) {1'b0}}, narrowest};
+                if (last) state <= JUDGE;
+            end
+            JUDGE: begin
+                found     <= wide;
+                low_stays <= below >= above;
+                done      <= 1'b1;
+                state     <= WAIT;
+            end
+            default: state <= WAIT;
+        endcase
+        if (rst) begin
+            state    <= WAIT;
+            done     <= 1'b0;
+            counts_x <= 1'b0;
+            counts_y <= 1'b0;
+            adds_x   <= 1'b0;
+            adds_y   <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

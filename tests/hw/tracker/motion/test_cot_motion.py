@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The array with motion: scenes in which objects meet, random registers and traffic, restarts, in RTL and golden model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from evcot.errors import ConfigError
+from evcot.hardware.config import CotConfig, SlotConfig
+from evcot.hardware.contract import Mode, Shape
+from evcot.hardware.cot import CotModel, Decisions
+from evcot.ticks import TickedEvents
+from evcot.tracks.log import Kind
+from evcot_cosim.devices.base import Stalls
+from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.lockstep.random_runs import random_motion_run
+from support.moving import QUICK, SHAPE, VARIANTS, scene
+from support.testing import lint
+
+SHAPES = [
+    Shape(n_slots=1, x_w=5, y_w=4, tc_w=12, radix_w=3, sup_w=6, id_w=2, seq_w=8, time_w=32),
+    Shape(n_slots=3, x_w=7, y_w=6, tc_w=12, radix_w=5, sup_w=9, id_w=4, seq_w=16, time_w=36, tick_w=1),
+    Shape(n_slots=8, tc_w=12),
+    Shape(n_slots=16, x_w=10, y_w=11, tc_w=12, radix_w=12, sup_w=32, tick_w=31, time_w=32),
+    Shape(n_slots=64, x_w=8, y_w=8, tc_w=12),
+]
+
+
+def equal(hardware: Decisions, model: Decisions) -> None:
+    for name in ("owner", "rel_x", "rel_y", "records"):
+        assert np.array_equal(getattr(hardware, name), getattr(model, name)), name
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_scenes_in_which_objects_meet(name: str) -> None:
+    config = CotConfig(SHAPE, motion=replace(QUICK, **VARIANTS[name]))
+    for seed in (1, 2):
+        model = CotModel(config).feed(scene(seed))
+        assert len(model.records)
+        stalls = Stalls.random(np.random.default_rng(seed)) if seed == 2 else None
+        equal(Device(config, stalls=stalls).stream(scene(seed)), model)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: f"N={shape.n_slots}")
+@pytest.mark.parametrize("seed", range(4))
+def test_random_registers_and_traffic(shape: Shape, seed: int) -> None:
+    random_motion_run(shape, 100 * shape.n_slots + seed, 8_000 if shape.n_slots < 16 else 3_000)
+
+
+def test_stalls_change_nothing() -> None:
+    config = CotConfig(SHAPE, motion=QUICK)
+    plain = Device(config).stream(scene(3))
+    for seed in range(3):
+        equal(
+            Device(config, stalls=Stalls.random(np.random.default_rng(seed), go=(0.9, 0.1, 0.2, 0.2))).stream(scene(3)), plain
+        )
+
+
+def test_a_write_of_mode_restarts_a_slot_between_two_events() -> None:
+    rng, events = np.random.default_rng(4), scene(4)
+    config = CotConfig(SHAPE, motion=replace(QUICK, birth_support=5, birth_ticks=10))
+    device, model = Device(config), CotModel(config)
+    lost = 0
+    for begin in range(0, len(events), 200):
+        part = events[begin : begin + 200]
+        equal(device.stream(part), model.feed(part))
+        slot, mode = int(rng.integers(SHAPE.n_slots)), int(rng.choice([Mode.OFF, Mode.SEEDED]))
+        device.write_registers(slot, SlotConfig(mode=mode))
+        said = model.write_registers(slot, SlotConfig(mode=mode), restart=True)
+        found = device.stream(events[:0]).records
+        assert np.array_equal(found, said)
+        lost += len(said)
+    assert lost > 3
+
+
+def test_events_that_a_filter_dropped_only_advance_time() -> None:
+    events, rng = scene(2), np.random.default_rng(5)
+    keep = rng.random(len(events)) < 0.7
+    config = CotConfig(SHAPE, motion=QUICK)
+    equal(Device(config).stream(events, keep), CotModel(config).feed(events, keep))
+
+
+def test_a_box_that_coasts_out_of_the_sensor_stops_within_reach() -> None:
+    """A fast object that falls silent: its box comes to rest a sensor's width outside, and nothing wraps."""
+    fast = replace(
+        QUICK, friction=0, coast_ticks=2**24 - 1, life_ticks=2**24 - 1, birth_support=5, birth_ticks=0, birth_travel=8,
+        side_step=30_000, speed_max=32_767, report_steps=1, ring_max=60, ring_any=0, ring_along=0, ring_across=0, ring_px=8,
+    )  # fmt: skip
+    n = 400
+    ticks = np.arange(n, dtype=np.int64) * 4
+    x = np.clip(np.arange(n) * 100 // n + np.tile([0, 3], n // 2), 0, 127).astype(np.uint16)
+    y = (20 + np.arange(n) % 5).astype(np.uint16)
+    events = TickedEvents(ticks, x, y, np.zeros(n, np.uint8))
+    later = TickedEvents(ticks[-1:] + 200_000, x[:1] * 0, y[:1] * 0, np.zeros(1, np.uint8))
+    config = CotConfig(replace(SHAPE, n_slots=1), motion=fast)
+    device, model = Device(config), CotModel(config)
+    equal(device.stream(events), model.feed(events))
+    found = model.feed(later)
+    equal(device.stream(later), found)
+    end_px = found.records["cm_x"][-1] / 4096
+    assert abs(end_px) > 400  # it left the sensor of 128 pixels,
+    assert np.all(found.records["cm_x"][-100:] == found.records["cm_x"][-1])  # then stays
+    assert found.records["v_x"][-1] != 0  # and would go on
+
+
+def test_a_silence_ends_lives_at_steps_alone() -> None:
+    config, events = CotConfig(SHAPE, motion=replace(QUICK, birth_support=10, birth_ticks=0)), scene(1)
+    device, model = Device(config), CotModel(config)
+    equal(device.stream(events), model.feed(events))
+    later = TickedEvents(events.ticks[-1:] + 100_000, events.x[-1:], events.y[-1:], events.p[-1:])
+    said = model.feed(later)
+    assert Kind.LOST in said.records["kind"]
+    assert np.all(said.records["time"] % (1 << QUICK.step_log2) == 0)
+    equal(device.stream(later), said)
+
+
+def test_clocks() -> None:
+    """An event that only moves sides takes four clocks, one that passes three; a step over free slots two."""
+    shape = replace(SHAPE, n_slots=2, time_w=48)
+    config = CotConfig(shape, motion=replace(QUICK, step_log2=20, nev_low=1_023, nev_high=1_023, seed_px=5))
+    n = 1_000
+    zero = np.zeros(n, np.int64)
+    same = TickedEvents(zero, np.full(n, 60, np.uint16), np.full(n, 30, np.uint16), np.zeros(n, np.uint8))
+    accepted = Device(config).stream_timed(same)[1].accepted
+    assert np.all(np.diff(accepted[3:]) == 4)
+    off = tuple(SlotConfig(mode=Mode.OFF) for _ in range(2))
+    accepted = Device(replace(config, slots=off)).stream_timed(same)[1].accepted
+    assert np.all(np.diff(accepted[1:]) == 3)
+    silent = TickedEvents(np.array([0, 100 << 20]), same.x[:2], same.y[:2], same.p[:2])
+    device = Device(replace(config, slots=off))
+    device.stream(silent)
+    assert 2 * 100 <= device.cycle < 2 * 100 + 450  # a token holds 2^20 - 1 ticks: 101 of them
+
+
+@pytest.mark.parametrize(
+    ("parameter", "rule"),
+    [
+        ("N=65", "N_must_be_1_to_64"),
+        ("X_W=17", "X_W_must_be_1_to_16"),
+        ("Y_W=0", "Y_W_must_be_1_to_16"),
+        ("TICK_W=33", "TICK_W_must_be_1_to_32"),
+        ("RADIX_W=13", "RADIX_W_must_be_1_to_12"),
+        ("SUP_W=33", "SUP_W_must_be_1_to_32"),
+        ("ID_W=0", "ID_W_must_be_1_to_32"),
+        ("SEQ_W=7", "SEQ_W_must_be_8_to_48"),
+        ("TIME_W=31", "TIME_W_must_be_32_to_48"),
+        ("SLOT_W=4", "SLOT_W_must_be_left_at_its_default"),
+        ("SIDE_W=24", "SIDE_W_must_be_left_at_its_default"),
+    ],
+)
+def test_refused_parameters(parameter: str, rule: str) -> None:
+    name, value = parameter.split("=")
+    code, said = lint("cot_motion", **{name: int(value)})
+    assert code != 0
+    assert rule in said
+
+
+def test_time_must_be_wider_than_a_tick() -> None:
+    assert "TIME_W_must_be_more_than_TICK_W" in lint("cot_motion", TIME_W=32, TICK_W=32)[1]
+    with pytest.raises(ConfigError, match=r"^shape.time_w = 32: must be more than tick_w = 32 with motion.enable = 1$"):
+        build_device(CotConfig(Shape(time_w=32, tick_w=32, tc_w=22), motion=QUICK))
+
+
+@pytest.mark.parametrize("n", [1, 5, 64])
+def test_lint(n: int) -> None:
+    assert lint("cot_motion", N=n) == (0, "")
