@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -21,6 +22,8 @@ from .waiting import Arrival, Waiting
 
 __all__ = ["Beside", "Lane", "quantiles"]
 
+_LOSSES_MAX = 3  # until a substitute takes over
+_LOSS_S = 1.0  # between two that count
 _WAITING_EVENTS = 1 << 23  # 100 MB: enough for a quarter of a second of any camera
 
 Keep = Callable[[NDArray[np.void], NDArray[np.int16]], None]
@@ -33,7 +36,8 @@ class Beside:
     Args:
         name: the word for it on the page: "hardware".
         about: what it is: "RTL in simulation".
-        substitute: (what it is, new tracker) that takes over from there, if this one loses events or refuses them.
+        substitute: (what it is, new tracker) that takes over from there, if this one loses events again and again,
+            or refuses them.
     """
 
     def __init__(
@@ -68,6 +72,7 @@ class Lane:
         self._alive = Alive()
         self._tracker = GapTracker(run.tracker)
         self._substitute = run.substitute
+        self._losses, self._loss_s = 0, -math.inf
         self._keep, self._done = keep, done
 
     @property
@@ -78,7 +83,7 @@ class Lane:
     def work(self) -> None:
         """Track what comes until the queue is closed."""
         while (taken := self.waiting.take(0.1, most=1)) is not None:
-            if taken.lost and self._substitute is not None:
+            if taken.lost and self._substitute is not None and self._is_late_again():
                 self._take_over("did not keep up")
             self._keep(np.empty(0, self._alive.clusters.states.dtype), self._tracker.skip(taken.lost))
             for arrival in taken.items:
@@ -101,6 +106,13 @@ class Lane:
         self.tracked.add(np.array([time.perf_counter() - arrival.arrived_s]))
         self._keep(records, owner)
         self._done(arrival, owner)
+
+    def _is_late_again(self) -> bool:
+        """Count a loss, at most one a second; returns whether there were too many: one may be another process's doing."""
+        now_s = time.perf_counter()
+        if now_s - self._loss_s >= _LOSS_S:
+            self._loss_s, self._losses = now_s, self._losses + 1
+        return self._losses >= _LOSSES_MAX
 
     def _take_over(self, why: str) -> None:
         assert self._substitute is not None
