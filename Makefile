@@ -49,9 +49,8 @@ prove: $(VENV)/.installed-prove ## Prove that events out of the array hold until
 bitstream: $(VENV)/.installed-fpga ## Build a board's configuration file in build/fpga: BOARD=icebreaker, ulx3s or ecp5_evn
 	@$(BIN)/python -m evcot_cosim.fpga.bitstream $(BOARD) $(ARGS)
 
-docs: $(VENV)/.installed-docs ## Build the API reference from docstrings, in build/docs/api
-	@$(BIN)/pdoc --docformat google -o build/docs/api evcot evcot_cosim
-	@echo "build/docs/api/index.html"
+docs: $(VENV)/.installed-docs ## Build the documentation as a site with search, in build/docs/site, and follow all its links
+	@$(BIN)/python docs/site/build_site.py
 
 mutants: $(VENV)/.installed-test ## Mutation testing: break the RTL in one place at a time and check that a test fails (an hour)
 	@$(BIN)/python tests/mutations.py $(ARGS)
