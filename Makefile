@@ -72,6 +72,7 @@ package: $(VENV)/.installed-release ## Build sdist and wheel in build/dist, chec
 	@$(BIN)/python -m venv build/empty
 	@build/empty/bin/python -m pip install -qq --disable-pip-version-check build/dist/*.whl
 	@du -sh build/dist/*.whl build/empty/lib
+	@du -sm build/empty/lib/python3*/site-packages/* | sort -rn | head -12 | sed 's|\t.*/|\t|'
 	@folder=$$(mktemp -d) && cd "$$folder" && for words in "--version" "simulate discs --duration 0.1 -o discs.npz" \
 	  "track discs.npz -o log.npz" "cosim discs.npz --no-waves"; do \
 	  $(CURDIR)/build/empty/bin/evcot $$words || exit 1; done; rm -r "$$folder"
@@ -92,7 +93,7 @@ endef
 # One stamp for each set of extras; without extras it is called "run".
 $(VENV)/.installed-%: pyproject.toml $(VENV)/.created
 	@echo "Installing evcot$(if $(filter-out run,$*), and its $* tools) into $(VENV) ..."
-	@$(BIN)/python -m pip install -qq --disable-pip-version-check -e '.$(if $(filter-out run,$*),[$*])'
+	@$(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile -e '.$(if $(filter-out run,$*),[$*])'
 	@touch $@
 
 $(VENV)/.created:

@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections import deque
 from collections.abc import Iterator
+from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -57,7 +58,7 @@ def stage(into: Path) -> None:
             found = [f"{path}/{each.name}" for each in _files(source)]
         elif source.suffix == ".md":
             text = source.read_text(encoding="utf-8")
-            target.write_text(_LINK.sub(_to_index, text), encoding="utf-8")
+            target.write_text(_LINK.sub(partial(_to_index, page=source), text), encoding="utf-8")
             found = [_within(source.parent / link) for link in links(text)]
         else:
             shutil.copyfile(source, target)
@@ -82,11 +83,11 @@ def _listing(path: str) -> str:
     return "\n".join([f"# {path}", "", *lines, ""])
 
 
-def _to_index(link: re.Match[str]) -> str:
+def _to_index(link: re.Match[str], page: Path) -> str:
     """A link to a folder leads to its list."""
     target = link[1]
-    is_folder = not re.match(r"\w+:|#", target) and not Path(target.partition("#")[0]).suffix
-    return f"]({target.rstrip('/')}/index.md)" if is_folder and not target.endswith("LICENSE") else link[0]
+    is_folder = not re.match(r"\w+:|#", target) and (page.parent / target).is_dir()
+    return f"]({target.rstrip('/')}/index.md)" if is_folder else link[0]
 
 
 def navigation() -> dict[str, list[str]]:
