@@ -56,6 +56,7 @@ def test_a_link_to_a_folder_leads_to_a_list_of_its_files(staged: Path) -> None:
 
 def test_links_in_examples_are_no_links(site: ModuleType) -> None:
     assert site.links("[a](a.md#b) `[c](c.md)` [d](https://d) [e](#e)\n```\n[f](f.md)\n```\n[g](../g.v)") == ["a.md", "../g.v"]
+    assert site.links('<img src="a.gif" width="480">') == ["a.gif"]
 
 
 PAGE = '<html><body id="top"><a name="old"></a><img src="a.png"><a href="{}">x</a></body></html>'

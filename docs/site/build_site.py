@@ -35,13 +35,16 @@ _STATIC = ("site.css",)
 _FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _CODE = re.compile(r"`[^`\n]+`")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
+_IMAGE = re.compile(r'<img src="([^"]+)"')
 _SECTION = re.compile(r"^## +(.+)$", re.MULTILINE)
 
 
 def links(text: str) -> list[str]:
     """The relative links of a page, without headings."""
     plain = _CODE.sub("", _FENCE.sub("", text))
-    found = (target.partition("#")[0] for target in _LINK.findall(plain) if not re.match(r"\w+:", target))
+    found = (
+        target.partition("#")[0] for target in (*_LINK.findall(plain), *_IMAGE.findall(plain)) if not re.match(r"\w+:", target)
+    )
     return [target for target in found if target]
 
 
