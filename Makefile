@@ -49,9 +49,8 @@ prove: $(VENV)/.installed-prove ## Prove that events out of the array hold until
 bitstream: $(VENV)/.installed-fpga ## Build a board's configuration file in build/fpga: BOARD=icebreaker, ulx3s or ecp5_evn
 	@$(BIN)/python -m evcot_cosim.fpga.bitstream $(BOARD) $(ARGS)
 
-docs: $(VENV)/.installed-docs ## Build the API reference from docstrings, in build/docs/api
-	@$(BIN)/pdoc --docformat google -o build/docs/api evcot evcot_cosim
-	@echo "build/docs/api/index.html"
+docs: $(VENV)/.installed-docs ## Build the documentation as a site with search, in build/docs/site, and follow all its links
+	@$(BIN)/python docs/site/build_site.py
 
 mutants: $(VENV)/.installed-test ## Mutation testing: break the RTL in one place at a time and check that a test fails (an hour)
 	@$(BIN)/python tests/mutations.py $(ARGS)
@@ -73,6 +72,7 @@ package: $(VENV)/.installed-release ## Build sdist and wheel in build/dist, chec
 	@$(BIN)/python -m venv build/empty
 	@build/empty/bin/python -m pip install -qq --disable-pip-version-check build/dist/*.whl
 	@du -sh build/dist/*.whl build/empty/lib
+	@du -sm build/empty/lib/python3*/site-packages/* | sort -rn | head -12 | sed 's|\t.*/|\t|'
 	@folder=$$(mktemp -d) && cd "$$folder" && for words in "--version" "simulate discs --duration 0.1 -o discs.npz" \
 	  "track discs.npz -o log.npz" "cosim discs.npz --no-waves"; do \
 	  $(CURDIR)/build/empty/bin/evcot $$words || exit 1; done; rm -r "$$folder"
@@ -93,7 +93,7 @@ endef
 # One stamp for each set of extras; without extras it is called "run".
 $(VENV)/.installed-%: pyproject.toml $(VENV)/.created
 	@echo "Installing evcot$(if $(filter-out run,$*), and its $* tools) into $(VENV) ..."
-	@$(BIN)/python -m pip install -qq --disable-pip-version-check -e '.$(if $(filter-out run,$*),[$*])'
+	@$(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile -e '.$(if $(filter-out run,$*),[$*])'
 	@touch $@
 
 $(VENV)/.created:

@@ -27,6 +27,7 @@ from evcot.events import Events
 from evcot.filters.config import FilterConfig
 from evcot.recordings.files import RecordingFile
 from evcot.trackers.engines import ENGINES
+from evcot_cosim.live.player import Player, Run, Wish
 from evcot_cosim.live.server import Server
 from evcot_cosim.live.session import Session
 from evcot_cosim.live.sources import FileSource
@@ -47,6 +48,9 @@ _HELLO = {
     "width": streams.WIDTH,
     "height": streams.HEIGHT,
     "speed": 1.0,
+    "engines": {"rct": ["plain"]},
+    "lanes": ["rct"],
+    "seekable": False,
 }
 
 
@@ -109,15 +113,16 @@ def _run(events: Events, rate_m: float, seconds: float, looking: Looking) -> _Ru
     tracker = engine.start(engine.presets["plain"], FilterConfig(), sensor)
     source = FileSource(cast(RecordingFile, _again_and_again(events)), (0, None), rate_m)
     session = Session(source, tracker)
+    player = Player(lambda _wish: lambda: Run(session, _HELLO), Wish("rct", "plain"))
     with ExitStack() as undo:
         if looking is not _nobody:
-            undo.enter_context(looking(undo.enter_context(Server(session, _HELLO, port=0))))
-        session.start()
+            undo.enter_context(looking(undo.enter_context(Server(player, port=0))))
+        player.start()
         begin_cpu_s = time.process_time()
         time.sleep(seconds)
         cores = (time.process_time() - begin_cpu_s) / seconds
         summary = session.summary()
-        session.stop()
+        player.stop()
     rate = summary["events_per_s"] / 1e6
     return _Run(rate, cores, summary["dropped"], source.slipped_s, summary["tracked_ms"], summary["drawn_ms"])
 

@@ -12,12 +12,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("sw", "cosim", "hw", "tests", "docs", "benchmarks")
+FOLDERS = ("sw", "cosim", "hw", "tests", "docs", "benchmarks", "contrib")
 PAGES = sorted([*ROOT.glob("*.md"), *(page for folder in FOLDERS for page in (ROOT / folder).rglob("*.md"))])
 
 _FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 _CODE = re.compile(r"`([^`\n]+)`")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
+_IMAGE = re.compile(r'<img src="([^"]+)"')
 _PATH = re.compile(rf"(?<![\w./-])(?:{'|'.join(FOLDERS)})/[\w./-]*[\w/]")
 _MODULE = re.compile(r"(?<![\w./-])evcot(?:_cosim)?(?:\.[A-Za-z_]\w*)+")
 _IMPORT = re.compile(r"^from (evcot(?:_cosim)?(?:\.\w+)*) import ([\w, ]+)$", re.MULTILINE)
@@ -27,7 +28,8 @@ _FILES = frozenset({"core", "gtkw", "html", "json", "md", "npz", "py", "sdc", "t
 def missing_links(page: Path, text: str) -> list[str]:
     """Relative links whose file is not there, or has no such heading."""
     missing = []
-    for target in _LINK.findall(_CODE.sub("", _FENCE.sub("", text))):
+    plain = _CODE.sub("", _FENCE.sub("", text))
+    for target in (*_LINK.findall(plain), *_IMAGE.findall(plain)):
         if re.match(r"\w+:", target):
             continue
         path, _, heading = target.partition("#")
@@ -87,6 +89,7 @@ def test_what_a_page_refers_to_exists(page: Path, missing: Callable[[Path, str],
     ("missing", "text"),
     [
         (missing_links, "[a page](no_such_page.md)"),
+        (missing_links, '<img src="no_such_picture.png" width="9">'),
         (missing_links, "[a heading](algorithm.md#no-such-heading)"),
         (missing_paths, "see `sw/evcot/no_such_file.py`"),
         (missing_paths, "see cosim/evcot_cosim/no_such_folder/"),

@@ -9,7 +9,7 @@ from evcot.tracks.formats import FORMAT_NAMES
 
 __all__ = ["FORMATS_TEXT", "clock_options"]
 
-FORMATS_TEXT = f"one of {', '.join(FORMAT_NAMES)} (default: by the suffix: .txt, .json, .npy)"
+FORMATS_TEXT = f"one of {', '.join(FORMAT_NAMES)} (default: by the suffix: .txt, .json, .npy, .mcap)"
 
 
 def clock_options(parser: argparse.ArgumentParser, origin: str) -> None:

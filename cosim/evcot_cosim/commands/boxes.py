@@ -14,12 +14,13 @@ _EXAMPLES = """
 evcot boxes log.npz result.txt --frame-us 40000        # MOTChallenge, 25 frames a second
 evcot boxes log.npz tracks.json --frame-us 40000 --origin-us 1718925184590631 --sensor 346x260
 evcot boxes result.txt tracks_bbox.npy --frame-us 40000
+evcot boxes log.npz tracks.mcap --frame-us 20000 --sensor 346x260   # for Foxglove; needs pip install evcot[mcap]
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = add_command(commands, "boxes", "write tracks as MOTChallenge text, COCO JSON or Prophesee boxes", _EXAMPLES)
+    parser = add_command(commands, "boxes", "write tracks as MOTChallenge text, COCO JSON, Prophesee boxes or MCAP", _EXAMPLES)
     parser.add_argument("source", type=input_path, metavar="A", help="a track log, or boxes in one of the formats")
     output_option(parser, "target", metavar="B", help="what to write")
     parser.add_argument("--source-format", metavar="NAME", help=f"A's: {FORMATS_TEXT}; .npz is a track log")

@@ -16,7 +16,8 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot live drive.aedat4                        # a file at real speed, in the terminal
-evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed
+evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed; engine and place are chosen there
+evcot live drive.aedat4 --web --with-hardware  # hardware in simulation beside the software tracker
 evcot live tcp://127.0.0.1:7777 --engine kalman --preset traffic --save seen.aedat4
 evcot live camera --web                        # needs pip install evcot[camera]
 evcot live drive.aedat4 --json
@@ -32,6 +33,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a recording (default: 1, real speed)")
     parser.add_argument("--web", nargs="?", type=int, const=PORT, metavar="PORT", help=f"show a page (default port: {PORT})")
     parser.add_argument("--bind", metavar="ADDRESS", help="for the page (default: 127.0.0.1, this machine only)")
+    beside = "the hardware beside the engine: RTL in simulation while it keeps up, else its golden model"
+    parser.add_argument("--with-hardware", action="store_true", help=beside)
     parser.add_argument("--loop", action="store_true", help="play a recording again and again")
     output_option(parser, "--save", metavar="FILE", help="record all that comes: .aedat4 or .raw; readable after a kill")
     output_option(parser, "--save-log", metavar="LOG.npz", help="write the track log when the run ends")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType
@@ -19,6 +19,7 @@ from rich.text import Text
 from .alive import Clusters
 from .frame import Frame, FrameMaker
 from .glance import Glance
+from .player import Player, Run
 from .session import Session
 
 __all__ = ["rows_of", "show"]
@@ -41,27 +42,33 @@ class _Picture:
             yield Segment.line()
 
 
-def show(session: Session, title: str, url: str | None, console: Console) -> None:
-    """Display a session until it ends; KeyboardInterrupt is left to the caller."""
+def show(player: Player, url: str | None, console: Console, going_on: Callable[[], bool]) -> None:
+    """Display what is played for as long as that goes on; KeyboardInterrupt is left to the caller."""
+    layout = Layout()
+    layout.split_row(Layout(name="picture"), Layout(name="side", size=_SIDE_COLUMNS))
+    with Live(layout, console=console, screen=True, auto_refresh=False) as live:
+        while going_on():
+            _show_run(player, player.run, layout, live, url, going_on)
+
+
+def _show_run(player: Player, run: Run, layout: Layout, live: Live, url: str | None, going_on: Callable[[], bool]) -> None:
+    """Display one session until another takes its place."""
+    session = run.session
     inbox = session.subscribe()
     maker, picture = FrameMaker(session.source.sensor), _Picture(Glance(session.source.sensor))
     drawn_here = url is None  # with a page, its drawing is what is measured
-    layout = Layout()
-    layout.split_row(
-        Layout(Panel(picture, title=title, title_align="left"), name="picture"), Layout(name="side", size=_SIDE_COLUMNS)
-    )
+    layout["picture"].update(Panel(picture, title=session.source.name, title_align="left"))
     try:
-        with Live(layout, console=console, screen=True, auto_refresh=False) as live:
-            while session.running:
-                taken = inbox.take(1 / _PICTURES_HZ)
-                clusters = session.clusters
-                if taken and taken.items:
-                    picture.frame = maker.make(taken.items, clusters)
-                layout["side"].update(_side(session, clusters, inbox.lost, url))
-                live.refresh()
-                if drawn_here and taken and taken.items and picture.frame is not None:
-                    session.drawn.add(time.perf_counter() - picture.frame.arrived_s)
-                time.sleep(1 / _PICTURES_HZ)
+        while going_on() and player.run is run:
+            taken = inbox.take(1 / _PICTURES_HZ)
+            clusters = session.clusters
+            if taken and taken.items:
+                picture.frame = maker.make(taken.items, clusters)
+            layout["side"].update(_side(session, clusters, inbox.lost, url))
+            live.refresh()
+            if drawn_here and taken and taken.items and picture.frame is not None:
+                session.drawn.add(time.perf_counter() - picture.frame.arrived_s)
+            time.sleep(1 / _PICTURES_HZ)
     finally:
         session.unsubscribe(inbox)
 
@@ -104,6 +111,10 @@ def rows_of(figures: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append(("left out", f"{figures['left_out']:,}"))
     if figures["slipped_s"]:
         rows.append(("played late", f"{figures['slipped_s']:.1f} s"))
+    for beside in figures["beside"]:
+        dropped = f", {beside['dropped']:,} dropped" if beside["dropped"] else ""
+        rows.append((beside["name"], f"{beside['clusters']:,} now, {beside['tracks']:,} tracks{dropped}"))
+        rows.append(("", beside["about"]))
     if figures["saved"] is not None:
         rows.append(("saved", f"{figures['saved']:,}"))
     return rows

@@ -30,6 +30,7 @@ class Frame:
         on, filtered: (n,) bool, polarity, and whether a filter removed the event.
         hidden: number of events hidden by newer ones of the same pixel.
         clusters: the visible clusters.
+        beside: those of the trackers beside it.
         arrived_s: (k,) arrival times of its packets.
     """
 
@@ -42,18 +43,23 @@ class Frame:
     filtered: NDArray[np.bool_]
     hidden: int
     clusters: Clusters
+    beside: Sequence[Clusters]
     arrived_s: NDArray[np.float64]
 
 
 class FrameMaker:
-    """Makes the frames for one subscriber."""
+    """Makes the frames for one subscriber.
 
-    def __init__(self, sensor: Sensor) -> None:
+    Args:
+        first: number of its first frame.
+    """
+
+    def __init__(self, sensor: Sensor, first: int = 0) -> None:
         self._width = sensor[0]
         self._seen = np.full(sensor[0] * sensor[1], -1, np.int64)
-        self._number = -1
+        self._number = first - 1
 
-    def make(self, steps: Sequence[Step], clusters: Clusters) -> Frame:
+    def make(self, steps: Sequence[Step], clusters: Clusters, beside: Sequence[Clusters] = ()) -> Frame:
         """The next frame, from at least one step."""
         self._number += 1
         t_us, x, y, p = (np.concatenate([getattr(step.events, name) for step in steps]) for name in ("t_us", "x", "y", "p"))
@@ -63,7 +69,7 @@ class FrameMaker:
         chosen = np.flatnonzero(newest)
         return Frame(
             self._number, int(t_us[-1]), t_us[chosen], x[chosen], y[chosen], p[chosen] == 1, owner[chosen] == DROPPED,
-            len(t_us) - len(chosen), clusters, np.array([step.arrived_s for step in steps]),
+            len(t_us) - len(chosen), clusters, beside, np.array([step.arrived_s for step in steps]),
         )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ __all__ = ["Page", "page"]
 
 # Drawing that the report shares, then what is the live page's own, in the order in which they need each other.
 _SHARED = ("surface", "stage", "pointer")
-_OWN = ("protocol", "trails", "figures", "main")
+_OWN = ("protocol", "trails", "figures", "choice", "main")
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Server of the live page and its WebSocket. A page acknowledges each drawn frame, which gives back-pressure."""
+"""Server of the live page and its WebSocket. A page acknowledges each drawn frame, which gives back-pressure.
+
+A page on this machine may also say what to play; one on another machine can only watch.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import os
 import socket
 import threading
 import time
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from http import HTTPStatus
 from typing import Any
@@ -23,8 +26,9 @@ from evcot.errors import ConfigError, OutputError
 
 from . import PORT
 from .frame import FrameMaker
-from .messages import drawn_number, pack_frame
+from .messages import drawn_number, pack_frame, wish_in
 from .page import page
+from .player import Player, Run
 from .session import Session, Step
 from .waiting import Waiting
 
@@ -35,7 +39,9 @@ _FRAMES_HZ = 60
 _UNDRAWN_MAX = 2  # frames sent to a viewer but not yet drawn
 _FIGURES_S = 0.5
 _VIEWERS_MAX = 8
-_MESSAGE_BYTES_MAX = 64  # of what a page may say
+_MESSAGE_BYTES_MAX = 256  # of what a page may say
+_HERE = ("127.0.0.1", "::1")
+_REFUSED = 1008  # the code of WebSocket for a message against the rules
 _START_S = 10.0
 _GOODBYE_S = 1.0  # for the pages to hear that the run has ended
 _NAP_S = 0.02
@@ -43,10 +49,10 @@ _SOCKET_PATH = "/events"
 
 
 class Server:
-    """Shows a session on a page of its own, to browsers on this machine. A context manager.
+    """Shows what is played on a page of its own, to browsers on this machine. A context manager.
 
     Args:
-        hello: content of the first message to a page: name, sensor and more.
+        player: what is played; pages may change it.
         port: 0 for any free port.
         bind: address to listen on. Only pages from this address, and from this machine's own names, may connect.
 
@@ -58,9 +64,9 @@ class Server:
         OutputError: the address is not available.
     """
 
-    def __init__(self, session: Session, hello: Mapping[str, Any], port: int = PORT, bind: str = "127.0.0.1") -> None:
+    def __init__(self, player: Player, port: int = PORT, bind: str = "127.0.0.1") -> None:
         _check_installed()
-        self._session, self._hello = session, {"type": "hello", **hello}
+        self._player = player
         self._listening = _listening(bind, port)
         self._port = self._listening.getsockname()[1]
         host = f"[{bind}]" if ":" in bind else bind
@@ -82,6 +88,11 @@ class Server:
         self._loop.call_soon_threadsafe(self._ended.set)
         self._thread.join()
         self._listening.close()
+
+    @property
+    def watched(self) -> bool:
+        """Whether a page is open."""
+        return self._viewers > 0
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
@@ -125,18 +136,42 @@ class Server:
         if self._viewers >= _VIEWERS_MAX:
             await connection.close(1013, f"{_VIEWERS_MAX} pages are open already")
             return
-        async with self._subscription() as inbox:
-            undrawn = _Undrawn(self._session)
-            await connection.send(json.dumps(self._hello))
+        self._viewers += 1
+        undrawn = _Undrawn()
+        may_change = connection.remote_address[0] in (*_HERE, connection.local_address[0])
+        reading = asyncio.ensure_future(self._read(connection, undrawn, may_change))
+        try:
+            while await self._show_run(connection, self._player.run, undrawn, may_change, reading):
+                pass
+        finally:
+            self._viewers -= 1
+            reading.cancel()
+            with suppress(ConnectionClosed, asyncio.CancelledError):
+                await reading
+
+    async def _show_run(
+        self, connection: Any, run: Run, undrawn: _Undrawn, may_change: bool, reading: asyncio.Future[None]
+    ) -> bool:
+        """Show one session; returns whether another has taken its place, in contrast to the page having gone."""
+        from websockets.exceptions import ConnectionClosed
+
+        async with self._subscription(run.session) as inbox:
+            undrawn.begin(run.session)
+            changes = may_change and not self._player.fixed
+            why = self._player.fixed if may_change else "this page is on another machine: it can only watch"
+            hello = {"type": "hello", **run.hello, "changes": changes, "fixed": "" if changes else why}
+            await connection.send(json.dumps(hello))
             work = [
-                self._send_frames(connection, inbox, undrawn),
-                self._send_figures(connection, inbox),
-                undrawn.read(connection),
-                self._say_goodbye(connection, inbox),
+                self._send_frames(connection, run.session, inbox, undrawn),
+                self._send_figures(connection, run.session, inbox),
+                self._say_goodbye(connection, run.session, inbox),
+                self._until_another(run),
             ]
             tasks = [asyncio.ensure_future(each) for each in work]
+            another = tasks[-1]
             try:
-                await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+                done, _ = await asyncio.wait([*tasks, reading], return_when=asyncio.FIRST_COMPLETED)
+                return done == {another}
             finally:
                 for task in tasks:
                     task.cancel()
@@ -145,17 +180,31 @@ class Server:
                         await task
 
     @asynccontextmanager
-    async def _subscription(self) -> AsyncIterator[Waiting[Step]]:
-        inbox = self._session.subscribe()
-        self._viewers += 1
+    async def _subscription(self, session: Session) -> AsyncIterator[Waiting[Step]]:
+        inbox = session.subscribe()
         try:
             yield inbox
         finally:
-            self._viewers -= 1
-            self._session.unsubscribe(inbox)
+            session.unsubscribe(inbox)
 
-    async def _send_frames(self, connection: Any, inbox: Waiting[Step], undrawn: _Undrawn) -> None:
-        maker = FrameMaker(self._session.source.sensor)
+    async def _until_another(self, run: Run) -> None:
+        while self._player.run is run:
+            await asyncio.sleep(_NAP_S)
+
+    async def _read(self, connection: Any, undrawn: _Undrawn, may_change: bool) -> None:
+        """Process a page's messages until it disconnects; one that is against the rules ends the connection."""
+        async for message in connection:
+            if isinstance(message, bytes):
+                undrawn.drawn(drawn_number(message))
+                continue
+            wish = wish_in(message) if may_change else None
+            if wish is None:
+                await connection.close(_REFUSED, "not a message that this page may send")
+                return
+            self._player.ask(wish)
+
+    async def _send_frames(self, connection: Any, session: Session, inbox: Waiting[Step], undrawn: _Undrawn) -> None:
+        maker = FrameMaker(session.source.sensor, undrawn.next)
         due_s = time.perf_counter()
         while True:
             await undrawn.wait()
@@ -165,36 +214,49 @@ class Server:
             if taken is None:
                 await self._ended.wait()
             elif taken.items:
-                frame = maker.make(taken.items, self._session.clusters)
+                frame = maker.make(taken.items, session.clusters, session.beside)
                 undrawn.sent(frame.number, frame.arrived_s)
-                await connection.send(pack_frame(frame, self._session.first_us))
+                await connection.send(pack_frame(frame, session.first_us))
 
-    async def _send_figures(self, connection: Any, inbox: Waiting[Step]) -> None:
+    async def _send_figures(self, connection: Any, session: Session, inbox: Waiting[Step]) -> None:
         while True:
-            await connection.send(self._figures(inbox))
+            await connection.send(self._figures(session, inbox))
             await asyncio.sleep(_FIGURES_S)
 
-    def _figures(self, inbox: Waiting[Step]) -> str:
-        running = self._session.running and not self._ended.is_set()
-        return json.dumps({"type": "figures", **self._session.figures(), "undrawn": inbox.lost, "running": running})
+    def _figures(self, session: Session, inbox: Waiting[Step]) -> str:
+        told = {"undrawn": inbox.lost, "running": session.running and not self._ended.is_set(), "note": self._player.note}
+        place = {name: getattr(session.source, name, None) for name in ("place_s", "length_s")}
+        return json.dumps({"type": "figures", **session.figures(), **place, **told})
 
-    async def _say_goodbye(self, connection: Any, inbox: Waiting[Step]) -> None:
-        """Send the last figures when the run has ended, and close the connection: the page can tell this from a failure."""
+    async def _say_goodbye(self, connection: Any, session: Session, inbox: Waiting[Step]) -> None:
+        """Send the last figures when all is over, and close the connection: the page can tell this from a failure."""
         await self._ended.wait()
-        await connection.send(self._figures(inbox))
+        await connection.send(self._figures(session, inbox))
         await connection.close(1000, "ended")
 
 
 class _Undrawn:
-    """Frames sent to a viewer but not yet drawn."""
+    """Frames sent to a viewer but not yet drawn.
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    Attributes:
+        next: number of the next frame: numbers go on from session to session.
+    """
+
+    def __init__(self) -> None:
+        self.next = 0
+        self._session: Session | None = None
         self._arrived_s: dict[int, NDArray[np.float64]] = {}
         self._fewer = asyncio.Event()
 
+    def begin(self, session: Session) -> None:
+        """Frames are those of another session from now on."""
+        self._session = session
+        self._arrived_s.clear()
+        self._fewer.set()
+
     def sent(self, number: int, arrived_s: NDArray[np.float64]) -> None:
         self._arrived_s[number] = arrived_s
+        self.next = number + 1
 
     async def wait(self) -> None:
         """Wait until another frame may be sent."""
@@ -202,13 +264,11 @@ class _Undrawn:
             self._fewer.clear()
             await self._fewer.wait()
 
-    async def read(self, connection: Any) -> None:
-        """Process the page's DRAWN messages until it disconnects."""
-        async for message in connection:
-            number = drawn_number(message)
-            if number in self._arrived_s:
-                self._session.drawn.add(time.perf_counter() - self._arrived_s.pop(number))
-                self._fewer.set()
+    def drawn(self, number: int | None) -> None:
+        """The page says that it has drawn a frame."""
+        if number in self._arrived_s and self._session is not None:
+            self._session.drawn.add(time.perf_counter() - self._arrived_s.pop(number))
+            self._fewer.set()
 
 
 def _quiet_log() -> logging.Logger:

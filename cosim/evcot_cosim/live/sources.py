@@ -74,6 +74,9 @@ class FileSource:
 
     Attributes:
         slipped_s: by how much the playback is late because the file could not be read fast enough.
+        begin_s: where in the window the next call of `arrivals` begins.
+        place_s: where in the window the last events lay.
+        length_s: of the window; None as long as nobody has measured it.
     """
 
     def __init__(
@@ -82,16 +85,19 @@ class FileSource:
         self.name = file.path.name
         self.sensor = file.sensor
         self.left_out: Counter[str] = Counter()
-        self.slipped_s = 0.0
+        self.slipped_s = self.begin_s = self.place_s = 0.0
+        self.length_s: float | None = None
         self._file, self._window, self._speed, self._loop = file, window, speed, loop
 
     def arrivals(self, wanted: Wanted) -> Iterator[Arrival]:
         """See `LiveSource`; a packet's arrival is when its first event is due, and it is yielded when its last one is. The
         longest wait is a minute."""
         slice_us = max(1, round(_SLICE_S * self._speed * 1e6))
-        first_us = self._file.t0_us + self._window[0]
+        window_us = self._file.t0_us + self._window[0]
+        first_us = window_us + round(self.begin_s * 1e6)
+        self.slipped_s, self.place_s = 0.0, self.begin_s
         start_s = time.perf_counter()
-        for events in self._slices(first_us, slice_us):
+        for events, later_us in self._slices(first_us, slice_us):
             done = (int(events.t_us[-1]) - first_us) // slice_us + 1
             due_s = start_s + done * slice_us / self._speed / 1e6
             silence_s = due_s - time.perf_counter() - _SILENCE_S
@@ -105,23 +111,26 @@ class FileSource:
                 start_s, self.slipped_s = start_s - wait_s, self.slipped_s - wait_s
             if not wanted():
                 return
+            self.place_s = (int(events.t_us[-1]) - later_us - window_us) / 1e6
             yield Arrival(events, start_s + (int(events.t_us[0]) - first_us) / self._speed / 1e6)
         self.left_out = self._file.left_out
 
-    def _slices(self, first_us: int, slice_us: int) -> Iterator[Events]:
-        later_us = 0
+    def _slices(self, first_us: int, slice_us: int) -> Iterator[tuple[Events, int]]:
+        """Packets, and by how much their times were moved: after the first pass, time goes on."""
+        window_us = self._file.t0_us + self._window[0]
+        later_us, last_us = 0, first_us
+        from_us = self._window[0] + first_us - window_us
         while True:
-            last_us = first_us
-            for block in self._file.blocks(*self._window, required=True):
-                last_us = int(block.t_us[-1])
+            for block in self._file.blocks(from_us, self._window[1], required=from_us == self._window[0]):
+                last_us = int(block.t_us[-1]) + later_us
                 block = replace(block, t_us=block.t_us + later_us)
                 number = (block.t_us - first_us) // slice_us
                 cuts = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(block)]
                 for begin, end in pairwise(cuts):
-                    yield block[begin:end]
+                    yield block[begin:end], later_us
             if not self._loop:
                 return
-            later_us += last_us - first_us + _PAUSE_US
+            later_us, from_us = last_us + _PAUSE_US - window_us, self._window[0]
 
     def close(self) -> None:
         """See `LiveSource`."""

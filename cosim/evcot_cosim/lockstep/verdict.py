@@ -199,6 +199,8 @@ def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
     if 2 * found.noise_tracks > found.tracks:
         return f"clusters on noise: {_quieter(found)}"
     if found.short_merged >= found.short_lost:
+        if side not in ("hardware", "model"):  # whose engine may have no windows
+            return "they end in a track beside them, so parts of an object begin tracks: other settings, or another engine"
         what = "they end in a track beside them, so windows are too small for the objects"
         return f"{what}: {_register(side, summary, 'init_radix', 'a larger window', 'above')}"
     what = "they end in silence, so tracks are given up too soon or begin on too few events"

@@ -179,17 +179,24 @@ class Bars:
 
 
 def latency_bars(summary: Mapping[str, Any], most_bars: int = 24) -> Bars | None:
-    """Clocks from an event's acceptance to its record, in at most `most_bars` bars; None if not measured."""
+    """Clocks from an event's acceptance to its record, in at most `most_bars` bars; None if not measured.
+
+    Where there are more than that, the last bar has the slowest per cent: a few of them would make all others one bar.
+    """
     latency = summary.get("latency_clocks")
     if not latency or not latency["histogram"]:
         return None
     bars = [(str(clocks), int(count)) for clocks, count in latency["histogram"]]
     if len(bars) > most_bars:
         clocks, counts = np.array(latency["histogram"], np.int64).T
-        step = -(-int(clocks[-1] - clocks[0] + 1) // most_bars)
-        sums = np.bincount((clocks - clocks[0]) // step, weights=counts).astype(np.int64).tolist()
-        lows = [int(clocks[0]) + i * step for i in range(len(sums))]
-        bars = [(f"{low}–{low + step - 1}", count) for low, count in zip(lows, sums, strict=True)]
+        low, high = int(clocks[0]), max(int(latency["p99"]), int(clocks[0]))
+        step = -(-(high - low + 1) // (most_bars - 1))
+        slow = clocks > high
+        sums = np.bincount((clocks[~slow] - low) // step, weights=counts[~slow]).astype(np.int64).tolist()
+        ranges = [(low + i * step, min(low + (i + 1) * step - 1, high)) for i in range(len(sums))]
+        bars = [(str(a) if a == b else f"{a}–{b}", count) for (a, b), count in zip(ranges, sums, strict=True)]
+        if slow.any():
+            bars.append((f"{high + 1}–{clocks[-1]}", int(counts[slow].sum())))
     words = f"median {latency['median']} clocks, 99 % within {latency['p99']}, most {latency['max']}"
     return Bars(bars, max(count for _, count in bars), words)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import fcntl
 import hashlib
 import importlib.metadata
 import json
@@ -21,6 +20,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from pyverilator import PyVerilator
 
@@ -310,7 +310,7 @@ def _alone(root: Path, name: str) -> Iterator[None]:
     path.parent.mkdir(parents=True, exist_ok=True)
     while True:
         with path.open("ab") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
+            _lock(file)
             if not _is_same(path, file.fileno()):  # whoever had it has removed it
                 continue
             try:
@@ -318,6 +318,14 @@ def _alone(root: Path, name: str) -> Iterator[None]:
             finally:
                 path.unlink()
             return
+
+
+def _lock(file: BinaryIO) -> None:
+    try:
+        import fcntl
+    except ImportError as error:
+        raise ToolchainError("compiling the hardware needs POSIX: Linux, macOS, or WSL on Windows") from error
+    fcntl.flock(file, fcntl.LOCK_EX)
 
 
 def _is_same(path: Path, descriptor: int) -> bool:

@@ -96,7 +96,7 @@ def test_track_writes_boxes_of_the_recordings_frames(capsys: Capture) -> None:
     ("arguments", "message"),
     [
         ("boxes log.npz out.txt", "frame_us: must be given, the time from frame to frame (--frame-us)"),
-        ("boxes log.npz out.xml --frame-us 10000", "out.xml: must end in .txt, .json, .npy, or its format must be given"),
+        ("boxes log.npz out.xml --frame-us 10000", "out.xml: must end in .txt, .json, .npy, .mcap, or its format must"),
         ("boxes log.npz out.txt --format mp4 --frame-us 10000", "format 'mp4': must be one of mot, mot-gt, mot-det, coco"),
         ("boxes log.npz out.txt --frame-us 0", "--frame-us = 0.0: must be from 1 to 1e+09"),
         ("boxes gt.txt gt.txt --frame-us 10000 --force", "output gt.txt: "),

@@ -119,6 +119,49 @@ def test_a_page_is_served_while_it_runs(source: Path) -> None:
         live.communicate(timeout=30)
 
 
+def test_an_open_page_may_see_a_file_again_after_its_end(source: Path) -> None:
+    client = pytest.importorskip("websockets.sync.client", reason="websockets is not installed")
+    command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.1", "--web", "0", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live:
+        assert live.stdout is not None
+        page = json.loads(live.stdout.readline())["page"]
+        with client.connect(page.replace("http", "ws") + "events", origin=page.rstrip("/"), compression=None) as connection:
+
+            def next_text(kind: str) -> dict[str, object]:
+                while isinstance(message := connection.recv(timeout=60), bytes) or json.loads(message)["type"] != kind:
+                    if isinstance(message, bytes):
+                        connection.send(b"\x02\0\0\0" + message[4:8])
+                return json.loads(message)
+
+            assert next_text("hello")["changes"]
+            while (told := next_text("figures"))["running"]:
+                pass
+            assert told["length_s"] == pytest.approx(DURATION_US / 1e6, rel=0.05)
+            assert told["place_s"] == told["length_s"]
+            wish = {"type": "play", "engine": "cot", "preset": None, "hardware": True, "at_s": 0.2}
+            connection.send(json.dumps(wish))
+            hello = next_text("hello")
+            assert (hello["engine"], hello["lanes"]) == ("cot", ["cot", "hardware"])
+            while (told := next_text("figures"))["running"]:
+                pass
+            assert told["recording_s"] == pytest.approx(0.2, abs=0.03)
+            (beside,) = told["beside"]
+            assert beside["about"].partition(";")[0] in ("RTL in simulation", "golden model")
+            assert beside["tracks"] > 0
+        out, _ = live.communicate(timeout=30)  # nobody looks any more
+    assert live.returncode == 0
+    assert lines(out)[-1]["kind"] == "summary"
+
+
+def test_hardware_runs_beside_the_engine(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["live", str(source), "--with-hardware", "--speed", "0.2", "--save-log", "a.npz", "--json"]) == 0
+    summary = lines(capsys.readouterr().out)[-1]
+    (beside,) = summary["beside"]  # type: ignore[misc]
+    assert beside["name"] == "hardware"
+    assert beside["tracks"] > 0
+    assert TrackLog.load_npz("a.npz").engine == "auto"
+
+
 def test_a_killed_run_loses_less_than_the_last_second(source: Path) -> None:
     command = [sys.executable, "-m", "evcot_cosim", "live", str(source), "--speed", "0.1", "--json", "--save", "a.aedat4"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live:

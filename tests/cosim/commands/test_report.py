@@ -102,7 +102,8 @@ def test_what_is_not_of_one_recording_is_not_compared(made: Path, folder: Path, 
     assert "stranger.npz: does not belong to" in capsys.readouterr().err
     assert main(["cosim", str(made / "other.npz"), "--preset", "slow", "--no-waves", "-q", "-o", "elsewhere"]) == 0
     assert main(["report", str(made / "run"), "elsewhere", "-o", "all.html"]) == 2
-    assert "elsewhere/hardware.npz: does not belong to" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"{made / 'run'} was made of b, elsewhere of other: both runs must be of the same events" in said
     for arguments, message in (
         ([str(made / "run"), "elsewhere"], "-o: must be given to say where the comparison"),
         ([str(made / "run"), str(made / "log.npz")], "-o: must be given with further logs"),

@@ -13,9 +13,15 @@ from numpy.typing import NDArray
 from evcot.events import Events
 from evcot.tracks.log import TRACK, Kind
 from evcot.tracks.tracking import TrackerOutput
+from evcot_cosim.live.player import Player, Run, Wish
+from evcot_cosim.live.session import Session
 from evcot_cosim.live.waiting import Arrival
 
 SENSOR = (64, 48)
+HELLO = {
+    "name": "a drive", "engine": "rct", "preset": "plain", "width": SENSOR[0], "height": SENSOR[1], "speed": 1.0,
+    "engines": {"rct": ["plain", "discs"], "auto": ["auto"]}, "lanes": ["rct"], "seekable": False,
+}  # fmt: skip
 
 
 def events(*t_us: int, x: int = 1, y: int = 2) -> Events:
@@ -88,6 +94,11 @@ class Played:
 
     def close(self) -> None:
         self.closed = True
+
+
+def playing(session: Session, hello: dict[str, object] = HELLO, fixed: str = "") -> Player:
+    """One session, and nothing else whatever is wished."""
+    return Player(lambda _wish: lambda: Run(session, hello), Wish("rct", "plain"), fixed)
 
 
 def parts_of(some: Events, size: int) -> list[Events]:

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import json
 import struct
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +14,8 @@ from evcot.events import Events
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.live.alive import Alive, Clusters
 from evcot_cosim.live.frame import FrameMaker
-from evcot_cosim.live.messages import drawn_number, pack_frame
+from evcot_cosim.live.messages import drawn_number, pack_frame, wish_in
+from evcot_cosim.live.player import Wish
 from evcot_cosim.live.session import Step
 
 from .stories import SENSOR, events, random_events, record
@@ -45,19 +48,22 @@ def test_the_layout() -> None:
     alive.apply(np.concatenate([one, other]))
     some = Events.joined([events(10_000, x=1, y=2), events(20_000, x=3, y=4), events(30_000, x=63, y=47)])
     on = Events(some.t_us, some.x, some.y, np.array([1, 0, 1], np.uint8))
-    frame = FrameMaker(SENSOR).make([step(on[:2]), step(on[2:], DROPPED)], alive.clusters)
+    below = Alive()
+    below.apply(other)
+    frame = FrameMaker(SENSOR, 7).make([step(on[:2]), step(on[2:], DROPPED)], alive.clusters, [Clusters(), below.clusters])
     data = pack_frame(frame, 5_000)
     assert data[0] == 1
-    assert struct.unpack_from("<BHIII", data, 1) == (2, 2, 0, 3, 0)
+    assert struct.unpack_from("<BHIII", data, 1) == (3, 3, 7, 3, 0)
     t_us, unit_us, zero = struct.unpack_from("<dfI", data, 16)
     assert (t_us, zero) == (25_000, 0)
-    assert struct.unpack_from("<I9fi", data, 32) == (5, 1, 5, 7, 5, 0, 0, 0, 0, pytest.approx(0.029), 0)
-    assert struct.unpack_from("<I9fi", data, 76) == (6, 7.5, 5, 7, 5, 0.5, -20, 30, 0.75, pytest.approx(0.028), 0)
-    x, y, age = (np.frombuffer(data, "<u2", 3, 120 + 8 * i) for i in range(3))
+    assert struct.unpack_from("<I9fI", data, 32) == (5, 1, 5, 7, 5, 0, 0, 0, 0, pytest.approx(0.029), 0)
+    assert struct.unpack_from("<I9fI", data, 76) == (6, 7.5, 5, 7, 5, 0.5, -20, 30, 0.75, pytest.approx(0.028), 0)
+    assert struct.unpack_from("<I9fI", data, 120)[-1] == 2, "of the second tracker beside it"
+    x, y, age = (np.frombuffer(data, "<u2", 3, 164 + 8 * i) for i in range(3))
     assert (x.tolist(), y.tolist()) == ([1, 3, 63], [2, 4, 47])
     assert age * unit_us == pytest.approx([20_000, 10_000, 0], abs=1)
-    assert list(data[144:147]) == [1, 0, 3]
-    assert len(data) == 148
+    assert list(data[188:191]) == [1, 0, 3]
+    assert len(data) == 192
 
 
 def test_ages_are_as_fine_as_the_frame_is_short() -> None:
@@ -75,3 +81,33 @@ def test_an_answer() -> None:
     assert drawn_number(struct.pack("<B3xI", 2, 77)) == 77
     for other in ("2", b"", struct.pack("<B3xI", 1, 77), struct.pack("<B3xIx", 2, 77)):
         assert drawn_number(other) is None
+
+
+PLAY: dict[str, Any] = {"type": "play", "engine": "rct", "preset": "plain", "hardware": True, "at_s": 1.5}
+
+
+def test_a_wish() -> None:
+    assert wish_in(json.dumps(PLAY)) == Wish("rct", "plain", True, 1.5)
+    assert wish_in(json.dumps({**PLAY, "preset": None, "at_s": 0})) == Wish("rct", None, True, 0.0)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"type": "stop"}, {"engine": 1}, {"engine": None}, {"preset": ["plain"]}, {"hardware": 1}, {"hardware": None},
+        {"at_s": None}, {"at_s": "1"}, {"at_s": True}, {"at_s": -0.1}, {"at_s": 1e10}, {"at_s": float("nan")},
+        {"at_s": float("inf")}, {"save": "a.raw"},
+    ],
+)  # fmt: skip
+def test_what_is_no_wish(change: dict[str, Any]) -> None:
+    assert wish_in(json.dumps({**PLAY, **change})) is None
+
+
+@pytest.mark.parametrize("text", ["", "play", "[]", "null", "1", "{}", "[" * 200, json.dumps(PLAY)[:-1]])
+def test_what_is_no_message(text: str) -> None:
+    assert wish_in(text) is None
+
+
+@pytest.mark.parametrize("missing", PLAY)
+def test_a_wish_says_all(missing: str) -> None:
+    assert wish_in(json.dumps({key: value for key, value in PLAY.items() if key != missing})) is None

@@ -12,30 +12,33 @@ import numpy as np
 import pytest
 from PIL import Image, ImageColor
 
+from evcot.errors import ConfigError
+from evcot.events import Events
+from evcot.tracks.tracking import TrackerOutput
+from evcot_cosim.live.lane import Beside
+from evcot_cosim.live.player import Begin, Player, Run, Wish
 from evcot_cosim.live.server import Server
 from evcot_cosim.live.session import Session
 
-from .stories import SENSOR, EveryTenth, Played, events, wait_until
+from .stories import HELLO, SENSOR, EveryTenth, Played, events, playing, wait_until
 
 pytest.importorskip("websockets", reason="websockets is not installed")
 
-HELLO = {"name": "a drive", "engine": "rct", "preset": "plain", "width": SENSOR[0], "height": SENSOR[1], "speed": 1.0}
 
-
-def started() -> Session:
+def started(hello: dict[str, object] = HELLO) -> Player:
     """Events at (20, 10), ON and OFF, and a cluster there, for as long as anybody wants."""
     parts = [events(*(10_000 * i + np.arange(0, 10_000, 500)).tolist(), x=20, y=10) for i in range(100_000)]
-    session = Session(Played(parts, lambda _: time.sleep(0.01)), EveryTenth())
-    session.start()
-    return session
+    player = playing(Session(Played(parts, lambda _: time.sleep(0.01)), EveryTenth()), hello)
+    player.start()
+    return player
 
 
 @pytest.fixture
 def server() -> Iterator[Server]:
-    session = started()
-    with Server(session, HELLO, port=0) as server:
+    player = started()
+    with Server(player, port=0) as server:
         yield server
-    session.stop()
+    player.stop()
 
 
 class Page:
@@ -88,14 +91,14 @@ def test_it_draws_events_and_clusters_and_tells_figures(open_page: Any, server: 
     assert page.text("#rows td:nth-child(3)") == "20"
     assert page.shows(40, 40, "#0b0e12")
     assert not page.shows(20, 10, "#0b0e12"), "events"
-    assert page.shows(16.5, 10, "#56b4e9"), "the window's edge, 3 pixels and a half left of the centre"
+    assert page.shows(16.5, 10, "#ff9b47"), "the window's edge, 3 pixels and a half left of the centre"
 
 
 def test_layers_can_be_switched_off(open_page: Any) -> None:
     page = open_page(color_scheme="light")
-    assert page.shows(16.5, 10, "#0068a3")
+    assert page.shows(16.5, 10, "#d55e00")
     page.page.uncheck("input[name=boxes]")
-    wait_until(lambda: not page.shows(16.5, 10, "#0068a3"))
+    wait_until(lambda: not page.shows(16.5, 10, "#d55e00"))
     assert page.shows(16.5, 10, "#ffffff")
 
 
@@ -124,21 +127,21 @@ def test_no_width_makes_it_scroll_sideways_and_every_control_has_a_name(open_pag
 
 
 def test_it_comes_back_when_the_server_does(browser: Any) -> None:
-    session = started()
-    with Server(session, HELLO, port=0) as server:
+    player = started()
+    with Server(player, port=0) as server:
         page = Page(browser, server.url)
         port = int(server.url.rstrip("/").rsplit(":", 1)[1])
-    session.stop()
+    player.stop()
     page.page.wait_for_selector("#state[data-state=ended]", timeout=20_000)
     page.page.wait_for_timeout(1_500)  # it has tried to connect again since
     assert page.text("#state").startswith("ended")
     assert page.text("#tracks") != "–"
-    session = started()
-    with Server(session, {**HELLO, "name": "another drive"}, port):
+    player = started({**HELLO, "name": "another drive"})
+    with Server(player, port):
         page.page.wait_for_selector("#state[data-state=live]", timeout=20_000)
         assert page.text("#name") == "another drive"
         page.context.close()
-    session.stop()
+    player.stop()
 
 
 def test_a_connection_that_breaks_is_no_end_and_is_made_again(browser: Any, server: Server) -> None:
@@ -158,3 +161,119 @@ def test_a_connection_that_breaks_is_no_end_and_is_made_again(browser: Any, serv
     page.wait_for_selector("#state[data-state=live]", timeout=20_000)
     assert page.evaluate("() => window.states")[0] == "no connection, trying again"
     page.close()
+
+
+class Studio:
+    """Sessions as a page wishes them, and what was wished."""
+
+    def __init__(self, parts: int) -> None:
+        self.asked: list[Wish] = []
+        self._parts = parts
+
+    def prepare(self, wish: Wish) -> Begin:
+        if wish.preset == "discs":
+            raise ConfigError("preset discs: is not today's")
+        self.asked.append(wish)
+        parts = [events(*(10_000 * i + np.arange(0, 10_000, 500)).tolist(), x=20, y=10) for i in range(self._parts)]
+        source = Seekable(parts, lambda _: time.sleep(0.01))
+        beside = [Beside("hardware", "RTL in simulation", Elsewhere())] if wish.hardware else []
+        hello = {**HELLO, "engine": wish.engine, "preset": wish.preset, "seekable": True}
+        hello["lanes"] = [wish.engine, *(each.name for each in beside)]
+        return lambda: Run(Session(source, EveryTenth(), beside=beside), hello)
+
+
+class Seekable(Played):
+    """Says where it is, as a file does."""
+
+    place_s = 1.5
+    length_s = 4.0
+
+
+class Elsewhere(EveryTenth):
+    """Its cluster is 20 pixels to the right."""
+
+    def feed(self, some: Events) -> TrackerOutput:
+        records, owner = super().feed(some)
+        records["x"] += 20
+        return records, owner
+
+
+@pytest.fixture
+def studio(request: pytest.FixtureRequest) -> Studio:
+    return Studio(getattr(request, "param", 100_000))
+
+
+@pytest.fixture
+def chosen(browser: Any, studio: Studio) -> Iterator[Page]:
+    """A page that may choose what is played."""
+    player = Player(studio.prepare, Wish("rct", "plain"))
+    player.start()
+    with Server(player, port=0) as server:
+        page = Page(browser, server.url, color_scheme="dark")
+        yield page
+        page.context.close()
+        assert page.said == []
+    player.stop()
+
+
+def test_engine_and_preset_are_chosen_on_the_page(chosen: Page, studio: Studio) -> None:
+    page = chosen.page
+    assert page.input_value("select[name=engine]") == "rct"
+    assert page.input_value("select[name=preset]") == "plain"
+    page.select_option("select[name=engine]", "auto")
+    wait_until(lambda: chosen.text("#what").startswith("auto, default preset"), 20)
+    assert studio.asked[-1] == Wish("auto", None, False, 1.5), "it goes on from where it is"
+    page.select_option("select[name=preset]", "auto")
+    wait_until(lambda: chosen.text("#what").startswith("auto, auto"), 20)
+    assert page.locator("select[name=preset] option").all_text_contents() == ["default", "auto"]
+
+
+def test_hardware_is_shown_beside_software(chosen: Page, studio: Studio) -> None:
+    assert not chosen.page.is_visible("#beside")
+    assert not chosen.shows(43.5, 10, "#56b4e9")
+    chosen.page.check("input[name=hardware]")
+    wait_until(lambda: chosen.page.is_visible("#beside") and chosen.text("#beside_clusters") == "1", 20)
+    assert studio.asked[-1].hardware
+    assert chosen.text("#beside_about") == "RTL in simulation"
+    assert chosen.text("#lanes").split() == ["rct", "hardware"]
+    wait_until(lambda: chosen.page.locator("#rows tr").count() == 2, 20)
+    assert chosen.shows(43.5, 10, "#56b4e9"), "its right edge, 3 pixels and a half from the centre at 40"
+    assert chosen.shows(16.5, 10, "#ff9b47"), "the software's left edge"
+
+
+def test_a_place_is_sought_and_replayed(chosen: Page, studio: Studio) -> None:
+    wait_until(lambda: chosen.text("#place") == "1.5 s of 4.0 s", 20)
+    chosen.page.fill("input[name=place]", "2.5")
+    chosen.page.dispatch_event("input[name=place]", "change")
+    wait_until(lambda: studio.asked[-1] == Wish("rct", "plain", False, 2.5), 20)
+    chosen.page.click("#replay")
+    wait_until(lambda: studio.asked[-1] == Wish("rct", "plain", False, 0.0), 20)
+
+
+@pytest.mark.parametrize("studio", [300], indirect=True)
+def test_at_the_end_of_a_file_it_says_so_and_offers_a_replay(chosen: Page, studio: Studio) -> None:
+    chosen.page.wait_for_selector("#state[data-state=ended]", timeout=20_000)
+    assert chosen.text("#state") == "ended"
+    chosen.page.click("#replay")
+    chosen.page.wait_for_selector("#state[data-state=live]", timeout=20_000)
+    assert [wish.at_s for wish in studio.asked] == [0.0, 0.0]
+
+
+def test_what_cannot_be_chosen_is_said(chosen: Page, studio: Studio) -> None:
+    chosen.page.select_option("select[name=preset]", "discs")
+    wait_until(lambda: chosen.text("#note") == "preset discs: is not today's", 20)
+    assert chosen.text("#state") == "live"
+    assert len(studio.asked) == 1
+
+
+def test_a_run_that_is_kept_has_its_choice_shown_and_locked(browser: Any) -> None:
+    session = Session(Played([events(*range(0, 10_000, 500), x=20, y=10)] * 1), EveryTenth())
+    player = playing(session, fixed="--save keeps one run")
+    player.start()
+    with Server(player, port=0) as server:
+        page = browser.new_page()
+        page.goto(server.url)
+        wait_until(lambda: page.inner_text("#note") == "--save keeps one run", 20)
+        assert page.locator("#choice :enabled").count() == 0
+        page.close()
+    player.stop()

@@ -16,30 +16,34 @@ from typing import Any
 import pytest
 
 from evcot.errors import ConfigError, OutputError
+from evcot_cosim.live.player import Begin, Player, Run, Wish
 from evcot_cosim.live.server import Server
 from evcot_cosim.live.session import Session
 
-from .stories import EveryTenth, Played, parts_of, random_events, wait_until
+from .stories import HELLO, EveryTenth, Played, parts_of, playing, random_events, wait_until
 
 pytest.importorskip("websockets", reason="websockets is not installed")
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-HELLO = {"name": "test", "engine": "rct", "preset": "plain", "width": 64, "height": 48, "speed": 1.0}
-
 
 @pytest.fixture
-def session() -> Iterator[Session]:
+def session() -> Session:
     """30 events every 10 ms, for a long time."""
-    session = Session(Played(parts_of(random_events(300_000, 1), 30), lambda _: time.sleep(0.01)), EveryTenth())
-    session.start()
-    yield session
-    session.stop()
+    return Session(Played(parts_of(random_events(300_000, 1), 30), lambda _: time.sleep(0.01)), EveryTenth())
 
 
 @pytest.fixture
-def server(session: Session) -> Iterator[Server]:
-    with Server(session, HELLO, port=0) as server:
+def player(session: Session) -> Iterator[Player]:
+    player = playing(session)
+    player.start()
+    yield player
+    player.stop()
+
+
+@pytest.fixture
+def server(player: Player) -> Iterator[Server]:
+    with Server(player, port=0) as server:
         yield server
 
 
@@ -64,7 +68,7 @@ def answer(connection: ClientConnection, frame: bytes) -> None:
 
 def test_it_says_who_it_is_then_sends_frames_and_figures(server: Server, session: Session) -> None:
     with look(server) as connection:
-        assert json.loads(connection.recv(timeout=10)) == {"type": "hello", **HELLO}
+        assert json.loads(connection.recv(timeout=10)) == {"type": "hello", **HELLO, "changes": True, "fixed": ""}
         texts, frames = [], []
         while len(frames) < 10 or not texts or json.loads(texts[-1])["drawn_ms"]["p50"] is None:
             message = connection.recv(timeout=10)
@@ -145,13 +149,112 @@ def test_a_message_that_is_too_long_ends_the_connection_only(server: Server) -> 
         next_frame(connection)
 
 
-def test_addresses_that_cannot_be(session: Session) -> None:
+def play(**more: Any) -> str:
+    return json.dumps({"type": "play", "engine": "rct", "preset": None, "hardware": False, "at_s": 0, **more})
+
+
+class Wishes:
+    """Prepares a new session for every wish."""
+
+    def __init__(self) -> None:
+        self.asked: list[Wish] = []
+
+    def prepare(self, wish: Wish) -> Begin:
+        self.asked.append(wish)
+        source = Played(parts_of(random_events(300_000, 1), 30), lambda _: time.sleep(0.01))
+        return lambda: Run(Session(source, EveryTenth()), {**HELLO, "engine": wish.engine})
+
+
+@pytest.fixture
+def wishes() -> Wishes:
+    return Wishes()
+
+
+@pytest.fixture
+def open_server(wishes: Wishes) -> Iterator[Server]:
+    """A server whose pages may choose."""
+    player = Player(wishes.prepare, Wish("auto"))
+    player.start()
+    with Server(player, 0, "127.0.0.2") as server:
+        yield server
+    player.stop()
+
+
+def next_hello(connection: ClientConnection) -> dict[str, Any]:
+    while isinstance(message := connection.recv(timeout=10), bytes) or json.loads(message)["type"] != "hello":
+        pass
+    told: dict[str, Any] = json.loads(message)
+    return told
+
+
+def test_a_page_chooses_what_is_played_and_all_pages_see_it(open_server: Server, wishes: Wishes) -> None:
+    with look(open_server) as connection, look(open_server) as other:
+        assert next_hello(connection)["engine"] == next_hello(other)["engine"] == "auto"
+        first = [next_frame(connection), next_frame(connection)]
+        connection.send(play(engine="rct", preset="discs", hardware=True, at_s=1.5))
+        assert next_hello(connection)["engine"] == next_hello(other)["engine"] == "rct"
+        assert wishes.asked == [Wish("auto"), Wish("rct", "discs", True, 1.5)]
+        then = next_frame(connection)
+        assert number_of(then) > number_of(first[-1]), "numbers go on, and what was not drawn before does not count"
+        answer(connection, then)
+        figures = connection.recv(timeout=10)
+        while isinstance(figures, bytes) or json.loads(figures)["type"] != "figures":
+            figures = connection.recv(timeout=10)
+        assert json.loads(figures)["note"] == ""
+
+
+def test_a_page_on_another_machine_can_only_watch(open_server: Server, wishes: Wishes) -> None:
+    port = int(open_server.url.rsplit(":", 1)[1].strip("/"))
+    elsewhere = socket.create_connection(("127.0.0.2", port), source_address=("127.0.0.3", 0))
+    with look(open_server, sock=elsewhere) as connection:
+        hello = next_hello(connection)
+        assert not hello["changes"]
+        assert hello["fixed"] == "this page is on another machine: it can only watch"
+        next_frame(connection)
+        connection.send(play())
+        wait_until(lambda: _ended(connection))
+        assert connection.close_code == 1008
+    assert wishes.asked == [Wish("auto")]
+
+
+def test_a_run_that_is_kept_cannot_be_changed(session: Session) -> None:
+    player = playing(session, fixed="--save keeps one run")
+    player.start()
+    with Server(player, 0) as server, look(server) as connection:
+        hello = next_hello(connection)
+        assert (hello["changes"], hello["fixed"]) == (False, "--save keeps one run")
+        connection.send(play())
+        next_frame(connection)
+        assert player.note == ""
+    player.stop()
+
+
+@pytest.mark.parametrize("message", ["hello", "{}", play(type="stop"), play(at_s=-1), play(more=1)])
+def test_a_message_against_the_rules_ends_the_connection_only(open_server: Server, wishes: Wishes, message: str) -> None:
+    with look(open_server) as connection:
+        connection.send(message)
+        wait_until(lambda: _ended(connection))
+        assert connection.close_code == 1008
+    with look(open_server) as connection:
+        next_frame(connection)
+    assert wishes.asked == [Wish("auto")]
+
+
+def test_a_wish_has_256_bytes_at_most(open_server: Server, wishes: Wishes) -> None:
+    with look(open_server) as connection:
+        connection.send(play(engine="x" * 200))
+        wait_until(lambda: _ended(connection))
+        assert connection.close_code == 1009
+    assert wishes.asked == [Wish("auto")]
+
+
+def test_addresses_that_cannot_be(player: Player) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(OutputError, match=rf"^127\.0\.0\.1:{port}: cannot listen there: Address already in use$"):
-            Server(session, HELLO, port)
+            Server(player, port)
     for bind, message in (("0.0.0.0", "must be one address"), ("::", "must be one address"), ("here", "must be an IP address")):
         with pytest.raises(ConfigError, match=f"^--bind {bind}: {message}"):
-            Server(session, HELLO, 0, bind)
+            Server(player, 0, bind)
     with pytest.raises(ConfigError, match=r"^--web 70000: must be from 0 to 65535$"):
-        Server(session, HELLO, 70_000)
+        Server(player, 70_000)

@@ -47,6 +47,39 @@ def test_a_loop_begins_again_and_time_goes_on(path: Path) -> None:
     assert (pauses == 1_000_000).all()
 
 
+def test_a_file_is_played_from_a_place_and_then_from_another(path: Path) -> None:
+    source = FileSource(open_recording(path, SENSOR), (50_000, 350_000), 100.0)
+    with open_recording(path, SENSOR) as file:
+        for begin_s in (0.25, 0.0, 0.1234):
+            source.begin_s = begin_s
+            got = Events.joined(arrival.events for arrival in source.arrivals(lambda: True))
+            wanted = Events.joined(file.blocks(50_000 + round(begin_s * 1e6), 350_000))
+            assert np.array_equal(got.t_us, wanted.t_us), "the recording's own times"
+            assert source.place_s == pytest.approx((got.t_us[-1] - 5_050_000) / 1e6)
+    source.begin_s = 0.35
+    assert list(source.arrivals(lambda: True)) == [], "beyond the end there is nothing, which is no error"
+    source.close()
+
+
+def test_the_place_in_a_loop_is_that_in_the_file(path: Path) -> None:
+    source = FileSource(open_recording(path, SENSOR), (0, 50_000), 4.0, loop=True)
+    source.begin_s = 0.03
+    places_s: list[float] = []
+    t_us: list[int] = []
+    for arrival in source.arrivals(lambda: True):
+        places_s.append(source.place_s)
+        t_us += arrival.events.t_us.tolist()
+        if len(t_us) > 1_100:
+            break
+    source.close()
+    assert places_s[0] >= 0.03
+    assert max(places_s) < 0.05
+    assert np.count_nonzero(np.diff(places_s) < 0) >= 2
+    steps = np.diff(t_us)
+    assert (steps >= 0).all()
+    assert (steps[steps > 10_000] == 1_000_000).all(), "a pause, after which the window begins"
+
+
 @pytest.mark.parametrize("speed", [1.0, 0.5])
 def test_a_file_is_played_at_its_speed(path: Path, speed: float) -> None:
     source = FileSource(open_recording(path, SENSOR), (100_000, 300_000), speed)

@@ -289,4 +289,4 @@ def test_another_copy_of_the_rtl_can_be_named(monkeypatch: pytest.MonkeyPatch, t
     monkeypatch.setenv("EVCOT_VERILOG", str(tmp_path))
     assert verilog_dir() == tmp_path
     monkeypatch.delenv("EVCOT_VERILOG")
-    assert (verilog_dir() / "tracker" / "cot_array.v").is_file()
+    assert (verilog_dir() / "tracker" / "array" / "cot_array.v").is_file()

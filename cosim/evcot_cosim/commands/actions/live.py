@@ -15,27 +15,25 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 
 from evcot.errors import ConfigError
 from evcot.events import Events
-from evcot.recordings.formats.source import Sensor
-from evcot.trackers.engines import ENGINES
-from evcot.tracks.tracking import Tracker
 
 from ...live.camera import CameraSource
 from ...live.dashboard import rows_of, show
+from ...live.length import Length
+from ...live.player import Player
 from ...live.recorder import LogKeeper, Recorder
 from ...live.server import Server
-from ...live.session import Session
 from ...live.sources import FileSource, LiveSource, NetworkSource
 from ...tables import print_table
 from ..options import sensor_from, window_from
 from .counting import Counting
-from .filters import filters_from, save_learned
+from .filters import save_learned
+from .live_runs import Runs
 from .opening import open_from
-from .settings import configured, say_seen
+from .settings import say_seen
 
 __all__ = ["run"]
 
@@ -52,37 +50,45 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     with ExitStack() as undo:
         source, blocks = _open(options, window)
         undo.callback(source.close)
-        settings, filters = configured(options, source.sensor)
-        filters = filters_from(options, filters, blocks(), source.sensor)
-        start = ENGINES[options.engine].start
-        waiting = f"getting {options.engine} ready (the first time takes longer)"
-        with Counting(waiting, enabled=not (options.quiet or options.json)):
-            _warm(start(settings, filters, source.sensor), source.sensor)
         log = LogKeeper(options.save_log, options.engine, force=options.force) if options.save_log else None
         if log is not None:
             undo.callback(log.drop)
         recorder = Recorder(options.save, source.sensor, force=options.force) if options.save else None
         if recorder is not None:
             undo.callback(recorder.drop)
-        tracker = start(settings, filters, source.sensor)
-        session = Session(source, tracker, recorder, log)
-        hello = {
-            "name": source.name, "engine": options.engine, "preset": options.preset or "default preset",
-            "width": source.sensor[0], "height": source.sensor[1],
-            "speed": options.speed if isinstance(source, FileSource) else 1.0,
-        }  # fmt: skip
-        server = (
-            undo.enter_context(Server(session, hello, options.web, options.bind or _HERE)) if options.web is not None else None
-        )
-        _run(options, session, server.url if server else None)
+        runs = Runs(options, source, blocks, recorder, log)
+        hardware = " and the hardware" if options.with_hardware else ""
+        waiting = f"getting {options.engine}{hardware} ready (the first time takes longer)"
+        with Counting(waiting, enabled=not (options.quiet or options.json)):
+            player = Player(runs.prepare, runs.first, _fixed(options))
+        server = undo.enter_context(Server(player, options.web, options.bind or _HERE)) if options.web is not None else None
+        if server is not None and isinstance(source, FileSource):
+            undo.enter_context(_measured(options, source, window))
+        _run(options, player, server)
     save_learned(options)
-    say_seen(tracker, quiet=options.quiet)
-    summary = session.summary()
+    if runs.tracker is not None:
+        say_seen(runs.tracker, quiet=options.quiet)
+    summary = player.run.session.summary()
     if options.json:
         _print_line({"kind": "summary"} | summary)
     elif not options.quiet:
         print_table(rows_of(summary))
     return 0
+
+
+def _fixed(options: argparse.Namespace) -> str:
+    """Why a page cannot choose what is played; nothing if it can."""
+    for option, path in (("--save", options.save), ("--save-log", options.save_log)):
+        if path is not None:
+            return f"{option} keeps one run: another engine or place would not fit into it"
+    return ""
+
+
+def _measured(options: argparse.Namespace, source: FileSource, window: tuple[int, int | None]) -> Length:
+    def found(length_s: float) -> None:
+        source.length_s = length_s
+
+    return Length(lambda: open_from(options, Path(options.source)), window, found)
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -114,46 +120,43 @@ def _open(options: argparse.Namespace, window: tuple[int, int | None]) -> tuple[
     return NetworkSource(rest.removeprefix("//"), sensor_from(options)), lambda: iter(())
 
 
-def _warm(tracker: Tracker, sensor: Sensor) -> None:
-    """Have everything compiled before the first event comes: a blob that rests for a while does it."""
-    n = 4_000
-    random = np.random.default_rng(0)
-    x, y = ((side / 2 + random.normal(0, 2, n)).clip(0, side - 1).astype(np.uint16) for side in sensor)
-    tracker.feed(Events(np.arange(n, dtype=np.int64) * 20, x, y, random.integers(2, size=n).astype(np.uint8)))
-    tracker.finish()
-
-
-def _run(options: argparse.Namespace, session: Session, url: str | None) -> None:
-    """Run the session until it ends, the time is over or somebody interrupts; what it keeps is then whole."""
+def _run(options: argparse.Namespace, player: Player, server: Server | None) -> None:
+    """Play until all is over or somebody interrupts; what is kept is then whole."""
     console = Console()
-    session.start()
+    ended = threading.Event()
+
+    def going_on() -> bool:
+        """At the end of a file, an open page may want to see it again."""
+        source = player.run.session.source
+        again = server is not None and server.watched and isinstance(source, FileSource) and not player.fixed
+        return not ended.is_set() and (player.running or (again and not player.failed))
+
+    player.start()
+    url = server.url if server else None
     try:
-        with _ending(session, options.for_s):
+        with _ending(player, ended, options.for_s):
             if options.json:
-                _print_line({"kind": "start", "page": url, "source": session.source.name, "sensor": session.source.sensor})
-                _print_figures(session)
+                source = player.run.session.source
+                _print_line({"kind": "start", "page": url, "source": source.name, "sensor": source.sensor})
+                while going_on():
+                    _wait(going_on, _LINE_S)
+                    _print_line({"kind": "figures"} | player.run.session.figures())
             elif options.quiet or not console.is_terminal:
                 if url is not None and not options.quiet:
                     print(f"evcot: the page is at {url}", file=sys.stderr, flush=True)
-                _wait(session, math.inf)
+                _wait(going_on, math.inf)
             else:
-                show(session, session.source.name, url, console)
+                show(player, url, console, going_on)
     except KeyboardInterrupt:
         pass
     finally:
-        session.stop()
+        player.stop()
 
 
-def _print_figures(session: Session) -> None:
-    while session.running:
-        _wait(session, _LINE_S)
-        _print_line({"kind": "figures"} | session.figures())
-
-
-def _wait(session: Session, seconds: float) -> None:
-    """Until the session ends, but not longer than this."""
+def _wait(going_on: Callable[[], bool], seconds: float) -> None:
+    """As long as it goes on, but not longer than this."""
     end_s = time.monotonic() + seconds
-    while session.running and (rest_s := end_s - time.monotonic()) > 0:
+    while going_on() and (rest_s := end_s - time.monotonic()) > 0:
         time.sleep(min(rest_s, _NAP_S))
 
 
@@ -162,10 +165,15 @@ def _print_line(told: dict[str, Any]) -> None:
 
 
 @contextmanager
-def _ending(session: Session, for_s: float | None) -> Iterator[None]:
-    """The session ends when the time is over or somebody asks the process to terminate."""
-    before = signal.signal(signal.SIGTERM, lambda *_: session.end())
-    timer = threading.Timer(for_s or 0, session.end)
+def _ending(player: Player, ended: threading.Event, for_s: float | None) -> Iterator[None]:
+    """All is over when the time is, or when somebody asks the process to terminate."""
+
+    def end() -> None:
+        ended.set()
+        player.end()
+
+    before = signal.signal(signal.SIGTERM, lambda *_: threading.Thread(target=end).start())
+    timer = threading.Timer(for_s or 0, end)
     if for_s is not None:
         timer.start()
     try:

@@ -81,6 +81,11 @@ def _of_run(options: argparse.Namespace, folder: Path, logs: Sequence[Path]) -> 
 
 def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
     """Two runs of the same events."""
+    if all((folder / RUN_FILE).is_file() for folder in folders):
+        first, second = (read_run_file(folder / RUN_FILE) for folder in folders)
+        if first.digest and second.digest and first.digest != second.digest:
+            made = f"{folders[0]} was made of {first.source.name}, {folders[1]} of {second.source.name}"
+            raise ConfigError(f"{made}: both runs must be of the same events")
     recording, source = _recording(options) if options.recording is not None else _recording_of_run(folders[0])
     runs = []
     for folder in folders:

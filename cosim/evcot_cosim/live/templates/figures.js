@@ -16,9 +16,23 @@ function put(id, text, bad = false) {
   place.classList.toggle("bad", bad);
 }
 
+/** The figures of the trackers beside it, one block each. */
+function showBeside(beside) {
+  const place = document.getElementById("beside");
+  place.hidden = !beside.length;
+  if (!beside.length) return;
+  const [{ about, clusters, tracks, merged, dropped, tracked_ms }] = beside;
+  put("beside_about", about);
+  put("beside_clusters", clusters.toLocaleString("en"));
+  put("beside_tracks", `${tracks.toLocaleString("en")}${merged ? `, ${merged} merged` : ""}`);
+  put("beside_tracked_ms", milliseconds(tracked_ms));
+  put("beside_dropped", dropped.toLocaleString("en"), dropped > 0);
+}
+
 /** Display a figures message. */
 function showFigures(figures) {
   put("events_per_s", rate(figures.events_per_s));
+  showBeside(figures.beside);
   put("clusters", figures.clusters.toLocaleString("en"));
   put("tracks", `${figures.tracks.toLocaleString("en")}${figures.merged ? `, ${figures.merged} merged` : ""}`);
   put("tracked_ms", milliseconds(figures.tracked_ms));
@@ -35,15 +49,16 @@ const ROWS_MAX = 50;
 /** Update the table of clusters, oldest first; rows are reused. */
 function showClusters(clusters) {
   const rows = document.getElementById("rows");
-  const shown = [...clusters].sort((a, b) => b.age - a.age || a.id - b.id).slice(0, ROWS_MAX);
+  const shown = [...clusters].sort((a, b) => a.lane - b.lane || b.age - a.age || a.id - b.id).slice(0, ROWS_MAX);
   while (rows.children.length > shown.length) rows.lastChild.remove();
   while (rows.children.length < shown.length) {
     const row = rows.insertRow();
     for (let i = 0; i < 6; i++) row.insertCell();
   }
-  shown.forEach(({ id, age, x, y, width, height, vx, vy }, i) => {
+  shown.forEach(({ id, lane, age, x, y, width, height, vx, vy }, i) => {
     const size = `${width.toFixed(0)}×${height.toFixed(0)}`;
     const texts = [String(id), `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), size, Math.hypot(vx, vy).toFixed(0)];
+    rows.children[i].dataset.lane = lane;
     texts.forEach((text, cell) => { rows.children[i].children[cell].textContent = text; });
   });
 }

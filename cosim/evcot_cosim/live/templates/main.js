@@ -8,7 +8,7 @@ const ENDED = "ended; a new run at this address is shown by itself";
 const controls = document.getElementById("controls");
 const canvas = document.getElementById("stage");
 const pauseButton = document.getElementById("pause");
-const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, socket: null, tries: 0, tabled: 0, ended: false };
+const live = { stage: null, surface: null, trails: new Trails(), waiting: [], clusters: [], now: 0, speed: 1, lanes: [], socket: null, tries: 0, tabled: 0, ended: false };
 
 function showState(state, text) {
   const place = document.getElementById("state");
@@ -20,16 +20,19 @@ function applyColours() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue(`--${name}`).trim();
   const rgb = (name) => [1, 3, 5].map((at) => parseInt(of(name).slice(at, at + 2), 16));
-  live.colour = of("cluster");
+  live.colours = { software: of("software"), hardware: of("hardware") };
   live.stage?.dress({ ground: rgb("ground"), off: rgb("off"), on: rgb("on"), edge: of("edge"), font: of("font") });
 }
 
 function begin(hello) {
   document.getElementById("name").textContent = hello.name;
-  document.getElementById("what").textContent = `${hello.engine}, ${hello.preset} · ${hello.width}×${hello.height} px`;
+  const preset = hello.preset ?? "default preset";
+  document.getElementById("what").textContent = `${hello.engine}, ${preset} · ${hello.width}×${hello.height} px`;
+  showChoice(hello);
+  showLanes(hello.lanes);
   document.title = `${hello.name} · evcot live`;
   document.documentElement.style.setProperty("--sensor", `${hello.width} / ${hello.height}`);
-  Object.assign(live, { speed: hello.speed, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
+  Object.assign(live, { speed: hello.speed, lanes: hello.lanes, trails: new Trails(), waiting: [], clusters: [], surface: new EventSurface(hello.width, hello.height) });
   const seen = live.stage?.sensor;
   if (!seen || seen.width !== hello.width || seen.height !== hello.height) {
     live.stage = new Stage(canvas, hello.width, hello.height);
@@ -51,8 +54,9 @@ function onMessage(event) {
   if (message.type === "hello") begin(message);
   if (message.type !== "figures") return;
   showFigures(message);
+  showPlace(message);
   live.ended = !message.running;
-  showState(live.ended ? "ended" : "live", live.ended ? ENDED : "live");
+  showState(live.ended ? "ended" : "live", live.ended ? "ended" : "live");
 }
 
 /** Apply and draw all received frames, then acknowledge them. */
@@ -85,11 +89,17 @@ function addEvents({ t, x, y, p, filtered }) {
 function draw() {
   if (!live.stage) return;
   const show = { box: controls.boxes.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked };
-  const clusters = live.clusters.map(({ id, x, y, width, height, angle }) => {
-    return { id, x, y, angle, halfWidth: width / 2, halfHeight: height / 2, inner: null, trail: live.trails.of(id), strong: false };
+  const layers = live.lanes.map((name, lane) => {
+    const clusters = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle }) => {
+      const trail = live.trails.of(lane, id);
+      return { id, x, y, angle, halfWidth: width / 2, halfHeight: height / 2, inner: null, trail, strong: false };
+    });
+    const hardware = name === "hardware";
+    const colour = live.colours[hardware ? "hardware" : "software"];
+    return { colour, dash: [], width: 1.8, show, clusters, corner: hardware ? "right" : "left" };
   });
   const decay = Number(controls.decay.value) * live.speed;
-  live.stage.draw(live.surface, live.now, decay, [{ colour: live.colour, dash: [], width: 1.8, show, clusters }]);
+  live.stage.draw(live.surface, live.now, decay, layers);
 }
 
 function connect() {
@@ -98,6 +108,7 @@ function connect() {
   socket.onopen = () => { live.tries = 0; };
   socket.onmessage = onMessage;
   socket.onclose = ({ reason }) => {
+    choice.hidden = true; // nobody is there to hear it
     if (live.ended) showState("ended", ENDED); // what the last figures have said; the page goes on when a new run begins
     else showState("lost", reason || "no connection, trying again");
     setTimeout(connect, RECONNECT_MS[Math.min(live.tries++, RECONNECT_MS.length - 1)]);
@@ -110,6 +121,9 @@ pauseButton.addEventListener("click", () => {
   pauseButton.textContent = pauseButton.ariaPressed === "true" ? "Resume" : "Pause";
 });
 document.getElementById("fit").addEventListener("click", () => live.zoom?.fit());
+onWish((wish) => {
+  if (live.socket?.readyState === WebSocket.OPEN) live.socket.send(playMessage(wish));
+});
 controls.addEventListener("input", draw);
 controls.addEventListener("submit", (event) => event.preventDefault());
 new ResizeObserver(() => { if (live.stage?.resize()) draw(); }).observe(canvas);

@@ -10,7 +10,7 @@ const CLUSTER_BYTES = 44;
  * for another kind or version. */
 function parseFrame(buffer) {
   const view = new DataView(buffer);
-  if (view.getUint8(0) !== FRAME || view.getUint8(1) !== 2) return null;
+  if (view.getUint8(0) !== FRAME || view.getUint8(1) !== 3) return null;
   const [count, number] = [view.getUint16(2, true), view.getUint32(4, true)];
   const [n, hidden] = [view.getUint32(8, true), view.getUint32(12, true)];
   const t = view.getFloat64(16, true) / 1e3;
@@ -20,7 +20,7 @@ function parseFrame(buffer) {
   for (let i = 0; i < count; i++, at += CLUSTER_BYTES) {
     const numbers = Array.from({ length: 9 }, (_, k) => view.getFloat32(at + 4 + 4 * k, true));
     const [x, y, width, height, angle, vx, vy, confidence, age] = numbers;
-    clusters.push({ id: view.getUint32(at, true), x, y, width, height, angle, vx, vy, confidence, age, slot: view.getInt32(at + 40, true) });
+    clusters.push({ id: view.getUint32(at, true), x, y, width, height, angle, vx, vy, confidence, age, lane: view.getUint32(at + 40, true) });
   }
   const words = () => {
     const column = new Uint16Array(buffer, at, n);
@@ -36,6 +36,11 @@ function parseFrame(buffer) {
     events.filtered[i] = flags[i] >> 1;
   }
   return { number, t, hidden, clusters, events };
+}
+
+/** The `play` message: what to play next. */
+function playMessage({ engine, preset, hardware, at }) {
+  return JSON.stringify({ type: "play", engine, preset, hardware, at_s: at });
 }
 
 /** The DRAWN message that acknowledges a frame. */

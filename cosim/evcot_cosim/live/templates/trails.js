@@ -3,6 +3,8 @@
 
 const POINTS_MAX = 400;
 
+const key = (lane, id) => lane * 2 ** 32 + id;
+
 class Trails {
   constructor() {
     this.byId = new Map();
@@ -11,17 +13,17 @@ class Trails {
   /** Add a frame's clusters; trails of clusters that are no longer visible are removed. */
   add(clusters) {
     const now = new Map();
-    for (const { id, x, y } of clusters) {
-      const trail = this.byId.get(id) ?? [];
+    for (const { id, lane, x, y } of clusters) {
+      const trail = this.of(lane, id) ?? [];
       const n = trail.length;
       if (!n || Math.hypot(trail[n - 2] - x, trail[n - 1] - y) > 0.5) trail.push(x, y);
       if (trail.length > 2 * POINTS_MAX) trail.splice(0, trail.length - 2 * POINTS_MAX);
-      now.set(id, trail);
+      now.set(key(lane, id), trail);
     }
     this.byId = now;
   }
 
-  of(id) {
-    return this.byId.get(id) ?? null;
+  of(lane, id) {
+    return this.byId.get(key(lane, id)) ?? null;
   }
 }

@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ...events import Events
 from .ahead import in_order
-from .evt3 import evt3_layout
 from .gather import batches, gathered
-from .libcaer_cmp import LOST, MOST_EVENTS, State, fill
 from .printable import printable
 from .ros_messages import PACKETS, STAMPED, STAMPED_ENCODING, Packet, Stamped, events_of, read_packet, read_stamped
+from .ros_packets import EVT3, PacketDecoder, check_encoding
 from .rosbag1 import MAGIC, Bag1
 from .rosbag2 import MCAP_MAGIC, METADATA, SQLITE_MAGIC, Bag2
 from .source import BLOCK_EVENTS, Format, Sensor
@@ -64,14 +62,13 @@ class RosBag:
         self.left_out = Counter()
         if self._encoding == STAMPED_ENCODING:
             yield from self._stamped_blocks(from_us)
-        elif self._encoding == _EVT3:
+        elif self._encoding == EVT3:
             yield from self._evt3_blocks()
         else:
+            decoder = PacketDecoder(self._encoding)
+            self.left_out = decoder.left_out
             packets = self._messages(self._topic, read_packet)
-            if self._encoding == _LIBCAER_CMP:
-                yield from gathered(part for packet in packets for part in self._decode_libcaer_cmp(packet))
-            else:
-                yield from gathered(map(_DECODERS[self._encoding], packets))
+            yield from gathered(part for packet in packets for part in decoder.decode(packet))
 
     @property
     def remarks(self) -> Sequence[str]:
@@ -111,7 +108,7 @@ class RosBag:
                 kind = message.sensor, message.encoding
                 if first is None and len(message):
                     first = kind
-                    _check_encoding(message.encoding)
+                    check_encoding(message.encoding)
                 if len(message) and kind != first:
                     raise RecordingError(f"sensor and encoding are {kind}: must be {first}, as before")
             except RecordingError as error:
@@ -128,74 +125,11 @@ class RosBag:
 
     def _evt3_blocks(self) -> Iterator[Events]:
         """Decode the packets as the continuous stream from which they were cut."""
-        layout = evt3_layout(0)
-        state = layout.start
+        decoder = PacketDecoder(EVT3)
         packets = (packet.words("u2") for packet in self._messages(self._topic, read_packet))
         for batch in batches(packets, BLOCK_EVENTS, len):
-            words = np.concatenate([np.empty(0, "u2"), *batch])
-            while len(words):
-                room = min(len(words) * layout.most_events, BLOCK_EVENTS) + layout.most_events
-                t_us, x = np.empty(room, np.int64), np.empty(room, np.uint16)
-                y, p = np.empty(room, np.uint16), np.empty(room, np.uint8)
-                used, count, state = layout.fill(words, state, t_us, x, y, p)
-                words = words[used:]
-                if count:
-                    yield Events(t_us[:count], x[:count], y[:count], p[:count])
-            self.left_out = Counter({why: getattr(state, field) for why, field in layout.lost.items()})
-
-    def _decode_libcaer_cmp(self, packet: Packet) -> Iterator[Events]:
-        """The events of a packet, in parts of bounded size: a word may be eight events."""
-        words = packet.words("u2")
-        state = State(packet.time_base_ns // 1000)
-        while len(words):
-            events = Events.allocated(min(len(words) * MOST_EVENTS, BLOCK_EVENTS) + MOST_EVENTS)
-            used, count, state = fill(words, state, events.t_us, events.x, events.y, events.p)
-            words = words[used:]
-            yield events[:count]
-        self.left_out.update({why: lost for why, field in LOST.items() if (lost := getattr(state, field))})
-
-
-def _decode_mono(packet: Packet) -> Events:
-    """64-bit words: polarity 63, y 62..48, x 47..32, nanoseconds since the time base 31..0."""
-    words = packet.words("u8")
-    return Events(
-        t_us=_after(packet.time_base_ns, (words & np.uint64(0xFFFFFFFF)).astype(np.int64)),
-        x=(words >> np.uint64(32)).astype(np.uint16),
-        y=(words >> np.uint64(48)).astype(np.uint16) & np.uint16(0x7FFF),
-        p=(words >> np.uint64(63)).astype(np.uint8),
-    )
-
-
-def _decode_libcaer(packet: Packet) -> Events:
-    """Pairs of 32-bit words: x 31..17, y 16..2, polarity 1; and 31 bits of microseconds since the time base."""
-    words = packet.words("u4")
-    if len(words) % 2:
-        raise RecordingError(f"a packet of {len(words)} words: must be even")
-    data, since_us = words[::2], words[1::2].astype(np.int64)
-    turns = np.cumsum(np.diff(since_us, prepend=since_us[:1]) < 0)  # where the 31 bits wrap around
-    return Events(
-        t_us=_after(packet.time_base_ns, (since_us + (turns << 31)) * 1000),
-        x=(data >> np.uint32(17)).astype(np.uint16),
-        y=(data >> np.uint32(2) & np.uint32(0x7FFF)).astype(np.uint16),
-        p=(data >> np.uint32(1) & np.uint32(1)).astype(np.uint8),
-    )
-
-
-def _after(base_ns: int, since_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The sum of both in microseconds, rounded down, without overflow."""
-    base_us, rest_ns = divmod(base_ns, 1000)
-    return base_us + (since_ns + rest_ns) // 1000
-
-
-def _check_encoding(encoding: str) -> None:
-    known = (_EVT3, _LIBCAER_CMP, *_DECODERS)
-    if encoding not in (STAMPED_ENCODING, *known):
-        raise RecordingError(f"encoding {encoding!r}: must be one of {', '.join(known)}")
-
-
-_EVT3 = "evt3"
-_LIBCAER_CMP = "libcaer_cmp"
-_DECODERS: Mapping[str, Callable[[Packet], Events]] = {"mono": _decode_mono, "libcaer": _decode_libcaer}
+            yield from decoder.evt3(np.concatenate([np.empty(0, "u2"), *batch]))
+            self.left_out = decoder.left_out
 
 
 def _is_bag2(start: bytes, path: Path) -> bool:

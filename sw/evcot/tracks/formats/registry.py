@@ -9,6 +9,7 @@ from ...errors import ConfigError
 from ...outputs import written_aside
 from .base import Boxes, BoxFormat, FrameClock, check_boxes
 from .coco import CocoBoxes
+from .foxglove import FoxgloveBoxes
 from .mot import MotDetections, MotResult, MotTruth
 from .prophesee import PropheseeBoxes
 
@@ -16,7 +17,7 @@ __all__ = ["FORMATS", "box_format", "is_boxes", "read_boxes", "write_boxes"]
 
 # Of those with one suffix, the first is the one that a file's name stands for.
 FORMATS: dict[str, type[BoxFormat]] = {
-    format.NAME: format for format in (MotResult, MotTruth, MotDetections, CocoBoxes, PropheseeBoxes)
+    format.NAME: format for format in (MotResult, MotTruth, MotDetections, CocoBoxes, PropheseeBoxes, FoxgloveBoxes)
 }
 
 

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How long a file is, found while it is played: only a pass over it tells, which may take minutes."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from evcot.errors import EvcotError
+from evcot.recordings.files import RecordingFile
+
+__all__ = ["Length"]
+
+
+class Length:
+    """Measures a file in a thread of its own, which rests as long as it works. A context manager.
+
+    Args:
+        opened: opens the file once more, to be read apart from who plays it.
+        window: (from, to) in us after its first event.
+        found: told the seconds from the window's begin to its last event; not called for a file that is damaged.
+    """
+
+    def __init__(
+        self, opened: Callable[[], RecordingFile], window: tuple[int, int | None], found: Callable[[float], None]
+    ) -> None:
+        self._opened, self._window, self._found = opened, window, found
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._measure)
+
+    def __enter__(self) -> Length:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stopped.set()
+        self._thread.join()
+
+    def _measure(self) -> None:
+        last_us: int | None = None
+        try:
+            with self._opened() as file:
+                began_s = time.perf_counter()
+                for block in file.blocks(*self._window):
+                    last_us = int(block.t_us[-1])
+                    if self._stopped.wait(time.perf_counter() - began_s):
+                        return
+                    began_s = time.perf_counter()
+                if last_us is not None:
+                    self._found((last_us - file.t0_us - self._window[0]) / 1e6)
+        except EvcotError:
+            pass  # who plays the file says so
