@@ -32,7 +32,7 @@ _HEAD = b"evcot checkpoint 1\n"
 _DIGEST_BYTES = 16
 _OURS = ("evcot", "evcot_cosim")  # packages whose classes a checkpoint may hold
 _OTHERS = {  # and what else: how NumPy and Python store values
-    ("builtins", "set"), ("builtins", "frozenset"), ("builtins", "slice"), ("builtins", "complex"),
+    ("builtins", "set"), ("builtins", "frozenset"), ("builtins", "slice"), ("builtins", "iter"),
     ("collections", "deque"), ("collections", "Counter"), ("collections", "OrderedDict"),
     ("numpy", "dtype"), ("numpy", "ndarray"), ("numpy._core.multiarray", "_reconstruct"),
     ("numpy._core.multiarray", "scalar"), ("numpy._core.numeric", "_frombuffer"), ("numpy.core.multiarray", "_reconstruct"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -29,11 +30,11 @@ from evcot.tracks.log import Kind
 from ..names import Top
 from ..rtl.build import BuiltModel, build
 from .base import HardwareError, Stalls, pointer
-from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, source
+from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
 from .motion import refuse_motion
 from .silence import check_waits
 
-__all__ = ["Device", "StreamTimes", "arrangement_of", "build_device"]
+__all__ = ["Device", "DeviceState", "StreamTimes", "arrangement_of", "build_device"]
 
 _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
@@ -47,11 +48,22 @@ class StreamTimes(NamedTuple):
     recorded: NDArray[np.int64]
 
 
+class DeviceState(NamedTuple):
+    """What `Device.state` returns: ticks, events and clocks so far, the counter of ticks, and the simulation's own state."""
+
+    now: int
+    seq: int
+    cycle: int
+    clock: TickCounter
+    model: bytes
+
+
 def build_device(
     config: CotConfig,
     top: Top = "cot_array",
     *,
     waves: bool = True,
+    savable: bool = False,
     verilog: Path | None = None,
     on_miss: Callable[[], None] | None = None,
 ) -> BuiltModel:
@@ -62,6 +74,7 @@ def build_device(
 
     Args:
         waves: whether waveforms show what lies below `top`.
+        savable: whether the state of a simulation can be saved and restored.
         verilog: the folder of the RTL; None: that of this checkout or package.
         on_miss: called before a build that takes seconds.
 
@@ -85,7 +98,10 @@ def build_device(
         tracker = register_map().trackers.index(top.removeprefix("cot_"))
         parameters |= {"HAS": config.filters.enable, "TRACKER": tracker}
     drive = {"stream.cpp": source(module, shape)}
-    flags = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
+    flags: tuple[str, ...] = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
+    if savable:
+        drive |= {"save.cpp": saving_source(module)}
+        flags += ("--savable",)
     return build(module, parameters, drive, extra_flags=flags, verilog=verilog, on_miss=on_miss)
 
 
@@ -198,6 +214,29 @@ class Device:
                 error = library.evcot_close_vcd(handle) or error
             if error:
                 raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
+
+    def state(self) -> DeviceState:
+        """Everything that a run of events leaves behind; the model must have been built with `savable`, and be idle.
+
+        Raises:
+            OutputError: there is no room for a temporary file.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "model"
+            error = self.sim.lib.evcot_save(ctypes.c_void_p(self.sim.model), os.fsencode(path))
+            if error:
+                raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
+            return DeviceState(self.now, self.seq, self.cycle, self._clock, path.read_bytes())
+
+    def restore(self, state: DeviceState) -> None:
+        """Continue from a state of a device with the same model and stalls."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "model"
+            path.write_bytes(state.model)
+            error = self.sim.lib.evcot_restore(ctypes.c_void_p(self.sim.model), os.fsencode(path))
+            if error:
+                raise OutputError(f"{path}: cannot be read: {os.strerror(error)}")
+        self.now, self.seq, self.cycle, self._clock = state.now, state.seq, state.cycle, state.clock
 
     def stream(self, events: Events | TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:
         """Drive a run of events through the hardware and wait until it is idle again.
