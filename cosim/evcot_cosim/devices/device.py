@@ -27,7 +27,7 @@ from evcot.outputs import path_written_aside
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel, build
 from .base import HardwareError, Stalls, pointer
 from .driver import DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
@@ -60,7 +60,7 @@ class DeviceState(NamedTuple):
 
 def build_device(
     config: CotConfig,
-    top: Top = "cot_array",
+    top: Top = DEFAULT_TOP,
     *,
     waves: bool = True,
     savable: bool = False,
@@ -125,7 +125,7 @@ class Device:
     def __init__(
         self,
         config: CotConfig,
-        top: Top = "cot_array",
+        top: Top = DEFAULT_TOP,
         *,
         stalls: Stalls | None = None,
         model: BuiltModel | None = None,

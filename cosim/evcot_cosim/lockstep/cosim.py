@@ -28,7 +28,7 @@ from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, build_device
 from ..devices.silence import check_silence
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .lockstep import Lockstep, chunks
 from .mismatch import Mismatch
@@ -92,7 +92,7 @@ def check_addresses_of(sensor: Sensor, config: CotConfig, name: str) -> None:
 def run_cosim(
     recording: Recording,
     config: RunConfig,
-    top: Top = "cot_array",
+    top: Top = DEFAULT_TOP,
     *,
     stall_seed: int | None = None,
     building: Callable[[], None] | None = None,

@@ -22,7 +22,7 @@ from evcot.tracks.log import Kind
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, DeviceState, StreamTimes
 from ..devices.silence import check_silence
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 
@@ -67,7 +67,7 @@ class Lockstep:
     def __init__(
         self,
         config: CotConfig,
-        top: Top = "cot_array",
+        top: Top = DEFAULT_TOP,
         *,
         stalls: Stalls | None = None,
         seed: int | None = None,
@@ -190,7 +190,7 @@ def dump_window(
     first_event: int,
     last_event: int,
     *,
-    top: Top = "cot_array",
+    top: Top = DEFAULT_TOP,
     stalls: Stalls | None = None,
     verilog: Path | None = None,
     progress: Callable[[int], None] | None = None,

@@ -102,7 +102,7 @@ def run_long(
         build = build_device(cot, top, waves=False, savable=True, on_miss=building)
         state: dict[str, Any] = work.state or {}
         tallies = state.get("tallies") or (Tally(), Tally())
-        logs = tuple(LogSpool(work.folder, side, state.get(side, (0, 0))) for side in ("hardware", "software"))
+        logs = [LogSpool(work.folder, side, state.get(side, (0, 0))) for side in ("hardware", "software")]
         for log in logs:
             work.held.callback(log.close)
         software = state.get("tracker") or software_of(sensor, config)
@@ -148,9 +148,24 @@ def run_long(
         log.engine, log.recording = engine, made_of.hex()
     assert begin_us is not None
     return LongRun(
-        name, sensor, config, top, *logs, *tallies, begin_us, end_us, made_of.hex(), cycles, lockstep.latency, wall_s, software_s,
-        build, stall_seed,
-    )  # fmt: skip
+        name=name,
+        sensor=sensor,
+        config=config,
+        top=top,
+        hardware=logs[0],
+        software=logs[1],
+        hardware_tally=tallies[0],
+        software_tally=tallies[1],
+        begin_us=begin_us,
+        end_us=end_us,
+        digest=made_of.hex(),
+        cycles=cycles,
+        latency=lockstep.latency,
+        wall_s=wall_s,
+        software_s=software_s,
+        build=build,
+        seed=stall_seed,
+    )
 
 
 def _keep(log: LogSpool, tally: Tally, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:

@@ -25,7 +25,7 @@ from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
 from evcot.trackers.config import RunConfig, load_toml
 
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 
 __all__ = ["RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
 
@@ -229,7 +229,7 @@ def read_run_file(path: Path) -> RunFile | None:
     if scene is not None and scene not in SCENES:
         raise ConfigError(f"{path}: run.scene = {scene!r}: must be one of {', '.join(SCENES)}")
     name = scene or str(path.absolute().parent / run.pop("recording"))
-    hardware = run.pop("hardware", "cot_array")
+    hardware = run.pop("hardware", DEFAULT_TOP)
     if hardware not in get_args(Top):
         raise ConfigError(f"{path}: run.hardware = {hardware!r}: must be one of {', '.join(get_args(Top))}")
     stalls, known = run.pop("stalls", None), run.pop("digest", "")

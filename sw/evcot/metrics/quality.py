@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -16,7 +17,7 @@ from ..filters.run import filtered
 from ..tracks.log import DROPPED, Kind, TrackLog
 from ..tracks.timeline import OPEN, by_life, lifetimes
 
-__all__ = ["Quality", "QualityCounter", "isolated", "quality_of"]
+__all__ = ["Quality", "QualityCounter", "isolated", "isolation", "quality_of"]
 
 _SHORT_US = 200_000  # a shorter track is short, unless it travels
 _SHORT_PART = 0.1  # of the recording: of shorter recordings that is short
@@ -64,9 +65,15 @@ class Quality:
 
 def isolated(events: Events, sensor: tuple[int, int]) -> NDArray[np.bool_]:
     """The mask of the events that have no event on one of the eight pixels around within the 10 ms before, (n,) bool."""
-    keep = filtered((), FilterConfig(activity_us=_NEIGHBOUR_US), sensor).keep
-    parts = [~keep(events[begin : begin + _RUN]) for begin in range(0, len(events), _RUN)]
+    mask = isolation(sensor)
+    parts = [mask(events[begin : begin + _RUN]) for begin in range(0, len(events), _RUN)]
     return np.concatenate([np.empty(0, np.bool_), *parts])
+
+
+def isolation(sensor: tuple[int, int]) -> Callable[[Events], NDArray[np.bool_]]:
+    """As `isolated`, for a recording that comes in runs: the mask of each run after the other."""
+    keep = filtered((), FilterConfig(activity_us=_NEIGHBOUR_US), sensor).keep
+    return lambda run: ~keep(run)
 
 
 def quality_of(log: TrackLog, events: Events, alone: NDArray[np.bool_]) -> Quality:

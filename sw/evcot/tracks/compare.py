@@ -168,7 +168,7 @@ class Comparison:
     def add(
         self, hardware: TrackLog, software: TrackLog, times_us: NDArray[np.int64], *, last: bool = True
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
-        """Compare a part at its sample times; returns how many tracks are alive at each on both sides, and the number of pairs."""
+        """Compare a part at its sample times; returns how many tracks are alive at each, on both sides, and how many pairs."""
         for log, lives, merged, living in zip((hardware, software), self._lives, self._merges, self._alive, strict=True):
             own = lifetimes(log, self.end_us)
             lives.append(own if last else own[own["ended"] != OPEN])
@@ -179,14 +179,19 @@ class Comparison:
         self._met.append(np.column_stack((hw_ids, sw_ids)))
         return self._alive[0][-1], self._alive[1][-1], len(distance_px)
 
+    @property
+    def lives(self) -> tuple[NDArray[np.void], NDArray[np.void]]:
+        """The lifetimes of hardware and software, of dtype `timeline.LIFE`, in order of birth."""
+        hardware, software = (_by_birth(parts) for parts in self._lives)
+        return hardware, software
+
     def agreement(self) -> Agreement:
         """The agreement of all parts."""
         hw_alive, sw_alive = (np.concatenate([np.empty(0, np.int64), *parts]) for parts in self._alive)
         distance_px, met = np.concatenate([np.empty(0), *self._distances]), np.concatenate(self._met)
-        lives = (_by_birth(parts) for parts in self._lives)
-        tracks, hw_alone, sw_alone = _pair_tracks(*lives, met[:, 0], met[:, 1], self.step_us, self.tolerance_us)
-        all_merges = (np.concatenate([np.empty(0, MERGE), *parts]) for parts in self._merges)
-        joint, hw_merged, sw_merged = _pair_merges(*all_merges, self.radius_px, self.tolerance_us)
+        tracks, hw_alone, sw_alone = _pair_tracks(*self.lives, met[:, 0], met[:, 1], self.step_us, self.tolerance_us)
+        hw_merges, sw_merges = (np.concatenate([np.empty(0, MERGE), *parts]) for parts in self._merges)
+        joint, hw_merged, sw_merged = _pair_merges(hw_merges, sw_merges, self.radius_px, self.tolerance_us)
         return Agreement(
             begin_us=self.begin_us,
             end_us=self.end_us,

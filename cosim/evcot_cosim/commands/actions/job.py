@@ -20,7 +20,7 @@ from evcot.trackers.presets import fit, run_config
 from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, stalls_from
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
-from ...names import Top
+from ...names import DEFAULT_TOP, Top
 from ..job import DEFAULT_SCENE
 from ..options import sensor_from
 from .filters import check_learning, filters_from, with_options
@@ -106,7 +106,7 @@ def job_from(
     recording, more = (source.read(), False) if most is None else source.begin(most)
     if described and source == described.source and not more:
         described.check(options.config, recording.events)
-    top: Top = options.hardware or (described.hardware if described else "cot_array")
+    top: Top = options.hardware or (described.hardware if described else DEFAULT_TOP)
     seed = described.stalls if described and options.stalls is None else options.stalls
 
     def blocks() -> Iterable[Events]:
