@@ -74,8 +74,11 @@ class TrackLog:
         save_log(self, path, force=force)
 
     @classmethod
-    def load(cls, path: Path | str) -> TrackLog:
+    def load(cls, path: Path | str, *, owners: bool = True) -> TrackLog:
         """Read a log that `save` wrote.
+
+        Args:
+            owners: False leaves them out of a Parquet file's log, most of the memory of a long one.
 
         Raises:
             TrackLogError: the file is missing, damaged, or not a TrackLog.
@@ -83,7 +86,7 @@ class TrackLog:
         if Path(path).suffix.lower() != SUFFIX:
             return cls.load_npz(path)
         file = LogFile(path)
-        return cls(file.engine, *file.read(), file.recording)
+        return cls(file.engine, *file.read(owners=owners), file.recording)
 
     def save_npz(self, path: Path | str, *, force: bool = False) -> None:
         """Write the log, compressed; equal logs give identical files.

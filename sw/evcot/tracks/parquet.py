@@ -11,6 +11,8 @@ Files are written and read a row group at a time: memory does not depend on thei
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -33,7 +35,7 @@ _END, _NONE = "END", "NONE"
 _OWNERS = "owners"
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
-_GROUP_OWNERS = 1 << 20  # of a row group, at most, and a row's more
+_GROUP_OWNERS = 1 << 19  # of a row group, at most, and a row's more
 _NEEDED = "pyarrow is not installed: must be, for Parquet: pip install 'evcot[sweep]'"
 
 
@@ -155,13 +157,13 @@ class LogFile:
         if not whole:
             raise TrackLogError(f"{self.path}: the last row is no {_END}: must be a whole log")
 
-    def read(self) -> tuple[NDArray[np.void], NDArray[np.int16]]:
-        """All records and owners, in memory; raises as `blocks`."""
-        records, owners = [np.empty(0, TRACK)], [np.empty(0, np.int16)]
-        for some, own in self.blocks():
+    def read(self, *, owners: bool = True) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        """All records and owners, in memory; arguments and errors as of `blocks`."""
+        records, decided = [np.empty(0, TRACK)], [np.empty(0, np.int16)]
+        for some, own in self.blocks(owners=owners):
             records.append(some)
-            owners.append(own)
-        return np.concatenate(records), np.concatenate(owners)
+            decided.append(own)
+        return np.concatenate(records), np.concatenate(decided)
 
     def _records(self, table: Any, kinds: NDArray[np.int64]) -> NDArray[np.void]:
         there = kinds >= 0
@@ -228,6 +230,8 @@ class _OneLine:
 
 
 def _arrow(path: Path | str) -> Any:
+    if "pyarrow" not in sys.modules:  # its own allocator keeps a hundred megabytes that it does not use
+        os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
     try:
         import pyarrow
         import pyarrow.parquet
