@@ -31,6 +31,7 @@ _BENCHMARKS = (
     "latency",
     "starts",
     "memory",
+    "long",
     "recordings",
     "clustering",
     "table2",
