@@ -27,8 +27,9 @@ from evcot.trackers.config import RunConfig, load_toml
 
 from ..names import DEFAULT_TOP, Top
 
-__all__ = ["RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
+__all__ = ["HEAD_EVENTS", "RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
 
+HEAD_EVENTS = 1 << 18  # of a long recording, in memory
 _HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] says of what.\n"
 
 
@@ -99,7 +100,7 @@ class Source:
         return file.blocks(self.from_us, self.to_us, required=True)
 
     def begin(self, most: int) -> tuple[Recording, bool]:
-        """The first `most` events and whether there are more; all events of a scene, however many.
+        """All events, and False; where a file has more than `most`, its first `HEAD_EVENTS`, and True.
 
         Raises:
             ConfigError, RecordingError: as `read`.
@@ -113,7 +114,10 @@ class Source:
                 count += len(block)
                 if count > most:
                     break
-            return Recording(Events.joined(parts), *file.sensor, file.name), count > most
+            head = Events.joined(parts)
+            if count > most:
+                head = Events(*(column[:HEAD_EVENTS].copy() for column in (head.t_us, head.x, head.y, head.p)))
+            return Recording(head, *file.sensor, file.name), count > most
 
     def scene_truth(self) -> Truth | None:
         """The complete ground truth of a scene; None for a file."""

@@ -35,8 +35,8 @@ from .page import write_report
 
 __all__ = ["PART_EVENTS", "Part", "write_long_run"]
 
-PART_EVENTS = 1 << 19
-_DRAWN = 60_000  # events of a part's page
+PART_EVENTS = 1 << 18
+_DRAWN = 40_000  # events of a part's page
 _WAVES_EVENTS = 400  # around the first birth
 
 
