@@ -116,7 +116,7 @@ class Source:
                     break
             head = Events.joined(parts)
             if count > most:
-                head = Events(*(column[:HEAD_EVENTS].copy() for column in (head.t_us, head.x, head.y, head.p)))
+                head = Events.joined([head[: HEAD_EVENTS // 2], head[HEAD_EVENTS // 2 : HEAD_EVENTS]])  # a copy
             return Recording(head, *file.sensor, file.name), count > most
 
     def scene_truth(self) -> Truth | None:
