@@ -97,8 +97,8 @@ class _Unpickler(pickle.Unpickler):
 
 
 def _method(owner: object, name: str) -> Any:
-    """A public method of one of evcot's objects, which is how a bound method is stored."""
-    if name.startswith("_") or type(owner).__module__.split(".")[0] not in _OURS:
+    """A method of one of evcot's objects, which is how a bound method is stored; none of Python's own."""
+    if name.startswith("__") or type(owner).__module__.split(".")[0] not in _OURS:
         raise pickle.UnpicklingError(f"{name}: must be a method of an object of evcot")
     return getattr(owner, name)
 
