@@ -32,6 +32,7 @@ _BENCHMARKS = (
     "replay",
     "starts",
     "memory",
+    "long",
     "recordings",
     "clustering",
     "table2",

@@ -156,7 +156,7 @@ def evaluate(
     if isinstance(log, TrackLog):
         return score(log, truth, chosen)
     boxes = log_format is not None or is_boxes(log)
-    loaded = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else TrackLog.load(log)
+    loaded = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else TrackLog.load(log, owners=False)
     try:
         return score(loaded, truth, chosen)
     except TrackLogError as error:

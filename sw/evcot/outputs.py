@@ -50,6 +50,7 @@ RUN_FILE = "run.toml"  # in every folder that evcot makes: the inputs, and the f
 _LIST = "\n[files]  # that evcot wrote here, with digests: only these are ever replaced\n"
 _MOVED_LAST = ("summary.json", RUN_FILE)  # without them a folder does not look complete
 _NEVER_READ = ("report.html", "picture.png")  # files of a run's folder that are not an input of any command
+_BLOCK = 1 << 20
 _PARTIAL = re.compile(r"\..*\.[0-9a-f]{8}\.partial")  # left behind by a killed process
 _DESCRIPTOR = re.compile(r"/dev/std(out|err)|/(?:dev|proc/self)/fd/([0-9]+)")
 
@@ -346,8 +347,14 @@ def _listing(digests: dict[str, str]) -> str:
 
 def _digest(path: Path) -> str:
     """Digest of a file, 16 hexadecimal digits; for run.toml, of the part before its list."""
-    data = path.read_bytes()
-    return blake2b(data.partition(_LIST.encode())[0] if path.name == RUN_FILE else data, digest_size=8).hexdigest()
+    summary = blake2b(digest_size=8)
+    if path.name == RUN_FILE:
+        summary.update(path.read_bytes().partition(_LIST.encode())[0])
+        return summary.hexdigest()
+    with path.open("rb") as file:
+        while block := file.read(_BLOCK):
+            summary.update(block)
+    return summary.hexdigest()
 
 
 def _is_regular(path: Path) -> bool:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 
 from .job import input_options
-from .options import window_options
+from .options import checkpoint_option, window_options
 from .parsing import add_command, output_option
 
 __all__ = ["add"]
@@ -40,6 +40,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     input_options(cosim, auto=True)
     window_options(cosim)
     output_option(cosim, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/cosim/NAME)")
+    checkpoint_option(cosim)
     cosim.add_argument("--no-waves", action="store_true", help="write no waveform")
     cosim.add_argument("--print-config", action="store_true", help="print a run.toml that repeats the run, and run nothing")
     cosim.add_argument("--json", action="store_true", help="print summary.json instead of the table")

@@ -8,10 +8,12 @@ import math
 import re
 
 from evcot.errors import ConfigError
+from evcot.unfinished import CHECKPOINT_EVENTS
 
 from .parsing import group_of
 
 __all__ = [
+    "checkpoint_option",
     "damage_options",
     "recording_options",
     "sensor_from",
@@ -21,6 +23,15 @@ __all__ = [
 
 
 RECORDING = "recording"  # title of the group
+
+
+def checkpoint_option(parser: argparse.ArgumentParser) -> None:
+    """Add --checkpoint."""
+    parser.add_argument(
+        "--checkpoint", type=int, default=CHECKPOINT_EVENTS, metavar="EVENTS",
+        help="keep the state after every so many events: the same command continues there when it was killed "
+        "(default: %(default)s; 0: never)",
+    )  # fmt: skip
 
 
 def recording_options(parser: argparse.ArgumentParser) -> None:

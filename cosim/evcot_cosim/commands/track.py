@@ -8,7 +8,7 @@ import argparse
 from .box_options import FORMATS_TEXT, clock_options
 from .engine_options import engine_options
 from .filter_options import filter_options
-from .options import recording_options
+from .options import checkpoint_option, recording_options
 from .parsing import add_command, input_path, output_option
 
 __all__ = ["add"]
@@ -33,5 +33,6 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     clock_options(parser, "the first event")
     recording_options(parser)
     filter_options(parser)
+    checkpoint_option(parser)
     parser.add_argument("--json", action="store_true", help="print what was found as JSON instead of a table")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")

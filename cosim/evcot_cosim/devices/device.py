@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,14 +28,14 @@ from evcot.outputs import path_written_aside
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel, build
 from .base import HardwareError, Stalls, pointer
-from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, source
+from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
 from .motion import MOTION_PARAMETERS, check_motion, motion_writes
 from .silence import check_waits
 
-__all__ = ["Device", "StreamTimes", "arrangement_of", "build_device"]
+__all__ = ["Device", "DeviceState", "StreamTimes", "arrangement_of", "build_device"]
 
 _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 _MOTION, _MOTION_FILTERED = "cot_motion", "cot_motion_filtered"  # the array with motion, alone and with filters
@@ -49,11 +50,22 @@ class StreamTimes(NamedTuple):
     recorded: NDArray[np.int64]
 
 
+class DeviceState(NamedTuple):
+    """What `Device.state` returns: ticks, events and clocks so far, the counter of ticks, and the simulation's own state."""
+
+    now: int
+    seq: int
+    cycle: int
+    clock: TickCounter
+    model: bytes
+
+
 def build_device(
     config: CotConfig,
-    top: Top = "cot_array",
+    top: Top = DEFAULT_TOP,
     *,
     waves: bool = True,
+    savable: bool = False,
     verilog: Path | None = None,
     on_miss: Callable[[], None] | None = None,
 ) -> BuiltModel:
@@ -64,6 +76,7 @@ def build_device(
 
     Args:
         waves: whether waveforms show what lies below `top`.
+        savable: whether the state of a simulation can be saved and restored.
         verilog: the folder of the RTL; None: that of this checkout or package.
         on_miss: called before a build that takes seconds.
 
@@ -92,7 +105,10 @@ def build_device(
         if not motion:
             parameters["TRACKER"] = register_map().trackers.index(top.removeprefix("cot_"))
     drive = {"stream.cpp": source(module, shape)}
-    flags = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
+    flags: tuple[str, ...] = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
+    if savable:
+        drive |= {"save.cpp": saving_source(module)}
+        flags += ("--savable",)
     return build(module, parameters, drive, extra_flags=flags, verilog=verilog, on_miss=on_miss)
 
 
@@ -116,7 +132,7 @@ class Device:
     def __init__(
         self,
         config: CotConfig,
-        top: Top = "cot_array",
+        top: Top = DEFAULT_TOP,
         *,
         stalls: Stalls | None = None,
         model: BuiltModel | None = None,
@@ -216,6 +232,29 @@ class Device:
                 error = library.evcot_close_vcd(handle) or error
             if error:
                 raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
+
+    def state(self) -> DeviceState:
+        """Everything that a run of events leaves behind; the model must have been built with `savable`, and be idle.
+
+        Raises:
+            OutputError: there is no room for a temporary file.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "model"
+            error = self.sim.lib.evcot_save(ctypes.c_void_p(self.sim.model), os.fsencode(path))
+            if error:
+                raise OutputError(f"{path}: cannot be written: {os.strerror(error)}")
+            return DeviceState(self.now, self.seq, self.cycle, self._clock, path.read_bytes())
+
+    def restore(self, state: DeviceState) -> None:
+        """Continue from a state of a device with the same model and stalls."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "model"
+            path.write_bytes(state.model)
+            error = self.sim.lib.evcot_restore(ctypes.c_void_p(self.sim.model), os.fsencode(path))
+            if error:
+                raise OutputError(f"{path}: cannot be read: {os.strerror(error)}")
+        self.now, self.seq, self.cycle, self._clock = state.now, state.seq, state.cycle, state.clock
 
     def stream(self, events: Events | TickedEvents, keep: NDArray[np.bool_] | None = None) -> Decisions:
         """Drive a run of events through the hardware and wait until it is idle again.

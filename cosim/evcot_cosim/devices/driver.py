@@ -9,11 +9,12 @@ import numpy as np
 
 from evcot.hardware.contract import RECORD, SLOTS_MAX, Shape
 from evcot.hardware.motion.contract import MOTION_RECORD
+from evcot.templating import templates
 from evcot.tracks.log import DROPPED, Kind
 
 from .base import Drive, Ending, pattern_fields
 
-__all__ = ["DRIVE", "MOTION_DRIVE", "PARAMETERS", "UNDECIDED", "Status", "source"]
+__all__ = ["DRIVE", "MOTION_DRIVE", "PARAMETERS", "UNDECIDED", "Status", "saving_source", "source"]
 
 UNDECIDED = DROPPED  # owner of an event that the hardware has not reported: behind filters, a dropped one
 
@@ -118,3 +119,9 @@ def source(top: str, shape: Shape) -> str:
         undecided=UNDECIDED,
         record_size=(MOTION_RECORD if motion else RECORD).itemsize,
     )
+
+
+@cache
+def saving_source(top: str) -> str:
+    """C++ text that saves and restores the state of a simulation of one top module."""
+    return templates("evcot_cosim.devices").get_template("save.cpp.j2").render(top=top)

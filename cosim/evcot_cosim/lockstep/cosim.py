@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.errors import ConfigError, RecordingError
-from evcot.events import Recording
+from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import filtered
 from evcot.hardware.config import CotConfig
@@ -28,12 +28,22 @@ from evcot.tracks.tracking import FilteredTracker, Tracker, log_of
 from ..devices.base import HardwareError, Stalls
 from ..devices.device import Device, build_device
 from ..devices.silence import check_silence
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .lockstep import Lockstep, chunks
 from .mismatch import Mismatch
 
-__all__ = ["CosimRun", "check_addresses", "check_addresses_of", "rerun", "run_cosim", "stalls_from"]
+__all__ = [
+    "CosimRun",
+    "check_addresses",
+    "check_addresses_of",
+    "compile_kernels",
+    "near_px",
+    "rerun",
+    "run_cosim",
+    "software_of",
+    "stalls_from",
+]
 
 
 @dataclass(frozen=True)
@@ -82,7 +92,7 @@ def check_addresses_of(sensor: Sensor, config: CotConfig, name: str) -> None:
 def run_cosim(
     recording: Recording,
     config: RunConfig,
-    top: Top = "cot_array",
+    top: Top = DEFAULT_TOP,
     *,
     stall_seed: int | None = None,
     building: Callable[[], None] | None = None,
@@ -114,7 +124,8 @@ def run_cosim(
     build = build_device(cot, top, waves=False, on_miss=building)
     stalls = stalls_from(stall_seed)
     t0_us = int(events.t_us[0])
-    _compile_kernels(recording, config)
+    sensor = recording.width, recording.height
+    compile_kernels(events[:1], sensor, config)
     hardware, model = _LogParts(cot, t0_us), _LogParts(cot, t0_us)
     with Lockstep(cot, top, stalls=stalls, seed=stall_seed, model=build) as lockstep:
         for chunk in chunks(events):
@@ -129,10 +140,10 @@ def run_cosim(
 
     hardware_log = hardware.log("cot-rtl")
     started = time.perf_counter()
-    software = log_of(config.software, _software(recording, config), [events])
+    software = log_of(config.software, software_of(sensor, config), [events])
     software_s = time.perf_counter() - started
 
-    agreement = compare(hardware_log, software, radius_px=_near_px(config), span_us=(t0_us, int(events.t_us[-1])))
+    agreement = compare(hardware_log, software, radius_px=near_px(config), span_us=(t0_us, int(events.t_us[-1])))
     return CosimRun(
         recording=recording,
         config=config,
@@ -182,17 +193,14 @@ def stalls_from(seed: int | None) -> Stalls:
     return Stalls() if seed is None else Stalls.random(np.random.default_rng(seed))
 
 
-def _compile_kernels(recording: Recording, config: RunConfig) -> None:
+def compile_kernels(first: Events, sensor: Sensor, config: RunConfig) -> None:
     """Make Numba compile model and tracker (at first use, once per machine) before anything is timed."""
-    first = recording.events[:1]
-    model = CotModel(config.hardware(recording.width, recording.height))
-    model.feed(TickedEvents.of(first))
-    log_of(config.software, _software(recording, config), [first])
+    CotModel(config.hardware(*sensor)).feed(TickedEvents.of(first))
+    log_of(config.software, software_of(sensor, config), [first])
 
 
-def _software(recording: Recording, config: RunConfig) -> Tracker:
+def software_of(sensor: Sensor, config: RunConfig) -> Tracker:
     """The software tracker, with the same filters in front, in the same ticks."""
-    sensor = recording.width, recording.height
     tracker = ENGINES[config.software].start(getattr(config, config.software), FilterConfig(), sensor)
     filters = config.in_front_of_software
     if not filters.enabled:
@@ -200,7 +208,7 @@ def _software(recording: Recording, config: RunConfig) -> Tracker:
     return FilteredTracker(filtered((), filters, sensor, config.cot.tick_us).keep, tracker)
 
 
-def _near_px(config: RunConfig) -> float:
+def near_px(config: RunConfig) -> float:
     """How near each other tracks of one object are: a window's reach."""
     if config.software == "rct":
         return config.rct.radius_px

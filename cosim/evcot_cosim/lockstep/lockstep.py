@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,14 +20,15 @@ from evcot.ticks import TickCounter
 from evcot.tracks.log import Kind
 
 from ..devices.base import HardwareError, Stalls
-from ..devices.device import Device, StreamTimes
+from ..devices.device import Device, DeviceState, StreamTimes
 from ..devices.silence import check_silence
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .mismatch import Mismatch, MismatchError
 
 __all__ = ["CHUNK", "Clocks", "Lockstep", "Step", "chunks", "dump_window"]
 
+_STATE = ("events", "records", "wall_s", "latency", "_clock", "_last_us", "_golden")
 LATENCY_MAX = 4_095  # clocks; longer latencies share the last bin
 CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough to make the cost of a call negligible
 
@@ -66,7 +67,7 @@ class Lockstep:
     def __init__(
         self,
         config: CotConfig,
-        top: Top = "cot_array",
+        top: Top = DEFAULT_TOP,
         *,
         stalls: Stalls | None = None,
         seed: int | None = None,
@@ -116,6 +117,17 @@ class Lockstep:
         self.events += len(events)
         self.records += len(step.hardware.records)
         return step
+
+    def state(self) -> dict[str, Any]:
+        """Everything that the events so far leave behind, on both sides; see `Device.state`."""
+        own = {name: getattr(self, name) for name in _STATE}
+        return {**own, "device": tuple(self.device.state())}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from the state of a `Lockstep` with the same arguments."""
+        for name in _STATE:
+            setattr(self, name, state[name])
+        self.device.restore(DeviceState(*state["device"]))
 
     def close(self) -> None:
         """End the model's thread."""
@@ -180,7 +192,7 @@ def dump_window(
     first_event: int,
     last_event: int,
     *,
-    top: Top = "cot_array",
+    top: Top = DEFAULT_TOP,
     stalls: Stalls | None = None,
     verilog: Path | None = None,
     progress: Callable[[int], None] | None = None,

@@ -8,6 +8,7 @@ Its table `[run]` names the events and the module; the other tables are a comple
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
@@ -19,15 +20,16 @@ from evcot.digest import digest
 from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.outputs import RUN_FILE, written_aside
-from evcot.recordings.files import Damage, open_recording
+from evcot.recordings.files import Damage, RecordingFile, open_recording
 from evcot.scenes import Scene, Truth
 from evcot.scenes.registry import SCENES, simulate_scene
 from evcot.trackers.config import RunConfig, load_toml
 
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 
-__all__ = ["RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
+__all__ = ["HEAD_EVENTS", "RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
 
+HEAD_EVENTS = 1 << 18  # of a long recording, in memory
 _HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] says of what.\n"
 
 
@@ -80,10 +82,42 @@ class Source:
         """
         if self.is_scene:
             return _scene(self.recording, self.seed).recording.window(self.from_us, self.to_us)
+        with self.opened() as file:
+            return file.read(self.from_us, self.to_us)
+
+    def opened(self) -> RecordingFile:
+        """The file; not of a scene.
+
+        Raises:
+            RecordingError: as `open_recording`.
+        """
         sensor = (self.width, self.height) if self.width else None
         damage: Damage = "skip" if self.skip_damaged else "refuse"
-        with open_recording(Path(self.recording), sensor, damage=damage, struct=self.struct or None) as file:
-            return file.read(self.from_us, self.to_us)
+        return open_recording(Path(self.recording), sensor, damage=damage, struct=self.struct or None)
+
+    def blocks(self, file: RecordingFile) -> Iterator[Events]:
+        """The events of the opened file, block by block."""
+        return file.blocks(self.from_us, self.to_us, required=True)
+
+    def begin(self, most: int) -> tuple[Recording, bool]:
+        """All events, and False; where a file has more than `most`, its first `HEAD_EVENTS`, and True.
+
+        Raises:
+            ConfigError, RecordingError: as `read`.
+        """
+        if self.is_scene:
+            return self.read(), False
+        with self.opened() as file:
+            parts, count = [Events.empty()], 0
+            for block in self.blocks(file):
+                parts.append(block[: most - count])
+                count += len(block)
+                if count > most:
+                    break
+            head = Events.joined(parts)
+            if count > most:
+                head = Events.joined([head[: HEAD_EVENTS // 2], head[HEAD_EVENTS // 2 : HEAD_EVENTS]])  # a copy
+            return Recording(head, *file.sensor, file.name), count > most
 
     def scene_truth(self) -> Truth | None:
         """The complete ground truth of a scene; None for a file."""
@@ -199,7 +233,7 @@ def read_run_file(path: Path) -> RunFile | None:
     if scene is not None and scene not in SCENES:
         raise ConfigError(f"{path}: run.scene = {scene!r}: must be one of {', '.join(SCENES)}")
     name = scene or str(path.absolute().parent / run.pop("recording"))
-    hardware = run.pop("hardware", "cot_array")
+    hardware = run.pop("hardware", DEFAULT_TOP)
     if hardware not in get_args(Top):
         raise ConfigError(f"{path}: run.hardware = {hardware!r}: must be one of {', '.join(get_args(Top))}")
     stalls, known = run.pop("stalls", None), run.pop("digest", "")

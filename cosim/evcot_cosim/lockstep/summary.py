@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import platform
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +16,29 @@ from numpy.typing import NDArray
 import evcot
 from evcot.errors import ConfigError
 from evcot.events import Recording
+from evcot.metrics.quality import Quality
 from evcot.outputs import written_aside
 from evcot.trackers.config import RunConfig
+from evcot.tracks.compare import Comparison
 from evcot.tracks.log import DROPPED, Kind, TrackLog
 from evcot.tracks.timeline import lifetimes
 
 from ..rtl.toolchain import find_toolchain
 from .cosim import CosimRun
+from .long import LongRun
 from .mismatch import Mismatch
-from .verdict import Verdict, verdict_of
+from .verdict import Verdict, verdict_by, verdict_of
 
-__all__ = ["SUMMARY", "read_summary", "summarise", "summarise_mismatch", "table", "verdict_lines", "write_summary"]
+__all__ = [
+    "SUMMARY",
+    "read_summary",
+    "summarise",
+    "summarise_long",
+    "summarise_mismatch",
+    "table",
+    "verdict_lines",
+    "write_summary",
+]
 
 SUMMARY = "summary.json"  # its name in the folder of a run
 
@@ -66,6 +79,46 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
     }
     verdict = verdict_of(recording, {"hardware": run.hardware, "software": run.software}, summary)
     return summary | {"verdict": verdict.to_dict()}
+
+
+def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Quality], command: str) -> dict[str, Any]:
+    """As `summarise`, of a run whose logs are in files.
+
+    Args:
+        comparison, figures: hardware against software, and the quality of both, of all parts.
+    """
+    tallies = {"cot-rtl": run.hardware_tally, run.config.software: run.software_tally}
+    recording_s = (run.end_us - run.begin_us) / 1e6
+    lives = dict(zip(tallies, comparison.lives, strict=True))
+    summary = {
+        "name": run.name,
+        "exact": True,  # every chunk was compared
+        "events": run.events,
+        "records": len(run.hardware.records),
+        "recording_s": recording_s,
+        "wall_s": run.wall_s,
+        "realtime_factor": recording_s / run.wall_s,
+        "events_per_s": run.events / run.wall_s,
+        "software_events_per_s": run.events / run.software_s,
+        "cycles": run.cycles,
+        "cycles_per_event": run.cycles / run.events,
+        "latency_clocks": _latency(run.latency),
+        "filters": [which.name.lower() for which in run.config.filters.filters],
+        "filtered_fraction": run.hardware_tally.filtered / run.events,
+        "owned_fraction": {name: tally.owned / run.events for name, tally in tallies.items()},
+        "slots": run.config.cot.shape.n_slots,
+        "births": {name: tally.kinds[Kind.BORN] for name, tally in tallies.items()},
+        "merges": {name: tally.kinds[Kind.MERGED] for name, tally in tallies.items()},
+        "lifetimes": {name: _lengths(own) for name, own in lives.items()},
+        "agreement": comparison.agreement().to_dict(),
+        "sensor": {"width": run.sensor[0], "height": run.sensor[1]},
+        "hardware": run.top,
+        "seed": run.seed,
+        "config": run.config.to_dict(),
+        "build": {"cached": run.build.cached, "build_s": run.build.build_s, "parameters": dict(run.build.parameters)},
+        **_provenance(command),
+    }
+    return summary | {"verdict": verdict_by(figures, summary).to_dict()}
 
 
 def summarise_mismatch(found: Mismatch, recording: Recording, config: RunConfig, command: str) -> dict[str, Any]:
@@ -113,7 +166,10 @@ def _latency(counts: NDArray[np.int64]) -> dict[str, Any]:
 
 
 def _lifetimes(log: TrackLog, end_us: int) -> dict[str, Any]:
-    lives = lifetimes(log, end_us)
+    return _lengths(lifetimes(log, end_us))
+
+
+def _lengths(lives: NDArray[np.void]) -> dict[str, Any]:
     lengths_s = (lives["end_us"] - lives["birth_us"]) / 1e6
     return {
         "tracks": len(lives),

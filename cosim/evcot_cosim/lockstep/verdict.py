@@ -15,7 +15,7 @@ from evcot.events import Recording
 from evcot.metrics.quality import Quality, isolated, quality_of
 from evcot.tracks.log import TrackLog
 
-__all__ = ["Grade", "Line", "Verdict", "verdict_from", "verdict_of"]
+__all__ = ["Grade", "Line", "Verdict", "verdict_by", "verdict_from", "verdict_of"]
 
 
 class Grade(IntEnum):
@@ -97,7 +97,11 @@ def verdict_of(recording: Recording, logs: Mapping[str, TrackLog], summary: Mapp
     n = min((len(log.owner) for log in logs.values()), default=0)
     events = recording.events[:n]
     alone = isolated(events, (recording.width, recording.height))
-    figures = {side: quality_of(log, events, alone) for side, log in logs.items()}
+    return verdict_by({side: quality_of(log, events, alone) for side, log in logs.items()}, summary)
+
+
+def verdict_by(figures: Mapping[str, Quality], summary: Mapping[str, Any]) -> Verdict:
+    """The verdict of figures by side; `summary` as of `verdict_of`."""
     lines = _exactness(summary)
     for side, quality in figures.items():
         lines += [_tracks(side, quality, summary), _events(side, quality), _noise(side, quality)]

@@ -28,7 +28,7 @@ _MISMATCH_EVENTS = 50  # the same, around a mismatch
 
 def run_names() -> list[str]:
     """Names of the files that `write_run` and `write_mismatch` may write."""
-    logs = [f"{name}.{suffix}" for name in ("hardware", "model", "software") for suffix in ("npz", "csv")]
+    logs = [f"{name}.{suffix}" for name in ("hardware", "model", "software") for suffix in ("npz", "csv", "parquet")]
     return [RUN_FILE, SUMMARY, REPORT, "picture.png", *logs, *wave_names("waves"), *wave_names("mismatch")]
 
 

@@ -51,21 +51,21 @@ _IMPORT = re.compile(r"^import\s[^;]*;\n", re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=async |class |const |function |let )", re.MULTILINE)
 
 
-def write_report(material: Material, path: Path, *, force: bool = False) -> None:
-    """Write the report; the file appears under its name only when it is complete.
+def write_report(material: Material, path: Path, *, force: bool = False, events_max: int = EVENTS_MAX) -> None:
+    """Write the report, with at most `events_max` events; the file appears under its name only when it is complete.
 
     Raises:
         OutputError: the file exists (without `force`), or cannot be written.
         TrackLogError: log and truth have different time bases.
     """
-    text = render(material)
+    text = render(material, events_max)
     with written_aside(path, force=force) as file:
         file.write(text.encode())
 
 
-def render(material: Material) -> str:
-    """The page as text."""
-    collected, packed = _fitting(material)
+def render(material: Material, events_max: int = EVENTS_MAX) -> str:
+    """The page as text, with at most so many events."""
+    collected, packed = _fitting(material, events_max)
     found = differences(material)
     scores = [(side.name, of) for side in material.sides if material.truth and (of := material.truth.scores(side.log))]
     script = inline_modules(MODULES)
@@ -152,9 +152,8 @@ def _source(name: str, package: str = "evcot_cosim.report") -> str:
     return (files(package) / "templates" / name).read_text(encoding="utf-8")
 
 
-def _fitting(material: Material) -> tuple[Collected, Packed]:
+def _fitting(material: Material, events_max: int) -> tuple[Collected, Packed]:
     """The collected data and its packed text, with as many events as fit."""
-    events_max = EVENTS_MAX
     while True:
         collected = collect(material, events_max)
         packed = pack(collected.columns)

@@ -30,7 +30,7 @@ from ..lockstep.cosim import stalls_from
 from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
 from ..lockstep.random_runs import random_config, random_run
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .configure import configuration
 from .cost import hardware_cost
@@ -124,7 +124,7 @@ def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
     for block in stream.blocks:
         parts.add(*tracker.feed(block), block)
     parts.records.append(tracker.finish())
-    cost = hardware_cost("cot_array", settings.cot.shape.n_slots) if task.engine == MODEL else {}
+    cost = hardware_cost(DEFAULT_TOP, settings.cot.shape.n_slots) if task.engine == MODEL else {}
     return Tracked(parts.log("cot-model" if task.engine == MODEL else task.engine), parts.counts(), cost, parts.events)
 
 

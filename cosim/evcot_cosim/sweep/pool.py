@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scheduler of one machine: processes that do tasks; one that dies takes its task along once, and is replaced.
 
-A worker has one task at work and one that waits, so that it never idles while the caller writes a row.
+A worker has one task at work and others that wait, so that it never idles while the caller writes a row or waits for a core:
+one where tasks take long, so that the last ones are shared evenly, and more of short ones.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ __all__ = ["Done", "LocalPool", "cores"]
 
 T = TypeVar("T")
 R = TypeVar("R")
-_AHEAD = 2  # tasks that a worker has
+_AHEAD = 2, 12  # tasks that a worker has: least, most
+_AHEAD_S = 0.1  # and how long they take together, in between
+_NEWEST = 0.1  # weight of a task's time in the mean of all
 _TRIES = 2  # of a task whose worker dies
 _FAREWELL_S = 2.0  # for a build to end with its worker
 
@@ -50,6 +53,7 @@ class _Worker(Generic[T]):
         self.process.start()
         theirs.close()
         self.tasks: deque[tuple[T, int]] = deque()  # with the number of tries; the first is at work
+        self.ready = False  # its start counts for no task
         self.since = time.monotonic()
 
     def give(self, task: T, attempt: int) -> None:
@@ -86,6 +90,13 @@ class LocalPool(Generic[T, R]):
         self._workers: list[_Worker[T]] = []
         self._count = workers
         self._again: deque[tuple[T, int]] = deque()
+        self._each_s: float | None = None
+
+    @property
+    def ahead(self) -> int:
+        """How many tasks a worker has."""
+        least, most = _AHEAD
+        return least if self._each_s is None else min(max(least, int(_AHEAD_S / max(self._each_s, _AHEAD_S / most))), most)
 
     def __enter__(self) -> LocalPool[T, R]:
         return self
@@ -119,7 +130,7 @@ class LocalPool(Generic[T, R]):
             worker = _Worker(self._function)
             self._workers.append(worker)
             worker.give(*task)
-        for ahead in range(_AHEAD):
+        for ahead in range(self.ahead):
             for worker in self._workers:
                 if len(worker.tasks) <= ahead:
                     task = self._next(waiting)
@@ -139,7 +150,11 @@ class LocalPool(Generic[T, R]):
         try:
             while worker.tasks and worker.connection.poll():
                 result = worker.connection.recv()
+                if not worker.ready:
+                    worker.ready, worker.since = True, time.monotonic()
+                    continue
                 task, attempt = worker.tasks.popleft()
+                self._took(time.monotonic() - worker.since)
                 worker.since = time.monotonic()
                 yield Done(task, result, "", attempt)
         except (EOFError, ConnectionError):
@@ -151,6 +166,9 @@ class LocalPool(Generic[T, R]):
                 yield from self._collect(worker)
                 return
         yield from self._buried(worker, f"worker {_cause(worker.process)}")
+
+    def _took(self, task_s: float) -> None:
+        self._each_s = task_s if self._each_s is None else (1 - _NEWEST) * self._each_s + _NEWEST * task_s
 
     def _buried(self, worker: _Worker[T], fault: str) -> Iterator[Done[T, R]]:
         worker.end()
@@ -166,13 +184,14 @@ class LocalPool(Generic[T, R]):
         worker.tasks.clear()
 
     def _patience_s(self, busy: list[_Worker[T]]) -> float | None:
-        if not self._timeout_s:
+        began = [worker.since for worker in busy if worker.ready]
+        if not self._timeout_s or not began:
             return None
-        return max(0.0, min(worker.since for worker in busy) + self._timeout_s - time.monotonic())
+        return max(0.0, min(began) + self._timeout_s - time.monotonic())
 
     def _overdue(self) -> Iterator[Done[T, R]]:
         for worker in list(self._workers):
-            if worker.tasks and time.monotonic() - worker.since > self._timeout_s:
+            if worker.ready and worker.tasks and time.monotonic() - worker.since > self._timeout_s:
                 yield from self._buried(worker, f"worker took longer than {self._timeout_s:g} s")
 
 
@@ -198,6 +217,10 @@ def _work(connection: Connection, function: Callable[[Any], Any]) -> None:
     """A worker's life: until the caller closes the connection."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the caller ends it
     signal.signal(signal.SIGTERM, _exit)
+    try:
+        connection.send(None)
+    except OSError:
+        return
     while True:
         try:
             task = connection.recv()

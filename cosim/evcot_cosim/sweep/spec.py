@@ -18,7 +18,7 @@ from evcot.outputs import note_input
 from evcot.scenes.registry import SCENES, scene_settings
 from evcot.trackers.engines import ENGINES
 
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from .axes import METHODS, Axis, axis_from
 from .fields import HARDWARE, MODEL, PRESET, RTL, nested
 from .metrics import METRICS
@@ -80,7 +80,7 @@ class Spec:
     parts: tuple[tuple[int, int | None], ...] = ((0, None),)
     skip_damaged: bool = False
     engines: tuple[str, ...] = ("rct",)
-    hardware: tuple[str, ...] = ("cot_array",)
+    hardware: tuple[str, ...] = (DEFAULT_TOP,)
     seeds: tuple[int, ...] = (1,)
     stalls: bool = False
     preset: str | None = None

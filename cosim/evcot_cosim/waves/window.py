@@ -15,7 +15,7 @@ from evcot.hardware.config import CotConfig
 from ..devices.base import Stalls
 from ..lockstep.lockstep import Clocks, dump_window
 from ..lockstep.moments import Moment
-from ..names import Top
+from ..names import DEFAULT_TOP, Top
 from .fst import fst_writer, write_fst
 from .gtkwave import Marker, write_view
 from .views import VIEWS
@@ -64,7 +64,7 @@ def write_waves(
     folder: Path,
     window: Window,
     *,
-    top: Top = "cot_array",
+    top: Top = DEFAULT_TOP,
     stalls: Stalls | None = None,
     name: str = "waves",
     moment: Moment | None = None,

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -15,7 +17,7 @@ from ..filters.run import filtered
 from ..tracks.log import DROPPED, Kind, TrackLog
 from ..tracks.timeline import OPEN, by_life, lifetimes
 
-__all__ = ["Quality", "isolated", "quality_of"]
+__all__ = ["Quality", "QualityCounter", "isolated", "isolation", "quality_of"]
 
 _SHORT_US = 200_000  # a shorter track is short, unless it travels
 _SHORT_PART = 0.1  # of the recording: of shorter recordings that is short
@@ -63,9 +65,15 @@ class Quality:
 
 def isolated(events: Events, sensor: tuple[int, int]) -> NDArray[np.bool_]:
     """The mask of the events that have no event on one of the eight pixels around within the 10 ms before, (n,) bool."""
-    keep = filtered((), FilterConfig(activity_us=_NEIGHBOUR_US), sensor).keep
-    parts = [~keep(events[begin : begin + _RUN]) for begin in range(0, len(events), _RUN)]
+    mask = isolation(sensor)
+    parts = [mask(events[begin : begin + _RUN]) for begin in range(0, len(events), _RUN)]
     return np.concatenate([np.empty(0, np.bool_), *parts])
+
+
+def isolation(sensor: tuple[int, int]) -> Callable[[Events], NDArray[np.bool_]]:
+    """As `isolated`, for a recording that comes in runs: the mask of each run after the other."""
+    keep = filtered((), FilterConfig(activity_us=_NEIGHBOUR_US), sensor).keep
+    return lambda run: ~keep(run)
 
 
 def quality_of(log: TrackLog, events: Events, alone: NDArray[np.bool_]) -> Quality:
@@ -75,39 +83,81 @@ def quality_of(log: TrackLog, events: Events, alone: NDArray[np.bool_]) -> Quali
         events: (n,) those that the log decided.
         alone: (n,) as `isolated` gives it; the logs of one recording share it.
     """
-    begin_us, end_us = (int(events.t_us[0]), int(events.t_us[-1])) if len(events) else (0, 0)
-    span_us = max(end_us - begin_us, 1)
-    lives = lifetimes(log, end_us)
-    lengths_us = lives["end_us"] - lives["birth_us"]
-    alive_mean = float(lengths_us.sum() / span_us)
-    short_us = int(min(_SHORT_US, _SHORT_PART * span_us))
-    short = (lengths_us < short_us) & (lives["ended"] != OPEN) & ~_travelled(log)
-    life = _life_of_event(log, events.t_us, lives)
-    owned, passed = life >= 0, log.owner != DROPPED
-    events_of = np.bincount(life[owned], minlength=len(lives))
-    alone_of = np.bincount(life[owned & alone], minlength=len(lives))
-    noise = 2 * alone_of > events_of
-    lasting = owned & ~np.append(short, False)[life]
-    return Quality(
-        tracks=len(lives),
-        alive_mean=alive_mean,
-        tracks_per_alive=len(lives) / alive_mean if alive_mean else None,
-        short_us=short_us,
-        short=int(short.sum()),
-        short_merged=int((short & (lives["ended"] == Kind.MERGED)).sum()),
-        short_lost=int((short & (lives["ended"] == Kind.LOST)).sum()),
-        owned_fraction=_share(lasting, passed & ~alone),
-        isolated_fraction=_share(alone, np.ones(len(alone), np.bool_)),
-        isolated_dropped_fraction=_share(~passed, alone),
-        isolated_owned_fraction=_share(owned, alone),
-        noise_tracks=int(noise.sum()),
-        noise_time_fraction=float(lengths_us[noise].sum() / lengths_us.sum()) if lengths_us.sum() else None,
-    )
+    span_us = (int(events.t_us[0]), int(events.t_us[-1])) if len(events) else (0, 0)
+    counter = QualityCounter(*span_us)
+    counter.add(log, events, alone)
+    return counter.quality()
 
 
-def _share(chosen: NDArray[np.bool_], whole: NDArray[np.bool_]) -> float | None:
-    count = int(np.count_nonzero(whole))
-    return int(np.count_nonzero(chosen & whole)) / count if count else None
+class QualityCounter:
+    """The figures of a log that comes in parts, see `tracks.parts.Parts`: the same as of the whole.
+
+    Args:
+        begin_us, end_us: times of the recording's first and last event.
+    """
+
+    def __init__(self, begin_us: int, end_us: int) -> None:
+        self._end_us = end_us
+        self._span_us = max(end_us - begin_us, 1)
+        self._short_us = int(min(_SHORT_US, _SHORT_PART * self._span_us))
+        self._sums = Counter[str]()
+        self._open = np.zeros((0, 3), np.int64)  # of each track alive: events, isolated ones, and those that count as lasting
+
+    def add(self, log: TrackLog, events: Events, alone: NDArray[np.bool_], *, last: bool = True) -> None:
+        """Count a part; arguments as of `quality_of`, and whether it is the last one.
+
+        The log begins with the tracks that were alive at the end of the part before, in the order of their births.
+        """
+        lives = lifetimes(log, self._end_us)
+        lengths_us = lives["end_us"] - lives["birth_us"]
+        over = (lives["ended"] != OPEN) | last
+        short = (lengths_us < self._short_us) & (lives["ended"] != OPEN) & ~_travelled(log)
+        life = _life_of_event(log, events.t_us, lives)
+        owned, passed = life >= 0, log.owner != DROPPED
+        near = owned & passed & ~alone
+        counts = np.column_stack([np.bincount(life[which], minlength=len(lives)) for which in (owned, owned & alone, near)])
+        counts[: len(self._open)] += self._open
+        noise = over & (2 * counts[:, 1] > counts[:, 0])
+        self._open = counts[~over]
+        self._sums.update(
+            tracks=int(over.sum()),
+            alive_us=int(lengths_us[over].sum()),
+            short=int(short.sum()),
+            short_merged=int((short & (lives["ended"] == Kind.MERGED)).sum()),
+            short_lost=int((short & (lives["ended"] == Kind.LOST)).sum()),
+            lasting=int(counts[over & ~short, 2].sum()),
+            near=int(np.count_nonzero(passed & ~alone)),
+            events=len(events),
+            alone=int(np.count_nonzero(alone)),
+            alone_dropped=int(np.count_nonzero(alone & ~passed)),
+            alone_owned=int(np.count_nonzero(alone & owned)),
+            noise=int(noise.sum()),
+            noise_us=int(lengths_us[noise].sum()),
+        )
+
+    def quality(self) -> Quality:
+        """The figures of all parts."""
+        sums = self._sums
+        alive_mean = sums["alive_us"] / self._span_us
+        return Quality(
+            tracks=sums["tracks"],
+            alive_mean=alive_mean,
+            tracks_per_alive=sums["tracks"] / alive_mean if alive_mean else None,
+            short_us=self._short_us,
+            short=sums["short"],
+            short_merged=sums["short_merged"],
+            short_lost=sums["short_lost"],
+            owned_fraction=_share(sums["lasting"], sums["near"]),
+            isolated_fraction=_share(sums["alone"], sums["events"]),
+            isolated_dropped_fraction=_share(sums["alone_dropped"], sums["alone"]),
+            isolated_owned_fraction=_share(sums["alone_owned"], sums["alone"]),
+            noise_tracks=sums["noise"],
+            noise_time_fraction=_share(sums["noise_us"], sums["alive_us"]),
+        )
+
+
+def _share(part: int, whole: int) -> float | None:
+    return part / whole if whole else None
 
 
 def _travelled(log: TrackLog) -> NDArray[np.bool_]:

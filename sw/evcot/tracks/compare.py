@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from .log import TrackLog
 from .pairing import best_pairs, closest_pairs
-from .timeline import alive, lifetimes, merges, sample
+from .timeline import MERGE, OPEN, alive, lifetimes, merges, sample
 
-__all__ = ["Agreement", "MergePair", "TrackPair", "compare"]
+__all__ = ["Agreement", "Comparison", "MergePair", "TrackPair", "compare"]
 
 _STEP_US = 1_000
 _STEPS_MAX = 20_000
@@ -124,7 +124,7 @@ def compare(
     """
     begin_us, end_us = _span(hardware, software) if span_us is None else span_us
     if step_us is None:
-        step_us = max(_STEP_US, -(-(end_us - begin_us) // _STEPS_MAX))
+        step_us = _step_us(begin_us, end_us)
     for name, value, low in (("step_us", step_us, 1), ("tolerance_us", tolerance_us, 0), ("radius_px", radius_px, 0)):
         if not low <= value <= _LARGEST:
             raise ConfigError(f"compare.{name} = {value!r}: must be from {low} to {_LARGEST}")
@@ -133,39 +133,104 @@ def compare(
 
     nothing = span_us is None and not len(hardware.records) and not len(software.records)
     times_us = np.arange(begin_us, begin_us if nothing else end_us + 1, step_us)
-    hw_alive, sw_alive = alive(hardware, times_us), alive(software, times_us)
-    hw_ids, sw_ids, distance_px = _pair_clusters(sample(hardware, times_us), sample(software, times_us), radius_px)
-    tracks, hw_alone, sw_alone = _pair_tracks(
-        lifetimes(hardware, end_us), lifetimes(software, end_us), hw_ids, sw_ids, step_us, tolerance_us
-    )
-    joint, hw_merged, sw_merged = _pair_merges(merges(hardware), merges(software), radius_px, tolerance_us)
-    return Agreement(
-        begin_us=begin_us,
-        end_us=end_us,
-        step_us=step_us,
-        radius_px=radius_px,
-        tolerance_us=tolerance_us,
-        samples=len(times_us),
-        alive_equal_fraction=_mean(hw_alive == sw_alive),
-        alive_mean_difference=_mean(np.abs(hw_alive - sw_alive)),
-        alive_mean_hardware=_mean(hw_alive),
-        alive_mean_software=_mean(sw_alive),
-        distance_median_px=_quantile(distance_px, 0.5),
-        distance_p90_px=_quantile(distance_px, 0.9),
-        paired_fraction_hardware=_share(len(distance_px), int(hw_alive.sum())),
-        paired_fraction_software=_share(len(distance_px), int(sw_alive.sum())),
-        tracks_hardware=len(tracks) + len(hw_alone),
-        tracks_software=len(tracks) + len(sw_alone),
-        tracks_corresponding=sum(pair.corresponds for pair in tracks),
-        tracks=tracks,
-        tracks_unpaired_hardware=hw_alone,
-        tracks_unpaired_software=sw_alone,
-        merges_hardware=len(joint) + len(hw_merged),
-        merges_software=len(joint) + len(sw_merged),
-        merges=joint,
-        merges_unpaired_hardware=hw_merged,
-        merges_unpaired_software=sw_merged,
-    )
+    comparison = Comparison(begin_us, end_us, radius_px=radius_px, tolerance_us=tolerance_us, step_us=step_us)
+    comparison.add(hardware, software, times_us)
+    return comparison.agreement()
+
+
+class Comparison:
+    """The agreement of two logs that come in parts, see `tracks.parts.Parts`: the same as of the whole.
+
+    Memory holds the distances of all pairs, 8 bytes each at no more than 20 000 samples, and 75 bytes a track and a merge.
+
+    Args:
+        begin_us, end_us: of the recording; the others as of `compare`.
+    """
+
+    def __init__(
+        self, begin_us: int, end_us: int, *, radius_px: float = 12.0, tolerance_us: int = 20_000, step_us: int | None = None
+    ) -> None:
+        self.begin_us, self.end_us = begin_us, end_us
+        self.radius_px, self.tolerance_us = radius_px, tolerance_us
+        self.step_us = _step_us(begin_us, end_us) if step_us is None else step_us
+        self._lives: tuple[list[NDArray[np.void]], list[NDArray[np.void]]] = ([], [])
+        self._merges: tuple[list[NDArray[np.void]], list[NDArray[np.void]]] = ([], [])
+        self._alive: tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]] = ([], [])
+        self._distances: list[NDArray[np.float64]] = []
+        self._met: list[NDArray[np.int64]] = [np.empty((0, 2), np.int64)]
+
+    def times_us(self, from_us: int, before_us: int | None) -> NDArray[np.int64]:
+        """The sample times from `from_us` on and before `before_us`; None: to the end."""
+        first = -(-(from_us - self.begin_us) // self.step_us)
+        end_us = self.end_us + 1 if before_us is None else before_us
+        return np.arange(self.begin_us + first * self.step_us, end_us, self.step_us)
+
+    def add(
+        self, hardware: TrackLog, software: TrackLog, times_us: NDArray[np.int64], *, last: bool = True
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
+        """Compare a part at its sample times; returns how many tracks are alive at each, on both sides, and how many pairs."""
+        for log, lives, merged, living in zip((hardware, software), self._lives, self._merges, self._alive, strict=True):
+            own = lifetimes(log, self.end_us)
+            lives.append(own if last else own[own["ended"] != OPEN])
+            merged.append(merges(log))
+            living.append(alive(log, times_us))
+        hw_ids, sw_ids, distance_px = _pair_clusters(sample(hardware, times_us), sample(software, times_us), self.radius_px)
+        self._distances.append(distance_px)
+        self._met.append(np.column_stack((hw_ids, sw_ids)))
+        return self._alive[0][-1], self._alive[1][-1], len(distance_px)
+
+    @property
+    def lives(self) -> tuple[NDArray[np.void], NDArray[np.void]]:
+        """The lifetimes of hardware and software, of dtype `timeline.LIFE`, in order of birth."""
+        hardware, software = (_by_birth(parts) for parts in self._lives)
+        return hardware, software
+
+    def agreement(self) -> Agreement:
+        """The agreement of all parts."""
+        hw_alive, sw_alive = (np.concatenate([np.empty(0, np.int64), *parts]) for parts in self._alive)
+        distance_px, met = np.concatenate([np.empty(0), *self._distances]), np.concatenate(self._met)
+        tracks, hw_alone, sw_alone = _pair_tracks(*self.lives, met[:, 0], met[:, 1], self.step_us, self.tolerance_us)
+        hw_merges, sw_merges = (np.concatenate([np.empty(0, MERGE), *parts]) for parts in self._merges)
+        joint, hw_merged, sw_merged = _pair_merges(hw_merges, sw_merges, self.radius_px, self.tolerance_us)
+        return Agreement(
+            begin_us=self.begin_us,
+            end_us=self.end_us,
+            step_us=self.step_us,
+            radius_px=self.radius_px,
+            tolerance_us=self.tolerance_us,
+            samples=len(hw_alive),
+            alive_equal_fraction=_mean(hw_alive == sw_alive),
+            alive_mean_difference=_mean(np.abs(hw_alive - sw_alive)),
+            alive_mean_hardware=_mean(hw_alive),
+            alive_mean_software=_mean(sw_alive),
+            distance_median_px=_quantile(distance_px, 0.5),
+            distance_p90_px=_quantile(distance_px, 0.9),
+            paired_fraction_hardware=_share(len(distance_px), int(hw_alive.sum())),
+            paired_fraction_software=_share(len(distance_px), int(sw_alive.sum())),
+            tracks_hardware=len(tracks) + len(hw_alone),
+            tracks_software=len(tracks) + len(sw_alone),
+            tracks_corresponding=sum(pair.corresponds for pair in tracks),
+            tracks=tracks,
+            tracks_unpaired_hardware=hw_alone,
+            tracks_unpaired_software=sw_alone,
+            merges_hardware=len(joint) + len(hw_merged),
+            merges_software=len(joint) + len(sw_merged),
+            merges=joint,
+            merges_unpaired_hardware=hw_merged,
+            merges_unpaired_software=sw_merged,
+        )
+
+
+def _by_birth(parts: list[NDArray[np.void]]) -> NDArray[np.void]:
+    """The lives of all parts, which come as they end; equal births keep that order."""
+    if len(parts) == 1:
+        return parts[0]
+    lives = np.concatenate(parts)
+    return lives[np.argsort(lives["birth_us"], kind="stable")]
+
+
+def _step_us(begin_us: int, end_us: int) -> int:
+    return max(_STEP_US, -(-(end_us - begin_us) // _STEPS_MAX))
 
 
 def _span(*logs: TrackLog) -> tuple[int, int]:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import zipfile
 import zlib
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
@@ -14,44 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import TrackLogError
-from ..outputs import note_input, written_aside
-from .parquet import SUFFIX, read_log, write_log
+from ..outputs import note_input
+from .parquet import SUFFIX, LogFile
+from .record import DROPPED, TRACK, Kind
+from .writing import save_log, write_csv, write_npz
 
 __all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
-
-DROPPED = -2  # owner of an event that a filter dropped; -1 is an event that no tracker took
-
-
-class Kind(IntEnum):
-    """Kinds of records in a TrackLog."""
-
-    BORN = 0
-    MOVED = 1
-    MERGED = 2
-    LOST = 3
-
-
-TRACK = np.dtype(
-    [
-        ("t_us", "<i8"),
-        ("event_index", "<i8"),
-        ("kind", "u1"),
-        ("track_id", "<i8"),
-        ("slot", "<i2"),
-        ("x", "<f8"),
-        ("y", "<f8"),
-        ("radius", "<f8"),
-        ("width", "<f8"),
-        ("height", "<f8"),
-        ("angle", "<f8"),
-        ("vx", "<f8"),
-        ("vy", "<f8"),
-        ("confidence", "<f8"),
-        ("n_ev", "<i4"),
-        ("support", "<i8"),
-        ("other_id", "<i8"),
-    ]
-)
 
 # Arrays in a file: name -> dtype, None for text, and number of dimensions.
 _ARRAYS: dict[str, tuple[np.dtype[Any] | None, int]] = {
@@ -60,8 +27,6 @@ _ARRAYS: dict[str, tuple[np.dtype[Any] | None, int]] = {
     "records": (TRACK, 1),
     "owner": (np.dtype(np.int16), 1),
 }
-
-_CSV_ROWS = 1 << 16  # formatted at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,19 +71,22 @@ class TrackLog:
             OutputError: the file exists (without `force`), or cannot be written.
             TrackLogError: pyarrow is not installed.
         """
-        if Path(path).suffix.lower() == SUFFIX:
-            write_log(self, path, force=force)
-        else:
-            self.save_npz(path, force=force)
+        save_log(self, path, force=force)
 
     @classmethod
-    def load(cls, path: Path | str) -> TrackLog:
+    def load(cls, path: Path | str, *, owners: bool = True) -> TrackLog:
         """Read a log that `save` wrote.
+
+        Args:
+            owners: False leaves them out of a Parquet file's log, most of the memory of a long one.
 
         Raises:
             TrackLogError: the file is missing, damaged, or not a TrackLog.
         """
-        return read_log(path) if Path(path).suffix.lower() == SUFFIX else cls.load_npz(path)
+        if Path(path).suffix.lower() != SUFFIX:
+            return cls.load_npz(path)
+        file = LogFile(path)
+        return cls(file.engine, *file.read(owners=owners), file.recording)
 
     def save_npz(self, path: Path | str, *, force: bool = False) -> None:
         """Write the log, compressed; equal logs give identical files.
@@ -129,11 +97,7 @@ class TrackLog:
         Raises:
             OutputError: the file exists, or cannot be written.
         """
-        arrays = {"engine": np.array(self.engine), "records": self.records, "owner": self.owner}
-        if self.recording:
-            arrays["recording"] = np.array(self.recording)
-        with written_aside(Path(path), force=force) as file:
-            np.savez_compressed(file, allow_pickle=False, **arrays)
+        write_npz(self, path, force=force)
 
     @classmethod
     def load_npz(cls, path: Path | str) -> TrackLog:
@@ -183,13 +147,4 @@ class TrackLog:
         Raises:
             OutputError: the file exists, or cannot be written.
         """
-        names = np.array([kind.name for kind in Kind])
-        with written_aside(Path(path), force=force) as file:
-            file.write((",".join(TRACK.names or ()) + "\n").encode())
-            for begin in range(0, len(self.records), _CSV_ROWS):
-                rows = self.records[begin : begin + _CSV_ROWS]
-                columns = [
-                    names[rows["kind"]].tolist() if name == "kind" else [repr(value) for value in rows[name].tolist()]
-                    for name in TRACK.names or ()
-                ]
-                file.write("".join(",".join(row) + "\n" for row in zip(*columns, strict=True)).encode())
+        write_csv(self, path, force=force)

@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A TrackLog as one Parquet file, for pandas, polars, DuckDB and everything else that reads columns.
+"""A track log as one Parquet file, for pandas, polars, DuckDB and everything else that reads columns.
 
 A row is a record: the fields of `TRACK`, `kind` by name, and `owners`, the owners of the events after those of the row
-before, up to and with the record's own. The last row is no record: its kind is END, and its `owners` are those of the events
-that are left. So all `owners` one after the other are the log's, in the order of the events. Engine and recording stand in the
-metadata.
+before, up to and with the record's own. Where so many events have no record that a list would become long, rows of kind NONE
+have owners alone. The last row is no record either: its kind is END, and its `owners` are those of the events that are left. So
+all `owners` one after the other are the log's, in the order of the events. Engine and recording are in the metadata.
+
+Files are written and read a row group at a time: memory does not depend on their length.
 """
 
 from __future__ import annotations
 
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,20 +23,28 @@ from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 from ..outputs import note_input, path_written_aside
+from .record import TRACK, Kind
 
 if TYPE_CHECKING:
-    from .log import TrackLog
+    from .spool import LogColumns
 
-__all__ = ["SUFFIX", "read_log", "write_log"]
+__all__ = ["SUFFIX", "LogFile", "check_parquet", "write_log"]
 
 SUFFIX = ".parquet"
-_END = "END"
+_END, _NONE = "END", "NONE"
 _OWNERS = "owners"
-_ROWS = 1 << 16  # of a row group
+_RECORDS = 1 << 15  # of a row group, at most
+_LIST_MAX = 1 << 16  # owners of a row, at most
+_GROUP_OWNERS = 1 << 19  # of a row group, at most, and a row's more
 _NEEDED = "pyarrow is not installed: must be, for Parquet: pip install 'evcot[sweep]'"
 
 
-def write_log(log: TrackLog, path: Path | str, *, force: bool = False) -> None:
+def check_parquet(path: Path | str) -> None:
+    """Raise TrackLogError if Parquet cannot be written here."""
+    _arrow(path)
+
+
+def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None:
     """Write a log; equal logs give identical files.
 
     Raises:
@@ -38,86 +52,192 @@ def write_log(log: TrackLog, path: Path | str, *, force: bool = False) -> None:
         OutputError: the file exists, or cannot be written.
     """
     arrow = _arrow(path)
-    from .log import TRACK, Kind
+    schema = _schema(arrow).with_metadata({"engine": log.engine, "recording": log.recording})
+    with (
+        path_written_aside(Path(path), force=force) as aside,
+        arrow.parquet.ParquetWriter(aside, schema, compression="zstd", write_page_checksum=True) as writer,
+    ):
+        for record, ends, begin in _groups(log):
+            writer.write_table(_table(arrow, schema, log, record, ends, begin))
 
-    records, owner = log.records, log.owner
-    names = [kind.name for kind in Kind] + [_END]
-    kinds = np.append(records["kind"], np.uint8(len(Kind))).astype(np.int8)
-    columns: dict[str, Any] = {}
+
+def _groups(log: LogColumns) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], int]]:
+    """Row groups: the record of each row (-1: NONE, -2: END), the events decided after each row, and before the first."""
+    n, n_records, begin = len(log.owner), len(log.records), 0
+    for first in range(0, n_records + 1, _RECORDS):
+        past = min(first + _RECORDS, n_records)
+        ends = np.clip(np.maximum.accumulate(log.records[first:past]["event_index"].astype(np.int64) + 1), begin, max(n, begin))
+        record = np.arange(first, past)
+        if past == n_records:
+            ends, record = np.append(ends, n), np.append(record, -2)
+        more = np.maximum(np.diff(ends, prepend=begin) - 1, 0) // _LIST_MAX  # rows without a record, before each
+        lists = np.full(len(ends) + int(more.sum()), _LIST_MAX)
+        own = np.cumsum(more + 1) - 1
+        lists[own] = np.diff(ends, prepend=begin) - more * _LIST_MAX
+        rows = np.full(len(lists), -1)
+        rows[own] = record
+        ends = begin + np.cumsum(lists)
+        for group in np.split(np.arange(len(rows)), np.flatnonzero(np.diff((ends - begin) // _GROUP_OWNERS)) + 1):
+            yield rows[group], ends[group], int(ends[group[0]] - lists[group[0]])
+        begin = int(ends[-1])
+        if past == n_records:
+            return
+
+
+def _schema(arrow: Any) -> Any:
+    fields = [(name, arrow.string() if name == "kind" else arrow.from_numpy_dtype(TRACK[name])) for name in TRACK.names or ()]
+    return arrow.schema([*fields, (_OWNERS, arrow.large_list(arrow.int16()))])
+
+
+def _table(arrow: Any, schema: Any, log: LogColumns, record: NDArray[np.int64], ends: NDArray[np.int64], begin: int) -> Any:
+    there = record >= 0
+    which = record[there]
+    own = np.zeros(len(record), TRACK)
+    if len(which):
+        own[there] = log.records[int(which[0]) : int(which[-1]) + 1]
+    names = [kind.name for kind in Kind] + [_END, _NONE]
+    kinds = np.where(there, own["kind"], np.where(record == -2, names.index(_END), names.index(_NONE))).astype(np.int8)
+    columns = []
     for name in TRACK.names or ():
         if name == "kind":
-            columns[name] = arrow.DictionaryArray.from_arrays(arrow.array(kinds), arrow.array(names)).cast(arrow.string())
+            columns.append(arrow.DictionaryArray.from_arrays(arrow.array(kinds), arrow.array(names)).cast(arrow.string()))
         else:
-            values = np.append(np.ascontiguousarray(records[name]), np.zeros(1, TRACK[name]))
-            columns[name] = arrow.array(values, mask=np.arange(len(values)) == len(records))
-    ends = np.minimum(np.maximum.accumulate(records["event_index"] + 1, dtype=np.int64), len(owner))
-    offsets = np.concatenate(([0], np.maximum(ends, 0), [len(owner)])).astype(np.int64)
-    columns[_OWNERS] = arrow.LargeListArray.from_arrays(arrow.array(offsets), arrow.array(np.asarray(owner, np.int16)))
-    table = arrow.table(columns).replace_schema_metadata({"engine": log.engine, "recording": log.recording})
-    with path_written_aside(Path(path), force=force) as aside:
-        arrow.parquet.write_table(table, aside, compression="zstd", row_group_size=_ROWS, write_page_checksum=True)
+            columns.append(arrow.array(np.ascontiguousarray(own[name]), mask=~there))
+    offsets = np.append(0, ends - begin).astype(np.int64)
+    owner = np.ascontiguousarray(log.owner[begin : int(ends[-1])], np.int16)
+    columns.append(arrow.LargeListArray.from_arrays(arrow.array(offsets), arrow.array(owner)))
+    return arrow.Table.from_arrays(columns, schema=schema)
 
 
-def read_log(path: Path | str) -> TrackLog:
-    """Read a log that `write_log` wrote.
+class LogFile:
+    """A log that `write_log` wrote, read a row group at a time.
+
+    Attributes:
+        path, engine, recording: the file; as of `TrackLog`.
 
     Raises:
         TrackLogError: the file is missing, damaged, or not a TrackLog; or pyarrow is not installed.
     """
-    arrow = _arrow(path)
-    from .log import TRACK, TrackLog
 
-    note_input(path)
-    try:
-        with Path(path).open("rb") as file:
-            table = arrow.parquet.read_table(file, page_checksum_verification=True)
-    except (arrow.ArrowException, ValueError, OSError) as error:
-        if isinstance(error, OSError) and error.strerror:
-            raise TrackLogError(f"{path}: cannot be read: {error.strerror}") from error
-        raise TrackLogError(f"{path}: is damaged, or no Parquet file: {' '.join(str(error).split())[:120]}") from error
-    wanted = [*(TRACK.names or ()), _OWNERS]
-    lacking = [name for name in wanted if name not in table.column_names]
-    if lacking:
-        raise TrackLogError(f"{path}: lacks {', '.join(lacking)}: must be a log as `evcot track -o LOG.parquet` writes it")
-    codes = _kinds(path, table.column("kind").to_pylist())
-    records = np.zeros(len(codes), TRACK)
-    records["kind"] = codes
-    for name in TRACK.names or ():
-        if name != "kind":
-            records[name] = _values(path, table.column(name).slice(0, len(codes)), name, TRACK[name])
-    owners = _values(path, _flat(path, arrow, table.column(_OWNERS)), _OWNERS, np.dtype(np.int16))
-    about = table.schema.metadata or {}
-    text = {name: about.get(name.encode(), b"").decode(errors="replace") for name in ("engine", "recording")}
-    return TrackLog(text["engine"], records, owners, text["recording"])
+    def __init__(self, path: Path | str) -> None:
+        self._arrow = _arrow(path)
+        self.path = Path(path)
+        note_input(path)
+        with self._opened() as file:
+            schema = file.schema_arrow
+        self._wanted = [*(TRACK.names or ()), _OWNERS]
+        lacking = [name for name in self._wanted if name not in schema.names]
+        if lacking:
+            rule = "must be a log as `evcot track -o LOG.parquet` writes it"
+            raise TrackLogError(f"{path}: lacks {', '.join(lacking)}: {rule}")
+        about = schema.metadata or {}
+        self.engine, self.recording = (about.get(name, b"").decode(errors="replace") for name in (b"engine", b"recording"))
+
+    def blocks(self, *, owners: bool = True) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
+        """The log in runs: (m,) records of dtype `TRACK` and (n,) owners; those of a record's event are in its run or before.
+
+        Args:
+            owners: False leaves them out, and takes less time.
+
+        Raises:
+            TrackLogError: the file is damaged, or not a TrackLog.
+        """
+        row, whole = 0, False
+        columns = self._wanted if owners else self._wanted[:-1]
+        with self._opened() as file:
+            for group in range(file.num_row_groups):
+                with self._in_one_line():
+                    table = file.read_row_group(group, columns=columns)
+                if whole:
+                    raise TrackLogError(f"{self.path}: row {row - 1}: kind = {_END!r}: must be the last row's")
+                kinds = self._kinds(table.column("kind"), row)
+                row += len(kinds)
+                whole = bool(len(kinds)) and kinds[-1] == -2
+                yield self._records(table, kinds), self._owners(table) if owners else np.empty(0, np.int16)
+        if not whole:
+            raise TrackLogError(f"{self.path}: the last row is no {_END}: must be a whole log")
+
+    def read(self, *, owners: bool = True) -> tuple[NDArray[np.void], NDArray[np.int16]]:
+        """All records and owners, in memory; arguments and errors as of `blocks`."""
+        records, decided = [np.empty(0, TRACK)], [np.empty(0, np.int16)]
+        for some, own in self.blocks(owners=owners):
+            records.append(some)
+            decided.append(own)
+        return np.concatenate(records), np.concatenate(decided)
+
+    def _records(self, table: Any, kinds: NDArray[np.int64]) -> NDArray[np.void]:
+        there = kinds >= 0
+        records = np.zeros(int(np.count_nonzero(there)), TRACK)
+        records["kind"] = kinds[there]
+        if not there.all():
+            table = table.filter(self._arrow.array(there))
+        for name in TRACK.names or ():
+            if name != "kind":
+                records[name] = _values(self.path, table.column(name), name, TRACK[name])
+        return records
+
+    def _owners(self, table: Any) -> NDArray[np.int16]:
+        column = table.column(_OWNERS)
+        if not (self._arrow.types.is_large_list(column.type) or self._arrow.types.is_list(column.type)):
+            raise TrackLogError(f"{self.path}: {_OWNERS} is {column.type}: must be a list of int16")
+        flat = column.combine_chunks().flatten()
+        return np.asarray(_values(self.path, flat, _OWNERS, np.dtype(np.int16)), np.int16)
+
+    def _kinds(self, column: Any, first: int) -> NDArray[np.int64]:
+        """Kinds by number, -1 for NONE and -2, only at the end, for END."""
+        codes = {kind.name: int(kind) for kind in Kind} | {_NONE: -1, _END: -2}
+        rule = f"must be one of {', '.join(kind.name for kind in Kind)}, {_NONE}, and of the last row {_END}"
+        encoded = column.combine_chunks().dictionary_encode()
+        for name in encoded.dictionary.to_pylist():
+            if name not in codes or encoded.null_count:
+                row = next(i for i, kind in enumerate(column.to_pylist()) if kind not in codes)
+                raise TrackLogError(f"{self.path}: row {first + row}: kind = {column[row].as_py()!r}: {rule}")
+        by_code = np.array([codes[name] for name in encoded.dictionary.to_pylist()], np.int64)
+        kinds = by_code[encoded.indices.to_numpy(zero_copy_only=False)] if len(by_code) else np.empty(0, np.int64)
+        if (kinds[:-1] == -2).any():
+            raise TrackLogError(f"{self.path}: row {first + int(np.argmin(kinds))}: kind = {_END!r}: {rule}")
+        return kinds
+
+    @contextmanager
+    def _opened(self) -> Iterator[Any]:
+        with self._in_one_line():
+            source = self.path.open("rb")
+        with source:
+            with self._in_one_line():
+                file = self._arrow.parquet.ParquetFile(source, page_checksum_verification=True)
+            yield file
+
+    def _in_one_line(self) -> _OneLine:
+        return _OneLine(self.path, self._arrow.ArrowException)
+
+
+class _OneLine:
+    """A context in which errors of Arrow become those of a log."""
+
+    def __init__(self, path: Path, of_arrow: type[Exception]) -> None:
+        self._path = path
+        self._kinds = (of_arrow, ValueError, OSError)
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, self._kinds) and not isinstance(error, TrackLogError):
+            if isinstance(error, OSError) and error.strerror:
+                raise TrackLogError(f"{self._path}: cannot be read: {error.strerror}") from error
+            what = " ".join(str(error).split())[:120]
+            raise TrackLogError(f"{self._path}: is damaged, or no Parquet file: {what}") from error
 
 
 def _arrow(path: Path | str) -> Any:
+    if "pyarrow" not in sys.modules:  # its own allocator keeps a hundred megabytes that it does not use
+        os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
     try:
         import pyarrow
         import pyarrow.parquet
     except ImportError as error:
         raise TrackLogError(f"{path}: {_NEEDED}") from error
     return pyarrow
-
-
-def _kinds(path: Path | str, names: list[str | None]) -> NDArray[np.uint8]:
-    """The kinds of all rows but the last, which ends the log."""
-    from .log import Kind
-
-    if not names or names[-1] != _END:
-        raise TrackLogError(f"{path}: the last row is no {_END}: must be a whole log")
-    codes = {kind.name: int(kind) for kind in Kind}
-    for row, name in enumerate(names[:-1]):
-        if name not in codes:
-            raise TrackLogError(f"{path}: row {row}: kind = {name!r}: must be one of {', '.join(codes)}")
-    return np.array([codes[name or ""] for name in names[:-1]], np.uint8)
-
-
-def _flat(path: Path | str, arrow: Any, column: Any) -> Any:
-    kind = column.type
-    if not (arrow.types.is_large_list(kind) or arrow.types.is_list(kind)):
-        raise TrackLogError(f"{path}: {_OWNERS} is {kind}: must be a list of int16")
-    return column.combine_chunks().flatten()
 
 
 def _values(path: Path | str, column: Any, name: str, dtype: np.dtype[Any]) -> NDArray[Any]:

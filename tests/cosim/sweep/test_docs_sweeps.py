@@ -39,7 +39,7 @@ def test_the_queries_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     values["fields"]["cot.radix_max"] = [12, 30]  # type: ignore[index]
     swept = run_sweep(spec_from(values, tmp_path, "page"), tmp_path.with_name("page"), jobs=1)
     monkeypatch.chdir(swept.folder)
-    best, front, faults, took = (duckdb.sql(query).fetchall() for query in blocks("sql"))
+    best, front, faults, took, plan = (duckdb.sql(query).fetchall() for query in blocks("sql"))
     assert len(best) == 3, "two radii, and the model"
     assert sorted(row[2] for row in best) == sorted(row[2] for row in best)
     assert [row[2] for row in best] == sorted((row[2] for row in best), reverse=True)
@@ -49,3 +49,4 @@ def test_the_queries_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert {row[0] for row in faults} == {"invalid"}
     assert {row[1] for row in took} == {"rct", "cot"}
     assert sum(row[2] for row in took) == swept.runs
+    assert plan[0][0] == swept.runs - len(faults)

@@ -54,3 +54,13 @@ def test_a_task_that_takes_too_long_is_ended() -> None:
     found = ends([Chore(0, "sleep"), Chore(1)], timeout_s=1.0)
     assert found[0].fault == "worker took longer than 1 s, 2 times"
     assert found[1].result is not None
+
+
+def test_a_worker_has_more_of_short_tasks_and_two_of_long_ones() -> None:
+    with LocalPool(chore, 1) as pool:
+        assert pool.ahead == 2
+        for _ in pool.run([Chore(i) for i in range(300)]):
+            pass
+        assert pool.ahead > 2
+        pool._took(1e6)
+        assert pool.ahead == 2

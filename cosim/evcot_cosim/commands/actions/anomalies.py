@@ -38,7 +38,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
 def _logs(options: argparse.Namespace) -> tuple[tuple[int, int] | None, list[TrackLog]]:
     """The sensor, where somebody says it, and the logs."""
     sensor = sensor_from(options)
-    logs = [TrackLog.load(path) for path in options.logs]
+    logs = [TrackLog.load(path, owners=options.recording is not None) for path in options.logs]
     if options.recording is not None:
         sensor = _check_recording(options, logs, sensor)
     return sensor, logs

@@ -9,19 +9,28 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
+
+from evcot.errors import ConfigError
+from evcot.unfinished import unfinished
 
 from ...lockstep.cosim import run_cosim
+from ...lockstep.long import run_long
 from ...lockstep.mismatch import MismatchError
 from ...lockstep.run_file import run_toml
 from ...lockstep.summary import table, verdict_lines
 from ...lockstep.verdict import verdict_from
 from ...report.artifacts import run_names, write_mismatch, write_run
+from ...report.long_run import write_long_run
+from ...report.thin import EVENTS_MAX
+from ...sweep.machine import design_fingerprint
 from ...tables import print_table
 from ..exit_codes import MISMATCH
 from ..options import window_from
 from .filters import save_learned
 from .job import Job, job_from
 from .progress import Progress
+from .work import say_resumed, work_key
 
 __all__ = ["run"]
 
@@ -36,13 +45,18 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         if not options.print_config:
             options.claims.write_folder("-o", folder_of(name), run_names())
 
-    job = job_from(options, window_from(options), claim=claim, auto=True)
+    if options.checkpoint < 0:
+        raise ConfigError(f"--checkpoint {options.checkpoint}: must not be negative")
+    most = None if options.print_config else EVENTS_MAX
+    job = job_from(options, window_from(options), claim=claim, auto=True, most=most)
     if options.print_config:
         _say(job, quiet=options.quiet)
         print(run_toml(job.run_file), end="")
         return 0
     folder = folder_of(job.name)
     command = shlex.join(["evcot", *arguments])
+    if job.more:
+        return _report(options, job, folder, _run_long(options, job, folder, command), _LONG)
     with Progress(job.recording.name, len(job.recording.events), enabled=not (options.quiet or options.json)) as progress:
         try:
             run = run_cosim(
@@ -56,6 +70,33 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
             raise
         progress.note("writing logs, picture, report and waveform")
         summary = write_run(run, folder, job.run_file, command=command, waves=not options.no_waves)
+    return _report(options, job, folder, summary, "picture.png, logs (.npz, .csv)")
+
+
+_LONG = "a page for each part, logs"
+
+
+def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str) -> dict[str, Any]:
+    """The same of a recording that is not held in memory; returns the summary."""
+
+    def key() -> str:
+        return work_key(Path(job.source.recording), "cosim", job.source, job.config, job.top, job.seed, design_fingerprint())
+
+    quiet = options.quiet or options.json
+    with unfinished(folder, key) as work, Progress(job.recording.name, None, enabled=not quiet) as progress:
+        run = run_long(
+            job.source, job.config, job.top, work,
+            stall_seed=job.seed, every=options.checkpoint, building=progress.building, progress=progress.update,
+            resumed=None if options.quiet else lambda events: say_resumed(job.recording.name, events),
+        )  # fmt: skip
+        progress.note("writing logs, report and waveform")
+        return write_long_run(
+            run, job.source, folder, job.run_file_of(run.digest), job.recording, command=command, waves=not options.no_waves
+        )
+
+
+def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[str, Any], what: str) -> int:
+    """Say what was found and written; the exit code."""
     save_learned(options)
     _say(job, quiet=options.quiet)
     if options.json:
@@ -63,9 +104,8 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
     elif not options.quiet:
         print_table(table(summary))
         print("\n" + "\n".join(verdict_lines(verdict_from(summary["verdict"]))))
-        waves = "" if options.no_waves else ", and waves.vcd with its view waves.gtkw"
-        left = f"report.html, summary.json, run.toml, picture.png, logs (.npz, .csv){waves}"
-        print(f"\n{folder}/ holds {left}")
+        waves = ", and waves.vcd with its view waves.gtkw" if (folder / "waves.vcd").exists() else ""
+        print(f"\n{folder}/ holds report.html, summary.json, run.toml, {what}{waves}")
     return 0 if summary["exact"] else MISMATCH
 
 

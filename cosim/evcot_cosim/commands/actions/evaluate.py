@@ -12,11 +12,12 @@ from evcot.api import evaluate
 from evcot.errors import ConfigError, TrackLogError
 from evcot.metrics.scores import Scores
 from evcot.tracks.log import TrackLog
+from evcot.tracks.parquet import SUFFIX, LogFile
 
 from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...tables import print_table
 from ..options import sensor_from
-from ..tracked import RUN_LOGS
+from ..tracked import RUN_LOGS, log_of_run
 from .clock import clock_from
 from .counting import Counting
 
@@ -52,10 +53,10 @@ def _logs_of_run(options: argparse.Namespace) -> dict[str, Path]:
     if described is None:
         raise ConfigError(f"{folder}: is no folder of a run: must be a track log, boxes, or a folder of `evcot cosim`")
     if options.log_format is not None:
-        raise ConfigError("--log-format: must not be given with the folder of a run, whose logs are .npz")
-    logs = {name: folder / f"{name}.npz" for name in RUN_LOGS if (folder / f"{name}.npz").is_file()}
+        raise ConfigError("--log-format: must not be given with the folder of a run, whose logs are its own")
+    logs = {name: path for name in RUN_LOGS if (path := log_of_run(folder, name)).is_file()}
     for path in logs.values():
-        of = TrackLog.load_npz(path).recording
+        of = LogFile(path).recording if path.suffix == SUFFIX else TrackLog.load_npz(path).recording
         if of and described.digest and of != described.digest:
             raise TrackLogError(f"{path}: recording = {of!r}: must be the digest in {RUN_FILE}, {described.digest!r}")
     if not logs:

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from evcot.digest import digest
 from evcot.errors import ConfigError
-from evcot.events import Recording
+from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.trackers.auto.estimates import Estimates, estimate
 from evcot.trackers.auto_registers import AUTO, auto_config, told
@@ -20,7 +20,7 @@ from evcot.trackers.presets import fit, run_config
 from ...devices.base import Stalls
 from ...lockstep.cosim import check_addresses, stalls_from
 from ...lockstep.run_file import RUN_FILE, RunFile, Source, read_run_file
-from ...names import Top
+from ...names import DEFAULT_TOP, Top
 from ..job import DEFAULT_SCENE
 from ..options import sensor_from
 from .filters import check_learning, filters_from, with_options
@@ -37,6 +37,7 @@ class Job:
         folder: of the run that is looked at again, if it is one.
         seed: of the stall patterns.
         said: what was seen and chosen, if the configuration was made from the recording itself.
+        more: whether `recording` holds only the first events of the source.
     """
 
     source: Source
@@ -47,6 +48,7 @@ class Job:
     seed: int | None
     folder: Path | None
     said: str | None = None
+    more: bool = False
 
     @property
     def stalls(self) -> Stalls:
@@ -56,7 +58,11 @@ class Job:
     @property
     def run_file(self) -> RunFile:
         """All that makes the run again."""
-        return RunFile(self.source, self.top, self.seed, digest(self.recording.events), self.config, self.said)
+        return self.run_file_of(digest(self.recording.events))
+
+    def run_file_of(self, digest: str) -> RunFile:
+        """As `run_file`, with the digest of all events."""
+        return RunFile(self.source, self.top, self.seed, digest, self.config, self.said)
 
 
 def job_from(
@@ -66,6 +72,7 @@ def job_from(
     claim: Callable[[str], None] | None = None,
     *,
     auto: bool = False,
+    most: int | None = None,
 ) -> Job:
     """What the options say, on top of the run that --config or the input folder describes.
 
@@ -75,6 +82,7 @@ def job_from(
         until_us: what comes so long after the first event is not needed, and need not be read.
         claim: told the job's name before anything long begins, to claim what is written under that name.
         auto: a recording without --preset gets a configuration from what is seen in it.
+        most: events that are held in memory; None: all. A configuration from what is seen looks at all of them.
 
     Raises:
         ConfigError, RecordingError: something that the user can mend.
@@ -95,15 +103,24 @@ def job_from(
         options.claims.read(source.truth_file)
     if claim is not None:
         claim(name)
-    recording = source.read()
-    if described and source == described.source:
+    recording, more = (source.read(), False) if most is None else source.begin(most)
+    if described and source == described.source and not more:
         described.check(options.config, recording.events)
-    top: Top = options.hardware or (described.hardware if described else "cot_array")
+    top: Top = options.hardware or (described.hardware if described else DEFAULT_TOP)
     seed = described.stalls if described and options.stalls is None else options.stalls
-    seen = estimate([recording.events], (recording.width, recording.height)) if from_estimates else None
-    config = _config(options, recording, top, seen)
+
+    def blocks() -> Iterable[Events]:
+        return _all_of(source) if more else [recording.events]
+
+    seen = estimate(blocks(), (recording.width, recording.height)) if from_estimates else None
+    config = _config(options, recording, blocks, top, seen)
     said = told(seen, config) if seen else None
-    return Job(source, recording, config, name, top, seed, folder, said)
+    return Job(source, recording, config, name, top, seed, folder, said, more)
+
+
+def _all_of(source: Source) -> Iterator[Events]:
+    with source.opened() as file:
+        yield from source.blocks(file)
 
 
 def _run_folder(options: argparse.Namespace) -> Path | None:
@@ -135,7 +152,13 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
     return replace(base, skip_damaged=True) if options.skip_damaged else base
 
 
-def _config(options: argparse.Namespace, recording: Recording, top: Top, seen: Estimates | None) -> RunConfig:
+def _config(
+    options: argparse.Namespace,
+    recording: Recording,
+    blocks: Callable[[], Iterable[Events]],
+    top: Top,
+    seen: Estimates | None,
+) -> RunConfig:
     sensor = recording.width, recording.height
     slots = 1 if top == "cot" and options.slots is None else options.slots
     config = fit(auto_config(seen), *sensor, slots) if seen else run_config(*sensor, options.preset, slots)
@@ -143,7 +166,7 @@ def _config(options: argparse.Namespace, recording: Recording, top: Top, seen: E
         config = replace(config, filters=FilterConfig())
     if options.config is not None:
         config = load_toml(options.config, config)
-    filters = filters_from(options, config.filters, [recording.events], sensor)
+    filters = filters_from(options, config.filters, blocks(), sensor)
     if config.software_filters is not None:
         config = replace(config, software_filters=with_options(options, config.software_filters, sensor))
     config = replace(config, filters=filters)

@@ -10,6 +10,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import evcot
 from evcot.errors import ConfigError
@@ -21,6 +22,8 @@ from evcot.tracks.log import TrackLog
 from ...lockstep.run_file import RUN_FILE, Source, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
 from ...report import REPORT, Material, Run, Side, Truth, comparison_of, truth_of, write_report
+from ...report.overview import write_overview
+from ...report.thin import EVENTS_MAX
 from ..options import sensor_from, window_from
 from .belonging import check_logs, run_extent
 from .opening import open_from
@@ -45,6 +48,9 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         raise ConfigError("-o: must be given with further logs: report.html of the folder is the run's own")
     force = options.force or is_own_file(path)  # in the folder of a run its own report is made anew
     options.claims.write("-o", path, force=force)
+    parts = read_summary(folders[0] / SUMMARY) if folders and (folders[0] / SUMMARY).is_file() else {}
+    if "parts" in parts:
+        return _overview(options, parts, folders[0], path, force)
     with Progress(str(path), None, enabled=not (options.quiet or options.json)) as progress:
         progress.note("reading the events")
         if len(folders) == 2:
@@ -61,6 +67,20 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         remade(path)
     if options.json:
         print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": len(material.events)}, indent=2))
+    elif not options.quiet:
+        print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, to open in a browser")
+    return 0
+
+
+def _overview(options: argparse.Namespace, summary: dict[str, Any], folder: Path, path: Path, force: bool) -> int:
+    """The overview of a long run, whose parts have pages of their own; 0."""
+    if len(options.run) > 1 or options.truth or path.resolve().parent != folder.resolve():
+        rule = "must be given alone, without -o, logs or truth: its pages are beside its report"
+        raise ConfigError(f"{folder}: is a run of more than {EVENTS_MAX} events: {rule}")
+    write_overview(summary, path, force=force)
+    remade(path)
+    if options.json:
+        print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": summary["events"]}, indent=2))
     elif not options.quiet:
         print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, to open in a browser")
     return 0
@@ -83,7 +103,7 @@ def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
     """Two runs of the same events."""
     if all((folder / RUN_FILE).is_file() for folder in folders):
         first, second = (read_run_file(folder / RUN_FILE) for folder in folders)
-        if first.digest and second.digest and first.digest != second.digest:
+        if first and second and first.digest and second.digest and first.digest != second.digest:
             made = f"{folders[0]} was made of {first.source.name}, {folders[1]} of {second.source.name}"
             raise ConfigError(f"{made}: both runs must be of the same events")
     recording, source = _recording(options) if options.recording is not None else _recording_of_run(folders[0])

@@ -6,18 +6,22 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict
-
-import numpy as np
 
 from evcot.errors import ConfigError
 from evcot.events import Events
+from evcot.recordings.files import RecordingFile
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.formats.of_log import boxes_of_log
 from evcot.tracks.formats.registry import box_format, write_boxes
-from evcot.tracks.log import DROPPED, Kind, TrackLog
-from evcot.tracks.tracking import signed_log_of
+from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.spool import LogSpool
+from evcot.tracks.spooling import track_into
+from evcot.tracks.tally import Tally
+from evcot.tracks.writing import check_log_path, save_log, write_csv
+from evcot.unfinished import unfinished
 
 from ...tables import print_table
 from ..options import window_from
@@ -26,6 +30,7 @@ from .filters import filters_from, save_learned
 from .opening import open_from
 from .progress import Progress
 from .settings import configured, plain, say_seen
+from .work import say_resumed, work_key
 
 __all__ = ["run"]
 
@@ -35,30 +40,57 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     window = window_from(options)
     if options.boxes is not None:
         _check_boxes(options)
-    with open_from(options, options.recording) as file:
+    if options.checkpoint < 0:
+        raise ConfigError(f"--checkpoint {options.checkpoint}: must not be negative")
+    if options.output is not None:
+        check_log_path(options.output)
+    outputs = [path for path in (options.output, options.csv, options.boxes) if path is not None]
+    with open_from(options, options.recording) as file, ExitStack() as held:
         settings, filters = configured(options, file.sensor)
         filters = filters_from(options, filters, file.blocks(*window), file.sensor)
         sensor, first_us = file.sensor, file.t0_us
-        tracker = ENGINES[options.engine].start(settings, filters, sensor)
+
+        def key() -> str:
+            return work_key(file.path, "track", options.engine, settings, filters, sensor, window, options.skip_damaged)
+
+        work = held.enter_context(unfinished(outputs[0], key)) if outputs else None
         with Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress:
-            log = signed_log_of(options.engine, tracker, _counted(file.blocks(*window, required=True), progress))
-    if options.output is not None:
-        log.save(options.output, force=options.force)
-    if options.csv is not None:
-        log.write_csv(options.csv, force=options.force)
-    save_learned(options)
-    say_seen(tracker, quiet=options.quiet)
-    found = _found(log)
-    if options.boxes is not None:
-        clock = clock_from(options, first_us)
-        write_boxes(options.boxes, boxes_of_log(log, clock, sensor), clock, options.boxes_format, force=options.force)
-        found["frame_1_at_us"] = clock.origin_us
+            done = track_into(
+                work, options.engine, lambda: ENGINES[options.engine].start(settings, filters, sensor),
+                _counted(file.blocks(*window, required=True), progress), options.checkpoint, _say(options, file),
+            )  # fmt: skip
+        found = _found(done.tally)
+        if done.log is not None:
+            _write(options, done.log)
+        save_learned(options)
+        say_seen(done.tracker, quiet=options.quiet)
+        if options.boxes is not None and done.log is not None:
+            clock = clock_from(options, first_us)
+            boxes = boxes_of_log(_records_of(done.log), clock, sensor)
+            write_boxes(options.boxes, boxes, clock, options.boxes_format, force=options.force)
+            found["frame_1_at_us"] = clock.origin_us
     if options.json:
         said = {"engine": options.engine, "settings": plain(settings), "filters": asdict(filters)}
         print(json.dumps(found | said, indent=2, allow_nan=False))
     elif not options.quiet:
         print_table([(name.replace("_", " "), "" if value is None else f"{value:,}") for name, value in found.items()])
     return 0
+
+
+def _say(options: argparse.Namespace, file: RecordingFile) -> Callable[[int], None] | None:
+    return None if options.quiet else lambda events: say_resumed(file.name, events)
+
+
+def _write(options: argparse.Namespace, log: LogSpool) -> None:
+    if options.output is not None:
+        save_log(log, options.output, force=options.force)
+    if options.csv is not None:
+        write_csv(log, options.csv, force=options.force)
+
+
+def _records_of(log: LogSpool) -> TrackLog:
+    """The records in memory, without owners."""
+    return TrackLog(log.engine, log.records[0 : len(log.records)], log.owner[0:0])
 
 
 def _check_boxes(options: argparse.Namespace) -> None:
@@ -78,27 +110,17 @@ def _counted(blocks: Iterator[Events], progress: Progress) -> Iterator[Events]:
             progress.update(done, int(block.t_us[-1]) - first_us, done / (time.perf_counter() - begin_s))
 
 
-def _found(log: TrackLog) -> dict[str, int | float | None]:
+def _found(tally: Tally) -> dict[str, int | float | None]:
     """What a person wants to know first."""
-    count = {kind: len(log.of_kind(kind)) for kind in Kind}
+    count = tally.kinds
     return {
-        "events": len(log.owner),
-        "owned": int(np.count_nonzero(log.owner >= 0)),
-        "passed": int(np.count_nonzero(log.owner == -1)),
-        "filtered": int(np.count_nonzero(log.owner == DROPPED)),
+        "events": tally.events,
+        "owned": tally.owned,
+        "passed": tally.passed,
+        "filtered": tally.filtered,
         "tracks": count[Kind.BORN],
         "merged": count[Kind.MERGED],
         "lost": count[Kind.LOST],
         "alive_at_the_end": count[Kind.BORN] - count[Kind.MERGED] - count[Kind.LOST],
-        "longest_track_s": _longest_s(log),
+        "longest_track_s": None if tally.longest_us is None else round(tally.longest_us / 1e6, 6),
     }
-
-
-def _longest_s(log: TrackLog) -> float | None:
-    """From the first record of a track to its last; None without a track."""
-    if not len(log.records):
-        return None
-    track_id, t_us = log.records["track_id"], log.records["t_us"]
-    _, begin = np.unique(track_id, return_index=True)
-    _, end = np.unique(track_id[::-1], return_index=True)
-    return round(float((t_us[::-1][end] - t_us[begin]).max()) / 1e6, 6)

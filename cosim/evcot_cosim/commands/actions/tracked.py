@@ -19,7 +19,7 @@ from evcot.tracks.log import TrackLog
 from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
 from ..options import window_from
-from ..tracked import RUN_DEFAULT, RUN_LOGS
+from ..tracked import RUN_DEFAULT, RUN_LOGS, log_of_run
 from .belonging import check_logs, run_extent
 from .opening import open_from
 
@@ -79,7 +79,7 @@ def tracked_from(options: argparse.Namespace) -> Iterator[Tracked]:
     described.check(run, recording.events)
     part = recording.window(*window)
     first_us = int(recording.events.t_us[0])
-    paths = [options.source / f"{log}.npz" for log in options.logs or RUN_DEFAULT]
+    paths = [log_of_run(options.source, log) for log in options.logs or RUN_DEFAULT]
     logs = _named(paths)
     summary = read_summary(options.source / SUMMARY) if (options.source / SUMMARY).is_file() else {}
     _check(paths, logs, described.source.recording, [run_extent(recording.events, [log.log for log in logs], summary)])

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Long recordings: the peak memory of `evcot track` and `evcot cosim` must stay below a constant, whatever their length.
+
+Run as a program with the arguments of `evcot`, it is the child process: it does that and prints its peak in MB.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import evcot
+from evcot.events import Events, Recording
+from evcot.recordings.files import write_events
+from evcot_cosim.cli import main
+from measure import Goal, Result
+from memory import own_peak_mb
+
+__all__ = ["measure"]
+
+_LIMIT_MB = 400.0
+_GROWTH = 1.1
+_APART_US = 10_000
+
+
+def measure(_folder: Path, quick: bool) -> Iterator[Result]:
+    """long_track_memory, long_track_growth, long_cosim_memory, long_cosim_growth, long_cosim_after."""
+    short, long = (3_000_000, 9_000_000) if quick else (8_000_000, 64_000_000)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        recording = evcot.simulate("discs", seed=1, duration_us=1_000_000).recording
+        files = {count: _written(folder / f"{count}.raw", recording, count) for count in (short, long)}
+        for command, options in (
+            ("track", ["--engine", "rct", "--preset", "discs"]),
+            ("cosim", ["--preset", "discs", "--no-waves"]),
+        ):
+            peaks: dict[int, float] = {}
+            for count in (short, short, long):  # the first compiles
+                began = time.perf_counter()
+                output = folder / f"{command}{count}{'.parquet' if command == 'track' else ''}"
+                force = ["--force"] if command == "track" else []
+                peaks[count] = _peak_mb([command, str(files[count]), "-o", str(output), "-q", *options, *force])
+            took_s = time.perf_counter() - began
+            how = f"resident set of `evcot {command}` over {long:,} events"
+            yield Result(f"long_{command}_memory", peaks[long], "MB", _LIMIT_MB, "goal", goal=Goal(1, at_most=True), how=how)
+            yield Result(
+                f"long_{command}_growth", peaks[long], "MB", peaks[short], f"{short:,} events",
+                goal=Goal(_GROWTH, at_most=True), how=how,
+            )  # fmt: skip
+            if command == "cosim":
+                lockstep_s = float(json.loads((output / "summary.json").read_text())["wall_s"])
+                yield Result(
+                    "long_cosim_after", took_s - lockstep_s, "s", lockstep_s, "the lock-step itself",
+                    goal=Goal(1, at_most=True), how="everything else of the same run: software tracker, logs, pages; wall time",
+                )  # fmt: skip
+
+
+def _written(path: Path, recording: Recording, count: int) -> Path:
+    """The recording again and again, until it has so many events."""
+    events = recording.events
+    span_us = recording.duration_us + _APART_US
+
+    def blocks() -> Iterator[Events]:
+        for i in range(-(-count // len(events))):
+            yield Events(events.t_us + i * span_us, events.x, events.y, events.p)[: count - i * len(events)]
+
+    write_events(path, (recording.width, recording.height), blocks())
+    return path
+
+
+def _peak_mb(arguments: list[str]) -> float:
+    child = subprocess.run([sys.executable, __file__, *arguments], capture_output=True, text=True, check=True)
+    return float(child.stdout.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    code = main(sys.argv[1:])
+    print(own_peak_mb())
+    sys.exit(code)

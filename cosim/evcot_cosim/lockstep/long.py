@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Co-simulation of a recording of any length: as `cosim`, in bounded memory, with checkpoints.
+
+Hardware and model are compared chunk by chunk, as always; the logs of hardware and software tracker grow in the folder of the
+work. The model's log is not kept: every chunk of it was compared with the hardware's.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.digest import EventsDigest
+from evcot.errors import RecordingError
+from evcot.events import Events
+from evcot.hardware.cot import to_track_records
+from evcot.recordings.formats.source import Sensor
+from evcot.trackers.config import RunConfig
+from evcot.tracks.spool import LogSpool
+from evcot.tracks.spooling import rest_of
+from evcot.tracks.tally import Tally
+from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished
+
+from ..devices.device import build_device
+from ..names import Top
+from ..rtl.build import BuiltModel
+from .cosim import check_addresses_of, compile_kernels, software_of, stalls_from
+from .lockstep import CHUNK, Lockstep
+from .run_file import Source
+
+__all__ = ["LongRun", "run_long"]
+
+
+@dataclass(frozen=True)
+class LongRun:
+    """Results of one run; see `cosim.CosimRun` for what is not explained here.
+
+    Attributes:
+        hardware, software: the logs, in files.
+        hardware_tally, software_tally: what was counted in them.
+        begin_us, end_us: times of the first and the last event.
+        digest: of all events.
+    """
+
+    name: str
+    sensor: Sensor
+    config: RunConfig
+    top: Top
+    hardware: LogSpool
+    software: LogSpool
+    hardware_tally: Tally
+    software_tally: Tally
+    begin_us: int
+    end_us: int
+    digest: str
+    cycles: int
+    latency: NDArray[np.int64]
+    wall_s: float
+    software_s: float
+    build: BuiltModel
+    seed: int | None
+
+    @property
+    def events(self) -> int:
+        """Number of events."""
+        return self.hardware_tally.events
+
+
+def run_long(
+    source: Source,
+    config: RunConfig,
+    top: Top,
+    work: Unfinished,
+    *,
+    stall_seed: int | None = None,
+    every: int = CHECKPOINT_EVENTS,
+    building: Callable[[], None] | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
+    resumed: Callable[[int], None] | None = None,
+) -> LongRun:
+    """Run hardware, model and software tracker over a file.
+
+    Args:
+        work: where the logs grow; it continues from its state.
+        every: events from one checkpoint to the next, rounded up to whole chunks; 0 makes none.
+        resumed: told how many events were done before.
+        stall_seed, building, progress: as of `cosim.run_cosim`.
+
+    Raises:
+        MismatchError: hardware and model differ.
+        ConfigError, RecordingError, ToolchainError.
+    """
+    with source.opened() as file:
+        sensor, name = file.sensor, file.name
+        check_addresses_of(sensor, config.cot, name)
+        cot = config.hardware(*sensor)
+        build = build_device(cot, top, waves=False, savable=True, on_miss=building)
+        state: dict[str, Any] = work.state or {}
+        tallies = state.get("tallies") or (Tally(), Tally())
+        logs = [LogSpool(work.folder, side, state.get(side, (0, 0))) for side in ("hardware", "software")]
+        for log in logs:
+            work.held.callback(log.close)
+        software = state.get("tracker") or software_of(sensor, config)
+        software_s, end_us = state.get("software_s", 0.0), state.get("end_us", 0)
+        made_of, at = EventsDigest(), tallies[0].events
+        begin_us: int | None = state.get("begin_us")
+        with Lockstep(cot, top, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep:
+            if at:
+                lockstep.restore(state["lockstep"])
+                if resumed is not None:
+                    resumed(at)
+            for chunk in _whole_chunks(rest_of(source.blocks(file), made_of, at, state.get("digest", ""))):
+                if begin_us is None:
+                    begin_us = int(chunk.t_us[0])
+                    compile_kernels(chunk[:1], sensor, config)
+                first, end_us = lockstep.events, int(chunk.t_us[-1])
+                made_of.add(chunk)
+                try:
+                    step = lockstep.feed(chunk)
+                except RecordingError as error:
+                    raise RecordingError(f"{name}: {error}") from error
+                records = to_track_records(step.hardware.records, cot, chunk.t_us, first, begin_us)
+                _keep(logs[0], tallies[0], records, step.hardware.owner)
+                started = time.perf_counter()
+                _keep(logs[1], tallies[1], *software.feed(chunk))
+                software_s += time.perf_counter() - started
+                if progress is not None:
+                    progress(lockstep.events, end_us - begin_us, lockstep.events / lockstep.wall_s)
+                if every and lockstep.events - at >= every and not lockstep.events % CHUNK:
+                    at = lockstep.events
+                    for log in logs:
+                        log.flush()
+                    work.save(
+                        {
+                            "tallies": tallies, "hardware": logs[0].lengths, "software": logs[1].lengths, "tracker": software,
+                            "software_s": software_s, "begin_us": begin_us, "end_us": end_us, "digest": made_of.hex(),
+                            "lockstep": lockstep.state(),
+                        }
+                    )  # fmt: skip
+            _keep(logs[1], tallies[1], software.finish(), np.empty(0, np.int16))
+            cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
+    for log, engine in zip(logs, ("cot-rtl", config.software), strict=True):
+        log.engine, log.recording = engine, made_of.hex()
+    assert begin_us is not None
+    return LongRun(
+        name=name,
+        sensor=sensor,
+        config=config,
+        top=top,
+        hardware=logs[0],
+        software=logs[1],
+        hardware_tally=tallies[0],
+        software_tally=tallies[1],
+        begin_us=begin_us,
+        end_us=end_us,
+        digest=made_of.hex(),
+        cycles=cycles,
+        latency=lockstep.latency,
+        wall_s=wall_s,
+        software_s=software_s,
+        build=build,
+        seed=stall_seed,
+    )
+
+
+def _keep(log: LogSpool, tally: Tally, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:
+    log.add(records, owner)
+    tally.add(records, owner)
+
+
+def _whole_chunks(blocks: Iterator[Events]) -> Iterator[Events]:
+    """Chunks of exactly `CHUNK` events and a last one: the clocks of a run depend on how it is cut."""
+    waiting = Events.empty()
+    for block in blocks:
+        waiting = Events.joined([waiting, block]) if len(waiting) else block
+        done = len(waiting) - len(waiting) % CHUNK
+        for begin in range(0, done, CHUNK):
+            yield waiting[begin : begin + CHUNK].packed()
+        waiting = waiting[done:]
+    if len(waiting):
+        yield waiting.packed()

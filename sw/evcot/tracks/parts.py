@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A track log in parts, one after the other, each a log of its own that knows of the tracks alive at its beginning.
+
+A part holds the records that belong to its events, by the order of the log. Before them come three records for every track
+that is alive: where it was born and the corners of the places where it has been, then its newest state, so that lifetimes,
+positions, merges and how far a track has travelled are those of the whole log.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .log import TRACK, Kind, TrackLog
+from .spool import LogColumns
+from .timeline import OPEN, by_life, lifetimes
+
+__all__ = ["Parts", "runs_of"]
+
+_RUN = 1 << 16
+_BEFORE = -(1 << 62)  # `event_index` of what was before the part
+
+
+def runs_of(log: LogColumns) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
+    """A log as records and owners, run by run, as `parquet.LogFile.blocks` gives them."""
+    done, n, total = 0, len(log.owner), len(log.records)
+    for begin in range(0, n, _RUN):
+        end = min(begin + _RUN, n)
+        records = [np.empty(0, TRACK)]
+        while done < total:
+            some = log.records[done : done + _RUN]
+            count = len(some) if end == n else int(np.searchsorted(np.maximum.accumulate(some["event_index"]), end))
+            records.append(some[:count])
+            done += count
+            if count < len(some):
+                break
+        yield np.concatenate(records), log.owner[begin:end]
+    if not n:
+        yield log.records[0:total], log.owner[0:0]
+
+
+class Parts:
+    """Cuts a log that comes in runs.
+
+    Args:
+        engine: as of `TrackLog`.
+        runs: of `runs_of` or of `parquet.LogFile.blocks`.
+    """
+
+    def __init__(self, engine: str, runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]) -> None:
+        self._engine = engine
+        self._runs = runs
+        self._records = np.empty(0, TRACK)
+        self._owner = np.empty(0, np.int16)
+        self._done = 0
+        self._past = np.empty(0, TRACK)
+
+    def take(self, n: int, *, last: bool = False) -> tuple[TrackLog, TrackLog]:
+        """The log of the next `n` events, event 0 being the first of them, twice: with the past, and to be drawn.
+
+        What is drawn has one record of every track alive before, its newest state at the time of the part's first record.
+        """
+        records, owner = [self._records], [self._owner]
+        have = len(self._owner)
+        while have < n or last:
+            run = next(self._runs, None)
+            if run is None:
+                break
+            records.append(run[0])
+            owner.append(run[1])
+            have += len(run[1])
+        every, owners = np.concatenate(records), np.concatenate(owner)
+        end = self._done + n
+        count = len(every) if last else int(np.searchsorted(np.maximum.accumulate(every["event_index"]), end))
+        own = every[:count].copy()
+        own["event_index"] -= self._done
+        self._records, self._owner, self._done = every[count:], owners[n:], end
+        whole = TrackLog(self._engine, np.concatenate((self._past, own)), owners[:n])
+        shown = TrackLog(self._engine, np.concatenate((self._newest(own), own)), owners[:n])
+        np.clip(shown.records["event_index"], 0, n, out=shown.records["event_index"])
+        self._past = _past(whole)
+        return whole, shown
+
+    def _newest(self, own: NDArray[np.void]) -> NDArray[np.void]:
+        newest = self._past[2 * len(self._past) // 3 :].copy()
+        if len(own):
+            newest["t_us"] = np.minimum(np.maximum(newest["t_us"], own["t_us"][0]), own["t_us"][0])
+        return newest
+
+
+def _past(log: TrackLog) -> NDArray[np.void]:
+    """The three records of every track that is alive at the end, in the order of their births."""
+    lives = lifetimes(log, 0)
+    if not len(lives):
+        return np.empty(0, TRACK)
+    order, first = by_life(log)
+    records = log.records[order]
+    last = np.append(first[1:], len(records)) - 1
+    born, corner, newest = (records[at].copy() for at in (first, last, last))
+    for name in ("x", "y"):
+        born[name] = np.minimum.reduceat(records[name], first)
+        corner[name] = np.maximum.reduceat(records[name], first)
+    for name in ("width", "height"):
+        born[name] = np.maximum.reduceat(np.maximum(records["width"], records["height"]), first)
+    past = np.concatenate([rows[lives["ended"] == OPEN] for rows in (born, corner, newest)])
+    past["kind"], past["event_index"] = Kind.MOVED, _BEFORE
+    return past

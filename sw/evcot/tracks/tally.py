@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Counts of a track log that are kept while it grows."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .record import DROPPED, Kind
+
+__all__ = ["Tally"]
+
+
+class Tally:
+    """Counts of events and tracks; memory holds the tracks that are alive.
+
+    Attributes:
+        events, owned, passed, filtered: number of events, of those that a slot took, that none took, and that a filter dropped.
+        kinds: number of records of each kind.
+        longest_us: from the first record of a track to its last, of the longest; None without a record.
+    """
+
+    def __init__(self) -> None:
+        self.events = self.owned = self.passed = self.filtered = 0
+        self.kinds = dict.fromkeys(Kind, 0)
+        self.longest_us: int | None = None
+        self._first_us: dict[int, int] = {}
+
+    def add(self, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:
+        """Count what a tracker returned for a run of events."""
+        self.events += len(owner)
+        self.owned += int(np.count_nonzero(owner >= 0))
+        self.passed += int(np.count_nonzero(owner == -1))
+        self.filtered += int(np.count_nonzero(owner == DROPPED))
+        for kind, count in enumerate(np.bincount(records["kind"], minlength=len(Kind)).tolist()):
+            self.kinds[Kind(kind)] += count
+        if len(records):
+            self._lengths(records)
+
+    def _lengths(self, records: NDArray[np.void]) -> None:
+        t_us, track_id = records["t_us"], records["track_id"]
+        ids, first = np.unique(track_id, return_index=True)
+        _, last = np.unique(track_id[::-1], return_index=True)
+        last = len(records) - 1 - last
+        ended = np.isin(records["kind"][last], (Kind.MERGED, Kind.LOST))
+        rows = zip(ids.tolist(), t_us[first].tolist(), t_us[last].tolist(), ended.tolist(), strict=True)
+        for track, begin_us, end_us, over in rows:
+            since_us = self._first_us.setdefault(track, begin_us)
+            self.longest_us = max(self.longest_us or 0, end_us - since_us)
+            if over:
+                del self._first_us[track]

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Long work that goes on where it was when its process was killed: a folder beside its output, with a checkpoint.
+
+The folder `.NAME.unfinished` holds raw files that only grow, and `checkpoint`, the state of everything else at some moment,
+with how long the files were. It is removed when the work is done, and when it fails; it stays when the process ends in
+between. What another program, other settings or other inputs left there is not used.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import io
+import os
+import pickle
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from .errors import OutputError
+from .outputs import spool_folder
+
+__all__ = ["CHECKPOINT_EVENTS", "Unfinished", "unfinished"]
+
+CHECKPOINT_EVENTS = 1 << 24  # between two checkpoints, unless somebody says otherwise
+
+_STATE, _LOCK = "checkpoint", "lock"
+_HEAD = b"evcot checkpoint 1\n"
+_DIGEST_BYTES = 16
+_OURS = ("evcot", "evcot_cosim")  # packages whose classes a checkpoint may hold
+_OTHERS = {  # and what else: how NumPy and Python store values
+    ("builtins", "set"), ("builtins", "frozenset"), ("builtins", "slice"), ("builtins", "iter"),
+    ("collections", "deque"), ("collections", "Counter"), ("collections", "OrderedDict"),
+    ("numpy", "dtype"), ("numpy", "ndarray"), ("numpy._core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"), ("numpy._core.numeric", "_frombuffer"), ("numpy.core.multiarray", "_reconstruct"),
+    ("numpy.core.multiarray", "scalar"), ("numpy.core.numeric", "_frombuffer"),
+}  # fmt: skip
+
+
+class Unfinished:
+    """The folder of one piece of work, made by `unfinished`.
+
+    Attributes:
+        folder: for the files of the work.
+        state: what was saved last; None at the beginning.
+        held: closed when the work ends, whichever way, before the folder is removed.
+    """
+
+    def __init__(self, folder: Path, key: Callable[[], str]) -> None:
+        self.folder = folder
+        self._key = key
+        self.state: dict[str, Any] | None = None
+        self.held = ExitStack()
+
+    def save(self, state: dict[str, Any]) -> None:
+        """Keep a state, in place of the last one; the files that it speaks of must have been flushed before.
+
+        Args:
+            state: objects of evcot and of NumPy, and plain values.
+        """
+        content = self._key().encode() + b"\n" + pickle.dumps(state, protocol=5)
+        aside = self.folder / f"{_STATE}.new"
+        with aside.open("wb") as file:
+            file.write(_HEAD + blake2b(content, digest_size=_DIGEST_BYTES).digest() + content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(aside, self.folder / _STATE)
+        self.state = state
+
+    def load(self) -> None:
+        """Set `state` to what was saved by the same work, or None."""
+        try:
+            stored = (self.folder / _STATE).read_bytes()
+        except FileNotFoundError:
+            return
+        begin = len(_HEAD) + _DIGEST_BYTES
+        content = stored[begin:]
+        key = self._key().encode() + b"\n"
+        whole = stored[:begin] == _HEAD + blake2b(content, digest_size=_DIGEST_BYTES).digest()
+        if whole and content.startswith(key):
+            self.state = _Unpickler(io.BytesIO(content[len(key) :])).load()
+
+
+class _Unpickler(pickle.Unpickler):
+    """Makes classes of evcot, and values of NumPy and Python, and calls nothing else."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) == ("builtins", "getattr"):
+            return _method
+        found = super().find_class(module, name) if module.split(".")[0] in _OURS or (module, name) in _OTHERS else None
+        if found is None or (module.split(".")[0] in _OURS and not (isinstance(found, type) and found.__module__ == module)):
+            raise pickle.UnpicklingError(f"{module}.{name}: must be a class of evcot or a value of NumPy")
+        return found
+
+
+def _method(owner: object, name: str) -> Any:
+    """A method of one of evcot's objects, which is how a bound method is stored; none of Python's own."""
+    if name.startswith("__") or type(owner).__module__.split(".")[0] not in _OURS:
+        raise pickle.UnpicklingError(f"{name}: must be a method of an object of evcot")
+    return getattr(owner, name)
+
+
+@contextmanager
+def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
+    """The folder of the work that will write `path`; with the last state, if the same work was ended before it was done.
+
+    Args:
+        key: a text that changes with everything on which the result depends; it is asked for only when it is needed.
+
+    Raises:
+        OutputError: another process is at the same work, or the folder cannot be written.
+    """
+    target = Path(os.path.realpath(path))
+    if spool_folder(path) != target.parent:  # a pipe or a device: nothing to continue
+        with tempfile.TemporaryDirectory() as temporary:
+            work = Unfinished(Path(temporary), key)
+            with work.held:
+                yield work
+        return
+    folder = target.with_name(f".{target.name}.unfinished")
+    parents = [parent for parent in folder.parents if not parent.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = (folder / _LOCK).open("ab")
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise OutputError(f"{path}: is being written by another process: must be another file") from error
+        work = Unfinished(folder, key)
+        work.load()
+        try:
+            with work.held:
+                yield work
+        except Exception:
+            _remove(folder, parents)
+            raise
+        except BaseException:
+            if work.state is None:
+                _remove(folder, parents)
+            raise
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _remove(folder: Path, parents: list[Path]) -> None:
+    shutil.rmtree(folder, ignore_errors=True)
+    for parent in parents:
+        try:
+            parent.rmdir()
+        except OSError:
+            return

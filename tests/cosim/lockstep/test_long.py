@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run that is not held in memory says what one in memory says, continues where it was killed, and grows with nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from evcot.outputs import own_files
+from evcot.recordings.files import write_recording
+from evcot.scenes.registry import simulate_scene
+from evcot.tracks.log import TrackLog
+from evcot_cosim.cli import main
+
+pytest.importorskip("pyarrow")
+
+_TIMES = ("wall_s", "realtime_factor", "events_per_s", "software_events_per_s", "build", "command", "parts")
+# What makes a run of some ten thousand events a long one; in a process of its own, too, which may end itself.
+_SMALL = """
+import os, signal, sys
+import evcot_cosim.commands.actions.cosim as action, evcot_cosim.report.long_run as long_run
+import evcot_cosim.lockstep.long as long, evcot_cosim.lockstep.lockstep as lockstep, evcot.unfinished as unfinished
+from evcot_cosim.cli import main
+action.EVENTS_MAX, long_run.PART_EVENTS, long.CHUNK = 9_000, 4_000, 2_000
+saves, save = [], unfinished.Unfinished.save
+def counted(work, state):
+    save(work, state)
+    saves.append(state)
+    if len(saves) == int(sys.argv[1]):
+        os.kill(os.getpid(), signal.SIGKILL)
+unfinished.Unfinished.save = counted
+sys.exit(main(sys.argv[2:]))
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("long") / "discs.npz"
+    write_recording(simulate_scene("discs", 5, {"duration_us": 250_000}).recording, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def runs(recorded: Path) -> Path:
+    """The same recording in memory, in parts, and in parts after being killed twice."""
+    folder = recorded.parent
+    common = ["cosim", str(recorded), "--preset", "discs", "--no-waves", "-q", "--stalls", "3"]
+    assert main([*common, "-o", str(folder / "short")]) == 0
+    for name, kill_at in (("long", 0), ("killed", 2), ("killed", 1), ("killed", 0)):
+        command = [sys.executable, "-c", _SMALL, str(kill_at), *common[:-3], "--stalls", "3", "--checkpoint", "4000"]
+        done = subprocess.run(
+            [*command, "-o", str(folder / name)], env={**os.environ}, capture_output=True, text=True, check=False, timeout=500
+        )
+        assert done.returncode == (-signal.SIGKILL if kill_at else 0), done.stderr
+        if name == "killed":
+            assert (folder / ".killed.unfinished").exists() == bool(kill_at)
+            said = re.search(r"continues after ([0-9,]+) events", done.stderr)
+            assert (said[1] if said else None) == {2: None, 1: "8,000", 0: "12,000"}[kill_at]
+    return folder
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return found
+
+
+def test_a_long_run_says_what_a_short_one_says(runs: Path) -> None:
+    short, long = summary(runs / "short"), summary(runs / "long")
+    assert short["events"] > 9_000 + 4 * 4_000
+    for figures in (short, long):
+        for name in ("cot-model",):
+            for by_engine in ("births", "merges", "lifetimes", "owned_fraction"):
+                figures[by_engine].pop(name, None)
+    clocks = {"cycles", "cycles_per_event", "latency_clocks"}  # a run in memory is driven in larger chunks
+    for key in short.keys() - {*_TIMES, *clocks, "verdict"}:
+        assert long[key] == short[key], key
+    assert long["verdict"]["headline"] == short["verdict"]["headline"]
+    for name in ("hardware", "software"):
+        one, other = TrackLog.load(runs / "short" / f"{name}.npz"), TrackLog.load(runs / "long" / f"{name}.parquet")
+        assert np.array_equal(one.records, other.records)
+        assert np.array_equal(one.owner, other.owner)
+        assert (one.engine, one.recording) == (other.engine, other.recording)
+
+
+def test_a_killed_run_is_the_unbroken_one_bit_for_bit(runs: Path) -> None:
+    for name in ("hardware.parquet", "software.parquet"):
+        assert (runs / "killed" / name).read_bytes() == (runs / "long" / name).read_bytes()
+    killed, long = summary(runs / "killed"), summary(runs / "long")
+    assert killed["parts"] == long["parts"]
+    assert {key: killed[key] for key in killed.keys() - set(_TIMES)} == {key: long[key] for key in long.keys() - set(_TIMES)}
+
+
+def test_every_part_has_a_page_beside_the_overview(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = runs / "long"
+    parts = summary(folder)["parts"]
+    assert len(parts) > 5
+    assert sum(part["events"] for part in parts) == summary(folder)["events"]
+    assert sum(part["births_hardware"] for part in parts) == summary(folder)["births"]["cot-rtl"]
+    page = (folder / "report.html").read_text()
+    for part in parts:
+        assert part["page"] in page
+        assert "<title>discs, " in (folder / part["page"]).read_text()
+    assert own_files(folder) == {path.name for path in folder.iterdir()}
+    capsys.readouterr()
+    assert main(["report", str(folder), "-q"]) == 0
+    assert (folder / "report.html").read_text() == page
+    assert main(["report", str(folder), "-o", str(runs / "other.html")]) == 2
+    assert "its pages are beside its report" in capsys.readouterr().err
+    assert main(["evaluate", str(folder), "--truth", str(runs / "none.csv")]) == 2
+    assert "none.csv" in capsys.readouterr().err

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Unfinished work stays when its process ends, belongs to one key, and holds nothing that runs."""
+
+from __future__ import annotations
+
+import fractions
+import os
+import pickle
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from evcot.errors import OutputError
+from evcot.events import Events
+from evcot.unfinished import Unfinished, unfinished
+
+
+class Ended(BaseException):
+    pass
+
+
+def left(path: Path, key: str = "key", **state: object) -> None:
+    ends(path, lambda work: work.save(state), Ended(), key)
+
+
+def ends(path: Path, does: Callable[[Unfinished], object], error: BaseException, key: str = "key") -> None:
+    """Work that ends with an error."""
+
+    def end(work: Unfinished) -> None:
+        does(work)
+        raise error
+
+    with pytest.raises(type(error)), unfinished(path, lambda: key) as work:
+        end(work)
+
+
+def found(path: Path, key: str = "key") -> dict[str, object] | None:
+    with unfinished(path, lambda: key) as work:
+        return work.state
+
+
+def test_a_state_comes_back_once_and_for_its_own_work_alone(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    left(path, count=7, values=np.arange(3), queue=deque([1]), events=Events.empty())
+    state = found(path)
+    assert state is not None
+    assert state["count"] == 7
+    assert np.array_equal(np.asarray(state["values"]), np.arange(3))
+    assert found(path) is None, "it was done"
+    left(path, count=7)
+    assert found(path, "another") is None
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_is_left_of_work_that_fails_or_has_no_checkpoint(tmp_path: Path) -> None:
+    for error in (ValueError(), Ended()):
+        ends(tmp_path / "new" / "log", lambda work: (work.folder / "data").write_bytes(b"1"), error)
+        assert list(tmp_path.iterdir()) == []
+    ends(tmp_path / "log", lambda work: work.save({"count": 1}), ValueError())
+    assert found(tmp_path / "log") is None
+
+
+def test_a_damaged_checkpoint_is_not_used(tmp_path: Path) -> None:
+    left(tmp_path / "log", count=7)
+    file = tmp_path / ".log.unfinished" / "checkpoint"
+    stored = bytearray(file.read_bytes())
+    stored[-2] ^= 1
+    file.write_bytes(stored)
+    assert found(tmp_path / "log") is None
+
+
+def test_two_processes_do_not_share_a_folder(tmp_path: Path) -> None:
+    with (
+        unfinished(tmp_path / "log", lambda: "key"),
+        pytest.raises(OutputError, match="is being written by another process"),
+        unfinished(tmp_path / "log", lambda: "key"),
+    ):
+        pass
+
+
+class Runs:
+    """What a forged checkpoint could hold."""
+
+    def __init__(self, call: object, *arguments: object) -> None:
+        self.made_of = call, arguments
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        return self.made_of
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        Runs(os.mkdir, "made"),
+        Runs(getattr, Events, "empty"),
+        Runs(getattr, Events.empty(), "__init__"),
+        fractions.Fraction(1, 2),
+    ],
+    ids=["function", "method of a class", "private method", "other class"],
+)
+def test_a_checkpoint_runs_nothing(forged: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    left(tmp_path / "log", forged=forged)
+    with pytest.raises(pickle.UnpicklingError, match="must be a"), unfinished(tmp_path / "log", lambda: "key"):
+        pass
+    assert not Path("made").exists()
+
+
+def test_a_pipe_has_no_folder_beside_it(tmp_path: Path) -> None:
+    with unfinished(Path("/dev/null"), lambda: "key") as work:
+        assert isinstance(work, Unfinished)
+        assert work.folder.parent != Path("/dev")
+        work.save({"count": 1})
+    assert not work.folder.exists()
