@@ -8,7 +8,6 @@ between. What another program, other settings or other inputs left there is not 
 
 from __future__ import annotations
 
-import fcntl
 import io
 import os
 import pickle
@@ -16,6 +15,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from enum import EnumType
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -89,17 +89,19 @@ class _Unpickler(pickle.Unpickler):
 
     def find_class(self, module: str, name: str) -> Any:
         if (module, name) == ("builtins", "getattr"):
-            return _method
+            return _attribute
         found = super().find_class(module, name) if module.split(".")[0] in _OURS or (module, name) in _OTHERS else None
         if found is None or (module.split(".")[0] in _OURS and not (isinstance(found, type) and found.__module__ == module)):
             raise pickle.UnpicklingError(f"{module}.{name}: must be a class of evcot or a value of NumPy")
         return found
 
 
-def _method(owner: object, name: str) -> Any:
-    """A method of one of evcot's objects, which is how a bound method is stored; none of Python's own."""
+def _attribute(owner: object, name: str) -> Any:
+    """A method of one of evcot's objects, or a member of one of its enumerations: Python stores both by name."""
+    if isinstance(owner, EnumType) and owner.__module__.split(".")[0] in _OURS and name in owner.__members__:
+        return owner.__members__[name]
     if name.startswith("__") or type(owner).__module__.split(".")[0] not in _OURS:
-        raise pickle.UnpicklingError(f"{name}: must be a method of an object of evcot")
+        raise pickle.UnpicklingError(f"{name}: must be a method of an object of evcot, or a member of an enumeration")
     return getattr(owner, name)
 
 
@@ -124,14 +126,9 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
     parents = [parent for parent in folder.parents if not parent.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = (folder / _LOCK).open("ab")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            raise OutputError(f"{path}: is being written by another process: must be another file") from error
+    with _locked(folder, path):
         work = Unfinished(folder, key)
         work.load()
         try:
@@ -145,6 +142,26 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
                 _remove(folder, parents)
             raise
         shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def _locked(folder: Path, path: Path) -> Iterator[None]:
+    """Keep other processes out of the folder; on Windows, which has no such locks, nobody is kept out."""
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    try:
+        lock = (folder / _LOCK).open("ab")
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise OutputError(f"{path}: is being written by another process: must be another file") from error
+        yield
 
 
 def _remove(folder: Path, parents: list[Path]) -> None:

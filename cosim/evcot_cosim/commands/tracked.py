@@ -4,23 +4,14 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
-
-from evcot.tracks.parquet import SUFFIX
 
 from .options import recording_options
 from .parsing import input_or_name, input_path
 
-__all__ = ["RUN_DEFAULT", "RUN_LOGS", "log_of_run", "tracked_options"]
+__all__ = ["RUN_DEFAULT", "RUN_LOGS", "tracked_options"]
 
 RUN_LOGS = ("hardware", "software", "model")
 RUN_DEFAULT = ("hardware", "software")
-
-
-def log_of_run(folder: Path, name: str) -> Path:
-    """The log of an engine in the folder of a run, .npz, or .parquet of a long one; it need not exist."""
-    parquet = folder / f"{name}{SUFFIX}"
-    return parquet if parquet.is_file() else folder / f"{name}.npz"
 
 
 def tracked_options(parser: argparse.ArgumentParser) -> None:

@@ -81,7 +81,7 @@ class Cluster:
             ConfigError: the scheduler is gone for good; what has ended before has been yielded.
         """
         waiting: Iterator[Any] = iter(tasks)
-        open_tasks: dict[Any, Any] = {}
+        open_tasks: dict[str, Any] = {}  # what was handed out and has not ended, by the key of its future
         while True:
             completed = self._dask.as_completed(loop=self._client.loop)
             lost = False
@@ -91,9 +91,10 @@ class Cluster:
                     if future.status not in ("finished", "error"):
                         lost = True
                         break
-                    done = _done(future, open_tasks.pop(future))
-                    future.release()
+                    done = _done(future, open_tasks[future.key])
+                    del open_tasks[future.key]
                     yield done
+                    future.release()
                     self._hand_out(waiting, open_tasks, completed)
             except (OSError, self._dask.CancelledError):  # the connection has gone, in one of many ways
                 lost = True
@@ -104,16 +105,15 @@ class Cluster:
             self._client.close(timeout=2)
             self._client = self._connected(_RECONNECT_S)
 
-    def _hand_out(self, waiting: Iterator[Any], open_tasks: dict[Any, Any], completed: Any) -> None:
+    def _hand_out(self, waiting: Iterator[Any], open_tasks: dict[str, Any], completed: Any) -> None:
         wanted = _AHEAD * max(1, sum(self._client.nthreads().values()))
         while len(open_tasks) < wanted:
             task = next(waiting, None)
             if task is None:
                 return
             key = f"evcot-{task.key}-{next(self._numbers)}"
-            future = self._client.submit(self._function, task, key=key, pure=False)
-            open_tasks[future] = task
-            completed.add(future)
+            open_tasks[key] = task
+            completed.add(self._client.submit(self._function, task, key=key, pure=False))
 
     def _connected(self, patience_s: float) -> Any:
         deadline = time.monotonic() + patience_s

@@ -143,7 +143,7 @@ _TRACKER = Group(
         *_rows("active ring s_valid s_ready", Colour.CONTROL),
         *_rows("cm_x cm_y", Colour.PLACE, Form.PLOT_PIXELS),
         Row("radius", form=Form.PLOT, colour=Colour.PLACE),
-        *_rows("lo_x_not hi_x lo_y_not hi_y", Colour.PLACE),
+        *(Row(f"u_{axis}.hi_reg", f"hi_{axis}", colour=Colour.PLACE) for axis in "xy"),
         *_rows("av_x av_y", Colour.PLACE, Form.PIXELS),
         *_rows("tc tc2 last_tc2", Colour.TIME),
         *_rows("n_ev count support id"),

@@ -44,6 +44,6 @@ def test_a_wait_that_is_too_long_is_refused_and_nothing_was_fed(config: CotConfi
     assert hardware.settled == 100
 
 
-def test_rules_that_the_rtl_has_not_are_refused(config: CotConfig) -> None:
-    with pytest.raises(ConfigError, match=r"^motion\.enable = 1"):
+def test_a_shape_that_the_array_with_motion_cannot_have_is_refused(config: CotConfig) -> None:
+    with pytest.raises(ConfigError, match=r"^shape\.time_w = 20: must be from 32 to 48 with motion\.enable = 1$"):
         DeviceTracker(replace(config, motion=MotionRegisters(enable=1)))

@@ -209,7 +209,12 @@ class TestMismatch:
         assert CotConfig(Shape(**config["shape"]), slots, config["tick_us"]) == CONFIG
 
     def test_a_broken_chain_is_found_too(self, tmp_path: Path) -> None:
-        verilog = broken_copy(tmp_path / "rtl", "cot.v", "at_x >= ~lo_x_not", "at_x > ~lo_x_not")
+        verilog = broken_copy(
+            tmp_path / "rtl",
+            "cot_axis.v",
+            "!wide_rel[REL_W-1] &&",
+            "!wide_rel[REL_W-1] && |wide_rel &&",
+        )
         with (
             Lockstep(CONFIG, "cot_chain", verilog=verilog) as lockstep,
             pytest.raises(MismatchError, match=r"event 1, tick 3: owner: hardware has 1, model has 0"),

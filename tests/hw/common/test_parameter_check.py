@@ -13,11 +13,12 @@ TRACKERS = ("cot", "cot_chain", "cot_array")
 WIDTHS = [name for name in SHAPE_RANGES if name != "n_slots"]
 
 
-def rule_of(name: str) -> str:
-    """How the instance that refuses is named."""
+def rule_of(name: str, value: int) -> str:
+    """How the instance that refuses is named: that of the innermost module, of which x, y and a large radius are parameters."""
     low, high, _ = SHAPE_RANGES[name]
-    own = {"n_slots": "N", "x_w": "W", "y_w": "W"}  # x and y are refused by the window's axis
-    return f"{own.get(name, name.upper())}_must_be_{low}_to_{high}"
+    if name == "radix_w" and value > high:
+        return f"R_W_must_be_{low}_to_{high + 1}"  # of cot_window, whose radius is the sum of two registers
+    return f"{'W' if name in ('x_w', 'y_w') else name.upper()}_must_be_{low}_to_{high}"
 
 
 def test_builds_nothing_when_the_rule_holds() -> None:
@@ -35,7 +36,7 @@ def test_cot_refuses_a_width_beyond_the_contracts_range(name: str, end: int) -> 
     fitting = {"TC_W": 1, "NEV_W": 1, "TICK_W": 1} if name == "time_w" else {"TIME_W": 48}
     code, log = lint("cot", **fitting | {name.upper(): value})
     assert code != 0
-    assert rule_of(name) in log
+    assert rule_of(name, value) in log
 
 
 @pytest.mark.parametrize("top", ["cot_chain", "cot_array"])

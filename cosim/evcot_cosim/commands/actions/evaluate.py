@@ -17,9 +17,10 @@ from evcot.tracks.parquet import SUFFIX, LogFile
 from ...lockstep.run_file import RUN_FILE, read_run_file
 from ...tables import print_table
 from ..options import sensor_from
-from ..tracked import RUN_LOGS, log_of_run
+from ..tracked import RUN_LOGS
 from .clock import clock_from
 from .counting import Counting
+from .tracked import log_of_run
 
 __all__ = ["run"]
 

@@ -105,6 +105,15 @@ def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> in
 
 
 @njit(cache=True, nogil=True)
+def _lives(s: Table) -> bool:
+    """Whether any slot has a track or a candidate."""
+    for i in range(s.shape[1]):  # noqa: SIM110 (any() would allocate)
+        if s[STATE, i] != FREE:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
 def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
     """What an event does to its owner; true when the window of N_ev events is complete."""
     s[SUPPORT, i] = min(s[SUPPORT, i] + 1, lim[SUPPORT_MAX])
@@ -134,6 +143,9 @@ def feed(
         y = int(ys[e])
         now = ticks[e]
         while glob[NEXT_STEP] <= now:
+            if not _lives(s):  # steps in which nothing happens, however many
+                glob[NEXT_STEP] += (((now - glob[NEXT_STEP]) >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
+                break
             if n + room > len(out):
                 return e, n
             n = _step(s, r, lim, glob, out, n)
