@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// The codes of motion_engine.v's instructions, and where its program is entered.
+// Generated from sw/evcot/hardware/motion/program/ by `python -m evcot.hardware.generate`: edit there.
+`ifndef MOTION_CODES_VH
+`define MOTION_CODES_VH
+
+// An instruction: operation, mode, negation, lanes, predicate, argument, from the highest bit.
+`define EVCOT_MOTION_WORD_W 23
+
+// Operations.
+`define EVCOT_MOTION_OP_NOP 5'd0
+`define EVCOT_MOTION_OP_LD 5'd1
+`define EVCOT_MOTION_OP_ADD 5'd2
+`define EVCOT_MOTION_OP_SUB 5'd3
+`define EVCOT_MOTION_OP_RSB 5'd4
+`define EVCOT_MOTION_OP_ADDT 5'd5
+`define EVCOT_MOTION_OP_SUBT 5'd6
+`define EVCOT_MOTION_OP_SHR1 5'd7
+`define EVCOT_MOTION_OP_SHR4 5'd8
+`define EVCOT_MOTION_OP_SHL1 5'd9
+`define EVCOT_MOTION_OP_SHL4 5'd10
+`define EVCOT_MOTION_OP_LT 5'd11
+`define EVCOT_MOTION_OP_LE 5'd12
+`define EVCOT_MOTION_OP_LTT 5'd13
+`define EVCOT_MOTION_OP_FO 5'd14
+`define EVCOT_MOTION_OP_EXT 5'd15
+`define EVCOT_MOTION_OP_ST 5'd16
+`define EVCOT_MOTION_OP_STH 5'd17
+`define EVCOT_MOTION_OP_STS 5'd18
+`define EVCOT_MOTION_OP_OUT 5'd19
+`define EVCOT_MOTION_OP_J 5'd20
+`define EVCOT_MOTION_OP_CALL 5'd21
+`define EVCOT_MOTION_OP_RET 5'd22
+`define EVCOT_MOTION_OP_PICK 5'd23
+`define EVCOT_MOTION_OP_TAKE 5'd24
+`define EVCOT_MOTION_OP_SWAP 5'd25
+`define EVCOT_MOTION_OP_DONE 5'd26
+
+// Words that events change.
+`define EVCOT_MOTION_HOT_LO 4'd0
+`define EVCOT_MOTION_HOT_HI 4'd1
+`define EVCOT_MOTION_HOT_OFF_LO 4'd2
+`define EVCOT_MOTION_HOT_OFF_HI 4'd3
+`define EVCOT_MOTION_HOT_SUPPORT 4'd4
+`define EVCOT_MOTION_HOT_N_EV 4'd5
+`define EVCOT_MOTION_HOT_BEYOND 4'd6
+`define EVCOT_MOTION_HOT_BINS 4'd7
+`define EVCOT_MOTION_HOT_HIDDEN 4'd8
+`define EVCOT_MOTION_HOT_WLO 4'd9
+
+// Values beside the registers, whose codes are their addresses.
+`define EVCOT_MOTION_VALUE_NOW 6'd40
+`define EVCOT_MOTION_VALUE_EVENT 6'd41
+`define EVCOT_MOTION_VALUE_OTHER 6'd42
+`define EVCOT_MOTION_VALUE_BIRTHS 6'd43
+`define EVCOT_MOTION_VALUE_SPEED 6'd44
+`define EVCOT_MOTION_VALUE_GAP_BIN 6'd45
+`define EVCOT_MOTION_VALUE_HALF 6'd46
+`define EVCOT_MOTION_VALUE_TWO 6'd47
+`define EVCOT_MOTION_VALUE_REACH_LO 6'd48
+`define EVCOT_MOTION_VALUE_REACH_HI 6'd49
+`define EVCOT_MOTION_VALUE_TICKS_MAX 6'd50
+`define EVCOT_MOTION_VALUE_TOGETHER_MAX 6'd51
+`define EVCOT_MOTION_VALUE_SUPPORT_MAX 6'd52
+
+// Conditions.
+`define EVCOT_MOTION_EXT_VISIBLE 4'd0
+`define EVCOT_MOTION_EXT_OTHER_VISIBLE 4'd1
+`define EVCOT_MOTION_EXT_OWNED 4'd2
+`define EVCOT_MOTION_EXT_RECORD_FREE 4'd3
+`define EVCOT_MOTION_EXT_LOOKING 4'd4
+`define EVCOT_MOTION_EXT_GAP_FOUND 4'd5
+`define EVCOT_MOTION_EXT_LOW_STAYS 4'd6
+`define EVCOT_MOTION_EXT_SPEEDING 4'd7
+`define EVCOT_MOTION_EXT_CURRENT 4'd8
+
+// What the accumulators are for.
+`define EVCOT_MOTION_OUT_PLACE_BLO 5'd0
+`define EVCOT_MOTION_OUT_PLACE_BHI 5'd1
+`define EVCOT_MOTION_OUT_PLACE_WLO 5'd2
+`define EVCOT_MOTION_OUT_PLACE_WHI 5'd3
+`define EVCOT_MOTION_OUT_ASK_LO 5'd4
+`define EVCOT_MOTION_OUT_ASK_HI 5'd5
+`define EVCOT_MOTION_OUT_BEGIN 5'd6
+`define EVCOT_MOTION_OUT_BORN 5'd7
+`define EVCOT_MOTION_OUT_FREE 5'd8
+`define EVCOT_MOTION_OUT_FREE_OTHER 5'd9
+`define EVCOT_MOTION_OUT_TODO 5'd10
+`define EVCOT_MOTION_OUT_REST 5'd11
+`define EVCOT_MOTION_OUT_TICKS 5'd12
+`define EVCOT_MOTION_OUT_SLOWER 5'd13
+`define EVCOT_MOTION_OUT_GAIN 5'd14
+`define EVCOT_MOTION_OUT_SPEED 5'd15
+`define EVCOT_MOTION_OUT_LOOK_X 5'd16
+`define EVCOT_MOTION_OUT_LOOK_Y 5'd17
+`define EVCOT_MOTION_OUT_KIND 5'd18
+`define EVCOT_MOTION_OUT_HEAD 5'd19
+`define EVCOT_MOTION_OUT_MIDDLE 5'd20
+`define EVCOT_MOTION_OUT_SIDES 5'd21
+`define EVCOT_MOTION_OUT_MOVES 5'd22
+`define EVCOT_MOTION_OUT_ID 5'd23
+`define EVCOT_MOTION_OUT_OTHER_ID 5'd24
+`define EVCOT_MOTION_OUT_N_EV 5'd25
+`define EVCOT_MOTION_OUT_SUPPORT 5'd26
+`define EVCOT_MOTION_OUT_RECORD 5'd27
+`define EVCOT_MOTION_OUT_OFF_LO 5'd28
+`define EVCOT_MOTION_OUT_OFF_HI 5'd29
+`define EVCOT_MOTION_OUT_SCALE 5'd30
+`define EVCOT_MOTION_OUT_SCALE_Y 5'd31
+
+// Among which slots the next one is sought.
+`define EVCOT_MOTION_PICK_LIVES 2'd0
+`define EVCOT_MOTION_PICK_PARTNER 2'd1
+`define EVCOT_MOTION_PICK_TOUCH 2'd2
+`define EVCOT_MOTION_PICK_HIDE 2'd3
+
+// Where the program is entered.
+`define EVCOT_MOTION_AT_CORRECT 10'd0
+`define EVCOT_MOTION_AT_SEED 10'd269
+`define EVCOT_MOTION_AT_STEP 10'd318
+`define EVCOT_MOTION_AT_RESTART 10'd312
+`define EVCOT_MOTION_AT_WINDOW 10'd759
+
+`endif
