@@ -81,6 +81,7 @@ def _motion_program_codes() -> dict[str, Any]:
             ("VALUE", "Values beside the registers, whose codes are their addresses.", 6, assembler.Value),
             ("EXT", "Conditions.", 4, assembler.Ext),
             ("OUT", "What the accumulators are for.", 5, assembler.Out),
+            ("WHEN", "Conditions of a jump.", 3, assembler.When),
             ("PICK", "Among which slots the next one is sought.", 2, assembler.Pick),
         )
     ]

@@ -110,7 +110,6 @@ module cot_motion #(
     // ---- registers -------------------------------------------------------------------------------------------------
 
     wire [4:0]   step_log2;
-    wire [14:0]  speed_max;
     wire [3:0]   gap_share;
     wire         counts;
     wire [15:0]  back, out;
@@ -196,7 +195,7 @@ module cot_motion #(
     wire [TIME_W-1:0] until_step = op_time - next_step;
     wire [TIME_W-1:0] step_after = (restep[1] ? now : next_step) + {{(TIME_W - 21) {1'b0}}, step_ticks};
     wire              waits = busy || go || skips || restarts || cfg_valid || |restep;
-    wire              engine_out, write_x, write_y, flag;
+    wire              engine_out, write_x, write_y;
     wire [4:0]        target;
     reg               decided;
 
@@ -252,8 +251,9 @@ module cot_motion #(
 
     // ---- events ------------------------------------------------------------------------------------------------------
 
-    wire [SLOT_W-1:0] at, other, hot_slot, bin_slot;
+    wire [SLOT_W-1:0] at, out_slot, other, hot_slot, bin_slot;
     wire [2:0]        hot_index;
+    wire              hot_wanted;
     wire [W-1:0]      hot_x, hot_y, acc_x, acc_y, value_x, value_y;
     wire [N-1:0]      box_x, box_y, window_x, window_y;
     wire              bin_count, in_bin_x, in_bin_y, first_x, first_y;
@@ -327,11 +327,12 @@ module cot_motion #(
         .busy      (busy),
         .hot_slot  (hot_slot),
         .hot_index (hot_index),
+        .hot_wanted(hot_wanted),
         .hot_x     (hot_x),
         .hot_y     (hot_y),
         .write_x   (write_x),
         .write_y   (write_y),
-        .write_slot(at),
+        .write_slot(out_slot),
         .target    (target[3:0]),
         .acc_x     (acc_x),
         .acc_y     (acc_y),
@@ -347,9 +348,10 @@ module cot_motion #(
     // ---- the engine --------------------------------------------------------------------------------------------------
 
     wire [5:0] value_index;
-    wire       record_free, looking, gap_found, low_stays, speeding;
+    wire       value_wanted, record_free, looking, gap_found, low_stays, dividing;
     wire [3:0] gap_bin;
-    wire signed [15:0] speed_x, speed_y;
+    wire [4:0] leading;
+    wire [6:0] inverse;
 
     motion_values #(
         .SLOT_W(SLOT_W),
@@ -367,7 +369,6 @@ module cot_motion #(
         .cfg_addr (cfg_addr),
         .cfg_data (cfg_data),
         .step_log2(step_log2),
-        .speed_max(speed_max),
         .gap_share(gap_share),
         .counts   (counts),
         .back     (back),
@@ -377,9 +378,10 @@ module cot_motion #(
         .y        (op_y),
         .other    (other),
         .births   (births),
-        .speed_x  (speed_x),
-        .speed_y  (speed_y),
         .gap_bin  (gap_bin),
+        .leading  (leading),
+        .inverse  (inverse),
+        .wanted   (value_wanted),
         .index    (value_index),
         .value_x  (value_x),
         .value_y  (value_y)
@@ -389,6 +391,7 @@ module cot_motion #(
         .N     (N),
         .SLOT_W(SLOT_W),
         .W     (W),
+        .Y_LANE_W(SIDE_W + 14),
         .TIME_W(TIME_W)
     ) u_engine (
         .clk        (clk),
@@ -402,10 +405,12 @@ module cot_motion #(
         .at         (at),
         .other      (other),
         .value_index(value_index),
+        .value_wanted(value_wanted),
         .value_x    (value_x),
         .value_y    (value_y),
         .hot_slot   (hot_slot),
         .hot_index  (hot_index),
+        .hot_wanted (hot_wanted),
         .hot_x      (hot_x),
         .hot_y      (hot_y),
         .box_x      (box_x),
@@ -416,20 +421,19 @@ module cot_motion #(
         .looking    (looking),
         .gap_found  (gap_found),
         .low_stays  (low_stays),
-        .speeding   (speeding),
+        .dividing   (dividing),
         .out        (engine_out),
         .hot_write_x(write_x),
         .hot_write_y(write_y),
         .target     (target),
-        .acc_x      (acc_x),
-        .acc_y      (acc_y),
-        .flag       (flag)
+        .out_slot   (out_slot),
+        .out_x      (acc_x),
+        .out_y      (acc_y)
     );
 
     motion_units #(
         .SLOT_W(SLOT_W),
         .PX_W  (PX_W),
-        .OFF_W (OFF_W),
         .W     (W)
     ) u_units (
         .clk      (clk),
@@ -438,10 +442,7 @@ module cot_motion #(
         .target   (target),
         .acc_x    (acc_x),
         .acc_y    (acc_y),
-        .flag     (flag),
         .at       (at),
-        .step_log2(step_log2),
-        .speed_max(speed_max),
         .gap_share(gap_share),
         .busy     (busy),
         .count    (bin_count),
@@ -458,9 +459,9 @@ module cot_motion #(
         .gap_found(gap_found),
         .low_stays(low_stays),
         .gap_bin  (gap_bin),
-        .speeding (speeding),
-        .speed_x  (speed_x),
-        .speed_y  (speed_y)
+        .dividing (dividing),
+        .leading  (leading),
+        .inverse  (inverse)
     );
 
     // ---- outputs -----------------------------------------------------------------------------------------------------
@@ -480,7 +481,7 @@ module cot_motion #(
         .target      (target),
         .acc_x       (acc_x),
         .acc_y       (acc_y),
-        .slot        (at),
+        .slot        (out_slot),
         .seq         (op_seq),
         .now         (op_time),
         .free        (record_free),

@@ -8,7 +8,7 @@
 // Throughput: an event per clock, but of one slot every third clock.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
-// Combinational paths: slot, index -> word.
+// Combinational paths: none.
 `default_nettype none
 `include "motion_codes.vh"
 
@@ -26,7 +26,8 @@ module motion_axis_memory #(
     // first stage: the slot that is read
     input  wire [SLOT_W-1:0] slot,
     input  wire [2:0]        index,      // of the engine's word
-    output reg  [W-1:0]      word,       // sides, offsets, marks, bins: else 0
+    input  wire              wanted,     // the engine's word: else 0
+    output reg  [W-1:0]      word,       // a clock later
 
     // second stage
     input  wire [AT_W-1:0]   place,
@@ -43,6 +44,7 @@ module motion_axis_memory #(
     output reg  [3:0]        bin,
 
     // the engine writes
+    input  wire              busy,
     input  wire              write,
     input  wire [SLOT_W-1:0] write_slot,
     input  wire [3:0]        target,
@@ -65,15 +67,15 @@ module motion_axis_memory #(
     wire [1:0]               read_marks = marks[slot];
     wire [4:0]               read_scale = scales[slot];
 
-    always @* begin
-        word = {W{1'b0}};
-        case ({1'b0, index})
-            `EVCOT_MOTION_HOT_LO: word = {{(W - SIDE_W) {read_lo[SIDE_W-1]}}, read_lo};
-            `EVCOT_MOTION_HOT_HI: word = {{(W - SIDE_W) {read_hi[SIDE_W-1]}}, read_hi};
-            `EVCOT_MOTION_HOT_OFF_LO: word = {{(W - OFF_W) {read_off_lo[OFF_W-1]}}, read_off_lo};
-            `EVCOT_MOTION_HOT_OFF_HI: word = {{(W - OFF_W) {read_off_hi[OFF_W-1]}}, read_off_hi};
-            `EVCOT_MOTION_HOT_BEYOND: word = {{(W - 2) {1'b0}}, ~read_marks};
-            `EVCOT_MOTION_HOT_BINS: word = {{(W - 5) {1'b0}}, read_scale};
+    always @(posedge clk) begin
+        word <= {W{1'b0}};
+        if (wanted) case ({1'b0, index})
+            `EVCOT_MOTION_HOT_LO: word <= {{(W - SIDE_W) {read_lo[SIDE_W-1]}}, read_lo};
+            `EVCOT_MOTION_HOT_HI: word <= {{(W - SIDE_W) {read_hi[SIDE_W-1]}}, read_hi};
+            `EVCOT_MOTION_HOT_OFF_LO: word <= {{(W - OFF_W) {read_off_lo[OFF_W-1]}}, read_off_lo};
+            `EVCOT_MOTION_HOT_OFF_HI: word <= {{(W - OFF_W) {read_off_hi[OFF_W-1]}}, read_off_hi};
+            `EVCOT_MOTION_HOT_BEYOND: word <= {{(W - 2) {1'b0}}, ~read_marks};
+            `EVCOT_MOTION_HOT_BINS: word <= {{(W - 5) {1'b0}}, read_scale};
             default: ;
         endcase
     end
@@ -132,7 +134,7 @@ module motion_axis_memory #(
     wire writes_off_lo = write && target == `EVCOT_MOTION_HOT_OFF_LO;
     wire writes_off_hi = write && target == `EVCOT_MOTION_HOT_OFF_HI;
     wire writes_marks  = write && target == `EVCOT_MOTION_HOT_BEYOND;
-    wire [SLOT_W-1:0] to = update ? update_slot : write_slot;
+    wire [SLOT_W-1:0] to = !busy ? update_slot : write_slot;
 
     always @(posedge clk) begin
         lo     <= read_lo;
@@ -152,11 +154,11 @@ module motion_axis_memory #(
         in_bin <= !from[PX_W] && in_bins[PX_W:4] == {(PX_W - 3) {1'b0}};
         bin    <= in_bins[3:0];
 
-        if (update || writes_lo) los[to] <= update ? lo_next : data[SIDE_W-1:0];
-        if (update || writes_hi) his[to] <= update ? hi_next : data[SIDE_W-1:0];
-        if (update || writes_off_lo) off_los[to] <= update ? off_lo_next : data[OFF_W-1:0];
-        if (update || writes_off_hi) off_his[to] <= update ? off_hi_next : data[OFF_W-1:0];
-        if (update || writes_marks) marks[to] <= update ? old_mark | beyond : data[1:0];
+        if (update || writes_lo) los[to] <= !busy ? lo_next : data[SIDE_W-1:0];
+        if (update || writes_hi) his[to] <= !busy ? hi_next : data[SIDE_W-1:0];
+        if (update || writes_off_lo) off_los[to] <= !busy ? off_lo_next : data[OFF_W-1:0];
+        if (update || writes_off_hi) off_his[to] <= !busy ? off_hi_next : data[OFF_W-1:0];
+        if (update || writes_marks) marks[to] <= !busy ? old_mark | beyond : data[1:0];
         if (write && target == `EVCOT_MOTION_HOT_HIDDEN) hides[write_slot] <= data[1:0];
         if (write && target == `EVCOT_MOTION_HOT_BINS) scales[write_slot] <= bin_log2(data[PX_W-1:0]);
         if (write && target == `EVCOT_MOTION_HOT_WLO) windows[write_slot] <= data[REL_W-1:0];

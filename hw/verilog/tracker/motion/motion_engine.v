@@ -18,7 +18,8 @@
 module motion_engine #(
     parameter N      = 8,
     parameter SLOT_W = 3,   // bits of a slot number
-    parameter W      = 48,  // bits of an accumulator
+    parameter W      = 48,  // bits of an accumulator of lane x
+    parameter Y_LANE_W = 39,  // and of lane y, in which times are not whole
     parameter TIME_W = 48   // bits of a time, at most W
 ) (
     input  wire              clk,
@@ -36,12 +37,14 @@ module motion_engine #(
     output reg  [SLOT_W-1:0] at,
     output reg  [SLOT_W-1:0] other,
 
-    // operands: the index of a value, a clock before it is read in two; a word that events change, read at once
+    // operands: a value two clocks after its index, a word that events change one clock after; 0 if not wanted
     output wire [5:0]        value_index,
+    output wire              value_wanted,
     input  wire [W-1:0]      value_x,
     input  wire [W-1:0]      value_y,
     output wire [SLOT_W-1:0] hot_slot,
     output wire [2:0]        hot_index,
+    output wire              hot_wanted,
     input  wire [W-1:0]      hot_x,
     input  wire [W-1:0]      hot_y,
 
@@ -56,19 +59,20 @@ module motion_engine #(
     input  wire              looking,
     input  wire              gap_found,
     input  wire              low_stays,
-    input  wire              speeding,
+    input  wire              dividing,
 
-    // what becomes of the accumulators
-    output wire              out,
-    output wire              hot_write_x,  // a word that events change
-    output wire              hot_write_y,
-    output wire [4:0]        target,       // which one, or what `out` is for
-    output wire [W-1:0]      acc_x,
-    output wire [W-1:0]      acc_y,
-    output wire              flag          // of lane x
+    // what becomes of the accumulators, a clock after the instruction
+    output reg               out,
+    output reg               hot_write_x,  // a word that events change
+    output reg               hot_write_y,
+    output reg  [4:0]        target,       // which one, or what `out` is for
+    output reg  [SLOT_W-1:0] out_slot,
+    output reg  [W-1:0]      out_x,
+    output reg  [W-1:0]      out_y
 );
 
-    localparam ADDR_W = SLOT_W + 5;
+    localparam ADDR_W   = SLOT_W + 5;
+    localparam Y_TIME_W = (TIME_W < Y_LANE_W) ? TIME_W : Y_LANE_W;
 
     // ---- fetching ------------------------------------------------------------------------------------------------------
 
@@ -87,18 +91,15 @@ module motion_engine #(
     // ---- the last stage ------------------------------------------------------------------------------------------------
 
     reg        loads, shifts, to_left, by_four, inverts, carries, reverses, of_time, sets_acc, sets_flag, from_outside;
-    reg        sets_s, stores, hot_stores, outs, jumps, calls, returns, picks, takes, swaps, ends, from_flag;
+    reg        sets_s, stores, hot_stores, outs, calls, returns, picks, takes, swaps, ends, from_flag;
+    reg  [3:0] turns;  // the program goes on elsewhere: by both flags
     reg  [1:0] mode, lanes;
     reg        negates;
     reg  [2:0] predicate;
     reg  [9:0] argument;
 
     wire       flag_x, flag_y, now_x, now_y;
-    wire       both = flag_x && flag_y;
-    wire       any  = flag_x || flag_y;
-    wire [7:0] holds = {any, !both, both, !flag_y, flag_y, !flag_x, flag_x, 1'b1};
-    wire       turns = (jumps && holds[predicate]) || calls || returns;
-    wire       flush = turns || ends;
+    wire       flush = turns[{flag_y, flag_x}];
 
     wire [4:0] op = word_3[22:18];
     wire       in_3 = valid_3 && !flush && !rst;
@@ -117,6 +118,24 @@ module motion_engine #(
         word_1     <= word;
         word_2     <= word_1;
         word_3     <= word_2;
+
+        turns <= 4'd0;
+        if (in_3)
+            case (op)
+                `EVCOT_MOTION_OP_CALL, `EVCOT_MOTION_OP_RET, `EVCOT_MOTION_OP_DONE: turns <= 4'b1111;
+                `EVCOT_MOTION_OP_J:
+                case (word_3[12:10])
+                    `EVCOT_MOTION_WHEN_ALWAYS: turns <= 4'b1111;
+                    `EVCOT_MOTION_WHEN_X: turns <= 4'b1010;
+                    `EVCOT_MOTION_WHEN_NX: turns <= 4'b0101;
+                    `EVCOT_MOTION_WHEN_Y: turns <= 4'b1100;
+                    `EVCOT_MOTION_WHEN_NY: turns <= 4'b0011;
+                    `EVCOT_MOTION_WHEN_ALL: turns <= 4'b1000;
+                    `EVCOT_MOTION_WHEN_NALL: turns <= 4'b0111;
+                    `EVCOT_MOTION_WHEN_ANY: turns <= 4'b1110;
+                endcase
+                default: ;
+            endcase
 
         mode      <= word_3[17:16];
         negates   <= word_3[15];
@@ -142,7 +161,6 @@ module motion_engine #(
         stores       <= in_3 && op == `EVCOT_MOTION_OP_ST;
         hot_stores   <= in_3 && op == `EVCOT_MOTION_OP_STH;
         outs         <= in_3 && op == `EVCOT_MOTION_OP_OUT;
-        jumps        <= in_3 && op == `EVCOT_MOTION_OP_J;
         calls        <= in_3 && op == `EVCOT_MOTION_OP_CALL;
         returns      <= in_3 && op == `EVCOT_MOTION_OP_RET;
         picks        <= in_3 && op == `EVCOT_MOTION_OP_PICK;
@@ -195,9 +213,6 @@ module motion_engine #(
         .lowest(lowest)
     );
 
-    assign out    = outs;
-    assign target = argument[4:0];
-
     always @(posedge clk) begin
         if (picks)
             case (argument[1:0])
@@ -206,6 +221,14 @@ module motion_engine #(
                 `EVCOT_MOTION_PICK_TOUCH: among <= rest & candidate & box_x & box_y;
                 `EVCOT_MOTION_PICK_HIDE: among <= rest & visible & window_x & window_y;
             endcase
+        out         <= outs;
+        hot_write_x <= hot_stores && now_x;
+        hot_write_y <= hot_stores && now_y;
+        target      <= argument[4:0];
+        out_slot    <= at;
+        out_x       <= acc_x;
+        out_y       <= {{(W - Y_LANE_W) {1'b0}}, acc_y};
+
         found         <= any_among;
         found_slot    <= lowest;
         upto          <= among ^ (among - one);
@@ -227,7 +250,7 @@ module motion_engine #(
             other <= at;
         end
         if (outs)
-            case (target)
+            case (argument[4:0])
                 `EVCOT_MOTION_OUT_BEGIN: candidate[at] <= 1'b1;
                 `EVCOT_MOTION_OUT_BORN: begin
                     visible[at]   <= 1'b1;
@@ -255,15 +278,15 @@ module motion_engine #(
     // ---- lanes ---------------------------------------------------------------------------------------------------------
 
     wire [ADDR_W-1:0] read_address = {word_1[6] ? other : at, word_1[4:0]};
-    wire [W-1:0]      word_x, word_y;
+    wire [W-1:0]      word_x, acc_x;
+    wire [Y_LANE_W-1:0] word_y, acc_y;
     reg               condition;
 
     assign value_index = word_1[5:0];
-    assign hot_slot    = word_3[6] ? other : at;
-    assign hot_index   = word_3[2:0];
-    assign flag        = flag_x;
-    assign hot_write_x = hot_stores && now_x;
-    assign hot_write_y = hot_stores && now_y;
+    assign value_wanted = word_1[9:8] == 2'd2;
+    assign hot_slot     = word_2[6] ? other : at;
+    assign hot_index    = word_2[2:0];
+    assign hot_wanted   = word_2[9:8] == 2'd1;
 
     always @* begin
         case (argument[3:0])
@@ -274,7 +297,7 @@ module motion_engine #(
             `EVCOT_MOTION_EXT_LOOKING: condition = looking;
             `EVCOT_MOTION_EXT_GAP_FOUND: condition = gap_found;
             `EVCOT_MOTION_EXT_LOW_STAYS: condition = low_stays;
-            `EVCOT_MOTION_EXT_SPEEDING: condition = speeding;
+            `EVCOT_MOTION_EXT_DIVIDING: condition = dividing;
             default: condition = at == current;
         endcase
         if (takes) condition = found;
@@ -290,7 +313,7 @@ module motion_engine #(
         .word         (word_x),
         .kind         (word_3[9:8]),
         .from_other   (word_3[7]),
-        .other_word   (word_y),
+        .other_word   ({{(W - Y_LANE_W) {word_y[Y_LANE_W-1]}}, word_y}),
         .hot          (hot_x),
         .value        (value_x),
         .immediate    (word_3[7:0]),
@@ -319,8 +342,8 @@ module motion_engine #(
     );
 
     motion_lane #(
-        .W     (W),
-        .TIME_W(TIME_W),
+        .W     (Y_LANE_W),
+        .TIME_W(Y_TIME_W),
         .ADDR_W(ADDR_W)
     ) u_lane_y (
         .clk          (clk),
@@ -328,9 +351,9 @@ module motion_engine #(
         .word         (word_y),
         .kind         (word_3[9:8]),
         .from_other   (word_3[7]),
-        .other_word   (word_x),
-        .hot          (hot_y),
-        .value        (value_y),
+        .other_word   (word_x[Y_LANE_W-1:0]),
+        .hot          (hot_y[Y_LANE_W-1:0]),
+        .value        (value_y[Y_LANE_W-1:0]),
         .immediate    (word_3[7:0]),
         .acts         (lanes[1]),
         .predicate    (predicate),
@@ -355,6 +378,8 @@ module motion_engine #(
         .flag         (flag_y),
         .now          (now_y)
     );
+
+    wire unused = &{1'b0, word_x, hot_y, value_y};
 
 endmodule
 

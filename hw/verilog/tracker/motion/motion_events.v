@@ -10,7 +10,7 @@
 // Throughput: a token per clock; of one owner every third clock.
 // Stall:      m_ready is low while no token may be issued.
 // Reset:      nothing is under way.
-// Combinational paths: hot_slot, hot_index, busy -> hot_x, hot_y.
+// Combinational paths: may_issue -> s_ready.
 `default_nettype none
 `include "motion_codes.vh"
 
@@ -87,6 +87,7 @@ module motion_events #(
     input  wire              busy,
     input  wire [SLOT_W-1:0] hot_slot,
     input  wire [2:0]        hot_index,
+    input  wire              hot_wanted,  // else 0
     output wire [W-1:0]      hot_x,
     output wire [W-1:0]      hot_y,
     input  wire              write_x,
@@ -121,7 +122,7 @@ module motion_events #(
 
     wire hold = valid[4] && owned
              && ((valid_5 && owned_5 && slot_5 == owner) || (valid_6 && done_owned && done_slot == owner));
-    wire flush = steps || seeds || corrects;
+    wire flush = valid_6 && (due_6 || begins_6 || full_6);
 
     assign s_ready = may_issue && !hold;
     assign index   = index_4;
@@ -191,19 +192,21 @@ module motion_events #(
     wire writes_support = write_x && target == `EVCOT_MOTION_HOT_SUPPORT;
     wire writes_nev     = write_x && target == `EVCOT_MOTION_HOT_N_EV;
     wire writes_bins    = write_x && target == `EVCOT_MOTION_HOT_BINS;
-    wire [SLOT_W-1:0] to = takes ? done_slot : write_slot;
+    wire [SLOT_W-1:0] to = !busy ? done_slot : write_slot;
 
-    wire [W-1:0] scalar = ({1'b0, hot_index} == `EVCOT_MOTION_HOT_SUPPORT ? {{(W - SUP_W) {1'b0}}, read_support} : {W{1'b0}})
+    reg  [W-1:0] scalar;
+    wire [W-1:0] read_scalar = ({1'b0, hot_index} == `EVCOT_MOTION_HOT_SUPPORT ? {{(W - SUP_W) {1'b0}}, read_support} : {W{1'b0}})
                         | ({1'b0, hot_index} == `EVCOT_MOTION_HOT_N_EV ? {{(W - 10) {1'b0}}, read_nev} : {W{1'b0}});
     assign hot_x = word_x | scalar;
     assign hot_y = word_y | scalar;
 
     assign steps    = valid_6 && due_6;
-    assign seeds    = valid_6 && !due_6 && done_owned && begins_6;
-    assign done     = valid_6 && !due_6 && !(done_owned && begins_6);
+    assign seeds    = valid_6 && !due_6 && begins_6;
+    assign done     = valid_6 && !due_6 && !begins_6;
     assign corrects = done && full_6;
 
     always @(posedge clk) begin
+        scalar    <= hot_wanted ? read_scalar : {W{1'b0}};
         valid_5   <= valid[4] && !hold;
         event_5   <= is_event;
         skip_5    <= is_skip;
@@ -219,7 +222,7 @@ module motion_events #(
 
         valid_6    <= valid_5;
         due_6      <= !until_step[TIME_W-1];
-        begins_6   <= begins_5;
+        begins_6   <= owned_5 && begins_5;
         shared_6   <= shared_5;
         full_6     <= owned_5 && !shared_5 && !begins_5 && {1'b0, number_5} + 11'd1 >= {1'b0, nev_5};
         support_6  <= support_5;
@@ -231,8 +234,8 @@ module motion_events #(
         done_time  <= time_5;
         {done_x, done_y, done_p} <= {x_5, y_5, p_5};
 
-        if (takes || writes_support) supports[to] <= takes ? support_next : acc_x[SUP_W-1:0];
-        if (updates || writes_nev) numbers[to] <= updates ? number_6 + 10'd1 : 10'd0;
+        if (takes || writes_support) supports[to] <= !busy ? support_next : acc_x[SUP_W-1:0];
+        if (updates || writes_nev) numbers[to] <= !busy ? number_6 + 10'd1 : 10'd0;
         if (writes_nev) nevs[write_slot] <= acc_x[9:0];
 
         if (flush || rst) begin
@@ -259,6 +262,7 @@ module motion_events #(
         .clk        (clk),
         .slot       (slot),
         .index      (hot_index),
+        .wanted     (hot_wanted),
         .word       (word_x),
         .place      (x_5),
         .out        (far),
@@ -268,6 +272,7 @@ module motion_events #(
         .rel        (done_rel_x),
         .in_bin     (in_bin_x),
         .bin        (bin_x),
+        .busy       (busy),
         .write      (write_x),
         .write_slot (write_slot),
         .target     (target),
@@ -286,6 +291,7 @@ module motion_events #(
         .clk        (clk),
         .slot       (slot),
         .index      (hot_index),
+        .wanted     (hot_wanted),
         .word       (word_y),
         .place      (y_5),
         .out        (far),
@@ -295,6 +301,7 @@ module motion_events #(
         .rel        (done_rel_y),
         .in_bin     (in_bin_y),
         .bin        (bin_y),
+        .busy       (busy),
         .write      (write_y),
         .write_slot (write_slot),
         .target     (target),

@@ -22,7 +22,7 @@ module motion_lane #(
     output wire [W-1:0]      word,
 
     // third stage: the operand
-    input  wire [1:0]        kind,          // 0: word, 1: of motion_events.v, 2: of motion_values.v, 3: immediate
+    input  wire [1:0]        kind,          // 0: word, 1: of motion_events.v, 2: of motion_values.v, 3: immediate; what is not meant is 0
     input  wire              from_other,    // a word of the other lane
     input  wire [W-1:0]      other_word,
     input  wire [W-1:0]      hot,
@@ -83,12 +83,8 @@ module motion_lane #(
     wire         found   = (from_outside ? condition : sign) ^ negates;
 
     always @(posedge clk) begin
-        case (kind)
-            2'd0: operand <= from_other ? other_word : word;
-            2'd1: operand <= hot;
-            2'd2: operand <= value;
-            2'd3: operand <= {{(W - 8) {1'b0}}, immediate};
-        endcase
+        operand <= ((from_other ? other_word : word) & {W{kind == 2'd0}}) | hot | value
+                   | {{(W - 8) {1'b0}}, immediate & {8{kind == 2'd3}}};
         if (sets_acc && now) acc <= loads ? operand : shifts ? shifted : total;
         if (sets_flag && now) flag <= mode == 2'd1 ? flag && found : mode == 2'd2 ? flag || found : found;
         if (sets_s && now) s <= acc[4:0];

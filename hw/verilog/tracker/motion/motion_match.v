@@ -51,6 +51,17 @@ module motion_match #(
             reg signed [PX_W-1:0] box_lo_x, box_hi_x, box_lo_y, box_hi_y;
             reg signed [PX_W-1:0] win_lo_x, win_hi_x, win_lo_y, win_hi_y;
 
+            // Negative where the interval does not reach the bound: one carry chain each.
+            wire [PX_W:0] to_box_x   = {hi_x[PX_W-1], hi_x} - {box_lo_x[PX_W-1], box_lo_x};
+            wire [PX_W:0] in_box_x   = {box_hi_x[PX_W-1], box_hi_x} - {lo_x[PX_W-1], lo_x};
+            wire [PX_W:0] to_box_y   = {hi_y[PX_W-1], hi_y} - {box_lo_y[PX_W-1], box_lo_y};
+            wire [PX_W:0] in_box_y   = {box_hi_y[PX_W-1], box_hi_y} - {lo_y[PX_W-1], lo_y};
+            wire [PX_W:0] to_win_x   = {hi_x[PX_W-1], hi_x} - {win_lo_x[PX_W-1], win_lo_x};
+            wire [PX_W:0] in_win_x   = {win_hi_x[PX_W-1], win_hi_x} - {lo_x[PX_W-1], lo_x};
+            wire [PX_W:0] to_win_y   = {hi_y[PX_W-1], hi_y} - {win_lo_y[PX_W-1], win_lo_y};
+            wire [PX_W:0] in_win_y   = {win_hi_y[PX_W-1], win_hi_y} - {lo_y[PX_W-1], lo_y};
+            wire unused = &{1'b0, to_box_x, in_box_x, to_box_y, in_box_y, to_win_x, in_win_x, to_win_y, in_win_y};
+
             always @(posedge clk) begin
                 if (place_slot == i[SLOT_W-1:0]) begin
                     if (place[0]) {box_lo_x, box_lo_y} <= {bound_x, bound_y};
@@ -59,10 +70,10 @@ module motion_match #(
                     if (place[3]) {win_hi_x, win_hi_y} <= {bound_x, bound_y};
                 end
                 if (!hold) begin
-                    box_x[i]    <= box_lo_x <= hi_x && lo_x <= box_hi_x;
-                    box_y[i]    <= box_lo_y <= hi_y && lo_y <= box_hi_y;
-                    window_x[i] <= win_lo_x <= hi_x && lo_x <= win_hi_x;
-                    window_y[i] <= win_lo_y <= hi_y && lo_y <= win_hi_y;
+                    box_x[i]    <= !to_box_x[PX_W] && !in_box_x[PX_W];
+                    box_y[i]    <= !to_box_y[PX_W] && !in_box_y[PX_W];
+                    window_x[i] <= !to_win_x[PX_W] && !in_win_x[PX_W];
+                    window_y[i] <= !to_win_y[PX_W] && !in_win_y[PX_W];
                 end
             end
         end

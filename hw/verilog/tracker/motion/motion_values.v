@@ -29,7 +29,6 @@ module motion_values #(
 
     // registers that are used elsewhere
     output wire [4:0]        step_log2,
-    output wire [14:0]       speed_max,
     output wire [3:0]        gap_share,
     output wire              counts,      // events are counted in bins
     output reg  [15:0]       back,        // ways of a side
@@ -41,13 +40,14 @@ module motion_values #(
     input  wire [Y_W-1:0]    y,
     input  wire [SLOT_W-1:0] other,
     input  wire [ID_W-1:0]   births,
-    input  wire signed [15:0] speed_x,
-    input  wire signed [15:0] speed_y,
     input  wire [3:0]        gap_bin,
+    input  wire [4:0]        leading,
+    input  wire [6:0]        inverse,
 
+    input  wire              wanted,      // else the values are 0
     input  wire [5:0]        index,
-    output reg  [W-1:0]      value_x,
-    output reg  [W-1:0]      value_y
+    output wire [W-1:0]      value_x,
+    output wire [W-1:0]      value_y      // that of x, but for an event's place
 );
 
     wire [15:0] side_step, birth_support;
@@ -56,6 +56,7 @@ module motion_values #(
     wire [3:0]  join_life, join_speed, join_reach;
     wire [2:0]  gain_slow;
     wire [5:0]  settle;
+    wire [14:0] speed_max;
     wire [9:0]  nev_low, nev_high, join_steps, report_steps;
     wire [7:0]  seed_px, ring_px, ring_max, birth_px, gap_corrections, gap_px, join_px;
     wire [23:0] detect_ticks, life_ticks, coast_ticks, birth_ticks;
@@ -108,33 +109,46 @@ module motion_values #(
 
     assign counts = gap_corrections != 8'd0;
 
-    // ---- one of eight, then one of the groups --------------------------------------------------------------------------
+    // ---- one of eight of each group, then that of the group that is meant; all others are 0 ------------------------------
 
-    reg [11:0]        short_0, short_1;
+    localparam PLACE_W = (X_W > Y_W) ? X_W : Y_W;
+
+    reg [14:0]        short_0, short_1;
     reg [23:0]        short_2, short_3, short_4;
-    reg [W-1:0]       wide_x, wide_y;
-    reg signed [W-1:0] mark;
-    reg [2:0]         group;
+    reg [W-1:0]       wide, mark;
+    reg [PLACE_W-1:0] place_x, place_y;
+    reg [23:0]        low_a, low_b;
+    reg [W-1:0]       high;
+    reg [PLACE_W-1:0] at_x, at_y;
+    reg [6:0]         group;
+
+    wire [W-1:0] value = high | {{(W - 24) {1'b0}}, low_a | low_b};
+    wire [W-1:0] place_in_x = {{(W - PLACE_W - 12) {1'b0}}, at_x, 12'd0};
+    wire [W-1:0] place_in_y = {{(W - PLACE_W - 12) {1'b0}}, at_y, 12'd0};
+    assign value_x = value | place_in_x;
+    assign value_y = value | place_in_y;
 
     always @(posedge clk) begin
-        back  <= side_step >> side_share;
-        out   <= side_step - back;
-        group <= index[5:3];
+        back <= side_step >> side_share;
+        out  <= side_step - back;
+
+        group <= wanted ? 7'd1 << index[5:3] : 7'd0;
         case ({3'd0, index[2:0]})
-            `EVCOT_MREG_STEP_LOG2: short_0 <= {7'd0, step_log2};
-            `EVCOT_MREG_SIDE_SHRINK: short_0 <= {8'd0, side_shrink};
-            `EVCOT_MREG_SIDE_MAX: short_0 <= side_max;
-            `EVCOT_MREG_GAIN_LOG2: short_0 <= {8'd0, gain_log2};
-            default: short_0 <= {9'd0, gain_slow};
+            `EVCOT_MREG_STEP_LOG2: short_0 <= {10'd0, step_log2};
+            `EVCOT_MREG_SIDE_SHRINK: short_0 <= {11'd0, side_shrink};
+            `EVCOT_MREG_SIDE_MAX: short_0 <= {3'd0, side_max};
+            `EVCOT_MREG_GAIN_LOG2: short_0 <= {11'd0, gain_log2};
+            default: short_0 <= {12'd0, gain_slow};
         endcase
         case ({3'd1, index[2:0]})
-            `EVCOT_MREG_SETTLE: short_1 <= {6'd0, settle};
-            `EVCOT_MREG_FRICTION: short_1 <= {8'd0, friction};
-            `EVCOT_MREG_NEV_LOW: short_1 <= {2'd0, nev_low};
-            `EVCOT_MREG_NEV_HIGH: short_1 <= {2'd0, nev_high};
-            `EVCOT_MREG_SEED_PX: short_1 <= {4'd0, seed_px};
-            `EVCOT_MREG_RING_PX: short_1 <= {4'd0, ring_px};
-            default: short_1 <= {4'd0, ring_max};
+            `EVCOT_MREG_SETTLE: short_1 <= {9'd0, settle};
+            `EVCOT_MREG_SPEED_MAX: short_1 <= speed_max;
+            `EVCOT_MREG_FRICTION: short_1 <= {11'd0, friction};
+            `EVCOT_MREG_NEV_LOW: short_1 <= {5'd0, nev_low};
+            `EVCOT_MREG_NEV_HIGH: short_1 <= {5'd0, nev_high};
+            `EVCOT_MREG_SEED_PX: short_1 <= {7'd0, seed_px};
+            `EVCOT_MREG_RING_PX: short_1 <= {7'd0, ring_px};
+            default: short_1 <= {7'd0, ring_max};
         endcase
         case ({3'd2, index[2:0]})
             `EVCOT_MREG_RING_ACROSS: short_2 <= {20'd0, ring_across};
@@ -163,38 +177,36 @@ module motion_values #(
             `EVCOT_MREG_KEEP_OLDER: short_4 <= {23'd0, keep_older};
             default: short_4 <= {14'd0, report_steps};
         endcase
+        place_x <= {PLACE_W{1'b0}};
+        place_y <= {PLACE_W{1'b0}};
         case ({3'd5, index[2:0]})
-            `EVCOT_MOTION_VALUE_NOW: {wide_x, wide_y} <= {2{{{(W - TIME_W) {1'b0}}, now}}};
+            `EVCOT_MOTION_VALUE_NOW: wide <= {{(W - TIME_W) {1'b0}}, now};
             `EVCOT_MOTION_VALUE_EVENT: begin
-                wide_x <= {{(W - X_W - 12) {1'b0}}, x, 12'd0};
-                wide_y <= {{(W - Y_W - 12) {1'b0}}, y, 12'd0};
+                wide    <= {W{1'b0}};
+                place_x <= {{(PLACE_W - X_W) {1'b0}}, x};
+                place_y <= {{(PLACE_W - Y_W) {1'b0}}, y};
             end
-            `EVCOT_MOTION_VALUE_OTHER: {wide_x, wide_y} <= {2{{{(W - SLOT_W) {1'b0}}, other}}};
-            `EVCOT_MOTION_VALUE_BIRTHS: {wide_x, wide_y} <= {2{{{(W - ID_W) {1'b0}}, births}}};
-            `EVCOT_MOTION_VALUE_SPEED: begin
-                wide_x <= {{(W - 16) {speed_x[15]}}, speed_x};
-                wide_y <= {{(W - 16) {speed_y[15]}}, speed_y};
-            end
-            `EVCOT_MOTION_VALUE_GAP_BIN: {wide_x, wide_y} <= {2{{{(W - 4) {1'b0}}, gap_bin}}};
-            `EVCOT_MOTION_VALUE_HALF: {wide_x, wide_y} <= {2{{{(W - 12) {1'b0}}, 12'h800}}};
-            default: {wide_x, wide_y} <= {2{{{(W - 14) {1'b0}}, 14'h2000}}};
+            `EVCOT_MOTION_VALUE_OTHER: wide <= {{(W - SLOT_W) {1'b0}}, other};
+            `EVCOT_MOTION_VALUE_BIRTHS: wide <= {{(W - ID_W) {1'b0}}, births};
+            `EVCOT_MOTION_VALUE_LEADING: wide <= {{(W - 5) {1'b0}}, leading};
+            `EVCOT_MOTION_VALUE_INVERSE: wide <= {{(W - 7) {1'b0}}, inverse};
+            default: wide <= {{(W - 4) {1'b0}}, gap_bin};
         endcase
         case ({3'd6, index[2:0]})
-            `EVCOT_MOTION_VALUE_REACH_LO: mark <= -($signed({{(W - 1) {1'b0}}, 1'b1}) <<< (REACH + 12));
-            `EVCOT_MOTION_VALUE_REACH_HI: mark <= $signed({{(W - 1) {1'b0}}, 1'b1}) <<< (REACH + 13);
+            `EVCOT_MOTION_VALUE_HALF: mark <= {{(W - 12) {1'b0}}, 12'h800};
+            `EVCOT_MOTION_VALUE_TWO: mark <= {{(W - 14) {1'b0}}, 14'h2000};
+            `EVCOT_MOTION_VALUE_REACH_LO: mark <= {W{1'b1}} << (REACH + 12);
+            `EVCOT_MOTION_VALUE_REACH_HI: mark <= {{(W - 1) {1'b0}}, 1'b1} << (REACH + 13);
             `EVCOT_MOTION_VALUE_TICKS_MAX: mark <= {{(W - 24) {1'b0}}, 24'hffffff};
             `EVCOT_MOTION_VALUE_TOGETHER_MAX: mark <= {{(W - 16) {1'b0}}, 16'hffff};
             default: mark <= {{(W - SUP_W) {1'b0}}, {SUP_W{1'b1}}};
         endcase
-        case (group)
-            3'd0: {value_x, value_y} <= {2{{{(W - 12) {1'b0}}, short_0}}};
-            3'd1: {value_x, value_y} <= {2{{{(W - 12) {1'b0}}, short_1}}};
-            3'd2: {value_x, value_y} <= {2{{{(W - 24) {1'b0}}, short_2}}};
-            3'd3: {value_x, value_y} <= {2{{{(W - 24) {1'b0}}, short_3}}};
-            3'd4: {value_x, value_y} <= {2{{{(W - 24) {1'b0}}, short_4}}};
-            3'd5: {value_x, value_y} <= {wide_x, wide_y};
-            default: {value_x, value_y} <= {2{mark}};
-        endcase
+
+        low_a <= ({9'd0, short_0} & {24{group[0]}}) | ({9'd0, short_1} & {24{group[1]}});
+        low_b <= (short_2 & {24{group[2]}}) | (short_3 & {24{group[3]}});
+        high  <= (wide & {W{group[5]}}) | (mark & {W{group[6]}}) | {{(W - 24) {1'b0}}, short_4 & {24{group[4]}}};
+        at_x  <= place_x & {PLACE_W{group[5]}};
+        at_y  <= place_y & {PLACE_W{group[5]}};
     end
 
 endmodule

@@ -112,15 +112,16 @@ class Value(IntEnum):
     EVENT = 41  # 2^-12 px
     OTHER = 42  # slot
     BIRTHS = 43
-    SPEED = 44  # of motion_velocity.v
-    GAP_BIN = 45  # of motion_gaps.v
-    HALF = 46  # pixel
-    TWO = 47  # pixels
-    REACH_LO = 48
-    REACH_HI = 49
-    TICKS_MAX = 50
-    TOGETHER_MAX = 51
-    SUPPORT_MAX = 52
+    LEADING = 44  # of motion_inverse.v
+    INVERSE = 45
+    GAP_BIN = 46  # of motion_gaps.v
+    HALF = 48  # pixel
+    TWO = 49  # pixels
+    REACH_LO = 50
+    REACH_HI = 51
+    TICKS_MAX = 52
+    TOGETHER_MAX = 53
+    SUPPORT_MAX = 54
 
 
 class Ext(IntEnum):
@@ -133,7 +134,7 @@ class Ext(IntEnum):
     LOOKING = 4
     GAP_FOUND = 5
     LOW_STAYS = 6
-    SPEEDING = 7
+    DIVIDING = 7
     CURRENT = 8  # the slot is that of the motion step
 
 
@@ -152,26 +153,21 @@ class Out(IntEnum):
     FREE_OTHER = 9
     TODO = 10
     REST = 11
-    TICKS = 12
-    SLOWER = 13
-    GAIN = 14
-    SPEED = 15
-    LOOK_X = 16
-    LOOK_Y = 17
-    KIND = 18
-    HEAD = 19
-    MIDDLE = 20
-    SIDES = 21
-    MOVES = 22
-    ID = 23
-    OTHER_ID = 24
-    N_EV = 25
-    SUPPORT = 26
-    RECORD = 27
-    OFF_LO = 28
-    OFF_HI = 29
-    SCALE = 30  # log2 of a bin, of lane x
-    SCALE_Y = 31
+    DIVISOR = 12
+    SCALE = 13  # log2 of a bin, of lane x
+    SCALE_Y = 14
+    LOOK_X = 15
+    LOOK_Y = 16
+    KIND = 17
+    HEAD = 18
+    MIDDLE = 19
+    SIDES = 20
+    MOVES = 21
+    ID = 22
+    OTHER_ID = 23
+    N_EV = 24
+    SUPPORT = 25
+    RECORD = 26
 
 
 class Pick(IntEnum):
@@ -268,7 +264,7 @@ class Program:
         first = max(self.labels.values(), default=0) if self.labels else 0
         del first
         return all(
-            distance >= _distance(before, word) for distance, before in enumerate(reversed(self.words[-5:]), start=1)
+            distance >= _distance(before, word) for distance, before in enumerate(reversed(self.words[-6:]), start=1)
         )
 
     def assemble(self) -> list[int]:
@@ -292,14 +288,14 @@ def _distance(before: _Word, word: _Word) -> int:
     if before.op is Op.ST and reads is not None and reads.kind is Kind.MEM and before.operand is not None:
         return 4 if reads.index == before.operand.index else 0
     if before.op is Op.STH and reads is not None and reads.kind is Kind.HOT:
-        return 2
+        return 4
     if before.op is Op.PICK and word.op is Op.TAKE:
         return 2
     if before.op is Op.OUT:
         if word.op is Op.PICK:
-            return 3
-        if word.op is Op.EXT:
             return 4
+        if word.op is Op.EXT:
+            return 5
         if reads is not None and reads.kind is Kind.VALUE and before.arg == Out.BORN:
             return 4
     return 0
