@@ -24,7 +24,7 @@ def count(sim: PyVerilator, slot: int, bins: tuple[int | None, int | None], used
             seen.add(number)
     sim.clock.tick()
     io.count = 0
-    for _clock in range(3):
+    for _clock in range(2):
         sim.clock.tick()
 
 
@@ -62,7 +62,7 @@ def test_random_looks() -> None:
                     sim.clock.tick()
                     io.look = 0
                     clocks += 1
-                assert clocks == 58
+                assert clocks == 61
                 lo, hi = before
                 if int(io.found) and int(io.low_stays):
                     hi = lo + (int(io.begins) * PX << log2)

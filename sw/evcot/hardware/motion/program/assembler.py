@@ -261,8 +261,6 @@ class Program:
         self.words.append(word)
 
     def _may_follow(self, word: _Word) -> bool:
-        first = max(self.labels.values(), default=0) if self.labels else 0
-        del first
         return all(
             distance >= _distance(before, word) for distance, before in enumerate(reversed(self.words[-6:]), start=1)
         )
@@ -284,7 +282,7 @@ def _distance(before: _Word, word: _Word) -> int:
     if before.op in (Op.TAKE, Op.SWAP):
         if reads is not None and reads.kind in (Kind.MEM, Kind.HOT, Kind.VALUE):
             return 4
-        return 2
+        return 2 if word.op is Op.EXT else 0
     if before.op is Op.ST and reads is not None and reads.kind is Kind.MEM and before.operand is not None:
         return 4 if reads.index == before.operand.index else 0
     if before.op is Op.STH and reads is not None and reads.kind is Kind.HOT:
