@@ -22,7 +22,7 @@ def mem(field: Field, slot: int = 0) -> Operand:
         ((Op.ST, mem(Field.T0)), (Op.LD, mem(Field.T0, slot=1)), 4),
         ((Op.ST, mem(Field.T0)), (Op.LD, mem(Field.T1)), 1),
         ((Op.ST, mem(Field.T0)), (Op.ST, mem(Field.T0)), 1),
-        ((Op.STH, Operand(Kind.HOT, Hot.LO)), (Op.SUB, Operand(Kind.HOT, Hot.HI)), 4),
+        ((Op.STH, Operand(Kind.HOT, Hot.LO)), (Op.SUB, Operand(Kind.HOT, Hot.HI)), 5),
         ((Op.STH, Operand(Kind.HOT, Hot.LO)), (Op.SUB, Operand(Kind.IMM, 3)), 1),
         ((Op.SWAP, None), (Op.LD, mem(Field.V)), 4),
         ((Op.SWAP, None), (Op.LD, Operand(Kind.IMM, 0)), 1),

@@ -188,13 +188,14 @@ module cot_motion #(
     reg  [9:0]        entry;
     reg  [SLOT_W-1:0] go_slot;
     reg               skips, compared, skip_due;  // steps while no slot lives
+    reg               pending;           // a register was written
     reg  [ID_W-1:0]   births;
     wire              busy, room, output_empty;
     wire [N-1:0]      visible, candidate;
     wire [N-1:0]      lives = visible | candidate;
     wire [TIME_W-1:0] until_step = op_time - next_step;
     wire [TIME_W-1:0] step_after = (restep[1] ? now : next_step) + {{(TIME_W - 21) {1'b0}}, step_ticks};
-    wire              waits = busy || go || skips || restarts || cfg_valid || |restep;
+    wire              waits = busy || go || skips || pending;
     wire              engine_out, write_x, write_y;
     wire [4:0]        target;
     reg               decided;
@@ -203,6 +204,7 @@ module cot_motion #(
         go         <= 1'b0;
         step_ticks <= 21'd1 << step_log2;
         restep     <= {restep[0], cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2};
+        pending    <= restarts || cfg_valid || |restep;
         if (done) begin
             now <= done_time;
             if (done_event || done_skip) seq <= seq + {{(SEQ_W - 1) {1'b0}}, 1'b1};
@@ -216,7 +218,7 @@ module cot_motion #(
             op_seq  <= seq;
             op_x    <= done_x;
             op_y    <= done_y;
-        end else if (restarts && !active && !busy && !go && !skips) begin
+        end else if (restarts && pending && !active && !busy && !go && !skips) begin
             go                    <= 1'b1;
             entry                 <= `EVCOT_MOTION_AT_RESTART;
             go_slot               <= restart_slot;
@@ -234,7 +236,7 @@ module cot_motion #(
             restart[cfg_slot] <= 1'b1;
         end
         decided <= done && done_event;
-        idle    <= queue_empty && !s_valid && !active && !waits && !decided && output_empty && !m_cm_valid;
+        idle    <= queue_empty && !s_valid && !active && !waits && !restarts && !cfg_valid && !(|restep) && !decided && output_empty && !m_cm_valid;
         if (rst) begin
             go      <= 1'b0;
             skips   <= 1'b0;
@@ -246,6 +248,7 @@ module cot_motion #(
             births  <= {ID_W{1'b0}};
             decided <= 1'b0;
             idle    <= 1'b0;
+            pending <= 1'b1;
         end
     end
 

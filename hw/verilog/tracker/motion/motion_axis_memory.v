@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // One axis of all slots, as far as events change it: both sides, their offsets and marks, and where the event's bin and pixel are.
 //
-// An event passes three stages: its slot's words are read, compared with its place, and written back. The engine reads and writes single
+// An event passes four stages: its slot's words are read, compared with its place, its ways found, and the words written back. The engine reads and writes single
 // words while no event is in these stages.
 //
-// Latency:    2 clocks from the event's slot to the writing of its words; its bin is there a clock later.
-// Throughput: an event per clock, but of one slot every third clock.
+// Latency:    3 clocks from the event's slot to the writing of its words.
+// Throughput: an event per clock, but of one slot every fourth clock.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
 // Combinational paths: none.
@@ -25,9 +25,11 @@ module motion_axis_memory #(
 
     // first stage: the slot that is read
     input  wire [SLOT_W-1:0] slot,
-    input  wire [2:0]        index,      // of the engine's word
-    input  wire              wanted,     // the engine's word: else 0
-    output reg  [W-1:0]      word,       // a clock later
+
+    // second stage: the engine's word, if wanted, which is there in the third; else 0
+    input  wire [2:0]        index,
+    input  wire              wanted,
+    output reg  [W-1:0]      word,
 
     // second stage
     input  wire [AT_W-1:0]   place,
@@ -35,11 +37,11 @@ module motion_axis_memory #(
     input  wire [16:0]       back,
 
     // third stage
-    input  wire              update,     // the event moves the sides
-    input  wire [SLOT_W-1:0] update_slot,
     output reg  [REL_W-1:0]  rel,        // place within the window
 
-    // a clock later
+    // fourth stage
+    input  wire              update,     // the event moves the sides
+    input  wire [SLOT_W-1:0] update_slot,
     output reg               in_bin,     // the event has a bin
     output reg  [3:0]        bin,
 
@@ -60,34 +62,25 @@ module motion_axis_memory #(
     reg [4:0]        scales [0:(1<<SLOT_W)-1];
     reg [REL_W-1:0]  windows[0:(1<<SLOT_W)-1];
 
-    wire signed [SIDE_W-1:0] read_lo = los[slot];
-    wire signed [SIDE_W-1:0] read_hi = his[slot];
-    wire signed [OFF_W-1:0]  read_off_lo = off_los[slot];
-    wire signed [OFF_W-1:0]  read_off_hi = off_his[slot];
-    wire [1:0]               read_marks = marks[slot];
-    wire [4:0]               read_scale = scales[slot];
+    reg signed [SIDE_W-1:0] lo, hi;
+    reg signed [OFF_W-1:0]  off_lo, off_hi;
+    reg [1:0]               mark, hide, mark_1, mark_2;
+    reg [4:0]               scale, old_scale;
+    reg [REL_W-1:0]         window;
+    reg [PX_W:0]            from;
 
     always @(posedge clk) begin
         word <= {W{1'b0}};
         if (wanted) case ({1'b0, index})
-            `EVCOT_MOTION_HOT_LO: word <= {{(W - SIDE_W) {read_lo[SIDE_W-1]}}, read_lo};
-            `EVCOT_MOTION_HOT_HI: word <= {{(W - SIDE_W) {read_hi[SIDE_W-1]}}, read_hi};
-            `EVCOT_MOTION_HOT_OFF_LO: word <= {{(W - OFF_W) {read_off_lo[OFF_W-1]}}, read_off_lo};
-            `EVCOT_MOTION_HOT_OFF_HI: word <= {{(W - OFF_W) {read_off_hi[OFF_W-1]}}, read_off_hi};
-            `EVCOT_MOTION_HOT_BEYOND: word <= {{(W - 2) {1'b0}}, ~read_marks};
-            `EVCOT_MOTION_HOT_BINS: word <= {{(W - 5) {1'b0}}, read_scale};
+            `EVCOT_MOTION_HOT_LO: word <= {{(W - SIDE_W) {lo[SIDE_W-1]}}, lo};
+            `EVCOT_MOTION_HOT_HI: word <= {{(W - SIDE_W) {hi[SIDE_W-1]}}, hi};
+            `EVCOT_MOTION_HOT_OFF_LO: word <= {{(W - OFF_W) {off_lo[OFF_W-1]}}, off_lo};
+            `EVCOT_MOTION_HOT_OFF_HI: word <= {{(W - OFF_W) {off_hi[OFF_W-1]}}, off_hi};
+            `EVCOT_MOTION_HOT_BEYOND: word <= {{(W - 2) {1'b0}}, ~mark};
+            `EVCOT_MOTION_HOT_BINS: word <= {{(W - 5) {1'b0}}, scale};
             default: ;
         endcase
     end
-
-    // ---- second stage ------------------------------------------------------------------------------------------------
-
-    reg signed [SIDE_W-1:0] lo, hi;
-    reg signed [OFF_W-1:0]  off_lo, off_hi;
-    reg [1:0]               mark, hide, old_mark;
-    reg [4:0]               scale, old_scale;
-    reg [REL_W-1:0]         window;
-    reg [PX_W:0]            from;
 
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, place, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
@@ -137,18 +130,19 @@ module motion_axis_memory #(
     wire [SLOT_W-1:0] to = !busy ? update_slot : write_slot;
 
     always @(posedge clk) begin
-        lo     <= read_lo;
-        hi     <= read_hi;
-        off_lo <= read_off_lo;
-        off_hi <= read_off_hi;
-        mark   <= read_marks;
+        lo     <= los[slot];
+        hi     <= his[slot];
+        off_lo <= off_los[slot];
+        off_hi <= off_his[slot];
+        mark   <= marks[slot];
         hide   <= hides[slot];
-        scale  <= read_scale;
+        scale  <= scales[slot];
         window <= windows[slot];
 
         from      <= place_from[PX_W+1:1];
         old_scale <= scale;
-        old_mark  <= mark;
+        mark_1    <= mark;
+        mark_2    <= mark_1;
         rel       <= wide_place[REL_W-1:0] - window;
 
         in_bin <= !from[PX_W] && in_bins[PX_W:4] == {(PX_W - 3) {1'b0}};
@@ -158,7 +152,7 @@ module motion_axis_memory #(
         if (update || writes_hi) his[to] <= !busy ? hi_next : data[SIDE_W-1:0];
         if (update || writes_off_lo) off_los[to] <= !busy ? off_lo_next : data[OFF_W-1:0];
         if (update || writes_off_hi) off_his[to] <= !busy ? off_hi_next : data[OFF_W-1:0];
-        if (update || writes_marks) marks[to] <= !busy ? old_mark | beyond : data[1:0];
+        if (update || writes_marks) marks[to] <= !busy ? mark_2 | beyond : data[1:0];
         if (write && target == `EVCOT_MOTION_HOT_HIDDEN) hides[write_slot] <= data[1:0];
         if (write && target == `EVCOT_MOTION_HOT_BINS) scales[write_slot] <= bin_log2(data[PX_W-1:0]);
         if (write && target == `EVCOT_MOTION_HOT_WLO) windows[write_slot] <= data[REL_W-1:0];

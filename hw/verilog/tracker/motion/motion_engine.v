@@ -37,7 +37,7 @@ module motion_engine #(
     output reg  [SLOT_W-1:0] at,
     output reg  [SLOT_W-1:0] other,
 
-    // operands: a value two clocks after its index, a word that events change one clock after; 0 if not wanted
+    // operands: a value two clocks after its index; a word that events change two after its slot, one after its index; 0 if not wanted
     output wire [5:0]        value_index,
     output wire              value_wanted,
     input  wire [W-1:0]      value_x,
@@ -284,7 +284,7 @@ module motion_engine #(
 
     assign value_index = word_1[5:0];
     assign value_wanted = word_1[9:8] == 2'd2;
-    assign hot_slot     = word_2[6] ? other : at;
+    assign hot_slot     = word_1[6] ? other : at;
     assign hot_index    = word_2[2:0];
     assign hot_wanted   = word_2[9:8] == 2'd1;
 

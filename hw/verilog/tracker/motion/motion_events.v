@@ -4,10 +4,10 @@
 // A token passes six stages: its place, the slots that it hits, those of the kind that decides, its owner, its owner's words and
 // its time, and what becomes of it. There it is done, or it must wait: for a motion step, or until a candidate has been seeded where it
 // lies. Then the engine works, as it does after the last event of a correction; all tokens behind are issued again when it is done.
-// An event waits in the fourth stage while one of its owner is in the fifth or sixth.
+// An event waits in the fourth stage while one of its owner is in the fifth or sixth, or being written in a seventh.
 //
 // Latency:    6 clocks from issue to done.
-// Throughput: a token per clock; of one owner every third clock.
+// Throughput: a token per clock; of one owner every fourth clock.
 // Stall:      m_ready is low while no token may be issued.
 // Reset:      nothing is under way.
 // Combinational paths: may_issue -> s_ready.
@@ -118,10 +118,11 @@ module motion_events #(
     reg  [TIME_W-1:0] time_5;
     reg  [X_W-1:0]    x_5;
     reg  [Y_W-1:0]    y_5;
+    reg               writes_7, updates_7;
     reg               valid_6, due_6, begins_6, shared_6, full_6;
 
     wire hold = valid[4] && owned
-             && ((valid_5 && owned_5 && slot_5 == owner) || (valid_6 && done_owned && done_slot == owner));
+             && ((valid_5 && owned_5 && slot_5 == owner) || (valid_6 && done_owned && done_slot == owner) || (writes_7 && bin_slot == owner));
     wire flush = valid_6 && (due_6 || begins_6 || full_6);
 
     assign s_ready = may_issue && !hold;
@@ -181,8 +182,6 @@ module motion_events #(
     reg  [SUP_W-1:0]  support_5, support_6;
     reg  [9:0]        nev_5, number_5, number_6;
     wire [SLOT_W-1:0] slot = busy ? hot_slot : owner;
-    wire [SUP_W-1:0]  read_support = supports[slot];
-    wire [9:0]        read_nev = nevs[slot];
     wire [TIME_W-1:0] until_step = time_5 - next_step;
     wire [W-1:0]      word_x, word_y;
 
@@ -195,8 +194,8 @@ module motion_events #(
     wire [SLOT_W-1:0] to = !busy ? done_slot : write_slot;
 
     reg  [W-1:0] scalar;
-    wire [W-1:0] read_scalar = ({1'b0, hot_index} == `EVCOT_MOTION_HOT_SUPPORT ? {{(W - SUP_W) {1'b0}}, read_support} : {W{1'b0}})
-                        | ({1'b0, hot_index} == `EVCOT_MOTION_HOT_N_EV ? {{(W - 10) {1'b0}}, read_nev} : {W{1'b0}});
+    wire [W-1:0] read_scalar = ({1'b0, hot_index} == `EVCOT_MOTION_HOT_SUPPORT ? {{(W - SUP_W) {1'b0}}, support_5} : {W{1'b0}})
+                        | ({1'b0, hot_index} == `EVCOT_MOTION_HOT_N_EV ? {{(W - 10) {1'b0}}, nev_5} : {W{1'b0}});
     assign hot_x = word_x | scalar;
     assign hot_y = word_y | scalar;
 
@@ -216,8 +215,8 @@ module motion_events #(
         slot_5    <= owner;
         time_5    <= event_time;
         {x_5, y_5, p_5} <= {x, y, p};
-        support_5 <= read_support;
-        nev_5     <= read_nev;
+        support_5 <= supports[slot];
+        nev_5     <= nevs[slot];
         number_5  <= numbers[slot];
 
         valid_6    <= valid_5;
@@ -267,8 +266,8 @@ module motion_events #(
         .place      (x_5),
         .out        (far),
         .back       (near),
-        .update     (updates),
-        .update_slot(done_slot),
+        .update     (updates_7),
+        .update_slot(bin_slot),
         .rel        (done_rel_x),
         .in_bin     (in_bin_x),
         .bin        (bin_x),
@@ -296,8 +295,8 @@ module motion_events #(
         .place      (y_5),
         .out        (far),
         .back       (near),
-        .update     (updates),
-        .update_slot(done_slot),
+        .update     (updates_7),
+        .update_slot(bin_slot),
         .rel        (done_rel_y),
         .in_bin     (in_bin_y),
         .bin        (bin_y),
@@ -318,12 +317,14 @@ module motion_events #(
     assign first_y = !used_y[bin_y];
 
     always @(posedge clk) begin
+        writes_7  <= takes;
+        updates_7 <= updates;
         bin_count <= updates && counts;
         bin_slot  <= done_slot;
         if (bin_count || writes_bins)
             uses[use_slot] <= writes_bins ? 32'd0
                 : use_now | {in_bin_y ? 16'd1 << bin_y : 16'd0, in_bin_x ? 16'd1 << bin_x : 16'd0};
-        if (rst) bin_count <= 1'b0;
+        if (rst) {writes_7, updates_7, bin_count} <= 3'd0;
     end
 
 endmodule

@@ -4,7 +4,7 @@
 // A bin that was not used since its slot's bins were cleared is not cleared itself: `used` says which were. An event names its bin on
 // each axis; `count` makes it one more, three clocks later.
 //
-// Latency:    3 clocks from count to the bin; 61 clocks from look to done.
+// Latency:    3 clocks from count to the bin; 64 clocks from look to done.
 // Throughput: an event every third clock, or a look, not both at a time.
 // Stall:      what a look found stays until the next one.
 // Reset:      waits for a look. Bins are not reset.
@@ -61,8 +61,9 @@ module motion_gaps #(
     reg [SLOT_W+3:0] place_x, place_y, to_x, to_y;
     reg [BIN_W-1:0]  value;
     reg [BIN_W-1:0]  total, least, below, above;
+    reg              full;     // a bin is not empty
     reg              any;      // a bin that is not empty was there
-    reg [3:0]        run, widest, behind, next_bin, this_bin, bin;
+    reg [3:0]        run, widest, behind, next_bin, this_bin, bin, bin_before;
     reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
 
     wire             looking = state != WAIT;
@@ -70,7 +71,8 @@ module motion_gaps #(
     wire [SLOT_W+3:0] from_y = {slot, looking ? at[3:0] : bin_y};
     wire [BIN_W-1:0] share   = total >> gap_share;
     wire             there   = at > 5'd2;  // the value of `bin`
-    wire             last    = at == 5'd18;
+    wire             judged  = at > 5'd3;  // `full`, of `bin_before`
+    wire             last    = at == 5'd19;
 
     block_memory #(
         .W    (BIN_W),
@@ -121,6 +123,8 @@ module motion_gaps #(
         next_bin <= at[3:0];
         this_bin <= next_bin;
         bin      <= this_bin;
+        bin_before <= bin;
+        full     <= value > least;
         is_used  <= was_used;
         value    <= !is_used ? {BIN_W{1'b0}} : on_y ? read_y : read_x;
         if (looking) at <= last ? 5'd0 : at + 5'd1;
@@ -131,7 +135,7 @@ module motion_gaps #(
                 if (look) state <= SUM;
             end
             SUM: begin
-                if (there) total <= total + value;
+                if (there && !last) total <= total + value;
                 if (last) state <= LEAST;
             end
             LEAST: begin
@@ -143,13 +147,13 @@ module motion_gaps #(
                 state  <= RUNS;
             end
             RUNS: begin
-                if (there) begin
-                    if (value > least) begin
+                if (judged) begin
+                    if (full) begin
                         any <= 1'b1;
                         run <= 4'd0;
                         if (any && run > widest) begin
                             widest <= run;
-                            behind <= bin;
+                            behind <= bin_before;
                         end
                     end else run <= run + 4'd1;
                 end
@@ -165,7 +169,7 @@ module motion_gaps #(
                 state  <= PARTS;
             end
             PARTS: begin
-                if (there) begin
+                if (there && !last) begin
                     if (bin < begins) below <= below + value;
                     if (bin >= ends) above <= above + value;
                 end

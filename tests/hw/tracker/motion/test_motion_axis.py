@@ -33,6 +33,8 @@ def test_random_events() -> None:
         io.off_lo, io.off_hi = (off % (1 << OFF_W) for off in axis.off)
         io.hidden = axis.hidden[0] + 2 * axis.hidden[1]
         sim.clock.tick()
+        io.place, io.lo, io.out = int(rng.integers(128)), int(rng.integers(1 << SIDE_W)), 0  # the next event's
+        sim.clock.tick()
         axis.measure(place * PX, out, back)
         assert (signed(int(io.lo_next), SIDE_W), signed(int(io.hi_next), SIDE_W)) == (axis.lo, axis.hi)
         assert [signed(int(io.off_lo_next), OFF_W), signed(int(io.off_hi_next), OFF_W)] == axis.off

@@ -141,10 +141,11 @@ class Bench:
         self.tick()
         io.go = 0
         values: list[tuple[int, int]] = [(0, 0), (0, 0)]
-        clocks = 0
+        clocks = before = 0
         while int(io.busy) or int(io.out):
             values.append(self.value(int(io.value_index)) if int(io.value_wanted) else (0, 0))
-            words = self.hot(int(io.hot_slot), int(io.hot_index)) if int(io.hot_wanted) else [0, 0]
+            words = self.hot(before, int(io.hot_index)) if int(io.hot_wanted) else [0, 0]
+            before = int(io.hot_slot)
             x, y = signed(int(io.out_x), W), signed(int(io.out_y), Y_W)
             target, at = int(io.target), int(io.out_slot)
             outs, writes = int(io.out), (int(io.hot_write_x), int(io.hot_write_y))

@@ -286,7 +286,7 @@ def _distance(before: _Word, word: _Word) -> int:
     if before.op is Op.ST and reads is not None and reads.kind is Kind.MEM and before.operand is not None:
         return 4 if reads.index == before.operand.index else 0
     if before.op is Op.STH and reads is not None and reads.kind is Kind.HOT:
-        return 4
+        return 5
     if before.op is Op.PICK and word.op is Op.TAKE:
         return 2
     if before.op is Op.OUT:
