@@ -163,7 +163,6 @@ class Bench:
         return clocks
 
 
-
 def compare(bench: Bench, array: SlowArray) -> None:
     visible = sum(1 << slot.number for slot in array.slots if slot is not None and slot.visible)
     candidate = sum(1 << slot.number for slot in array.slots if slot is not None and not slot.visible)

@@ -77,7 +77,12 @@ def test_random_events(n: int, slot_w: int) -> None:
             assert int(io.owner) == expected
         seen.add((expected >= 0, begins, shared))
         sim.clock.tick()  # intervals share pixels with bounds on each axis apart
-        for name, bounds, axis in (("box_x", boxes, 0), ("box_y", boxes, 2), ("window_x", windows, 0), ("window_y", windows, 2)):
+        for name, bounds, axis in (
+            ("box_x", boxes, 0),
+            ("box_y", boxes, 2),
+            ("window_x", windows, 0),
+            ("window_y", windows, 2),
+        ):
             shares = [its[axis] <= asked[axis + 1] and asked[axis] <= its[axis + 1] for its in bounds]
             assert int(getattr(io, name)) == sum(1 << i for i in range(n) if shares[i])
     assert len(seen) == (3 if n == 1 else 4)

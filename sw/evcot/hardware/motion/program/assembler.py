@@ -254,25 +254,28 @@ class Program:
     ) -> None:  # fmt: skip
         """Add an instruction, after as many `nop` as it needs."""
         word = _Word(
-            op, operand, to, _MODES[mode], int(neg), ("x" in lanes) | ("y" in lanes) << 1, when, operand.code if operand else arg
+            op,
+            operand,
+            to,
+            _MODES[mode],
+            int(neg),
+            ("x" in lanes) | ("y" in lanes) << 1,
+            when,
+            operand.code if operand else arg,
         )
         while not self._may_follow(word):
             self.words.append(_Word(Op.NOP, None, "", 0, 0, 0, 0, 0))
         self.words.append(word)
 
     def _may_follow(self, word: _Word) -> bool:
-        return all(
-            distance >= _distance(before, word) for distance, before in enumerate(reversed(self.words[-6:]), start=1)
-        )
+        return all(distance >= _distance(before, word) for distance, before in enumerate(reversed(self.words[-6:]), start=1))
 
     def assemble(self) -> list[int]:
         """The words of the program."""
         words = []
         for word in self.words:
             arg = self.labels[word.label] if word.label else word.arg
-            words.append(
-                int(word.op) << 18 | word.mode << 16 | word.neg << 15 | word.lanes << 13 | word.pred << 10 | arg
-            )
+            words.append(int(word.op) << 18 | word.mode << 16 | word.neg << 15 | word.lanes << 13 | word.pred << 10 | arg)
         return words
 
 
