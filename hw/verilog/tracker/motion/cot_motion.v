@@ -172,7 +172,7 @@ module cot_motion #(
         .y         (y),
         .p         (p),
         .done      (done),
-        .again     (steps || seeds || corrects),
+        .again     (|starts),
         .empty     (queue_empty)
     );
 
@@ -185,6 +185,7 @@ module cot_motion #(
     reg  [X_W-1:0]    op_x;
     reg  [Y_W-1:0]    op_y;
     reg               go;
+    reg  [2:0]        starts;            // what a token led to, a clock ago: step, seed, correction
     reg  [9:0]        entry;
     reg  [SLOT_W-1:0] go_slot;
     reg               skips, compared, skip_due;  // steps while no slot lives
@@ -195,10 +196,15 @@ module cot_motion #(
     wire [N-1:0]      lives = visible | candidate;
     wire [TIME_W-1:0] until_step = op_time - next_step;
     wire [TIME_W-1:0] step_after = (restep[1] ? now : next_step) + {{(TIME_W - 21) {1'b0}}, step_ticks};
-    wire              waits = busy || go || skips || pending;
+    wire              waits = busy || go || |starts || skips || pending;
     wire              engine_out, write_x, write_y;
     wire [4:0]        target;
-    reg               decided;
+    reg               decided;           // and of the token then
+    reg  [SLOT_W-1:0] decided_slot;
+    reg  [X_W-1:0]    decided_x;
+    reg  [Y_W-1:0]    decided_y;
+    reg  [SEQ_W-1:0]  decided_seq;
+    reg  [TIME_W-1:0] decided_time;
 
     always @(posedge clk) begin
         go         <= 1'b0;
@@ -209,15 +215,16 @@ module cot_motion #(
             now <= done_time;
             if (done_event || done_skip) seq <= seq + {{(SEQ_W - 1) {1'b0}}, 1'b1};
         end
-        if (steps || seeds || corrects) begin
-            go      <= !steps || |lives;
-            skips   <= steps && !(|lives);
-            entry   <= steps ? `EVCOT_MOTION_AT_STEP : seeds ? `EVCOT_MOTION_AT_SEED : `EVCOT_MOTION_AT_CORRECT;
-            go_slot <= done_slot;
-            op_time <= steps && |lives ? next_step : done_time;
-            op_seq  <= seq;
-            op_x    <= done_x;
-            op_y    <= done_y;
+        starts <= {steps, seeds, corrects};
+        if (|starts) begin
+            go      <= !starts[2] || |lives;
+            skips   <= starts[2] && !(|lives);
+            entry   <= starts[2] ? `EVCOT_MOTION_AT_STEP : starts[1] ? `EVCOT_MOTION_AT_SEED : `EVCOT_MOTION_AT_CORRECT;
+            go_slot <= decided_slot;
+            op_time <= starts[2] && |lives ? next_step : decided_time;
+            op_seq  <= decided_seq;
+            op_x    <= decided_x;
+            op_y    <= decided_y;
         end else if (restarts && pending && !active && !busy && !go && !skips) begin
             go                    <= 1'b1;
             entry                 <= `EVCOT_MOTION_AT_RESTART;
@@ -229,7 +236,7 @@ module cot_motion #(
         compared <= skips && !compared;
         skip_due <= !until_step[TIME_W-1];
         if (skips && compared && !skip_due) skips <= 1'b0;
-        if ((steps && |lives) || (skips && compared && skip_due) || restep[1]) next_step <= step_after;
+        if ((starts[2] && |lives) || (skips && compared && skip_due) || restep[1]) next_step <= step_after;
         if (engine_out && target == `EVCOT_MOTION_OUT_BORN) births <= births + {{(ID_W - 1) {1'b0}}, 1'b1};
         if (writes_mode) begin
             seeded[cfg_slot]  <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
@@ -239,6 +246,7 @@ module cot_motion #(
         idle    <= queue_empty && !s_valid && !active && !waits && !restarts && !cfg_valid && !(|restep) && !decided && output_empty && !m_cm_valid;
         if (rst) begin
             go      <= 1'b0;
+            starts  <= 3'd0;
             skips   <= 1'b0;
             restep  <= 2'b01;
             seeded  <= {N{1'b0}};
@@ -262,10 +270,8 @@ module cot_motion #(
     wire              bin_count, in_bin_x, in_bin_y, first_x, first_y;
     wire [3:0]        bin_x, bin_y;
     wire [15:0]       used_x, used_y;
-    wire [3:0]        place = {
-        target == `EVCOT_MOTION_OUT_PLACE_WHI, target == `EVCOT_MOTION_OUT_PLACE_WLO,
-        target == `EVCOT_MOTION_OUT_PLACE_BHI, target == `EVCOT_MOTION_OUT_PLACE_BLO
-    } & {4{engine_out}};
+    wire [3:0]        place;
+    wire [1:0]        ask;
 
     motion_events #(
         .N     (N),
@@ -340,8 +346,8 @@ module cot_motion #(
         .acc_x     (acc_x),
         .acc_y     (acc_y),
         .place     (place),
-        .ask_lo    (engine_out && target == `EVCOT_MOTION_OUT_ASK_LO),
-        .ask_hi    (engine_out && target == `EVCOT_MOTION_OUT_ASK_HI),
+        .ask_lo    (ask[0]),
+        .ask_hi    (ask[1]),
         .box_x     (box_x),
         .box_y     (box_y),
         .window_x  (window_x),
@@ -428,6 +434,8 @@ module cot_motion #(
         .out        (engine_out),
         .hot_write_x(write_x),
         .hot_write_y(write_y),
+        .place      (place),
+        .ask        (ask),
         .target     (target),
         .out_slot   (out_slot),
         .out_x      (acc_x),
@@ -506,12 +514,8 @@ module cot_motion #(
         .m_cm_time   (m_cm_time)
     );
 
-    reg              decided_owned, decided_p;
-    reg [SLOT_W-1:0] decided_slot;
-    reg [REL_W-1:0]  decided_rel_x, decided_rel_y;
-    reg [X_W-1:0]    decided_x;
-    reg [Y_W-1:0]    decided_y;
-    reg [SEQ_W-1:0]  decided_seq;
+    reg             decided_owned, decided_p;
+    reg [REL_W-1:0] decided_rel_x, decided_rel_y;
 
     always @(posedge clk) begin
         decided_owned <= done_owned;
@@ -522,6 +526,7 @@ module cot_motion #(
         decided_y     <= done_y;
         decided_p     <= done_p;
         decided_seq   <= seq;
+        decided_time  <= done_time;
     end
 
     array_output #(

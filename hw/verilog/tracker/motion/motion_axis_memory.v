@@ -42,6 +42,8 @@ module motion_axis_memory #(
     // fourth stage
     input  wire              update,     // the event moves the sides
     input  wire [SLOT_W-1:0] update_slot,
+
+    // a clock later
     output reg               in_bin,     // the event has a bin
     output reg  [3:0]        bin,
 
@@ -67,7 +69,8 @@ module motion_axis_memory #(
     reg [1:0]               mark, hide, mark_1, mark_2;
     reg [4:0]               scale, old_scale;
     reg [REL_W-1:0]         window;
-    reg [PX_W:0]            from;
+    reg                     is_before;  // the event lies before the first bin
+    reg [PX_W:0]            from, in_bins;
 
     always @(posedge clk) begin
         word <= {W{1'b0}};
@@ -85,7 +88,6 @@ module motion_axis_memory #(
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, place, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
     wire [PX_W+REL_W-1:0] wide_place = {{(PX_W + REL_W - AT_W) {1'b0}}, place};  // its lower part is what counts
-    wire [PX_W:0]   in_bins = from >> old_scale;
 
     wire [1:0]               beyond;
     wire signed [SIDE_W-1:0] lo_next, hi_next;
@@ -145,7 +147,10 @@ module motion_axis_memory #(
         mark_2    <= mark_1;
         rel       <= wide_place[REL_W-1:0] - window;
 
-        in_bin <= !from[PX_W] && in_bins[PX_W:4] == {(PX_W - 3) {1'b0}};
+        in_bins   <= from >> old_scale;
+        is_before <= from[PX_W];
+
+        in_bin <= !is_before && in_bins[PX_W:4] == {(PX_W - 3) {1'b0}};
         bin    <= in_bins[3:0];
 
         if (update || writes_lo) los[to] <= !busy ? lo_next : data[SIDE_W-1:0];

@@ -63,6 +63,8 @@ module motion_engine #(
 
     // what becomes of the accumulators, a clock after the instruction
     output reg               out,
+    output reg  [3:0]        place,        // bounds, and places asked for: `out` as well
+    output reg  [1:0]        ask,
     output reg               hot_write_x,  // a word that events change
     output reg               hot_write_y,
     output reg  [4:0]        target,       // which one, or what `out` is for
@@ -118,6 +120,11 @@ module motion_engine #(
         word_1     <= word;
         word_2     <= word_1;
         word_3     <= word_2;
+        case (word_2[22:18])
+            `EVCOT_MOTION_OP_SUB, `EVCOT_MOTION_OP_RSB, `EVCOT_MOTION_OP_SUBT,
+            `EVCOT_MOTION_OP_LT, `EVCOT_MOTION_OP_LE, `EVCOT_MOTION_OP_LTT: inverts <= 1'b1;
+            default: inverts <= 1'b0;
+        endcase
 
         turns <= 4'd0;
         if (in_3)
@@ -148,7 +155,6 @@ module motion_engine #(
                         || op == `EVCOT_MOTION_OP_SHL1 || op == `EVCOT_MOTION_OP_SHL4;
         to_left      <= op == `EVCOT_MOTION_OP_SHL1 || op == `EVCOT_MOTION_OP_SHL4;
         by_four      <= op == `EVCOT_MOTION_OP_SHR4 || op == `EVCOT_MOTION_OP_SHL4;
-        inverts      <= op != `EVCOT_MOTION_OP_ADD && op != `EVCOT_MOTION_OP_ADDT;
         carries      <= op == `EVCOT_MOTION_OP_SUB || op == `EVCOT_MOTION_OP_SUBT
                         || op == `EVCOT_MOTION_OP_LT || op == `EVCOT_MOTION_OP_LTT;
         reverses     <= op == `EVCOT_MOTION_OP_RSB;
@@ -222,6 +228,8 @@ module motion_engine #(
                 `EVCOT_MOTION_PICK_HIDE: among <= rest & visible & window_x & window_y;
             endcase
         out         <= outs;
+        place       <= {4{outs && argument[4:2] == 3'd0}} & (4'd1 << argument[1:0]);
+        ask         <= {outs && argument[4:0] == `EVCOT_MOTION_OUT_ASK_HI, outs && argument[4:0] == `EVCOT_MOTION_OUT_ASK_LO};
         hot_write_x <= hot_stores && now_x;
         hot_write_y <= hot_stores && now_y;
         target      <= argument[4:0];
@@ -317,6 +325,7 @@ module motion_engine #(
         .hot          (hot_x),
         .value        (value_x),
         .immediate    (word_3[7:0]),
+        .inverts      (inverts),
         .acts         (lanes[0]),
         .predicate    (predicate),
         .sets_acc     (sets_acc),
@@ -324,7 +333,6 @@ module motion_engine #(
         .shifts       (shifts),
         .to_left      (to_left),
         .by_four      (by_four),
-        .inverts      (inverts),
         .carries      (carries),
         .reverses     (reverses),
         .of_time      (of_time),
@@ -355,6 +363,7 @@ module motion_engine #(
         .hot          (hot_y[Y_LANE_W-1:0]),
         .value        (value_y[Y_LANE_W-1:0]),
         .immediate    (word_3[7:0]),
+        .inverts      (inverts),
         .acts         (lanes[1]),
         .predicate    (predicate),
         .sets_acc     (sets_acc),
@@ -362,7 +371,6 @@ module motion_engine #(
         .shifts       (shifts),
         .to_left      (to_left),
         .by_four      (by_four),
-        .inverts      (inverts),
         .carries      (carries),
         .reverses     (reverses),
         .of_time      (of_time),

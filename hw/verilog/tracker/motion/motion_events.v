@@ -78,7 +78,7 @@ module motion_events #(
     output wire              in_bin_y,
     output wire [3:0]        bin_x,
     output wire [3:0]        bin_y,
-    output wire              first_x,
+    output wire              first_x,     // a clock later
     output wire              first_y,
     output wire [15:0]       used_x,      // bins of the engine's slot
     output wire [15:0]       used_y,
@@ -119,10 +119,11 @@ module motion_events #(
     reg  [X_W-1:0]    x_5;
     reg  [Y_W-1:0]    y_5;
     reg               writes_7, updates_7;
+    reg  [SLOT_W-1:0] slot_7;
     reg               valid_6, due_6, begins_6, shared_6, full_6;
 
     wire hold = valid[4] && owned
-             && ((valid_5 && owned_5 && slot_5 == owner) || (valid_6 && done_owned && done_slot == owner) || (writes_7 && bin_slot == owner));
+             && ((valid_5 && owned_5 && slot_5 == owner) || (valid_6 && done_owned && done_slot == owner) || (writes_7 && slot_7 == owner));
     wire flush = valid_6 && (due_6 || begins_6 || full_6);
 
     assign s_ready = may_issue && !hold;
@@ -180,7 +181,8 @@ module motion_events #(
     reg  [9:0]        nevs    [0:(1<<SLOT_W)-1];
     reg  [9:0]        numbers [0:(1<<SLOT_W)-1];  // events since the last correction
     reg  [SUP_W-1:0]  support_5, support_6;
-    reg  [9:0]        nev_5, number_5, number_6;
+    reg  [9:0]        nev_5, number_5, number_6;   // n_ev less one
+    wire [10:0]       under_nev = {1'b0, number_5} - {1'b0, nev_5};
     wire [SLOT_W-1:0] slot = busy ? hot_slot : owner;
     wire [TIME_W-1:0] until_step = time_5 - next_step;
     wire [W-1:0]      word_x, word_y;
@@ -223,7 +225,7 @@ module motion_events #(
         due_6      <= !until_step[TIME_W-1];
         begins_6   <= owned_5 && begins_5;
         shared_6   <= shared_5;
-        full_6     <= owned_5 && !shared_5 && !begins_5 && {1'b0, number_5} + 11'd1 >= {1'b0, nev_5};
+        full_6     <= owned_5 && !shared_5 && !begins_5 && !under_nev[10];
         support_6  <= support_5;
         number_6   <= number_5;
         done_event <= event_5;
@@ -267,7 +269,7 @@ module motion_events #(
         .out        (far),
         .back       (near),
         .update     (updates_7),
-        .update_slot(bin_slot),
+        .update_slot(slot_7),
         .rel        (done_rel_x),
         .in_bin     (in_bin_x),
         .bin        (bin_x),
@@ -296,7 +298,7 @@ module motion_events #(
         .out        (far),
         .back       (near),
         .update     (updates_7),
-        .update_slot(bin_slot),
+        .update_slot(slot_7),
         .rel        (done_rel_y),
         .in_bin     (in_bin_y),
         .bin        (bin_y),
@@ -310,22 +312,32 @@ module motion_events #(
     // ---- which bins were used --------------------------------------------------------------------------------------------
 
     reg  [31:0] uses[0:(1<<SLOT_W)-1];
+    reg  [31:0] used_9;
+    reg  [3:0]  bin_x_9, bin_y_9;
+    reg         counts_7;
     wire [SLOT_W-1:0] use_slot = busy && !bin_count ? write_slot : bin_slot;
     wire [31:0] use_now = uses[use_slot];
     assign {used_y, used_x} = use_now;
-    assign first_x = !used_x[bin_x];
-    assign first_y = !used_y[bin_y];
+    assign first_x = !used_9[{1'b0, bin_x_9}];
+    assign first_y = !used_9[{1'b1, bin_y_9}];
 
     always @(posedge clk) begin
         writes_7  <= takes;
         updates_7 <= updates;
-        bin_count <= updates && counts;
-        bin_slot  <= done_slot;
+        slot_7    <= done_slot;
+        counts_7  <= updates && counts;
+        bin_count <= counts_7;
+        bin_slot  <= slot_7;
+        used_9    <= use_now;
+        bin_x_9   <= bin_x;
+        bin_y_9   <= bin_y;
         if (bin_count || writes_bins)
             uses[use_slot] <= writes_bins ? 32'd0
                 : use_now | {in_bin_y ? 16'd1 << bin_y : 16'd0, in_bin_x ? 16'd1 << bin_x : 16'd0};
-        if (rst) {writes_7, updates_7, bin_count} <= 3'd0;
+        if (rst) {writes_7, updates_7, counts_7, bin_count} <= 4'd0;
     end
+
+    wire unused = &{1'b0, under_nev};
 
 endmodule
 

@@ -24,7 +24,7 @@ module motion_gaps #(
     input  wire              in_y,
     input  wire [3:0]        bin_x,
     input  wire [3:0]        bin_y,
-    input  wire              first_x,    // its bin was not used yet
+    input  wire              first_x,    // a clock later: its bin was not used yet
     input  wire              first_y,
 
     input  wire              look,
@@ -56,10 +56,11 @@ module motion_gaps #(
 
     reg [2:0]        state;
     reg [4:0]        at;       // bin that is read; that of three clocks before is there
-    reg              counts_x, counts_y, was_first_x, was_first_y, is_first_x, is_first_y, was_used, is_used, wide;
+    reg              counts_x, counts_y, is_first_x, is_first_y, was_used, is_used, wide;
     reg              adds_x, adds_y;
     reg [SLOT_W+3:0] place_x, place_y, to_x, to_y;
     reg [BIN_W-1:0]  value;
+    reg [15:0]       uses;
     reg [BIN_W-1:0]  total, least, below, above;
     reg              full;     // a bin is not empty
     reg              any;      // a bin that is not empty was there
@@ -106,12 +107,10 @@ module motion_gaps #(
         // an event: read, then write
         counts_x    <= count && in_x;
         counts_y    <= count && in_y;
-        was_first_x <= first_x;
-        was_first_y <= first_y;
         place_x     <= from_x;
         place_y     <= from_y;
-        is_first_x  <= was_first_x;
-        is_first_y  <= was_first_y;
+        is_first_x  <= first_x;
+        is_first_y  <= first_y;
         adds_x      <= counts_x;
         adds_y      <= counts_y;
         to_x        <= place_x;
@@ -119,7 +118,8 @@ module motion_gaps #(
 
         // a look: three times through the bins
         done     <= 1'b0;
-        was_used <= used[at[3:0]];
+        uses     <= used;
+        was_used <= uses[at[3:0]];
         next_bin <= at[3:0];
         this_bin <= next_bin;
         bin      <= this_bin;
@@ -139,7 +139,7 @@ module motion_gaps #(
                 if (last) state <= LEAST;
             end
             LEAST: begin
-                least  <= share == {BIN_W{1'b0}} ? {{(BIN_W - 1) {1'b0}}, 1'b1} : share;
+                least  <= share;
                 any    <= 1'b0;
                 run    <= 4'd0;
                 widest <= 4'd0;
@@ -147,6 +147,7 @@ module motion_gaps #(
                 state  <= RUNS;
             end
             RUNS: begin
+                if (at == 5'd0 && least == {BIN_W{1'b0}}) least <= {{(BIN_W - 1) {1'b0}}, 1'b1};
                 if (judged) begin
                     if (full) begin
                         any <= 1'b1;

@@ -28,6 +28,7 @@ module motion_lane #(
     input  wire [W-1:0]      hot,
     input  wire [W-1:0]      value,
     input  wire [7:0]        immediate,
+    input  wire              inverts,       // it is subtracted
 
     // fourth stage: what is done with it
     input  wire              acts,          // in this lane
@@ -37,7 +38,6 @@ module motion_lane #(
     input  wire              shifts,
     input  wire              to_left,
     input  wire              by_four,
-    input  wire              inverts,       // the operand is subtracted
     input  wire              carries,
     input  wire              reverses,      // the complement of the sum
     input  wire              of_time,       // the sum is a time
@@ -74,7 +74,9 @@ module motion_lane #(
         .read_data    (word)
     );
 
-    wire [W-1:0] sum     = acc + (operand ^ {W{inverts}}) + {{(W - 1) {1'b0}}, carries};
+    wire [W:0]   carried = {acc, 1'b1} + {operand, carries};
+    wire [W-1:0] sum     = carried[W:1];
+    wire         unused  = carried[0];
     wire [W-1:0] outside = ~({W{1'b1}} >> (W - TIME_W));  // the bits above a time
     wire [W-1:0] total   = (sum ^ {W{reverses}}) & ~(outside & {W{of_time}});
     wire [W-1:0] shifted = to_left ? (by_four ? {acc[W-5:0], 4'd0} : {acc[W-2:0], 1'b0})
@@ -83,8 +85,8 @@ module motion_lane #(
     wire         found   = (from_outside ? condition : sign) ^ negates;
 
     always @(posedge clk) begin
-        operand <= ((from_other ? other_word : word) & {W{kind == 2'd0}}) | hot | value
-                   | {{(W - 8) {1'b0}}, immediate & {8{kind == 2'd3}}};
+        operand <= (((from_other ? other_word : word) & {W{kind == 2'd0}}) | hot | value
+                    | {{(W - 8) {1'b0}}, immediate & {8{kind == 2'd3}}}) ^ {W{inverts}};
         if (sets_acc && now) acc <= loads ? operand : shifts ? shifted : total;
         if (sets_flag && now) flag <= mode == 2'd1 ? flag && found : mode == 2'd2 ? flag || found : found;
         if (sets_s && now) s <= acc[4:0];

@@ -45,7 +45,7 @@ module motion_queue #(
     output wire              p,
 
     input  wire              done,       // the oldest token leaves
-    input  wire              again,      // the others are issued again
+    input  wire              again,      // a clock ago: the others are issued again
     output wire              empty
 );
 
@@ -58,7 +58,6 @@ module motion_queue #(
     reg [3:0]                  tail, head, next;   // where the next token goes, the oldest one, the next to be issued
     reg [4:0]                  count;
 
-    wire [3:0] head_next = head + {3'd0, done};
 
     assign m_valid = next != tail;
     assign m_index = next;
@@ -81,8 +80,8 @@ module motion_queue #(
             tokens[tail] <= {in_time, in_event, in_skip, in_x, in_y, in_p};
             tail         <= tail + 4'd1;
         end
-        head    <= head_next;
-        next    <= again ? head_next : m_valid && m_ready ? next + 4'd1 : next;
+        head    <= head + {3'd0, done};
+        next    <= again ? head : m_valid && m_ready ? next + 4'd1 : next;
         count   <= count + {4'd0, in_valid} - {4'd0, done};
         s_ready <= count < 5'd12;
         if (rst) begin

@@ -171,7 +171,7 @@ def compare(bench: Bench, array: SlowArray) -> None:
         if slot is None:
             continue
         words = bench.words[slot.number]
-        found = (words.lo, words.hi, words.off_lo, words.off_hi, words.support, words.n_ev)
+        found = (words.lo, words.hi, words.off_lo, words.off_hi, words.support, words.n_ev + 1)
         axes = slot.axes
         expected = ([a.lo for a in axes], [a.hi for a in axes], [a.off[0] for a in axes], [a.off[1] for a in axes])
         assert found == (*expected, slot.support, slot.n_ev)

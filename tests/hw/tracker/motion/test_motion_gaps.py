@@ -16,14 +16,17 @@ BINS = list[int]
 def count(sim: PyVerilator, slot: int, bins: tuple[int | None, int | None], used: list[set[int]]) -> None:
     io = sim.io
     io.slot, io.count = slot, 1
+    later = []
     for suffix, number, seen in zip("xy", bins, used, strict=True):
         setattr(io, f"in_{suffix}", int(number is not None))
         setattr(io, f"bin_{suffix}", number or 0)
-        setattr(io, f"first_{suffix}", int(number not in seen))
+        later.append((f"first_{suffix}", int(number not in seen)))
         if number is not None:
             seen.add(number)
     sim.clock.tick()
     io.count = 0
+    for name, value in later:
+        setattr(io, name, value)
     for _clock in range(2):
         sim.clock.tick()
 

@@ -24,9 +24,11 @@ def test_random_tokens_issued_again() -> None:
         token = [int(rng.integers(limit)) for limit in (8, 2, 2, 32, 16, 2)]
         io.s_tick, io.s_event, io.s_skip, io.s_x, io.s_y, io.s_p = token
         io.m_ready = int(rng.random() < (0.3, 0.7, 0.9)[busy])
-        leaves = bool(indices) and rng.random() < 0.4
         again = rng.random() < 0.03
+        leaves = bool(indices) and rng.random() < 0.4 and not again
         io.done, io.again = int(leaves), int(again)
+        if again:
+            io.m_ready = 0
         if indices:
             which = int(rng.integers(len(indices)))
             io.index = indices[which]

@@ -98,7 +98,7 @@ class Hot(IntEnum):
     OFF_LO = 2
     OFF_HI = 3
     SUPPORT = 4
-    N_EV = 5  # written: the count begins anew
+    N_EV = 5  # less one; written: the count begins anew
     BEYOND = 6  # read: hi and lo that no event was beyond; written: those that one was beyond
     BINS = 7  # read: log2 of a bin; written with a length: all bins are empty
     HIDDEN = 8  # written only

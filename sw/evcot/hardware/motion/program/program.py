@@ -223,6 +223,7 @@ def _correct(w: _Writer) -> None:
     w.add(_mem(_F.LEN, lane=1))
     w.at_least_that(_register("nev_low"))
     w.at_most_that(_register("nev_high"))
+    w.sub(_imm(1))
     w.hot(Hot.N_EV)
     w.call("window")
     w.is_so(Ext.VISIBLE)
@@ -479,6 +480,8 @@ def _record(w: _Writer) -> None:
         (_hot(Hot.SUPPORT), Out.SUPPORT),
     ):
         w.load(operand)
+        if what is Out.N_EV:
+            w.add(_imm(1))
         w.out(what)
     w.out(Out.RECORD)
     w.load(_value(Value.NOW))
@@ -505,6 +508,7 @@ def _seed(w: _Writer) -> None:
     w.sub(_imm(1))
     w.store(_F.PARTNER)
     w.load(_register("nev_low"))
+    w.sub(_imm(1))
     w.hot(Hot.N_EV)
     w.load(_value(Value.NOW))
     w.store(_F.LAST)
