@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""motion_engine.v with its program, against the slow model: slots that are seeded, corrected and moved, whatever their sides are."""
+"""motion_engine.v with its program, against the slow model: slots seeded, corrected and moved, whatever their sides are."""
 
 from __future__ import annotations
 
@@ -69,8 +69,9 @@ class Bench:
         exponent = divisor.bit_length() - 1
         specials = {
             Value.NOW: self.now, Value.OTHER: int(self.io.other), Value.BIRTHS: self.births, Value.LEADING: exponent,
-            Value.INVERSE: round(1024 / (8.5 + (divisor * 8 >> exponent) - 8)), Value.GAP_BIN: self.gap_bin, Value.HALF: PX // 2,
-            Value.TWO: 2 * PX, Value.REACH_LO: -reach, Value.REACH_HI: 2 * reach, Value.TICKS_MAX: 2**24 - 1,
+            Value.INVERSE: round(1024 / (8.5 + (divisor * 8 >> exponent) - 8)), Value.GAP_BIN: self.gap_bin,
+            Value.HALF: PX // 2, Value.TWO: 2 * PX, Value.REACH_LO: -reach, Value.REACH_HI: 2 * reach,
+            Value.TICKS_MAX: 2**24 - 1,
             Value.TOGETHER_MAX: 65_535, Value.SUPPORT_MAX: 2**SUP_W - 1,
         }  # fmt: skip
         if index == Value.EVENT:
@@ -82,8 +83,9 @@ class Bench:
     def hot(self, slot: int, index: int) -> list[int]:
         words = self.words[slot]
         return {
-            Hot.LO: words.lo, Hot.HI: words.hi, Hot.OFF_LO: words.off_lo, Hot.OFF_HI: words.off_hi, Hot.SUPPORT: [words.support] * 2,
-            Hot.N_EV: [words.n_ev] * 2, Hot.BEYOND: [3 - marks for marks in words.beyond], Hot.BINS: words.scale,
+            Hot.LO: words.lo, Hot.HI: words.hi, Hot.OFF_LO: words.off_lo, Hot.OFF_HI: words.off_hi,
+            Hot.SUPPORT: [words.support] * 2, Hot.N_EV: [words.n_ev] * 2,
+            Hot.BEYOND: [3 - marks for marks in words.beyond], Hot.BINS: words.scale,
         }.get(Hot(index), [0, 0])  # fmt: skip
 
     def write(self, lane: int, slot: int, target: Hot, data: int) -> None:
@@ -97,7 +99,8 @@ class Bench:
             words.n_ev = data
         elif target is not Hot.WLO:
             name = {
-                Hot.LO: "lo", Hot.HI: "hi", Hot.OFF_LO: "off_lo", Hot.OFF_HI: "off_hi", Hot.BEYOND: "beyond", Hot.HIDDEN: "hidden"
+                Hot.LO: "lo", Hot.HI: "hi", Hot.OFF_LO: "off_lo", Hot.OFF_HI: "off_hi", Hot.BEYOND: "beyond",
+                Hot.HIDDEN: "hidden",
             }[target]  # fmt: skip
             getattr(words, name)[lane] = data
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Assembler for motion_engine.v: instructions, labels, and the clocks that must lie between two of them.
 
-Both lanes, x and y, obey the same instruction; each has an accumulator, a flag f and a register s of five bits. An instruction acts in
-a lane if the lane is among `lanes` and its predicate holds there. What follows too early on what it needs is moved apart by `nop`.
+Both lanes, x and y, obey the same instruction; each has an accumulator, a flag f and a register s of five bits. An
+instruction acts in a lane if the lane is among `lanes` and its predicate holds there. What follows too early on what it needs
+is moved apart by `nop`.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ from .assembler import Ext, Field, Hot, If, Kind, Op, Operand, Out, Pick, Progra
 
 __all__ = ["ENTRIES", "program"]
 
-ENTRIES = ("correct", "seed", "step", "restart", "window")
-"""Where the program is entered: by an event, by a motion step, by a write of `mode`; `window` is a part that tests enter as well."""
+ENTRIES = ("correct", "seed", "step", "restart")
+"""Where the program is entered: by an event, by a motion step, by a write of `mode`."""
 
 _F = Field
 
