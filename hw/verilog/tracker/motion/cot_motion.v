@@ -8,9 +8,9 @@
 // token; one of `step_log2` begins a new step. Others are to be written while the array is idle.
 //
 // Latency:    unstalled, from the clock edge that takes the event: an owned or a passed event after 13 clocks; a record after
-//             some 350, depending on values.
-// Throughput: a token per clock; events of one owner every third. About 100 more for the first event of a candidate, 250 to 320 for a
-//             correction, 550 if it looks for gaps; for a motion step 25, and about 200 for each slot that lives, more where they meet.
+//             some 340, depending on values.
+// Throughput: a token per clock; events of one owner every fourth. Some 160 more for the first event of a candidate, 250 to 350 for a
+//             correction, 480 if it looks for gaps; for a motion step 30, and some 250 for each slot that lives, more where they meet.
 // Stall:      every output is held until accepted.
 // Reset:      turns all slots off, and gives the registers their defaults.
 // Combinational paths: none.
