@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legal values of the registers of a slot and of the filters, for a module with the parameters that give their widths.
+// Legal values of the registers of a slot, of the filters and of motion, for a module with the parameters that give their widths.
 // Generated from sw/evcot/hardware/contract.py and registers.toml by `python -m evcot.hardware.generate`: edit there.
 
 // Words that exist: the registers, and the word that commits.
@@ -133,4 +133,185 @@ endfunction
 // An illegal value is refused, not clamped.
 function filter_refuses(input [`EVCOT_FREG_W-1:0] word);
     filter_refuses = word == `EVCOT_FREG_ENABLE || word == `EVCOT_FREG_POLARITY;
+endfunction
+
+// Words that exist: the registers, and the word that commits, of both banks.
+function motion_has(input [`EVCOT_MREG_W-1:0] word);
+    case (word)
+        `EVCOT_MREG_STEP_LOG2,
+        `EVCOT_MREG_SIDE_STEP,
+        `EVCOT_MREG_SIDE_SHARE,
+        `EVCOT_MREG_SIDE_SHRINK,
+        `EVCOT_MREG_SIDE_MAX,
+        `EVCOT_MREG_GAIN_LOG2,
+        `EVCOT_MREG_GAIN_SLOW,
+        `EVCOT_MREG_SETTLE,
+        `EVCOT_MREG_SPEED_MAX,
+        `EVCOT_MREG_FRICTION,
+        `EVCOT_MREG_NEV_LOW,
+        `EVCOT_MREG_NEV_HIGH,
+        `EVCOT_MREG_SEED_PX,
+        `EVCOT_MREG_RING_PX,
+        `EVCOT_MREG_RING_MAX,
+        `EVCOT_MREG_RING_ACROSS,
+        `EVCOT_MREG_RING_ALONG,
+        `EVCOT_MREG_RING_ANY,
+        `EVCOT_MREG_ELONGATION,
+        `EVCOT_MREG_DETECT_TICKS,
+        `EVCOT_MREG_LIFE_LOG2,
+        `EVCOT_MREG_LIFE_TICKS,
+        `EVCOT_MREG_COAST_TICKS,
+        `EVCOT_MREG_BIRTH_SUPPORT,
+        `EVCOT_MREG_BIRTH_PX,
+        `EVCOT_MREG_BIRTH_TICKS,
+        `EVCOT_MREG_BIRTH_TRAVEL,
+        `EVCOT_MREG_GAP_CORRECTIONS,
+        `EVCOT_MREG_GAP_SHARE,
+        `EVCOT_MREG_GAP_PX,
+        `EVCOT_MREG_JOIN_STEPS,
+        `EVCOT_MREG_JOIN_LIFE,
+        `EVCOT_MREG_JOIN_SPEED,
+        `EVCOT_MREG_JOIN_REACH,
+        `EVCOT_MREG_JOIN_PX,
+        `EVCOT_MREG_KEEP_OLDER,
+        `EVCOT_MREG_REPORT_STEPS,
+        {1'b0, `EVCOT_BANK_COMMIT},
+        {1'b1, `EVCOT_BANK_COMMIT}: motion_has = 1'b1;
+        default: motion_has = 1'b0;
+    endcase
+endfunction
+
+function [31:0] motion_low(input [`EVCOT_MREG_W-1:0] word);
+    case (word)
+        `EVCOT_MREG_SIDE_STEP: motion_low = 32'd1;
+        `EVCOT_MREG_SIDE_SHARE: motion_low = 32'd1;
+        `EVCOT_MREG_SIDE_MAX: motion_low = 32'd1;
+        `EVCOT_MREG_GAIN_LOG2: motion_low = 32'd1;
+        `EVCOT_MREG_NEV_LOW: motion_low = 32'd1;
+        `EVCOT_MREG_NEV_HIGH: motion_low = 32'd1;
+        `EVCOT_MREG_SEED_PX: motion_low = 32'd1;
+        `EVCOT_MREG_ELONGATION: motion_low = 32'd1;
+        `EVCOT_MREG_DETECT_TICKS: motion_low = 32'd1;
+        `EVCOT_MREG_LIFE_TICKS: motion_low = 32'd1;
+        `EVCOT_MREG_COAST_TICKS: motion_low = 32'd1;
+        `EVCOT_MREG_BIRTH_SUPPORT: motion_low = 32'd1;
+        `EVCOT_MREG_GAP_SHARE: motion_low = 32'd1;
+        `EVCOT_MREG_GAP_PX: motion_low = 32'd1;
+        `EVCOT_MREG_JOIN_STEPS: motion_low = 32'd1;
+        `EVCOT_MREG_REPORT_STEPS: motion_low = 32'd1;
+        default: motion_low = 32'd0;
+    endcase
+endfunction
+
+function [31:0] motion_high(input [`EVCOT_MREG_W-1:0] word);
+    case (word)
+        `EVCOT_MREG_STEP_LOG2: motion_high = 32'd20;
+        `EVCOT_MREG_SIDE_STEP: motion_high = 32'd65535;
+        `EVCOT_MREG_SIDE_SHARE: motion_high = 32'd8;
+        `EVCOT_MREG_SIDE_SHRINK: motion_high = 32'd8;
+        `EVCOT_MREG_SIDE_MAX: motion_high = 32'd4095;
+        `EVCOT_MREG_GAIN_LOG2: motion_high = 32'd12;
+        `EVCOT_MREG_GAIN_SLOW: motion_high = 32'd6;
+        `EVCOT_MREG_SETTLE: motion_high = 32'd63;
+        `EVCOT_MREG_SPEED_MAX: motion_high = 32'd32767;
+        `EVCOT_MREG_FRICTION: motion_high = 32'd15;
+        `EVCOT_MREG_NEV_LOW: motion_high = 32'd1023;
+        `EVCOT_MREG_NEV_HIGH: motion_high = 32'd1023;
+        `EVCOT_MREG_SEED_PX: motion_high = 32'd255;
+        `EVCOT_MREG_RING_PX: motion_high = 32'd255;
+        `EVCOT_MREG_RING_MAX: motion_high = 32'd255;
+        `EVCOT_MREG_RING_ACROSS: motion_high = 32'd8;
+        `EVCOT_MREG_RING_ALONG: motion_high = 32'd8;
+        `EVCOT_MREG_RING_ANY: motion_high = 32'd8;
+        `EVCOT_MREG_ELONGATION: motion_high = 32'd15;
+        `EVCOT_MREG_DETECT_TICKS: motion_high = 32'd16777215;
+        `EVCOT_MREG_LIFE_LOG2: motion_high = 32'd8;
+        `EVCOT_MREG_LIFE_TICKS: motion_high = 32'd16777215;
+        `EVCOT_MREG_COAST_TICKS: motion_high = 32'd16777215;
+        `EVCOT_MREG_BIRTH_SUPPORT: motion_high = 32'd65535;
+        `EVCOT_MREG_BIRTH_PX: motion_high = 32'd255;
+        `EVCOT_MREG_BIRTH_TICKS: motion_high = 32'd16777215;
+        `EVCOT_MREG_BIRTH_TRAVEL: motion_high = 32'd8;
+        `EVCOT_MREG_GAP_CORRECTIONS: motion_high = 32'd255;
+        `EVCOT_MREG_GAP_SHARE: motion_high = 32'd15;
+        `EVCOT_MREG_GAP_PX: motion_high = 32'd255;
+        `EVCOT_MREG_JOIN_STEPS: motion_high = 32'd1023;
+        `EVCOT_MREG_JOIN_LIFE: motion_high = 32'd15;
+        `EVCOT_MREG_JOIN_SPEED: motion_high = 32'd8;
+        `EVCOT_MREG_JOIN_REACH: motion_high = 32'd8;
+        `EVCOT_MREG_JOIN_PX: motion_high = 32'd255;
+        `EVCOT_MREG_KEEP_OLDER: motion_high = 32'd1;
+        `EVCOT_MREG_REPORT_STEPS: motion_high = 32'd1023;
+        default: motion_high = 32'hffffffff;
+    endcase
+endfunction
+
+// An illegal value is refused, not clamped.
+function motion_refuses(input [`EVCOT_MREG_W-1:0] word);
+    motion_refuses = word == `EVCOT_MREG_KEEP_OLDER;
+endfunction
+
+// The values of motion after reset.
+function [31:0] motion_start(input [`EVCOT_MREG_W-1:0] word);
+    case (word)
+        `EVCOT_MREG_STEP_LOG2: motion_start = 32'd10;
+        `EVCOT_MREG_SIDE_STEP: motion_start = 32'd1024;
+        `EVCOT_MREG_SIDE_SHARE: motion_start = 32'd4;
+        `EVCOT_MREG_SIDE_SHRINK: motion_start = 32'd5;
+        `EVCOT_MREG_SIDE_MAX: motion_start = 32'd160;
+        `EVCOT_MREG_GAIN_LOG2: motion_start = 32'd4;
+        `EVCOT_MREG_GAIN_SLOW: motion_start = 32'd2;
+        `EVCOT_MREG_SETTLE: motion_start = 32'd8;
+        `EVCOT_MREG_SPEED_MAX: motion_start = 32'd32767;
+        `EVCOT_MREG_FRICTION: motion_start = 32'd7;
+        `EVCOT_MREG_NEV_LOW: motion_start = 32'd8;
+        `EVCOT_MREG_NEV_HIGH: motion_start = 32'd256;
+        `EVCOT_MREG_SEED_PX: motion_start = 32'd4;
+        `EVCOT_MREG_RING_PX: motion_start = 32'd2;
+        `EVCOT_MREG_RING_MAX: motion_start = 32'd24;
+        `EVCOT_MREG_RING_ACROSS: motion_start = 32'd1;
+        `EVCOT_MREG_RING_ALONG: motion_start = 32'd1;
+        `EVCOT_MREG_RING_ANY: motion_start = 32'd1;
+        `EVCOT_MREG_ELONGATION: motion_start = 32'd2;
+        `EVCOT_MREG_DETECT_TICKS: motion_start = 32'd10000;
+        `EVCOT_MREG_LIFE_LOG2: motion_start = 32'd3;
+        `EVCOT_MREG_LIFE_TICKS: motion_start = 32'd20000;
+        `EVCOT_MREG_COAST_TICKS: motion_start = 32'd100000;
+        `EVCOT_MREG_BIRTH_SUPPORT: motion_start = 32'd200;
+        `EVCOT_MREG_BIRTH_PX: motion_start = 32'd4;
+        `EVCOT_MREG_BIRTH_TICKS: motion_start = 32'd10000;
+        `EVCOT_MREG_BIRTH_TRAVEL: motion_start = 32'd1;
+        `EVCOT_MREG_GAP_CORRECTIONS: motion_start = 32'd16;
+        `EVCOT_MREG_GAP_SHARE: motion_start = 32'd7;
+        `EVCOT_MREG_GAP_PX: motion_start = 32'd2;
+        `EVCOT_MREG_JOIN_STEPS: motion_start = 32'd10;
+        `EVCOT_MREG_JOIN_LIFE: motion_start = 32'd3;
+        `EVCOT_MREG_JOIN_SPEED: motion_start = 32'd1;
+        `EVCOT_MREG_JOIN_PX: motion_start = 32'd2;
+        `EVCOT_MREG_REPORT_STEPS: motion_start = 32'd4;
+        default: motion_start = 32'd0;
+    endcase
+endfunction
+
+// What a commit compares: pairs of registers, one after the other, of which the first must not be more than the second.
+localparam [2:0] MOTION_COMPARED = 3'd5;  // number of the last
+localparam [2:0] TRACKS_COMPARED = 3'd1;  // number of the last
+
+function [`EVCOT_MREG_W-1:0] motion_compared(input tracks, input [2:0] number);
+    case ({tracks, number})
+        4'd0: motion_compared = `EVCOT_MREG_NEV_LOW;
+        4'd1: motion_compared = `EVCOT_MREG_NEV_HIGH;
+        4'd2: motion_compared = `EVCOT_MREG_RING_PX;
+        4'd3: motion_compared = `EVCOT_MREG_RING_MAX;
+        4'd4: motion_compared = `EVCOT_MREG_SEED_PX;
+        4'd5: motion_compared = `EVCOT_MREG_SIDE_MAX;
+        4'd8: motion_compared = `EVCOT_MREG_LIFE_TICKS;
+        4'd9: motion_compared = `EVCOT_MREG_COAST_TICKS;
+        default: motion_compared = {`EVCOT_MREG_W{1'b0}};
+    endcase
+endfunction
+
+// It is doubled before.
+function motion_doubled(input tracks, input [2:0] number);
+    motion_doubled = {tracks, number} == 4'd4;
 endfunction

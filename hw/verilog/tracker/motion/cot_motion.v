@@ -6,7 +6,7 @@
 // read, changed and written back. Corrections and motion steps are sequences of clocks, in which no event is decided.
 //
 // Registers: `mode` of each slot, off or seeded, and those of motion_regs.v. A write of `mode` restarts the slot before the next
-// token; one of `step_log2` begins a new step. Others are to be written while the array is idle.
+// token; after one of `step_log2` steps are at multiples of the new length. Others are to be written while the array is idle.
 //
 // Latency:    unstalled, from the clock edge that takes the event: an owned event after 8 clocks, a passed one after 6; a record after
 //             about 50, depending on values.
@@ -256,7 +256,7 @@ module cot_motion #(
     );
 
     wire         writes_mode = cfg_valid && cfg_addr == `EVCOT_MREG_MODE;
-    reg          restep;      // step_log2 was written, or reset: a new step begins
+    reg          restep;      // step_log2 was written, or reset: the next step is set
     reg  [N-1:0] seeded;      // `mode`
     reg  [N-1:0] restart;     // it was written
     wire         restarts;
@@ -1427,7 +1427,7 @@ module cot_motion #(
             restart[cfg_slot] <= 1'b1;
         end
         restep <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
-        if (restep) next_step <= now + ({{(TIME_W - 1) {1'b0}}, 1'b1} << step_log2);
+        if (restep) next_step <= (now | ~({TIME_W{1'b1}} << step_log2)) + {{(TIME_W - 1) {1'b0}}, 1'b1};
 
         idle <= state == READY && !in_valid && !s_valid && !store && !decided && output_empty && !m_cm_valid && !restarts
                 && !restep && !cfg_valid;
