@@ -268,8 +268,8 @@
 #define EVCOT_FILTER_STAMP_SHIFT 0x024Cu /* log2 of the ticks in a unit of the time stamps of cells */
 #define EVCOT_FILTER_COMMIT 0x027Cu
 
-/* Registers of motion: boxes and velocities, likewise; only with TRACKER = 2 (EVCOT_BUILD_TRACKER). A commit of values that
-   contradict each other is refused. */
+/* Registers of boxes and velocities, likewise; they exist only with TRACKER = 2 (EVCOT_BUILD_TRACKER), and a commit of values
+   that contradict each other is refused. */
 #define EVCOT_MOTION_STEP_LOG2 0x0284u /* a motion step every 2^step_log2 ticks */
 #define EVCOT_MOTION_SIDE_STEP 0x0288u /* way of a side for an event beyond and one within it, in 2^-12 px */
 #define EVCOT_MOTION_SIDE_SHARE 0x028Cu /* 2^-side_share of a slot's events lie beyond each side */
@@ -291,8 +291,8 @@
 #define EVCOT_MOTION_ELONGATION 0x02CCu /* a box this many times as long as it is wide reaches along its motion as across it */
 #define EVCOT_MOTION_COMMIT 0x02FCu
 
-/* And lives, likewise; only with TRACKER = 2 (EVCOT_BUILD_TRACKER). A commit of values that
-   contradict each other is refused. */
+/* Registers of lives, likewise; they exist only with TRACKER = 2 (EVCOT_BUILD_TRACKER), and a commit of values
+   that contradict each other is refused. */
 #define EVCOT_TRACKS_DETECT_TICKS 0x0304u /* ticks within which a candidate must have its first correction */
 #define EVCOT_TRACKS_LIFE_LOG2 0x0308u /* a life ends after 2^life_log2 times the usual time between corrections without one */
 #define EVCOT_TRACKS_LIFE_TICKS 0x030Cu /* but not before this time */

@@ -32,7 +32,8 @@ def check_top(config: CotConfig, tracker: int) -> None:
     motion = names.index("motion")
     if config.motion.enable and tracker != motion:
         raise ConfigError(
-            f"motion.enable = 1: must be 0 for an evcot_top with TRACKER = {tracker} ({names[tracker]}); TRACKER = {motion} has motion"
+            f"motion.enable = 1: must be 0 for an evcot_top with TRACKER = {tracker} ({names[tracker]}); "
+            f"TRACKER = {motion} has motion"
         )
     if tracker == motion:
         if not config.motion.enable:

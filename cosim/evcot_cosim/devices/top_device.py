@@ -276,7 +276,8 @@ class TopDevice:
         chosen |= parameters or {}
         check_top(config, chosen["TRACKER"])
         self.record: np.dtype[np.void] = MOTION_RECORD if config.motion.enable else RECORD
-        cpp = {"top.cpp": _source(chosen.get("DATA_W", 64), self.record.itemsize), **(RANDOM_INITIAL_CPP if random_initial else {})}
+        drive = _source(chosen.get("DATA_W", 64), self.record.itemsize)
+        cpp = {"top.cpp": drive, **(RANDOM_INITIAL_CPP if random_initial else {})}
         flags = RANDOM_INITIAL_FLAGS if random_initial else ()
         self.model = build("evcot_top", chosen, cpp, extra_flags=flags, verilog=verilog)
         self.sim: PyVerilator = self.model.load()

@@ -141,7 +141,7 @@ class CotModel:
         return room[: rewrite(self._state, self._regs, self._limits, self._globals, slot, values, restart, room)]
 
     def write_motion(self, registers: MotionRegisters) -> None:
-        """Change the registers of an array with motion before the next event, as a commit of both banks does: docs/registers.md.
+        """Change the registers of an array with motion before the next event, as commits do: docs/registers.md.
 
         Raises:
             ConfigError: the model is none with motion, or the registers turn it off.

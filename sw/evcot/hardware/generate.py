@@ -65,7 +65,7 @@ def _bank_codes(prefix: str, comment: str, bank: Bank) -> _Codes:
 
 
 def _motion_codes() -> _Codes:
-    comment = "Addresses on the port of an array with motion: the mode of a slot, then the words of both banks, one behind the other."
+    comment = "Addresses on the port of an array with motion: the mode of a slot, then the words of both banks."
     return _Codes("MREG", comment, list(motion_addresses().items()), register_map().banks["motion"].word_w + 1)
 
 
@@ -87,9 +87,7 @@ def _rules() -> dict[str, list[Rule]]:
 def _record(record: np.dtype[np.void]) -> list[tuple[str, int, int]]:
     """The fields of a record: name, lowest bit, bits."""
     assert record.fields is not None
-    return [
-        (name, 8 * int(record.fields[name][1]), 8 * record[name].itemsize) for name in record.names or () if name[0] != "_"
-    ]
+    return [(name, 8 * int(record.fields[name][1]), 8 * record[name].itemsize) for name in record.names or () if name[0] != "_"]
 
 
 def _record_in_c(record: np.dtype[np.void]) -> list[tuple[str, str]]:
@@ -151,10 +149,11 @@ def _vocabulary() -> dict[str, Any]:
     checked = [(word, field) for word in register_of.words for field in word.fields if _checked(word, field)]
     motion = {name: entry for bank in MOTION_BANKS.values() for name, entry in bank.items()}
     banks = register_of.banks
+    attributes = ("slot", "filters", *(f"_{bank}" for bank in MOTION_BANKS))
     return {
         "map": register_of,
         "counters": register_of.counters,
-        "attributes": sorted(["slot", "filters", "_motion", "_tracks", *(word.name for word in register_of.words if word.fields[0].name)]),
+        "attributes": sorted([*attributes, *(word.name for word in register_of.words if word.fields[0].name)]),
         "irqs": next(word for word in register_of.words if word.name == "irq_status").fields,
         "slot_registers": REGISTERS,
         "ordered": ORDERED,

@@ -436,7 +436,8 @@ class Registers(Group):
         tracker = self.build.tracker
         if tracker != 2:
             raise ConfigError(
-                f"the hardware has no registers {bank}: it was built with TRACKER = {tracker}; TRACKER = 2 builds an array with motion"
+                f"the hardware has no registers {bank}: it was built with TRACKER = {tracker}; "
+                "TRACKER = 2 builds an array with motion"
             )
 
     @property

@@ -32,10 +32,10 @@ __all__ = [
     "BusError",
     "Field",
     "Group",
+    "Listed",
     "RegisterMap",
     "Transport",
     "Word",
-    "Listed",
     "map_of",
     "motion_addresses",
     "register_map",
@@ -205,12 +205,10 @@ def map_of(data: Mapping[str, Any], registers: Mapping[str, Mapping[str, Listed]
     )
     words = (*(Word(**entry | {"fields": _fields(entry["fields"], address_w)}) for entry in data["word"]), *counters)
     streams = tuple(Word(**entry | {"address": 0, "fields": _fields(entry["fields"], address_w)}) for entry in data["stream"])
-    banks = {
-        name: Bank(
-            name, entry["base"], tuple(entry.get("refuse", ())), data["bank_words"], slots if name == "slot" else 1, registers[name]
-        )
-        for name, entry in data["bank"].items()
-    }
+    banks = {}
+    for name, entry in data["bank"].items():
+        count, refuse = slots if name == "slot" else 1, tuple(entry.get("refuse", ()))
+        banks[name] = Bank(name, entry["base"], refuse, data["bank_words"], count, registers[name])
     found = RegisterMap(
         data["id"], tuple(data["version"]), address_w, tuple(data["sources"]), tuple(data["trackers"]),
         banks, words, counters, streams,
