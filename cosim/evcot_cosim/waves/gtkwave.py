@@ -15,6 +15,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from evcot.hardware.motion.contract import SUB
+from evcot.hardware.registers import register_map
 from evcot.outputs import written_aside
 
 from .vcd import Declared, declared, initial_values
@@ -116,7 +118,8 @@ class _Writer:
             self._groups = (Group("ports", tuple(Row(entry.name) for entry in signals if entry.scope == top)),)
         scopes = {f"{self._scope}.{row.signal}".rpartition(".")[0] for group in self._groups for row in group.rows}
         self._constants = initial_values(vcd, [e for e in signals if e.name.isupper() and e.scope in scopes])
-        self._frac = self._constants.get(f"{self._scope}.FRAC", 0)
+        motion = self._constants.get(f"{self._scope}.TRACKER") == register_map().trackers.index("motion")
+        self._frac = SUB if motion else self._constants.get(f"{self._scope}.FRAC", 0)
         self._slots = self._constants.get(f"{self._scope}.N", 1)
         self.named: dict[Codes, list[tuple[str, int]]] = {}
 
