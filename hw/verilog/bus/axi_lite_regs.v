@@ -399,7 +399,9 @@ module axi_lite_regs #(
                 error  <= !known;
                 state  <= !request_write ? ANSWER : (commits && in_motion) ? RULES : WEIGH;
             end
-            RULES: begin
+            RULES:
+            if (MOTION == 0) state <= IDLE;
+            else begin
                 compares <= compares + 4'd1;
                 if (!came[0]) less <= motion_doubled(is_tracks, came[2:0]) ? {in_shadow[30:0], 1'b0} : in_shadow;
                 else if (!came[3] && less > in_shadow) contradicts <= 1'b1;
