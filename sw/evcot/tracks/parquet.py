@@ -157,6 +157,15 @@ class LogFile:
         if not whole:
             raise TrackLogError(f"{self.path}: the last row is no {_END}: must be a whole log")
 
+    def record_runs(self) -> Iterator[NDArray[np.void]]:
+        """All records, run by run; every call gives them again. Errors as of `blocks`."""
+        for records, _ in self.blocks(owners=False):
+            yield records
+
+    def count_owners(self) -> int:
+        """Number of owners, one for each event; errors as of `blocks`."""
+        return sum(len(owner) for _, owner in self.blocks())
+
     def read(self, *, owners: bool = True) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """All records and owners, in memory; arguments and errors as of `blocks`."""
         records, decided = [np.empty(0, TRACK)], [np.empty(0, np.int16)]

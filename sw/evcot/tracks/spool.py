@@ -7,6 +7,7 @@ finished file cannot.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -16,6 +17,8 @@ from numpy.typing import NDArray
 from .record import TRACK
 
 __all__ = ["Column", "LogColumns", "LogSpool", "RawColumn"]
+
+_RUN = 1 << 16
 
 
 class Column(Protocol):
@@ -105,6 +108,15 @@ class LogSpool:
         """Append what a tracker returned for a run of events."""
         self.records.append(records)
         self.owner.append(owner)
+
+    def record_runs(self) -> Iterator[NDArray[np.void]]:
+        """All records, run by run, as `reading.RecordRuns`."""
+        for begin in range(0, len(self.records), _RUN):
+            yield self.records[begin : begin + _RUN].copy()
+
+    def count_owners(self) -> int:
+        """Number of owners."""
+        return len(self.owner)
 
     @property
     def lengths(self) -> tuple[int, int]:
