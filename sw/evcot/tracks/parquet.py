@@ -33,6 +33,7 @@ __all__ = ["SUFFIX", "LogFile", "check_parquet", "write_log"]
 SUFFIX = ".parquet"
 _END, _NONE = "END", "NONE"
 _OWNERS = "owners"
+_REPEATED = ["kind", "track_id", "slot", "radius", "other_id", f"{_OWNERS}.list.element"]  # columns of few values
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
 _GROUP_OWNERS = 1 << 19  # of a row group, at most, and a row's more
@@ -55,7 +56,9 @@ def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None
     schema = _schema(arrow).with_metadata({"engine": log.engine, "recording": log.recording})
     with (
         path_written_aside(Path(path), force=force) as aside,
-        arrow.parquet.ParquetWriter(aside, schema, compression="zstd", write_page_checksum=True) as writer,
+        arrow.parquet.ParquetWriter(
+            aside, schema, compression="zstd", use_dictionary=_REPEATED, write_page_checksum=True
+        ) as writer,
     ):
         for record, ends, begin in _groups(log):
             writer.write_table(_table(arrow, schema, log, record, ends, begin))

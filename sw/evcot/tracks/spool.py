@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Lock
 from typing import Any, Protocol
 
 import numpy as np
@@ -58,6 +59,7 @@ class RawColumn:
         self._dtype = dtype
         self._length = length
         self._file = path.open("r+b" if path.exists() else "x+b")
+        self._one = Lock()  # several threads may read
         self._file.truncate(length * dtype.itemsize)
 
     def append(self, values: NDArray[Any]) -> None:
@@ -80,8 +82,9 @@ class RawColumn:
     def __getitem__(self, part: slice) -> NDArray[Any]:
         begin, end, step = part.indices(self._length)
         assert step == 1
-        self._file.seek(begin * self._dtype.itemsize)
-        data = self._file.read(max(end - begin, 0) * self._dtype.itemsize)
+        with self._one:
+            self._file.seek(begin * self._dtype.itemsize)
+            data = self._file.read(max(end - begin, 0) * self._dtype.itemsize)
         return np.frombuffer(data, self._dtype)
 
 
