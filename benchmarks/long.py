@@ -58,7 +58,7 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
                 yield Result(
                     "long_cosim_after", took_s - lockstep_s - software_s, "s", lockstep_s, "the lock-step itself",
                     goal=Goal(1, at_most=True),
-                    how=f"start, reading, logs and pages of the same run; the software tracker took {software_s:.1f} s; wall time",
+                    how=f"start, reading, logs and pages of the run; the software tracker took {software_s:.1f} s; wall time",
                 )  # fmt: skip
 
 
