@@ -42,12 +42,11 @@ def port() -> int:
     return free_port()
 
 
-@pytest.fixture
-def address(port: int, dask: Start) -> str:
-    """A scheduler with two workers."""
+def two_workers(port: int, dask: Start, *options: str) -> str:
+    """A scheduler with two workers; its address."""
     dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
     for _ in range(2):
-        dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1")
+        dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", *options)
     return f"tcp://127.0.0.1:{port}"
 
 
@@ -69,7 +68,8 @@ def exact(folder: Path) -> dict[str, tuple[Any, ...]]:
     return {row["key"]: tuple(row[name] for name in ("status", "error", "task", *METRICS)) for row in read_rows(folder)}
 
 
-def test_a_cluster_gives_the_same_bit_for_bit(address: str, tmp_path: Path) -> None:
+def test_a_cluster_gives_the_same_bit_for_bit(port: int, dask: Start, tmp_path: Path) -> None:
+    address = two_workers(port, dask, "--no-nanny")
     recorded(tmp_path, 1)
     connected(execute, address).__exit__(None, None, None)
     there = run_sweep(spec_of(tmp_path), tmp_path.with_name("there"), jobs=1, scheduler=address)
@@ -112,7 +112,8 @@ def test_no_scheduler_and_no_workers_are_said(port: int, dask: Start, tmp_path: 
         cluster.check([])
 
 
-def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(address: str, tmp_path: Path) -> None:
+def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(port: int, dask: Start, tmp_path: Path) -> None:
+    address = two_workers(port, dask)
     tasks = [Chore(i, {3: "die", 5: "die once"}.get(i, "return"), str(tmp_path)) for i in range(10)]
     with connected(chore, address) as cluster:
         found = {done.task.number: done for done in cluster.run(tasks)}
@@ -125,7 +126,7 @@ def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(address:
 def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp_path: Path) -> None:
     scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
     address = f"tcp://127.0.0.1:{port}"
-    dask("worker", address, "--nthreads", "1", "--death-timeout", "120")
+    dask("worker", address, "--nthreads", "1", "--no-nanny", "--death-timeout", "120")
     tasks = [Chore(i, "return", str(tmp_path)) for i in range(200)]
 
     def slowly() -> Iterator[Chore]:
@@ -138,7 +139,7 @@ def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp
 
     def start() -> Popen[bytes]:
         process = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
-        dask("worker", address, "--nthreads", "1")
+        dask("worker", address, "--nthreads", "1", "--no-nanny")
         return process
 
     restarted: list[Popen[bytes]] = []
