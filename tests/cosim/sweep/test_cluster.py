@@ -8,6 +8,7 @@ import os
 import signal
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from subprocess import Popen
@@ -42,9 +43,20 @@ def port() -> int:
     return free_port()
 
 
+def started(port: int, dask: Start) -> Popen[bytes]:
+    """A scheduler that answers."""
+    process = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    deadline = time.monotonic() + 90
+    while time.monotonic() < deadline:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1):
+            return process
+        time.sleep(0.1)
+    raise TimeoutError("no scheduler after 90 s")
+
+
 def two_workers(port: int, dask: Start, *options: str) -> str:
     """A scheduler with two workers; its address."""
-    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    started(port, dask)
     for _ in range(2):
         dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", *options)
     return f"tcp://127.0.0.1:{port}"
@@ -80,7 +92,7 @@ def test_a_cluster_gives_the_same_bit_for_bit(port: int, dask: Start, tmp_path: 
 
 def test_a_recording_that_is_missing_on_one_worker_is_named(port: int, dask: Start, tmp_path: Path) -> None:
     """The workers run in different folders, and are asked for a path relative to them."""
-    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    started(port, dask)
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", folder=tmp_path / name)
@@ -107,7 +119,7 @@ def test_no_scheduler_and_no_workers_are_said(port: int, dask: Start, tmp_path: 
         with pytest.raises(ConfigError, match=rf"^--scheduler-file {tmp_path}/file.json: no scheduler answers: "):
             Cluster(chore, file=tmp_path / "file.json")
     monkeypatch.undo()
-    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    started(port, dask)
     with Cluster(chore, f"tcp://127.0.0.1:{port}") as cluster, pytest.raises(ConfigError, match="has no workers"):
         cluster.check([])
 
@@ -124,7 +136,7 @@ def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(port: in
 
 
 def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp_path: Path) -> None:
-    scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    scheduler = started(port, dask)
     address = f"tcp://127.0.0.1:{port}"
     dask("worker", address, "--nthreads", "1", "--no-nanny", "--death-timeout", "120")
     tasks = [Chore(i, "return", str(tmp_path)) for i in range(200)]
