@@ -8,6 +8,7 @@ finished file cannot.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
 from typing import Any, Protocol
@@ -15,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import OutputError
 from .record import TRACK
 
 __all__ = ["Column", "LogColumns", "LogSpool", "RawColumn"]
@@ -64,13 +66,23 @@ class RawColumn:
 
     def append(self, values: NDArray[Any]) -> None:
         """Add values at the end."""
-        self._file.seek(self._length * self._dtype.itemsize)
-        self._file.write(np.ascontiguousarray(values, self._dtype).tobytes())
+        with self._named():
+            self._file.seek(self._length * self._dtype.itemsize)
+            self._file.write(np.ascontiguousarray(values, self._dtype).tobytes())
         self._length += len(values)
 
     def flush(self) -> None:
         """Hand everything to the operating system."""
-        self._file.flush()
+        with self._named():
+            self._file.flush()
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """OutputError, which names the file, where the disk is full."""
+        try:
+            yield
+        except OSError as error:
+            raise OutputError(f"{self._file.name}: cannot be written: {error.strerror or error}") from error
 
     def close(self) -> None:
         """Close the file."""
