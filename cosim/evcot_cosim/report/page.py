@@ -8,11 +8,13 @@ import hashlib
 import json
 import math
 import re
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jinja2 import Template
 
 from evcot.outputs import written_aside
 from evcot.templating import templates
@@ -76,9 +78,7 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         "lists": _lists(material, found),
     }
     verdict = _verdict(material) if material.comparison is None else Verdict(Grade.GOOD, "", ())
-    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"ms": _ms}
-    return environment.get_template("report.html.j2").render(
+    return _template().render(
         title=material.summary.get("name", material.recording.name),
         material=material,
         summary=material.summary,
@@ -115,6 +115,14 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         packed=packed.text,
     )
+
+
+@cache
+def _template() -> Template:
+    """The page's template, compiled once: a long run has a page for each part."""
+    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"ms": _ms}
+    return environment.get_template("report.html.j2")
 
 
 def _verdict(material: Material) -> Verdict:
