@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Metadata that a package index shows: the README with links and pictures that work there, and the addresses of the project.
 
-Relative links lead nowhere on an index. With `EVCOT_REPOSITORY=https://HOST/OWNER/evcot` in the environment of the build they point
-into that repository, at the tag of the version, and the index lists its addresses. Without it links become plain text, and pictures
-are left out.
+Relative links lead nowhere on an index. With `EVCOT_REPOSITORY=https://HOST/OWNER/evcot` in the environment of the build they
+point into that repository, at the tag of the version, and the index lists its addresses. Without it links become plain text,
+and pictures are left out.
 """
 
 from __future__ import annotations

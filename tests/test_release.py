@@ -3,15 +3,21 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import importlib.util
+import os
 import re
 import shutil
 import subprocess
+import sys
 import tomllib
+import venv
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 import evcot
 
@@ -88,3 +94,62 @@ def test_the_licence_is_there_as_every_tool_looks_for_it() -> None:
 def test_every_file_says_its_licence() -> None:
     done = subprocess.run(["reuse", "lint", "--lines"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
+
+
+def declared() -> dict[str, importlib.metadata.Distribution]:
+    """The distributions here that an installation of evcot without extras brings: what it declares, and what they declare."""
+    found: dict[str, importlib.metadata.Distribution] = {}
+    waiting = [importlib.metadata.distribution("evcot")]
+    while waiting:
+        for text in waiting.pop().requires or []:
+            requirement = Requirement(text)
+            name = canonicalize_name(requirement.name)
+            if name in found or (requirement.marker is not None and not requirement.marker.evaluate({"extra": ""})):
+                continue
+            found[name] = importlib.metadata.distribution(requirement.name)
+            waiting.append(found[name])
+    return found
+
+
+def link_declared(folder: Path) -> None:
+    """Link the modules of `declared` into a folder, as if they were installed there."""
+    folder.mkdir()
+    for distribution in declared().values():
+        for top in {file.parts[0] for file in distribution.files or [] if file.parts[0] != ".."}:
+            source = Path(str(distribution.locate_file(top)))
+            if source.exists() and not (folder / top).exists():
+                (folder / top).symlink_to(source)
+
+
+def test_the_wheel_runs_in_an_environment_of_its_own_from_another_folder(tmp_path: Path) -> None:
+    """As `make package`, but the declared dependencies are links to those installed here; nothing else is there."""
+
+    def run(*command: str | Path, **more: str) -> str:
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")} | more
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    run(sys.executable, "-m", "build", "--no-isolation", "--outdir", tmp_path / "dist", ROOT)
+    made = sorted((tmp_path / "dist").iterdir())
+    assert [path.suffix for path in made] == [".whl", ".gz"]
+    assert run(sys.executable, "-m", "twine", "check", "--strict", *made).count("PASSED") == 2
+    home = tmp_path / "empty"
+    venv.create(home, symlinks=True)
+    packages = next(home.glob("lib/python3*/site-packages"))
+    link_declared(tmp_path / "declared")
+    (packages / "declared.pth").write_text(f"{tmp_path / 'declared'}\n")
+    run(sys.executable, "-m", "pip", "--python", home, "install", "-qq", "--no-deps", "--no-index", made[0])
+    evcot_command = home / "bin" / "evcot"
+    assert run(evcot_command, "--version").split() == ["evcot", evcot.__version__]
+    where = run(home / "bin" / "python", "-c", "import evcot, evcot_cosim; print(evcot.__file__, evcot_cosim.__file__)")
+    assert [Path(path).is_relative_to(packages) for path in where.split()] == [True, True]
+    run(evcot_command, "simulate", "discs", "--duration", "0.1", "-o", "discs.npz")
+    run(evcot_command, "track", "discs.npz", "--engine", "rct", "--preset", "discs", "-o", "log.npz")
+    assert "[cot]" in run(evcot_command, "cosim", "discs.npz", "--preset", "discs", "--print-config")
+    for source, target in (("hw/verilog", "verilog"), ("hw/include", "include"), ("cosim/evcot_cosim", ".")):
+        there = {
+            path.relative_to(ROOT / source) for path in (ROOT / source).rglob("*") if path.suffix in (".v", ".vh", ".js", ".j2")
+        }
+        assert there
+        assert all((packages / "evcot_cosim" / target / path).exists() for path in there)
