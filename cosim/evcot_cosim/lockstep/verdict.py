@@ -196,7 +196,15 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
         f"software tracks a hardware track for {_percent(shares[1])}; {len(found['merges']):,} merges are the same "
         f"({found['merges_hardware']:,} in hardware, {found['merges_software']:,} in software)"
     )
-    return [Line("agreement", "", grade, text, "report.html lists every difference, with its moment" if grade else "")]
+    return [
+        Line(
+            "agreement",
+            "",
+            grade,
+            text,
+            "every difference, with its moment, is listed under Agreement in report.html" if grade else "",
+        )
+    ]
 
 
 def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
