@@ -33,7 +33,6 @@ export class Present {
     const speed = side.moving ? Math.hypot(side.vx[point], side.vy[point]) : 0;
     const cells = [
       `${side.name} ${side.ids[life]}`,
-      `${Math.round(side.x[point])}, ${Math.round(side.y[point])}`,
       `${Math.round(2 * side.halfWidth[point])} × ${Math.round(2 * side.halfHeight[point])}`,
       ...(this.arrows ? [speed ? String(Math.round(speed)) : "–"] : []),
       ageText(now - side.birth[life]),
