@@ -147,7 +147,7 @@ def test_the_wheel_runs_in_an_environment_of_its_own_from_another_folder(tmp_pat
     run(evcot_command, "simulate", "discs", "--duration", "0.1", "-o", "discs.npz")
     assert "[cot]" in run(evcot_command, "cosim", "discs.npz", "--preset", "discs", "--print-config")
     for source, target in (("hw/verilog", "verilog"), ("hw/include", "include"), ("cosim/evcot_cosim", ".")):
-        files = (path for path in (ROOT / source).rglob("*") if path.is_file() and path.suffix != ".pyc")
+        files = (path for path in (ROOT / source).rglob("*") if path.is_file() and "__pycache__" not in path.parts)
         there = {path.relative_to(ROOT / source) for path in files}
         assert there
         assert all((packages / "evcot_cosim" / target / path).exists() for path in there)
