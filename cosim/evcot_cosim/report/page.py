@@ -32,8 +32,8 @@ __all__ = ["MODULES", "inline_modules", "render", "write_report"]
 
 # In the order in which they need each other.
 MODULES = (
-    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves",
-    "places", "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
+    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "present", "recording", "steps", "axis", "lives",
+    "curves", "places", "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
 )  # fmt: skip
 
 _TEXT_MAX = 9_000_000  # characters of packed columns
@@ -101,6 +101,7 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         compared=found is not None or "mismatch" in material.summary,
         has_hardware=any(side.is_hardware for side in material.sides),
         rings=any(side["ring"] for side in collected.facts["sides"]),
+        arrows=any(side["moving"] for side in collected.facts["sides"]),
         score_sides=[name for name, _ in scores],
         scores=score_rows([of for _, of in scores]),
         heats=heat_maps(material),

@@ -35,6 +35,17 @@ from .work import say_resumed, work_key
 __all__ = ["run"]
 
 
+# How the table calls what --json names otherwise.
+_LABELS = {
+    "owned": "in tracks",
+    "passed": "in no track",
+    "filtered": "filtered out",
+    "merged": "ended in a merge",
+    "longest_track_s": "longest track",
+    "frame_1_at_us": "frame 1 at (us)",
+}
+
+
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     """Track a recording; 0."""
     window = window_from(options)
@@ -73,8 +84,14 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         said = {"engine": options.engine, "settings": plain(settings), "filters": asdict(filters)}
         print(json.dumps(found | said, indent=2, allow_nan=False))
     elif not options.quiet:
-        print_table([(name.replace("_", " "), "" if value is None else f"{value:,}") for name, value in found.items()])
+        print_table([(_LABELS.get(name, name.replace("_", " ")), _text(name, value)) for name, value in found.items()])
     return 0
+
+
+def _text(name: str, value: float | None) -> str:
+    if value is None:
+        return "none"
+    return f"{value:,.3f} s" if name.endswith("_s") else f"{value:,}"
 
 
 def _say(options: argparse.Namespace, file: RecordingFile) -> Callable[[int], None] | None:
