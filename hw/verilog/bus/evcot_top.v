@@ -514,7 +514,8 @@ module evcot_top #(
     );
 
     always @(posedge clk)
-        all_idle <= !rst && sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid;
+        all_idle <= !rst && sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid
+                 && !(s_axis_tvalid && s_axis_tready);  // nor does anything come
 
     // ---- what is counted, and what interrupts ------------------------------------------------------------------------
 
