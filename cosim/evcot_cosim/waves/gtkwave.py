@@ -142,6 +142,10 @@ class _Writer:
 
     def _row(self, row: Row, slot: int) -> Iterator[str]:
         name = row.signal.replace("{slot}", str(slot))
+        if "{place}" in name:  # see array_update.v
+            far = self._constants.get(f"{self._scope}.{name}".rpartition(".")[0] + ".FAR", 0)
+            complement = (1 << max(1, (self._slots - 1).bit_length())) - 1 - slot
+            name = name.replace("{place}", str(slot if far else complement))
         entry = self._signals.get(f"{self._scope}.{name}")
         if entry is None:
             return

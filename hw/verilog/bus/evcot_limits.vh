@@ -2,27 +2,25 @@
 // Legal values of the registers of a slot, of the filters and of motion, for a module with the parameters that give their widths.
 // Generated from sw/evcot/hardware/contract.py and registers.toml by `python -m evcot.hardware.generate`: edit there.
 
-// Words that exist: the registers, and the word that commits.
+// Words that exist: the registers, and the word that commits. (Not as a case: Yosys
+// would make a ROM of it that is read with the address, before its register.)
 function slot_has(input [`EVCOT_REG_W-1:0] word);
-    case (word)
-        `EVCOT_REG_MODE,
-        `EVCOT_REG_INIT_CM_X,
-        `EVCOT_REG_INIT_CM_Y,
-        `EVCOT_REG_INIT_RADIX,
-        `EVCOT_REG_RADIX_TH,
-        `EVCOT_REG_RADIX_STEP,
-        `EVCOT_REG_RADIX_MIN,
-        `EVCOT_REG_RADIX_MAX,
-        `EVCOT_REG_HIST_AVG,
-        `EVCOT_REG_MAX_TICKS,
-        `EVCOT_REG_CLUST_NEV,
-        `EVCOT_REG_NEV_MIN,
-        `EVCOT_REG_NEV_MAX,
-        `EVCOT_REG_NEV_TH,
-        `EVCOT_REG_DETECT_TICKS,
-        `EVCOT_BANK_COMMIT: slot_has = 1'b1;
-        default: slot_has = 1'b0;
-    endcase
+    slot_has = word == `EVCOT_BANK_COMMIT
+        || word == `EVCOT_REG_MODE
+        || word == `EVCOT_REG_INIT_CM_X
+        || word == `EVCOT_REG_INIT_CM_Y
+        || word == `EVCOT_REG_INIT_RADIX
+        || word == `EVCOT_REG_RADIX_TH
+        || word == `EVCOT_REG_RADIX_STEP
+        || word == `EVCOT_REG_RADIX_MIN
+        || word == `EVCOT_REG_RADIX_MAX
+        || word == `EVCOT_REG_HIST_AVG
+        || word == `EVCOT_REG_MAX_TICKS
+        || word == `EVCOT_REG_CLUST_NEV
+        || word == `EVCOT_REG_NEV_MIN
+        || word == `EVCOT_REG_NEV_MAX
+        || word == `EVCOT_REG_NEV_TH
+        || word == `EVCOT_REG_DETECT_TICKS;
 endfunction
 
 function [31:0] slot_low(input [`EVCOT_REG_W-1:0] word);
@@ -62,32 +60,30 @@ function slot_refuses(input [`EVCOT_REG_W-1:0] word);
     slot_refuses = word == `EVCOT_REG_MODE;
 endfunction
 
-// Words that exist: the registers, and the word that commits.
+// Words that exist: the registers, and the word that commits. (Not as a case: Yosys
+// would make a ROM of it that is read with the address, before its register.)
 function filter_has(input [`EVCOT_FREG_W-1:0] word);
-    case (word)
-        `EVCOT_FREG_ENABLE,
-        `EVCOT_FREG_REGION_X0,
-        `EVCOT_FREG_REGION_X1,
-        `EVCOT_FREG_REGION_Y0,
-        `EVCOT_FREG_REGION_Y1,
-        `EVCOT_FREG_POLARITY,
-        `EVCOT_FREG_REFRACTORY_TICKS,
-        `EVCOT_FREG_ACTIVITY_TICKS,
-        `EVCOT_FREG_ACTIVITY_SUPPORT,
-        `EVCOT_FREG_RECENT_TICKS,
-        `EVCOT_FREG_RECENT_RADIUS,
-        `EVCOT_FREG_RECENT_SUPPORT,
-        `EVCOT_FREG_DECAY_RATE,
-        `EVCOT_FREG_DECAY_EPSILON,
-        `EVCOT_FREG_DECAY_SUPPORT,
-        `EVCOT_FREG_MASK,
-        `EVCOT_FREG_ROWCOL_TICKS,
-        `EVCOT_FREG_ROWCOL_RADIUS,
-        `EVCOT_FREG_ROWCOL_SUPPORT,
-        `EVCOT_FREG_STAMP_SHIFT,
-        `EVCOT_BANK_COMMIT: filter_has = 1'b1;
-        default: filter_has = 1'b0;
-    endcase
+    filter_has = word == `EVCOT_BANK_COMMIT
+        || word == `EVCOT_FREG_ENABLE
+        || word == `EVCOT_FREG_REGION_X0
+        || word == `EVCOT_FREG_REGION_X1
+        || word == `EVCOT_FREG_REGION_Y0
+        || word == `EVCOT_FREG_REGION_Y1
+        || word == `EVCOT_FREG_POLARITY
+        || word == `EVCOT_FREG_REFRACTORY_TICKS
+        || word == `EVCOT_FREG_ACTIVITY_TICKS
+        || word == `EVCOT_FREG_ACTIVITY_SUPPORT
+        || word == `EVCOT_FREG_RECENT_TICKS
+        || word == `EVCOT_FREG_RECENT_RADIUS
+        || word == `EVCOT_FREG_RECENT_SUPPORT
+        || word == `EVCOT_FREG_DECAY_RATE
+        || word == `EVCOT_FREG_DECAY_EPSILON
+        || word == `EVCOT_FREG_DECAY_SUPPORT
+        || word == `EVCOT_FREG_MASK
+        || word == `EVCOT_FREG_ROWCOL_TICKS
+        || word == `EVCOT_FREG_ROWCOL_RADIUS
+        || word == `EVCOT_FREG_ROWCOL_SUPPORT
+        || word == `EVCOT_FREG_STAMP_SHIFT;
 endfunction
 
 function [31:0] filter_low(input [`EVCOT_FREG_W-1:0] word);
@@ -135,50 +131,47 @@ function filter_refuses(input [`EVCOT_FREG_W-1:0] word);
     filter_refuses = word == `EVCOT_FREG_ENABLE || word == `EVCOT_FREG_POLARITY;
 endfunction
 
-// Words that exist: the registers, and the word that commits, of both banks.
+// Words that exist: the registers, and the word that commits, of both banks. (Not as a case: Yosys
+// would make a ROM of it that is read with the address, before its register.)
 function motion_has(input [`EVCOT_MREG_W-1:0] word);
-    case (word)
-        `EVCOT_MREG_STEP_LOG2,
-        `EVCOT_MREG_SIDE_STEP,
-        `EVCOT_MREG_SIDE_SHARE,
-        `EVCOT_MREG_SIDE_SHRINK,
-        `EVCOT_MREG_SIDE_MAX,
-        `EVCOT_MREG_GAIN_LOG2,
-        `EVCOT_MREG_GAIN_SLOW,
-        `EVCOT_MREG_SETTLE,
-        `EVCOT_MREG_SPEED_MAX,
-        `EVCOT_MREG_FRICTION,
-        `EVCOT_MREG_NEV_LOW,
-        `EVCOT_MREG_NEV_HIGH,
-        `EVCOT_MREG_SEED_PX,
-        `EVCOT_MREG_RING_PX,
-        `EVCOT_MREG_RING_MAX,
-        `EVCOT_MREG_RING_ACROSS,
-        `EVCOT_MREG_RING_ALONG,
-        `EVCOT_MREG_RING_ANY,
-        `EVCOT_MREG_ELONGATION,
-        `EVCOT_MREG_DETECT_TICKS,
-        `EVCOT_MREG_LIFE_LOG2,
-        `EVCOT_MREG_LIFE_TICKS,
-        `EVCOT_MREG_COAST_TICKS,
-        `EVCOT_MREG_BIRTH_SUPPORT,
-        `EVCOT_MREG_BIRTH_PX,
-        `EVCOT_MREG_BIRTH_TICKS,
-        `EVCOT_MREG_BIRTH_TRAVEL,
-        `EVCOT_MREG_GAP_CORRECTIONS,
-        `EVCOT_MREG_GAP_SHARE,
-        `EVCOT_MREG_GAP_PX,
-        `EVCOT_MREG_JOIN_STEPS,
-        `EVCOT_MREG_JOIN_LIFE,
-        `EVCOT_MREG_JOIN_SPEED,
-        `EVCOT_MREG_JOIN_REACH,
-        `EVCOT_MREG_JOIN_PX,
-        `EVCOT_MREG_KEEP_OLDER,
-        `EVCOT_MREG_REPORT_STEPS,
-        {1'b0, `EVCOT_BANK_COMMIT},
-        {1'b1, `EVCOT_BANK_COMMIT}: motion_has = 1'b1;
-        default: motion_has = 1'b0;
-    endcase
+    motion_has = word == {1'b0, `EVCOT_BANK_COMMIT} || word == {1'b1, `EVCOT_BANK_COMMIT}
+        || word == `EVCOT_MREG_STEP_LOG2
+        || word == `EVCOT_MREG_SIDE_STEP
+        || word == `EVCOT_MREG_SIDE_SHARE
+        || word == `EVCOT_MREG_SIDE_SHRINK
+        || word == `EVCOT_MREG_SIDE_MAX
+        || word == `EVCOT_MREG_GAIN_LOG2
+        || word == `EVCOT_MREG_GAIN_SLOW
+        || word == `EVCOT_MREG_SETTLE
+        || word == `EVCOT_MREG_SPEED_MAX
+        || word == `EVCOT_MREG_FRICTION
+        || word == `EVCOT_MREG_NEV_LOW
+        || word == `EVCOT_MREG_NEV_HIGH
+        || word == `EVCOT_MREG_SEED_PX
+        || word == `EVCOT_MREG_RING_PX
+        || word == `EVCOT_MREG_RING_MAX
+        || word == `EVCOT_MREG_RING_ACROSS
+        || word == `EVCOT_MREG_RING_ALONG
+        || word == `EVCOT_MREG_RING_ANY
+        || word == `EVCOT_MREG_ELONGATION
+        || word == `EVCOT_MREG_DETECT_TICKS
+        || word == `EVCOT_MREG_LIFE_LOG2
+        || word == `EVCOT_MREG_LIFE_TICKS
+        || word == `EVCOT_MREG_COAST_TICKS
+        || word == `EVCOT_MREG_BIRTH_SUPPORT
+        || word == `EVCOT_MREG_BIRTH_PX
+        || word == `EVCOT_MREG_BIRTH_TICKS
+        || word == `EVCOT_MREG_BIRTH_TRAVEL
+        || word == `EVCOT_MREG_GAP_CORRECTIONS
+        || word == `EVCOT_MREG_GAP_SHARE
+        || word == `EVCOT_MREG_GAP_PX
+        || word == `EVCOT_MREG_JOIN_STEPS
+        || word == `EVCOT_MREG_JOIN_LIFE
+        || word == `EVCOT_MREG_JOIN_SPEED
+        || word == `EVCOT_MREG_JOIN_REACH
+        || word == `EVCOT_MREG_JOIN_PX
+        || word == `EVCOT_MREG_KEEP_OLDER
+        || word == `EVCOT_MREG_REPORT_STEPS;
 endfunction
 
 function [31:0] motion_low(input [`EVCOT_MREG_W-1:0] word);

@@ -133,7 +133,7 @@ module evcot_top #(
     wire [15:0] new_prescale_tick, new_prescale_us, new_gap, new_x_min, new_x_span, new_y_min, new_y_span;
     wire [31:0] new_seed;
 
-    wire              enable, drop, busy, apply, cleared, open, dropped, idle, all_idle;
+    wire              enable, drop, busy, apply, cleared, open, dropped, idle;
     wire [47:0]       seq;
     wire              cfg_valid, filter_cfg_valid;
     wire [SLOT_W-1:0] cfg_slot;
@@ -142,6 +142,7 @@ module evcot_top #(
     wire [31:0]       cfg_data, filter_cfg_data;
     wire [15:0]       held;
     wire [31:0]       n_in, n_dropped, n_malformed, n_backward;
+    reg               all_idle;
     reg  [31:0]       n_filtered, n_owned, n_passed, n_records, n_stalls;
     reg  [`EVCOT_IRQ_COMMIT-1:0] happened;
 
@@ -533,7 +534,9 @@ module evcot_top #(
         .m_axis_tlast (m_axis_passed_tlast)
     );
 
-    assign all_idle = sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid;
+    always @(posedge clk)
+        all_idle <= !rst && sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid
+                 && !(s_axis_tvalid && s_axis_tready);  // nor does anything come
 
     // ---- what is counted, and what interrupts ------------------------------------------------------------------------
 
