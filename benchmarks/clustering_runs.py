@@ -18,7 +18,6 @@ from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.metrics import GroundTruth, Rule, evaluate, load_rule, read_truth
 from evcot.metrics.frames import line_up
-from evcot.metrics.sampling import expiring
 from evcot.recordings.files import read_recording
 from evcot.scenes import simulate_scene
 from evcot.trackers.frame_based import presets as frame_presets
@@ -30,6 +29,7 @@ from evcot.trackers.mean_shift.config import MeanShiftConfig
 from evcot.trackers.mean_shift.tracker import MeanShiftTracker
 from evcot.tracks.log import TrackLog
 from evcot.tracks.tracking import track_recording
+from evcot.tracks.windows import sampled
 from measure import timed
 from shared import SHARED
 
@@ -215,7 +215,8 @@ def _outcome(case: Case, method: str, size: int, done: Followed, evaluations: in
     if case.truth is None or case.rule is None:
         return a_second
     scores = evaluate(done.log, case.truth, case.rule)
-    frames, _, _ = line_up(expiring(done.log, case.rule.max_age_us), case.truth, case.rule)
+    outputs = sampled(done.log.record_runs(), case.truth.instants_us, case.rule.max_age_us)
+    frames, _, _ = line_up(outputs, case.truth, case.rule)
     objects, tracks = (np.array([len(own) for own in which]) for which in (frames.truth, frames.tracks))
     latest = np.searchsorted(done.t_us, case.truth.instants_us, "right") - 1
     clusters = np.where(latest >= 0, done.found[latest], 0)

@@ -20,10 +20,9 @@ from evcot.filters.config import FilterConfig
 from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.metrics import Scores, evaluate, load_rule, read_truth
-from evcot.metrics.frames import line_up
+from evcot.metrics.frames import Frames, line_up
 from evcot.metrics.of_scene import ground_truth_of
 from evcot.metrics.rule import Rule
-from evcot.metrics.sampling import expiring
 from evcot.metrics.truth import GroundTruth
 from evcot.recordings.files import read_recording
 from evcot.scenes.registry import simulate_scene
@@ -31,6 +30,7 @@ from evcot.trackers.config import RunConfig
 from evcot.trackers.presets import fit, for_sensor, preset
 from evcot.trackers.rct.tracker import track
 from evcot.tracks.log import TrackLog
+from evcot.tracks.windows import sampled
 from exact import cot_log
 from measure import Result
 from shared import SHARED
@@ -176,8 +176,13 @@ def main() -> None:
 
 
 def _bounds(runs: list[tuple[TrackLog, Case]]) -> list[str]:
-    found = [what_if(line_up(expiring(log, case.rule.max_age_us), case.truth, case.rule)[0]) for log, case in runs]
+    found = [what_if(_frames(log, case)) for log, case in runs]
     return [f"{np.mean([one[name] for one in found]):.3f}" for name in found[0]]
+
+
+def _frames(log: TrackLog, case: Case) -> Frames:
+    outputs = sampled(log.record_runs(), case.truth.instants_us, case.rule.max_age_us)
+    return line_up(outputs, case.truth, case.rule)[0]
 
 
 def _print_line(cells: list[str]) -> None:

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from evcot.metrics.clear import clear
 from evcot.metrics.frames import line_up
 from evcot.metrics.rule import load_rule
-from evcot.metrics.sampling import expiring, positions
+from evcot.metrics.sampling import positions
 from evcot.metrics.truth import OBJECT, GroundTruth
 from evcot.scenes.scene import Scene
 from evcot.scenes.truth import Box
 from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import expiring, sample
 
 _ON_THE_BOX = 1e-6  # similarity: not 0, at which CLEAR would keep a pair that has parted
 
@@ -67,7 +68,7 @@ def follow(log: TrackLog, scene: Scene, lifetime_us: int) -> Following:
     truth, boxes = moving_boxes(scene), scene.truth.boxes
     rule = load_rule("scene")
     states = expiring(log, rule.max_age_us)
-    frames, objects, outputs = line_up(states, truth, rule)
+    frames, objects, outputs = line_up(sample(states, truth.instants_us), truth, rule)
     followed = clear(frames, _ON_THE_BOX)
     matches = followed.matches
     times_us = truth.instants_us[matches.frame]

@@ -53,10 +53,12 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
                 goal=Goal(_GROWTH, at_most=True), how=how,
             )  # fmt: skip
             if command == "cosim":
-                lockstep_s = float(json.loads((output / "summary.json").read_text())["wall_s"])
+                summary = json.loads((output / "summary.json").read_text())
+                lockstep_s, software_s = float(summary["wall_s"]), long / float(summary["software_events_per_s"])
                 yield Result(
-                    "long_cosim_after", took_s - lockstep_s, "s", lockstep_s, "the lock-step itself",
-                    goal=Goal(1, at_most=True), how="everything else of the same run: software tracker, logs, pages; wall time",
+                    "long_cosim_after", took_s - lockstep_s - software_s, "s", lockstep_s, "the lock-step itself",
+                    goal=Goal(1, at_most=True),
+                    how=f"start, reading, logs and pages of the run; the software tracker took {software_s:.1f} s; wall time",
                 )  # fmt: skip
 
 

@@ -45,7 +45,7 @@ __all__ = ["main", "parser"]
 
 _EXAMPLES = """examples:
   evcot cosim                                   # the box experiment, nothing to download
-  evcot cosim drive.aedat4                      # a camera file; everything is chosen by what is seen
+  evcot cosim drive.aedat4                      # a camera file; settings are chosen from what the recording shows
   evcot info drive.aedat4                       # sensor, length, rates, busiest pixels
   evcot simulate highway -o highway.aedat4      # a scene, and its truth beside it
   evcot track highway.aedat4 -o log.npz

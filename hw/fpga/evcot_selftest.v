@@ -113,7 +113,7 @@ module evcot_selftest (
     wire [X_W-1:0]    pass_x;
     wire [Y_W-1:0]    pass_y;
 
-    cot_tracker #(
+    cot_array #(
         .N      (N),
         .TICK_W (1)
     ) u_tracker (

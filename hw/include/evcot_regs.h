@@ -31,7 +31,7 @@
 #define EVCOT_SHAPE0_N_SLOTS_SHIFT 0u
 #define EVCOT_SHAPE0_N_SLOTS_MASK 0x0000007Fu /* ro: tracker slots */
 #define EVCOT_SHAPE0_FRAC_SHIFT 8u
-#define EVCOT_SHAPE0_FRAC_MASK 0x00000F00u /* ro: fractional bits of a centre */
+#define EVCOT_SHAPE0_FRAC_MASK 0x00000F00u /* ro: fractional bits of a centre; not used by an array with motion */
 #define EVCOT_SHAPE0_X_W_SHIFT 16u
 #define EVCOT_SHAPE0_X_W_MASK 0x001F0000u /* ro: bits of an x address */
 #define EVCOT_SHAPE0_Y_W_SHIFT 24u
@@ -66,7 +66,7 @@
 #define EVCOT_BUILD_SOURCES_SHIFT 8u
 #define EVCOT_BUILD_SOURCES_MASK 0x00003F00u /* ro: a bit for each source, in the order of `source_select` */
 #define EVCOT_BUILD_TRACKER_SHIFT 16u
-#define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain */
+#define EVCOT_BUILD_TRACKER_MASK 0x00030000u /* ro: 0 array, 1 chain, 2 array with motion: the parameter TRACKER */
 #define EVCOT_BUILD_CELL_PX_SHIFT 24u
 #define EVCOT_BUILD_CELL_PX_MASK 0x07000000u /* ro: side of a cell of the filters' memory in pixels; 0: a time stamp per pixel and filter */
 
@@ -268,6 +268,51 @@
 #define EVCOT_FILTER_STAMP_SHIFT 0x024Cu /* log2 of the ticks in a unit of the time stamps of cells */
 #define EVCOT_FILTER_COMMIT 0x027Cu
 
+/* Registers of boxes and velocities, likewise; they exist only with TRACKER = 2 (EVCOT_BUILD_TRACKER), and a commit of values
+   that contradict each other is refused. */
+#define EVCOT_MOTION_STEP_LOG2 0x0284u /* a motion step every 2^step_log2 ticks */
+#define EVCOT_MOTION_SIDE_STEP 0x0288u /* way of a side for an event beyond and one within it, in 2^-12 px */
+#define EVCOT_MOTION_SIDE_SHARE 0x028Cu /* 2^-side_share of a slot's events lie beyond each side */
+#define EVCOT_MOTION_SIDE_SHRINK 0x0290u /* a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never */
+#define EVCOT_MOTION_SIDE_MAX 0x0294u /* longest side, px */
+#define EVCOT_MOTION_GAIN_LOG2 0x0298u /* gain of a velocity's correction is 2^-gain_log2 in the end */
+#define EVCOT_MOTION_GAIN_SLOW 0x029Cu /* 2^gain_slow corrections until a gain is halved */
+#define EVCOT_MOTION_SETTLE 0x02A0u /* corrections during which a velocity follows the slower of two sides */
+#define EVCOT_MOTION_SPEED_MAX 0x02A4u /* limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events */
+#define EVCOT_MOTION_FRICTION 0x02A8u /* a silent slot loses 2^-friction of its velocity a step; 0: nothing */
+#define EVCOT_MOTION_NEV_LOW 0x02ACu /* fewest events of a correction */
+#define EVCOT_MOTION_NEV_HIGH 0x02B0u /* most events of a correction */
+#define EVCOT_MOTION_SEED_PX 0x02B4u /* half the side of a new candidate's box */
+#define EVCOT_MOTION_RING_PX 0x02B8u /* least distance of a window from its box */
+#define EVCOT_MOTION_RING_MAX 0x02BCu /* largest distance of a window from its box */
+#define EVCOT_MOTION_RING_ACROSS 0x02C0u /* distance across the motion is 2^-ring_across of the box's side there */
+#define EVCOT_MOTION_RING_ALONG 0x02C4u /* distance along the motion is 2^-ring_along of the side across it */
+#define EVCOT_MOTION_RING_ANY 0x02C8u /* distance, where there is no one direction, is 2^-ring_any of the side */
+#define EVCOT_MOTION_ELONGATION 0x02CCu /* a box this many times as long as it is wide reaches along its motion as across it */
+#define EVCOT_MOTION_COMMIT 0x02FCu
+
+/* Registers of lives, likewise; they exist only with TRACKER = 2 (EVCOT_BUILD_TRACKER), and a commit of values
+   that contradict each other is refused. */
+#define EVCOT_TRACKS_DETECT_TICKS 0x0304u /* ticks within which a candidate must have its first correction */
+#define EVCOT_TRACKS_LIFE_LOG2 0x0308u /* a life ends after 2^life_log2 times the usual time between corrections without one */
+#define EVCOT_TRACKS_LIFE_TICKS 0x030Cu /* but not before this time */
+#define EVCOT_TRACKS_COAST_TICKS 0x0310u /* nor after this time */
+#define EVCOT_TRACKS_BIRTH_SUPPORT 0x0314u /* events that a candidate needs to become visible */
+#define EVCOT_TRACKS_BIRTH_PX 0x0318u /* sides that it needs */
+#define EVCOT_TRACKS_BIRTH_TICKS 0x031Cu /* time that it needs */
+#define EVCOT_TRACKS_BIRTH_TRAVEL 0x0320u /* since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side */
+#define EVCOT_TRACKS_GAP_CORRECTIONS 0x0324u /* corrections after which a box is looked through for a gap; 0: never */
+#define EVCOT_TRACKS_GAP_SHARE 0x0328u /* a bin with at most 2^-gap_share of the events is empty */
+#define EVCOT_TRACKS_GAP_PX 0x032Cu /* narrowest gap */
+#define EVCOT_TRACKS_JOIN_STEPS 0x0330u /* steps for which two slots must move together before they merge */
+#define EVCOT_TRACKS_JOIN_LIFE 0x0334u /* and 2^-join_life of the younger's life */
+#define EVCOT_TRACKS_JOIN_SPEED 0x0338u /* together: velocities differ by at most 2^-join_speed of the larger */
+#define EVCOT_TRACKS_JOIN_REACH 0x033Cu /* one object: a gap along the motion of at most 2^-join_reach of the width */
+#define EVCOT_TRACKS_JOIN_PX 0x0340u /* one object: a gap of so many px otherwise */
+#define EVCOT_TRACKS_KEEP_OLDER 0x0344u /* of two that merge stays 0: the one with more support; 1: the one that was seeded first */
+#define EVCOT_TRACKS_REPORT_STEPS 0x0348u /* steps after which a slot without a correction is reported */
+#define EVCOT_TRACKS_COMMIT 0x037Cu
+
 /* Sources. */
 #define EVCOT_SOURCE_EVENTS 0u
 #define EVCOT_SOURCE_LFSR 1u
@@ -275,6 +320,11 @@
 #define EVCOT_SOURCE_EVT2 3u
 #define EVCOT_SOURCE_EVT21 4u
 #define EVCOT_SOURCE_EVT3 5u
+
+/* Trackers. */
+#define EVCOT_TRACKER_ARRAY 0u
+#define EVCOT_TRACKER_CHAIN 1u
+#define EVCOT_TRACKER_MOTION 2u
 
 /* Kinds of a record. */
 #define EVCOT_KIND_BORN 0u
@@ -299,6 +349,26 @@ struct evcot_record {
     uint32_t pad2;
 };
 #define EVCOT_RECORD_BYTES 48u
+
+/* A record on the stream of an array with motion, little-endian. */
+struct evcot_motion_record {
+    uint64_t seq;
+    uint64_t time;
+    uint32_t track_id;
+    uint32_t other_id;
+    int32_t cm_x;
+    int32_t cm_y;
+    uint32_t width;
+    uint32_t height;
+    int16_t v_x;
+    int16_t v_y;
+    uint32_t support;
+    uint16_t n_ev;
+    uint8_t slot;
+    uint8_t kind;
+    uint32_t pad;
+};
+#define EVCOT_MOTION_RECORD_BYTES 56u
 
 /* an input event: 64 bits */
 #define EVCOT_EVENT_T(word) ((uint32_t)((uint64_t)(word) >> 0 & 0xFFFFFFFFu))

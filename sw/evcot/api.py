@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from .errors import ConfigError, TrackLogError
+from .errors import ConfigError
 from .events import Events, Recording
 from .filters.config import FilterConfig
 from .filters.run import apply
@@ -30,6 +30,7 @@ from .tracks.formats.base import FrameClock
 from .tracks.formats.of_log import log_of_boxes
 from .tracks.formats.registry import is_boxes, read_boxes
 from .tracks.log import TrackLog
+from .tracks.reading import in_the_name_of, open_log
 from .tracks.tracking import signed_log_of
 
 __all__ = ["evaluate", "filter_recording", "simulate", "track"]
@@ -156,11 +157,9 @@ def evaluate(
     if isinstance(log, TrackLog):
         return score(log, truth, chosen)
     boxes = log_format is not None or is_boxes(log)
-    loaded = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else TrackLog.load(log, owners=False)
-    try:
-        return score(loaded, truth, chosen)
-    except TrackLogError as error:
-        raise TrackLogError(f"{log}: {error}") from error
+    opened = log_of_boxes(log, read_boxes(log, clock, log_format)) if boxes else open_log(log)
+    with in_the_name_of(log):
+        return score(opened, truth, chosen)
 
 
 def _changed(name: str, settings: Any, changes: Mapping[str, Any]) -> Any:

@@ -71,17 +71,20 @@ def test_the_block_diagram_names_modules_that_are_there() -> None:
         assert re.search(rf"^\s*(?:module )?{module} #\(", text, re.MULTILINE), module
 
 
-@pytest.mark.parametrize("top", ["kv260_evcot", "davis_evcot"])
-def test_the_examples_are_clean(top: str) -> None:
+@pytest.mark.parametrize(
+    ("top", "parameters"), [("kv260_evcot", {}), ("kv260_evcot", {"TRACKER": 2}), ("davis_evcot", {})], ids=str
+)
+def test_the_examples_are_clean(top: str, parameters: dict[str, int]) -> None:
     source = EXAMPLES / f"{top}.v"
     tools = find_toolchain()
     command = [str(tools.executable), "--lint-only", "-Wall", "--quiet", "--default-language", "1364-2005"]
-    command += [*search_flags(), "--top-module", top, str(source)]
+    command += [*search_flags(), "--top-module", top, *(f"-G{name}={value}" for name, value in parameters.items()), str(source)]
     done = subprocess.run(command, env=tools.environment, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
     if icarus := shutil.which("iverilog"):
         warnings = ["-Wall", "-Wno-sensitivity-entire-array"]  # see hw/lint.py
-        command = [icarus, "-g2005", *warnings, *search_flags(), "-o", "/dev/null", "-s", top, str(source)]
+        settings = [f"-P{top}.{name}={value}" for name, value in parameters.items()]
+        command = [icarus, "-g2005", *warnings, *search_flags(), *settings, "-o", "/dev/null", "-s", top, str(source)]
         assert subprocess.run(command, capture_output=True, text=True).stderr == ""
 
 

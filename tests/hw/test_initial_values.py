@@ -8,6 +8,7 @@ committed, events.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,14 +18,24 @@ import pytest
 from evcot.filters.contract import Filter, FilterShape
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig
-from evcot.hardware.contract import Shape
+from evcot.hardware.contract import RECORD, Shape
+from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RECORD, MotionRegisters
 from evcot.hardware.streams import pack_events
 from evcot_cosim.devices.base import reset
-from evcot_cosim.devices.top_device import Command, TopDevice, address_of, configuration, poll, slot_address, write
+from evcot_cosim.devices.top_device import (
+    Command,
+    TopDevice,
+    address_of,
+    bank_address,
+    configuration,
+    poll,
+    slot_address,
+    write,
+)
 from support import four_state
 from support.four_state import needs_icarus
 from support.testing import broken_copy
-from support.top import CHAIN, EVERY
+from support.top import CHAIN, EVERY, MOTION
 from support.trials import random_traffic
 
 WIDTH, HEIGHT = 20, 16
@@ -35,25 +46,32 @@ FILTERS = FilterRegisters(
     decay_rate=1 << 22, decay_epsilon=4, decay_support=40, rowcol_ticks=90, rowcol_radius=3, stamp_shift=1,
     hot_pixels=((5, 5), (9, 7), (0, 0)),
 )  # fmt: skip
+LIVELY = MotionRegisters(
+    enable=1, step_log2=3, birth_support=2, birth_px=0, birth_ticks=0, birth_travel=8, nev_low=1, nev_high=2, seed_px=2,
+    side_max=8, detect_ticks=60, life_ticks=40, coast_ticks=200, gap_corrections=1, join_steps=1, report_steps=1,
+)  # fmt: skip
 STATUS, CONTROL = address_of("status"), address_of("control")
 SOFT_RESET = write(CONTROL, 1 << 9)
 EVENTS, QUIET = 250, 1_000
-BUILDS = [*((0, 1 << which) for which in Filter), (0, 255), (0, 0), (1, 0)]
+BUILDS = [*((0, 1 << which) for which in Filter), (0, 255), (0, 0), (1, 0), (2, 0)]
 EVERY_BUILD = pytest.mark.parametrize(("tracker", "has"), BUILDS, ids=[f"tracker {t}, filters {h}" for t, h in BUILDS])
 
 
 def case(
-    has: int, cell_px: int = 0
+    tracker: int, has: int, cell_px: int = 0
 ) -> tuple[CotConfig, list[tuple[list[Command], np.ndarray[tuple[int], np.dtype[np.uint64]]]]]:
     """A configuration, and the program: accesses and input words, in turn."""
     config = CotConfig.uniform(SHAPE, EVERY)
+    if tracker == MOTION:
+        config = replace(config, motion=LIVELY)
     filters = replace(FILTERS, enable=has, hot_pixels=FILTERS.hot_pixels if has >> Filter.MASK & 1 else ())
     sensor = replace(SENSOR, cell_px=cell_px)
     whole = replace(config, filters=filters, filter_shape=sensor) if has else config
     enable = [poll(STATUS, 2, 0), write(CONTROL, 1)]
     rng = np.random.default_rng([60, has])
     parts, now = [], 0
-    again = [write(slot_address(0), 1), poll(STATUS, 2, 0), SOFT_RESET]
+    banks = [bank_address(bank) for bank in MOTION_BANKS] if tracker == MOTION else []
+    again = [*(write(address, 1) for address in (slot_address(0), *banks)), poll(STATUS, 2, 0), SOFT_RESET]
     for accesses in ([*configuration(config), *enable], again, [*configuration(whole), *enable]):
         parts.append((accesses, np.zeros(0, np.uint64)))
         if accesses is not again:
@@ -69,7 +87,7 @@ def parameters(tracker: int, has: int) -> dict[str, int]:
 
 
 def in_verilator(tracker: int, has: int, cell_px: int = 0, *, random_initial: bool = False) -> four_state.Beats:
-    config, parts = case(has, cell_px)
+    config, parts = case(tracker, has, cell_px)
     given = {**parameters(tracker, has), "FIFO_DEPTH": 8, "RECORD_DEPTH": 2}
     device = TopDevice(config, given, random_initial=random_initial)
     device.sim.io.aer_req = 1  # no request
@@ -85,13 +103,20 @@ def in_verilator(tracker: int, has: int, cell_px: int = 0, *, random_initial: bo
     )
 
 
+@functools.cache
+def from_zeros(tracker: int, has: int, cell_px: int = 0) -> four_state.Beats:
+    """What all the others must give."""
+    return in_verilator(tracker, has, cell_px)
+
+
 def in_icarus(folder: Path, tracker: int, has: int, seed: int, cell_px: int = 0) -> four_state.Beats:
-    _, parts = case(has, cell_px)
+    _, parts = case(tracker, has, cell_px)
     program = [four_state.reset()]
     for accesses, words in parts:
         program += [*four_state.commands(accesses), *four_state.words(words), four_state.quiet(QUIET)]
     sensor = {"WIDTH": WIDTH, "HEIGHT": HEIGHT, "CELL_PX": cell_px}
-    return four_state.play_top(folder, program, {**parameters(tracker, has), **sensor}, seed)
+    given = {**parameters(tracker, has), **sensor}
+    return four_state.play_top(folder, program, given, seed, MOTION_RECORD if tracker == MOTION else RECORD)
 
 
 def same(found: four_state.Beats, expected: four_state.Beats, tracker: int) -> None:
@@ -104,7 +129,7 @@ def same(found: four_state.Beats, expected: four_state.Beats, tracker: int) -> N
 
 @EVERY_BUILD
 def test_the_program_uses_what_is_built(tracker: int, has: int) -> None:
-    found = in_verilator(tracker, has)
+    found = from_zeros(tracker, has)
     assert len(found.records) > 60
     assert len(found.owned) > 60
     assert not any(found.responses)
@@ -115,20 +140,19 @@ def test_the_program_uses_what_is_built(tracker: int, has: int) -> None:
 @needs_icarus
 @EVERY_BUILD
 def test_four_states(tmp_path: Path, tracker: int, has: int) -> None:
-    same(in_icarus(tmp_path, tracker, has, 1 + has), in_verilator(tracker, has), tracker)
+    same(in_icarus(tmp_path, tracker, has, 1 + has), from_zeros(tracker, has), tracker)
 
 
 @EVERY_BUILD
 def test_random_initial_values(tracker: int, has: int) -> None:
-    expected = in_verilator(tracker, has)
     for _ in range(3):
-        same(in_verilator(tracker, has, random_initial=True), expected, tracker)
+        same(in_verilator(tracker, has, random_initial=True), from_zeros(tracker, has), tracker)
 
 
 @needs_icarus
 @pytest.mark.parametrize("cell_px", [1, 2, 4])
 def test_memories_of_cells(tmp_path: Path, cell_px: int) -> None:
-    expected = in_verilator(0, 255, cell_px)
+    expected = from_zeros(0, 255, cell_px)
     assert len(expected.owned) + len(expected.passed) > 60
     same(in_icarus(tmp_path, 0, 255, 1 + cell_px, cell_px), expected, 0)
     same(in_verilator(0, 255, cell_px, random_initial=True), expected, 0)

@@ -89,8 +89,10 @@ def run_icarus(compiled: Path, *plus: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def play_top(folder: Path, program: Iterable[Line], parameters: Mapping[str, int], seed: int) -> Beats:
-    """Play a program to `evcot_top`.
+def play_top(
+    folder: Path, program: Iterable[Line], parameters: Mapping[str, int], seed: int, record: np.dtype[np.void] = RECORD
+) -> Beats:
+    """Play a program to `evcot_top`, whose records are of this dtype.
 
     Raises:
         AssertionError: a handshake line is X, some output has an X in its data, or the hardware stands still.
@@ -109,7 +111,7 @@ def play_top(folder: Path, program: Iterable[Line], parameters: Mapping[str, int
             found[kind].append(values)
     beats = np.array([int(word, 16) for (word,) in found["RECORDS"]], np.uint64)
     return Beats(
-        beats.view(np.uint8)[: len(beats) * 8].view(RECORD),
+        beats.view(np.uint8)[: len(beats) * 8].view(record),
         [int(word, 16) for word, _ in found["OWNED"]],
         [int(user, 16) for _, user in found["OWNED"]],
         [int(word, 16) for (word,) in found["PASSED"]],

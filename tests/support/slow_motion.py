@@ -307,6 +307,15 @@ class SlowArray:
             if slot.visible:
                 self._record(slot, Kind.MOVED, now, len(self.owners) - 1)
 
+    def write(self, registers: MotionRegisters, now: int) -> None:
+        """Other registers, after the event at `now`; lives go on."""
+        self.r = registers
+        for slot in self.slots:
+            if slot is not None:
+                slot.r = registers
+        step = 2**registers.step_log2
+        self.next_step = (now // step + 1) * step
+
     def _owner(self, now: int, place: tuple[int, int]) -> tuple[Slot | None, bool]:
         here = [slot for slot in self.slots if slot is not None and slot.holds(place)]
         visible = [slot for slot in here if slot.visible]

@@ -9,18 +9,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evcot.filters.contract import FilterShape
+from evcot.filters.contract import Filter, FilterShape
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Shape
 from evcot.ticks import TickedEvents
 from evcot.trackers.presets import PRESETS, fit
 from evcot_cosim.devices.top_device import Pace, TopDevice
 
+from .moving import SHAPE
 from .trials import random_traffic
 
-__all__ = ["ARRAY", "BUILDS", "CHAIN", "DVS128", "EVERY", "SMALL", "Build", "device_of", "traffic_of"]
+__all__ = ["ARRAY", "BUILDS", "CHAIN", "DVS128", "EVERY", "MOTION", "SMALL", "Build", "device_of", "traffic_of"]
 
-ARRAY, CHAIN = 0, 1
+ARRAY, CHAIN, MOTION = 0, 1, 2
 SMALL = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=32, time_w=32)
 SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)
 EVERY = SlotConfig(  # a record for every event
@@ -51,6 +52,11 @@ BUILDS = {
         {"TRACKER": ARRAY, "SOURCES": 63, "SOURCE": 3, "FIFO_DEPTH": 16},
     ),
     "chain": Build(SMALL, FilterShape(64, 64), {"TRACKER": CHAIN, "DATA_W": 32, "FIFO_DEPTH": 1, "RECORD_DEPTH": 1}),
+    "motion": Build(
+        SHAPE,
+        FilterShape(128, 64, stamp_w=12),
+        {"TRACKER": MOTION, "HAS": 1 << Filter.REFRACTORY, "DATA_W": 128, "FIFO_DEPTH": 16, "RECORD_DEPTH": 3},
+    ),
 }
 
 

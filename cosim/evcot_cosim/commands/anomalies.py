@@ -18,7 +18,7 @@ evcot anomalies today.npz --normal normal.npz -o alarms.csv --picture alarms.png
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = add_command(commands, "anomalies", "flag trajectories that do not fit: zones, direction, speed, stays", _EXAMPLES)
+    parser = add_command(commands, "anomalies", "flag unusual trajectories: zones, direction, speed, stays", _EXAMPLES)
     parser.add_argument("logs", type=input_path, nargs="+", metavar="LOG", help="a track log; with --learn one or more")
     parser.add_argument("--learn", action="store_true", help="learn normal motion from the logs, and write it to -o FILE.npz")
     parser.add_argument("--normal", type=input_path, metavar="NPZ", help="normal motion, as --learn has written it")
@@ -26,7 +26,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("--recording", type=input_path, metavar="FILE", help="refuse a log that is not of this recording")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the recording's, else the smallest)")
     parser.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the rules; again for more"
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the rules; may be repeated"
     )
     output_option(parser, "-o", "--output", metavar="FILE", help="alarms as .csv or .json; with --learn the .npz")
     output_option(parser, "--picture", metavar="PNG", help="draw tracks and alarms")

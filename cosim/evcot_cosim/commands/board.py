@@ -19,7 +19,7 @@ evcot board /dev/ttyUSB1 --records 10000 --json
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    board = add_command(commands, "board", "hold a board's records against the golden model, over its serial line", _EXAMPLES)
+    board = add_command(commands, "board", "compare a board's records with the golden model, over its serial line", _EXAMPLES)
     board.add_argument("port", metavar="PORT", help="the line's device, such as /dev/ttyUSB1, or a URL of pyserial")
     board.add_argument("--records", type=int, default=RECORDS, metavar="N", help=f"how many (default: {RECORDS})")
     board.add_argument("--json", action="store_true", help="print one JSON object")

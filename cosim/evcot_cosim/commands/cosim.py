@@ -14,10 +14,10 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot cosim                                    # the box experiment, nothing to download
-evcot cosim drive.aedat4                       # a camera file; everything is chosen by what is seen
+evcot cosim drive.aedat4                       # a camera file; settings are chosen from what the recording shows
 evcot cosim drive.aedat4 --preset slow --slots 16 --stalls 7
 evcot cosim highway --activity 5               # filters, then hardware, model and software tracker, on a scene
-evcot cosim drive.raw --print-config           # what repeats the run: save it as run.toml
+evcot cosim drive.raw --print-config           # a file that repeats the run: save it as run.toml
 evcot cosim --config run.toml
 """
 

@@ -18,5 +18,7 @@ def engine_options(parser: argparse.ArgumentParser) -> None:
     group = group_of(parser, "engine")
     group.add_argument("--engine", choices=ENGINES, default="auto", help=f"{engines} (default: auto)")
     group.add_argument("--preset", metavar="NAME", help="of the engine, see `evcot presets --engine` (default: its first)")
-    group.add_argument("--config", type=input_path, metavar="TOML", help="its table of the engine's name overrides the preset")
-    group.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; again for more")
+    group.add_argument(
+        "--config", type=input_path, metavar="TOML", help="its table named after the engine overrides the preset"
+    )
+    group.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; may be repeated")

@@ -27,7 +27,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "log",
         type=input_path,
         metavar="LOG|RUN",
-        help="a track log, as `evcot cosim` writes: hardware.npz and others; boxes; or the folder of a run, of all its engines",
+        help="a track log, such as hardware.npz of a run; boxes; or the folder of a run, to score all its engines",
     )
     parser.add_argument("--truth", type=input_path, required=True, metavar="TRUTH", help="the ground truth: CSV, or boxes")
     known = ", ".join(RULES)

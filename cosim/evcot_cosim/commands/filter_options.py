@@ -28,19 +28,29 @@ def region(text: str) -> tuple[int, ...]:
 
 # option -> (field of FilterConfig, type, argument, help)
 NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
-    "--refractory": ("refractory_us", milliseconds, "MS", "silence each pixel for so long after an event"),
-    "--activity": ("activity_us", milliseconds, "MS", "keep events that a neighbour preceded by at most so long"),
+    "--refractory": ("refractory_us", milliseconds, "MS", "silence a pixel for this long after each of its events"),
+    "--activity": ("activity_us", milliseconds, "MS", "keep an event if a neighbour sent one at most this long before"),
     "--activity-support": ("activity_support", int, "N", "how many neighbours (default: 1)"),
-    "--recent": ("recent_us", milliseconds, "MS", "keep events near one of the last few, at most so old"),
+    "--recent": ("recent_us", milliseconds, "MS", "keep an event near one of the last few, at most this old"),
     "--recent-radius": ("recent_radius", int, "PX", "how near (default: 4)"),
-    "--recent-support": ("recent_support", int, "N", "near how many (default: 1)"),
-    "--recent-depth": ("recent_depth", int, "N", "of how many last events (default: 32)"),
-    "--decay-tau": ("decay_tau_us", milliseconds, "MS", "keep events whose neighbours' weights, decaying so, add up"),
+    "--recent-support": ("recent_support", int, "N", "how many of them must be near (default: 1)"),
+    "--recent-depth": ("recent_depth", int, "N", "how many last events are remembered (default: 32)"),
+    "--decay-tau": (
+        "decay_tau_us",
+        milliseconds,
+        "MS",
+        "keep an event if its neighbours' weights, which decay with this time constant, add up",
+    ),
     "--decay-epsilon": ("decay_epsilon", float, "W", "weight up to which an event is forgotten (default: 0.1)"),
-    "--decay-support": ("decay_support", float, "W", "sum of weights that an event needs (default: 1)"),
-    "--rowcol": ("rowcol_us", milliseconds, "MS", "keep events near the last one of a row or column beside, at most so old"),
+    "--decay-support": ("decay_support", float, "W", "sum of weights needed (default: 1)"),
+    "--rowcol": (
+        "rowcol_us",
+        milliseconds,
+        "MS",
+        "keep an event near the last one of a neighbouring row or column, at most this old",
+    ),
     "--rowcol-radius": ("rowcol_radius", int, "PX", "how near along the row or column (default: 1)"),
-    "--rowcol-support": ("rowcol_support", int, "N", "of how many rows and columns (default: 1)"),
+    "--rowcol-support": ("rowcol_support", int, "N", "how many rows and columns must have one (default: 1)"),
     "--cell": (
         "cell_px",
         int,
@@ -53,7 +63,7 @@ NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
 def filter_options(parser: argparse.ArgumentParser) -> None:
     """Add an option for each filter's settings. A command that has done its work then calls `save_learned`."""
     group = parser.add_argument_group("filters", "on top of the table [filters] of --config; see docs/filters.md")
-    group.add_argument("--region", type=region, metavar="X0,Y0,X1,Y1", help="keep these columns and rows, the last ones too")
+    group.add_argument("--region", type=region, metavar="X0,Y0,X1,Y1", help="keep these columns and rows, both bounds included")
     group.add_argument("--polarity", choices=("on", "off"), help="keep events of this polarity")
     group.add_argument(
         "--hot-pixels", type=input_path, metavar="FILE", help="silence the pixels listed there, one `x y` a line"

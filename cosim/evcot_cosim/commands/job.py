@@ -27,7 +27,7 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: 
     parser.add_argument("--seed", type=int, metavar="N", help="seed of a scene (default: 1)")
     group = group_of(parser, "hardware")
     group.add_argument(
-        "--preset", metavar="NAME", help=f"see `evcot presets`; auto: from what is seen in the recording (default: {default})"
+        "--preset", metavar="NAME", help=f"see `evcot presets`; auto: from what the recording shows (default: {default})"
     )
     group.add_argument(
         "--config", type=input_path, metavar="TOML", help="overrides of the preset, or a whole run (--print-config)"

@@ -15,7 +15,7 @@ __all__ = ["add"]
 
 
 _EXAMPLES = """
-evcot live drive.aedat4                        # a file at real speed, in the terminal
+evcot live drive.aedat4                        # a file in real time, in the terminal
 evcot live drive.aedat4 --web --speed 0.5      # and on a page, at half speed; engine and place are chosen there
 evcot live drive.aedat4 --web --with-hardware  # hardware in simulation beside the software tracker
 evcot live tcp://127.0.0.1:7777 --engine kalman --preset traffic --save seen.aedat4
@@ -32,11 +32,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("source", type=input_or_name, metavar="SOURCE", help=source)
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a recording (default: 1, real speed)")
     parser.add_argument("--web", nargs="?", type=int, const=PORT, metavar="PORT", help=f"show a page (default port: {PORT})")
-    parser.add_argument("--bind", metavar="ADDRESS", help="for the page (default: 127.0.0.1, this machine only)")
+    parser.add_argument(
+        "--bind", metavar="ADDRESS", help="address that serves the page (default: 127.0.0.1, this machine only)"
+    )
     beside = "the hardware beside the engine: RTL in simulation while it keeps up, else its golden model"
     parser.add_argument("--with-hardware", action="store_true", help=beside)
     parser.add_argument("--loop", action="store_true", help="play a recording again and again")
-    output_option(parser, "--save", metavar="FILE", help="record all that comes: .aedat4 or .raw; readable after a kill")
+    output_option(
+        parser, "--save", metavar="FILE", help="record everything received: .aedat4 or .raw; readable even after a kill"
+    )
     output_option(parser, "--save-log", metavar="LOG.npz", help="write the track log when the run ends")
     parser.add_argument("--for", dest="for_s", type=float, metavar="S", help="stop after so many seconds")
     engine_options(parser)

@@ -29,7 +29,7 @@ def checkpoint_option(parser: argparse.ArgumentParser) -> None:
     """Add --checkpoint."""
     parser.add_argument(
         "--checkpoint", type=int, default=CHECKPOINT_EVENTS, metavar="EVENTS",
-        help="keep the state after every so many events: the same command continues there when it was killed "
+        help="save the state every so many events, so that the same command continues after a kill "
         "(default: %(default)s; 0: never)",
     )  # fmt: skip
 
@@ -43,18 +43,22 @@ def recording_options(parser: argparse.ArgumentParser) -> None:
 def window_options(parser: argparse.ArgumentParser) -> None:
     """Add --from and --to."""
     group = group_of(parser, RECORDING)
-    group.add_argument("--from", dest="from_ms", type=float, default=0.0, metavar="MS", help="begin, after the first event")
+    group.add_argument(
+        "--from", dest="from_ms", type=float, default=0.0, metavar="MS", help="begin this long after the first event"
+    )
     group.add_argument("--to", dest="to_ms", type=float, metavar="MS", help="end (default: the recording's)")
 
 
 def damage_options(parser: argparse.ArgumentParser) -> None:
     """Add --sensor, --struct and --skip-damaged."""
     group = group_of(parser, RECORDING)
-    group.add_argument("--sensor", metavar="WxH", help="size in pixels (default: what the file says, else the smallest)")
+    group.add_argument(
+        "--sensor", metavar="WxH", help="size in pixels (default: stated in the file, else the smallest that fits)"
+    )
     group.add_argument(
         "--struct", metavar="NAME", help="of a .mat with several structs of events (default: TD, else the first)"
     )
-    group.add_argument("--skip-damaged", action="store_true", help="leave out what is damaged, and say how much")
+    group.add_argument("--skip-damaged", action="store_true", help="skip damaged parts, and say how much was skipped")
 
 
 def window_from(options: argparse.Namespace) -> tuple[int, int | None]:

@@ -31,7 +31,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "--speed", type=float, default=look.speed, metavar="X", help="of the recording (default: 1, real speed)"
     )
     parser.add_argument("--fps", type=float, default=look.fps, metavar="N", help=f"pictures per second (default: {look.fps:g})")
-    decay = f"of the film, after which an event has faded to 1/e (default: {look.decay_ms:g})"
+    decay = f"time of the film in which an event fades to 1/e (default: {look.decay_ms:g})"
     parser.add_argument("--decay", type=float, default=look.decay_ms, metavar="MS", help=decay)
     width = f"enlarge small sensors to at least this (default: {look.width_px})"
     parser.add_argument("--width", type=int, default=look.width_px, metavar="PX", help=width)

@@ -23,18 +23,16 @@ evcot report build/cosim/before build/cosim/after -o changed.html   # settings, 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = add_command(commands, "report", "write the page to explore a run with: one HTML file", _EXAMPLES)
+    parser = add_command(commands, "report", "write the page for exploring a run, as one HTML file", _EXAMPLES)
     parser.add_argument(
         "run",
         type=input_path,
         nargs="+",
         metavar="RUN",
-        help="the folder of a run of `evcot cosim`, or a track log (.npz); further logs of the recording stand beside it, "
-        "two folders are compared",
+        help="the folder of a run of `evcot cosim`, or a track log (.npz); "
+        "further logs of the same recording are shown beside it; two folders are compared",
     )
-    parser.add_argument(
-        "--recording", type=input_path, metavar="FILE", help="the events (default: those that the run was made of)"
-    )
+    parser.add_argument("--recording", type=input_path, metavar="FILE", help="the events (default: the run's own recording)")
     parser.add_argument(
         "--truth", type=input_path, metavar="CSV", help="the ground truth (default: the scene's, or FILE.truth.csv)"
     )
@@ -43,7 +41,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "--rule", type=input_or_name, metavar="RULE", help=f"of the truth: {known}, or a .toml file (default: by its columns)"
     )
     output_option(
-        parser, "-o", "--output", metavar="HTML", help="where to write (default: report.html in the folder, made anew there)"
+        parser, "-o", "--output", metavar="HTML", help="where to write (default: report.html in the folder, replaced there)"
     )
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")

@@ -32,7 +32,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of everything random (default: 1)")
     parser.add_argument("--duration", type=float, metavar="S", help="seconds (default: the scene's; all of a video)")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the scene's)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; again for more")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; may be repeated")
     parser.add_argument("--list", action="store_true", help="list the scenes; with a scene, its settings")
     parser.add_argument("--json", action="store_true", help="print what was written, or the list, as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")

@@ -10,25 +10,25 @@ from .parsing import add_command, input_or_name, input_path, output_option
 __all__ = ["add", "scheduler_options"]
 
 _EXAMPLES = """
-evcot sweep sweep.toml                                   # on all cores; again: goes on where it was ended
+evcot sweep sweep.toml                                   # on all cores; called again, it continues where it stopped
 evcot sweep sweep.toml --scheduler tcp://10.0.0.1:8786   # on a Dask cluster
-evcot sweep fuzz --dry-run                               # one that comes with evcot: the RTL against the model, by seeds
-evcot sweep build/sweep/traffic --only 3f1c0a9be2d84f67  # one run of a sweep again, compared with what is stored
+evcot sweep fuzz --dry-run                               # comes with evcot: the RTL against the model, seed by seed
+evcot sweep build/sweep/traffic --only 3f1c0a9be2d84f67  # repeat one run of a sweep and compare it with what is stored
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    title = "run a grid, random or chosen settings over recordings, engines and seeds, into a store"
+    title = "run many settings over recordings, engines and seeds, and store the results"
     parser = add_command(commands, "sweep", title, _EXAMPLES)
     parser.add_argument(
         "spec", type=input_or_name, metavar="SPEC", help="a TOML file (docs/sweeps.md), fuzz, or leave_one_family_out"
     )
     output_option(parser, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/sweep/NAME)")
     scheduler_options(parser)
-    parser.add_argument("--retry", action="store_true", help="try runs again that have failed before")
-    parser.add_argument("--only", metavar="KEY", help="do this run of the sweep in the folder SPEC alone, and compare")
-    parser.add_argument("--dry-run", action="store_true", help="say how many runs there are, and run nothing")
+    parser.add_argument("--retry", action="store_true", help="repeat runs that failed before")
+    parser.add_argument("--only", metavar="KEY", help="repeat only this run of the sweep in folder SPEC, and compare")
+    parser.add_argument("--dry-run", action="store_true", help="print the number of runs, and run nothing")
     parser.add_argument("--json", action="store_true", help="print what was done as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
 

@@ -15,7 +15,7 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot tune a.aedat4 b.aedat4 c.aedat4 --engine rct --preset traffic -o mine.toml     # truth: a.truth.csv or a_gt.csv beside a
-evcot tune drive.aedat4 --truth drive.csv --engine kalman -o mine.toml               # its beginning chooses, its end validates
+evcot tune drive.aedat4 --truth drive.csv --engine kalman -o mine.toml     # chosen on its beginning, validated on its end
 evcot tune a.raw b.raw --engine cot --field cot.init_radix=6..20 --field shape.n_slots=4,8 -o mine.toml
 evcot track d.aedat4 --engine rct --config mine.toml -o log.npz                      # what it is for
 """
@@ -27,20 +27,23 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("recordings", type=input_path, nargs="+", metavar="FILE", help="recordings with a known truth")
     parser.add_argument(
         "--truth", type=input_path, action="append", default=[], metavar="TRUTH",
-        help="of a recording, in their order; again for the next (default: NAME.truth.csv or NAME_gt.csv beside each)",
+        help="ground truth of a recording; repeat it for each, in their order "
+        "(default: NAME.truth.csv or NAME_gt.csv beside each)",
     )  # fmt: skip
     known = ", ".join(RULES)
     parser.add_argument("--rule", type=input_or_name, metavar="RULE", help=f"of the truths: {known}, or a .toml file")
-    parser.add_argument("--engine", choices=[*ENGINES, "rtl"], default="rct", help="of which the settings are (default: rct)")
-    parser.add_argument("--preset", metavar="NAME", help="where to begin (default: the engine's first, or for the sensor)")
+    parser.add_argument("--engine", choices=[*ENGINES, "rtl"], default="rct", help="engine to tune (default: rct)")
+    parser.add_argument(
+        "--preset", metavar="NAME", help="preset to start from (default: the engine's first, or for the sensor)"
+    )
     parser.add_argument("--config", type=input_path, metavar="TOML", help="overrides of the preset")
     parser.add_argument(
         "--field", action="append", default=[], metavar="NAME=LOW..HIGH",
-        help="a field to choose, as rct.radius_px=6..20 or shape.n_slots=4,8; again for more (default: every number of the "
+        help="a field to tune, such as rct.radius_px=6..20 or shape.n_slots=4,8; may be repeated (default: every number of the "
         "engine, from half to twice the preset's)",
     )  # fmt: skip
     parser.add_argument("--method", choices=("random", "latin", "optuna"), default="random", help="(default: random)")
-    parser.add_argument("--samples", type=int, default=60, metavar="N", help="settings that are tried (default: 60)")
+    parser.add_argument("--samples", type=int, default=60, metavar="N", help="number of settings to try (default: 60)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of settings and of the division (default: 1)")
     parser.add_argument("--objective", default="hota", metavar="METRIC", help="hota, idf1 and others; idsw:min for the least")
     parser.add_argument(

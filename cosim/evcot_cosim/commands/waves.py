@@ -32,7 +32,7 @@ properties.py holds functions whose names begin with property_; each takes the s
   def property_a_cluster_waits_for_events(s):
       return always(s["TOP.m_cm_n_ev"] > 0, where=s["TOP.m_cm_valid"])
 
-docs/waveforms.md tells what can be said.
+docs/waveforms.md describes what can be stated.
 """
 
 
@@ -59,4 +59,4 @@ def _window_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin (default: 0)")
     parser.add_argument("--to", dest="to_ms", type=float, metavar="MS", help=f"end (default: {WAVES_MS:g} ms on)")
     parser.add_argument("--around", metavar="MOMENT", help=f"the surroundings of {MOMENTS}")
-    parser.add_argument("--reach", type=int, metavar="N", help=f"so many events before and after it (default: {REACH})")
+    parser.add_argument("--reach", type=int, metavar="N", help=f"number of events before and after it (default: {REACH})")

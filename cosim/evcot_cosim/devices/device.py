@@ -22,8 +22,8 @@ from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import RECORD, REGISTERS, Shape
 from evcot.hardware.cot import Arrangement, Decisions
-from evcot.hardware.motion.contract import MOTION_RECORD, motion_addresses
-from evcot.hardware.registers import register_map
+from evcot.hardware.motion.contract import MOTION_RECORD
+from evcot.hardware.registers import motion_addresses, register_map
 from evcot.outputs import path_written_aside
 from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
@@ -38,7 +38,7 @@ from .silence import check_waits
 __all__ = ["Device", "DeviceState", "StreamTimes", "arrangement_of", "build_device"]
 
 _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
-_MOTION, _MOTION_FILTERED = "cot_motion", "cot_motion_filtered"  # the array with motion, alone and with filters
+_MOTION = "cot_motion"  # the array with motion
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
 
@@ -99,12 +99,11 @@ def build_device(
             raise ConfigError("a single `cot` has no filters in front: use cot_array with one slot")
         del parameters["N"]
     elif config.filtered:
-        module = _MOTION_FILTERED if motion else _FILTERED
         parameters |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
         parameters["HAS"] = config.filters.enable
-        if not motion:
-            parameters["TRACKER"] = register_map().trackers.index(top.removeprefix("cot_"))
-    drive = {"stream.cpp": source(module, shape)}
+        parameters["TRACKER"] = register_map().trackers.index(module.removeprefix("cot_"))
+        module = _FILTERED
+    drive = {"stream.cpp": source(module, shape, motion)}
     flags: tuple[str, ...] = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
     if savable:
         drive |= {"save.cpp": saving_source(module)}

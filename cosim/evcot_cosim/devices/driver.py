@@ -98,10 +98,12 @@ MOTION_DRIVE = _drive(MOTION_RECORD)
 
 
 @cache
-def source(top: str, shape: Shape) -> str:
-    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array`, `cot_filtered`, `cot_motion`
-    or `cot_motion_filtered`."""
-    motion = top.startswith("cot_motion")
+def source(top: str, shape: Shape, motion: bool = False) -> str:
+    """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array`, `cot_motion` or `cot_filtered`.
+
+    Args:
+        motion: its records are those of an array with motion.
+    """
     return (MOTION_DRIVE if motion else DRIVE).source(
         top,
         motion=motion,
@@ -109,7 +111,7 @@ def source(top: str, shape: Shape) -> str:
         single=top == "cot",
         takes_seq=top == "cot",
         in_order=top in ("cot", "cot_array", "cot_motion"),
-        filtered=top in ("cot_filtered", "cot_motion_filtered"),
+        filtered=top == "cot_filtered",
         registered=top in ("cot_array", "cot_motion"),
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from evcot.errors import ConfigError
 from evcot.hardware.config import CotConfig
-from evcot.hardware.motion.contract import MotionRegisters, motion_addresses
+from evcot.hardware.contract import Shape
+from evcot.hardware.motion.contract import MotionRegisters
+from evcot.hardware.registers import motion_addresses, register_map
 
 from ..names import Top
 
-__all__ = ["MOTION_PARAMETERS", "check_motion", "motion_writes", "refuse_motion"]
+__all__ = ["MOTION_PARAMETERS", "check_motion", "check_top", "motion_writes"]
 
 MOTION_PARAMETERS = frozenset({"n_slots", "x_w", "y_w", "tick_w", "radix_w", "sup_w", "id_w", "seq_w", "time_w"})
 """The fields of a shape that cot_motion.v has as parameters."""
@@ -21,17 +23,29 @@ def check_motion(config: CotConfig, top: Top) -> None:
         return
     if top != "cot_array":
         raise ConfigError(f"motion.enable = {config.motion.enable}: must be 0 for {top}; only cot_array has motion")
-    shape = config.shape
+    _check_time(config.shape)
+
+
+def check_top(config: CotConfig, tracker: int) -> None:
+    """Raise ConfigError for an evcot_top that cannot have a configuration: to be called before anything is built."""
+    names = register_map().trackers
+    motion = names.index("motion")
+    if config.motion.enable and tracker != motion:
+        raise ConfigError(
+            f"motion.enable = 1: must be 0 for an evcot_top with TRACKER = {tracker} ({names[tracker]}); "
+            f"TRACKER = {motion} has motion"
+        )
+    if tracker == motion:
+        if not config.motion.enable:
+            raise ConfigError(f"motion.enable = 0: must be 1 for an evcot_top with TRACKER = {motion} (motion)")
+        _check_time(config.shape)
+
+
+def _check_time(shape: Shape) -> None:
     if shape.time_w < 32:
         raise ConfigError(f"shape.time_w = {shape.time_w}: must be from 32 to 48 with motion.enable = 1")
     if shape.time_w == shape.tick_w:
         raise ConfigError(f"shape.time_w = {shape.time_w}: must be more than tick_w = {shape.tick_w} with motion.enable = 1")
-
-
-def refuse_motion(config: CotConfig) -> None:
-    """Raise ConfigError for a configuration with motion, where the hardware has no registers for it."""
-    if config.motion.enable:
-        raise ConfigError(f"motion.enable = {config.motion.enable}: must be 0 in evcot_top: it does not have cot_motion yet")
 
 
 def motion_writes(registers: MotionRegisters) -> list[tuple[int, int]]:

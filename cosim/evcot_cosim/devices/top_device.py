@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pyverilator import PyVerilator
 
-from evcot.filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, mask_word
+from evcot.errors import ConfigError
+from evcot.filters.contract import FILTER_SHAPE_RANGES, mask_word
 from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD, REGISTERS
 from evcot.hardware.cot import Decisions
+from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RECORD
 from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
 from evcot.tracks.log import DROPPED
@@ -26,7 +28,7 @@ from ..rtl.build import RANDOM_INITIAL_CPP, RANDOM_INITIAL_FLAGS, build
 from .base import Drive, Ending, HardwareError, pointer, reset
 from .device import _order_of
 from .driver import PARAMETERS
-from .motion import refuse_motion
+from .motion import check_top
 
 __all__ = [
     "COMMAND",
@@ -35,6 +37,7 @@ __all__ = [
     "TopDevice",
     "TopRun",
     "address_of",
+    "bank_address",
     "configuration",
     "filter_address",
     "poll",
@@ -100,36 +103,41 @@ def address_of(name: str) -> int:
     return register_map().word(name).address
 
 
+def bank_address(bank: str, register: str = "commit", number: int = 0) -> int:
+    """Address of a register of a bank, or of the word that commits it; `number` counts the banks of this kind."""
+    found = register_map().banks[bank]
+    word = found.commit if register == "commit" else found.registers[register].address
+    return found.base + 4 * (found.words * number + word)
+
+
 def slot_address(slot: int, register: str = "commit") -> int:
     """Address of a slot's register, or of the word that commits it."""
-    bank = register_map().banks["slot"]
-    return bank.base + 4 * (bank.words * slot + (bank.commit if register == "commit" else REGISTERS[register].address))
+    return bank_address("slot", register, slot)
 
 
 def filter_address(register: str = "commit") -> int:
     """Address of a register of the filters, or of the word that commits them."""
-    bank = register_map().banks["filter"]
-    return bank.base + 4 * (bank.commit if register == "commit" else FILTER_REGISTERS[register].address)
+    return bank_address("filter", register)
 
 
 def configuration(config: CotConfig) -> list[Command]:
-    """The accesses that write and commit a configuration.
-
-    Raises:
-        ConfigError: a rule that the RTL does not have.
-    """
-    refuse_motion(config)
+    """The accesses that write and commit a configuration."""
     found = []
+    names = ["mode"] if config.motion.enable else list(REGISTERS)
     for slot, registers in enumerate(config.slots):
-        found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in REGISTERS]
+        found += [write(slot_address(slot, name), int(getattr(registers, name))) for name in names]
         found.append(write(slot_address(slot), 1))
+    if config.motion.enable:
+        for bank, listed in MOTION_BANKS.items():
+            found += [write(bank_address(bank, name), int(getattr(config.motion, name))) for name in listed]
+            found.append(write(bank_address(bank), 1))
     if config.filtered:
         if config.filters.hot_pixels:
             cleared = next(field.mask for field in register_map().word("status").fields if field.name == "cleared")
             found.append(poll(address_of("status"), cleared, cleared))
             found += [write(filter_address("mask"), mask_word(x, y)) for x, y in config.filters.hot_pixels]
-        names = FILTER_REGISTERS.keys() - {"mask"}
-        found += [write(filter_address(name), int(getattr(config.filters, name))) for name in sorted(names)]
+        names = sorted(register_map().banks["filter"].registers.keys() - {"mask"})
+        found += [write(filter_address(name), int(getattr(config.filters, name))) for name in names]
         found.append(write(filter_address(), 1))
     return found
 
@@ -171,9 +179,9 @@ _DRIVE = Drive(
 
 
 @cache
-def _source(data_w: int) -> str:
+def _source(data_w: int, record_bytes: int) -> str:
     ops = [op.name for op in _Op]
-    return _DRIVE.source("evcot_top", data_w=data_w, record_bytes=RECORD.itemsize, command_bytes=COMMAND.itemsize, ops=ops)
+    return _DRIVE.source("evcot_top", data_w=data_w, record_bytes=record_bytes, command_bytes=COMMAND.itemsize, ops=ops)
 
 
 @dataclass(frozen=True)
@@ -193,7 +201,7 @@ class TopRun(NamedTuple):
     """Results of a run.
 
     Attributes:
-        records: (m,) RECORD, in the order received.
+        records: (m,) RECORD, with motion MOTION_RECORD, in the order received.
         owned, passed: words, uint64: see `evcot.hardware.streams`.
         user: (k,) uint8, tuser of each owned event.
         commands: (c,) COMMAND, with result and response.
@@ -240,11 +248,13 @@ class TopDevice:
 
     Args:
         config: gives the shapes; its registers are written over the bus by `configure`.
-        parameters: values for other Verilog parameters, such as SOURCES or TRACKER.
+        parameters: values for other Verilog parameters, such as SOURCES or TRACKER; TRACKER is that of an array with motion if
+            `config` has motion, unless given.
         pace: stalls at the other end of every channel.
         random_initial: registers begin with random values, others in each device; else with zeros.
 
     Raises:
+        ConfigError: `config` has motion and TRACKER is another, or the reverse.
         ToolchainError: it cannot be built.
     """
 
@@ -261,8 +271,13 @@ class TopDevice:
         self.pace = pace or Pace()
         chosen = {verilog_name: getattr(config.shape, name) for name, verilog_name in PARAMETERS.items()}
         chosen |= {name.upper(): getattr(config.filter_shape, name) for name in FILTER_SHAPE_RANGES}
+        trackers = register_map().trackers
+        chosen["TRACKER"] = trackers.index("motion" if config.motion.enable else "array")
         chosen |= parameters or {}
-        cpp = {"top.cpp": _source(chosen.get("DATA_W", 64)), **(RANDOM_INITIAL_CPP if random_initial else {})}
+        check_top(config, chosen["TRACKER"])
+        self.record: np.dtype[np.void] = MOTION_RECORD if config.motion.enable else RECORD
+        drive = _source(chosen.get("DATA_W", 64), self.record.itemsize)
+        cpp = {"top.cpp": drive, **(RANDOM_INITIAL_CPP if random_initial else {})}
         flags = RANDOM_INITIAL_FLAGS if random_initial else ()
         self.model = build("evcot_top", chosen, cpp, extra_flags=flags, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
@@ -275,7 +290,13 @@ class TopDevice:
         self._random = self.pace.seed
 
     def configure(self, config: CotConfig | None = None) -> None:
-        """Write all registers of a configuration of the same shape, commit them, and enable the event input."""
+        """Write all registers of a configuration of the same shape, commit them, and enable the event input.
+
+        Raises:
+            ConfigError: it has motion and the hardware has not, or the reverse.
+        """
+        if config is not None and config.motion.enable != self.config.motion.enable:
+            raise ConfigError(f"motion.enable = {config.motion.enable}: must be {self.config.motion.enable}, as it was built")
         self.run(
             commands=[*configuration(config or self.config), poll(address_of("status"), 2, 0), write(address_of("control"), 1)]
         )
@@ -311,7 +332,9 @@ class TopDevice:
         for row, (after, op, address, data, mask) in zip(table, commands, strict=False):
             row["after"], row["op"], row["address"], row["data"], row["mask"] = after, op, address, data, mask
         accepted = np.zeros(max(1, len(words)), np.int64)
-        records, recorded = np.zeros(3 * n + 1024, RECORD), np.zeros(3 * n + 1024, np.int64)
+        # With motion each step moves every slot, so that there is no limit.
+        most_records = 3 * n + 1024 if self.record == RECORD else 40 * n + 65_536
+        records, recorded = np.zeros(most_records, self.record), np.zeros(most_records, np.int64)
         owned, passed = np.zeros(n + 1024, np.uint64), np.zeros(n + 1024, np.uint64)
         user = np.zeros(n + 1024, np.uint8)
         job = _DRIVE.job(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measurement of one case: a module at one size on one device, synthesised once, placed and routed once per seed.
 
-Every step is cached under a hash of its inputs: sources without comments, parameters, harness, commands, versions. Both tools
+Every step is cached under a hash of its inputs: the sources' logic, parameters, harness, commands, versions. Both tools
 are deterministic, so figures are reproducible.
 """
 
@@ -23,7 +23,7 @@ from . import harness, tools
 from .catalogue import Module
 from .devices import Device, Resources
 from .interface import ports
-from .sources import closure, flat, stand_ins
+from .sources import closure, logic, stand_ins
 
 __all__ = ["PATIENCE_MIN", "Case", "Synthesis", "key_of", "place", "synthesise"]
 
@@ -99,14 +99,14 @@ def key_of(case: Case, sources: tuple[list[str], str], yosys: str) -> str:
     """The key that a case's synthesis would have with this version of Yosys.
 
     Args:
-        sources: the names of the modules that it consists of, and their text: `closure` and `flat`.
+        sources: the names of the modules that it consists of, and their text: `closure` and `logic`.
     """
     return _key(case, *_inputs(case, *sources), yosys)
 
 
 def _sources(top: str, verilog: Path | None) -> tuple[list[str], str]:
     modules = closure([top], verilog)
-    return modules, flat(modules, verilog)
+    return modules, logic(modules, verilog)
 
 
 def _inputs(case: Case, modules: list[str], text: str, verilog: Path | None = None) -> tuple[str, str, list[str]]:

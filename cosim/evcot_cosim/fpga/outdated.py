@@ -16,7 +16,7 @@ from .devices import DEVICES
 from .figures import Figure, load, recorded_with
 from .measure import Case, key_of
 from .report import filled, shown_clocks
-from .sources import closure, flat
+from .sources import closure, logic
 
 __all__ = ["outdated", "page"]
 
@@ -34,7 +34,7 @@ def outdated(figures: Iterable[Figure], yosys: str) -> frozenset[str]:
     @cache
     def sources(top: str) -> tuple[list[str], str]:
         modules = closure([top])
-        return modules, flat(modules)
+        return modules, logic(modules)
 
     def current(figure: Figure) -> bool:
         module, device = MODULES.get(figure.module), DEVICES.get(figure.device)

@@ -12,7 +12,7 @@ from evcot.errors import ConfigError, ToolchainError
 
 from ..rtl.files import rtl_files
 
-__all__ = ["checked", "language", "printed", "pyslang", "source_manager"]
+__all__ = ["checked", "expanded", "language", "printed", "pyslang", "source_manager"]
 
 
 def pyslang() -> Any:
@@ -65,4 +65,12 @@ def printed(sources: Any, part: Any) -> str:
     printer = pyslang().syntax.SyntaxPrinter(sources)
     printer.setIncludeDirectives(True).setExpandIncludes(True).setExpandMacros(False)
     text: str = printer.setIncludeComments(True).setSquashNewlines(False).print(part).str()
+    return text
+
+
+def expanded(sources: Any, part: Any) -> str:
+    """A tree or a part of one as text: macros put in, without directives and comments."""
+    printer = pyslang().syntax.SyntaxPrinter(sources)
+    printer.setIncludeDirectives(False).setExpandIncludes(True).setExpandMacros(True)
+    text: str = printer.setIncludeComments(False).print(part).str()
     return text

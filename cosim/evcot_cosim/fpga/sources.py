@@ -6,14 +6,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from evcot.errors import ConfigError
 
 from ..rtl.files import modules, rtl_files, verilog_dir
-from .slang import checked, language, printed, pyslang, source_manager
+from .slang import checked, expanded, language, printed, pyslang, source_manager
 
-__all__ = ["closure", "flat", "stand_ins", "without_comments"]
+__all__ = ["closure", "flat", "logic", "stand_ins", "without_comments"]
 
+_RULES = "parameter_check"  # the module whose instances check parameters and build nothing
+_LINE_ENDS = (";", "begin", "end", "endmodule")
 _PROOF = re.compile(r"^`ifdef FORMAL\n.*?^`endif\n+", re.MULTILINE | re.DOTALL)
 
 
@@ -67,12 +70,42 @@ def flat(names: Iterable[str], verilog: Path | None = None, *, comments: bool = 
         ConfigError: something is not Verilog.
         ToolchainError: pyslang is not installed.
     """
+    sources, tree = _tree(names, verilog)
+    text = re.sub(r"\n{3,}", "\n\n", printed(sources, tree))
+    return text if comments else without_comments(text)
+
+
+def logic(names: Iterable[str], verilog: Path | None = None) -> str:
+    """The modules' logic alone, one statement a line: macros put in, without comments, directives and rules for parameters.
+
+    So a constant that a header gains, a rule or other line breaks change nothing, and all that may change a netlist does.
+
+    Raises:
+        ConfigError: something is not Verilog.
+        ToolchainError: pyslang is not installed.
+    """
+    slang = pyslang()
+    sources, tree = _tree((name for name in names if name != _RULES), verilog)
+    memory, complaints, end = slang.BumpAllocator(), slang.Diagnostics(), slang.parsing.TokenKind.EndOfFile
+    lexer = slang.parsing.Lexer(sources.assignText(expanded(sources, tree)), memory, complaints, sources)
+    parts: list[str] = []
+    inside_rule = False
+    while (token := lexer.lex()).kind != end:
+        word = token.rawText
+        inside_rule = inside_rule or word == _RULES
+        if not inside_rule:
+            parts += [" " if token.trivia else "", word, "\n" if word in _LINE_ENDS else ""]
+        inside_rule = inside_rule and word != ";"
+    return "".join(parts)
+
+
+def _tree(names: Iterable[str], verilog: Path | None) -> tuple[Any, Any]:
+    """A manager of sources and the modules as one tree."""
     files, sources = rtl_files(verilog), source_manager(verilog)
     texts = {str(files[f"{module}.v"]): _PROOF.sub("", files[f"{module}.v"].read_text()) for module in names}
     buffers = [sources.assignText(path, f"{text}\n") for path, text in texts.items()]
     (tree,) = checked(sources, [pyslang().syntax.SyntaxTree.fromBuffers(buffers, sources, language())])
-    text = re.sub(r"\n{3,}", "\n\n", printed(sources, tree))
-    return text if comments else without_comments(text)
+    return sources, tree
 
 
 def stand_ins(names: Iterable[str], own: str, verilog: Path | None = None) -> str:

@@ -217,16 +217,16 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("software rate", f"{summary['software_events_per_s'] / 1e6:.1f} M events/s"),
         ("", "hardware | software"),
         ("births", f"{summary['births'][hardware]} | {summary['births'][software]}"),
-        ("merges", f"{summary['merges'][hardware]} | {summary['merges'][software]}, {len(agreement['merges'])} correspond"),
+        ("merges", f"{summary['merges'][hardware]} | {summary['merges'][software]}, {len(agreement['merges'])} the same"),
         (
             "lifetimes",
             f"{agreement['tracks_hardware']} | {agreement['tracks_software']}, {len(agreement['tracks'])} paired, "
-            f"{agreement['tracks_corresponding']} correspond",
+            f"{agreement['tracks_corresponding']} with the same birth and end",
         ),
         (
             "alive",
             f"{_figure(agreement['alive_mean_hardware'])} | {_figure(agreement['alive_mean_software'])} on average, "
-            f"equal {_percent(agreement['alive_equal_fraction'])} of the time",
+            f"the same number {_percent(agreement['alive_equal_fraction'])} of the time",
         ),
         (
             "distance of pairs",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run is worth, in a few lines with figures: exactness, tracks, events, noise, agreement, and what to do about each.
+"""How good a run is, in a few lines with figures: exactness, tracks, events, noise, agreement, and what to do about each.
 
 The terminal, summary.json and the report show these lines. Nothing here knows a ground truth.
 """
@@ -104,7 +104,7 @@ def verdict_by(figures: Mapping[str, Quality], summary: Mapping[str, Any]) -> Ve
     """The verdict of figures by side; `summary` as of `verdict_of`."""
     lines = _exactness(summary)
     for side, quality in figures.items():
-        lines += [_tracks(side, quality, summary), _events(side, quality), _noise(side, quality)]
+        lines += [_tracks(side, quality, summary), _events(side, quality, summary), _noise(side, quality)]
     lines += _agreement(summary)
     decisive = "hardware" if "hardware" in figures else next(iter(figures), "")
     grade = max((_counted(line) for line in lines if line.side in (decisive, "")), default=Grade.GOOD)
@@ -150,21 +150,22 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
     if found.tracks_per_alive is not None:
         text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} for each)"
     share = found.short / found.tracks
-    text += f"; {_percent(share)} live less than {found.short_us / 1e6:.2g} s and stay where they began"
+    text += f"; {_percent(share)} are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"
     grade = _above(share, _SHORT)
     if grade is Grade.POOR and (found.owned_fraction or 0) >= _OWNED_SOUND:
         grade = Grade.FAIR
     return Line("tracks", side, grade, text, _steadier(side, found, summary) if grade else "")
 
 
-def _events(side: str, found: Quality) -> Line:
+def _events(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
     if found.owned_fraction is None:
         return Line("events", side, Grade.GOOD, "no event with a neighbour reached the tracker")
     grade = Grade(2 - (found.owned_fraction >= _OWNED[1]) - (found.owned_fraction >= _OWNED[0]))
-    text = (
-        f"{_percent(found.owned_fraction)} of the events that are neither filtered out nor isolated belong to a lasting track"
+    text = f"{_percent(found.owned_fraction)} of the events that are neither filtered out nor isolated belong to lasting tracks"
+    advice = (
+        f"objects are missed or lost in between: {_register(side, summary, 'clust_nev', 'fewer events for a birth', 'below')}"
     )
-    return Line("events", side, grade, text)
+    return Line("events", side, grade, text, advice if grade else "")
 
 
 def _noise(side: str, found: Quality) -> Line:
@@ -175,7 +176,7 @@ def _noise(side: str, found: Quality) -> Line:
     text += f"{_percent(owned)} in tracks"
     grade = _above(found.noise_time_fraction or 0, _NOISE_TIME)
     if found.noise_tracks:
-        text += f"; {found.noise_tracks:,} of {_counted_tracks(found.tracks)} mostly of such noise"
+        text += f"; {found.noise_tracks:,} of {_counted_tracks(found.tracks)} consist mostly of them"
         if found.noise_tracks > _NOISE_TRACKS * found.tracks:
             grade = max(grade, Grade.FAIR)
     return Line("noise", side, grade, text, _quieter(found) if grade else "")
@@ -191,11 +192,19 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
     worse = min(shares)
     grade = Grade(2 - (worse >= _PAIRED[1]) - (worse >= _PAIRED[0]))
     text = (
-        f"{_percent(shares[0])} of the hardware's track time has a software track within {found['radius_px']:g} px, "
-        f"{_percent(shares[1])} of the software's a hardware track; {len(found['merges'])} of "
-        f"{found['merges_hardware']:,} and {found['merges_software']:,} merges correspond"
+        f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, "
+        f"software tracks a hardware track for {_percent(shares[1])}; {len(found['merges']):,} merges are the same "
+        f"({found['merges_hardware']:,} in hardware, {found['merges_software']:,} in software)"
     )
-    return [Line("agreement", "", grade, text)]
+    return [
+        Line(
+            "agreement",
+            "",
+            grade,
+            text,
+            "every difference, with its moment, is listed under Agreement in report.html" if grade else "",
+        )
+    ]
 
 
 def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
@@ -203,18 +212,16 @@ def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
     if 2 * found.noise_tracks > found.tracks:
         return f"clusters on noise: {_quieter(found)}"
     if found.short_merged >= found.short_lost:
-        if side not in ("hardware", "model"):  # whose engine may have no windows
-            return "they end in a track beside them, so parts of an object begin tracks: other settings, or another engine"
-        what = "they end in a track beside them, so windows are too small for the objects"
-        return f"{what}: {_register(side, summary, 'init_radix', 'a larger window', 'above')}"
-    what = "they end in silence, so tracks are given up too soon or begin on too few events"
+        what = "they merge into a neighbouring track, so parts of an object start tracks of their own"
+        return f"{what}: {_register(side, summary, 'detect_ticks', 'less time to collect the events of a birth', 'below')}"
+    what = "they end for lack of events, so tracks are given up too early or start on too few events"
     return f"{what}: {_register(side, summary, 'max_ticks', 'a longer lifetime', 'above')}"
 
 
 def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: str) -> str:
     """A register of the hardware to change, or the automatic choice where it was not used."""
     if side not in ("hardware", "model"):
-        return what
+        return "other settings, or another engine"
     config = summary.get("config", {})
     slots = config.get("cot", {}).get("slots")
     set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what

@@ -9,7 +9,6 @@ from typing import Any
 
 from evcot.events import Recording
 from evcot.outputs import folder_written_aside
-from evcot.pictures.picture import draw
 from evcot.tracks.log import Kind
 
 from ..lockstep.cosim import CosimRun, rerun, stalls_from
@@ -49,6 +48,8 @@ def write_run(run: CosimRun, folder: Path, made_of: RunFile, *, command: str, wa
         for name, log in (("hardware", run.hardware), ("model", run.model), ("software", run.software)):
             replace(log, recording=made_of.digest).save_npz(aside / f"{name}.npz")
             log.write_csv(aside / f"{name}.csv")
+        from evcot.pictures.picture import draw  # Matplotlib is 50 MB, which a long run does not need
+
         draw(run.recording, run.hardware, run.software, aside / "picture.png", f"{run.recording.name}: {run.config.name}")
         if waves:
             moment = _telling_moment(run)

@@ -62,6 +62,7 @@ def collect(material: Material, events_max: int) -> Collected:
                 "look": looks[side.name],
                 "hardware": side.is_hardware,
                 "ring": _ring(side, material.summary),
+                "moving": paths[side.name].moving,
                 "stretch": peaks.stretch_us,
                 "stretches": peaks.peaks_us.shape[1],
             }
@@ -70,7 +71,7 @@ def collect(material: Material, events_max: int) -> Collected:
         columns |= paths["truth"].columns("truth", begin_us) | _alive_of_lives(paths["truth"], begin_us)
         sides.append(
             _names("truth", paths["truth"])
-            | {"engine": None, "look": "truth", "hardware": False, "ring": None, "stretch": 0, "stretches": 0}
+            | {"engine": None, "look": "truth", "hardware": False, "ring": None, "moving": False, "stretch": 0, "stretches": 0}
         )
     facts = {
         "width": material.recording.width,

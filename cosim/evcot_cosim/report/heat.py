@@ -60,7 +60,7 @@ def heat_maps(material: Material) -> list[Heat]:
     for side in material.sides[:1]:
         if (side.log.owner == DROPPED).any():
             maps.append(_heat(material, "Removed by filters", side.log.owner == DROPPED))
-    maps += [_heat(material, f"Passed through: {side.name}", side.log.owner == -1) for side in material.sides]
+    maps += [_heat(material, f"In no track: {side.name}", side.log.owner == -1) for side in material.sides]
     return maps
 
 

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Output folder of a run of any length: logs, summary, an overview, and a page for each part of the recording.
 
-The events are read a second time, in parts, beside the logs; memory holds one part, and what `Comparison` holds.
+The events are read a second time, in parts, beside the logs, while another thread writes those; memory holds one part, and what
+`Comparison` holds.
 """
 
 from __future__ import annotations
 
+import ctypes
+import os
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -84,9 +89,9 @@ def write_long_run(
         OutputError: a file cannot be written.
         RecordingError: the recording cannot be read a second time.
     """
-    with folder_written_aside(folder) as aside:
-        for name, log in (("hardware", run.hardware), ("software", run.software)):
-            save_log(log, aside / f"{name}{_suffix()}")
+    _give_back()
+    with folder_written_aside(folder) as aside, ThreadPoolExecutor(1) as second:
+        logs = second.submit(copy_context().run, _save_logs, run, aside)
         comparison = Comparison(run.begin_us, run.end_us, radius_px=near_px(run.config))
         quality = {name: QualityCounter(run.begin_us, run.end_us) for name in ("hardware", "software")}
         parts = list(_parts(run, source, aside, comparison, quality, progress))
@@ -95,10 +100,16 @@ def write_long_run(
         summary["parts"] = [asdict(part) for part in parts]
         if waves:
             _write_waves(run, aside, head)
+        logs.result()
         write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / SUMMARY)
         write_overview(summary, aside / REPORT)
     return summary
+
+
+def _save_logs(run: LongRun, folder: Path) -> None:
+    for name, log in (("hardware", run.hardware), ("software", run.software)):
+        save_log(log, folder / f"{name}{_suffix()}")
 
 
 def _suffix() -> str:
@@ -153,8 +164,17 @@ def _parts(
                 grade=verdict["grade"],
             )
             since_us = until_us
+            del events, alone, whole, shown, sides, own  # before the next ones are made
+            _give_back()
             if progress is not None:
                 progress(done)
+
+
+def _give_back() -> None:
+    """Hand what was freed back to the system, where the C library can: it keeps tens of megabytes otherwise."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if os.name == "posix" else None
+    if trim is not None:
+        trim(0)
 
 
 def _births(log: TrackLog) -> int:

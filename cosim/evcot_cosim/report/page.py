@@ -8,11 +8,13 @@ import hashlib
 import json
 import math
 import re
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jinja2 import Template
 
 from evcot.outputs import written_aside
 from evcot.templating import templates
@@ -30,8 +32,8 @@ __all__ = ["MODULES", "inline_modules", "render", "write_report"]
 
 # In the order in which they need each other.
 MODULES = (
-    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "recording", "steps", "axis", "lives", "curves",
-    "places", "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
+    "unpack", "search", "surface", "stage", "pointer", "clock", "tracks", "present", "recording", "steps", "axis", "lives",
+    "curves", "places", "timeline", "theme", "hover", "layers", "transport", "keys", "links", "main",
 )  # fmt: skip
 
 _TEXT_MAX = 9_000_000  # characters of packed columns
@@ -76,9 +78,7 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         "lists": _lists(material, found),
     }
     verdict = _verdict(material) if material.comparison is None else Verdict(Grade.GOOD, "", ())
-    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"ms": _ms}
-    return environment.get_template("report.html.j2").render(
+    return _template().render(
         title=material.summary.get("name", material.recording.name),
         material=material,
         summary=material.summary,
@@ -101,6 +101,7 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         compared=found is not None or "mismatch" in material.summary,
         has_hardware=any(side.is_hardware for side in material.sides),
         rings=any(side["ring"] for side in collected.facts["sides"]),
+        arrows=any(side["moving"] for side in collected.facts["sides"]),
         score_sides=[name for name, _ in scores],
         scores=score_rows([of for _, of in scores]),
         heats=heat_maps(material),
@@ -115,6 +116,14 @@ def render(material: Material, events_max: int = EVENTS_MAX) -> str:
         facts=json.dumps(facts, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         packed=packed.text,
     )
+
+
+@cache
+def _template() -> Template:
+    """The page's template, compiled once: a long run has a page for each part."""
+    environment = templates("evcot_cosim.report", autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"ms": _ms}
+    return environment.get_template("report.html.j2")
 
 
 def _verdict(material: Material) -> Verdict:

@@ -28,6 +28,8 @@ POINT = np.dtype(
         ("half_width", "<f8"),
         ("half_height", "<f8"),
         ("angle", "<f8"),
+        ("vx", "<f8"),
+        ("vy", "<f8"),
         ("n_ev", "<i8"),
     ]
 )
@@ -54,6 +56,11 @@ class Paths:
     all_lives: int
     all_points: int
 
+    @property
+    def moving(self) -> bool:
+        """Whether any point has a velocity, in pixels per second; 0 stands for unknown."""
+        return bool(self.points["vx"].any() or self.points["vy"].any())
+
     def columns(self, name: str, origin_us: int) -> dict[str, Column]:
         """Columns to pack, with names prefixed by `name`; times relative to `origin_us`."""
         lives, points = self.lives, self.points
@@ -73,6 +80,9 @@ class Paths:
             columns[field] = Column(np.rint(points[field] * SUBPIXELS).astype(np.int64), delta=True, scale=1 / SUBPIXELS)
         angle = np.rint(points["angle"] * _ANGLE_STEPS).astype(np.int64)
         columns["angle"] = Column(angle, delta=True, scale=1 / _ANGLE_STEPS)
+        if self.moving:
+            for field in ("vx", "vy"):
+                columns[field] = Column(np.rint(points[field]).astype(np.int64), delta=True)
         return {f"{name}.{field}": column for field, column in columns.items()}
 
 
@@ -88,8 +98,8 @@ def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_ma
     row = by_id[np.searchsorted(lives["track_id"], records["track_id"], sorter=by_id)]
     order = np.argsort(row, kind="stable")
     points = np.empty(len(records), POINT)
-    for field, source in (("t_us", "t_us"), ("x", "x"), ("y", "y"), ("n_ev", "n_ev"), ("angle", "angle")):
-        points[field] = records[source][order]
+    for field in ("t_us", "x", "y", "n_ev", "angle", "vx", "vy"):
+        points[field] = records[field][order]
     points["half_width"], points["half_height"] = records["width"][order] / 2, records["height"][order] / 2
     names = tuple(str(track_id) for track_id in lives["track_id"].tolist())
     lanes = _used(lives["slot"]) if log.engine.startswith("cot") else _lanes(lives)

@@ -23,6 +23,7 @@ from evcot.scenes import Scene
 from evcot.scenes.registry import scene_settings, simulate_scene
 
 from .machine import content_of
+from .places import exists, files_in, local, stem_of
 from .spec import Spec
 from .task import Input, canonical
 
@@ -55,15 +56,15 @@ def inputs_of(spec: Spec) -> list[Input]:
         load_rule(spec.rule)
     found = []
     for given in spec.recordings:
-        for path in _files(Path(given)):
-            truth = spec.truth.get(str(path), "") or _truth_beside(path)
-            content = _content(path)
-            truth_content = _content(Path(truth)) if truth else ""
-            family = families.get(given) or families.get(str(path)) or path.stem
+        for name in _files(given):
+            truth = spec.truth.get(name, "") or _truth_beside(name)
+            content = _content(name)
+            truth_content = _content(truth) if truth else ""
+            family = families.get(given) or families.get(name) or Path(name).stem
             for begin_us, end_us in spec.parts:
                 found.append(
                     Input(
-                        str(path),
+                        name,
                         content,
                         from_us=begin_us,
                         to_us=end_us,
@@ -89,15 +90,17 @@ def inputs_of(spec: Spec) -> list[Input]:
     return found
 
 
-def _files(path: Path) -> Sequence[Path]:
+def _files(name: str) -> Sequence[str]:
     """The recordings in a folder, by name; a file itself."""
-    if not path.exists():
-        raise ConfigError(f"recordings: {path}: is missing: must be a recording, or a folder of them")
-    if path.is_file():
-        return [path]
-    found = [each for each in sorted(path.iterdir()) if each.is_file() and _looks_like_one(each)]
+    try:
+        inner = files_in(name)
+    except OSError as error:
+        raise ConfigError(f"recordings: {name}: is missing: must be a recording, or a folder of them") from error
+    if inner is None:
+        return [name]
+    found = [each for each in inner if _looks_like_one(Path(each))]
     if not found:
-        raise ConfigError(f"recordings: {path}: holds no recording: must hold one at least")
+        raise ConfigError(f"recordings: {name}: holds no recording: must hold one at least")
     return found
 
 
@@ -105,21 +108,20 @@ def _looks_like_one(path: Path) -> bool:
     return not path.name.startswith(".") and path.suffix.lower() not in _NO_RECORDINGS
 
 
-def _truth_beside(path: Path) -> str:
-    beside = (path.with_name(path.stem + suffix) for suffix in _TRUTHS)
-    return next((str(each) for each in beside if each.is_file()), "")
+def _truth_beside(name: str) -> str:
+    return next((beside for suffix in _TRUTHS if exists(beside := stem_of(name) + suffix)), "")
 
 
-def _content(path: Path) -> str:
+def _content(name: str) -> str:
     try:
-        return content_of(path)
+        return content_of(name)
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise ConfigError(f"{name}: cannot be read: {error.strerror or error}") from error
 
 
 @lru_cache(maxsize=1 << 16)
 def _file_sensor(name: str, _content: str, skip_damaged: bool) -> Sensor:
-    with open_recording(Path(name), damage="skip" if skip_damaged else "refuse") as file:
+    with open_recording(local(name), damage="skip" if skip_damaged else "refuse") as file:
         return file.sensor
 
 
@@ -167,12 +169,12 @@ def opened(source: Input) -> Iterator[Stream]:
         part = recording.window(source.from_us, source.to_us)
         yield Stream((recording.width, recording.height), first_us, iter([part.events]))
         return
-    path = Path(source.name)
     try:
-        if content_of(path) != source.content:
-            raise ConfigError(f"{path}: has changed since the sweep began: must stay as it is")
+        if content_of(source.name) != source.content:
+            raise ConfigError(f"{source.name}: has changed since the sweep began: must stay as it is")
+        path = local(source.name)
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise ConfigError(f"{source.name}: cannot be read: {error.strerror or error}") from error
     key = (source.name, source.content, source.skip_damaged)
     if _kept.of == key:
         yield Stream(_kept.sensor, _kept.first_us, _part(_kept.blocks, _kept.first_us, source))
@@ -212,9 +214,10 @@ def _part(blocks: Sequence[Events], first_us: int, source: Input) -> Iterator[Ev
 
 @lru_cache(maxsize=2)
 def _truth(name: str, content: str, rule: str, _rule_content: str, sensor: Sensor) -> tuple[GroundTruth, Rule]:
-    chosen = load_rule(rule) if rule else rule_for(name)
+    path = local(name)
+    chosen = load_rule(rule) if rule else rule_for(path)
     chosen = chosen.on(chosen.sensor or sensor)
-    return read_truth(name, chosen), chosen
+    return read_truth(path, chosen), chosen
 
 
 @lru_cache(maxsize=2)

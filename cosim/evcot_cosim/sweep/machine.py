@@ -18,6 +18,7 @@ import evcot
 from evcot.errors import ConfigError
 
 from ..rtl.files import rtl_files
+from .places import local
 
 __all__ = ["Machine", "check_same", "code_fingerprint", "content_of", "design_fingerprint", "probe", "versions"]
 
@@ -26,7 +27,7 @@ Machine = Mapping[str, Any]
 
 _RESULTS_DEPEND_ON = ("numpy", "numba", "scipy")
 _ROOMS = ("devices", "lockstep", "rtl")  # of this package, by which a result could change; and of this room:
-_MODULES = ("configure", "cost", "execute", "fields", "inputs", "task")
+_MODULES = ("configure", "cost", "execute", "fields", "inputs", "places", "task")
 _BLOCK = 1 << 22
 
 
@@ -70,7 +71,7 @@ def content_of(path: Path | str) -> str:
     Raises:
         OSError: it cannot be read.
     """
-    path = Path(path)
+    path = local(str(path))
     if path.is_dir():
         inner = sorted(each for each in path.rglob("*") if each.is_file())
         text = "".join(f"{each.relative_to(path)}:{content_of(each)}\n" for each in inner)

@@ -22,6 +22,7 @@ from ..names import DEFAULT_TOP, Top
 from .axes import METHODS, Axis, axis_from
 from .fields import HARDWARE, MODEL, PRESET, RTL, nested
 from .metrics import METRICS
+from .places import placed
 from .task import canonical
 
 __all__ = ["SHIPPED", "Fuzz", "Spec", "read_spec", "spec_from", "spec_toml"]
@@ -148,15 +149,15 @@ def spec_from(data: Mapping[str, Any], folder: Path, name: str) -> Spec:
             raise ConfigError(f"unknown field {key!r}: must be one of {', '.join(sorted(known))}")
         _check_kind(key, value)
     scalars = {key: data[key] for key in _SCALARS if key in data and key != "config"}
-    recordings = tuple(str(folder / each) for each in data.get("recordings", ()))
+    recordings = tuple(placed(folder, each) for each in data.get("recordings", ()))
     spec = Spec(
         **{"name": name, **scalars, "rule": _rule(data.get("rule", ""), folder)},
         recordings=recordings,
         scenes=tuple(data.get("scenes", ())),
         scene_settings=dict(data.get("scene_settings", {})),
-        truth={str(folder / each): str(folder / path) for each, path in data.get("truth", {}).items()},
+        truth={placed(folder, each): placed(folder, path) for each, path in data.get("truth", {}).items()},
         families={
-            family: tuple(each if each in SCENES else str(folder / each) for each in _texts(f"families.{family}", members))
+            family: tuple(each if each in SCENES else placed(folder, each) for each in _texts(f"families.{family}", members))
             for family, members in data.get("families", {}).items()
         },
         parts=_parts(data.get("parts", [[0]])),

@@ -22,6 +22,7 @@ from .configure import configuration
 from .fields import MODEL, RTL, concerns, limits, numeric_fields, with_fields
 from .inputs import inputs_of, sensor_of
 from .metrics import METRICS
+from .places import local
 from .results import Group, best_first, grouped
 from .run import Swept
 from .spec import Spec
@@ -137,7 +138,7 @@ def divided(spec: Spec, share: float) -> tuple[Spec, Spec, tuple[tuple[str, ...]
         names = tuple(tuple(Path(each).name for each in own) for own in sets)
         specs = [replace(spec, recordings=own, truth={k: v for k, v in spec.truth.items() if k in own}) for own in sets]
         return specs[0], specs[1], (names[0], names[1])
-    with open_recording(Path(recordings[0])) as file:
+    with open_recording(local(recordings[0])) as file:
         last_us = max(int(block.t_us[-1]) for block in file.blocks(required=True) if len(block))
         end_us = last_us - file.t0_us
     cut_us = round((1 - share) * end_us)

@@ -15,6 +15,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from evcot.hardware.motion.contract import SUB
+from evcot.hardware.registers import register_map
 from evcot.outputs import written_aside
 
 from .vcd import Declared, declared, initial_values
@@ -116,7 +118,8 @@ class _Writer:
             self._groups = (Group("ports", tuple(Row(entry.name) for entry in signals if entry.scope == top)),)
         scopes = {f"{self._scope}.{row.signal}".rpartition(".")[0] for group in self._groups for row in group.rows}
         self._constants = initial_values(vcd, [e for e in signals if e.name.isupper() and e.scope in scopes])
-        self._frac = self._constants.get(f"{self._scope}.FRAC", 0)
+        motion = self._constants.get(f"{self._scope}.TRACKER") == register_map().trackers.index("motion")
+        self._frac = SUB if motion else self._constants.get(f"{self._scope}.FRAC", 0)
         self._slots = self._constants.get(f"{self._scope}.N", 1)
         self.named: dict[Codes, list[tuple[str, int]]] = {}
 
@@ -139,6 +142,10 @@ class _Writer:
 
     def _row(self, row: Row, slot: int) -> Iterator[str]:
         name = row.signal.replace("{slot}", str(slot))
+        if "{place}" in name:  # see array_update.v
+            far = self._constants.get(f"{self._scope}.{name}".rpartition(".")[0] + ".FAR", 0)
+            complement = (1 << max(1, (self._slots - 1).bit_length())) - 1 - slot
+            name = name.replace("{place}", str(slot if far else complement))
         entry = self._signals.get(f"{self._scope}.{name}")
         if entry is None:
             return

@@ -54,7 +54,8 @@ class Row:
     """One signal.
 
     Attributes:
-        signal: its name within the module, or a path below it; `{slot}` stands for the slot.
+        signal: its name within the module, or a path below it; `{slot}` stands for the slot, `{place}` for the place of
+            its average in memory.
         label: the name that is shown; by default the last part of `signal`.
         form, colour: format and colour of the row.
         codes: names for its values.
@@ -193,7 +194,7 @@ _ARRAY_SLOT = Group(
         *(Row("u_update.cm[{slot}]", f"cm_{at}", Form.PLOT_PIXELS, Colour.PLACE, field=_CM[i:]) for i, at in enumerate("xy")),
         Row("u_update.cm[{slot}]", "g", Form.PLOT, Colour.PLACE, field=_CM[2:]),
         *(Row(f"u_match.{name}[{{slot}}]", name, colour=Colour.PLACE) for name in ("lo_x_not", "hi_x", "lo_y_not", "hi_y")),
-        *(Row(f"u_update.{name}[{{slot}}]", name, Form.PIXELS, Colour.PLACE) for name in ("av_x", "av_y")),
+        *(Row(f"u_update.{name}[{{place}}]", name, Form.PIXELS, Colour.PLACE) for name in ("av_x", "av_y")),
         *(Row(f"u_update.{name}[{{slot}}]", name, colour=Colour.TIME) for name in ("timed", "deadline", "start", "last_tc2")),
         *(Row(f"u_update.{name}[{{slot}}]", name) for name in ("ring", "n_ev")),
         Row("u_update.rest[{slot}]", "rest", field=("NEV_W",)),

@@ -6,7 +6,9 @@
 `default_nettype none
 `include "evcot_regs.vh"
 
-module kv260_evcot (
+module kv260_evcot #(
+    parameter TRACKER = 0  // of evcot_top: 0 cot_array, 1 cot_chain, 2 cot_motion
+) (
     input  wire        aclk,     // the pipeline's clock
     input  wire        aresetn,  // peripheral_aresetn of its Processor System Reset
 
@@ -17,7 +19,7 @@ module kv260_evcot (
     input  wire [7:0]  s_axis_tkeep,
     input  wire        s_axis_tlast,
 
-    // to ps_host_if, s_axis: six words a record
+    // to ps_host_if, s_axis: six words a record, seven with motion
     output wire        m_axis_tvalid,
     input  wire        m_axis_tready,
     output wire [63:0] m_axis_tdata,
@@ -52,6 +54,7 @@ module kv260_evcot (
     evcot_top #(
         .SOURCES(16),   // EVT 2.1 and nothing else
         .SOURCE (4),
+        .TRACKER(TRACKER),
         .N      (8),
         .WIDTH  (1280),
         .HEIGHT (720),

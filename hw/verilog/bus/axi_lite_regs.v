@@ -6,9 +6,12 @@
 // is copied to its tracker or filter word by word, `mode` last and only if it was written. All banks pending by then are copied
 // before busy is de-asserted; between two of them an access that waits is served.
 //
+// With motion there are two more banks, for the whole array, and of a slot's registers `mode` alone. The registers that must not
+// contradict each other are compared when their bank is to be committed, and the commit is refused if they do.
+//
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 3 more if a bank
 //             is being copied, and 33 for the first access to a bank after reset, while its part of the shadow is filled: 64 at
-//             most. A write of `mask` is refused until the filters are cleared after a reset, since it would be lost.
+//             most, and 72 for a commit of motion, which compares registers. A write of `mask` is refused until the filters are cleared after a reset, since it would be lost.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
 //             and marks every mode as written.
 // Throughput: one access at a time, a read or a write.
@@ -94,7 +97,7 @@ module axi_lite_regs #(
     input  wire [47:0]         seq,            // number of the next event
     output reg                 cfg_valid,
     output reg  [SLOT_W-1:0]   cfg_slot,
-    output reg  [`EVCOT_REG_W-1:0] cfg_addr,
+    output reg  [`EVCOT_MREG_W-1:0] cfg_addr,  // as on the port of cot_motion.v; without motion the upper bit is 0
     output reg  [31:0]         cfg_data,
     output reg                 filter_cfg_valid,
     output wire [`EVCOT_FREG_W-1:0] filter_cfg_addr,
@@ -124,9 +127,15 @@ module axi_lite_regs #(
     localparam WORD_W = `EVCOT_CSR_ADDR_W - 2;
     localparam REG_W  = `EVCOT_REG_W;              // bits of a word's number in its bank
     localparam FIND_W = $clog2(`EVCOT_N_SLOTS_MAX);  // bits of a slot's number in an address
-    localparam BANK_W = $clog2(N + 1);             // a bank for each slot, and one for the filters
+    localparam MOTION = (TRACKER == `EVCOT_TRACKER_MOTION) ? 1 : 0;
+    localparam BANKS  = N + 1 + 2 * MOTION;        // a bank for each slot, one for the filters, two for motion
+    localparam BANK_W = $clog2(BANKS);
     localparam [31:0]       N_32    = N;
+    localparam [31:0]       BOXES_32 = N + 1;
+    localparam [31:0]       LIVES_32 = N + 2;
     localparam [BANK_W-1:0] FILTERS = N_32[BANK_W-1:0];
+    localparam [BANK_W-1:0] BOXES   = BOXES_32[BANK_W-1:0];  // the bank `motion`
+    localparam [BANK_W-1:0] LIVES   = LIVES_32[BANK_W-1:0];  // the bank `tracks`
     localparam [FIND_W:0]   SLOTS   = N_32[FIND_W:0];
     localparam [31:0] LAST_X   = WIDTH - 1;
     localparam [31:0] LAST_Y   = HEIGHT - 1;
@@ -146,6 +155,7 @@ module axi_lite_regs #(
     localparam [3:0] CHECK  = 4'd6;  // a write: judging it, writing it
     localparam [3:0] ANSWER = 4'd7;  // answering
     localparam [3:0] COPY   = 4'd8;  // copying a bank to where it takes effect
+    localparam [3:0] RULES  = 4'd9;  // a commit of motion: comparing registers with each other
 
     reg [3:0] state;
     reg       turns;  // a bank has been copied: an access comes before the next
@@ -195,28 +205,40 @@ module axi_lite_regs #(
 
     localparam [WORD_W+1:0] SLOT_BASE     = `EVCOT_BANK_SLOT;
     localparam [WORD_W+1:0] FILTER_BASE   = `EVCOT_BANK_FILTER;
+    localparam [WORD_W+1:0] MOTION_BASE   = `EVCOT_BANK_MOTION;
+    localparam [WORD_W+1:0] TRACKS_BASE   = `EVCOT_BANK_TRACKS;
 
     wire [FIND_W:0] in_slots = {1'b0, word[REG_W+:FIND_W]};
 
     // Banks of every kind have the same number of words, the last of which commits.
     wire [REG_W-1:0] place = word[REG_W-1:0];
 
+    // Both banks of motion as one: the place in them is an address on the port of cot_motion.v.
+    wire is_tracks = word[WORD_W-1:REG_W] == TRACKS_BASE[WORD_W+1:REG_W+2];
+    wire is_motion = word[WORD_W-1:REG_W] == MOTION_BASE[WORD_W+1:REG_W+2] || is_tracks;
+    wire [`EVCOT_MREG_W-1:0] motion_place = {is_tracks, place};
+
+    // Of a slot with motion there is no other register.
+    wire of_slot = (MOTION != 0) ? (place == `EVCOT_REG_MODE || place == `EVCOT_BANK_COMMIT) : slot_has(place);
+
     // From the clock after the access begins.
-    reg in_slot, in_filter, at_commit, at_mask;
+    reg in_slot, in_filter, in_motion, at_commit, at_mask;
 
     always @(posedge clk) begin
-        in_slot   <= word[WORD_W-1:REG_W+FIND_W] == SLOT_BASE[WORD_W+1:REG_W+FIND_W+2] && in_slots < SLOTS && slot_has(place);
+        in_slot   <= word[WORD_W-1:REG_W+FIND_W] == SLOT_BASE[WORD_W+1:REG_W+FIND_W+2] && in_slots < SLOTS && of_slot;
+        in_motion <= MOTION != 0 && is_motion && motion_has(motion_place);
         in_filter <= word[WORD_W-1:REG_W] == FILTER_BASE[WORD_W+1:REG_W+2] && HAS != 0 && filter_has(place);
         at_commit <= place == `EVCOT_BANK_COMMIT;
         at_mask   <= place == `EVCOT_FREG_MASK;
     end
 
-    wire commits  = (in_slot || in_filter) && at_commit;
+    wire in_bank  = in_slot || in_filter || in_motion;
+    wire commits  = in_bank && at_commit;
     wire marks    = in_filter && at_mask;
-    wire shadowed = (in_slot || in_filter) && !commits && !marks;
+    wire shadowed = in_bank && !commits && !marks;
 
-    wire [BANK_W-1:0] bank = in_filter ? FILTERS : in_slots[BANK_W-1:0];
-    reg  [N:0] pending;       // by bank
+    wire [BANK_W-1:0] bank = in_filter ? FILTERS : !in_motion ? in_slots[BANK_W-1:0] : is_tracks ? LIVES : BOXES;
+    reg  [BANKS-1:0] pending; // by bank
     reg  [N-1:0] mode_new;    // mode was written since it was last copied, or all was reset
     wire locked = ((shadowed || commits) && pending[bank]) || (marks && !off_sensor && !cleared);
 
@@ -229,21 +251,24 @@ module axi_lite_regs #(
     wire        words_known, words_writable, words_clamped, words_refused;
     wire [31:0] words_value, words_kept;
 
-    wire known    = words_known || in_slot || in_filter;
-    wire writable = words_writable || in_slot || in_filter;
+    wire known    = words_known || in_bank;
+    wire writable = words_writable || in_bank;
     wire acts     = state == CHECK && strb != 4'd0;
     wire [31:0] legal = over ? high : under ? low : merged;
 
     // Free-running: each has had its clock by the time it is asked for.
     reg  [31:0] low, high;
     reg         refuses, over, under, off_sensor;
+    reg         fixed;        // the start mode that motion does not have
+    reg         contradicts;  // a commit: registers of its bank
 
     always @(posedge clk) begin
-        low     <= in_filter ? filter_low(place) : slot_low(place);
-        high    <= in_filter ? filter_high(place) : slot_high(place);
-        refuses <= in_filter ? filter_refuses(place) : slot_refuses(place);
+        low     <= in_filter ? filter_low(place) : in_motion ? motion_low(motion_place) : slot_low(place);
+        high    <= in_filter ? filter_high(place) : in_motion ? motion_high(motion_place) : slot_high(place);
+        refuses <= in_filter ? filter_refuses(place) : in_motion ? motion_refuses(motion_place) : slot_refuses(place);
         over    <= merged > high;
         under   <= merged < low;
+        fixed   <= MOTION != 0 && in_slot && !at_commit && merged == {30'd0, `EVCOT_MODE_FIXED};
 
         off_sensor <= marks && (merged[15:0] > LAST_X[15:0] || {1'b0, merged[30:16]} > LAST_Y[15:0]);
     end
@@ -251,7 +276,8 @@ module axi_lite_regs #(
     wire fault_unmapped = (acts && !writable) || (state == CHECK && !known) || (state == MERGE && !request_write && !known);
     wire fault_pending  = acts && locked;
     wire off_limits     = shadowed && (over || under);
-    wire fault_refused  = acts && !locked && (words_refused || off_sensor || (off_limits && refuses));
+    wire fault_refused  = acts && !locked
+                       && (words_refused || off_sensor || fixed || (commits && contradicts) || (off_limits && refuses));
     wire fault_clamped  = acts && !locked && (words_clamped || (off_limits && !refuses)) && !fault_refused;
     wire faulty         = fault_unmapped || fault_pending || fault_refused || fault_clamped;
     wire stores         = acts && shadowed && !locked && !fault_refused;
@@ -261,7 +287,7 @@ module axi_lite_regs #(
     // Data read in the clock in which the same word is written is not used. The word of a bank's commit holds the number of
     // the first event after it.
     reg [REG_W:0]    fill;           // the word that is written in FILL, and a clock for the last to settle
-    reg [N:0]        filled;         // by bank
+    reg [BANKS-1:0]  filled;         // by bank
     reg [BANK_W-1:0] copied;         // the bank in COPY
     reg [REG_W-1:0]  step;           // the word that is read in COPY: 1 to the last register, then 0
     reg              late, later;    // the word before it has been read, and the one before that has come out
@@ -270,12 +296,20 @@ module axi_lite_regs #(
     wire fills  = state == FILL && !fill[REG_W];
     wire last   = step == `EVCOT_BANK_LAST;
     wire stamps = state == COPY && last;
-    wire [31:0] first = in_filter ? filter_low(fill[REG_W-1:0]) : slot_low(fill[REG_W-1:0]);
+    wire [31:0] first = in_filter ? filter_low(fill[REG_W-1:0])
+                      : in_motion ? motion_start({is_tracks, fill[REG_W-1:0]}) : slot_low(fill[REG_W-1:0]);
+
+    // A commit of motion reads the registers that it compares: of each pair first the one that must not be more.
+    reg  [3:0]               compares;  // the one that is read
+    wire [3:0]               came     = compares - 4'd2;  // the one that has come
+    wire [`EVCOT_MREG_W-1:0] compared = motion_compared(is_tracks, compares[2:0]);
+    reg  [31:0]              less;
 
     reg                     shadow_write;
     reg  [BANK_W+REG_W-1:0] shadow_to;
     reg  [31:0]             shadow_in;
-    wire [BANK_W+REG_W-1:0] shadow_from = (state == COPY) ? {copied, step} : {bank, place};
+    wire [BANK_W+REG_W-1:0] shadow_from = (state == COPY) ? {copied, step}
+                                        : {bank, (state == RULES) ? compared[REG_W-1:0] : place};
 
     always @(posedge clk) begin
         shadow_write <= fills || stamps || stores;
@@ -285,7 +319,7 @@ module axi_lite_regs #(
 
     block_memory #(
         .W    (32),
-        .DEPTH((N + 1) << REG_W)
+        .DEPTH(BANKS << REG_W)
     ) u_shadow (
         .clk          (clk),
         .write        (shadow_write),
@@ -304,22 +338,26 @@ module axi_lite_regs #(
     always @* begin : find_pending
         integer i;
         next_bank = {BANK_W{1'b0}};
-        for (i = N; i >= 0; i = i - 1) if (pending[i]) next_bank = i[BANK_W-1:0];
+        for (i = BANKS - 1; i >= 0; i = i - 1) if (pending[i]) next_bank = i[BANK_W-1:0];
     end
 
     wire copies_filters = copied == FILTERS;
+    wire copies_lives   = MOTION != 0 && copied == LIVES;
+    wire copies_motion  = copies_lives || (MOTION != 0 && copied == BOXES);
+    wire copies_slot    = !copies_filters && !copies_motion;
+    wire [`EVCOT_MREG_W-1:0] copied_to = {copies_lives, later_word};
     reg  ends;   // mode has come out, the last word of a bank
     wire copied_all = state == COPY && ends;
     wire committed  = copied_all && alone;
 
     reg alone;  // no other bank is pending; known long before the last word has been copied
-    always @(posedge clk) alone <= pending == ({{N{1'b0}}, 1'b1} << copied);
+    always @(posedge clk) alone <= pending == ({{(BANKS - 1) {1'b0}}, 1'b1} << copied);
 
     reg  [47:0] commit_seq;
     reg  [31:0] commit_count;
 
     assign busy            = |pending;
-    assign filter_cfg_addr = cfg_addr;
+    assign filter_cfg_addr = cfg_addr[`EVCOT_FREG_W-1:0];
     assign filter_cfg_data = cfg_data;
 
     // ---- control -----------------------------------------------------------------------------------------------------
@@ -349,24 +387,34 @@ module axi_lite_regs #(
                 end
             end
             FETCH: begin
-                fill  <= {(REG_W + 1) {1'b0}};
-                state <= ((in_slot || in_filter) && !filled[bank]) ? FILL : LOOK;
+                fill        <= {(REG_W + 1) {1'b0}};
+                compares    <= 4'd0;
+                contradicts <= 1'b0;
+                state       <= (in_bank && !filled[bank]) ? FILL : LOOK;
             end
             LOOK:  state <= MERGE;
             MERGE: begin
                 result <= !known ? 32'd0 : (shadowed || commits) ? in_shadow : words_value;
                 merged <= (data & lanes) | ((shadowed ? in_shadow : words_kept) & ~lanes);
                 error  <= !known;
-                state  <= request_write ? WEIGH : ANSWER;
+                state  <= !request_write ? ANSWER : (commits && in_motion) ? RULES : WEIGH;
+            end
+            RULES:
+            if (MOTION == 0) state <= IDLE;
+            else begin
+                compares <= compares + 4'd1;
+                if (!came[0]) less <= motion_doubled(is_tracks, came[2:0]) ? {in_shadow[30:0], 1'b0} : in_shadow;
+                else if (!came[3] && less > in_shadow) contradicts <= 1'b1;
+                if (came == {1'b0, is_tracks ? TRACKS_COMPARED : MOTION_COMPARED}) state <= WEIGH;
             end
             WEIGH: state <= CHECK;
             CHECK: begin
                 error <= faulty;
-                if (acts && commits && !locked) pending[bank] <= 1'b1;
+                if (acts && commits && !locked && !contradicts) pending[bank] <= 1'b1;
                 if (stores && in_slot && place == `EVCOT_REG_MODE) mode_new[word[REG_W+:SLOT_W]] <= 1'b1;
                 if (acts && marks && !locked && !off_sensor) begin
                     filter_cfg_valid <= 1'b1;
-                    cfg_addr         <= `EVCOT_FREG_MASK;
+                    cfg_addr         <= {1'b0, `EVCOT_FREG_MASK};
                     cfg_data         <= merged;
                 end
                 state <= ANSWER;
@@ -379,16 +427,17 @@ module axi_lite_regs #(
                 ends       <= late && late_word == `EVCOT_REG_MODE;
                 later_word <= late_word;
                 cfg_slot   <= copied[SLOT_W-1:0];
-                cfg_addr   <= later_word;
+                cfg_addr   <= copied_to;
                 cfg_data   <= in_shadow;
                 if (later) begin
-                    cfg_valid        <= !copies_filters && slot_has(later_word)
-                                      && (later_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
+                    cfg_valid        <= copies_motion ? motion_has(copied_to)
+                                      : copies_slot && (MOTION == 0 || later_word == `EVCOT_REG_MODE) && slot_has(later_word)
+                                        && (later_word != `EVCOT_REG_MODE || mode_new[copied[SLOT_W-1:0]]);
                     filter_cfg_valid <= copies_filters && filter_has(later_word) && later_word != `EVCOT_FREG_MASK;
                 end
                 if (copied_all) begin
                     pending[copied] <= 1'b0;
-                    if (!copies_filters) mode_new[copied[SLOT_W-1:0]] <= 1'b0;
+                    if (copies_slot) mode_new[copied[SLOT_W-1:0]] <= 1'b0;
                     commit_seq <= seq;
                     turns      <= 1'b1;
                     state      <= IDLE;
@@ -399,7 +448,7 @@ module axi_lite_regs #(
         endcase
 
         if (core_rst) begin
-            pending          <= {(N + 1) {1'b0}};
+            pending          <= {BANKS{1'b0}};
             mode_new         <= {N{1'b1}};
             commit_seq       <= 48'd0;
             commit_count     <= 32'd0;
@@ -409,7 +458,7 @@ module axi_lite_regs #(
         end
         if (rst) begin
             state  <= IDLE;
-            filled <= {(N + 1) {1'b0}};
+            filled <= {BANKS{1'b0}};
             turns  <= 1'b0;
         end
     end
@@ -556,7 +605,7 @@ module axi_lite_regs #(
         .backward            (backward)
     );
 
-    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, in_slots};
+    wire unused = &{1'b0, LAST_X, LAST_Y, RECENT, DEPTH, SLOT_BASE, FILTER_BASE, MOTION_BASE, TRACKS_BASE, BOXES, LIVES, compared, came, in_slots};
 
 endmodule
 

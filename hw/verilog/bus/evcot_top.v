@@ -9,7 +9,8 @@
 // the gate is closed: write the registers of a slot, commit them, set control.enable.
 //
 // Latency: unstalled, from the beat of an event that moves a centre to the first beat of its record, at 1 us a tick: 17 clocks,
-//          those of the filters that are built, and those of the tracker: those of cot_array, or 6 in the first of cot_chain.
+//          those of the filters that are built, and those of the tracker: those of cot_array or cot_motion, or 6 in the first of
+//          cot_chain.
 // Throughput: an event per clock, where source, filters and trackers keep up.
 // Stall:   back-pressure of an output stalls the trackers, then the gate, then the source; with control.drop events are
 //          dropped at the input FIFO and counted, and time goes on. Tie m_axis_owned_tready or m_axis_passed_tready to 1 if
@@ -25,7 +26,7 @@
 module evcot_top #(
     parameter SOURCES      = 1,    // sources to build, a bit each: 1 events, 2 LFSR, 4 AER, 8 EVT 2.0, 16 EVT 2.1, 32 EVT 3.0
     parameter SOURCE       = 0,    // number of the one that is selected after reset
-    parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain
+    parameter TRACKER      = 0,    // 0 cot_array, 1 cot_chain, 2 cot_motion: the array with motion
     parameter HAS          = 0,    // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH        = 346,  // pixels of the sensor across
     parameter HEIGHT       = 260,  // pixels of the sensor down
@@ -132,15 +133,16 @@ module evcot_top #(
     wire [15:0] new_prescale_tick, new_prescale_us, new_gap, new_x_min, new_x_span, new_y_min, new_y_span;
     wire [31:0] new_seed;
 
-    wire              enable, drop, busy, apply, cleared, open, dropped, idle, all_idle;
+    wire              enable, drop, busy, apply, cleared, open, dropped, idle;
     wire [47:0]       seq;
     wire              cfg_valid, filter_cfg_valid;
     wire [SLOT_W-1:0] cfg_slot;
-    wire [`EVCOT_REG_W-1:0]  cfg_addr;
+    wire [`EVCOT_MREG_W-1:0] cfg_addr;
     wire [`EVCOT_FREG_W-1:0] filter_cfg_addr;
     wire [31:0]       cfg_data, filter_cfg_data;
     wire [15:0]       held;
     wire [31:0]       n_in, n_dropped, n_malformed, n_backward;
+    reg               all_idle;
     reg  [31:0]       n_filtered, n_owned, n_passed, n_records, n_stalls;
     reg  [`EVCOT_IRQ_COMMIT-1:0] happened;
 
@@ -347,14 +349,24 @@ module evcot_top #(
 
     // ---- filters and trackers ----------------------------------------------------------------------------------------
 
+    // A record has a centre and a radius, or with motion the middle of a box, its sides and its velocity.
+    localparam MOTION = (TRACKER == `EVCOT_TRACKER_MOTION) ? 1 : 0;
+    localparam REACH  = (X_W > Y_W) ? (X_W > 9 ? X_W : 9) : (Y_W > 9 ? Y_W : 9);
+    localparam SIDE_W = REACH + 16;
+    localparam CM_X_W = (MOTION != 0) ? SIDE_W : X_W + FRAC;
+    localparam CM_Y_W = (MOTION != 0) ? SIDE_W : Y_W + FRAC;
+    localparam N_EV_W = (MOTION != 0) ? 10 : NEV_W;
+
     wire                cm_valid, cm_ready, own_valid, own_ready, own_p, pass_valid, pass_ready, pass_p, filtered;
     wire [1:0]          cm_kind;
     wire [SLOT_W-1:0]   cm_slot, own_slot;
     wire [ID_W-1:0]     cm_id, cm_other;
-    wire [X_W+FRAC-1:0] cm_x;
-    wire [Y_W+FRAC-1:0] cm_y;
+    wire [CM_X_W-1:0]   cm_x;
+    wire [CM_Y_W-1:0]   cm_y;
     wire [RADIX_W:0]    cm_radius;
-    wire [NEV_W-1:0]    cm_n_ev;
+    wire [SIDE_W-1:0]   cm_width, cm_height;
+    wire [15:0]         cm_v_x, cm_v_y;
+    wire [N_EV_W-1:0]   cm_n_ev;
     wire [SUP_W-1:0]    cm_support;
     wire [SEQ_W-1:0]    cm_seq, own_seq, pass_seq;
     wire [TIME_W-1:0]   cm_time;
@@ -409,6 +421,10 @@ module evcot_top #(
         .m_cm_x          (cm_x),
         .m_cm_y          (cm_y),
         .m_cm_radius     (cm_radius),
+        .m_cm_width      (cm_width),
+        .m_cm_height     (cm_height),
+        .m_cm_v_x        (cm_v_x),
+        .m_cm_v_y        (cm_v_y),
         .m_cm_n_ev       (cm_n_ev),
         .m_cm_support    (cm_support),
         .m_cm_seq        (cm_seq),
@@ -437,12 +453,14 @@ module evcot_top #(
     axis_records_out #(
         .DATA_W  (DATA_W),
         .DEPTH   (RECORD_DEPTH),
+        .MOTION  (MOTION),
         .SLOT_W  (SLOT_W),
         .ID_W    (ID_W),
-        .X_W     (X_W + FRAC),
-        .Y_W     (Y_W + FRAC),
+        .X_W     (CM_X_W),
+        .Y_W     (CM_Y_W),
         .RADIUS_W(RADIX_W + 1),
-        .NEV_W   (NEV_W),
+        .SIDE_W  (SIDE_W),
+        .NEV_W   (N_EV_W),
         .SUP_W   (SUP_W),
         .SEQ_W   (SEQ_W),
         .TIME_W  (TIME_W)
@@ -458,6 +476,10 @@ module evcot_top #(
         .s_cm_x       (cm_x),
         .s_cm_y       (cm_y),
         .s_cm_radius  (cm_radius),
+        .s_cm_width   (cm_width),
+        .s_cm_height  (cm_height),
+        .s_cm_v_x     (cm_v_x),
+        .s_cm_v_y     (cm_v_y),
         .s_cm_n_ev    (cm_n_ev),
         .s_cm_support (cm_support),
         .s_cm_seq     (cm_seq),
@@ -512,7 +534,9 @@ module evcot_top #(
         .m_axis_tlast (m_axis_passed_tlast)
     );
 
-    assign all_idle = sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid;
+    always @(posedge clk)
+        all_idle <= !rst && sources_idle && idle && records_idle && !m_axis_owned_tvalid && !m_axis_passed_tvalid
+                 && !(s_axis_tvalid && s_axis_tready);  // nor does anything come
 
     // ---- what is counted, and what interrupts ------------------------------------------------------------------------
 

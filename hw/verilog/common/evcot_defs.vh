@@ -119,7 +119,7 @@
 `define EVCOT_FREG_ROWCOL_SUPPORT 5'd18
 `define EVCOT_FREG_STAMP_SHIFT 5'd19
 
-// Word addresses of the registers of an array with motion: the mode of a slot, then those of the whole array.
+// Addresses on the port of an array with motion: the mode of a slot, then the words of both banks.
 `define EVCOT_MREG_W 6
 `define EVCOT_MREG_MODE 6'd0
 `define EVCOT_MREG_STEP_LOG2 6'd1
@@ -141,23 +141,23 @@
 `define EVCOT_MREG_RING_ALONG 6'd17
 `define EVCOT_MREG_RING_ANY 6'd18
 `define EVCOT_MREG_ELONGATION 6'd19
-`define EVCOT_MREG_DETECT_TICKS 6'd20
-`define EVCOT_MREG_LIFE_LOG2 6'd21
-`define EVCOT_MREG_LIFE_TICKS 6'd22
-`define EVCOT_MREG_COAST_TICKS 6'd23
-`define EVCOT_MREG_BIRTH_SUPPORT 6'd24
-`define EVCOT_MREG_BIRTH_PX 6'd25
-`define EVCOT_MREG_BIRTH_TICKS 6'd26
-`define EVCOT_MREG_BIRTH_TRAVEL 6'd27
-`define EVCOT_MREG_GAP_CORRECTIONS 6'd28
-`define EVCOT_MREG_GAP_SHARE 6'd29
-`define EVCOT_MREG_GAP_PX 6'd30
-`define EVCOT_MREG_JOIN_STEPS 6'd31
-`define EVCOT_MREG_JOIN_LIFE 6'd32
-`define EVCOT_MREG_JOIN_SPEED 6'd33
-`define EVCOT_MREG_JOIN_REACH 6'd34
-`define EVCOT_MREG_JOIN_PX 6'd35
-`define EVCOT_MREG_KEEP_OLDER 6'd36
-`define EVCOT_MREG_REPORT_STEPS 6'd37
+`define EVCOT_MREG_DETECT_TICKS 6'd33
+`define EVCOT_MREG_LIFE_LOG2 6'd34
+`define EVCOT_MREG_LIFE_TICKS 6'd35
+`define EVCOT_MREG_COAST_TICKS 6'd36
+`define EVCOT_MREG_BIRTH_SUPPORT 6'd37
+`define EVCOT_MREG_BIRTH_PX 6'd38
+`define EVCOT_MREG_BIRTH_TICKS 6'd39
+`define EVCOT_MREG_BIRTH_TRAVEL 6'd40
+`define EVCOT_MREG_GAP_CORRECTIONS 6'd41
+`define EVCOT_MREG_GAP_SHARE 6'd42
+`define EVCOT_MREG_GAP_PX 6'd43
+`define EVCOT_MREG_JOIN_STEPS 6'd44
+`define EVCOT_MREG_JOIN_LIFE 6'd45
+`define EVCOT_MREG_JOIN_SPEED 6'd46
+`define EVCOT_MREG_JOIN_REACH 6'd47
+`define EVCOT_MREG_JOIN_PX 6'd48
+`define EVCOT_MREG_KEEP_OLDER 6'd49
+`define EVCOT_MREG_REPORT_STEPS 6'd50
 
 `endif

@@ -63,6 +63,7 @@ module event_vector #(
     reg  [11:0]    in_x;
     reg  [10:0]    in_y;
     reg  [L-1:0]   in_mask;
+    reg            in_several;  // of its bits are set
     wire           in_leaves;
 
     assign s_ready = !in_valid || in_leaves;
@@ -75,6 +76,7 @@ module event_vector #(
             in_y     <= s_y;
             in_p     <= s_p;
             in_mask  <= s_mask;
+            in_several <= several(s_mask);
             in_known <= s_known;
         end
         if (rst) in_valid <= 1'b0;
@@ -84,7 +86,8 @@ module event_vector #(
 
     reg  [T_W-1:0] t;
     reg  [11:0]    left;
-    reg  [11:0]    room;    // columns from `left` to the edge of the sensor
+    reg  [4:0]     room;    // columns from `left` to the edge of the sensor
+    reg            wide;    // they are more
     reg  [10:0]    y;
     reg            p, known;
     reg  [L-1:0]   lowest;  // the bit that leaves next, alone
@@ -94,6 +97,7 @@ module event_vector #(
     assign in_leaves = in_valid && ending && output_ready;
 
     wire [12:0]  in_room   = COLUMNS[12:0] - {1'b0, in_x};
+    wire         beyond    = in_room[12] || {21'd0, in_y} >= ROWS;
     wire [L-1:0] in_rest   = in_mask & (in_mask - 1'b1);
     wire [L-1:0] next_rest = rest & (rest - 1'b1);
 
@@ -126,12 +130,13 @@ module event_vector #(
         if (output_ready) begin
             lowest <= in_leaves ? in_mask & ~in_rest : rest & ~next_rest;
             rest   <= in_leaves ? in_rest : next_rest;
-            ending <= in_leaves ? !several(in_mask) : !several(rest);
+            ending <= in_leaves ? !in_several : !several(rest);
         end
         if (in_leaves) begin
             t     <= in_t;
             left  <= in_x;
-            room  <= (in_room[12] || {21'd0, in_y} >= ROWS) ? 12'd0 : in_room[11:0];
+            room  <= beyond ? 5'd0 : in_room[4:0];
+            wide  <= !beyond && |in_room[11:5];
             y     <= in_y;
             p     <= in_p;
             known <= in_known;
@@ -176,7 +181,7 @@ module event_vector #(
             event_y      <= y[Y_W-1:0];
             event_p      <= p;
             event_known  <= known;
-            event_inside <= {7'd0, index} < room;
+            event_inside <= wide || index < room;
         end
         if (m_valid && m_ready) n_events <= n_events + 1'b1;
         if (leaves && !event_known) n_untimed <= n_untimed + 1'b1;

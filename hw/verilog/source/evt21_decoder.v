@@ -94,7 +94,6 @@ module evt21_decoder #(
 
     wire [3:0] kind     = word[31:28];
     wire       is_event = kind <= 4'd1;
-    wire       taken    = word_valid && word_ready;
 
     wire [T_W-LOW_W-1:0] high;
     wire                 timed, events_ready, events_idle, unused_differs;
@@ -105,7 +104,7 @@ module evt21_decoder #(
     ) u_mark (
         .clk    (clk),
         .rst    (rst),
-        .set    (taken && kind == 4'd8),
+        .set    (word_valid && kind == 4'd8),  // taken: only events wait
         .mark   (word[MARK_W-1:0]),
         .differs(unused_differs),
         .high   (high),
@@ -147,7 +146,7 @@ module evt21_decoder #(
     assign idle = words_idle && events_idle;
 
     always @(posedge clk) begin
-        if (taken && !DEFINED[kind]) n_reserved <= n_reserved + 1'b1;
+        if (word_valid && !DEFINED[kind]) n_reserved <= n_reserved + 1'b1;
         if (rst) n_reserved <= {COUNT_W{1'b0}};
     end
 

@@ -2,9 +2,9 @@
 // A pulse of one clock every `period` clocks; none while period is 0.
 //
 // Latency:    the first pulse is in the clock `period` - 1 clocks after reset has ended.
-// A new period takes effect at once, counted from the last pulse: if more clocks have passed already, the pulse is output now.
+// A new period takes effect in the next clock, counted from the last pulse: if more clocks have passed already, the pulse comes then.
 // Reset:      the period starts over.
-// Combinational paths: period, rst -> pulse.
+// Combinational paths: rst -> pulse.
 // Throughput: a pulse per clock at most.
 // Stall:      none.
 `default_nettype none
@@ -21,14 +21,23 @@ module prescaler #(
     parameter_check #(.OK(W >= 1)) W_must_be_at_least_1 ();
 
     localparam [W:0] ONE = {{W{1'b0}}, 1'b1};
+    localparam [W:0] TWO = ONE << 1;
 
-    reg [W:0] passed;  // clocks since the last pulse, this one included
+    reg [W:0] passed;  // clocks since the last pulse, the next one included
+    reg       due;     // they were as many as a period
 
-    assign pulse = period != {W{1'b0}} && passed >= {1'b0, period} && !rst;
+    assign pulse = due && !rst;
+
+    wire none = period == {W{1'b0}};
+    wire each = {1'b0, period} == ONE;
 
     always @(posedge clk) begin
-        passed <= (pulse || period == {W{1'b0}}) ? ONE : passed + 1'b1;
-        if (rst) passed <= ONE;
+        passed <= (pulse || none) ? TWO : passed + 1'b1;
+        due    <= pulse ? each : !none && passed >= {1'b0, period};
+        if (rst) begin
+            passed <= TWO;
+            due    <= each;
+        end
     end
 
 endmodule

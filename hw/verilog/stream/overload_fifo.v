@@ -11,7 +11,8 @@
 // Throughput: 1 token per clock; with DEPTH below 4, DEPTH tokens in four clocks.
 // Stall:      a token is held until accepted; s_ready stays high while drop_enable is.
 // Reset:      becomes empty, counts from 0.
-// Counters:   n_in = n_out + n_dropped + held, at every clock. They count events, skipped ones included, and wrap around.
+// Counters:   n_in = n_out + n_dropped + held, at every clock. They count events, skipped ones included, a clock after the one in
+//             which they come, go or are dropped, and wrap around.
 // Combinational paths: drop_enable -> s_ready.
 `default_nettype none
 
@@ -130,6 +131,8 @@ module overload_fifo #(
         .idle   (output_idle)
     );
 
+    reg arrived, kept, given;  // an event, a clock ago: see dropped
+
     assign idle = !waits && empty && !queue_valid && output_idle;
 
     always @(posedge clk) begin
@@ -141,15 +144,18 @@ module overload_fifo #(
             waits   <= some;
         end
         dropped <= drops;
-        if (arrives) n_in <= n_in + 1'b1;
-        if (drops) n_dropped <= n_dropped + 1'b1;
-        if (gives) n_out <= n_out + 1'b1;
-        if (keeps && !gives) held <= held + 1'b1;
-        if (gives && !keeps) held <= held - 1'b1;
+        arrived <= arrives;
+        kept    <= keeps;
+        given   <= gives;
+        if (arrived) n_in <= n_in + 1'b1;
+        if (dropped) n_dropped <= n_dropped + 1'b1;
+        if (given) n_out <= n_out + 1'b1;
+        if (kept && !given) held <= held + 1'b1;
+        if (given && !kept) held <= held - 1'b1;
         if (rst) begin
             waiting   <= {GAP_W{1'b0}};
             waits     <= 1'b0;
-            dropped   <= 1'b0;
+            {arrived, dropped, kept, given} <= 4'b0000;
             n_in      <= {COUNT_W{1'b0}};
             n_out     <= {COUNT_W{1'b0}};
             n_dropped <= {COUNT_W{1'b0}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A filter chain in front of N trackers: the array or the chain.
+// A filter chain in front of N trackers: the array, the chain or the array with motion.
 //
 // Ports and behaviour are those of the trackers, and filter_cfg_* writes the registers of filter_chain.v. An event that a
 // filter drops is not output, but it is numbered: every record and every output event carries the number that its
@@ -14,7 +14,7 @@
 `include "evcot_defs.vh"
 
 module cot_filtered #(
-    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array or cot_chain
+    parameter TRACKER = 0,   // EVCOT_TRACKER_*: cot_array, cot_chain or cot_motion
     parameter HAS     = 255, // filters to build, one bit each in the order of EVCOT_FILTER_*
     parameter WIDTH   = 346, // pixels of the sensor across
     parameter HEIGHT  = 260, // pixels of the sensor down
@@ -33,15 +33,20 @@ module cot_filtered #(
     parameter ID_W    = 32,  // bits of a track id
     parameter SEQ_W   = 48,  // bits of an event's sequence number
     parameter TIME_W  = 48,  // bits of the tick count
-    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1  // derived: leave it alone
+    parameter SLOT_W  = (N > 1) ? $clog2(N) : 1,  // derived: leave it alone
+    parameter REACH   = (X_W > Y_W) ? (X_W > 9 ? X_W : 9) : (Y_W > 9 ? Y_W : 9),  // derived: leave it alone
+    parameter SIDE_W  = REACH + 16,                            // derived: leave it alone
+    parameter CM_X_W  = (TRACKER == 2) ? SIDE_W : X_W + FRAC,  // derived: leave it alone
+    parameter CM_Y_W  = (TRACKER == 2) ? SIDE_W : Y_W + FRAC,  // derived: leave it alone
+    parameter N_EV_W  = (TRACKER == 2) ? 10 : NEV_W            // derived: leave it alone
 ) (
     input  wire                clk,
     input  wire                rst,
 
-    // registers of the trackers: see cot_regs.v
+    // registers of the trackers: see cot_regs.v, motion_regs.v
     input  wire                cfg_valid,
     input  wire [SLOT_W-1:0]   cfg_slot,
-    input  wire [`EVCOT_REG_W-1:0] cfg_addr,
+    input  wire [`EVCOT_MREG_W-1:0] cfg_addr,  // without motion the upper bit is not read
     input  wire [31:0]         cfg_data,
 
     // registers of the filters: see filter_regs.v
@@ -66,10 +71,14 @@ module cot_filtered #(
     output wire [SLOT_W-1:0]   m_cm_slot,
     output wire [ID_W-1:0]     m_cm_id,
     output wire [ID_W-1:0]     m_cm_other,
-    output wire [X_W+FRAC-1:0] m_cm_x,
-    output wire [Y_W+FRAC-1:0] m_cm_y,
-    output wire [RADIX_W:0]    m_cm_radius,
-    output wire [NEV_W-1:0]    m_cm_n_ev,
+    output wire [CM_X_W-1:0]   m_cm_x,       // with motion the middle of the box: 2^-12 px, signed
+    output wire [CM_Y_W-1:0]   m_cm_y,
+    output wire [RADIX_W:0]    m_cm_radius,  // 0 with motion
+    output wire [SIDE_W-1:0]   m_cm_width,   // 2^-12 px; this and the next three are 0 without motion
+    output wire [SIDE_W-1:0]   m_cm_height,
+    output wire [15:0]         m_cm_v_x,     // 2^-12 px per motion step, signed
+    output wire [15:0]         m_cm_v_y,
+    output wire [N_EV_W-1:0]   m_cm_n_ev,
     output wire [SUP_W-1:0]    m_cm_support,
     output wire [SEQ_W-1:0]    m_cm_seq,
     output wire [TIME_W-1:0]   m_cm_time,
@@ -173,6 +182,10 @@ module cot_filtered #(
         .m_cm_x      (m_cm_x),
         .m_cm_y      (m_cm_y),
         .m_cm_radius (m_cm_radius),
+        .m_cm_width  (m_cm_width),
+        .m_cm_height (m_cm_height),
+        .m_cm_v_x    (m_cm_v_x),
+        .m_cm_v_y    (m_cm_v_y),
         .m_cm_n_ev   (m_cm_n_ev),
         .m_cm_support(m_cm_support),
         .m_cm_seq    (m_cm_seq),

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError, TrackLogError
-from ..metrics.sampling import checked
+from ..metrics.sampling import check_records
 from ..tracks.boxes import upright_sides
-from ..tracks.log import TrackLog
+from ..tracks.reading import RecordRuns
+from ..tracks.tally import LifeCounter
 from .alarm import ALARM
 from .config import AnomalyConfig
 from .field import NormalMotion
@@ -31,10 +32,12 @@ _BEFORE = -(1 << 62)
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """Result of `anomalies`: (n,) alarms of dtype `ALARM` by time, and (lines, 2) crossings to the right and to the left."""
+    """Result of `anomalies`: (n,) alarms of dtype `ALARM` by time, (lines, 2) crossings to the right and to the left, and the
+    number of tracks."""
 
     alarms: NDArray[np.void]
     counts: NDArray[np.int64]
+    tracks: int
 
 
 class Monitor:
@@ -94,10 +97,7 @@ class Monitor:
         return np.concatenate(parts)
 
     def _check(self, records: NDArray[np.void]) -> None:
-        try:
-            checked(TrackLog("", records, np.empty(0, np.int16)))
-        except TrackLogError as error:
-            raise TrackLogError(f"{error} (counted from record {self._records})" if self._records else str(error)) from error
+        check_records(records, self._records)
         if not len(records):
             return
         if records["t_us"][0] < self._last_us:
@@ -127,16 +127,20 @@ class Monitor:
 
 
 def anomalies(
-    log: TrackLog, config: AnomalyConfig | None = None, normal: NormalMotion | None = None, zones: Zones | None = None
+    log: RecordRuns, config: AnomalyConfig | None = None, normal: NormalMotion | None = None, zones: Zones | None = None
 ) -> Verdict:
-    """All alarms of a log; see `Monitor`.
+    """All alarms of a log; see `Monitor`. Memory does not depend on the log's length.
 
     Raises:
         ConfigError, TrackLogError: as for `Monitor`.
     """
     monitor = Monitor(config, normal, zones)
-    alarms = monitor.feed(log.records)
-    return Verdict(alarms, monitor.counts.copy())
+    lives = LifeCounter()
+    parts = [np.empty(0, ALARM)]
+    for records in log.record_runs():
+        parts.append(monitor.feed(records))
+        lives.add(records)
+    return Verdict(np.concatenate(parts), monitor.counts.copy(), lives.count)
 
 
 def _one_sensor(normal: NormalMotion | None, zones: Zones) -> tuple[int, int] | None:

@@ -27,7 +27,7 @@ FILTER_RANGES: dict[str, Range] = {
     "recent_depth": (1, 256, "events in the FIFO"),
     "decay_tau_us": (0.0, 1e9, "time constant of a weight's decay; 0 is off"),
     "decay_epsilon": (0.0, 1.0, "weight up to which an event is discarded"),
-    "decay_support": (1 / 256, 8.0, "sum of weights that an event needs"),
+    "decay_support": (1 / 256, 8.0, "sum of weights needed"),
     "rowcol_us": (0, 10**9, "oldest event of a row or column that supports an event; 0 is off"),
     "rowcol_radius": (1, 15, "how near it must be along the row or column, pixels"),
     "rowcol_support": (1, 6, "rows and columns whose last events an event needs"),

@@ -23,7 +23,7 @@ from ..tracks.tracking import TrackerOutput, log_of
 from ._cot_kernel import FIELD_COUNT, GLOBAL_COUNT, LIMIT_COUNT, Global, Limit, feed, initialise, rewrite
 from .config import CotConfig, SlotConfig
 from .contract import RECORD, REGISTERS, Mode
-from .motion.contract import MOTION_RECORD, SUB
+from .motion.contract import MOTION_RECORD, SUB, MotionRegisters
 from .motion.model import MotionModel
 
 __all__ = ["Arrangement", "CotModel", "CotTracker", "Decisions", "to_track_records", "track"]
@@ -139,6 +139,16 @@ class CotModel:
         values = np.array([getattr(registers, name) for name in REGISTERS], np.int64)
         room = np.zeros(1, RECORD)
         return room[: rewrite(self._state, self._regs, self._limits, self._globals, slot, values, restart, room)]
+
+    def write_motion(self, registers: MotionRegisters) -> None:
+        """Change the registers of an array with motion before the next event, as commits do: docs/registers.md.
+
+        Raises:
+            ConfigError: the model is none with motion, or the registers turn it off.
+        """
+        if self._motion is None or not registers.enable:
+            raise ConfigError(f"motion.enable = {registers.enable}: a model with motion has it on, another never")
+        self._motion.write(registers)
 
     @property
     def time(self) -> int:

@@ -10,11 +10,13 @@ import argparse
 import html
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..errors import ConfigError, EvcotError
 from ..filters.contract import FILTER_REGISTERS, FILTER_SHAPE_RANGES, Filter, FilterRegister
@@ -24,12 +26,12 @@ from ..templating import templates
 from ..tracks.log import Kind
 from .contract import HIST_AVG_STILL, ORDERED, RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
-from .motion.contract import MOTION_RANGES, MotionRegisters, motion_addresses
+from .motion.contract import MOTION_BANKS, MOTION_RECORD, MOTION_RULES, MotionRegister, Rule
 from .motion.program import assembler
 from .motion.program.program import ENTRIES, program
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
 from .published.registers import SELECT, SELECT_FIRST, SELECT_NONE
-from .registers import Access, Bank, Field, Word, register_map
+from .registers import Access, Bank, Field, Listed, Word, motion_addresses, register_map
 
 __all__ = ["render", "stale", "write"]
 
@@ -65,9 +67,8 @@ def _bank_codes(prefix: str, comment: str, bank: Bank) -> _Codes:
 
 
 def _motion_codes() -> _Codes:
-    addresses = motion_addresses()
-    comment = "Word addresses of the registers of an array with motion: the mode of a slot, then those of the whole array."
-    return _Codes("MREG", comment, list(addresses.items()), max(addresses.values()).bit_length())
+    comment = "Addresses on the port of an array with motion: the mode of a slot, then the words of both banks."
+    return _Codes("MREG", comment, list(motion_addresses().items()), register_map().banks["motion"].word_w + 1)
 
 
 def _motion_program_codes() -> dict[str, Any]:
@@ -78,29 +79,48 @@ def _motion_program_codes() -> dict[str, Any]:
         for prefix, comment, width, enum in (
             ("OP", "Operations.", 5, assembler.Op),
             ("HOT", "Words that events change.", 4, assembler.Hot),
-            ("VALUE", "Values beside the registers, whose codes are their addresses.", 6, assembler.Value),
+            ("VALUE", "Other values.", 6, assembler.Value),
             ("EXT", "Conditions.", 4, assembler.Ext),
             ("OUT", "What the accumulators are for.", 5, assembler.Out),
             ("WHEN", "Conditions of a jump.", 3, assembler.When),
             ("PICK", "Among which slots the next one is sought.", 2, assembler.Pick),
         )
     ]
+    registers = ("VALUE", "Values: first the registers.", 6, [(name.upper(), n) for name, n in assembler.REGISTERS.items()])
+    groups.insert([prefix for prefix, *_ in groups].index("VALUE"), registers)
     entries = [(name.upper(), labels[name]) for name in ENTRIES]
     return {"word_w": assembler.WORD_W, "groups": [*groups, ("AT", "Where the program is entered.", 10, entries)]}
 
 
 def _motion_registers() -> dict[str, Any]:
     """Variables of motion_regs.v: name, bits, reset value and meaning of each register."""
-    start = MotionRegisters()
-    rows = [
-        (name, int(high).bit_length(), getattr(start, name), int(low), int(high), meaning)
-        for name, (low, high, meaning) in MOTION_RANGES.items()
-        if name in motion_addresses()
+    registers = [entry for bank in MOTION_BANKS.values() for entry in bank.items()]
+    return {"rows": [(name, r.high.bit_length(), r.start, r.low, r.high, r.meaning) for name, r in registers]}
+
+
+def _rules() -> dict[str, list[Rule]]:
+    """The rules of each bank of motion."""
+    found = {name: [rule for rule in MOTION_RULES if rule.less in bank] for name, bank in MOTION_BANKS.items()}
+    apart = [rule.less for name, rules in found.items() for rule in rules if rule.more not in MOTION_BANKS[name]]
+    if apart:
+        raise ConfigError(f"motion.{apart[0]}: its rule is about two banks, and a commit compares registers of one")
+    return found
+
+
+def _record(record: np.dtype[np.void]) -> list[tuple[str, int, int]]:
+    """The fields of a record: name, lowest bit, bits."""
+    assert record.fields is not None
+    return [(name, 8 * int(record.fields[name][1]), 8 * record[name].itemsize) for name in record.names or () if name[0] != "_"]
+
+
+def _record_in_c(record: np.dtype[np.void]) -> list[tuple[str, str]]:
+    """The fields of a record: type in C, name."""
+    return [
+        (f"{'u' * (record[name].kind == 'u')}int{8 * record[name].itemsize}_t", name.strip("_")) for name in record.names or ()
     ]
-    return {"rows": rows}
 
 
-def _verilog_high(register: Register | FilterRegister) -> str:
+def _verilog_high(register: Listed) -> str:
     """The largest legal value as a Verilog expression of the width parameters."""
     if register.high is not None:
         return f"32'd{register.high}"
@@ -130,33 +150,45 @@ def _legal(field: Field) -> str:
     return f"{field.low} to {f'2^{high} - 1' if isinstance(high, str) else high}"
 
 
-def _bank_legal(bank: str, name: str, register: Register | FilterRegister) -> str:
+def _bank_legal(bank: str, name: str, register: Listed) -> str:
     """The legal values of a bank's register, as text."""
     width = register.width if isinstance(register, Register) else "STAMP_W - 1"
     high = f"2^{str(width).upper()} - 1" if register.high is None else register.high
     return f"{register.low} to {high}" + (", else refused" if name in register_map().banks[bank].refuse else "")
 
 
+def _limits(code: str, registers: Mapping[str, Listed], refuse: Sequence[str]) -> dict[str, Any]:
+    """Limits of one kind of bank in Verilog."""
+    rows = [
+        (name, entry.low, _verilog_high(entry), entry.start if isinstance(entry, MotionRegister) else entry.low)
+        for name, entry in registers.items()
+    ]
+    return {"code": code, "rows": rows, "refuse": refuse}
+
+
 def _vocabulary() -> dict[str, Any]:
     """Variables and functions for the templates of the register map."""
     register_of = register_map()
-    assert RECORD.names is not None
-    assert RECORD.fields is not None
-    sizes = {1: "uint8_t", 2: "uint16_t", 4: "uint32_t", 8: "uint64_t"}
     checked = [(word, field) for word in register_of.words for field in word.fields if _checked(word, field)]
-    slot, filters = register_of.banks["slot"].base, register_of.banks["filter"].base
+    motion = {name: entry for bank in MOTION_BANKS.values() for name, entry in bank.items()}
+    banks = register_of.banks
+    attributes = ("slot", "filters", *(f"_{bank}" for bank in MOTION_BANKS))
     return {
         "map": register_of,
         "counters": register_of.counters,
-        "attributes": sorted(["slot", "filters", *(word.name for word in register_of.words if word.fields[0].name)]),
+        "attributes": sorted([*attributes, *(word.name for word in register_of.words if word.fields[0].name)]),
         "irqs": next(word for word in register_of.words if word.name == "irq_status").fields,
         "slot_registers": REGISTERS,
         "ordered": ORDERED,
         "kind_meanings": _KINDS,
         "filter_registers": FILTER_REGISTERS,
+        "motion_banks": MOTION_BANKS,
+        "motion_rules": _rules(),
+        "tracker_motion": register_of.trackers.index("motion"),
         "limits": {
-            "slot": [(name, "REG", entry.low, _verilog_high(entry)) for name, entry in REGISTERS.items()],
-            "filter": [(name, "FREG", entry.low, _verilog_high(entry)) for name, entry in FILTER_REGISTERS.items()],
+            "slot": _limits("REG", REGISTERS, banks["slot"].refuse),
+            "filter": _limits("FREG", FILTER_REGISTERS, banks["filter"].refuse),
+            "motion": _limits("MREG", motion, [name for bank in MOTION_BANKS for name in banks[bank].refuse]),
         },
         "checked": checked,
         "flaws": _flaws,
@@ -164,16 +196,18 @@ def _vocabulary() -> dict[str, Any]:
         "clamping": [f"{flaw}_{word.port(field)}" for word, field in checked for flaw in _flaws(field) if not field.allowed],
         "wide": lambda field: not field.name and field.bits < 32,
         "compared": lambda field: field.high is not None and field.high != (1 << field.bits) - 1,
-        "record": [
-            (name, 8 * int(RECORD.fields[name][1]), 8 * RECORD[name].itemsize) for name in RECORD.names if name[0] != "_"
-        ],
-        "record_bits": 8 * RECORD.itemsize,
-        "record_bytes": RECORD.itemsize,
-        "record_fields": [(sizes[RECORD[name].itemsize], name.strip("_")) for name in RECORD.names],
+        "records": {
+            "record": (_record(RECORD), _record_in_c(RECORD), RECORD.itemsize),
+            "motion_record": (_record(MOTION_RECORD), _record_in_c(MOTION_RECORD), MOTION_RECORD.itemsize),
+        },
         "kinds": Kind,
         "banks": [
-            (f"Slot i: {slot:#06x} + {4 * register_of.banks['slot'].words:#x} i", "slot", "slot", REGISTERS),
-            ("Filters", "filter", f"{filters:#06x}", FILTER_REGISTERS),
+            (f"Slot i: {banks['slot'].base:#06x} + {4 * banks['slot'].words:#x} i", "slot", "slot", REGISTERS),
+            ("Filters", "filter", f"{banks['filter'].base:#06x}", FILTER_REGISTERS),
+            *(
+                (title, name, f"{banks[name].base:#06x}", MOTION_BANKS[name])
+                for title, name in (("Boxes and velocities, with motion", "motion"), ("Lives, with motion", "tracks"))
+            ),
         ],
         "code": lambda word: f"{register_of.address_w - 2}'h{word.address // 4:03x}",
         "range": lambda field: f"[{field.bits - 1}:0]".ljust(6) if field.bits > 1 else " " * 6,

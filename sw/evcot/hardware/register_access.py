@@ -232,6 +232,81 @@ class _Filters(Group):
         return self._read(124)
 
 
+class _Motion(Group):
+    """The registers of boxes and velocities, of an array with motion."""
+
+    __slots__ = ()
+    step_log2 = BankRegister("motion", "step_log2")
+    side_step = BankRegister("motion", "side_step")
+    side_share = BankRegister("motion", "side_share")
+    side_shrink = BankRegister("motion", "side_shrink")
+    side_max = BankRegister("motion", "side_max")
+    gain_log2 = BankRegister("motion", "gain_log2")
+    gain_slow = BankRegister("motion", "gain_slow")
+    settle = BankRegister("motion", "settle")
+    speed_max = BankRegister("motion", "speed_max")
+    friction = BankRegister("motion", "friction")
+    nev_low = BankRegister("motion", "nev_low")
+    nev_high = BankRegister("motion", "nev_high")
+    seed_px = BankRegister("motion", "seed_px")
+    ring_px = BankRegister("motion", "ring_px")
+    ring_max = BankRegister("motion", "ring_max")
+    ring_across = BankRegister("motion", "ring_across")
+    ring_along = BankRegister("motion", "ring_along")
+    ring_any = BankRegister("motion", "ring_any")
+    elongation = BankRegister("motion", "elongation")
+
+    def commit(self) -> None:
+        """Make all values written take effect, at one point between two events.
+
+        Raises:
+            BusError: they contradict each other; nothing has changed.
+        """
+        self._write(124, 1)
+
+    @property
+    def commit_seq(self) -> int:
+        """Low 32 bits of the number of the first event processed with the values committed last."""
+        return self._read(124)
+
+
+class _Tracks(Group):
+    """The registers of lives, of an array with motion."""
+
+    __slots__ = ()
+    detect_ticks = BankRegister("tracks", "detect_ticks")
+    life_log2 = BankRegister("tracks", "life_log2")
+    life_ticks = BankRegister("tracks", "life_ticks")
+    coast_ticks = BankRegister("tracks", "coast_ticks")
+    birth_support = BankRegister("tracks", "birth_support")
+    birth_px = BankRegister("tracks", "birth_px")
+    birth_ticks = BankRegister("tracks", "birth_ticks")
+    birth_travel = BankRegister("tracks", "birth_travel")
+    gap_corrections = BankRegister("tracks", "gap_corrections")
+    gap_share = BankRegister("tracks", "gap_share")
+    gap_px = BankRegister("tracks", "gap_px")
+    join_steps = BankRegister("tracks", "join_steps")
+    join_life = BankRegister("tracks", "join_life")
+    join_speed = BankRegister("tracks", "join_speed")
+    join_reach = BankRegister("tracks", "join_reach")
+    join_px = BankRegister("tracks", "join_px")
+    keep_older = BankRegister("tracks", "keep_older")
+    report_steps = BankRegister("tracks", "report_steps")
+
+    def commit(self) -> None:
+        """Make all values written take effect, at one point between two events.
+
+        Raises:
+            BusError: they contradict each other; nothing has changed.
+        """
+        self._write(124, 1)
+
+    @property
+    def commit_seq(self) -> int:
+        """Low 32 bits of the number of the first event processed with the values committed last."""
+        return self._read(124)
+
+
 class Registers(Group):
     """All registers. `shape`, `filter_shape` and the number of slots are read from the hardware.
 
@@ -240,6 +315,8 @@ class Registers(Group):
     """
 
     __slots__ = (
+        "_motion",
+        "_tracks",
         "build",
         "control",
         "fault",
@@ -312,6 +389,8 @@ class Registers(Group):
             _Slot(transport, 0x2000 + 128 * i, *shapes) for i in range(self.shape.n_slots)
         )
         self.filters = _Filters(transport, 0x0200, *shapes)
+        self._motion = _Motion(transport, 0x0280, *shapes)
+        self._tracks = _Tracks(transport, 0x0300, *shapes)
 
     def _shape(self) -> Shape:
         words = self._transport, 0, self.shape, self.filter_shape
@@ -332,6 +411,34 @@ class Registers(Group):
         values["seq_w"] = shape2.seq_w
         values["time_w"] = shape2.time_w
         return Shape(**values)
+
+    @property
+    def motion(self) -> _Motion:
+        """The registers of boxes and velocities, of an array with motion.
+
+        Raises:
+            ConfigError: the hardware has none.
+        """
+        self._must_have("motion")
+        return self._motion
+
+    @property
+    def tracks(self) -> _Tracks:
+        """The registers of lives, of an array with motion.
+
+        Raises:
+            ConfigError: the hardware has none.
+        """
+        self._must_have("tracks")
+        return self._tracks
+
+    def _must_have(self, bank: str) -> None:
+        tracker = self.build.tracker
+        if tracker != 2:
+            raise ConfigError(
+                f"the hardware has no registers {bank}: it was built with TRACKER = {tracker}; "
+                "TRACKER = 2 builds an array with motion"
+            )
 
     @property
     def commit_seq(self) -> int:

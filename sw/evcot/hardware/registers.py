@@ -22,6 +22,7 @@ from ..errors import ConfigError
 from ..filters.contract import FILTER_REGISTERS, FilterRegister, FilterShape
 from ..ranges import check_integer
 from .contract import REGISTERS, SLOTS_MAX, Register, Shape
+from .motion.contract import MOTION_BANKS, MotionRegister
 
 __all__ = [
     "Access",
@@ -31,12 +32,17 @@ __all__ = [
     "BusError",
     "Field",
     "Group",
+    "Listed",
     "RegisterMap",
     "Transport",
     "Word",
     "map_of",
+    "motion_addresses",
     "register_map",
 ]
+
+Listed = Register | FilterRegister | MotionRegister
+"""A register of a bank."""
 
 
 class Access(StrEnum):
@@ -134,7 +140,7 @@ class Bank:
     refuse: tuple[str, ...]
     words: int
     count: int
-    registers: Mapping[str, Register | FilterRegister]
+    registers: Mapping[str, Listed]
 
     @property
     def commit(self) -> int:
@@ -186,10 +192,8 @@ def _fields(entries: list[dict[str, Any]], address_w: int) -> tuple[Field, ...]:
     return tuple(found)
 
 
-def map_of(
-    data: Mapping[str, Any], slot: Mapping[str, Register], filters: Mapping[str, FilterRegister], slots: int = SLOTS_MAX
-) -> RegisterMap:
-    """Build the map from registers.toml and the registers of a slot and of the filters.
+def map_of(data: Mapping[str, Any], registers: Mapping[str, Mapping[str, Listed]], slots: int = SLOTS_MAX) -> RegisterMap:
+    """Build the map from registers.toml and the registers of each kind of bank, by name.
 
     Raises:
         ConfigError: a name or an address is used twice, or an entry lies outside its address range.
@@ -201,11 +205,10 @@ def map_of(
     )
     words = (*(Word(**entry | {"fields": _fields(entry["fields"], address_w)}) for entry in data["word"]), *counters)
     streams = tuple(Word(**entry | {"address": 0, "fields": _fields(entry["fields"], address_w)}) for entry in data["stream"])
-    kinds: dict[str, tuple[int, Mapping[str, Register | FilterRegister]]] = {"slot": (slots, slot), "filter": (1, filters)}
-    banks = {
-        name: Bank(name, entry["base"], tuple(entry["refuse"]), data["bank_words"], *kinds[name])
-        for name, entry in data["bank"].items()
-    }
+    banks = {}
+    for name, entry in data["bank"].items():
+        count, refuse = slots if name == "slot" else 1, tuple(entry.get("refuse", ()))
+        banks[name] = Bank(name, entry["base"], refuse, data["bank_words"], count, registers[name])
     found = RegisterMap(
         data["id"], tuple(data["version"]), address_w, tuple(data["sources"]), tuple(data["trackers"]),
         banks, words, counters, streams,
@@ -223,7 +226,17 @@ def register_map() -> RegisterMap:
         ConfigError: as for `map_of`.
     """
     data = tomllib.loads(files("evcot.hardware").joinpath("registers.toml").read_text(encoding="utf-8"))
-    return map_of(data, REGISTERS, FILTER_REGISTERS)
+    return map_of(data, {"slot": REGISTERS, "filter": FILTER_REGISTERS, **MOTION_BANKS})
+
+
+def motion_addresses() -> dict[str, int]:
+    """Word addresses on the register port of cot_motion.v: a slot's `mode`, then those of the banks of motion, one behind the
+    other."""
+    found = {"mode": REGISTERS["mode"].address}
+    for number, name in enumerate(MOTION_BANKS):
+        bank = register_map().banks[name]
+        found |= {register: bank.words * number + entry.address for register, entry in bank.registers.items()}
+    return found
 
 
 def _problems(found: RegisterMap) -> Iterator[str]:
@@ -362,19 +375,19 @@ class Bits(_Value):
 
 
 class BankRegister(_Value):
-    """A register of a slot or of the filters: written to the bank's shadow register, in effect after `commit`."""
+    """A register of a bank: written to the bank's shadow register, in effect after `commit`."""
 
     def __init__(self, bank: str, name: str) -> None:
-        entry = REGISTERS[name] if bank == "slot" else FILTER_REGISTERS[name]
+        entry = register_map().banks[bank].registers[name]
         self.address = 4 * entry.address
         self.meaning = entry.meaning
         self.limits: Callable[[Any], tuple[int, int]] = entry.limits
-        self.of_slot = bank == "slot"
+        self.of_filters = bank == "filter"
         self.__doc__ = entry.meaning
 
     def _get(self, group: Group) -> int:
         return group._read(self.address)
 
     def _set(self, group: Group, value: int) -> None:
-        low, high = self.limits(group.shape if self.of_slot else group.filter_shape)
+        low, high = self.limits(group.filter_shape if self.of_filters else group.shape)
         group._write(self.address, self._check(value, low, high, self.meaning))

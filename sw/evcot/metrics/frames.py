@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..tracks.boxes import upright_sides
-from ..tracks.log import TrackLog
-from ..tracks.timeline import SAMPLE, sample
+from ..tracks.timeline import SAMPLE
 from .rule import Rule
 from .truth import OBJECT, GroundTruth
 
@@ -72,14 +71,16 @@ class Matches:
         )
 
 
-def line_up(log: TrackLog, truth: GroundTruth, rule: Rule) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
-    """Sample the tracks (`sampling.expiring`) at the truth's instants, and remove objects and outputs that are not evaluated.
+def line_up(outputs: NDArray[np.void], truth: GroundTruth, rule: Rule) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
+    """Remove objects and outputs that are not evaluated, and find the similarity of the others.
+
+    Args:
+        outputs: rows of dtype `timeline.SAMPLE`, the tracks at the truth's instants (`windows.sampled`).
 
     Returns:
         The frames, and the objects (dtype `OBJECT`) and outputs (dtype `timeline.SAMPLE`) in them, by frame; within a frame
         in the order of `Frames.truth` and `Frames.tracks`.
     """
-    outputs = sample(log, truth.instants_us)
     n = len(truth.instants_us)
     objects_in, outputs_in = _split(truth.objects, "frame", n), _split(outputs, "sample", n)
     # Objects and outputs to be removed:

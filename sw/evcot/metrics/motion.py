@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tracks.log import TrackLog
-from .sampling import positions
+from ..tracks.reading import RecordRuns
+from .sampling import positions_around
 
 __all__ = ["Motion", "motion"]
 
@@ -41,39 +41,35 @@ class Motion:
     latency_ms: float | None
 
 
-def motion(log: TrackLog, objects: NDArray[np.void], outputs: NDArray[np.void], instants_us: NDArray[np.int64]) -> Motion:
+def motion(
+    log: RecordRuns, max_age_us: int, objects: NDArray[np.void], outputs: NDArray[np.void], instants_us: NDArray[np.int64]
+) -> Motion:
     """Errors of (n,) matched pairs.
 
     Args:
-        log: a log as returned by `sampling.expiring`.
+        log: the log, read twice.
+        max_age_us: age from which on a state is none.
         objects: (n,) of dtype `truth.OBJECT`.
         outputs: (n,) of dtype `timeline.SAMPLE`, the track matched with each.
-        instants_us: (n,) time of each match.
+        instants_us: (n,) time of each match, ascending.
     """
     track_ids = outputs["track_id"]
-    error_px = _distances(log, objects, track_ids, instants_us[:, None])[:, 0]
+    error_px = np.hypot(outputs["x"] - objects["x"], outputs["y"] - objects["y"])
     return Motion(
         position_error_px_median=_quantile(error_px, 0.5),
         position_error_px_p90=_quantile(error_px, 0.9),
-        velocity_error_median=_velocity_error(log, objects, track_ids, instants_us),
+        velocity_error_median=_velocity_error(log, max_age_us, objects, track_ids, instants_us),
         stated_velocity_error_median=_stated_velocity_error(objects, outputs),
-        latency_ms=_latency_ms(log, objects, track_ids, instants_us),
+        latency_ms=_latency_ms(log, max_age_us, objects, track_ids, instants_us),
     )
 
 
-def _distances(
-    log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], times_us: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """(n, k) distance between each object and its track at (n, k) other times; NaN where the track does not exist."""
-    x, y = positions(log, track_ids, times_us)
-    return np.asarray(np.hypot(x - objects["x"][:, None], y - objects["y"][:, None]), np.float64)
-
-
 def _velocity_error(
-    log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
+    log: RecordRuns, max_age_us: int, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
 ) -> float | None:
-    around_us = instants_us[:, None] + np.array([-_SPAN_US // 2, _SPAN_US // 2])
-    vx, vy = (np.diff(axis)[:, 0] / (_SPAN_US * 1e-6) for axis in positions(log, track_ids, around_us))
+    around_us = np.array([-_SPAN_US // 2, _SPAN_US // 2])
+    places = positions_around(log.record_runs(), max_age_us, track_ids, instants_us, around_us)
+    vx, vy = (np.diff(axis)[:, 0] / (_SPAN_US * 1e-6) for axis in places)
     return _quantile(np.hypot(vx - objects["vx"], vy - objects["vy"]), 0.5)
 
 
@@ -83,13 +79,16 @@ def _stated_velocity_error(objects: NDArray[np.void], outputs: NDArray[np.void])
 
 
 def _latency_ms(
-    log: TrackLog, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
+    log: RecordRuns, max_age_us: int, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
 ) -> float | None:
     shifts_us = np.arange(-_SHIFT_MAX_US, _SHIFT_MAX_US + 1, _SHIFT_US)
     shifts_us = shifts_us[np.argsort(np.abs(shifts_us), kind="stable")]  # ties are resolved in favour of the smallest shift
     every = max(1, -(-len(objects) // _PAIRS))
     objects, track_ids, instants_us = objects[::every], track_ids[::every], instants_us[::every]
-    errors_px = _distances(log, objects, track_ids, instants_us[:, None] + shifts_us)
+    x, y = positions_around(log.record_runs(), max_age_us, track_ids, instants_us, shifts_us)
+    x -= objects["x"][:, None]
+    y -= objects["y"][:, None]
+    errors_px = np.hypot(x, y, out=x)
     # A shift at which most tracks do not exist is not meaningful.
     medians_px = np.array(
         [

@@ -3,31 +3,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import TrackLogError
 from ..tracks.log import Kind, TrackLog
-from ..tracks.timeline import expiring
+from ..tracks.windows import windows
 
-__all__ = ["checked", "expiring", "positions"]
+__all__ = ["check_records", "checked", "checked_runs", "positions", "positions_around"]
 
 _TIME_MAX_US = 2**60
 _PIXELS_MAX = 1e9
 
 
 def checked(log: TrackLog) -> TrackLog:
-    """Validate a log and return it.
+    """Validate a log and return it; see `check_records`."""
+    check_records(log.records)
+    return log
+
+
+def checked_runs(runs: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
+    """The runs of a log, validated one after the other; see `check_records`."""
+    first, since_us = 0, -_TIME_MAX_US
+    for records in runs:
+        check_records(records, first, since_us)
+        yield records
+        if len(records):
+            first, since_us = first + len(records), int(records["t_us"][-1])
+
+
+def check_records(records: NDArray[np.void], first: int = 0, since_us: int = -_TIME_MAX_US) -> None:
+    """Validate records.
+
+    Args:
+        first, since_us: of a part of a log, the number of records before it, and the time of the last of them.
 
     Raises:
         TrackLogError: a record that is out of order in time, of unknown kind, or without a valid position, box, velocity or
             confidence.
     """
-    records = log.records
     t_us = records["t_us"]
     rules = (
         ("t_us", (t_us >= -_TIME_MAX_US) & (t_us <= _TIME_MAX_US), "must be from -2^60 to 2^60"),
-        ("t_us", np.append(True, t_us[1:] >= t_us[:-1])[: len(t_us)], "must not be before the record before it"),
+        ("t_us", np.append(t_us[:1] >= since_us, t_us[1:] >= t_us[:-1]), "must not be before the record before it"),
         ("kind", np.isin(records["kind"], list(Kind)), f"must be from 0 to {max(Kind):d}"),
         *(
             (name, np.abs(records[name]) <= _PIXELS_MAX, f"must be a number of at most {_PIXELS_MAX:g}")
@@ -41,8 +61,7 @@ def checked(log: TrackLog) -> TrackLog:
     for name, good, rule in rules:
         if not good.all():
             row = int(np.argmin(good))
-            raise TrackLogError(f"record {row}: {name} = {records[name][row]}: {rule}")
-    return log
+            raise TrackLogError(f"record {first + row}: {name} = {records[name][row]}: {rule}")
 
 
 def positions(
@@ -69,4 +88,35 @@ def positions(
         newest = np.searchsorted(own["t_us"], times_us[rows], "right") - 1
         there = (newest >= 0) & (own["kind"][newest] <= Kind.MOVED)
         x[rows], y[rows] = (np.where(there, own[axis][newest], np.nan) for axis in "xy")
+    return x, y
+
+
+def positions_around(
+    runs: Iterable[NDArray[np.void]],
+    max_age_us: int,
+    track_ids: NDArray[np.int64],
+    instants_us: NDArray[np.int64],
+    offsets_us: NDArray[np.int64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Positions of tracks in a log whose states expire: of track_ids[i] at instants_us[i] plus each of the offsets.
+
+    Args:
+        runs, max_age_us: as of `windows`.
+        track_ids: (n,)
+        instants_us: (n,) ascending
+        offsets_us: (k,)
+
+    Returns:
+        x, y: (n, k) in pixels, NaN where the track does not exist.
+    """
+    x, y = np.full((2, len(track_ids), len(offsets_us)), np.nan)
+    for window in windows(runs, max_age_us):
+        around = (window.from_us - int(offsets_us.max()), window.until_us - int(offsets_us.min()))
+        rows = slice(*np.searchsorted(instants_us, around))
+        times_us = instants_us[rows, None] + offsets_us
+        if not len(times_us):
+            continue
+        there = (times_us >= window.from_us) & (times_us < window.until_us)
+        for whole, own in zip((x, y), positions(window.states, track_ids[rows], times_us), strict=True):
+            whole[rows][there] = own[there]
     return x, y

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import TrackLogError
-from ..tracks.log import TrackLog
+from ..tracks.reading import RecordRuns
+from ..tracks.windows import sampled
 from .clear import clear
 from .frames import Frames, Matches, line_up
 from .hota import hota
 from .identity import identity
 from .motion import motion
 from .rule import Rule
-from .sampling import checked, expiring
+from .sampling import checked_runs
 from .truth import GroundTruth
 
 __all__ = ["Scores", "evaluate"]
@@ -67,20 +69,25 @@ class Scores:
         return asdict(self)
 
 
-def evaluate(log: TrackLog, truth: GroundTruth, rule: Rule) -> Scores:
+def evaluate(log: RecordRuns, truth: GroundTruth, rule: Rule) -> Scores:
     """Evaluate tracks against a ground truth, as specified by a rule.
+
+    Args:
+        log: a log in memory, or the file of one, which is read three times; memory does not depend on its length.
 
     Raises:
         TrackLogError: the log has invalid records, or times on another clock than the truth.
         ConfigError: the rule ignores bands along the sensor's edges, and the sensor size is unknown.
     """
-    _check_clock(checked(log), truth)
-    states = expiring(log, rule.max_age_us)
-    frames, objects, outputs = line_up(states, truth, rule)
+    span_us: list[int] = []
+    outputs = sampled(_noting(checked_runs(log.record_runs()), span_us), truth.instants_us, rule.max_age_us)
+    _check_clock(span_us, truth)
+    frames, objects, outputs = line_up(outputs, truth, rule)
     followed = clear(frames, rule.threshold)
     identified = identity(frames, rule.threshold)
     row, column = _rows(frames, followed.matches)
-    moved = motion(states, objects[row], outputs[column], truth.instants_us[followed.matches.frame])
+    instants_us = truth.instants_us[followed.matches.frame]
+    moved = motion(log, rule.max_age_us, objects[row], outputs[column], instants_us)
     return Scores(
         **asdict(hota(frames)),
         **{name: getattr(followed, name) for name in ("mota", "motp", "idsw", "frag", "tp", "fp", "fn", "mt", "ml")},
@@ -92,14 +99,23 @@ def evaluate(log: TrackLog, truth: GroundTruth, rule: Rule) -> Scores:
     )
 
 
-def _check_clock(log: TrackLog, truth: GroundTruth) -> None:
-    t_us, instants_us = log.records["t_us"], truth.instants_us
-    if not len(t_us):
+def _noting(runs: Iterable[NDArray[np.void]], span_us: list[int]) -> Iterator[NDArray[np.void]]:
+    """The same runs; `span_us` gets the times of the first and the last record."""
+    for records in runs:
+        if len(records):
+            first_us = span_us[0] if span_us else int(records["t_us"][0])
+            span_us[:] = first_us, int(records["t_us"][-1])
+        yield records
+
+
+def _check_clock(log_us: list[int], truth: GroundTruth) -> None:
+    if not log_us:
         return
+    instants_us = truth.instants_us
     span_us = int(instants_us[-1] - instants_us[0])
-    apart_us = max(int(t_us[0] - instants_us[-1]), int(instants_us[0] - t_us[-1]))
+    apart_us = max(log_us[0] - int(instants_us[-1]), int(instants_us[0]) - log_us[1])
     if apart_us > max(span_us, _APART_US):
-        spans = f"t_us from {t_us[0]} to {t_us[-1]}, the truth's from {instants_us[0]} to {instants_us[-1]}"
+        spans = f"t_us from {log_us[0]} to {log_us[1]}, the truth's from {instants_us[0]} to {instants_us[-1]}"
         raise TrackLogError(f"{spans}: must be of one clock (the rule's origin_us moves the truth)")
 
 

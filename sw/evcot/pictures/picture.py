@@ -78,7 +78,7 @@ def draw(
         figure = Figure(figsize=(SIZE_PX[0] / _DPI, SIZE_PX[1] / _DPI), dpi=_DPI, facecolor="white")
         FigureCanvasAgg(figure)
         columns = figure.add_gridspec(1, 2, width_ratios=(1.1, 1), left=_LEFT, right=0.985, top=0.865, bottom=0.07, wspace=0.18)
-        left = columns[0].subgridspec(3, 1, height_ratios=(1, 0.36, 0.05), hspace=0.32)
+        left = columns[0].subgridspec(3, 1, height_ratios=(1, 0.36, 0.01), hspace=0.42)
         scene = figure.add_subplot(left[0], anchor="N")
         over_time = columns[1].subgridspec(2, 1, height_ratios=(1, 2.8), hspace=0.16)
         count = figure.add_subplot(over_time[0])

@@ -14,7 +14,7 @@ import numpy as np
 from ..digest import EventsDigest
 from ..errors import TrackLogError
 from ..events import Events
-from .log import TrackLog
+from .reading import RecordRuns
 
 __all__ = ["Extent", "check_belongs"]
 
@@ -41,16 +41,19 @@ class Extent:
         return cls(count, first_us, last_us, summary.hex())
 
 
-def check_belongs(log: TrackLog, to: Extent) -> None:
+def check_belongs(log: RecordRuns, to: Extent) -> None:
     """Raise TrackLogError for a log of other events than these."""
-    if len(log.owner) != to.events:
-        raise TrackLogError(f"owner has {len(log.owner)} entries: must be one for each of the recording's {to.events} events")
+    owners = log.count_owners()
+    if owners != to.events:
+        raise TrackLogError(f"owner has {owners} entries: must be one for each of the recording's {to.events} events")
     if log.recording and log.recording != to.digest:
         raise TrackLogError(f"recording = {log.recording!r}: must be the digest of the recording's events, {to.digest!r}")
-    records = log.records
-    for name, low, high in (("event_index", 0, to.events), ("t_us", to.first_us, to.last_us)):
-        good = (records[name] >= low) & (records[name] <= high)
-        if not good.all():
-            row = int(np.argmin(good))
-            rule = f"must be from {low} to {high}, as the recording's events are"
-            raise TrackLogError(f"record {row}: {name} = {records[name][row]}: {rule}")
+    first = 0
+    for records in log.record_runs():
+        for name, low, high in (("event_index", 0, to.events), ("t_us", to.first_us, to.last_us)):
+            good = (records[name] >= low) & (records[name] <= high)
+            if not good.all():
+                row = int(np.argmin(good))
+                rule = f"must be from {low} to {high}, as the recording's events are"
+                raise TrackLogError(f"record {first + row}: {name} = {records[name][row]}: {rule}")
+        first += len(records)

@@ -3,30 +3,21 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import TrackLogError
-from ..outputs import note_input
+from .npz import NpzFile
 from .parquet import SUFFIX, LogFile
 from .record import DROPPED, TRACK, Kind
 from .writing import save_log, write_csv, write_npz
 
 __all__ = ["DROPPED", "TRACK", "Kind", "TrackLog"]
 
-# Arrays in a file: name -> dtype, None for text, and number of dimensions.
-_ARRAYS: dict[str, tuple[np.dtype[Any] | None, int]] = {
-    "engine": (None, 0),
-    "recording": (None, 0),
-    "records": (TRACK, 1),
-    "owner": (np.dtype(np.int16), 1),
-}
+_RUN = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +54,15 @@ class TrackLog:
         """The records of one kind, (k,) of dtype `TRACK`."""
         chosen: NDArray[np.void] = self.records[self.records["kind"] == kind]
         return chosen
+
+    def record_runs(self) -> Iterator[NDArray[np.void]]:
+        """All records, run by run, as `reading.RecordRuns`."""
+        for begin in range(0, len(self.records), _RUN):
+            yield self.records[begin : begin + _RUN]
+
+    def count_owners(self) -> int:
+        """Number of owners."""
+        return len(self.owner)
 
     def save(self, path: Path | str, *, force: bool = False) -> None:
         """Write the log: as Parquet where the name ends with .parquet, as `save_npz` otherwise.
@@ -106,37 +106,8 @@ class TrackLog:
         Raises:
             TrackLogError: the file is missing, damaged, or not a TrackLog.
         """
-        note_input(path)
-        try:
-            with open(path, "rb") as file:
-                if not zipfile.is_zipfile(file):
-                    raise TrackLogError(f"{path}: is not an npz file, or is cut off")
-                # The array reader trusts its input, so the checksum must be verified before.
-                with zipfile.ZipFile(file) as archive:
-                    damaged = archive.testzip()
-                if damaged:
-                    raise TrackLogError(f"{path}: is damaged: wrong checksum of {damaged}")
-                file.seek(0)
-                with np.load(file, allow_pickle=False) as content:
-                    stored = {name: content[name] for name in content.files}
-        except OSError as error:
-            raise TrackLogError(f"{path}: cannot be read: {error.strerror or error}") from error
-        except TrackLogError:
-            raise
-        except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, RuntimeError) as error:
-            raise TrackLogError(f"{path}: is damaged: {' '.join(str(error).split()) or 'ends too soon'}") from error
-        stored.setdefault("recording", np.array(""))
-        for name, (dtype, ndim) in _ARRAYS.items():
-            array = stored.get(name)
-            if array is None:
-                raise TrackLogError(f"{path}: has no array {name}: must have engine, records, owner")
-            lacking = [field for field in (dtype.names if dtype else None) or () if field not in (array.dtype.names or ())]
-            if array.dtype.names and lacking:
-                rule = "must be a log of this version: track the recording again"
-                raise TrackLogError(f"{path}: {name} lacks {', '.join(lacking)}: {rule}")
-            if array.ndim != ndim or (array.dtype.kind != "U" if dtype is None else array.dtype != dtype):
-                raise TrackLogError(f"{path}: {name} is {array.ndim}-d {array.dtype}: must be {ndim}-d {dtype or 'text'}")
-        return cls(str(stored["engine"]), stored["records"], stored["owner"], str(stored["recording"]))
+        file = NpzFile(path)
+        return cls(file.engine, *file.read(), file.recording)
 
     def write_csv(self, path: Path | str, *, force: bool = False) -> None:
         """Write the records as CSV: a header, kinds by name, every number with the fewest digits that round-trip exactly.

@@ -33,6 +33,7 @@ __all__ = ["SUFFIX", "LogFile", "check_parquet", "write_log"]
 SUFFIX = ".parquet"
 _END, _NONE = "END", "NONE"
 _OWNERS = "owners"
+_REPEATED = ["kind", "track_id", "slot", "radius", "other_id", f"{_OWNERS}.list.element"]  # columns of few values
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
 _GROUP_OWNERS = 1 << 19  # of a row group, at most, and a row's more
@@ -55,7 +56,9 @@ def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None
     schema = _schema(arrow).with_metadata({"engine": log.engine, "recording": log.recording})
     with (
         path_written_aside(Path(path), force=force) as aside,
-        arrow.parquet.ParquetWriter(aside, schema, compression="zstd", write_page_checksum=True) as writer,
+        arrow.parquet.ParquetWriter(
+            aside, schema, compression="zstd", use_dictionary=_REPEATED, write_page_checksum=True
+        ) as writer,
     ):
         for record, ends, begin in _groups(log):
             writer.write_table(_table(arrow, schema, log, record, ends, begin))
@@ -156,6 +159,15 @@ class LogFile:
                 yield self._records(table, kinds), self._owners(table) if owners else np.empty(0, np.int16)
         if not whole:
             raise TrackLogError(f"{self.path}: the last row is no {_END}: must be a whole log")
+
+    def record_runs(self) -> Iterator[NDArray[np.void]]:
+        """All records, run by run; every call gives them again. Errors as of `blocks`."""
+        for records, _ in self.blocks(owners=False):
+            yield records
+
+    def count_owners(self) -> int:
+        """Number of owners, one for each event; errors as of `blocks`."""
+        return sum(len(owner) for _, owner in self.blocks())
 
     def read(self, *, owners: bool = True) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """All records and owners, in memory; arguments and errors as of `blocks`."""

@@ -74,11 +74,12 @@ class Parts:
         every, owners = np.concatenate(records), np.concatenate(owner)
         end = self._done + n
         count = len(every) if last else int(np.searchsorted(np.maximum.accumulate(every["event_index"]), end))
-        own = every[:count].copy()
+        past, taken = len(self._past), owners[:n].copy()
+        whole = TrackLog(self._engine, np.concatenate((self._past, every[:count])), taken)
+        own = whole.records[past:]
         own["event_index"] -= self._done
-        self._records, self._owner, self._done = every[count:], owners[n:], end
-        whole = TrackLog(self._engine, np.concatenate((self._past, own)), owners[:n])
-        shown = TrackLog(self._engine, np.concatenate((self._newest(own), own)), owners[:n])
+        self._records, self._owner, self._done = every[count:].copy(), owners[n:].copy(), end  # not views, which would keep all
+        shown = TrackLog(self._engine, np.concatenate((self._newest(own), own)), taken)
         np.clip(shown.records["event_index"], 0, n, out=shown.records["event_index"])
         self._past = _past(whole)
         return whole, shown

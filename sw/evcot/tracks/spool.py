@@ -7,15 +7,21 @@ finished file cannot.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import OutputError
 from .record import TRACK
 
 __all__ = ["Column", "LogColumns", "LogSpool", "RawColumn"]
+
+_RUN = 1 << 16
 
 
 class Column(Protocol):
@@ -55,17 +61,28 @@ class RawColumn:
         self._dtype = dtype
         self._length = length
         self._file = path.open("r+b" if path.exists() else "x+b")
+        self._one = Lock()  # several threads may read
         self._file.truncate(length * dtype.itemsize)
 
     def append(self, values: NDArray[Any]) -> None:
         """Add values at the end."""
-        self._file.seek(self._length * self._dtype.itemsize)
-        self._file.write(np.ascontiguousarray(values, self._dtype).tobytes())
+        with self._named():
+            self._file.seek(self._length * self._dtype.itemsize)
+            self._file.write(np.ascontiguousarray(values, self._dtype).tobytes())
         self._length += len(values)
 
     def flush(self) -> None:
         """Hand everything to the operating system."""
-        self._file.flush()
+        with self._named():
+            self._file.flush()
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """OutputError, which names the file, where the disk is full."""
+        try:
+            yield
+        except OSError as error:
+            raise OutputError(f"{self._file.name}: cannot be written: {error.strerror or error}") from error
 
     def close(self) -> None:
         """Close the file."""
@@ -77,8 +94,9 @@ class RawColumn:
     def __getitem__(self, part: slice) -> NDArray[Any]:
         begin, end, step = part.indices(self._length)
         assert step == 1
-        self._file.seek(begin * self._dtype.itemsize)
-        data = self._file.read(max(end - begin, 0) * self._dtype.itemsize)
+        with self._one:
+            self._file.seek(begin * self._dtype.itemsize)
+            data = self._file.read(max(end - begin, 0) * self._dtype.itemsize)
         return np.frombuffer(data, self._dtype)
 
 
@@ -105,6 +123,15 @@ class LogSpool:
         """Append what a tracker returned for a run of events."""
         self.records.append(records)
         self.owner.append(owner)
+
+    def record_runs(self) -> Iterator[NDArray[np.void]]:
+        """All records, run by run, as `reading.RecordRuns`."""
+        for begin in range(0, len(self.records), _RUN):
+            yield self.records[begin : begin + _RUN].copy()
+
+    def count_owners(self) -> int:
+        """Number of owners."""
+        return len(self.owner)
 
     @property
     def lengths(self) -> tuple[int, int]:

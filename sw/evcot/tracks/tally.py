@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .record import DROPPED, Kind
 
-__all__ = ["Tally"]
+__all__ = ["LifeCounter", "Tally"]
 
 
 class Tally:
@@ -49,3 +49,28 @@ class Tally:
             self.longest_us = max(self.longest_us or 0, end_us - since_us)
             if over:
                 del self._first_us[track]
+
+
+class LifeCounter:
+    """Number of tracks in records that come in runs, as many as `timeline.lifetimes` has; memory holds the ids alive.
+
+    Attributes:
+        count: so far.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._alive = np.empty(0, np.int64)
+
+    def add(self, records: NDArray[np.void]) -> None:
+        """Count a run."""
+        order = np.argsort(records["track_id"], kind="stable")
+        kind, track_id = records["kind"][order], records["track_id"][order]
+        ends = (kind == Kind.MERGED) | (kind == Kind.LOST)
+        other = np.append(True, track_id[1:] != track_id[:-1])[: len(order)]
+        after = np.append(False, ends[:-1])[: len(order)]
+        begins = (kind == Kind.BORN) | np.where(other, ~np.isin(track_id, self._alive), after)
+        self.count += int(np.count_nonzero(begins))
+        last = np.append(other[1:], True)[: len(order)]
+        seen = np.setdiff1d(self._alive, track_id)
+        self._alive = np.concatenate((seen, track_id[last & ~ends]))

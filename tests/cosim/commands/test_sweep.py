@@ -32,12 +32,24 @@ idsw = "min"
 [fields]
 rct.radius_px = [6.0, 9.0, 14.0]
 """
+# The shape is that of other tests, whose compiled model it shares.
 FUZZ = """
 seeds = { from = 1, to = 3 }
 [fuzz]
 modules = ["cot_array", "cot"]
 events = 400
-shapes = [{ n_slots = 2, x_w = 5, y_w = 5, radix_w = 4, nev_w = 4, tc_w = 8, sup_w = 6, id_w = 4, seq_w = 12, time_w = 20 }]
+[[fuzz.shapes]]
+n_slots = 2
+x_w = 7
+y_w = 7
+radix_w = 5
+nev_w = 6
+tc_w = 12
+sup_w = 8
+id_w = 16
+seq_w = 16
+time_w = 20
+tick_w = 3
 """
 
 

@@ -17,7 +17,6 @@ from evcot.hardware.motion.contract import MOTION_RECORD, MotionRegisters
 from evcot_cosim.cli import main
 from evcot_cosim.devices.device import Device, build_device
 from evcot_cosim.devices.motion import MOTION_PARAMETERS
-from evcot_cosim.devices.top_device import configuration
 from evcot_cosim.lockstep.random_runs import random_motion, random_motion_run, random_outlines
 from evcot_cosim.names import Top
 
@@ -36,12 +35,6 @@ def test_time_must_have_enough_bits() -> None:
     shape = Shape(n_slots=1, time_w=31, tc_w=17, tick_w=20)
     with pytest.raises(ConfigError, match=r"^shape.time_w = 31: must be from 32 to 48 with motion.enable = 1$"):
         build_device(random_motion(np.random.default_rng(1), shape))
-
-
-def test_registers_are_not_written_to_a_top_without_them() -> None:
-    with pytest.raises(ConfigError, match=r"^motion.enable = 1: must be 0 in evcot_top: it does not have cot_motion yet$"):
-        configuration(CONFIG)
-    assert configuration(replace(CONFIG, motion=MotionRegisters()))
 
 
 def test_a_shape_that_differs_in_what_motion_does_not_have_is_the_same_hardware() -> None:

@@ -243,12 +243,13 @@ def test_fusesoc_runs_the_self_test_and_it_notices_a_wrong_bit(tmp_path: Path) -
     for name in ("verilog", "fpga"):
         shutil.copytree(HW / name, broken / name)
     shutil.copy(HW / "evcot.core", broken)
-    rounding = broken / "verilog" / "math" / "approach.v"
-    text = rounding.read_text()
-    assert text.count("half = (FRAC > 0)") == 1
-    rounding.write_text(text.replace("half = (FRAC > 0)", "half = (FRAC > 8)"))
+    update = broken / "verilog" / "tracker" / "array" / "array_update.v"
+    text = update.read_text()
+    right = "u_follows ? new_support : support[u_slot]"
+    assert text.count(right) == 1
+    update.write_text(text.replace(right, "support[u_slot]"))
     result = fusesoc(tmp_path / "broken", "sim", broken)
-    assert "FAIL: done 11, passed 10" in result, result  # the array has it, the engine has its own
+    assert "FAIL: done 1, passed 0" in result, result
 
 
 def test_the_tools_that_are_missing_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:

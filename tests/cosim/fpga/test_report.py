@@ -19,7 +19,7 @@ from evcot_cosim.fpga.latency import clocks
 from evcot_cosim.fpga.measure import Case, key_of
 from evcot_cosim.fpga.outdated import outdated
 from evcot_cosim.fpga.report import shown_clocks, write_tables
-from evcot_cosim.fpga.sources import closure, flat
+from evcot_cosim.fpga.sources import closure, logic
 from evcot_cosim.rtl.files import verilog_dir
 
 REPOSITORY = verilog_dir().parents[1]
@@ -104,7 +104,7 @@ def test_what_is_of_another_text_of_the_module_is_marked(tmp_path: Path) -> None
 def test_a_figure_is_outdated_when_its_key_is_not_that_of_the_sources() -> None:
     case = Case(MODULES["filter_polarity"], None, DEVICES["ecp5-25"])
     modules = closure([case.module.top])
-    now = key_of(case, (modules, flat(modules)), "Yosys 1")
+    now = key_of(case, (modules, logic(modules)), "Yosys 1")
     fresh = Figure("filter_polarity", None, "ecp5-25", now, 33, 39, 0, 0, 0)
     assert outdated([fresh], "Yosys 1") == frozenset()
     assert outdated([fresh], "Yosys 2") == {fresh.name}

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ConfigError
-from evcot_cosim.fpga.sources import closure, flat, without_comments
+from evcot_cosim.fpga.sources import closure, flat, logic, without_comments
 from evcot_cosim.rtl.files import copy_rtl, modules, rtl_files
 
 
@@ -79,3 +79,27 @@ def test_a_comment_changes_nothing_and_code_does(tmp_path: Path) -> None:
     assert flat(closure(["cot"], tmp_path), tmp_path) == before
     axis.write_text(axis.read_text().replace("wire", "wire ", 1))
     assert flat(closure(["cot"], tmp_path), tmp_path) != before
+
+
+def test_the_logic_is_neither_rules_nor_constants_nor_layout(tmp_path: Path) -> None:
+    copy_rtl(tmp_path)
+    modules = closure(["filter_region"])
+    before = logic(modules, tmp_path)
+    assert "parameter_check" not in before
+    assert "`" not in before
+    region, header = tmp_path / "filter_region.v", tmp_path / "evcot_defs.vh"
+    text = region.read_text()
+    header.write_text(header.read_text().replace("`define", "`define EVCOT_ONE_MORE 7\n`define", 1))
+    rule = "    parameter_check #(.OK(X_W >= 1)) ONE_MORE ();\n"
+    region.write_text(text.replace("    wire drops =", f"{rule}    // said\n    wire\n        drops  ="))
+    assert logic(modules, tmp_path) == before
+    region.write_text(text.replace("s_event && enable", "s_event || enable"))
+    assert logic(modules, tmp_path) != before
+
+
+def test_the_logic_follows_the_value_of_a_constant(tmp_path: Path) -> None:
+    copy_rtl(tmp_path)
+    before = logic(["cot_regs"], tmp_path)
+    header = tmp_path / "evcot_defs.vh"
+    header.write_text(header.read_text().replace("5'd0", "5'd31"))
+    assert logic(["cot_regs"], tmp_path) != before

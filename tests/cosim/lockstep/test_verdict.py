@@ -26,7 +26,7 @@ GOOD = Quality(
 SUMMARY = {
     "exact": True,
     "records": 1_234,
-    "config": {"name": "slow", "cot": {"slots": [{"init_radix": 8, "max_ticks": 9, "clust_nev": 5}]}},
+    "config": {"name": "slow", "cot": {"slots": [{"init_radix": 8, "max_ticks": 9, "clust_nev": 5, "detect_ticks": 7}]}},
 }
 AGREEMENT = {
     "paired_fraction_hardware": 0.9, "paired_fraction_software": 0.8, "radius_px": 12.0, "merges": [{}],
@@ -62,12 +62,12 @@ def test_a_good_run_is_good_in_every_line(monkeypatch: pytest.MonkeyPatch) -> No
     ("change", "about", "grade", "advice"),
     [
         ({"tracks": 0}, "tracks", Grade.POOR, "clust_nev in run.toml below 5"),
-        ({"short": 6, "short_merged": 6, "owned_fraction": 0.6}, "tracks", Grade.POOR, "init_radix in run.toml above 8"),
-        ({"short": 6, "short_merged": 6}, "tracks", Grade.FAIR, "init_radix in run.toml above 8"),
+        ({"short": 6, "short_merged": 6, "owned_fraction": 0.6}, "tracks", Grade.POOR, "detect_ticks in run.toml below 7"),
+        ({"short": 6, "short_merged": 6}, "tracks", Grade.FAIR, "detect_ticks in run.toml below 7"),
         ({"short": 3, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
         ({"short": 6, "noise_tracks": 6}, "tracks", Grade.FAIR, "clusters on noise: filter more noise"),
-        ({"owned_fraction": 0.6}, "events", Grade.FAIR, ""),
-        ({"owned_fraction": 0.4}, "events", Grade.POOR, ""),
+        ({"owned_fraction": 0.6}, "events", Grade.FAIR, "clust_nev in run.toml below 5"),
+        ({"owned_fraction": 0.4}, "events", Grade.POOR, "clust_nev in run.toml below 5"),
         ({"noise_time_fraction": 0.2, "noise_tracks": 1}, "noise", Grade.FAIR, "--activity-support 2"),
         ({"noise_time_fraction": 0.4, "isolated_dropped_fraction": 0.0}, "noise", Grade.POOR, "with --activity 5"),
         ({"noise_tracks": 4}, "noise", Grade.FAIR, "--activity-support 2"),
@@ -94,6 +94,7 @@ def test_the_hardware_decides_and_the_software_where_it_is_alone(monkeypatch: py
 def test_disagreement_alone_makes_no_run_poor(monkeypatch: pytest.MonkeyPatch) -> None:
     verdict = judged(monkeypatch, software=GOOD, agreement=AGREEMENT | {"paired_fraction_software": 0.1})
     assert line(verdict, "agreement", "").grade is Grade.POOR
+    assert "report.html" in line(verdict, "agreement", "").advice
     assert verdict.grade is Grade.FAIR
 
 

@@ -120,6 +120,7 @@ def test_keys_step_to_every_kind_of_moment(opened: Opened, material: Material) -
     opened.page.get_by_label("software: boxes").uncheck()
     opened.page.get_by_label("software: ids").uncheck()
     opened.page.get_by_label("software: trails").uncheck()
+    opened.page.get_by_label("software: velocities").uncheck()
     opened.page.locator("#layers").evaluate("() => document.activeElement.blur()")
     opened.page.get_by_label("truth: boxes").uncheck()
     opened.page.locator("#layers").evaluate("() => document.activeElement.blur()")
@@ -165,11 +166,35 @@ def test_layers_switch_what_is_drawn(opened: Opened) -> None:
         opened.page.get_by_label(polarity, exact=True).uncheck()
         assert (opened.drawn() != before).any()
     for layer in ("hardware", "software", "truth"):
-        for part in ("boxes", "inner radius", "ids", "trails"):
+        for part in ("boxes", "inner radius", "ids", "trails", "velocities"):
             box = opened.page.get_by_label(f"{layer}: {part}", exact=True)
             if box.count():
                 box.uncheck()
     assert len(np.unique(opened.drawn()[5:-5, 5:-5].reshape(-1, 3), axis=0)) == 1  # the bare ground
+
+
+def test_a_velocity_is_an_arrow_ahead_of_its_object(opened: Opened) -> None:
+    for part in ("boxes", "ids", "trails"):
+        opened.page.get_by_label(f"software: {part}").uncheck()
+    opened.ask("() => report.clock.seek(400000)")
+    assert opened.ask("() => report.sides.map((side) => side.moving)")[1]
+    with_arrows = coloured(opened.drawn(), ORANGE)
+    opened.page.get_by_label("software: velocities").uncheck()
+    assert coloured(opened.drawn(), ORANGE) < with_arrows
+    assert opened.page.get_by_label("hardware: no velocities").count() == 1  # whose records have none
+
+
+def test_the_tracks_of_the_moment_are_listed_and_chosen(opened: Opened) -> None:
+    opened.ask("() => report.clock.seek(400000)")
+    alive = opened.ask(
+        "() => report.sides.flatMap((side) => side.livesAt(400000).map((life) => `${side.name} ${side.ids[life]}`))"
+    )
+    rows = opened.page.locator("#alive-now tr")
+    assert [text.split("\t")[0] for text in rows.all_inner_texts()] == alive
+    assert len(alive) > 2
+    rows.nth(1).click()
+    assert opened.page.locator("#chosen").inner_text() == alive[1]
+    assert rows.nth(1).get_attribute("aria-selected") == "true"
 
 
 def test_decay_lets_more_events_be_seen(opened: Opened) -> None:

@@ -8,6 +8,7 @@ import os
 import signal
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from subprocess import Popen
@@ -42,12 +43,22 @@ def port() -> int:
     return free_port()
 
 
-@pytest.fixture
-def address(port: int, dask: Start) -> str:
-    """A scheduler with two workers."""
-    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+def started(port: int, dask: Start) -> Popen[bytes]:
+    """A scheduler that answers."""
+    process = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    deadline = time.monotonic() + 90
+    while time.monotonic() < deadline:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1):
+            return process
+        time.sleep(0.1)
+    raise TimeoutError("no scheduler after 90 s")
+
+
+def two_workers(port: int, dask: Start, *options: str) -> str:
+    """A scheduler with two workers; its address."""
+    started(port, dask)
     for _ in range(2):
-        dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1")
+        dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", *options)
     return f"tcp://127.0.0.1:{port}"
 
 
@@ -69,7 +80,8 @@ def exact(folder: Path) -> dict[str, tuple[Any, ...]]:
     return {row["key"]: tuple(row[name] for name in ("status", "error", "task", *METRICS)) for row in read_rows(folder)}
 
 
-def test_a_cluster_gives_the_same_bit_for_bit(address: str, tmp_path: Path) -> None:
+def test_a_cluster_gives_the_same_bit_for_bit(port: int, dask: Start, tmp_path: Path) -> None:
+    address = two_workers(port, dask, "--no-nanny")
     recorded(tmp_path, 1)
     connected(execute, address).__exit__(None, None, None)
     there = run_sweep(spec_of(tmp_path), tmp_path.with_name("there"), jobs=1, scheduler=address)
@@ -80,7 +92,7 @@ def test_a_cluster_gives_the_same_bit_for_bit(address: str, tmp_path: Path) -> N
 
 def test_a_recording_that_is_missing_on_one_worker_is_named(port: int, dask: Start, tmp_path: Path) -> None:
     """The workers run in different folders, and are asked for a path relative to them."""
-    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    started(port, dask)
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", folder=tmp_path / name)
@@ -107,12 +119,13 @@ def test_no_scheduler_and_no_workers_are_said(port: int, dask: Start, tmp_path: 
         with pytest.raises(ConfigError, match=rf"^--scheduler-file {tmp_path}/file.json: no scheduler answers: "):
             Cluster(chore, file=tmp_path / "file.json")
     monkeypatch.undo()
-    dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    started(port, dask)
     with Cluster(chore, f"tcp://127.0.0.1:{port}") as cluster, pytest.raises(ConfigError, match="has no workers"):
         cluster.check([])
 
 
-def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(address: str, tmp_path: Path) -> None:
+def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(port: int, dask: Start, tmp_path: Path) -> None:
+    address = two_workers(port, dask)
     tasks = [Chore(i, {3: "die", 5: "die once"}.get(i, "return"), str(tmp_path)) for i in range(10)]
     with connected(chore, address) as cluster:
         found = {done.task.number: done for done in cluster.run(tasks)}
@@ -123,9 +136,9 @@ def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(address:
 
 
 def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp_path: Path) -> None:
-    scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+    scheduler = started(port, dask)
     address = f"tcp://127.0.0.1:{port}"
-    dask("worker", address, "--nthreads", "1", "--death-timeout", "120")
+    dask("worker", address, "--nthreads", "1", "--no-nanny", "--death-timeout", "120")
     tasks = [Chore(i, "return", str(tmp_path)) for i in range(200)]
 
     def slowly() -> Iterator[Chore]:
@@ -138,7 +151,7 @@ def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp
 
     def start() -> Popen[bytes]:
         process = dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
-        dask("worker", address, "--nthreads", "1")
+        dask("worker", address, "--nthreads", "1", "--no-nanny")
         return process
 
     restarted: list[Popen[bytes]] = []

@@ -117,7 +117,7 @@ def test_a_sweep_that_is_killed_goes_on(once: tuple[Swept, Path], folder: Path, 
         kept = dict(store.status)
     assert len(kept) >= 3
     when = {row["key"]: row["when"] for row in read_rows(out)}
-    swept = run_sweep(spec_of(folder), out, jobs=2)
+    swept = run_sweep(spec_of(folder), out, jobs=1)
     assert swept.new == 20 - len(kept)
     assert exact(out) == exact(once[1])
     assert {row["key"]: row["when"] for row in read_rows(out) if row["key"] in kept} == when
@@ -237,12 +237,12 @@ def test_a_folder_of_somebody_else_is_left_alone(folder: Path, tmp_path: Path) -
 def test_optuna_asks_for_the_same_points_however_many_workers(folder: Path, tmp_path: Path) -> None:
     pytest.importorskip("optuna")
     fields = {"rct.radius_px": {"from": 5.0, "to": 20.0}, "filters.polarity": ["on", "off"]}
-    spec = spec_of(folder, method="optuna", samples=14, batch=4, engines=["rct"], fields=fields)
+    spec = spec_of(folder, method="optuna", samples=8, batch=4, engines=["rct"], fields=fields)
     one = run_sweep(spec, tmp_path / "one", jobs=1)
     two = run_sweep(spec, tmp_path / "two", jobs=2)
     assert one.keys == two.keys
     assert exact(tmp_path / "one") == exact(tmp_path / "two")
-    assert 20 <= one.runs <= 28
+    assert 12 <= one.runs <= 16
     again = run_sweep(spec, tmp_path / "one", jobs=2)
     assert (again.new, again.keys) == (0, one.keys)
 

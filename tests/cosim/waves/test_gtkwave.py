@@ -149,7 +149,7 @@ def test_a_part_of_a_word_of_memory_is_its_own_bits(folder: Path) -> None:
 
 def test_a_single_slot_is_shown_too(tmp_path: Path) -> None:
     vcd = tmp_path / "one.vcd"
-    below = "$scope module u_update $end\n$var wire 7 c av_x[0] [6:0] $end\n$upscope $end\n$upscope $end\n"
+    below = "$scope module u_update $end\n$var wire 7 c av_x[1] [6:0] $end\n$upscope $end\n$upscope $end\n"
     scopes = header("cot_array", "N [31:0]", "active", widths=(32, 1)).replace("$upscope $end\n", below, 1)
     vcd.write_text(scopes + "#0\nb1 a\n0b\nb0 c\n#9\n")
     write_view(vcd, tmp_path / "one.gtkw")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Records on AXI4-Stream are contract.RECORD byte for byte, in beats of any width."""
+"""Records on AXI4-Stream are contract.RECORD byte for byte, with motion MOTION_RECORD, in beats of any width."""
 
 from __future__ import annotations
 
@@ -8,61 +8,59 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.hardware.contract import RECORD
+from evcot.hardware.motion.contract import MOTION_RECORD
 from support.stream_device import Bundle, StreamDevice, StreamRun, random_stalls
 from support.testing import lint
 
-FIELDS = {
-    "kind": 2,
-    "slot": 3,
-    "id": 32,
-    "other": 32,
-    "x": 13,
-    "y": 13,
-    "radius": 9,
-    "n_ev": 10,
-    "support": 16,
-    "seq": 48,
-    "time": 48,
-}
+COMMON = {"kind": 2, "slot": 3, "id": 32, "other": 32}
+REST = {"support": 16, "seq": 48, "time": 48}
+FIELDS = {**COMMON, "x": 13, "y": 13, "radius": 9, "n_ev": 10, **REST}
+OF_MOTION = {**COMMON, "x": 25, "y": 25, "width": 25, "height": 25, "v_x": 16, "v_y": 16, "n_ev": 10, **REST}
+SIGNED = ("x", "y", "v_x", "v_y")
 OF_RECORD = {"id": "track_id", "other": "other_id", "x": "cm_x", "y": "cm_y"}
 INPUT = Bundle("s_cm_", tuple(FIELDS))
 
 
-def device_of(width: int, depth: int = 4) -> StreamDevice:
+def device_of(width: int, depth: int = 4, *, motion: bool = False) -> StreamDevice:
     """Beats of up to 64 bits: wider ones are seen by evcot_top's own drive."""
     outputs = [Bundle("m_axis_t", ("data", "keep", "last"))]
-    return StreamDevice(
-        "axis_records_out", {"DATA_W": width, "DEPTH": depth}, inputs=[INPUT], outputs=outputs, has_idle=True
-    )  # fmt: skip
+    parameters = {"DATA_W": width, "DEPTH": depth} | ({"MOTION": 1, "X_W": 25, "Y_W": 25} if motion else {})
+    given = Bundle("s_cm_", tuple(OF_MOTION)) if motion else INPUT
+    return StreamDevice("axis_records_out", parameters, inputs=[given], outputs=outputs, has_idle=True)
 
 
-def random_records(rng: np.random.Generator, n: int) -> tuple[NDArray[np.uint64], NDArray[np.void]]:
+def random_records(rng: np.random.Generator, n: int, *, motion: bool = False) -> tuple[NDArray[np.uint64], NDArray[np.void]]:
     """Words of the input, and the records that they are."""
-    words = np.stack([rng.integers(0, 1 << bits, n, np.uint64, endpoint=False) for bits in FIELDS.values()], 1)
-    records = np.zeros(n, RECORD)
-    for column, name in enumerate(FIELDS):
-        records[OF_RECORD.get(name, name)] = words[:, column]
+    fields = OF_MOTION if motion else FIELDS
+    words = np.stack([rng.integers(0, 1 << bits, n, np.uint64, endpoint=False) for bits in fields.values()], 1)
+    records = np.zeros(n, MOTION_RECORD if motion else RECORD)
+    for column, (name, bits) in enumerate(fields.items()):
+        values = words[:, column].astype(np.int64)
+        if motion and name in SIGNED:
+            values -= (values >> (bits - 1)) << bits
+        records[OF_RECORD.get(name, name)] = values
     return words, records
 
 
-def joined(run: StreamRun, width: int) -> NDArray[np.void]:
+def joined(run: StreamRun, width: int, record: np.dtype[np.void] = RECORD) -> NDArray[np.void]:
     """The bytes that tkeep lets stand, as records."""
     beats = run.words["m_axis_t"]
     data = beats[:, 0].astype(f"<u{width // 8}").view(np.uint8).reshape(len(beats), width // 8)
     keep = np.unpackbits(beats[:, 1].astype(np.uint8)[:, None], axis=1, bitorder="little")[:, : width // 8].astype(bool)
-    per_record = -(-8 * RECORD.itemsize // width)
+    per_record = -(-8 * record.itemsize // width)
     assert beats[:, 2].tolist() == [int(i % per_record == per_record - 1) for i in range(len(beats))]
-    return np.frombuffer(data[keep].tobytes(), RECORD)
+    return np.frombuffer(data[keep].tobytes(), record)
 
 
+@pytest.mark.parametrize("motion", [False, True], ids=["radius", "motion"])
 @pytest.mark.parametrize("width", [32, 64])
-def test_records_come_out_byte_for_byte_at_any_pace(width: int) -> None:
-    device = device_of(width)
+def test_records_come_out_byte_for_byte_at_any_pace(width: int, motion: bool) -> None:
+    device = device_of(width, motion=motion)
     for seed in range(4):
         rng = np.random.default_rng([5, seed])
         device.stalls = random_stalls(rng, [INPUT.prefix, "m_axis_t"]) if seed else {}
-        words, records = random_records(rng, 500)
-        assert np.array_equal(joined(device.run({INPUT.prefix: words}), width), records)
+        words, records = random_records(rng, 500, motion=motion)
+        assert np.array_equal(joined(device.run({INPUT.prefix: words}), width, records.dtype), records)
 
 
 def test_a_record_takes_2_clocks_to_its_first_beat_and_then_a_beat_per_clock() -> None:

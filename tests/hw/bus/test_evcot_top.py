@@ -140,12 +140,55 @@ def changes_of(rng: np.random.Generator, config: CotConfig, n: int) -> list[Chan
     return [Change(slot, registers, bool(rng.integers(2))) for slot, registers in drawn]
 
 
+def changed_in_flow(
+    device: TopDevice,
+    name: str,
+    config: CotConfig,
+    traffic: TickedEvents,
+    changes: list[Change],
+    afters: NDArray[np.int64],
+    rng: np.random.Generator,
+) -> tuple[TopRun, NDArray[np.int64], dict[str, int]]:
+    """A run with commits after so many events, held against the model that is changed at the events at which they took effect.
+
+    Returns the run, these events' numbers, and a count of what happened.
+    """  # fmt: skip
+    chain, n = name == "chain", len(traffic.ticks)
+    census = {"changes": 0, "lives that went on": 0, "lives that ended": 0}
+    lists = [change.commands(rng, int(after)) for change, after in zip(changes, afters, strict=True)]
+    played = device.run(words_of(traffic), [command for commands in lists for command in commands])
+    assert not played.commands["response"].any()
+    ends = np.cumsum([len(commands) for commands in lists]) - 1
+    seqs = played.commands["result"][ends].astype(np.int64)
+    began = played.commands["began"][ends - 2]  # the commit was written at this clock, the events before it were taken
+    assert np.all(seqs <= np.searchsorted(played.accepted, played.commands["ended"][ends]))
+    assert np.all(seqs + 64 >= np.searchsorted(played.accepted, began))
+
+    model = CotModel(config, arrangement(name))
+    events = replace(traffic, ticks=traffic.ticks - traffic.ticks[0])
+    parts, at = [], 0
+    for change, seq in zip(changes, seqs, strict=True):
+        parts.append(model.feed(events[at:seq]))
+        active = alive(np.concatenate([part.records for part in parts]), change.slot)
+        ended = model.write_registers(change.slot, change.registers, restart=change.restart)
+        parts.append(Decisions(ended, *(column[:0] for column in parts[-1][1:])))
+        at = seq
+        census["changes"] += 1
+        census["lives that went on"] += active and not change.restart
+        census["lives that ended"] += len(ended)
+        assert len(ended) == (active and change.restart)
+    parts.append(model.feed(events[at:]))
+    golden = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    assert_same(played.decisions(0, n, chain), golden, chain)
+    return played, seqs, census
+
+
 @pytest.mark.parametrize("name", TRACKERS)
 def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
     """The hardware says at which event a commit took effect; the model, changed at that event, gives the same bits."""
-    build, chain = BUILDS[name], name == "chain"
+    build = BUILDS[name]
     print("seed 77")
-    census = {"changes": 0, "lives that went on": 0, "lives that ended": 0}
+    total = {"changes": 0, "lives that went on": 0, "lives that ended": 0}
     for run in range(4):
         rng = np.random.default_rng([77, run])
         config = replace(random_config(rng, build.shape), filter_shape=build.filter_shape)
@@ -155,34 +198,35 @@ def test_registers_change_between_two_events_and_lives_go_on(name: str) -> None:
         traffic = traffic_of(rng, build, n)
         changes = changes_of(rng, config, count)
         afters = np.sort(rng.integers(0, n - 500, count))
-        lists = [change.commands(rng, int(after)) for change, after in zip(changes, afters, strict=True)]
-        played = device.run(words_of(traffic), [command for commands in lists for command in commands])
-        assert not played.commands["response"].any()
-        ends = np.cumsum([len(commands) for commands in lists]) - 1
-        seqs = played.commands["result"][ends].astype(int)
-        began = played.commands["began"][ends - 2]  # the commit was written at this clock, the events before it were taken
-        assert np.all(seqs <= np.searchsorted(played.accepted, played.commands["ended"][ends]))
-        assert np.all(seqs + 64 >= np.searchsorted(played.accepted, began))
+        _, _, census = changed_in_flow(device, name, config, traffic, changes, afters, rng)
+        total = {what: total[what] + census[what] for what in total}
+    print(total)
+    assert total["lives that went on"] > 8
+    assert total["lives that ended"] > 8
 
-        model = CotModel(config, arrangement(name))
-        events = replace(traffic, ticks=traffic.ticks - traffic.ticks[0])
-        parts, at = [], 0
-        for change, seq in zip(changes, seqs, strict=True):
-            parts.append(model.feed(events[at:seq]))
-            active = alive(np.concatenate([part.records for part in parts]), change.slot)
-            ended = model.write_registers(change.slot, change.registers, restart=change.restart)
-            parts.append(Decisions(ended, *(column[:0] for column in parts[-1][1:])))
-            at = seq
-            census["changes"] += 1
-            census["lives that went on"] += active and not change.restart
-            census["lives that ended"] += len(ended)
-            assert len(ended) == (active and change.restart)
-        parts.append(model.feed(events[at:]))
-        golden = Decisions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-        assert_same(played.decisions(0, n, chain), golden, chain)
-    print(census)
-    assert census["lives that went on"] > 8
-    assert census["lives that ended"] > 8
+
+LAST_RUNS = 24  # of each build
+
+
+@pytest.mark.parametrize("name", TRACKERS)
+def test_the_last_events_of_a_run_are_exact_where_registers_change_among_them(name: str) -> None:
+    """Short runs, each from reset, with commits at the last events and behind them."""
+    build = BUILDS[name]
+    behind = owned = 0
+    for run in range(LAST_RUNS):
+        rng = np.random.default_rng([78, run])
+        config = replace(random_config(rng, build.shape), filter_shape=build.filter_shape)
+        device = device_of(name, config, pace=Pace.random(rng) if run % 4 else None)
+        device.configure()
+        n, count = int(rng.integers(60, 400)), int(rng.integers(1, 5))
+        traffic = traffic_of(rng, build, n)
+        afters = np.sort(rng.integers(n - 12, n + 1, count))
+        played, seqs, _ = changed_in_flow(device, name, config, traffic, changes_of(rng, config, count), afters, rng)
+        behind += int((seqs == n).any())
+        owned += int(played.decisions(0, n, name == "chain").owner[-1] >= 0)
+    print(f"{behind} runs with a commit behind the last event, {owned} whose last event has an owner")
+    assert behind > LAST_RUNS // 8
+    assert owned > LAST_RUNS // 8
 
 
 def alive(records: NDArray[np.void], slot: int) -> bool:

@@ -48,10 +48,10 @@ def test_a_new_period_counts_from_the_last_pulse() -> None:
     reset(sim)
     assert pulses(sim, 9) == []
     sim.io.period = 10
-    assert pulses(sim, 8) == [0]
+    assert pulses(sim, 8) == [1]
     sim.io.period = 3
-    assert pulses(sim, 7) == [0, 3, 6]
+    assert pulses(sim, 7) == [1, 4]
     sim.io.period = 0
-    assert pulses(sim, 40) == []
+    assert pulses(sim, 40) == [0]
     sim.io.period = 5
     assert pulses(sim, 10) == [4, 9]

@@ -61,8 +61,8 @@ class TestStories:
         device.run(clocks=50)
         device.set(prescale=60)
         assert device.run(clocks=30).given["m_"].tolist() == [59 + 3]
-        device.set(prescale=5)  # 20 clocks have passed: the tick comes now
-        assert device.run(clocks=7).given["m_"].tolist() == [80 + 3]
+        device.set(prescale=5)  # 20 clocks have passed: the tick comes in the next clock
+        assert device.run(clocks=7).given["m_"].tolist() == [81 + 3]
 
 
 @pytest.mark.parametrize(("tick_w", "prescale"), [(20, 7), (8, 1), (8, 65_535), (1, 3), (1, 40)])
@@ -73,19 +73,19 @@ def test_events_come_at_the_tick_of_their_clock_and_no_tick_is_lost(tick_w: int,
         device.stalls = random_stalls(rng, ("s_", "m_"))
         if run == 2:  # long stalls
             device.stalls = {"s_": random_pattern(rng), "m_": np.repeat(random_pattern(rng, 0.3), 500)}
-        device.reset()
         device.set(prescale=prescale)
+        device.reset()
         n = 30_000
         events = np.stack([rng.integers(0, 2048, n), rng.integers(0, 2048, n), rng.integers(0, 2, n)], axis=1)
         first = device.run({"s_": events}, clocks=20_000)
         taken = len(first.accepted["s_"])
-        device.set(prescale=0)  # nothing is added any more
+        device.set(prescale=0)  # from the next clock on nothing is added any more
         device.stalls = {}
         rest = device.run({"s_": []}, clocks=50_000)
         decoded = decode_tokens(joined(first, rest))
         assert np.array_equal(decoded.events[:, 2:], events[:taken])
         assert np.array_equal(decoded.at, first.accepted["s_"] // prescale)
-        assert decoded.ticks == 20_000 // prescale
+        assert decoded.ticks == 20_001 // prescale
         assert taken > 500
         alone = joined(first, rest)
         assert (alone[alone[:, 1] == 0, 0] > 0).all()  # no token says nothing

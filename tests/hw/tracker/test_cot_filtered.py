@@ -18,6 +18,7 @@ from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device, build_device
 from evcot_cosim.names import Top
+from support import moving
 from support.testing import lint
 from support.ticked import ticked
 from support.trials import random_config, random_traffic
@@ -93,6 +94,22 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled
     assert min(count for kind, count in kinds.items() if kind != Kind.MERGED or top != "cot_chain") > 20
 
 
+@pytest.mark.parametrize("stalls", [None, 5])
+def test_with_motion(stalls: int | None) -> None:
+    filters = FilterRegisters(enable=enable(Filter.REFRACTORY), refractory_ticks=200)
+    sensor = FilterShape(width=128, height=64, stamp_w=12)
+    config = CotConfig(moving.SHAPE, filters=filters, filter_shape=sensor, motion=moving.QUICK)
+    events = moving.scene(1)
+    golden = CotModel(config).feed(events)
+    waits = None if stalls is None else Stalls.random(np.random.default_rng(stalls))
+    hardware = Device(config, stalls=waits).stream(events)
+    for field in Decisions._fields:
+        assert np.array_equal(getattr(hardware, field), getattr(golden, field)), field
+    assert 0 < np.count_nonzero(golden.owner == DROPPED) < len(events)
+    assert len(golden.records) > 20
+    assert len(CotModel(replace(config, filters=FilterRegisters())).feed(events).records) != len(golden.records)
+
+
 @pytest.mark.parametrize("engine", ["model", "rtl"])
 def test_records_carry_the_numbers_of_the_camera(engine: str) -> None:
     filters = FilterRegisters(enable=enable(Filter.POLARITY), polarity=1)
@@ -131,6 +148,6 @@ def test_a_single_tracker_has_no_filters_in_front() -> None:
         build_device(config, "cot")
 
 
-@pytest.mark.parametrize("tracker", [0, 1])
+@pytest.mark.parametrize("tracker", [0, 1, 2])
 def test_lints_clean(tracker: int) -> None:
     assert lint("cot_filtered", TRACKER=tracker) == (0, "")

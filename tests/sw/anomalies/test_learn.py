@@ -62,6 +62,19 @@ def test_logs_add_up() -> None:
     np.testing.assert_allclose(both.visits, 2 * one.visits)
 
 
+def test_a_log_in_runs_teaches_what_the_whole_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    logs = [log(*traffic(12))]
+    whole = learn(logs, SENSOR)
+    monkeypatch.setattr("evcot.tracks.log._RUN", 37)
+    monkeypatch.setattr("evcot.anomalies.visits._ROWS", 1)
+    in_runs = learn(logs, SENSOR)
+    assert in_runs.tracks == whole.tracks
+    for name in ("visits", "ends", "turns"):
+        np.testing.assert_array_equal(getattr(in_runs, name), getattr(whole, name))
+    for name in ("x", "y", "log_speed", "log_speed_squared"):
+        np.testing.assert_allclose(getattr(in_runs, name), getattr(whole, name), rtol=1e-12, atol=1e-12)
+
+
 def test_the_smallest_sensor_is_taken_where_none_is_given() -> None:
     tracks = log(track(1, 0, 1_000_000, straight(10, 20, 40, 30)))
     assert smallest_sensor([tracks]) == (51, 51)

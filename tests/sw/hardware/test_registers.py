@@ -13,8 +13,11 @@ import pytest
 from evcot.errors import ConfigError
 from evcot.filters.contract import FILTER_REGISTERS, FilterShape
 from evcot.hardware.contract import RECORD, REGISTERS, Register, Shape
+from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RANGES, MOTION_RULES
 from evcot.hardware.register_access import Registers
-from evcot.hardware.registers import Access, map_of, register_map
+from evcot.hardware.registers import Access, map_of, motion_addresses, register_map
+
+BANKS = {"slot": REGISTERS, "filter": FILTER_REGISTERS, **MOTION_BANKS}
 
 
 class Memory:
@@ -144,7 +147,7 @@ def test_refuses_a_map_that_does_not_hold_together(name: str) -> None:
     data = toml()
     breaks(data)
     with pytest.raises(ConfigError) as caught:
-        map_of(data, REGISTERS, FILTER_REGISTERS)
+        map_of(data, BANKS)
     assert str(caught.value).startswith(f"registers.toml: {said}")
 
 
@@ -162,13 +165,37 @@ def test_refuses_a_map_that_does_not_hold_together(name: str) -> None:
 def test_refuses_a_register_where_another_is(name: str, address: int, said: str) -> None:
     more = REGISTERS | {name: Register(address, 8, 0, None, "", "one more")}
     with pytest.raises(ConfigError) as caught:
-        map_of(toml(), more, FILTER_REGISTERS)
+        map_of(toml(), BANKS | {"slot": more})
     assert str(caught.value) == f"registers.toml: {said}"
 
 
 def test_takes_registers_up_to_the_last_place() -> None:
     more = REGISTERS | {f"more_{i}": Register(i, 8, 0, None, "", "one more") for i in range(len(REGISTERS), 31)}
-    assert map_of(toml(), more, FILTER_REGISTERS).banks["slot"].last == 30
+    assert map_of(toml(), BANKS | {"slot": more}).banks["slot"].last == 30
+
+
+def test_every_register_of_motion_but_its_enable_is_in_one_bank_and_starts_legal() -> None:
+    names = [name for bank in MOTION_BANKS.values() for name in bank]
+    assert sorted([*names, "enable"]) == sorted(MOTION_RANGES)
+    for bank in MOTION_BANKS.values():
+        assert all(entry.low <= entry.start <= entry.high for entry in bank.values())
+    for rule in MOTION_RULES:  # the two registers of a rule are committed together
+        (bank,) = [bank for bank in MOTION_BANKS.values() if rule.less in bank]
+        assert rule.times * bank[rule.less].start <= bank[rule.more].start
+    addresses = motion_addresses()
+    assert addresses["mode"] == 0
+    assert len(set(addresses.values())) == len(addresses) == len(MOTION_RANGES)
+
+
+def test_registers_of_motion_are_where_the_hardware_says_that_it_has_them() -> None:
+    registers = Registers(Memory(build=2 << 16))
+    registers.motion.side_max = 99
+    assert registers.motion.side_max == 99
+    for tracker in (0, 1):
+        with pytest.raises(
+            ConfigError, match=f"no registers tracks: it was built with TRACKER = {tracker}; TRACKER = 2 builds"
+        ):
+            _ = Registers(Memory(build=tracker << 16)).tracks
 
 
 def test_values_after_reset_are_legal() -> None:

@@ -8,12 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from evcot.errors import ConfigError
 from evcot.metrics import GroundTruth, Rule
 from evcot.metrics.frames import Frames, line_up
 from evcot.metrics.truth import OBJECT
-from evcot.tracks.log import Kind
+from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.timeline import sample
 
 from .stories import logged
 
@@ -28,10 +30,14 @@ def truth_of(*boxes: tuple[int, int, float, float, float, float, bool]) -> Groun
     return GroundTruth(100 * np.arange(max(box[0] for box in boxes) + 1), objects, ("a", "b", "c"))
 
 
+def lined_up(log: TrackLog, truth: GroundTruth, rule: Rule) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
+    return line_up(sample(log, truth.instants_us), truth, rule)
+
+
 def frames_of(truth: GroundTruth, places: Sequence[tuple[float, float]], rule: Rule = RULE, **box: float) -> Frames:
     """Tracks 10, 11, ... stand at these places from the first instant on, with boxes of 10 x 10 px or these."""
     log = logged(*((0, 10 + i, Kind.BORN, x, y) for i, (x, y) in enumerate(places)), **box)
-    return line_up(log, truth, rule)[0]
+    return lined_up(log, truth, rule)[0]
 
 
 def test_similarity_falls_from_the_centre_to_half_a_diagonal_away() -> None:
@@ -78,7 +84,7 @@ def test_an_output_in_a_band_counts_only_inside_a_box() -> None:
         "right of that": (10, 90),
         "right": (334.1, 90), "left of that": (334, 90), "bottom": (90, 246.1), "above that": (90, 246),
     }  # fmt: skip
-    frames, _, outputs = line_up(logged(*((0, i, Kind.BORN, x, y) for i, (x, y) in enumerate(places.values()))), truth, rule)
+    frames, _, outputs = lined_up(logged(*((0, i, Kind.BORN, x, y) for i, (x, y) in enumerate(places.values()))), truth, rule)
     assert [list(places)[i] for i in outputs["track_id"]] == [
         "in the box, above", "below that", "right of that", "left of that", "above that",
     ]  # fmt: skip
@@ -91,7 +97,7 @@ def test_an_output_in_a_band_counts_only_inside_a_box() -> None:
 
 def test_a_box_that_does_not_count_excuses_what_is_in_it_alone() -> None:
     truth = truth_of((0, 0, 20.0, 20.0, 10.0, 10.0, True), (0, 1, 26.0, 20.0, 10.0, 10.0, False))
-    frames, objects, outputs = line_up(
+    frames, objects, outputs = lined_up(
         logged((0, 1, Kind.BORN, 28.0, 20.0), (0, 2, Kind.BORN, 23.0, 20.0), (0, 3, Kind.BORN, 40.0, 20.0)), truth, RULE
     )
     np.testing.assert_array_equal(objects["object"], [0])
@@ -105,7 +111,7 @@ def test_numbers_stay_with_objects_and_tracks_over_time() -> None:
         (0, 70, Kind.BORN, 10.0, 10.0), (50, 30, Kind.BORN, 50.0, 50.0), (150, 70, Kind.MOVED, 20.0, 20.0),
         (150, 90, Kind.BORN, 0.0, 0.0), (160, 90, Kind.LOST, 0.0, 0.0),
     )  # fmt: skip
-    frames, objects, outputs = line_up(log, truth, RULE)
+    frames, objects, outputs = lined_up(log, truth, RULE)
     assert [ids.tolist() for ids in frames.truth] == [[1], [], [0, 1]]
     assert [ids.tolist() for ids in frames.tracks] == [[1], [0, 1], [0, 1]]
     assert [part.shape for part in frames.similarity] == [(1, 1), (0, 2), (2, 2)]

@@ -12,6 +12,7 @@ from evcot.metrics.truth import OBJECT
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.timeline import SAMPLE, sample
 
+NEVER_US = 1 << 40  # no state gets old
 INSTANTS_US = np.arange(300_000, 1_700_000, 10_000)
 
 
@@ -37,7 +38,9 @@ def track(late_us: int = 0, dx: float = 0.0, faster: float = 1.0) -> TrackLog:
 
 
 def measured(log: TrackLog, objects: NDArray[np.void] | None = None) -> Motion:
-    return motion(log, objects_at(INSTANTS_US) if objects is None else objects, outputs_at(log, INSTANTS_US), INSTANTS_US)
+    return motion(
+        log, NEVER_US, objects_at(INSTANTS_US) if objects is None else objects, outputs_at(log, INSTANTS_US), INSTANTS_US
+    )
 
 
 def outputs_at(log: TrackLog, instants_us: NDArray[np.int64]) -> NDArray[np.void]:
@@ -99,7 +102,7 @@ def test_the_stated_velocity_is_held_against_the_objects_where_there_is_one() ->
 
 def test_without_velocities_or_pairs_there_are_no_figures() -> None:
     assert measured(track(), objects_at(INSTANTS_US, velocity=False)).velocity_error_median is None
-    nobody = motion(track(), objects_at(INSTANTS_US[:0]), np.empty(0, SAMPLE), INSTANTS_US[:0])
+    nobody = motion(track(), NEVER_US, objects_at(INSTANTS_US[:0]), np.empty(0, SAMPLE), INSTANTS_US[:0])
     assert nobody == Motion(None, None, None, None, None)
 
 
@@ -110,7 +113,7 @@ def test_of_equal_shifts_the_smallest_counts() -> None:
     records["x"], records["y"] = ball(records["t_us"] + 40_000)
     instants_us = INSTANTS_US[INSTANTS_US % 40_000 == 0]
     log = TrackLog("test", records, log.owner)
-    found = motion(log, objects_at(instants_us), outputs_at(log, instants_us), instants_us)
+    found = motion(log, NEVER_US, objects_at(instants_us), outputs_at(log, instants_us), instants_us)
     assert found.latency_ms == -1.0
 
 
@@ -125,5 +128,5 @@ def test_a_shift_at_which_most_tracks_are_not_there_says_nothing() -> None:
     records["kind"][-1] = Kind.LOST
     records["x"], records["y"] = records["t_us"] * 1e-3, 3.0
     records["x"][40], records["y"][40] = 0.0, 0.0
-    found = motion(TrackLog("test", records, np.empty(0, np.int16)), objects, np.zeros(5, SAMPLE), instants_us)
+    found = motion(TrackLog("test", records, np.empty(0, np.int16)), NEVER_US, objects, np.zeros(5, SAMPLE), instants_us)
     assert found.latency_ms == 0.0

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from evcot.errors import TrackLogError
-from evcot.metrics.sampling import checked, expiring, positions
+from evcot.metrics.sampling import checked, checked_runs, positions, positions_around
 from evcot.tracks.log import Kind, TrackLog
-from evcot.tracks.timeline import sample
+from evcot.tracks.timeline import expiring, sample
+from evcot.tracks.windows import sampled
 
 from .stories import logged
 
@@ -90,3 +91,32 @@ def test_a_record_that_no_engine_writes_is_refused(log: TrackLog, field: str, va
 def test_an_open_track_is_nowhere_before_its_birth() -> None:
     x, _ = positions(logged((5, 1, BORN, 4.0, 4.0)), np.array([1]), np.array([[4, 5, 10**9]]))
     np.testing.assert_array_equal(x, [[np.nan, 4.0, 4.0]])
+
+
+def busy(seed: int) -> TrackLog:
+    """Few tracks, many records in the same microsecond, gaps longer than an age, ids that are born again."""
+    rng = np.random.default_rng(seed)
+    t_us = np.cumsum(rng.choice([0, 0, 1, 7, 60], 300)).tolist()
+    ids, kinds = rng.integers(1, 5, 300).tolist(), rng.choice([BORN, MOVED, MOVED, MOVED, LOST, MERGED], 300).tolist()
+    return logged(*((t, i, Kind(kind), float(n), 2.0 * n) for n, (t, i, kind) in enumerate(zip(t_us, ids, kinds, strict=True))))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("run", [1, 3, 50, 400])
+def test_a_log_in_runs_is_sampled_as_the_whole(seed: int, run: int) -> None:
+    log, age_us = busy(seed), 40
+    runs = [log.records[begin : begin + run] for begin in range(0, len(log.records), run)]
+    times_us = np.arange(-5, log.records["t_us"][-1] + 100)
+    whole = expiring(log, age_us)
+    np.testing.assert_array_equal(sampled(runs, times_us, age_us), sample(whole, times_us))
+    ids, offsets_us = np.arange(len(times_us)) % 6, np.array([3, -30, 0, 90])
+    expected = positions(whole, ids, times_us[:, None] + offsets_us)
+    np.testing.assert_array_equal(positions_around(runs, age_us, ids, times_us, offsets_us), expected)
+
+
+def test_runs_are_checked_one_after_the_other(log: TrackLog) -> None:
+    runs = [log.records[:2], log.records[2:2], log.records[2:]]
+    assert sum(len(run) for run in checked_runs(runs)) == 6
+    runs[2]["t_us"][0] = 119
+    with pytest.raises(TrackLogError, match=r"^record 2: t_us = 119: must not be before the record before it$"):
+        list(checked_runs(runs))

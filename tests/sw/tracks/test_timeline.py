@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.tally import LifeCounter
 from evcot.tracks.timeline import LIFE, MERGE, OPEN, SAMPLE, alive, lifetimes, merges, sample
 from support.logs import Row, log_of
 
@@ -47,6 +48,16 @@ def test_a_track_that_was_born_before_the_log_begins_lives_from_its_first_record
     ends = TrackLog("by hand", two_meet.records[5:6], two_meet.owner)
     assert lifetimes(ends, until_us=120).tolist() == [(0, 0, 90, 90, Kind.LOST, -1)]
     assert alive(ends, np.array([89, 90, 91])).tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize("run", [1, 2, 7])
+def test_lives_are_counted_in_runs_as_in_the_whole(run: int) -> None:
+    rng = np.random.default_rng(3)
+    log = log_of([(10 * i, Kind(int(rng.integers(4))), int(rng.integers(5)), 1.0, 1.0, -1) for i in range(300)])
+    lives = LifeCounter()
+    for begin in range(0, 300, run):
+        lives.add(log.records[begin : begin + run])
+    assert lives.count == len(lifetimes(log, 0))
 
 
 def test_an_id_that_is_born_again_is_another_track() -> None:

@@ -12,13 +12,12 @@ from typing import Any
 from evcot.anomalies import AnomalyConfig, FieldConfig, NormalMotion, Verdict, Zones, anomalies, learn, load_zones
 from evcot.anomalies.alarm import check_table_path, rows, write_alarms
 from evcot.anomalies.learn import smallest_sensor
-from evcot.errors import ConfigError, TrackLogError
+from evcot.errors import ConfigError
 from evcot.ranges import read_pair
 from evcot.recordings.files import open_recording
 from evcot.scenes.registry import adjusted
 from evcot.tracks.belongs import Extent
-from evcot.tracks.log import TrackLog
-from evcot.tracks.timeline import lifetimes
+from evcot.tracks.reading import RecordRuns, in_the_name_of, open_log
 
 from ...tables import counted, print_table
 from ..options import sensor_from
@@ -35,22 +34,24 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
     return _learn(options, logs, sensor) if options.learn else _watch(options, logs, sensor)
 
 
-def _logs(options: argparse.Namespace) -> tuple[tuple[int, int] | None, list[TrackLog]]:
+def _logs(options: argparse.Namespace) -> tuple[tuple[int, int] | None, list[RecordRuns]]:
     """The sensor, where somebody says it, and the logs."""
     sensor = sensor_from(options)
-    logs = [TrackLog.load(path, owners=options.recording is not None) for path in options.logs]
+    logs: list[RecordRuns] = [open_log(path) for path in options.logs]
     if options.recording is not None:
         sensor = _check_recording(options, logs, sensor)
     return sensor, logs
 
 
-def _check_recording(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> tuple[int, int]:
+def _check_recording(
+    options: argparse.Namespace, logs: Sequence[RecordRuns], sensor: tuple[int, int] | None
+) -> tuple[int, int]:
     with open_recording(options.recording, sensor) as file:
         check_logs(zip(options.logs, logs, strict=True), str(options.recording), Extent.of(file.blocks(required=True)))
         return file.sensor
 
 
-def _learn(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> int:
+def _learn(options: argparse.Namespace, logs: Sequence[RecordRuns], sensor: tuple[int, int] | None) -> int:
     for option in ("normal", "zones", "picture"):
         if getattr(options, option) is not None:
             raise ConfigError(f"--{option}: must not be given with --learn")
@@ -74,7 +75,7 @@ def _learn(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
     return 0
 
 
-def _watch(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[int, int] | None) -> int:
+def _watch(options: argparse.Namespace, logs: Sequence[RecordRuns], sensor: tuple[int, int] | None) -> int:
     if len(logs) != 1:
         raise ConfigError(f"{len(logs)} logs: must be one, unless --learn is given")
     if options.output is not None:
@@ -87,11 +88,8 @@ def _watch(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
     if sensor is not None and known is not None and sensor != known:
         told = ["x".join(map(str, size)) for size in (sensor, known)]
         raise ConfigError(f"sensor {told[0]}: must be that of the normal motion and the zones, {told[1]}")
-    try:
-        with Counting("looking for anomalies", enabled=not options.json):
-            verdict = anomalies(log, config, normal, zones)
-    except TrackLogError as error:
-        raise TrackLogError(f"{options.logs[0]}: {error}") from error
+    with Counting("looking for anomalies", enabled=not options.json), in_the_name_of(options.logs[0]):
+        verdict = anomalies(log, config, normal, zones)
     table = rows(verdict.alarms, [zone.name for zone in zones.zones], [line.name for line in zones.lines])
     if options.output is not None:
         write_alarms(options.output, table, force=options.force)
@@ -100,26 +98,24 @@ def _watch(options: argparse.Namespace, logs: Sequence[TrackLog], sensor: tuple[
 
         size = sensor or known or smallest_sensor(logs)
         title = f"{options.logs[0].name}: {counted(len(table), 'alarm')} (kind, track, time)"
-        draw_alarms(log, verdict.alarms, options.picture, title, size, normal, zones, force=options.force)
-    _report(options, log, verdict, table, zones, config)
+        draw_alarms(log, verdict, options.picture, title, size, normal, zones, force=options.force)
+    _report(options, verdict, table, zones, config)
     return 0
 
 
 def _report(
     options: argparse.Namespace,
-    log: TrackLog,
     verdict: Verdict,
     table: list[dict[str, Any]],
     zones: Zones,
     config: AnomalyConfig,
 ) -> None:
-    tracks = len(lifetimes(log, 0))
     lines = [
         {"name": line.name, "to_right": int(right), "to_left": int(left)}
         for line, (right, left) in zip(zones.lines, verdict.counts, strict=True)
     ]
     if options.json:
-        report = {"tracks": tracks, "alarms": table, "lines": lines, "settings": asdict(config)}
+        report = {"tracks": verdict.tracks, "alarms": table, "lines": lines, "settings": asdict(config)}
         print(json.dumps(report, indent=2, allow_nan=False))
         return
     if table:
@@ -127,7 +123,7 @@ def _report(
         print_table([head, *map(_row, table)])
     for line in lines:
         print(f"{line['name']}: {line['to_right']} to the right, {line['to_left']} to the left")
-    print(f"{counted(len(table), 'alarm')} on {counted(tracks, 'track')}")
+    print(f"{counted(len(table), 'alarm')} on {counted(verdict.tracks, 'track')}")
 
 
 def _row(alarm: dict[str, Any]) -> tuple[Any, ...]:

@@ -11,11 +11,12 @@ from evcot.errors import TrackLogError
 from evcot.events import Events
 from evcot.tracks.belongs import Extent, check_belongs
 from evcot.tracks.log import TrackLog
+from evcot.tracks.reading import RecordRuns
 
 __all__ = ["check_logs", "run_extent"]
 
 
-def check_logs(logs: Iterable[tuple[Path, TrackLog]], recording: str, *extents: Extent) -> None:
+def check_logs(logs: Iterable[tuple[Path, RecordRuns]], recording: str, *extents: Extent) -> None:
     """Raise TrackLogError, in the name of its file, for a log that is of none of these extents of a recording.
 
     Args:
@@ -33,7 +34,7 @@ def run_extent(events: Events, logs: Iterable[TrackLog], summary: Mapping[str, A
     return Extent.of([events[:decided]])
 
 
-def _error(log: TrackLog, extent: Extent) -> TrackLogError | None:
+def _error(log: RecordRuns, extent: Extent) -> TrackLogError | None:
     try:
         check_belongs(log, extent)
     except TrackLogError as error:

@@ -8,11 +8,10 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 
-from evcot.errors import TrackLogError
-from evcot.metrics.sampling import checked
+from evcot.metrics.sampling import checked_runs
 from evcot.tracks.formats.of_log import boxes_of_log
 from evcot.tracks.formats.registry import box_format, is_boxes, read_boxes, write_boxes
-from evcot.tracks.log import TrackLog
+from evcot.tracks.reading import in_the_name_of, open_log
 
 from ..options import sensor_from
 from .clock import clock_from
@@ -28,13 +27,11 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         boxes = read_boxes(options.source, clock, options.source_format)
         boxes = replace(boxes, sensor=sensor or boxes.sensor)
     else:
-        try:
-            boxes = boxes_of_log(checked(TrackLog.load(options.source)), clock, sensor)
-        except TrackLogError as error:
-            message = str(error)
-            raise TrackLogError(
-                message if message.startswith(f"{options.source}: ") else f"{options.source}: {message}"
-            ) from error
+        log = open_log(options.source)
+        with in_the_name_of(options.source):
+            for _ in checked_runs(log.record_runs()):
+                pass
+            boxes = boxes_of_log(log, clock, sensor)
     write_boxes(options.target, boxes, clock, kind.NAME, force=options.force)
     frames, tracks = len(boxes.instants_us), len(set(boxes.rows["id"].tolist()))
     if options.json:

@@ -93,7 +93,7 @@ def _rows(s: Scores) -> list[tuple[str, str]]:
         ("instants", f"{s.frames}"),
         ("position error", f"{_with(s.position_error_px_median, 'px')} median, {_with(s.position_error_px_p90, 'px')} at 90 %"),
         ("velocity error", _with(s.velocity_error_median, "px/s median")),
-        ("as stated", _with(s.stated_velocity_error_median, "px/s median")),
+        ("stated velocity", _with(s.stated_velocity_error_median, "px/s median")),
         ("latency", _with(s.latency_ms, "ms")),
     ]
 

@@ -65,7 +65,7 @@ def _rate_rows(found: Description) -> Iterator[tuple[str, str]]:
 def _pixel_rows(pixels: PixelFigures) -> Iterator[tuple[str, str]]:
     yield "silent pixels", _percent(pixels.silent)
     if pixels.median_interval_us is not None:
-        yield "pixel interval", f"{_duration(pixels.median_interval_us)} from event to event of a pixel, median"
+        yield "pixel interval", f"{_duration(pixels.median_interval_us)} between two events of a pixel, median"
     busiest = (f"({pixel.x}, {pixel.y}) {100 * pixel.share:.3g} %" for pixel in pixels.busiest)
     yield "busiest pixels", ", ".join(busiest)
 

@@ -44,7 +44,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
                 f"{config.cot.tick_us} us",
             )
         )
-    rows.append((AUTO, "from what is seen in the recording: docs/auto.md", "", "", ""))
+    rows.append((AUTO, "from what the recording shows: docs/auto.md", "", "", ""))
     print_table(rows)
     return 0
 

@@ -16,7 +16,7 @@ from evcot.recordings.files import RecordingFile
 from evcot.trackers.engines import ENGINES
 from evcot.tracks.formats.of_log import boxes_of_log
 from evcot.tracks.formats.registry import box_format, write_boxes
-from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.log import Kind
 from evcot.tracks.spool import LogSpool
 from evcot.tracks.spooling import track_into
 from evcot.tracks.tally import Tally
@@ -33,6 +33,17 @@ from .settings import configured, plain, say_seen
 from .work import say_resumed, work_key
 
 __all__ = ["run"]
+
+
+# How the table calls what --json names otherwise.
+_LABELS = {
+    "owned": "in tracks",
+    "passed": "in no track",
+    "filtered": "filtered out",
+    "merged": "ended in a merge",
+    "longest_track_s": "longest track",
+    "frame_1_at_us": "frame 1 at (us)",
+}
 
 
 def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
@@ -66,15 +77,21 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
         say_seen(done.tracker, quiet=options.quiet)
         if options.boxes is not None and done.log is not None:
             clock = clock_from(options, first_us)
-            boxes = boxes_of_log(_records_of(done.log), clock, sensor)
+            boxes = boxes_of_log(done.log, clock, sensor)
             write_boxes(options.boxes, boxes, clock, options.boxes_format, force=options.force)
             found["frame_1_at_us"] = clock.origin_us
     if options.json:
         said = {"engine": options.engine, "settings": plain(settings), "filters": asdict(filters)}
         print(json.dumps(found | said, indent=2, allow_nan=False))
     elif not options.quiet:
-        print_table([(name.replace("_", " "), "" if value is None else f"{value:,}") for name, value in found.items()])
+        print_table([(_LABELS.get(name, name.replace("_", " ")), _text(name, value)) for name, value in found.items()])
     return 0
+
+
+def _text(name: str, value: float | None) -> str:
+    if value is None:
+        return "none"
+    return f"{value:,.3f} s" if name.endswith("_s") else f"{value:,}"
 
 
 def _say(options: argparse.Namespace, file: RecordingFile) -> Callable[[int], None] | None:
@@ -86,11 +103,6 @@ def _write(options: argparse.Namespace, log: LogSpool) -> None:
         save_log(log, options.output, force=options.force)
     if options.csv is not None:
         write_csv(log, options.csv, force=options.force)
-
-
-def _records_of(log: LogSpool) -> TrackLog:
-    """The records in memory, without owners."""
-    return TrackLog(log.engine, log.records[0 : len(log.records)], log.owner[0:0])
 
 
 def _check_boxes(options: argparse.Namespace) -> None:

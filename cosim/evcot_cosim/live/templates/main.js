@@ -3,6 +3,7 @@
 
 const RECONNECT_MS = [500, 1000, 2000, 4000];
 const TABLE_MS = 250;
+const AHEAD_S = 0.1; // of the recording: the way that an arrow shows
 const ENDED = "ended; a new run at this address is shown by itself";
 
 const controls = document.getElementById("controls");
@@ -88,15 +89,15 @@ function addEvents({ t, x, y, p, filtered }) {
 
 function draw() {
   if (!live.stage) return;
-  const show = { box: controls.boxes.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked };
+  const show = { box: controls.boxes.checked, inner: false, id: controls.ids.checked, trail: controls.trails.checked, velocity: controls.velocity.checked };
   const layers = live.lanes.map((name, lane) => {
-    const clusters = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle }) => {
+    const clusters = live.clusters.filter((cluster) => cluster.lane === lane).map(({ id, x, y, width, height, angle, vx, vy }) => {
       const trail = live.trails.of(lane, id);
-      return { id, x, y, angle, halfWidth: width / 2, halfHeight: height / 2, inner: null, trail, strong: false };
+      return { id, x, y, angle, vx, vy, halfWidth: width / 2, halfHeight: height / 2, inner: null, trail, strong: false };
     });
     const hardware = name === "hardware";
     const colour = live.colours[hardware ? "hardware" : "software"];
-    return { colour, dash: [], width: 1.8, show, clusters, corner: hardware ? "right" : "left" };
+    return { colour, dash: [], width: 1.8, show, ahead: AHEAD_S, clusters, corner: hardware ? "right" : "left" };
   });
   const decay = Number(controls.decay.value) * live.speed;
   live.stage.draw(live.surface, live.now, decay, layers);

@@ -8,10 +8,15 @@ const LINEAR = 500; // us of silence up to which the scale is about linear
 function frame(context, width, height, theme, most, unit) {
   context.fillStyle = theme.line;
   context.fillRect(0, height - 1, width, 1);
-  context.fillStyle = theme.quiet;
   context.font = `10px ${theme.font}`;
   context.textBaseline = "top";
-  context.fillText(`${most.toLocaleString("en", { maximumFractionDigits: 1 })}${unit}`, 2, 1);
+  const text = `${most.toLocaleString("en", { maximumFractionDigits: 1 })}${unit}`;
+  context.fillStyle = theme.panel; // a curve at its most does not strike the text out
+  context.globalAlpha = 0.8;
+  context.fillRect(0, 0, context.measureText(text).width + 4, 12);
+  context.globalAlpha = 1;
+  context.fillStyle = theme.quiet;
+  context.fillText(text, 2, 1);
 }
 
 /** Event rate over the recording, as an area. */

@@ -2,7 +2,7 @@
 // Description of the event under the pointer: time, position, polarity and owner.
 import { timeText } from "./axis.js";
 
-const SLOT_WORDS = { [-1]: "passed through", [-2]: "removed by a filter" };
+const SLOT_WORDS = { [-1]: "in no track", [-2]: "removed by a filter" };
 
 function ownerText(side, slot, at) {
   if (slot < 0) return SLOT_WORDS[slot];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Display options: the checkboxes and sliders beside the playback.
 
-const PARTS = ["box", "inner", "id", "trail"];
+const PARTS = ["box", "inner", "id", "trail", "velocity"];
 
 /** A slider's position on a logarithmic scale: its `min` and `max` are powers of ten. */
 function power(slider) {

@@ -10,6 +10,7 @@ import { followLinks } from "./links.js";
 import { LivesPanel } from "./lives.js";
 import { PlaceList, countWhen, rowsOfLives } from "./places.js";
 import { zoomable } from "./pointer.js";
+import { Present } from "./present.js";
 import { Recording } from "./recording.js";
 import { Stage } from "./stage.js";
 import { Steps } from "./steps.js";
@@ -58,6 +59,7 @@ async function start() {
   }, { seek: (time) => go(time), choose: ({ side, life, at }) => go(at, side, life), changed: restyle });
 
   const lists = placeLists();
+  const present = new Present($("#alive-now"), $("#alive-count"), sides, (side, life) => go(clock.now, side, life));
 
   /** The lists of places that the page has: differences and merges of hardware and software, and every side's lives. */
   function placeLists() {
@@ -88,6 +90,7 @@ async function start() {
     if (!clock.playing || at - lastRead > READ_EVERY) {
       lastRead = at;
       timeline.read(now, theme, selected, seen);
+      present.draw(now, seen, selected);
       $("#number").textContent = `event ${recording.upTo(now).toLocaleString("en")} of ${recording.t.length.toLocaleString("en")}`;
     }
     frames += 1;
@@ -104,7 +107,7 @@ async function start() {
         const strong = selected?.side === side && selected.life === life;
         return inCells(side.cluster(life, now, show.trail ? layers.trail : 0, strong));
       });
-      return { ...style, show, clusters, marks: any && side.engine ? side.marks(since, now).map(inCells) : [] };
+      return { ...style, show, clusters, ahead: layers.trail / 4e6, marks: any && side.engine ? side.marks(since, now).map(inCells) : [] };
     }); // dashed lines over the hardware's solid ones: where they coincide, both are visible
   }
 
@@ -112,7 +115,7 @@ async function start() {
   function inCells(thing) {
     if (recording.cell === 1) return thing;
     const scaled = { ...thing };
-    for (const name of ["x", "y", "inner", "halfWidth", "halfHeight"]) if (thing[name]) scaled[name] = thing[name] / recording.cell;
+    for (const name of ["x", "y", "inner", "halfWidth", "halfHeight", "vx", "vy"]) if (thing[name]) scaled[name] = thing[name] / recording.cell;
     if (thing.trail) scaled.trail = thing.trail.map((value) => value / recording.cell);
     return scaled;
   }

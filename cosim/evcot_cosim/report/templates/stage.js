@@ -4,6 +4,7 @@ import { fading } from "./surface.js";
 
 const ID_PX = 11;
 const INNER_DASH = [1, 3];
+const ARROW_PX = 7; // of the head; a shorter arrow is not drawn
 const TRAIL_STEP_PX = 2; // shorter steps of a trail are left out
 const ZOOM_MAX = 40; // canvas pixels for one of the sensor's, on a screen of common density
 
@@ -123,7 +124,7 @@ export class Stage {
     context.restore();
   }
 
-  #drawLayer({ colour, dash, width, clusters, show, corner = "left" }) {
+  #drawLayer({ colour, dash, width, clusters, show, ahead, corner = "left" }) {
     const { context, ratio } = this;
     context.strokeStyle = context.fillStyle = colour;
     if (show.trail) {
@@ -136,6 +137,10 @@ export class Stage {
       const pen = Math.round(width * ratio) * (cluster.strong ? 2 : 1);
       if (show.box) this.#box(cluster, pen, dash);
       if (show.inner && cluster.inner !== null) this.#frame(cluster, cluster.inner, cluster.inner, ratio, INNER_DASH);
+    }
+    if (show.velocity) {
+      context.lineWidth = width * ratio;
+      for (const cluster of clusters) this.#arrow(cluster, ahead);
     }
     if (show.id) this.#writeIds(clusters, colour, corner);
   }
@@ -150,6 +155,24 @@ export class Stage {
       const [left, top] = [trail[i] * scale, trail[i + 1] * scale];
       if (Math.abs(left - x) + Math.abs(top - y) < TRAIL_STEP_PX * ratio && i < trail.length - 2) continue;
       context.lineTo((x = left), (y = top));
+    }
+    context.stroke();
+  }
+
+  /** The way that a cluster goes in `ahead` seconds, as an arrow from its centre. */
+  #arrow({ x, y, vx = 0, vy = 0 }, ahead) {
+    const { context, scale, ratio } = this;
+    const [wide, high] = [vx * ahead * scale, vy * ahead * scale];
+    const length = Math.hypot(wide, high);
+    if (length < ARROW_PX * ratio) return;
+    const head = Math.min(ARROW_PX * ratio, length / 2) / length;
+    const [left, top] = [x * scale + wide, y * scale + high];
+    context.beginPath();
+    context.moveTo(x * scale, y * scale);
+    context.lineTo(left, top);
+    for (const side of [-1, 1]) {
+      context.moveTo(left, top);
+      context.lineTo(left - head * (wide + side * high * 0.6), top - head * (high - side * wide * 0.6));
     }
     context.stroke();
   }

@@ -11,12 +11,12 @@ const TRAIL_POINTS = 120; // at most, of one trail
 
 export class Tracks {
   /** Columns of paths.py under this name; `ring`: per slot, window less inner radius, or null. Of the hardware a box is the window. */
-  constructor({ name, ids, ring, engine, look, hardware, stretch, stretches }, columns) {
+  constructor({ name, ids, ring, engine, look, hardware, moving, stretch, stretches }, columns) {
     const of = (field) => columns[`${name}.${field}`];
     Object.assign(this, {
-      name, ids, ring, engine, look, hardware, stretch, stretches,
+      name, ids, ring, engine, look, hardware, moving, stretch, stretches,
       slot: of("slot"), lane: of("lane"), birth: of("birth"), end: of("end"), ended: of("ended"), other: of("other"),
-      t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), angle: of("angle"), nEv: of("n_ev"),
+      t: of("t"), x: of("x"), y: of("y"), halfWidth: of("half_width"), halfHeight: of("half_height"), angle: of("angle"), vx: of("vx"), vy: of("vy"), nEv: of("n_ev"),
       aliveT: of("alive_t"), alive: of("alive"), quiet: of("quiet"),
     });
     this.lives = ids.length;
@@ -63,7 +63,7 @@ export class Tracks {
     const [x, y] = this.#place(life, point, now);
     const inner = this.ring ? Math.max(this.halfWidth[point] - this.ring[this.slot[life]], 0.5) : null;
     return {
-      id: this.ids[life], x, y, inner, strong,
+      id: this.ids[life], x, y, inner, strong, ...(this.moving && { vx: this.vx[point], vy: this.vy[point] }),
       halfWidth: this.halfWidth[point], halfHeight: this.halfHeight[point], angle: this.angle[point],
       trail: trail > 0 ? this.#trail(life, point, now - trail) : null,
     };

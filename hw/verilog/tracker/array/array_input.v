@@ -30,7 +30,7 @@ module array_input #(
     input  wire               s_p,
 
     output reg                m_valid,
-    input  wire               m_take,    // issued
+    input  wire               m_take,    // issued, if it is there and no rewind was asked for a clock ago
     output wire [CLOCK_W-1:0] m_time,    // ticks since reset, with its own
     output wire               m_counts,  // takes a sequence number
     output wire               m_event,

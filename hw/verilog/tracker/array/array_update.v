@@ -48,6 +48,7 @@ module array_update #(
     input  wire [Y_W-1:0]      d_y,
     input  wire [SLOT_W-1:0]   d_slot,
     input  wire [3*SLOT_W-1:0] c_slots,    // three times its slot: fewer readers each
+    input  wire [2*SLOT_W-1:0] c_slots_not,  // FAR = 0: twice its complement
     input  wire                c_commits,  // unless something happens to it, the event is committed in U
     input  wire                c_takes,
     input  wire                c_active,   // the event's slot is active
@@ -124,10 +125,11 @@ module array_update #(
 
     // One memory for all that is written together. no_rw_check: never written in the clock in which somebody looks at the same
     // slot, so where a memory is synchronous (iCE40), nothing has to pass by it.
-    localparam CM_W   = POS_X + POS_Y + RADIX_W;
+    localparam CM_W     = POS_X + POS_Y + RADIX_W;
+    localparam AV_DEPTH = (FAR != 0) ? N : 1 << SLOT_W;
 
-    reg [POS_X-1:0]   av_x     [0:N-1];  // averages
-    reg [POS_Y-1:0]   av_y     [0:N-1];
+    reg [POS_X-1:0]   av_x     [0:AV_DEPTH-1];  // averages; FAR = 0: at the complement of the slot's number
+    reg [POS_Y-1:0]   av_y     [0:AV_DEPTH-1];
     reg               timed    [0:N-1];  // has a deadline: active, or a candidate that has begun to collect
     (* no_rw_check *) reg [LIFE_W-1:0]  deadline [0:N-1];  // its low bits
     reg               ring     [0:N-1];  // was occupied in this window
@@ -145,6 +147,8 @@ module array_update #(
 
     wire [SLOT_W-1:0]  c_slot, c_slot_rest, c_slot_regs;
     assign {c_slot, c_slot_rest, c_slot_regs} = c_slots;
+    wire [SLOT_W-1:0]  not_x, not_y;
+    assign {not_x, not_y} = c_slots_not;
 
     wire [1:0]         mode;
     wire [X_W-1:0]     init_cm_x;
@@ -198,6 +202,7 @@ module array_update #(
     reg               u_one;  // u_rest is 1
     reg               u_timed, u_max_grant;
     reg [RADIX_W-1:0] u_th, u_step, u_min, u_max;
+    reg [RADIX_W:0]   u_highest, u_lowest;  // from where a step up or down is one too many
     reg [TC_W-1:0]    u_nev_th;
 
     reg                v_took;
@@ -234,8 +239,8 @@ module array_update #(
                 same_u = c_slot_rest == u_slot;
                 same_v = c_slot_rest == v_slot;
             end
-            assign c_av_x = av_x[c_slot_rest];
-            assign c_av_y = av_y[c_slot_rest];
+            assign c_av_x = av_x[not_x];
+            assign c_av_y = av_y[not_y];
         end
     endgenerate
 
@@ -275,6 +280,8 @@ module array_update #(
         u_step      <= radix_step;
         u_min       <= radix_min;
         u_max       <= radix_max;
+        u_highest   <= {1'b0, radix_max} - {1'b0, radix_step};
+        u_lowest    <= {1'b0, radix_min} + {1'b0, radix_step};
         u_nev_th    <= nev_th;
         if (rst) {u_takes, u_special, u_report, u_clear, u_join, u_busy} <= 6'd0;
     end
@@ -341,10 +348,8 @@ module array_update #(
     wire signed [OFF_W-1:0] under_y  = inner + offset_y;
 
     // Signs of differences tell which is larger.
-    wire [RADIX_W:0]   highest    = {1'b0, u_max} - {1'b0, u_step};
-    wire [RADIX_W:0]   lowest     = {1'b0, u_min} + {1'b0, u_step};
-    wire [RADIX_W:0]   grows_by   = {1'b0, highest[RADIX_W-1:0]} - {1'b0, u_g};
-    wire [RADIX_W+1:0] shrinks_by = {2'b00, u_g} - {1'b0, lowest};
+    wire [RADIX_W:0]   grows_by   = {1'b0, u_highest[RADIX_W-1:0]} - {1'b0, u_g};
+    wire [RADIX_W+1:0] shrinks_by = {2'b00, u_g} - {1'b0, u_lowest};
 
     wire u_two = u_rest == TWO;
 
@@ -397,7 +402,7 @@ module array_update #(
             v_deadline  <= deadline[u_slot];
             v_id        <= id[u_slot];
             v_g         <= u_clear ? init_radix : !u_join ? u_g : (join_g > u_max) ? u_max : join_g;
-            v_grown     <= (highest[RADIX_W] || grows_by[RADIX_W]) ? u_max : u_g + u_step;
+            v_grown     <= (u_highest[RADIX_W] || grows_by[RADIX_W]) ? u_max : u_g + u_step;
             v_shrunk    <= shrinks_by[RADIX_W+1] ? u_min : u_g - u_step;
             v_th        <= u_th;
             v_th_less_1 <= {1'b0, u_th} - 1'b1;
@@ -449,12 +454,14 @@ module array_update #(
     reg [TC_W:0]      w_slow_over, w_fast_under;
     reg               w_reports, w_sets;
 
+    wire [SLOT_W-1:0] av_slot = (w_sets ? w_slot : v_slot) ^ {SLOT_W{FAR == 0}};
+
     always @(posedge clk) begin
         if (v_took || v_clear || v_join) support[v_slot] <= new_support;
         // Where a centre is placed, the average is set to it in W.
         if (v_took || w_sets) begin
-            av_x[w_sets ? w_slot : v_slot] <= w_cm_x;
-            av_y[w_sets ? w_slot : v_slot] <= w_cm_y;
+            av_x[av_slot] <= w_cm_x;
+            av_y[av_slot] <= w_cm_y;
         end
         if (v_took || v_clear) ring[v_slot] <= v_ring && !v_last && !v_clear;
         if (v_times) timed[v_slot] <= !v_clear;
@@ -620,7 +627,7 @@ module array_update #(
         end
     end
 
-    wire unused = &{1'b0, d_slot, w_pixel_x, w_pixel_y, over_max, under_min, grows_by, lowest, highest, shrinks_by, over_slow, over_fast,
+    wire unused = &{1'b0, d_slot, not_x, not_y, w_pixel_x, w_pixel_y, over_max, under_min, grows_by, shrinks_by, over_slow, over_fast,
                     rel_x[OFF_W-1:RADIX_W+2], rel_y[OFF_W-1:RADIX_W+2]};
 
 endmodule

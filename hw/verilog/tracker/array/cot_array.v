@@ -156,7 +156,7 @@ module cot_array #(
         .s_y     (s_y),
         .s_p     (s_p),
         .m_valid (token_valid),
-        .m_take  (issue),
+        .m_take  (!closed),
         .m_time  (token_time),
         .m_counts(token_counts),
         .m_event (token_event),
@@ -187,6 +187,7 @@ module cot_array #(
     reg               rewound;                             // the clock before threw tokens out
     reg               d_there;                             // a token is, or was before it was thrown out
     wire [3*SLOT_W-1:0] c_slots;                           // three times the slot, for it goes to every bit of the context
+    wire [2*SLOT_W-1:0] c_slots_not;                       // twice its complement
     reg               c_takes, c_passes, c_active, c_seeds, c_busy, c_report, c_clear, c_join, c_looks;
     reg               o_busy, o_report, o_clear, o_join, o_looks;  // an operation, or a look at a slot, on its way to C
     reg               d_busy, d_report, d_clear, d_join, d_looks;
@@ -264,8 +265,8 @@ module cot_array #(
 `endif
     );
 
-    // Where the slots are far, registers that synthesis keeps apart. Where they are few, those that differ in their reset stay apart,
-    // and as addresses they may go into a memory.
+    // Where the slots are far, registers that synthesis keeps apart. Where they are few, those that differ in their reset, and
+    // complements, stay apart, and as addresses they may go into a memory.
     genvar g;
     generate
         if (FAR != 0) begin : g_copies
@@ -278,15 +279,19 @@ module cot_array #(
                     .m  (c_slots[SLOT_W*g+:SLOT_W])
                 );
             end
+            assign c_slots_not = {2 * SLOT_W{1'b0}};
         end else begin : g_three
-            reg [SLOT_W-1:0] slot, slot_rest, slot_regs;
+            reg [SLOT_W-1:0] slot, slot_rest, slot_regs, not_x, not_y;
 
             always @(posedge clk) begin
                 slot      <= d_slot;
                 slot_rest <= rst ? {SLOT_W{1'b0}} : d_slot;
                 slot_regs <= rst ? {SLOT_W{1'b1}} : d_slot;
+                not_x     <= ~d_slot;
+                not_y     <= rst ? {SLOT_W{1'b0}} : ~d_slot;
             end
             assign c_slots = {slot, slot_rest, slot_regs};
+            assign c_slots_not = {not_x, not_y};
         end
     endgenerate
 
@@ -333,6 +338,7 @@ module cot_array #(
         .d_y           (d_y),
         .d_slot        (d_slot),
         .c_slots       (c_slots),
+        .c_slots_not   (c_slots_not),
         .c_commits     (c_commits),
         .c_takes       (c_takes),
         .c_active      (c_active),

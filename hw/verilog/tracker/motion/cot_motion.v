@@ -5,7 +5,7 @@
 // to a slot, a program does (motion_engine.v), while no event is decided: it seeds and corrects slots, and moves them in steps.
 //
 // Registers: `mode` of each slot, off or seeded, and those of motion_regs.v. A write of `mode` restarts the slot before the next
-// token; one of `step_log2` begins a new step. Others are to be written while the array is idle.
+// token; after one of `step_log2` steps are at multiples of the new length. Others are to be written while the array is idle.
 //
 // Latency:    unstalled, from the clock edge that takes the event: an owned or a passed event after 13 clocks; a record after
 //             some 340, depending on values.
@@ -180,8 +180,8 @@ module cot_motion #(
 
     reg  [SEQ_W-1:0]  seq, op_seq;       // number of the next event; of that of the record
     reg  [TIME_W-1:0] now, next_step, op_time;
-    reg  [20:0]       step_ticks;
-    reg  [1:0]        restep;            // step_log2 was written, or reset: a new step begins
+    reg  [20:0]       step_ticks, step_mask;
+    reg  [1:0]        restep;            // step_log2 was written, or reset: the next step is set
     reg  [X_W-1:0]    op_x;
     reg  [Y_W-1:0]    op_y;
     reg               go;
@@ -195,7 +195,8 @@ module cot_motion #(
     wire [N-1:0]      visible, candidate;
     wire [N-1:0]      lives = visible | candidate;
     wire [TIME_W-1:0] until_step = op_time - next_step;
-    wire [TIME_W-1:0] step_after = (restep[1] ? now : next_step) + {{(TIME_W - 21) {1'b0}}, step_ticks};
+    wire [TIME_W-1:0] step_after = (restep[1] ? now | {{(TIME_W - 21) {1'b0}}, step_mask} : next_step)
+                                 + {{(TIME_W - 21) {1'b0}}, restep[1] ? 21'd1 : step_ticks};
     wire              waits = busy || go || |starts || skips || pending;
     wire              engine_out, write_x, write_y;
     wire [4:0]        target;
@@ -209,6 +210,7 @@ module cot_motion #(
     always @(posedge clk) begin
         go         <= 1'b0;
         step_ticks <= 21'd1 << step_log2;
+        step_mask  <= ~(21'h1fffff << step_log2);
         restep     <= {restep[0], cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2};
         pending    <= restarts || cfg_valid || |restep;
         if (done) begin

@@ -10,7 +10,7 @@
 // Throughput: a token per clock; of one owner every fourth clock.
 // Stall:      m_ready is low while no token may be issued.
 // Reset:      nothing is under way.
-// Combinational paths: may_issue -> s_ready.
+// Combinational paths: may_issue -> s_ready; write_slot, used_x and used_y -> busy.
 `default_nettype none
 `include "motion_codes.vh"
 

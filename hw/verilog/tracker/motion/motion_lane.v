@@ -7,7 +7,7 @@
 // Throughput: an instruction per clock.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
-// Combinational paths: none.
+// Combinational paths: predicate and acts -> now.
 `default_nettype none
 
 module motion_lane #(

@@ -134,47 +134,47 @@ module motion_values #(
 
         group <= wanted ? 7'd1 << index[5:3] : 7'd0;
         case ({3'd0, index[2:0]})
-            `EVCOT_MREG_STEP_LOG2: short_0 <= {10'd0, step_log2};
-            `EVCOT_MREG_SIDE_SHRINK: short_0 <= {11'd0, side_shrink};
-            `EVCOT_MREG_SIDE_MAX: short_0 <= {3'd0, side_max};
-            `EVCOT_MREG_GAIN_LOG2: short_0 <= {11'd0, gain_log2};
+            `EVCOT_MOTION_VALUE_STEP_LOG2: short_0 <= {10'd0, step_log2};
+            `EVCOT_MOTION_VALUE_SIDE_SHRINK: short_0 <= {11'd0, side_shrink};
+            `EVCOT_MOTION_VALUE_SIDE_MAX: short_0 <= {3'd0, side_max};
+            `EVCOT_MOTION_VALUE_GAIN_LOG2: short_0 <= {11'd0, gain_log2};
             default: short_0 <= {12'd0, gain_slow};
         endcase
         case ({3'd1, index[2:0]})
-            `EVCOT_MREG_SETTLE: short_1 <= {9'd0, settle};
-            `EVCOT_MREG_SPEED_MAX: short_1 <= speed_max;
-            `EVCOT_MREG_FRICTION: short_1 <= {11'd0, friction};
-            `EVCOT_MREG_NEV_LOW: short_1 <= {5'd0, nev_low};
-            `EVCOT_MREG_NEV_HIGH: short_1 <= {5'd0, nev_high};
-            `EVCOT_MREG_SEED_PX: short_1 <= {7'd0, seed_px};
-            `EVCOT_MREG_RING_PX: short_1 <= {7'd0, ring_px};
+            `EVCOT_MOTION_VALUE_SETTLE: short_1 <= {9'd0, settle};
+            `EVCOT_MOTION_VALUE_SPEED_MAX: short_1 <= speed_max;
+            `EVCOT_MOTION_VALUE_FRICTION: short_1 <= {11'd0, friction};
+            `EVCOT_MOTION_VALUE_NEV_LOW: short_1 <= {5'd0, nev_low};
+            `EVCOT_MOTION_VALUE_NEV_HIGH: short_1 <= {5'd0, nev_high};
+            `EVCOT_MOTION_VALUE_SEED_PX: short_1 <= {7'd0, seed_px};
+            `EVCOT_MOTION_VALUE_RING_PX: short_1 <= {7'd0, ring_px};
             default: short_1 <= {7'd0, ring_max};
         endcase
         case ({3'd2, index[2:0]})
-            `EVCOT_MREG_RING_ACROSS: short_2 <= {20'd0, ring_across};
-            `EVCOT_MREG_RING_ALONG: short_2 <= {20'd0, ring_along};
-            `EVCOT_MREG_RING_ANY: short_2 <= {20'd0, ring_any};
-            `EVCOT_MREG_ELONGATION: short_2 <= {20'd0, elongation};
-            `EVCOT_MREG_DETECT_TICKS: short_2 <= detect_ticks;
-            `EVCOT_MREG_LIFE_LOG2: short_2 <= {20'd0, life_log2};
-            `EVCOT_MREG_LIFE_TICKS: short_2 <= life_ticks;
+            `EVCOT_MOTION_VALUE_RING_ACROSS: short_2 <= {20'd0, ring_across};
+            `EVCOT_MOTION_VALUE_RING_ALONG: short_2 <= {20'd0, ring_along};
+            `EVCOT_MOTION_VALUE_RING_ANY: short_2 <= {20'd0, ring_any};
+            `EVCOT_MOTION_VALUE_ELONGATION: short_2 <= {20'd0, elongation};
+            `EVCOT_MOTION_VALUE_DETECT_TICKS: short_2 <= detect_ticks;
+            `EVCOT_MOTION_VALUE_LIFE_LOG2: short_2 <= {20'd0, life_log2};
+            `EVCOT_MOTION_VALUE_LIFE_TICKS: short_2 <= life_ticks;
             default: short_2 <= coast_ticks;
         endcase
         case ({3'd3, index[2:0]})
-            `EVCOT_MREG_BIRTH_SUPPORT: short_3 <= {8'd0, birth_support};
-            `EVCOT_MREG_BIRTH_PX: short_3 <= {16'd0, birth_px};
-            `EVCOT_MREG_BIRTH_TICKS: short_3 <= birth_ticks;
-            `EVCOT_MREG_BIRTH_TRAVEL: short_3 <= {20'd0, birth_travel};
-            `EVCOT_MREG_GAP_CORRECTIONS: short_3 <= {16'd0, gap_corrections};
-            `EVCOT_MREG_GAP_PX: short_3 <= {16'd0, gap_px};
+            `EVCOT_MOTION_VALUE_BIRTH_SUPPORT: short_3 <= {8'd0, birth_support};
+            `EVCOT_MOTION_VALUE_BIRTH_PX: short_3 <= {16'd0, birth_px};
+            `EVCOT_MOTION_VALUE_BIRTH_TICKS: short_3 <= birth_ticks;
+            `EVCOT_MOTION_VALUE_BIRTH_TRAVEL: short_3 <= {20'd0, birth_travel};
+            `EVCOT_MOTION_VALUE_GAP_CORRECTIONS: short_3 <= {16'd0, gap_corrections};
+            `EVCOT_MOTION_VALUE_GAP_PX: short_3 <= {16'd0, gap_px};
             default: short_3 <= {14'd0, join_steps};
         endcase
         case ({3'd4, index[2:0]})
-            `EVCOT_MREG_JOIN_LIFE: short_4 <= {20'd0, join_life};
-            `EVCOT_MREG_JOIN_SPEED: short_4 <= {20'd0, join_speed};
-            `EVCOT_MREG_JOIN_REACH: short_4 <= {20'd0, join_reach};
-            `EVCOT_MREG_JOIN_PX: short_4 <= {16'd0, join_px};
-            `EVCOT_MREG_KEEP_OLDER: short_4 <= {23'd0, keep_older};
+            `EVCOT_MOTION_VALUE_JOIN_LIFE: short_4 <= {20'd0, join_life};
+            `EVCOT_MOTION_VALUE_JOIN_SPEED: short_4 <= {20'd0, join_speed};
+            `EVCOT_MOTION_VALUE_JOIN_REACH: short_4 <= {20'd0, join_reach};
+            `EVCOT_MOTION_VALUE_JOIN_PX: short_4 <= {16'd0, join_px};
+            `EVCOT_MOTION_VALUE_KEEP_OLDER: short_4 <= {23'd0, keep_older};
             default: short_4 <= {14'd0, report_steps};
         endcase
         place_x <= {PLACE_W{1'b0}};

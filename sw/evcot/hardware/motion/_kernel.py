@@ -43,7 +43,7 @@ from ._state import (
 from ._velocity import advance
 from ._windows import bounded, set_window
 
-__all__ = ["RECORDS_PER_SLOT", "feed", "initialise", "restart"]
+__all__ = ["RECORDS_PER_SLOT", "feed", "initialise", "restart", "restep"]
 
 RECORDS_PER_SLOT = 3  # at most, of a motion step, or of an event
 
@@ -56,6 +56,12 @@ def initialise(s: Table, r: Table, glob: Table) -> None:
     for i in range(s.shape[1]):
         s[STATE, i] = FREE
         s[DEADLINE, i] = NEVER
+
+
+@njit(cache=True, nogil=True)
+def restep(r: Table, glob: Table) -> None:
+    """The registers have changed: the next step is at the next multiple of its length."""
+    glob[NEXT_STEP] = ((glob[NOW] >> r[STEP_LOG2]) + 1) << r[STEP_LOG2]
 
 
 @njit(cache=True, nogil=True)

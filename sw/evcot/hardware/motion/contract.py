@@ -3,15 +3,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import ConfigError
 from ...ranges import Range, check_integer
+from ..contract import Shape
 
-__all__ = ["MOTION_RANGES", "MOTION_RECORD", "SUB", "MotionRegisters", "motion_addresses"]
+__all__ = [
+    "MOTION_BANKS",
+    "MOTION_RANGES",
+    "MOTION_RECORD",
+    "MOTION_RULES",
+    "SUB",
+    "MotionRegister",
+    "MotionRegisters",
+    "Rule",
+]
 
 SUB = 12  # fractional bits of a side, and of a velocity in pixels per motion step
 
@@ -58,6 +70,23 @@ MOTION_RANGES: MappingProxyType[str, Range] = MappingProxyType(
         "report_steps": (1, 1023, "steps after which a slot without a correction is reported"),
     }
 )
+
+
+class Rule(NamedTuple):
+    """Two registers of a bank that must not contradict each other: `times` * less must be at most more."""
+
+    less: str
+    more: str
+    times: int = 1
+
+
+MOTION_RULES = (
+    Rule("nev_low", "nev_high"),
+    Rule("ring_px", "ring_max"),
+    Rule("seed_px", "side_max", 2),
+    Rule("life_ticks", "coast_ticks"),
+)
+"""The model's configuration and a commit on the bus are refused where one is broken."""
 
 
 @dataclass(frozen=True)
@@ -111,19 +140,53 @@ class MotionRegisters:
         for field in fields(self):
             low, high, meaning = MOTION_RANGES[field.name]
             check_integer(f"motion.{field.name}", getattr(self, field.name), int(low), int(high), meaning)
-        for less, more in (("nev_low", "nev_high"), ("ring_px", "ring_max"), ("life_ticks", "coast_ticks")):
-            if getattr(self, less) > getattr(self, more):
-                raise ConfigError(f"motion.{less} = {getattr(self, less)}: must be at most {more} = {getattr(self, more)}")
-        if self.side_max < 2 * self.seed_px:
-            raise ConfigError(f"motion.seed_px = {self.seed_px}: must be at most half of side_max = {self.side_max}")
+        for less, more, times in MOTION_RULES:
+            low, high = getattr(self, less), getattr(self, more)
+            if times * low > high:
+                raise ConfigError(f"motion.{less} = {low}: must be at most {'half of ' * (times == 2)}{more} = {high}")
 
 
-def motion_addresses() -> dict[str, int]:
-    """Word addresses on the register port of cot_motion.v: a slot's `mode`, then the registers of the whole array.
+@dataclass(frozen=True)
+class MotionRegister:
+    """A register of the whole array, in one of its two banks on the bus.
 
-    The module has these rules and no others: there is no `enable`.
+    Attributes:
+        address: its word in the bank.
+        low, high: smallest and largest legal value.
+        start: its value after reset.
+        meaning: a one-line description.
     """
-    return {"mode": 0} | {name: address for address, name in enumerate(MOTION_RANGES) if name != "enable"}
+
+    address: int
+    low: int
+    high: int
+    start: int
+    meaning: str
+
+    def limits(self, _: Shape) -> tuple[int, int]:
+        """Smallest and largest legal value, the same in every shape."""
+        return self.low, self.high
+
+
+def _bank(names: list[str]) -> Mapping[str, MotionRegister]:
+    # Word 0 is free: on the register port of cot_motion.v it is `mode` of a slot.
+    start = MotionRegisters()
+    return MappingProxyType(
+        {
+            name: MotionRegister(
+                address, int(MOTION_RANGES[name][0]), int(MOTION_RANGES[name][1]), getattr(start, name), MOTION_RANGES[name][2]
+            )
+            for address, name in enumerate(names, 1)
+        }
+    )
+
+
+_ORDER = [name for name in MOTION_RANGES if name != "enable"]  # what is built has motion, and has nothing else
+_LIVES = _ORDER.index("detect_ticks")
+MOTION_BANKS: Mapping[str, Mapping[str, MotionRegister]] = MappingProxyType(
+    {"motion": _bank(_ORDER[:_LIVES]), "tracks": _bank(_ORDER[_LIVES:])}
+)
+"""The banks on the bus, and their registers by name: boxes, windows and velocities; lives, births, gaps, merging, reports."""
 
 
 # What the extended contract puts out: like contract.RECORD, with a box and a velocity in place of the radius.

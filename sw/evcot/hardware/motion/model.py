@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...ticks import TickedEvents
 from ..contract import Shape
-from ._kernel import RECORDS_PER_SLOT, feed, initialise, restart
+from ._kernel import RECORDS_PER_SLOT, feed, initialise, restart, restep
 from ._state import FIELD_COUNT, GLOBAL_COUNT, ID_MASK, LIMIT_COUNT, NOW, REACH, REL_MASK, SUPPORT_MAX
 from .contract import MOTION_RECORD, SUB, MotionRegisters
 
@@ -62,6 +62,11 @@ class MotionModel:
         self._modes[slot] = mode
         room = np.zeros(1, MOTION_RECORD)
         return room[: restart(self._state, self._globals, slot, room)]
+
+    def write(self, registers: MotionRegisters) -> None:
+        """Change the registers of the whole array before the next event; lives go on."""
+        self._registers[:] = astuple(registers)
+        restep(self._registers, self._globals)
 
     @property
     def time(self) -> int:

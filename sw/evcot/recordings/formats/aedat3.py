@@ -82,7 +82,7 @@ class Aedat3File:
         others = [f"source {source} ({name})" for source, name in sorted(self._sources.items()) if source != self._source]
         self.details: Mapping[str, str] = {
             "source": self._sources[self._source],
-            "not read": ", ".join(others) or "nothing else",
+            "other sources": f"{', '.join(others)}: not read" if others else "none",
         }
 
     def blocks(self, from_us: int | None = None) -> Iterator[Events]:

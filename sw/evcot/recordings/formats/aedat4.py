@@ -102,7 +102,7 @@ class Aedat4File:
             "source": self._streams[self._stream].get("source", "not named"),
             "compression": header.compression_name,
             "packet table": kind,
-            "not read": ", ".join(others) or "nothing else",
+            "other streams": f"{', '.join(others)}: not read" if others else "none",
         }
 
     def _read_table(self, file: io.BufferedReader) -> str:

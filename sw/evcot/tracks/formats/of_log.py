@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ...errors import ConfigError, TrackLogError
 from ..boxes import upright_sides
 from ..log import TRACK, Kind, TrackLog
-from ..timeline import expiring, sample
+from ..reading import RecordRuns
+from ..windows import sampled
 from .base import BOX, FRAME_MAX, NOBODY, Boxes, FrameClock
 
 __all__ = ["MAX_AGE_US", "boxes_of_log", "log_of_boxes"]
@@ -20,7 +21,7 @@ MAX_AGE_US = 60_000  # past which a track's newest state is no output, as in eva
 
 
 def boxes_of_log(
-    log: TrackLog, clock: FrameClock, sensor: tuple[int, int] | None = None, *, until_us: int | None = None,
+    log: RecordRuns, clock: FrameClock, sensor: tuple[int, int] | None = None, *, until_us: int | None = None,
     max_age_us: int = MAX_AGE_US,
 ) -> Boxes:  # fmt: skip
     """The tracks at the times of all frames, from frame 1 to the end; a turned box as the upright rectangle around it.
@@ -37,8 +38,7 @@ def boxes_of_log(
     """
     if clock.frame_us is None:
         raise ConfigError("frame_us: must be given, the time from frame to frame (--frame-us)")
-    records = log.records
-    end_us = until_us if until_us is not None else int(records["t_us"][-1]) if len(records) else clock.origin_us
+    end_us = until_us if until_us is not None else _last_us(log, clock.origin_us)
     count = int((end_us - clock.origin_us) / clock.frame_us) + 2
     if count > FRAME_MAX:
         raise TrackLogError(
@@ -46,13 +46,20 @@ def boxes_of_log(
         )
     times_us = clock.times_us(np.arange(1, max(count, 0) + 1), "the log")
     times_us = times_us[times_us <= end_us]
-    states = sample(expiring(log, max_age_us), times_us)
+    states = sampled(log.record_runs(), times_us, max_age_us)
     rows = np.zeros(len(states), BOX)
     rows["instant"], rows["id"] = states["sample"], states["track_id"] + 1
     rows["width"], rows["height"] = upright_sides(states)
     rows["left"], rows["top"] = states["x"] - rows["width"] / 2, states["y"] - rows["height"] / 2
     rows["confidence"], rows["class_id"], rows["visibility"], rows["counted"] = states["confidence"], 1, 1.0, True
     return Boxes(times_us, rows, sensor)
+
+
+def _last_us(log: RecordRuns, otherwise_us: int) -> int:
+    for records in log.record_runs():
+        if len(records):
+            otherwise_us = int(records["t_us"][-1])
+    return otherwise_us
 
 
 def log_of_boxes(path: Path | str, boxes: Boxes) -> TrackLog:

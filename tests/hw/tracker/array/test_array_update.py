@@ -198,7 +198,7 @@ class Lockstep:
         self._check(self._due.pop(self._now, []))
         self.sim.clock.tick()
         self._now += 1
-        self._c = {**entering, "c_slots": slot * 0b010101, "c_x": x, "c_y": y}
+        self._c = {**entering, "c_slots": slot * 0b010101, "c_slots_not": (3 - slot) * 0b0101, "c_x": x, "c_y": y}
 
     def _expect(self, after: int, stage: str, values: dict[str, int]) -> None:
         """So many clocks after the one in C, which is the next."""

@@ -364,10 +364,10 @@ RANDOM: dict[int, tuple[Shape, int]] = {
     1: (replace(SHAPE, n_slots=1, id_w=8), 10),
     2: (TWO, 20),
     3: (SHAPE, 20),
-    8: (EIGHT, 30),
-    21: (replace(SHAPE, n_slots=21, x_w=10, y_w=6, radix_w=7, nev_w=4, tick_w=32, time_w=34), 10),
-    32: (replace(SHAPE, n_slots=32, frac=8, x_w=9, y_w=8, id_w=8, tick_w=3), 20),
-    64: (replace(SHAPE, n_slots=64, frac=0, x_w=8, y_w=8), 10),
+    8: (EIGHT, 20),
+    21: (replace(SHAPE, n_slots=21, x_w=10, y_w=6, radix_w=7, nev_w=4, tick_w=32, time_w=34), 5),
+    32: (replace(SHAPE, n_slots=32, frac=8, x_w=9, y_w=8, id_w=8, tick_w=3), 8),
+    64: (replace(SHAPE, n_slots=64, frac=0, x_w=8, y_w=8), 5),
 }
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from evcot.hardware.contract import Shape
-from evcot.hardware.motion.contract import MotionRegisters, motion_addresses
-from evcot.hardware.motion.program.assembler import Hot, Out, Value
+from evcot.hardware.motion.contract import MotionRegisters
+from evcot.hardware.motion.program.assembler import REGISTERS, Hot, Out, Value
 from evcot.hardware.motion.program.program import program
 from evcot.tracks.log import Kind
 from evcot_cosim.lockstep.random_runs import random_motion
@@ -20,7 +20,7 @@ from support.testing import lint
 
 N, SLOT_W, W, Y_W, SUP_W = 5, 3, 48, 39, 9
 ENTRIES = program()[1]
-NAMES = {address: name for name, address in motion_addresses().items()}
+NAMES = {number: name for name, number in REGISTERS.items()}
 
 
 def signed(value: int, bits: int) -> int:
@@ -76,7 +76,7 @@ class Bench:
         }  # fmt: skip
         if index == Value.EVENT:
             return self.event[0] * PX, self.event[1] * PX
-        if index < Value.NOW and index in NAMES and NAMES[index] != "mode":
+        if index in NAMES:
             return (int(getattr(self.registers, NAMES[index])),) * 2
         return (specials.get(Value(index), 0) if index in set(Value) else 0,) * 2  # else what lies behind a jump
 

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters, motion_addresses
+from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
+from evcot.hardware.registers import motion_addresses
 from evcot_cosim.rtl.build import load
 from support.testing import lint
 

@@ -45,6 +45,31 @@ def test_equals_a_slow_model(name: str, seed: int) -> None:
     assert len(slow.records) > 0
 
 
+@pytest.mark.parametrize("seed", [3, 4])
+def test_equals_a_slow_model_whose_registers_change_while_lives_go_on(seed: int) -> None:
+    rng, events = np.random.default_rng(seed), scene(seed)
+    model = CotModel(config_of(QUICK))
+    slow = SlowArray(QUICK, SHAPE.n_slots, (1 << SHAPE.sup_w) - 1, (1 << SHAPE.id_w) - 1)
+    records = []
+    for begin in range(0, len(events), 150):
+        part = events[begin : begin + 150]
+        records += as_tuples(model.feed(part).records)
+        for at, x, y in zip(part.ticks.tolist(), part.x.tolist(), part.y.tolist(), strict=True):
+            slow.event(at, x, y)
+        changed = replace(QUICK, **VARIANTS[str(rng.choice(list(VARIANTS)))])
+        model.write_motion(changed)
+        slow.write(changed, int(part.ticks[-1]))
+    assert records == slow.records
+    assert len(records) > 100
+
+
+def test_registers_of_motion_are_for_a_model_with_motion() -> None:
+    for config, changed in ((CotConfig(SHAPE), QUICK), (config_of(QUICK), replace(QUICK, enable=0))):
+        with pytest.raises(ConfigError) as caught:
+            CotModel(config).write_motion(changed)
+        assert str(caught.value) == f"motion.enable = {changed.enable}: a model with motion has it on, another never"
+
+
 def test_the_scenes_show_every_kind_of_record_and_shared_events() -> None:
     """Else the comparison above would not say much."""
     kinds = set()

@@ -98,7 +98,7 @@ def test_the_source_line_names_the_sensor_else_it_is_the_smallest(path: Path, so
     path.write_bytes(header(f"1: {source}") + polarity([(1, 2, 3, 1), (2, 0, 4, 0)]))
     with open_recording(path) as file:
         assert file.sensor == sensor
-        assert file.details == {"source": source, "not read": "nothing else"}
+        assert file.details == {"source": source, "other sources": "none"}
 
 
 def test_events_come_from_the_source_that_sends_the_first(path: Path) -> None:
@@ -108,7 +108,7 @@ def test_events_come_from_the_source_that_sends_the_first(path: Path) -> None:
     assert read(path, content) == ours
     with open_recording(path) as file:
         assert file.sensor == (240, 180)
-        assert file.details == {"source": "DAVIS240C", "not read": "source 0 (File), source 1 (DVS128)"}
+        assert file.details == {"source": "DAVIS240C", "other sources": "source 0 (File), source 1 (DVS128): not read"}
 
 
 def test_time_has_31_bits_and_a_count_of_turns(path: Path) -> None:

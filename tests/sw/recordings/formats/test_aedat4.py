@@ -254,7 +254,7 @@ def test_other_streams_are_passed_over_and_named(tmp_path: Path) -> None:
             "source": "DVS128_0279",
             "compression": "none",
             "packet table": "none: the writer never closed the file",
-            "not read": "stream 4 (TRIG), stream 3 (EVTS)",
+            "other streams": "stream 4 (TRIG), stream 3 (EVTS): not read",
         }
 
 

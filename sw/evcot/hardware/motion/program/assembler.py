@@ -8,8 +8,11 @@ is moved apart by `nop`.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from enum import IntEnum
+
+from ..contract import MOTION_BANKS
 
 __all__ = ["FIELDS", "WORD_W", "Ext", "Field", "Hot", "If", "Kind", "Op", "Out", "Pick", "Program", "Value", "When"]
 
@@ -106,8 +109,12 @@ class Hot(IntEnum):
     WLO = 9  # written only
 
 
+REGISTERS = {name: number for number, name in enumerate(itertools.chain(*MOTION_BANKS.values()), 1)}
+"""Numbers of the registers among the values, without gaps; their addresses have some."""
+
+
 class Value(IntEnum):
-    """Values of motion_values.v behind the registers, whose numbers are their addresses."""
+    """Values of motion_values.v behind the registers, which have the numbers of `REGISTERS`."""
 
     NOW = 40
     EVENT = 41  # 2^-12 px

@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 from ....tracks.log import Kind as Record
-from ..contract import motion_addresses
-from .assembler import Ext, Field, Hot, If, Kind, Op, Operand, Out, Pick, Program, Value, When
+from .assembler import REGISTERS, Ext, Field, Hot, If, Kind, Op, Operand, Out, Pick, Program, Value, When
 
 __all__ = ["ENTRIES", "program"]
 
@@ -32,7 +31,7 @@ def _value(value: Value) -> Operand:
 
 
 def _register(name: str) -> Operand:
-    return Operand(Kind.VALUE, motion_addresses()[name])
+    return Operand(Kind.VALUE, REGISTERS[name])
 
 
 class _Writer(Program):
