@@ -27,8 +27,6 @@ from ..tracks.log import Kind
 from .contract import HIST_AVG_STILL, ORDERED, RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
 from .motion.contract import MOTION_BANKS, MOTION_RECORD, MOTION_RULES, MotionRegister, Rule
-from .motion.program import assembler
-from .motion.program.program import ENTRIES, program
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
 from .published.registers import SELECT, SELECT_FIRST, SELECT_NONE
 from .registers import Access, Bank, Field, Listed, Word, motion_addresses, register_map
@@ -69,27 +67,6 @@ def _bank_codes(prefix: str, comment: str, bank: Bank) -> _Codes:
 def _motion_codes() -> _Codes:
     comment = "Addresses on the port of an array with motion: the mode of a slot, then the words of both banks."
     return _Codes("MREG", comment, list(motion_addresses().items()), register_map().banks["motion"].word_w + 1)
-
-
-def _motion_program_codes() -> dict[str, Any]:
-    """Variables of motion_codes.vh: the codes of the engine's instructions, group by group."""
-    labels = program()[1]
-    groups: list[tuple[str, str, int, list[tuple[str, int]]]] = [
-        (prefix, comment, width, [(member.name, int(member)) for member in enum])
-        for prefix, comment, width, enum in (
-            ("OP", "Operations.", 5, assembler.Op),
-            ("HOT", "Words that events change.", 4, assembler.Hot),
-            ("VALUE", "Other values.", 6, assembler.Value),
-            ("EXT", "Conditions.", 4, assembler.Ext),
-            ("OUT", "What the accumulators are for.", 5, assembler.Out),
-            ("WHEN", "Conditions of a jump.", 3, assembler.When),
-            ("PICK", "Among which slots the next one is sought.", 2, assembler.Pick),
-        )
-    ]
-    registers = ("VALUE", "Values: first the registers.", 6, [(name.upper(), n) for name, n in assembler.REGISTERS.items()])
-    groups.insert([prefix for prefix, *_ in groups].index("VALUE"), registers)
-    entries = [(name.upper(), labels[name]) for name in ENTRIES]
-    return {"word_w": assembler.WORD_W, "groups": [*groups, ("AT", "Where the program is entered.", 10, entries)]}
 
 
 def _motion_registers() -> dict[str, Any]:
@@ -247,8 +224,6 @@ def render() -> dict[str, str]:
             "select": SELECT, "select_first": SELECT_FIRST, "select_none": SELECT_NONE, "registers": PUBLISHED_REGISTERS,
         },
         "hw/verilog/tracker/motion/motion_regs.v": _motion_registers(),
-        "hw/verilog/tracker/motion/motion_codes.vh": _motion_program_codes(),
-        "hw/verilog/tracker/motion/motion_program.v": {"word_w": assembler.WORD_W, "words": program()[0]},
         "hw/verilog/bus/evcot_regs.vh": vocabulary,
         "hw/verilog/bus/evcot_limits.vh": vocabulary,
         "hw/verilog/bus/axi_lite_words.v": vocabulary,

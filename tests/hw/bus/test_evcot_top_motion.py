@@ -300,7 +300,7 @@ def test_a_soft_reset_cuts_no_record_and_keeps_what_was_written() -> None:
     traffic = scene(3)[:1_500]
     golden = CotModel(CONFIG).feed(started(traffic))
     rng, cut = np.random.default_rng(12), 0
-    for at in range(600, 1_400, 200):
+    for at in range(300, 1_300, 250):
         device = device_of("motion", CONFIG, pace=Pace.random(rng))
         device.configure()
         played = device.run(words_of(traffic), [write(CONTROL, 1 << 9 | 1, after=at)])

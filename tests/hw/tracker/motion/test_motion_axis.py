@@ -27,13 +27,15 @@ def test_random_events() -> None:
             lo = hi = place * PX + int(rng.integers(-1, 2))
         axis = Axis(lo, hi, off=[int(off) for off in rng.integers(-(1 << 28), 1 << 28, 2)])
         axis.hidden = [bool(rng.integers(2)), bool(rng.integers(2))]
-        out, back = (int(way) for way in rng.integers(0, 131_071, 2, endpoint=True))
+        out, back = (int(way) for way in rng.integers(0, 131_071, 2))
         io.place, io.out, io.back = place, out, back
         io.lo, io.hi = lo % (1 << SIDE_W), hi % (1 << SIDE_W)
         io.off_lo, io.off_hi = (off % (1 << OFF_W) for off in axis.off)
         io.hidden = axis.hidden[0] + 2 * axis.hidden[1]
+        io.compare = 1
         sim.clock.tick()
-        io.place, io.lo, io.out = int(rng.integers(128)), int(rng.integers(1 << SIDE_W)), 0  # the next event's
+        io.compare = 0
+        io.place = int(rng.integers(128))  # it is remembered
         sim.clock.tick()
         axis.measure(place * PX, out, back)
         assert (signed(int(io.lo_next), SIDE_W), signed(int(io.hi_next), SIDE_W)) == (axis.lo, axis.hi)
