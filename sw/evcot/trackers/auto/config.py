@@ -47,9 +47,9 @@ class AutoConfig:
     memory: float = 0.4
     fill: float = 4.0
     blur: float = 0.15
-    pause: float = 0.08
+    pause: float = 0.03
     quantile: float = 0.015
-    precision: float = 0.08
+    precision: float = 0.12
     gate: float = 0.35
     dense: float = 0.4
     agility: float = 0.4

@@ -41,9 +41,11 @@ _STILL = 3.0  # half sides that it would travel, after which an object without m
 _GROWTH_KEEPS = 2.0  # half sides of travel
 _FAR_MORE = 4.0  # times the pixels
 _LEAST_CONTRAST = 2.0
-_REPORTED = 0.3  # half sides without support, for which it is still reported
+_UNSEEN = 0.15  # half sides without support, from which it is taken to stop
+_STOPS = 0.5  # half sides that it would travel
+_REPORTED = 0.4  # half sides without support, for which it is still reported
 _LEAST_GATE_PX = 2.0
-_SILENT = 3.0  # half sides per second, at least, that count as travelled without support
+_SILENT = 1.5  # half sides per second, at least, that count as travelled without support
 
 
 @step
@@ -111,9 +113,13 @@ def _meet(world: World, i: int) -> int:
     n = 0
     for at in range(world.run[0].live):
         k = world.slots[at]
-        other, gate = world.state[k], o.gate + world.objects[k].gate
-        if k != i and (
-            abs(s[0, 0] - other[0, 0]) <= s[0, 2] + other[0, 2] + gate
+        other, other_o = world.state[k], world.objects[k]
+        gate = o.gate + other_o.gate
+        # What is not visible yet may be a part of this one: it hides nothing.
+        if (
+            k != i
+            and (other_o.track_id >= 0 or o.track_id < 0)
+            and abs(s[0, 0] - other[0, 0]) <= s[0, 2] + other[0, 2] + gate
             and abs(s[1, 0] - other[1, 0]) <= s[1, 2] + other[1, 2] + gate
         ):
             world.meeting[n] = k
@@ -128,7 +134,8 @@ def _covered(world: World, i: int) -> bool:
     for at in range(world.run[0].live):
         k = world.slots[at]
         other = world.state[k]
-        if k != i and abs(s[0, 0] - other[0, 0]) <= other[0, 2] and abs(s[1, 0] - other[1, 0]) <= other[1, 2]:
+        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < _UNSEEN
+        if k != i and seen and abs(s[0, 0] - other[0, 0]) <= other[0, 2] and abs(s[1, 0] - other[1, 0]) <= other[1, 2]:
             return True
     return False
 
@@ -241,8 +248,11 @@ def _advance(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     o.missed += max(np.hypot(s[0, 1], s[1, 1]) / half, _SILENT) * lasted_s
     o.support += o.packet_events
     o.gate = max(_LEAST_GATE_PX, 0.5 * rules.gate * (s[0, 2] + s[1, 2]))
+    # What sends no events has stopped, or is hidden.
+    keeps = np.exp(-went / _STOPS) if o.missed > _UNSEEN and not _covered(world, i) else 1.0
     for axis in range(2):
         s[axis, 3] *= np.exp(-went / _GROWTH_KEEPS)
+        s[axis, 1] *= keeps
 
 
 @njit(cache=True, nogil=True)

@@ -39,8 +39,8 @@ _INSIDE = 0.5  # share of a part's pixels that lie in the box
 _CLOSE = 0.15  # half sides: a part so close to the box is the object's, wherever it lies
 _STRIP = 0.2  # of the shorter of two objects: an empty strip between them
 _SHARE = 0.15  # of the pixels: each of the two has as many
-_SLACK = 1.25  # factor of gap and elongation, up to which they may still be one
-_APART = 4  # looks in a row
+_SLACK = 1.1  # factor of the gap, up to which they may still be one
+_APART = 5  # looks in a row
 _OFF_PX = 1.0
 _JUMP = 4.0  # standard deviations of a side, from which it has jumped
 _BORDER_PX = 1.5
@@ -247,7 +247,7 @@ def _divide(rules: Rules, world: World, n: int) -> bool:
             for a in range(2):
                 one[a, 0], one[a, 1] = 0.5 * (one[a, 0] + one[a, 1]), 0.5 * (one[a, 1] - one[a, 0])
                 other[a, 0], other[a, 1] = 0.5 * (other[a, 0] + other[a, 1]), 0.5 * (other[a, 1] - other[a, 0])
-            if not are_parts(one, other, _SLACK * rules.gap, _SLACK * rules.elongation):
+            if not are_parts(one, other, _SLACK * rules.gap, rules.elongation):
                 for m in range(n):
                     if (parts[m, axis, 1] <= cut) != (low_mass >= high_mass):
                         parts[m, 2, 0] = 0.0
