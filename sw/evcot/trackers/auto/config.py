@@ -27,7 +27,7 @@ AUTO_RANGES: dict[str, Range] = {
     "birth_speed": (0.001, 100.0, "half sides that a new object is expected to travel while it collects them"),
     "visible_travel": (0.0, 100.0, "half sides that an object must have moved to be reported"),
     "coast": (0.0, 1000.0, "half sides that an object would travel without support before it is lost"),
-    "full": (0.0, 10.0, "pixels that an object shows at least, for each pixel of its sides"),
+    "full": (0.0, 10.0, "pixels that an object sends at least, for each pixel that it travels and each of its sides"),
     "elongation": (1.0, 100.0, "length by width from which on an object has no gap"),
     "gap": (0.0, 4.0, "gap in an object, as a part of the length by which it is shorter than that"),
     "merge_velocity": (0.0, 2.0, "difference of velocities, as a part of the greater, up to which motion is one"),
@@ -59,7 +59,7 @@ class AutoConfig:
     birth_speed: float = 0.08
     visible_travel: float = 0.25
     coast: float = 1.0
-    full: float = 0.1
+    full: float = 0.6
     elongation: float = 2.2
     gap: float = 0.7
     merge_velocity: float = 0.5

@@ -43,9 +43,9 @@ _FAR_MORE = 4.0  # times the pixels
 _LEAST_CONTRAST = 2.0
 _UNSEEN = 0.15  # half sides without support, from which it is taken to stop
 _STOPS = 0.5  # half sides that it would travel
-_REPORTED = 0.4  # half sides without support, for which it is still reported
+_REPORTED = 0.3  # half sides without support, for which it is still reported
 _LEAST_GATE_PX = 2.0
-_SILENT = 1.5  # half sides per second, at least, that count as travelled without support
+_SILENT = 2.0  # half sides per second, at least, that count as travelled without support
 
 
 @step

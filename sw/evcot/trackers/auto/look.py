@@ -39,7 +39,7 @@ _INSIDE = 0.5  # share of a part's pixels that lie in the box
 _CLOSE = 0.15  # half sides: a part so close to the box is the object's, wherever it lies
 _STRIP = 0.2  # of the shorter of two objects: an empty strip between them
 _SHARE = 0.15  # of the pixels: each of the two has as many
-_SLACK = 1.1  # factor of the gap, up to which they may still be one
+_SLACK = 1.25  # factor of gap and elongation, up to which they may still be one
 _APART = 5  # looks in a row
 _OFF_PX = 1.0
 _JUMP = 4.0  # standard deviations of a side, from which it has jumped
@@ -247,7 +247,7 @@ def _divide(rules: Rules, world: World, n: int) -> bool:
             for a in range(2):
                 one[a, 0], one[a, 1] = 0.5 * (one[a, 0] + one[a, 1]), 0.5 * (one[a, 1] - one[a, 0])
                 other[a, 0], other[a, 1] = 0.5 * (other[a, 0] + other[a, 1]), 0.5 * (other[a, 1] - other[a, 0])
-            if not are_parts(one, other, _SLACK * rules.gap, rules.elongation):
+            if not are_parts(one, other, _SLACK * rules.gap, _SLACK * rules.elongation):
                 for m in range(n):
                     if (parts[m, axis, 1] <= cut) != (low_mass >= high_mass):
                         parts[m, 2, 0] = 0.0
@@ -392,7 +392,8 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
     total = _choose(rules, world, i, found, bin_px, reach)
     speed = max(np.hypot(s[0, 1], s[1, 1]), 0.2 * o.speed)
     expected = o.usual * np.hypot(s[0, 1], s[1, 1]) * window_s
-    if total < max(0.5 * rules.birth_pixels, rules.full * 2.0 * (s[0, 2] + s[1, 2]), _LEAST_SUPPORT * expected):
+    full = rules.full * 2.0 * (s[0, 2] + s[1, 2]) * max(speed * window_s, 1.0)
+    if total < max(0.5 * rules.birth_pixels, full, _LEAST_SUPPORT * expected):
         return 0.0
     if found > 1 and _divide(rules, world, found):
         o.apart += 1
