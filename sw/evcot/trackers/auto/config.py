@@ -61,7 +61,7 @@ class AutoConfig:
     coast: float = 1.0
     full: float = 0.6
     elongation: float = 2.2
-    gap: float = 0.7
+    gap: float = 0.9
     merge_velocity: float = 0.5
     step: float = 0.03
 

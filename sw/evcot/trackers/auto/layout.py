@@ -133,6 +133,8 @@ class World(NamedTuple):
     bin_queue: Table  # (BINS * BINS,) of a search
     line: Table  # (2, BINS) sums of columns and of rows
     parts: Table  # (PARTS, 3, 2) first and last bin of each part, along x and y; its pixels, and those in the box
+    groups: Table  # (PARTS, 3, 2) middle and half side of groups of parts, along x and y, in bins; pixels
+    group_of: Table  # (PARTS,) the group of each part
     whole: Table  # (2, 2) each: work space
     rest: Table
     bounds: Table
@@ -177,6 +179,8 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros(BINS * BINS, np.int64),
         np.zeros((2, BINS)),
         np.zeros((PARTS, 3, 2)),
+        np.zeros((PARTS, 3, 2)),
+        np.zeros(PARTS, np.int64),
         np.zeros((2, 2)),
         np.zeros((2, 2)),
         np.zeros((2, 2)),

@@ -37,9 +37,10 @@ _LEAST_SHARE = 0.03  # of the pixels: a smaller part is noise
 _LEAST_PIXELS = 4.0
 _INSIDE = 0.5  # share of a part's pixels that lie in the box
 _CLOSE = 0.15  # half sides: a part so close to the box is the object's, wherever it lies
-_STRIP = 0.2  # of the shorter of two objects: an empty strip between them
-_SHARE = 0.15  # of the pixels: each of the two has as many
-_SLACK = 1.25  # factor of gap and elongation, up to which they may still be one
+_LIGHTER = 0.3
+_HELD = 0.2  # share of an object's pixels that its box holds at least
+_SHARE = 0.2  # of the pixels: each of the two has as many
+_SLACK = 1.25  # factor of the gap, up to which they may still be one
 _APART = 5  # looks in a row
 _OFF_PX = 1.0
 _JUMP = 4.0  # standard deviations of a side, from which it has jumped
@@ -206,53 +207,72 @@ def _find_parts(world: World, level: float, rows: int, columns: int, half: Table
 
 
 @step
-def _divide(rules: Rules, world: World, n: int) -> bool:
-    """Find an empty strip across the box between two objects; leaves the parts of the lighter one out.
+def _between(a: Table, b: Table) -> float:
+    """The gap between two boxes, (2, 2) middle and half side by axis; negative if they overlap."""
+    return float(max(abs(a[0, 0] - b[0, 0]) - a[0, 1] - b[0, 1], abs(a[1, 0] - b[1, 0]) - a[1, 1] - b[1, 1]))
 
-    The strip is wide, both sides of it have their share of the pixels, and together they cannot be parts of one object.
+
+@step
+def _join_groups(rules: Rules, world: World, n: int, close: float) -> bool:
+    """Join two groups of parts that may be one object; returns whether there were two such. See `_divide`."""
+    groups, group_of = world.groups, world.group_of
+    for a in range(n):
+        if groups[a, 2, 0] == 0.0:
+            continue
+        for b in range(a + 1, n):
+            if groups[b, 2, 0] == 0.0:
+                continue
+            lighter = min(groups[a, 2, 0], groups[b, 2, 0]) < _LIGHTER * max(groups[a, 2, 0], groups[b, 2, 0])
+            if not (lighter and _between(groups[a], groups[b]) <= close) and not are_parts(
+                groups[a], groups[b], _SLACK * rules.gap, rules.elongation
+            ):
+                continue
+            for axis in range(2):
+                low = min(groups[a, axis, 0] - groups[a, axis, 1], groups[b, axis, 0] - groups[b, axis, 1])
+                high = max(groups[a, axis, 0] + groups[a, axis, 1], groups[b, axis, 0] + groups[b, axis, 1])
+                groups[a, axis, 0], groups[a, axis, 1] = 0.5 * (low + high), 0.5 * (high - low)
+            groups[a, 2, 0] += groups[b, 2, 0]
+            groups[b, 2, 0] = 0.0
+            for k in range(n):
+                if group_of[k] == b:
+                    group_of[k] = a
+            return True
+    return False
+
+
+@step
+def _divide(rules: Rules, world: World, n: int, close: float) -> bool:
+    """Whether the parts are two objects: groups that cannot be one, each with its share; leaves out all but the heaviest.
+
     Parts that do not count have no pixels.
+
+    Args:
+        close: bins between a group and a much lighter one that belongs to it, wherever it lies.
     """
-    parts = world.parts
-    one, other = world.whole, world.rest
+    parts, groups, group_of = world.parts, world.groups, world.group_of
     total = 0.0
     for k in range(n):
+        group_of[k] = k
+        for axis in range(2):
+            groups[k, axis, 0] = 0.5 * (parts[k, axis, 0] + parts[k, axis, 1])
+            groups[k, axis, 1] = 0.5 * (parts[k, axis, 1] - parts[k, axis, 0])
+        groups[k, 2, 0] = parts[k, 2, 0]
         total += parts[k, 2, 0]
-    for axis in range(2):
-        for k in range(n):
-            cut = parts[k, axis, 1]
-            low_mass, high_mass, gap = 0.0, 0.0, 1e9
-            if parts[k, 2, 0] == 0.0:
-                continue
-            for a in range(2):
-                one[a, 0] = other[a, 0] = 1e9
-                one[a, 1] = other[a, 1] = -1e9
-            for m in range(n):
-                if parts[m, 2, 0] == 0.0:
-                    continue
-                low = parts[m, axis, 1] <= cut
-                if not low and parts[m, axis, 0] < cut:
-                    gap = -1.0  # it lies on both sides
-                    break
-                side = one if low else other
-                for a in range(2):
-                    side[a, 0], side[a, 1] = min(side[a, 0], parts[m, a, 0]), max(side[a, 1], parts[m, a, 1])
-                if low:
-                    low_mass += parts[m, 2, 0]
-                else:
-                    high_mass += parts[m, 2, 0]
-                    gap = min(gap, parts[m, axis, 0] - cut)
-            shorter = min(one[axis, 1] - one[axis, 0], other[axis, 1] - other[axis, 0])
-            if gap < 0.0 or min(low_mass, high_mass) < _SHARE * total or gap < _STRIP * shorter:
-                continue
-            for a in range(2):
-                one[a, 0], one[a, 1] = 0.5 * (one[a, 0] + one[a, 1]), 0.5 * (one[a, 1] - one[a, 0])
-                other[a, 0], other[a, 1] = 0.5 * (other[a, 0] + other[a, 1]), 0.5 * (other[a, 1] - other[a, 0])
-            if not are_parts(one, other, _SLACK * rules.gap, _SLACK * rules.elongation):
-                for m in range(n):
-                    if (parts[m, axis, 1] <= cut) != (low_mass >= high_mass):
-                        parts[m, 2, 0] = 0.0
-                return True
-    return False
+    while _join_groups(rules, world, n, close):
+        pass
+    best, second = 0, 0.0
+    for k in range(1, n):
+        if groups[k, 2, 0] > groups[best, 2, 0]:
+            best = k
+    for k in range(n):
+        if k != best:
+            second = max(second, groups[k, 2, 0])
+    if second < _SHARE * total:
+        return False
+    for k in range(n):
+        if group_of[k] != best:
+            parts[k, 2, 0] = 0.0
+    return True
 
 
 @step
@@ -275,14 +295,12 @@ def _choose(rules: Rules, world: World, i: int, n: int, bin_px: int, reach: Tabl
             for axis in range(2):
                 other[axis, 0] = 0.5 * (parts[k, axis, 0] + parts[k, axis, 1]) * bin_px
                 other[axis, 1] = 0.5 * (parts[k, axis, 1] - parts[k, axis, 0]) * bin_px
-            gap = -1e9
-            for axis in range(2):
-                gap = max(gap, abs(one[axis, 0] - other[axis, 0]) - one[axis, 1] - other[axis, 1])
-            belongs = gap <= _CLOSE * max(state[0, 2], state[1, 2]) or are_parts(one, other, rules.gap, rules.elongation)
+            belongs = _between(one, other) <= _CLOSE * max(state[0, 2], state[1, 2])
+            belongs = belongs or are_parts(one, other, rules.gap, rules.elongation)
         if not belongs or mass < max(_LEAST_SHARE * total, _LEAST_PIXELS):
             parts[k, 2, 0] = 0.0
         left += parts[k, 2, 0]
-    return left
+    return left if total >= _HELD * left else 0.0
 
 
 @step
@@ -395,7 +413,7 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
     full = rules.full * 2.0 * (s[0, 2] + s[1, 2]) * max(speed * window_s, 1.0)
     if total < max(0.5 * rules.birth_pixels, full, _LEAST_SUPPORT * expected):
         return 0.0
-    if found > 1 and _divide(rules, world, found):
+    if found > 1 and _divide(rules, world, found, _CLOSE * half / bin_px):
         o.apart += 1
         if o.apart < _APART:
             return total
