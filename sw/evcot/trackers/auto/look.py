@@ -24,7 +24,7 @@ __all__ = ["look", "look_at_group"]
 Table = NDArray[Any]
 
 _SLOWEST = 0.5  # half sides per second: the least unit of velocity
-_SLOWED = 0.15  # of its greatest speed: what is slower is looked at for no longer
+_SLOWED = 0.3  # of its greatest speed: what is slower is looked at for no longer
 _SHORTEST_S, _LONGEST_S = 2e-3, 0.4
 _MOST_NOISE = 0.2  # events of noise in a pixel
 _MARGIN, _MARGIN_PX = 0.5, 3.0  # around a box: half sides, and at least
