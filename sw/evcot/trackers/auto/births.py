@@ -28,14 +28,14 @@ _NOISE_MIX = 0.2
 _CELL_PIXELS = 2.0  # fewer in a cell are noise
 _SIGMAS = 3.0  # above the noise
 _NEAR = 1.0  # in gates: anything closer to an object is a part of it that its gate will reach
-_TRAIL = 0.5  # half sides behind an object in which pixels still fire
+_TRAIL = 1.0  # half sides behind an object in which pixels still fire
 _CONTOUR = 0.5  # of a group's sides: pixels that an object sends at least
 _PLACE = 0.3  # standard deviation of a new object's sides, half sides
 _EDGE_PX = 8.0
 _GROWTH = 0.3  # growth of a half side, as a part of the speed
 _LOST_SIGHT = 0.15  # half sides without support, from which an object may be found again elsewhere
-_FOUND_WITHIN = 1.5  # half sides
-_ALIKE = 2.5  # ratio of sizes
+_FOUND_WITHIN = 3.0  # half sides
+_ALIKE = 3.5  # ratio of sizes
 _FILLED = 0.5  # of a sensor: a group that covers more is no object
 
 
