@@ -167,7 +167,7 @@ def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach:
     level = max(_LEAST, mean + _SIGMAS * np.sqrt(mean))
     if total > 0.0:
         level = max(level, rules.dense * square / total)
-    return level
+    return float(level)
 
 
 @step
