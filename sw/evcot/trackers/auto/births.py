@@ -145,7 +145,6 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.track_id = -1
     o.born_us = t_us
     o.packets = 0
-    o.silent_us = 0
     # What is there when the stream begins has not entered.
     begins = t_us - world.run[0].first_us <= _BEGINNING_US
     o.edge = -1 if begins else _edge(rules, box)
@@ -197,7 +196,7 @@ def _find_again(world: World, box: Table) -> int:
 def _resume(world: World, i: int, box: Table) -> None:
     """Let an object go on where it was found again."""
     o, s, p = world.objects[i], world.state[i], world.cov[i]
-    o.missed, o.silent_us, o.unseen_us, o.apart = 0.0, 0, 0, 0
+    o.missed, o.unseen_us, o.apart = 0.0, 0, 0
     half = max(s[0, 2], s[1, 2])
     for axis in range(2):
         s[axis, 0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])

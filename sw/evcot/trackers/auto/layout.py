@@ -53,8 +53,7 @@ OBJECT = np.dtype(
         ("meets", "?"),  # whether its box touches another object's
         ("speed", "<f8"),  # px/s, the greatest of the recent past: the object's unit of velocity
         ("unseen_us", "<i8"),  # time since the last look
-        ("silent_us", "<i8"),  # time without support
-        ("missed", "<f8"),  # half sides travelled since
+        ("missed", "<f8"),  # half sides travelled without support
         ("support", "<i8"),  # events so far
         ("packet_events", "<i8"),
         ("mass", "<f8"),  # pixels that the last look showed

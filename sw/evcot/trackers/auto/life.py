@@ -221,9 +221,8 @@ def _observe(rules: Rules, world: World, i: int, t_us: int) -> None:
     o, s = world.objects[i], world.state[i]
     mass = look(rules, world, i, _meet(world, i), t_us)
     if mass > 0.0 and o.contrast >= _LEAST_CONTRAST:
-        o.silent_us, o.missed = 0, 0.0
+        o.missed = 0.0
     else:
-        o.silent_us += o.unseen_us
         s[0, 3] = s[1, 3] = 0.0
     o.unseen_us = 0
     for axis in range(2):
