@@ -30,6 +30,8 @@ _SIGMAS = 3.0  # above the noise
 _NEAR = 1.0  # in gates: anything closer to an object is a part of it that its gate will reach
 _TRAIL = 1.0  # half sides behind an object in which pixels still fire
 _CONTOUR = 0.5  # of a group's sides: pixels that an object sends at least
+_DRAWN_OUT = 0.8  # half sides of drift
+_SURE = 3.0  # standard deviations of that
 _PLACE = 0.3  # standard deviation of a new object's sides, half sides
 _EDGE_PX = 8.0
 _GROWTH = 0.3  # growth of a half side, as a part of the speed
@@ -139,6 +141,38 @@ def _edge(rules: Rules, box: Table) -> int:
 
 
 @step
+def _drift(world: World, box: Table, t_us: int, window_us: int) -> float:
+    """The speed at which a new group moves, px/s: of a line through the places of its pixels over the times of their events;
+    or 0 if it may be chance."""
+    n, times, squares = 0.0, 0.0, 0.0
+    xs, ys, txs, tys, places = 0.0, 0.0, 0.0, 0.0, 0.0
+    middle_x, middle_y = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
+    for y in range(int(box[2]), int(box[3]) + 1):
+        for x in range(int(box[0]), int(box[1]) + 1):
+            ago_s = 1e-6 * (t_us - world.seen[y, x, 0])
+            if ago_s > 1e-6 * window_us:
+                continue
+            dx, dy = x - middle_x, y - middle_y
+            n += 1.0
+            times -= ago_s
+            squares += ago_s * ago_s
+            xs += dx
+            ys += dy
+            txs -= ago_s * dx
+            tys -= ago_s * dy
+            places += dx * dx + dy * dy
+    if n <= 2.0:
+        return 0.0
+    spread = squares - times * times / n
+    along_x, along_y = txs - times * xs / n, tys - times * ys / n
+    if spread <= 0.0:
+        return 0.0
+    rest = places - (xs * xs + ys * ys) / n - (along_x * along_x + along_y * along_y) / spread
+    drift = np.hypot(along_x, along_y) / spread
+    return float(drift) if drift > _SURE * np.sqrt(max(rest, 0.0) / ((n - 2.0) * spread)) else 0.0
+
+
+@step
 def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int, window_us: int) -> None:
     o = world.objects[i]
     o.alive = True
@@ -159,6 +193,11 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     o.packet_events = pixels
     half_px = max(0.25 * (box[1] - box[0] + box[3] - box[2]), 1.0)
     o.speed = rules.birth_speed * half_px / (1e-6 * window_us)
+    if begins and _edge(rules, box) < 0:
+        # It was not looked for in shorter windows: it may be so fast that its picture is drawn out.
+        drift = _drift(world, box, t_us, window_us)
+        if 1e-6 * window_us * drift >= _DRAWN_OUT * half_px:
+            o.speed = max(o.speed, drift)
     o.usual = pixels / (1e-6 * window_us) / o.speed
     o.gate = rules.gate * half_px
     for axis in range(2):
