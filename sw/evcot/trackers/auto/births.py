@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """New objects: groups of neighbouring cells with more different pixels than noise would send.
 
-Unassigned pixels are collected in windows of six lengths, each twice as long as the one before, so that fast and slow
+Pixels outside objects are collected in windows of six lengths, each twice as long as the one before, so that fast and slow
 objects are found when they have moved by about the same distance. Pixels are counted, not events, so that a hot pixel counts
 once.
 """
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from .layout import CELL_BITS, LEVELS, NOBODY, PROFILE, Rules, World
-from .outline import clear_picture
+from .layout import CELL_BITS, LEVELS, NOBODY, Rules, World
+from .look import look_at_group
 
 __all__ = ["BIRTH_US", "find_births", "list_living"]
 
@@ -28,12 +28,16 @@ _NOISE_MIX = 0.2
 _CELL_PIXELS = 2.0  # fewer in a cell are noise
 _SIGMAS = 3.0  # above the noise
 _NEAR = 1.0  # in gates: anything closer to an object is a part of it that its gate will reach
-_TRAIL = 0.5  # half sides behind an object in which pixels still fire
+_TRAIL = 1.0  # half sides behind an object in which pixels still fire
 _CONTOUR = 0.5  # of a group's sides: pixels that an object sends at least
-_PICTURE = 4.0  # pixels that its picture will fill, of those at birth
+_DRAWN_OUT = 0.8  # half sides of drift
+_SURE = 3.0  # standard deviations of that
 _PLACE = 0.3  # standard deviation of a new object's sides, half sides
 _EDGE_PX = 8.0
 _GROWTH = 0.3  # growth of a half side, as a part of the speed
+_LOST_SIGHT = 0.15  # half sides without support, from which an object may be found again elsewhere
+_FOUND_WITHIN = 3.0  # half sides
+_ALIKE = 3.5  # ratio of sizes
 _FILLED = 0.5  # of a sensor: a group that covers more is no object
 
 
@@ -108,7 +112,7 @@ def _touches(world: World, box: Table, window_s: float) -> bool:
     for at in range(world.run[0].live):
         i = world.slots[at]
         o, s = world.objects[i], world.state[i]
-        near = True
+        near = o.missed < _LOST_SIGHT or o.track_id < 0
         for axis in range(2):
             back = -s[axis, 1] * window_s
             if o.track_id >= 0 and o.speed > 0.0:
@@ -137,25 +141,64 @@ def _edge(rules: Rules, box: Table) -> int:
 
 
 @step
+def _drift(world: World, box: Table, t_us: int, window_us: int) -> float:
+    """The speed at which a new group moves, px/s: of a line through the places of its pixels over the times of their events;
+    or 0 if it may be chance."""
+    n, times, squares = 0.0, 0.0, 0.0
+    xs, ys, txs, tys, places = 0.0, 0.0, 0.0, 0.0, 0.0
+    middle_x, middle_y = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
+    for y in range(int(box[2]), int(box[3]) + 1):
+        for x in range(int(box[0]), int(box[1]) + 1):
+            ago_s = 1e-6 * (t_us - world.seen[y, x, 0])
+            if ago_s > 1e-6 * window_us:
+                continue
+            dx, dy = x - middle_x, y - middle_y
+            n += 1.0
+            times -= ago_s
+            squares += ago_s * ago_s
+            xs += dx
+            ys += dy
+            txs -= ago_s * dx
+            tys -= ago_s * dy
+            places += dx * dx + dy * dy
+    if n <= 2.0:
+        return 0.0
+    spread = squares - times * times / n
+    along_x, along_y = txs - times * xs / n, tys - times * ys / n
+    if spread <= 0.0:
+        return 0.0
+    rest = places - (xs * xs + ys * ys) / n - (along_x * along_x + along_y * along_y) / spread
+    drift = np.hypot(along_x, along_y) / spread
+    return float(drift) if drift > _SURE * np.sqrt(max(rest, 0.0) / ((n - 2.0) * spread)) else 0.0
+
+
+@step
 def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int, window_us: int) -> None:
     o = world.objects[i]
     o.alive = True
     o.track_id = -1
     o.born_us = t_us
     o.packets = 0
-    o.silent_us = 0
     # What is there when the stream begins has not entered.
     begins = t_us - world.run[0].first_us <= _BEGINNING_US
-    o.enters = o.edge = -1 if begins else _edge(rules, box)
-    o.travel = o.within = o.path = o.still = 0.0
+    o.edge = -1 if begins else _edge(rules, box)
+    o.travel = o.within = o.path = o.still = o.missed = 0.0
     o.inside = -1
     o.meets = False
+    o.apart = 0
+    o.unseen_us = 0
+    o.contrast = np.inf
+    o.mass = pixels
     o.support = pixels
     o.packet_events = pixels
     half_px = max(0.25 * (box[1] - box[0] + box[3] - box[2]), 1.0)
     o.speed = rules.birth_speed * half_px / (1e-6 * window_us)
-    o.rate = pixels / (1e-6 * window_us)
-    o.usual = o.rate / o.speed
+    if begins and _edge(rules, box) < 0:
+        # It was not looked for in shorter windows: it may be so fast that its picture is drawn out.
+        drift = _drift(world, box, t_us, window_us)
+        if 1e-6 * window_us * drift >= _DRAWN_OUT * half_px:
+            o.speed = max(o.speed, drift)
+    o.usual = pixels / (1e-6 * window_us) / o.speed
     o.gate = rules.gate * half_px
     for axis in range(2):
         s, p = world.state[i, axis], world.cov[i, axis]
@@ -167,25 +210,64 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
         p[0, 0] = p[2, 2] = (_PLACE * half_px) ** 2
         p[1, 1] = o.speed**2
         p[3, 3] = (_GROWTH * o.speed) ** 2
-    world.profile[i] = 0.0
-    world.total[i] = PROFILE * PROFILE
-    o.unit_x = o.unit_y = o.unfitted = 0.0
-    o.area = _PICTURE * pixels
-    clear_picture(world, i)
+
+
+@step
+def _find_again(world: World, box: Table) -> int:
+    """The object without support that lies closest to a new group, and is as large, if it can have come there; or -1."""
+    best, least = -1, 1.0
+    width, height = box[1] - box[0] + 1.0, box[3] - box[2] + 1.0
+    for at in range(world.run[0].live):
+        i = world.slots[at]
+        o, s = world.objects[i], world.state[i]
+        if o.missed < _LOST_SIGHT or o.track_id < 0:
+            continue
+        half = max(s[0, 2], s[1, 2])
+        ratio = (width + height) / (2.0 * (s[0, 2] + s[1, 2]))
+        away = max(abs(0.5 * (box[0] + box[1]) - s[0, 0]), abs(0.5 * (box[2] + box[3]) - s[1, 0]))
+        away /= half * (_FOUND_WITHIN + o.missed)
+        if 1.0 / _ALIKE < ratio < _ALIKE and away < least:
+            best, least = i, away
+    return best
+
+
+@step
+def _resume(world: World, i: int, box: Table) -> None:
+    """Let an object go on where it was found again."""
+    o, s, p = world.objects[i], world.state[i], world.cov[i]
+    o.missed, o.unseen_us, o.apart = 0.0, 0, 0
+    half = max(s[0, 2], s[1, 2])
+    for axis in range(2):
+        s[axis, 0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])
+        s[axis, 2] = max(0.5 * (box[2 * axis + 1] - box[2 * axis]), 1.0)
+        s[axis, 1] = s[axis, 3] = 0.0
+        p[axis] = 0.0
+        p[axis, 0, 0] = p[axis, 2, 2] = (_PLACE * half) ** 2
+        p[axis, 1, 1] = o.speed**2
+        p[axis, 3, 3] = (_GROWTH * o.speed) ** 2
 
 
 @step
 def _sweep(world: World) -> None:
-    """Remove the unassigned pixels in the cells of objects."""
+    """Remove the pixels in objects' boxes and gates."""
     rows, columns = world.pixels.shape[1:]
     for at in range(world.run[0].live):
-        s = world.state[world.slots[at]]
-        top, bottom = int(s[1, 0] - s[1, 2]) >> CELL_BITS, int(s[1, 0] + s[1, 2]) >> CELL_BITS
-        left, right = int(s[0, 0] - s[0, 2]) >> CELL_BITS, int(s[0, 0] + s[0, 2]) >> CELL_BITS
-        for row in range(max(top, 0), min(bottom + 1, rows)):
-            for column in range(max(left, 0), min(right + 1, columns)):
+        i = world.slots[at]
+        s, gate = world.state[i], world.objects[i].gate
+        if world.objects[i].missed >= _LOST_SIGHT and world.objects[i].track_id >= 0:
+            continue
+        left, right = int(s[0, 0] - s[0, 2] - gate), int(s[0, 0] + s[0, 2] + gate)
+        top, bottom = int(s[1, 0] - s[1, 2] - gate), int(s[1, 0] + s[1, 2] + gate)
+        for row in range(max(top, 0) >> CELL_BITS, min((bottom >> CELL_BITS) + 1, rows)):
+            y0, y1 = max(top - (row << CELL_BITS), 0), min(bottom - (row << CELL_BITS), 7)
+            for column in range(max(left, 0) >> CELL_BITS, min((right >> CELL_BITS) + 1, columns)):
+                x0, x1 = max(left - (column << CELL_BITS), 0), min(right - (column << CELL_BITS), 7)
+                bits = np.uint64(0)
+                for y in range(y0, y1 + 1):
+                    for x in range(x0, x1 + 1):
+                        bits |= world.bits[y, x]
                 for level in range(LEVELS):
-                    world.pixels[level, row, column] = np.uint64(0)
+                    world.pixels[level, row, column] &= ~bits
 
 
 @step
@@ -245,17 +327,31 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
                 if word == np.uint64(0) or not known or _count(word) < least:
                     continue
                 found, cells = _gather(world, level, row, column, box, least)
-                if (
-                    found >= rules.birth_pixels + cells * least
-                    and found >= _CONTOUR * (box[1] - box[0] + box[3] - box[2])
-                    and cells < _FILLED * rows * columns
-                    and not _touches(world, box, 1e-6 * window_us)
-                ):
+                if found < rules.birth_pixels + cells * least or cells >= _FILLED * rows * columns:
+                    continue
+                born = 0
+                parts = world.parts
+                n = look_at_group(rules, world, box, t_us, 1e-6 * window_us)
+                for k in range(n):
+                    for edge in range(4):
+                        box[edge] = parts[k, edge >> 1, edge & 1]
+                    width, height = box[1] - box[0] + 1.0, box[3] - box[2] + 1.0
+                    noise = width * height * mean / 64.0
+                    mass = parts[k, 2, 0] - noise - _SIGMAS * np.sqrt(noise)
+                    if mass < max(rules.birth_pixels, _CONTOUR * (width + height)) or _touches(world, box, 1e-6 * window_us):
+                        continue
+                    i = _find_again(world, box)
+                    if i >= 0:
+                        _resume(world, i, box)
+                        born += 1
+                        continue
                     i = _free_slot(world)
                     if i >= 0:
-                        _start(rules, world, i, box, found, t_us, window_us)
-                        list_living(world)
-                        for k in range(cells):
-                            for above in range(level + 1, LEVELS):
-                                world.pixels[above, world.queue[k] // columns, world.queue[k] % columns] = np.uint64(0)
+                        _start(rules, world, i, box, int(parts[k, 2, 0]), t_us, window_us)
+                        born += 1
+                if born > 0:
+                    list_living(world)
+                    for k in range(cells):
+                        for above in range(level + 1, LEVELS):
+                            world.pixels[above, world.queue[k] // columns, world.queue[k] % columns] = np.uint64(0)
         world.pixels[level] = np.uint64(0)

@@ -8,14 +8,32 @@ from typing import Any
 from numba import njit
 from numpy.typing import NDArray
 
-from .layout import NOBODY, UNSET_US, Rules, World
+from ..._numba_private import step
+from .layout import CELL_BITS, NEAR, NOBODY, UNSET_US, Rules, World
 from .life import RECORDS_PER_PACKET, open_packet
 from .restless import epoch_of, rests
-from .sharing import share
 
 __all__ = ["feed"]
 
 Table = NDArray[Any]
+
+
+@step
+def _owner(world: World, x: int, y: int) -> int:
+    """The object in whose box or gate a pixel lies; of several, the one to whose middle it is closest in half sides."""
+    near = world.near[y >> CELL_BITS, x >> CELL_BITS]
+    owner, least = NOBODY, 1e9
+    for k in range(NEAR):
+        i = near[k]
+        if i == NOBODY:
+            break
+        o = world.objects[i]
+        dx, dy = abs(x - o.x), abs(y - o.y)
+        if dx <= o.half_x + o.gate and dy <= o.half_y + o.gate:
+            away = max(dx / o.half_x, dy / o.half_y)
+            if away < least:
+                owner, least = i, away
+    return owner
 
 
 @njit(cache=True, nogil=True)
@@ -26,7 +44,7 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
     if run.packet_end_us == UNSET_US and len(ts) > begin:
         first_us = run.first_us = ts[begin]
     most = RECORDS_PER_PACKET * len(world.objects)
-    end_us, packet, index = run.packet_end_us, run.packet, run.index
+    end_us, index = run.packet_end_us, run.index
     for e in range(begin, len(ts)):
         t_us = ts[e]
         if t_us >= end_us:
@@ -36,14 +54,18 @@ def feed(rules: Rules, world: World, ts: Table, xs: Table, ys: Table, begin: int
                     return e
                 if open_packet(rules, world, t_us, out):
                     break
-            end_us, packet = run.packet_end_us, run.packet
-        x, y = xs[e], ys[e]
-        owner[e] = NOBODY
+            end_us = run.packet_end_us
+        x, y = int(xs[e]), int(ys[e])
+        i = NOBODY
         index += 1
         if rests(seen, x, y, epoch_of(t_us, first_us)):
-            fresh = seen[y, x, 0] != packet
-            seen[y, x, 0] = packet
-            owner[e] = share(world, int(x), int(y), fresh)
+            seen[y, x, 0] = t_us
+            world.pixels[0, y >> CELL_BITS, x >> CELL_BITS] |= world.bits[y & 7, x & 7]
+            if world.near[y >> CELL_BITS, x >> CELL_BITS, 0] != NOBODY:
+                i = _owner(world, x, y)
+                if i != NOBODY:
+                    world.objects[i].packet_events += 1
+        owner[e] = i
     run.index = index
     if len(ts) > begin:
         run.last_us = ts[-1]

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 from ...tracks.log import Kind
-from ..kalman.motion import correct, predict
+from ..kalman.motion import predict
 from .births import BIRTH_US, find_births, list_living
-from .centroid import correct_by_centroid
-from .layout import PROFILE, UNSET_US, Rules, World
-from .outline import add_travel, clear_picture, fit_outline
-from .sharing import prepare_packet
+from .layout import CELL_BITS, NEAR, NOBODY, UNSET_US, Rules, World
+from .look import look
 from .unity import are_one
 
 __all__ = ["RECORDS_PER_PACKET", "close_packet", "open_packet"]
@@ -29,27 +27,25 @@ PACKET_MIN_US, PACKET_MAX_US = 1_000, 5_000
 _PACKETS = (1 << 31) - 1  # mask of a packet's number
 _MIN_HALF_PX = 1.0
 _COVERED_PATIENCE = 4.0  # factor of the coasting of an object hidden behind another
-_RATE_MEAN = 0.15  # half sides of travel over which the rate is averaged
-_LEAST_SUPPORT = 0.15  # of the usual rate
-_ENTERED = 0.8
-_EDGE_VARIANCE = 1.0
-_EDGE_GATES = 2.0
+_TENTATIVE_PATIENCE = 0.5
+_LEAVING_PATIENCE = 0.25  # of one at the edge on its way out
 _SPEED_KEEPS = 6.0  # half sides of travel for which an object's greatest speed counts
 _SLOWEST = 0.5  # half sides per second: the least unit of velocity
 _SETTLED = 3  # packets after which an object's first box is noted
-_SIGNIFICANT = 2.5  # standard deviations of a velocity
+_SIGNIFICANT = 2.0  # standard deviations of a place
 _DETOUR = 4.0  # times the distance wanted, after which a new start is tried
 _SLOW = 1.0  # half sides per second
 _FARTHER = 4.0
 _STRAIGHT = 0.5  # distance moved, as a part of the way
 _STILL = 3.0  # half sides that it would travel, after which an object without motion is lost
-_TENTATIVE_COAST = 0.5
 _GROWTH_KEEPS = 2.0  # half sides of travel
-_EMISSION = 0.2  # half sides that an object travels at least while it sends as many pixels as its picture fills
-_FIT_EVERY = 0.15  # half sides of travel between two looks at a picture
-_FAR_MORE = 4.0  # times the rate
+_FAR_MORE = 4.0  # times the pixels
 _LEAST_CONTRAST = 2.0
-_LEAVING_PATIENCE = 0.25  # factor of the coasting of an object at the edge on its way out
+_UNSEEN = 0.15  # half sides without support, from which it is taken to stop
+_STOPS = 0.5  # half sides that it would travel
+_REPORTED = 0.3  # half sides without support, for which it is still reported
+_LEAST_GATE_PX = 2.0
+_SILENT = 2.0  # half sides per second, at least, that count as travelled without support
 
 
 @step
@@ -99,21 +95,6 @@ def _sure(world: World, i: int, of: int, sigmas: float) -> float:
 
 
 @step
-def _hidden(world: World, i: int, axis: int, high: int) -> bool:
-    """Whether the middle of a side lies in another object's box, so that events beyond the side are ambiguous."""
-    o = world.objects[i]
-    sign = 1.0 if high else -1.0
-    x = o.x + (sign * o.half_x if axis == 0 else 0.0)
-    y = o.y + (sign * o.half_y if axis == 1 else 0.0)
-    for at in range(world.run[0].live):
-        k = world.slots[at]
-        other = world.objects[k]
-        if k != i and abs(x - other.x) <= other.half_x and abs(y - other.y) <= other.half_y:
-            return True
-    return False
-
-
-@step
 def _predict(rules: Rules, world: World, i: int, lasted_s: float) -> None:
     """Predict an object over the packet. One that touches another keeps its course, since events may be the other's."""
     o = world.objects[i]
@@ -126,53 +107,35 @@ def _predict(rules: Rules, world: World, i: int, lasted_s: float) -> None:
 
 
 @step
-def _correct(rules: Rules, world: World, i: int, lasted_s: float) -> None:
-    o = world.objects[i]
-    noise_px = max(world.run[0].noise, 0.0) * lasted_s
-    for axis in range(2):
-        s, p = world.state[i, axis], world.cov[i, axis]
-        noise = noise_px * 2.0 * world.state[i, 1 - axis, 2] * o.gate
-        n = world.abreast[i, axis] - noise * (2.0 + 2.0 * s[2] / o.gate)
-        if n <= 0.0:
-            continue
-        density = 1.0 / (2.0 * s[2])
-        q = rules.quantile
-        # How far the noise differs from place to place is not known: where it is more than the share it decides nothing.
-        variance = rules.events_per_sample * q * (1.0 - q) / (n * density * density) * (1.0 + noise / (q * n)) ** 2
-        for high in range(2):
-            if _hidden(world, i, axis, high):
-                continue
-            sign = 1.0 if high else -1.0
-            off = sign * ((world.beyond[i, axis, high] - noise) / n - q) / density
-            correct(s, p, sign, off, variance)
-        went = o.speed * lasted_s / _half(world, i)
-        correct_by_centroid(rules, world, i, axis, n, noise * (2.0 + 2.0 * s[2] / o.gate), went)
-
-
-@step
-def _overlap(a: Any, b: Any) -> bool:
-    """Whether the boxes of two objects touch."""
-    return bool(abs(a.x - b.x) <= a.half_x + b.half_x and abs(a.y - b.y) <= a.half_y + b.half_y)
-
-
-@step
-def _meets(world: World, i: int) -> bool:
-    """Whether another object's box touches this one's."""
+def _meet(world: World, i: int) -> int:
+    """List the objects whose gates touch this one's, in `world.meeting`; returns how many there are."""
+    o, s = world.objects[i], world.state[i]
+    n = 0
     for at in range(world.run[0].live):
         k = world.slots[at]
-        if k != i and world.objects[k].track_id >= 0 and _overlap(world.objects[i], world.objects[k]):
-            return True
-    return False
+        other, other_o = world.state[k], world.objects[k]
+        gate = o.gate + other_o.gate
+        # What is not visible yet may be a part of this one: it hides nothing.
+        if (
+            k != i
+            and (other_o.track_id >= 0 or o.track_id < 0)
+            and abs(s[0, 0] - other[0, 0]) <= s[0, 2] + other[0, 2] + gate
+            and abs(s[1, 0] - other[1, 0]) <= s[1, 2] + other[1, 2] + gate
+        ):
+            world.meeting[n] = k
+            n += 1
+    return n
 
 
 @step
 def _covered(world: World, i: int) -> bool:
     """Whether another object's box holds the centre of this one."""
-    o = world.objects[i]
+    s = world.state[i]
     for at in range(world.run[0].live):
         k = world.slots[at]
-        other = world.objects[k]
-        if k != i and abs(o.x - other.x) <= other.half_x and abs(o.y - other.y) <= other.half_y:
+        other = world.state[k]
+        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < _UNSEEN
+        if k != i and seen and abs(s[0, 0] - other[0, 0]) <= other[0, 2] and abs(s[1, 0] - other[1, 0]) <= other[1, 2]:
             return True
     return False
 
@@ -185,26 +148,10 @@ def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, o
 
 
 @step
-def _keep_at_edge(rules: Rules, world: World, i: int) -> None:
-    """Extend an entering object to the edge until it is about as long as it is wide."""
-    o = world.objects[i]
-    axis = o.enters >> 1
-    s, p = world.state[i, axis], world.cov[i, axis]
-    high = o.enters & 1
-    sign = 1.0 if high else -1.0
-    edge = ((rules.width if axis == 0 else rules.height) - 0.5) if high else -0.5
-    away = edge - (s[0] + sign * s[2])
-    if s[2] < _ENTERED * world.state[i, 1 - axis, 2]:
-        correct(s, p, sign, away, _EDGE_VARIANCE)
-    elif sign * away > _EDGE_GATES * o.gate:
-        o.enters = -1
-
-
-@step
 def _survives(a: Any, b: Any) -> bool:
-    """Whether the first of two objects that are one keeps its name: it sends far more, or else is the older one."""
-    if max(a.rate, b.rate) > _FAR_MORE * min(a.rate, b.rate):
-        return bool(a.rate > b.rate)
+    """Whether the first of two objects that are one keeps its name: it shows far more, or else is the older one."""
+    if max(a.mass, b.mass) > _FAR_MORE * min(a.mass, b.mass):
+        return bool(a.mass > b.mass)
     if (a.track_id >= 0) != (b.track_id >= 0):
         return bool(a.track_id >= 0)
     return bool(a.track_id < b.track_id) if a.track_id >= 0 else bool(a.born_us < b.born_us)
@@ -230,7 +177,6 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
                 else:
                     world.objects[first].first_y += 0.5 * (low + high) - into[0]
                 into[0], into[2] = 0.5 * (low + high), 0.5 * (high - low)
-            clear_picture(world, first)
             world.objects[first].support += world.objects[second].support
             _end(rules, world, out, MERGED, t_us, second, world.objects[first].track_id)
 
@@ -260,14 +206,52 @@ def _becomes_visible(rules: Rules, world: World, i: int, lasted_s: float) -> boo
     v = np.hypot(s[0, 1], s[1, 1])
     # What is slow may be a place that flickers and drifts: it must go farther.
     wanted = max(rules.visible_travel * half * min(max(_SLOW * half / max(v, 1e-9), 1.0), _FARTHER), 1.0)
-    wanted += np.sqrt(p[0, 0, 0] + p[1, 0, 0])
+    wanted += _SIGNIFICANT * np.sqrt(p[0, 0, 0] + p[1, 0, 0])
     if o.packets <= _SETTLED or o.path > _DETOUR * wanted:
         o.first_x, o.first_y, o.path = s[0, 0], s[1, 0], 0.0
         return False
     o.path += np.hypot(s[0, 1], s[1, 1]) * lasted_s
     moved = np.hypot(s[0, 0] - o.first_x, s[1, 0] - o.first_y)
-    fast = v > _SIGNIFICANT * np.sqrt(p[0, 1, 1] + p[1, 1, 1])
-    return bool(fast and moved >= wanted and moved >= _STRAIGHT * o.path)
+    return bool(moved >= wanted and moved >= _STRAIGHT * o.path)
+
+
+@step
+def _observe(rules: Rules, world: World, i: int, t_us: int) -> None:
+    """Look at an object, and note whether it is there."""
+    o, s = world.objects[i], world.state[i]
+    mass = look(rules, world, i, _meet(world, i), t_us)
+    if mass > 0.0 and o.contrast >= _LEAST_CONTRAST:
+        o.missed = 0.0
+    else:
+        s[0, 3] = s[1, 3] = 0.0
+    o.unseen_us = 0
+    for axis in range(2):
+        if s[axis, 2] < _MIN_HALF_PX:
+            s[axis, 2] = _MIN_HALF_PX
+            s[axis, 3] = max(s[axis, 3], 0.0)
+
+
+@step
+def _advance(rules: Rules, world: World, i: int, lasted_s: float) -> None:
+    """Move an object on by a packet."""
+    o, s = world.objects[i], world.state[i]
+    _predict(rules, world, i, lasted_s)
+    half = _half(world, i)
+    v = _sure(world, i, 1, 1.0) + _sure(world, i, 3, 2.0)
+    went = o.speed * lasted_s / half  # in the object's units
+    o.still = 0.0 if v > 0.0 else o.still + went
+    o.speed = max(v, o.speed * np.exp(-went / _SPEED_KEEPS), _SLOWEST * half)
+    o.travel += v * lasted_s / half
+    o.within = o.within + v * lasted_s / half if o.inside >= 0 else 0.0
+    o.inside = -1
+    o.missed += max(np.hypot(s[0, 1], s[1, 1]) / half, _SILENT) * lasted_s
+    o.support += o.packet_events
+    o.gate = max(_LEAST_GATE_PX, 0.5 * rules.gate * (s[0, 2] + s[1, 2]))
+    # What sends no events has stopped, or is hidden.
+    keeps = np.exp(-went / _STOPS) if o.missed > _UNSEEN and not _covered(world, i) else 1.0
+    for axis in range(2):
+        s[axis, 3] *= np.exp(-went / _GROWTH_KEEPS)
+        s[axis, 1] *= keeps
 
 
 @njit(cache=True, nogil=True)
@@ -275,62 +259,26 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
     """Process the events of a packet of length `lasted_us` at its end, `t_us`."""
     run = world.run[0]
     lasted_s = 1e-6 * lasted_us
-    noise_px = max(run.noise, 0.0) * lasted_s
     for at in range(run.live):
         i = world.slots[at]
         o = world.objects[i]
         o.packets += 1
-        o.meets = _meets(world, i)
-        _predict(rules, world, i, lasted_s)
-        _correct(rules, world, i, lasted_s)
-        if o.enters >= 0:
-            _keep_at_edge(rules, world, i)
-        for axis in range(2):
-            s = world.state[i, axis]
-            if s[2] < _MIN_HALF_PX:
-                s[2] = _MIN_HALF_PX
-                s[3] = max(s[3], 0.0)
+        o.unseen_us += lasted_us
+        _advance(rules, world, i, lasted_s)
+        o.meets = _meet(world, i) > 0
     for at in range(run.live):
         i = world.slots[at]
         o = world.objects[i]
-        half = _half(world, i)
-        state = world.state[i]
-        v = _sure(world, i, 1, 1.0) + _sure(world, i, 3, 2.0)
-        went = o.speed * lasted_s / half  # in the object's units
-        o.still = 0.0 if v > 0.0 else o.still + went
-        o.speed = max(v, o.speed * np.exp(-went / _SPEED_KEEPS), _SLOWEST * half)
-        o.travel += v * lasted_s / half
-        o.within = o.within + v * lasted_s / half if o.inside >= 0 else 0.0
-        o.inside = -1
-        noise = noise_px * (o.right - o.left) * (o.bottom - o.top)
-        mix = min(went / _RATE_MEAN, 1.0)
-        o.rate += mix * (max(o.weight - noise, 0.0) / max(lasted_s, 1e-9) - o.rate)
-        o.usual += 0.1 * mix * (o.rate / o.speed - o.usual)
-        background = max(run.noise, 0.0) * (o.right - o.left) * (o.bottom - o.top)
-        least = max(o.speed * max(_LEAST_SUPPORT * o.usual, rules.full * 2.0 * half), background)
-        if o.rate >= least and o.contrast >= _LEAST_CONTRAST:
-            o.silent_us = 0
-        else:
-            o.silent_us += lasted_us
-            state[0, 3] = state[1, 3] = 0.0
-        for axis in range(2):
-            state[axis, 3] *= np.exp(-went / _GROWTH_KEEPS)
-        o.support += o.packet_events
-        fade = np.exp(-went / rules.memory)
-        if not o.meets:
-            for k in range(PROFILE * PROFILE):
-                world.profile[i, k] *= fade
-            world.total[i] = 64.0 + fade * (world.total[i] - 64.0)
-        seen = max(went, _EMISSION * max(o.weight - noise, 0.0) / o.area)
-        add_travel(rules, world, i, seen, noise_px)
-        o.unfitted += seen
-        if o.unfitted >= _FIT_EVERY:
-            o.unfitted = 0.0
-            fit_outline(rules, world, i)
-        patience = rules.coast * (_COVERED_PATIENCE if _covered(world, i) else 1.0 if o.track_id >= 0 else _TENTATIVE_COAST)
+        if 1e-6 * o.unseen_us * o.speed >= rules.pause * _half(world, i):
+            _observe(rules, world, i, t_us)
+        patience = rules.coast
+        if _covered(world, i):
+            patience *= _COVERED_PATIENCE
+        elif o.track_id < 0:
+            patience *= _TENTATIVE_PATIENCE
         if _leaves(rules, world, i):
             patience *= _LEAVING_PATIENCE
-        if 1e-6 * o.silent_us * o.speed > patience * half or o.still > _STILL or _outside(rules, world, i):
+        if o.missed > patience + rules.pause or o.still > _STILL or _outside(rules, world, i):
             _end(rules, world, out, LOST, t_us, i, -1)
     list_living(world)
     _merge(rules, world, out, t_us)
@@ -342,7 +290,8 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         i = world.slots[at]
         o = world.objects[i]
         if o.track_id >= 0:
-            _record(rules, world, out, MOVED, t_us, i, -1)
+            if o.missed <= _REPORTED or _covered(world, i):
+                _record(rules, world, out, MOVED, t_us, i, -1)
         elif _becomes_visible(rules, world, i, lasted_s):
             o.track_id = run.births
             run.births += 1
@@ -361,6 +310,27 @@ def _next_packet_us(rules: Rules, world: World) -> int:
 
 
 @step
+def _prepare(rules: Rules, world: World) -> None:
+    """Prepare the assignment of the open packet's events: each object's predicted box in mid-packet, and its cells."""
+    world.near[:] = NOBODY
+    middle_s = 0.5e-6 * world.run[0].packet_us
+    for at in range(world.run[0].live):
+        i = world.slots[at]
+        o, s = world.objects[i], world.state[i]
+        o.x, o.y = s[0, 0] + middle_s * s[0, 1], s[1, 0] + middle_s * s[1, 1]
+        o.half_x, o.half_y = s[0, 2], s[1, 2]
+        o.packet_events = 0
+        left, right = int(max(o.x - o.half_x - o.gate, 0.0)), int(min(o.x + o.half_x + o.gate + 1.0, rules.width - 1.0))
+        top, bottom = int(max(o.y - o.half_y - o.gate, 0.0)), int(min(o.y + o.half_y + o.gate + 1.0, rules.height - 1.0))
+        for row in range(top >> CELL_BITS, (bottom >> CELL_BITS) + 1):
+            for column in range(left >> CELL_BITS, (right >> CELL_BITS) + 1):
+                for k in range(NEAR):
+                    if world.near[row, column, k] == NOBODY:
+                        world.near[row, column, k] = i
+                        break
+
+
+@step
 def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
     """Close the open packet and open the next; returns whether that one holds `t_us`."""
     run = world.run[0]
@@ -375,5 +345,5 @@ def open_packet(rules: Rules, world: World, t_us: int, out: Table) -> bool:
     run.settled = run.index
     run.packet_us = _next_packet_us(rules, world)
     run.packet_end_us += run.packet_us
-    prepare_packet(rules, world)
+    _prepare(rules, world)
     return bool(t_us < run.packet_end_us)

@@ -22,6 +22,7 @@ _ENTERING_GAP = 1.0  # between two that enter, as a part of the longest half sid
 _BESIDE = 0.1  # of the larger one's whole sides: the gap between it and such a part
 _THIN = 0.4  # thickness of an edge, as a part of its length
 _THIN_GAPS = 2.5  # factor of the gap beside an edge
+_FLAT = 0.8  # thickness by width of bands that are edges of one object, however far apart
 _SMALL = 0.6  # of the larger one's mean side, up to which an object close to it may be a part of it, wherever it lies
 _WITHIN = 0.7  # share of the smaller box that lies in the larger
 _ABREAST = 0.6  # share of the wider box that is covered by the other
@@ -63,6 +64,9 @@ def are_parts(a: Table, b: Table, gap: float, elongation: float) -> bool:
             thin = min(a[axis, 1], b[axis, 1]) < _THIN * 0.5 * width
             most = (_THIN_GAPS if thin else 1.0) * gap * (elongation * width - length)
             if -_overlap(a, b, axis) <= most:
+                return True
+            flat = max(a[axis, 1] / a[across, 1], b[axis, 1] / b[across, 1]) < _FLAT
+            if flat and _overlap(a, b, across) >= 0.8 * width and length <= elongation * width:
                 return True
     return False
 

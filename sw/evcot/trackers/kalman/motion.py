@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..._numba_private import step
 
-__all__ = ["correct", "observe", "predict", "turn_back"]
+__all__ = ["correct", "predict", "turn_back"]
 
 Table = NDArray[Any]
 
@@ -46,18 +46,6 @@ def correct(s: Table, p: Table, sign: float, off_px: float, variance: float) -> 
     for i in range(4):
         gain = row[i] / total
         s[i] += gain * off_px
-        for k in range(4):
-            p[i, k] -= gain * row[k]
-
-
-@step
-def observe(s: Table, p: Table, of: int, off: float, variance: float) -> None:
-    """Update with a measurement of one element of the state that is `off` above the estimate."""
-    total = p[of, of] + variance
-    row = (p[of, 0], p[of, 1], p[of, 2], p[of, 3])
-    for i in range(4):
-        gain = row[i] / total
-        s[i] += gain * off
         for k in range(4):
             p[i, k] -= gain * row[k]
 
