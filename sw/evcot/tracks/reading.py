@@ -22,14 +22,18 @@ class RecordRuns(Protocol):
     """A log whose records can be had run by run, as often as they are needed: a `TrackLog`, or the file of one."""
 
     @property
-    def engine(self) -> str: ...
+    def engine(self) -> str:
+        """Name of the engine that made the log."""
 
     @property
-    def recording(self) -> str: ...
+    def recording(self) -> str:
+        """Digest of the recording's events; empty if unknown."""
 
-    def record_runs(self) -> Iterator[NDArray[np.void]]: ...
+    def record_runs(self) -> Iterator[NDArray[np.void]]:
+        """The records in order, in arrays of bounded length; from the beginning at each call."""
 
-    def count_owners(self) -> int: ...
+    def count_owners(self) -> int:
+        """Number of owners, one for each event."""
 
 
 def open_log(path: Path | str) -> LogFile | NpzFile:
