@@ -52,7 +52,8 @@ def test_its_targets_are_the_makefile_s() -> None:
 
 def test_what_the_package_is_built_from_is_copied_and_is_there() -> None:
     hatch = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]
-    needed = {"Makefile", "pyproject.toml", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]}
+    assert "custom" in PROJECT["tool"]["hatch"]["metadata"]["hooks"]  # hatch_build.py, which reads README.md
+    needed = {"Makefile", "pyproject.toml", "hatch_build.py", "README.md", *PROJECT["project"]["license-files"]}
     needed |= {package.partition("/")[0] for package in hatch["packages"]} | set(hatch["force-include"])
     assert copied() == needed
     assert all((ROOT / path).exists() for path in needed)

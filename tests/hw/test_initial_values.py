@@ -143,8 +143,9 @@ def test_four_states(tmp_path: Path, tracker: int, has: int) -> None:
     same(in_icarus(tmp_path, tracker, has, 1 + has), from_zeros(tracker, has), tracker)
 
 
-@EVERY_BUILD
+@pytest.mark.parametrize(("tracker", "has"), [(0, 255), (0, 0), (1, 0), (2, 0)])
 def test_random_initial_values(tracker: int, has: int) -> None:
+    """With all filters; each of them alone begins with X above."""
     for _ in range(3):
         same(in_verilator(tracker, has, random_initial=True), from_zeros(tracker, has), tracker)
 
@@ -155,7 +156,8 @@ def test_memories_of_cells(tmp_path: Path, cell_px: int) -> None:
     expected = from_zeros(0, 255, cell_px)
     assert len(expected.owned) + len(expected.passed) > 60
     same(in_icarus(tmp_path, 0, 255, 1 + cell_px, cell_px), expected, 0)
-    same(in_verilator(0, 255, cell_px, random_initial=True), expected, 0)
+    if cell_px == 4:  # one build more for each
+        same(in_verilator(0, 255, cell_px, random_initial=True), expected, 0)
 
 
 @needs_icarus

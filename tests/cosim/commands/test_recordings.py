@@ -82,7 +82,7 @@ def test_info_says_what_is_in_a_recording(drive: Path, capsys: Capture) -> None:
         "mean rate": "10 k events/s",
         "peak rate": "10 k events/s, over 10 ms",
         "ON events": "50.0 %",
-        "pixel interval": "200 us from event to event of a pixel, median",
+        "pixel interval": "200 us between two events of a pixel, median",
     }
     assert busiest.startswith("(5, 7) 50 %, (")
     assert busiest.count("(") == 5

