@@ -77,11 +77,16 @@ class Cluster:
     def run(self, tasks: Iterable[Any]) -> Iterator[Done[Any, Any]]:
         """Do tasks; yields each as it ends, in no order. A scheduler that is restarted gets those that had not ended again.
 
+        Dask blames every task that a killed worker had, also one that only waited there. So those that it gives up are tried
+        again at the end, each alone.
+
         Raises:
             ConfigError: the scheduler is gone for good; what has ended before has been yielded.
         """
         waiting: Iterator[Any] = iter(tasks)
         open_tasks: dict[str, Any] = {}  # what was handed out and has not ended, by the key of its future
+        suspects: list[Any] = []  # whose workers were killed while others were under way
+        alone = False
         while True:
             completed = self._dask.as_completed(loop=self._client.loop)
             lost = False
@@ -91,15 +96,20 @@ class Cluster:
                     if future.status not in ("finished", "error"):
                         lost = True
                         break
-                    done = _done(future, open_tasks[future.key])
-                    del open_tasks[future.key]
-                    yield done
+                    task = open_tasks.pop(future.key)
+                    if not alone and _was_killed(future):
+                        suspects.append(task)
+                    else:
+                        yield _done(future, task)
                     future.release()
                     self._hand_out(waiting, open_tasks, completed)
             except (OSError, self._dask.CancelledError):  # the connection has gone, in one of many ways
                 lost = True
-            if not lost:
+            if not lost and not suspects:
                 return
+            if not lost:
+                waiting, alone = iter([suspects.pop(0)]), True
+                continue
             waiting = itertools.chain(list(open_tasks.values()), waiting)
             open_tasks = {}
             self._client.close(timeout=2)
@@ -127,11 +137,15 @@ class Cluster:
                 time.sleep(0.5)
 
 
+def _was_killed(future: Any) -> bool:
+    return future.status == "error" and type(future.exception()).__name__ == "KilledWorker"
+
+
 def _done(future: Any, task: Any) -> Done[Any, Any]:
     if future.status == "finished":
         return Done(task, future.result(), "", 1)
     error = future.exception()
-    if type(error).__name__ == "KilledWorker":
+    if _was_killed(future):
         allowed = getattr(error, "allowed_failures", 3)
         return Done(task, None, f"worker was killed, {allowed + 1} times", allowed + 1)
     return Done(task, None, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}", 1)
