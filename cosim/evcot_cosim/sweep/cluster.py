@@ -77,8 +77,8 @@ class Cluster:
     def run(self, tasks: Iterable[Any]) -> Iterator[Done[Any, Any]]:
         """Do tasks; yields each as it ends, in no order. A scheduler that is restarted gets those that had not ended again.
 
-        Dask blames every task that a killed worker had, also one that only waited there. So those that it gives up are tried
-        again at the end, each alone.
+        Dask blames every task assigned to a worker that was killed, including those that were only queued there. So the tasks
+        that it gives up are tried again at the end, one at a time.
 
         Raises:
             ConfigError: the scheduler is gone for good; what has ended before has been yielded.
@@ -100,7 +100,7 @@ class Cluster:
                     if not alone and _was_killed(future):
                         suspects.append(task)
                     else:
-                        yield _done(future, task)
+                        yield _done(future, task, tries=1 + alone)
                     future.release()
                     self._hand_out(waiting, open_tasks, completed)
             except (OSError, self._dask.CancelledError):  # the connection has gone, in one of many ways
@@ -141,11 +141,11 @@ def _was_killed(future: Any) -> bool:
     return future.status == "error" and type(future.exception()).__name__ == "KilledWorker"
 
 
-def _done(future: Any, task: Any) -> Done[Any, Any]:
+def _done(future: Any, task: Any, tries: int) -> Done[Any, Any]:
     if future.status == "finished":
         return Done(task, future.result(), "", 1)
     error = future.exception()
     if _was_killed(future):
-        allowed = getattr(error, "allowed_failures", 3)
-        return Done(task, None, f"worker was killed, {allowed + 1} times", allowed + 1)
+        killed = tries * (getattr(error, "allowed_failures", 3) + 1)
+        return Done(task, None, f"worker was killed, {killed} times", killed)
     return Done(task, None, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}", 1)
