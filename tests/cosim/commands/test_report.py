@@ -70,7 +70,7 @@ def test_further_engines_stand_beside_hardware_and_software(made: Path, folder: 
     assert [side["name"] for side in facts["sides"]] == ["hardware", "software", "kalman", "auto", "truth"]
     looks = [side["look"] for side in facts["sides"]]
     assert len(set(looks)) == 5
-    assert "The same of software, kalman, auto" in text
+    assert "The same for software, kalman, auto" in text
     assert main(["report", "k.npz", str(made / "log.npz"), "--recording", str(made / "b.aedat4"), "-o", "logs.html", "-q"]) == 0
     names = json.loads(Path("logs.html").read_text().partition('id="facts">')[2].partition("</script>")[0])["sides"]
     assert [side["name"] for side in names] == ["kalman", "auto", "truth"]
