@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
 from evcot_cosim.devices.base import Drive, Ending, HardwareError, pattern_fields, pointer, reset
-from evcot_cosim.rtl.build import build
+from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, build
 
 __all__ = ["STEPS_PER_CLOCK", "AerDevice", "AerRun", "Chip"]
 
@@ -111,7 +111,8 @@ class AerDevice:
     ) -> None:
         self.top = top
         self.sends = top == "aer_in"
-        self.model = build(top, parameters, {"aer.cpp": _source(top, parameters)}, verilog=verilog)
+        drive = {"aer.cpp": _source(top, parameters)}
+        self.model = build(top, parameters, drive, extra_flags=PORTS_ONLY_FLAGS, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         self._words_are = 2 if self.sends else 5
         for port, value in (ports or {}).items():

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
 from evcot_cosim.devices.base import Drive, Ending, HardwareError, Layout, Pattern, pattern_fields, pointer, reset, structure
-from evcot_cosim.rtl.build import build
+from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, build
 
 __all__ = ["Bundle", "StreamDevice", "StreamRun", "random_pattern", "random_stalls"]
 
@@ -143,7 +143,7 @@ class StreamDevice:
         self.stalls: Mapping[str, Pattern] = {}
         self._quiet_clocks = quiet_clocks
         drive = {"words.cpp": _DRIVE.source(top, inputs=inputs, outputs=outputs, has_idle=has_idle)}
-        self.model = build(top, parameters, drive, verilog=verilog)
+        self.model = build(top, parameters, drive, extra_flags=PORTS_ONLY_FLAGS, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         self._masks = {bundle.prefix: self._field_masks(bundle) for bundle in inputs}
         self.set(**(ports or {}))

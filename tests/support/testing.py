@@ -21,7 +21,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 from pyverilator import PyVerilator
 
-from evcot_cosim.rtl.build import load
+from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
 from evcot_cosim.rtl.files import copy_rtl, rtl_files, search_flags
 from evcot_cosim.rtl.toolchain import Toolchain, find_toolchain
 
@@ -115,7 +115,7 @@ extern "C" void evcot_evaluate(V{top}* top, int64_t n, const int64_t* in, int64_
     for (int64_t i = 0; i < n; ++i) {{ {sets} top->eval(); {gets} }}
 }}
 """
-    sim = load(top, parameters, {"evaluate.cpp": drive})
+    sim = load(top, parameters, {"evaluate.cpp": drive}, extra_flags=PORTS_ONLY_FLAGS)
     pointers = (ctypes.c_void_p(array.ctypes.data) for array in (asked, result))
     sim.lib.evcot_evaluate(ctypes.c_void_p(sim.model), ctypes.c_int64(n), *pointers)
     return {port: result[:, k] for k, port in enumerate(outputs)}

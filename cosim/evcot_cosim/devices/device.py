@@ -29,7 +29,7 @@ from evcot.ticks import TickCounter, TickedEvents
 from evcot.tracks.log import Kind
 
 from ..names import DEFAULT_TOP, Top
-from ..rtl.build import BuiltModel, build
+from ..rtl.build import PORTS_ONLY_FLAGS, BuiltModel, build
 from .base import HardwareError, Stalls, pointer
 from .driver import DRIVE, MOTION_DRIVE, PARAMETERS, UNDECIDED, Status, saving_source, source
 from .motion import MOTION_PARAMETERS, check_motion, motion_writes
@@ -104,7 +104,7 @@ def build_device(
         parameters["TRACKER"] = register_map().trackers.index(module.removeprefix("cot_"))
         module = _FILTERED
     drive = {"stream.cpp": source(module, shape, motion)}
-    flags: tuple[str, ...] = ("--trace-max-array", "64") if waves else ("--trace-depth", "1")
+    flags: tuple[str, ...] = ("--trace-max-array", "64") if waves else PORTS_ONLY_FLAGS
     if savable:
         drive |= {"save.cpp": saving_source(module)}
         flags += ("--savable",)
@@ -123,6 +123,7 @@ class Device:
         top: name of the module.
         stalls: patterns for the streaming drive.
         model: a model that `build_device` returned for the same config, to avoid the look-up.
+        waves: see `build_device`; without a `model`.
 
     Raises:
         ConfigError, ToolchainError.
@@ -135,12 +136,13 @@ class Device:
         *,
         stalls: Stalls | None = None,
         model: BuiltModel | None = None,
+        waves: bool = True,
         verilog: Path | None = None,
     ) -> None:
         self.config = config
         self.top: Top = top
         self.stalls = stalls or Stalls()
-        self.model = model or build_device(config, top, verilog=verilog)
+        self.model = model or build_device(config, top, waves=waves, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         library = self.sim.lib
         library.evcot_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)

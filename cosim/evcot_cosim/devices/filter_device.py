@@ -14,7 +14,7 @@ from pyverilator import PyVerilator
 
 from evcot.ticks import TickedEvents
 
-from ..rtl.build import build
+from ..rtl.build import PORTS_ONLY_FLAGS, build
 from .base import Drive, Ending, HardwareError, Stalls, pattern_fields, pointer
 from .silence import check_waits
 
@@ -97,7 +97,7 @@ class FilterDevice:
     ) -> None:
         self.top = top
         self.stalls = stalls or Stalls()
-        self.model = build(top, parameters, {"filter.cpp": _DRIVE.source(top)}, verilog=verilog)
+        self.model = build(top, parameters, {"filter.cpp": _DRIVE.source(top)}, extra_flags=PORTS_ONLY_FLAGS, verilog=verilog)
         self.sim: PyVerilator = self.model.load()
         library = self.sim.lib
         library.evcot_filter_settle.argtypes = (ctypes.c_void_p, ctypes.c_int64)

@@ -28,7 +28,7 @@ from evcot.hardware.published.model import (
     PublishedConfig,
 )
 
-from ..rtl.build import build
+from ..rtl.build import PORTS_ONLY_FLAGS, build
 
 __all__ = [
     "CASCADE",
@@ -87,7 +87,7 @@ extern "C" void evcot_clocks({model}* top, int64_t n, const uint8_t* in, uint8_t
     }}
 }}
 """
-    return build(top.module, dict(top.parameters), {"clocks.cpp": drive}).load()
+    return build(top.module, dict(top.parameters), {"clocks.cpp": drive}, extra_flags=PORTS_ONLY_FLAGS).load()
 
 
 def rtl(top: Top, inputs: Ports) -> Ports:

@@ -24,7 +24,7 @@ from evcot.hardware.registers import BusError, register_map
 from evcot.hardware.streams import unpack, whole_numbers
 from evcot.tracks.log import DROPPED
 
-from ..rtl.build import RANDOM_INITIAL_CPP, RANDOM_INITIAL_FLAGS, build
+from ..rtl.build import PORTS_ONLY_FLAGS, RANDOM_INITIAL_FLAGS, build
 from .base import Drive, Ending, HardwareError, pointer, reset
 from .device import _order_of
 from .driver import PARAMETERS
@@ -251,7 +251,7 @@ class TopDevice:
         parameters: values for other Verilog parameters, such as SOURCES or TRACKER; TRACKER is that of an array with motion if
             `config` has motion, unless given.
         pace: stalls at the other end of every channel.
-        random_initial: registers begin with random values, others in each device; else with zeros.
+        initial_seed: registers begin with random values by this seed; 0: with zeros.
 
     Raises:
         ConfigError: `config` has motion and TRACKER is another, or the reverse.
@@ -265,7 +265,7 @@ class TopDevice:
         *,
         pace: Pace | None = None,
         verilog: Path | None = None,
-        random_initial: bool = False,
+        initial_seed: int = 0,
     ) -> None:
         self.config = config
         self.pace = pace or Pace()
@@ -277,10 +277,9 @@ class TopDevice:
         check_top(config, chosen["TRACKER"])
         self.record: np.dtype[np.void] = MOTION_RECORD if config.motion.enable else RECORD
         drive = _source(chosen.get("DATA_W", 64), self.record.itemsize)
-        cpp = {"top.cpp": drive, **(RANDOM_INITIAL_CPP if random_initial else {})}
-        flags = RANDOM_INITIAL_FLAGS if random_initial else ()
-        self.model = build("evcot_top", chosen, cpp, extra_flags=flags, verilog=verilog)
-        self.sim: PyVerilator = self.model.load()
+        flags = (*PORTS_ONLY_FLAGS, *(RANDOM_INITIAL_FLAGS if initial_seed else ()))
+        self.model = build("evcot_top", chosen, {"top.cpp": drive}, extra_flags=flags, verilog=verilog)
+        self.sim: PyVerilator = self.model.load(initial_seed)
         self.reset()
 
     def reset(self) -> None:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from evcot.templating import templates
 
-from ..rtl.build import build
+from ..rtl.build import PORTS_ONLY_FLAGS, build
 from ..rtl.files import copy_rtl
 from .board import board_dir
 from .serial_host import BAUD
@@ -89,7 +89,8 @@ class SimulatedBoard:
         pins = {"clock": board.clock, "rx": board.rx, "tx": board.tx}
         drive = templates("evcot_cosim.fpga").get_template("board.cpp.j2").render(top=board.name, divisor=divisor, **pins)
         with tempfile.TemporaryDirectory() as folder:
-            model = build(board.name, {}, {"board.cpp": drive}, verilog=verilog or sources(Path(folder)))
+            sources_at = verilog or sources(Path(folder))
+            model = build(board.name, {}, {"board.cpp": drive}, extra_flags=PORTS_ONLY_FLAGS, verilog=sources_at)
         self.sim = model.load()
         run = self.sim.lib.evcot_board
         run.restype = ctypes.c_int64

@@ -29,7 +29,14 @@ from evcot.errors import ToolchainError
 from .files import rtl_files, verilog_dir
 from .toolchain import Toolchain, find_toolchain
 
-__all__ = ["RANDOM_INITIAL_CPP", "RANDOM_INITIAL_FLAGS", "BuiltModel", "build", "cache_dir", "load"]
+__all__ = [
+    "PORTS_ONLY_FLAGS",
+    "RANDOM_INITIAL_FLAGS",
+    "BuiltModel",
+    "build",
+    "cache_dir",
+    "load",
+]
 
 # Split into several files a design would compile on several cores, but take twice as long overall, half of it for headers.
 _VERILATOR_FLAGS = ("-O3", "--no-timing", "--no-MMD", "--output-split", "0", "--default-language", "1364-2005")
@@ -45,22 +52,22 @@ _GCC_VERILATOR_FLAGS = ("-LDFLAGS", "-Wl,-Bsymbolic-functions")
 # A context for each simulation: with a shared one, every waveform would show the signals of all simulations.
 _CONTEXT_FILE = "evcot_context.cpp"
 _CONTEXT_CPP = """#include "verilated.h"
-extern "C" void evcot_new_context() { Verilated::threadContextp(new VerilatedContext); }
-"""
-
-RANDOM_INITIAL_CPP = {
-    _CONTEXT_FILE: """#include "verilated.h"
-extern "C" void evcot_new_context() {
-    static int seed = 0;
+extern "C" void evcot_new_context(int seed) {
     VerilatedContext* context = new VerilatedContext;
-    context->randReset(2);
-    context->randSeed(++seed);
+    context->randReset(seed ? 2 : 0);
+    context->randSeed(seed);
     Verilated::threadContextp(context);
 }
 """
-}
+
 RANDOM_INITIAL_FLAGS = ("--x-assign", "unique", "--x-initial", "unique")
-"""`extra_cpp` and `extra_flags` of a model in which every register begins with a random value, another in each simulation."""
+"""`extra_flags` of a model whose registers begin with random values in a simulation that is loaded with a seed."""
+
+PORTS_ONLY_FLAGS = ("--trace-depth", "1")
+"""`extra_flags` of a model whose waveforms have its ports alone: building it takes two thirds to half of the time."""
+
+# Flags that decide what is generated from a design and not how Verilator's runtime is compiled, each with one value.
+_DESIGN_FLAGS = frozenset({"--x-assign", "--x-initial", "--trace-depth", "--trace-max-array"})
 
 # Included by every file of a model, and slower to parse than a small model: g++ precompiles it.
 _HEADER_FILE = "evcot_runtime.h"
@@ -86,9 +93,13 @@ class BuiltModel:
     build_s: float
     """Time that finding or building it took."""
 
-    def load(self) -> PyVerilator:
-        """A new, independent simulation of this model, all inputs zero; any number may run side by side."""
-        ctypes.CDLL(str(self.shared_object)).evcot_new_context()
+    def load(self, initial_seed: int = 0) -> PyVerilator:
+        """A new, independent simulation of this model, all inputs zero; any number may run side by side.
+
+        Args:
+            initial_seed: of the values that registers begin with, in a model built with RANDOM_INITIAL_FLAGS; 0: zeros.
+        """
+        ctypes.CDLL(str(self.shared_object)).evcot_new_context(ctypes.c_int(initial_seed))
         return PyVerilator(str(self.shared_object))
 
 
@@ -183,7 +194,9 @@ class _Recipe:
         """A hash of everything that Verilator's compiled runtime depends on; it is the same for many designs."""
         tools, for_all = self.tools, [_CONTEXT_CPP, _HEADER]
         compiles = [tools.compiler_version, tools.optimisation, tools.target]
-        return _hash(tools.version, compiles, self.request["cargs"], self.flags, for_all)
+        of_design = {at + value for at, flag in enumerate(self.flags) if flag in _DESIGN_FLAGS for value in (0, 1)}
+        flags = [flag for at, flag in enumerate(self.flags) if at not in of_design]
+        return _hash(tools.version, compiles, self.request["cargs"], flags, for_all)
 
 
 def _hash(*parts: object) -> str:

@@ -27,7 +27,7 @@ from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import PATTERNS, Sink, Source, broken_copy, run_streams
 from support.ticked import ticked
-from support.trials import random_traffic
+from support.trials import bare_device, random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 SLOT = SlotConfig(
@@ -79,8 +79,8 @@ class TestStalls:
 
     def test_a_stalled_stream_takes_longer_and_decides_the_same(self) -> None:
         free, slow = (
-            Device(config_of("cot_array")),
-            Device(config_of("cot_array"), stalls=Stalls(own=np.array([1] + [0] * 39))),
+            bare_device(config_of("cot_array")),
+            bare_device(config_of("cot_array"), stalls=Stalls(own=np.array([1] + [0] * 39))),
         )
         events = traffic(2000)
         assert same(free.stream(events), slow.stream(events))
@@ -91,14 +91,14 @@ class TestStream:
     @pytest.mark.parametrize("top", TOPS)
     def test_it_does_not_matter_where_the_events_are_cut(self, top: Top) -> None:
         events = traffic(3000)
-        whole = Device(config_of(top)).stream(events)
-        pieces = Device(config_of(top))
+        whole = bare_device(config_of(top)).stream(events)
+        pieces = bare_device(config_of(top))
         parts = [pieces.stream(part) for part in cut(events, 0, 1, 2, 1700, 1700, 2999)]
         assert len(whole.records) > 300
         assert same(joined(parts), whole)
 
     def test_no_events_are_no_decisions(self) -> None:
-        device = Device(config_of("cot_array"))
+        device = bare_device(config_of("cot_array"))
         assert [len(column) for column in device.stream(cut(traffic(5), 0)[0])] == [0, 0, 0, 0]
         assert (device.seq, device.now) == (0, 0)
 
@@ -106,7 +106,7 @@ class TestStream:
         slot = replace(SLOT, clust_nev=1, nev_max=1, max_ticks=1)  # a birth and a loss for every event
         n = 20_000
         events = ticked(np.arange(n), 64, 64)
-        result = Device(config_of("cot_array", slot)).stream(events)
+        result = bare_device(config_of("cot_array", slot)).stream(events)
         assert len(result.records) == 2 * n - 1
         assert same(result, CotModel(config_of("cot_array", slot)).feed(events))
 
@@ -115,13 +115,13 @@ class TestStream:
         config = config_of(top)
         narrow = replace(config, shape=replace(config.shape, seq_w=8, time_w=18))
         events = replace(traffic(20_000), ticks=np.arange(20_000) * 14)
-        result = Device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(events)
+        result = bare_device(narrow, top, stalls=Stalls.random(np.random.default_rng(2))).stream(events)
         assert result.records["seq"].max() > 2**8
         assert result.records["time"].max() > 2**18
-        assert same(result, CotModel(narrow, Device(config, top).arrangement).feed(events))
+        assert same(result, CotModel(narrow, bare_device(config, top).arrangement).feed(events))
 
     def test_reset_begins_again(self) -> None:
-        device = Device(config_of("cot_array"))
+        device = bare_device(config_of("cot_array"))
         first = device.stream(traffic(1000))
         device.reset()
         assert (device.seq, device.now, device.cycle) == (0, 0, 0)
@@ -131,17 +131,17 @@ class TestStream:
         ticks = traffic(2000)
         events = Events(987_654 + ticks.ticks * 10, ticks.x, ticks.y, ticks.p)
         config = replace(config_of("cot_array"), tick_us=10)
-        wanted = Device(config).stream(replace(ticks, ticks=ticks.ticks - ticks.ticks[0]))
+        wanted = bare_device(config).stream(replace(ticks, ticks=ticks.ticks - ticks.ticks[0]))
         assert wanted.records["time"].max() > 1000
-        device = Device(config)
+        device = bare_device(config)
         assert same(joined([device.stream(events[:700]), device.stream(events[700:])]), wanted)
         device.reset()
-        assert same(device.stream(events[:0]), Device(config).stream(ticks[:0]))
+        assert same(device.stream(events[:0]), bare_device(config).stream(ticks[:0]))
         told, _ = device.stream_timed(events)
         assert same(told, wanted)
 
     def test_time_that_runs_back_is_refused_before_anything_is_driven(self) -> None:
-        device = Device(config_of("cot_array"))
+        device = bare_device(config_of("cot_array"))
         device.stream(ticked([0, 5], 20, 20))
         for ticks, message in (([4], "event 2: tick 4 follows tick 5"), ([5, 9, 8, 7], "event 4: tick 8 follows tick 9")):
             with pytest.raises(RecordingError, match=f"^{message}: time must not run back$"):
@@ -150,22 +150,22 @@ class TestStream:
         assert len(device.stream(ticked([5, 5], 20, 20)).owner) == 2
 
     def test_a_mask_of_another_length_is_refused(self) -> None:
-        device = Device(config_of("cot_array"))
+        device = bare_device(config_of("cot_array"))
         with pytest.raises(RecordingError, match=r"^keep holds 3 values: must be one for each of 2 events$"):
             device.stream(ticked([0, 5], 20, 20), np.ones(3, np.bool_))
 
     def test_two_devices_share_nothing(self) -> None:
-        one, other = Device(config_of("cot_array")), Device(config_of("cot_array", replace(SLOT, mode=Mode.OFF)))
+        one, other = bare_device(config_of("cot_array")), bare_device(config_of("cot_array", replace(SLOT, mode=Mode.OFF)))
         parts = cut(traffic(2000), 1000)
         first = one.stream(parts[0])
         assert not len(other.stream(parts[0]).records)
-        assert same(joined([first, one.stream(parts[1])]), Device(config_of("cot_array")).stream(traffic(2000)))
+        assert same(joined([first, one.stream(parts[1])]), bare_device(config_of("cot_array")).stream(traffic(2000)))
 
     @pytest.mark.parametrize("top", TOPS)
     def test_timing_changes_nothing(self, top: Top) -> None:
         events = traffic(2000)
-        result, times = Device(config_of(top)).stream_timed(events)
-        assert same(result, Device(config_of(top)).stream(events))
+        result, times = bare_device(config_of(top)).stream_timed(events)
+        assert same(result, bare_device(config_of(top)).stream(events))
         assert (np.diff(times.accepted) > 0).all()
         assert len(times.recorded) == len(result.records)
         caused = result.records["kind"] != Kind.LOST
@@ -182,11 +182,11 @@ class TestStream:
 
 def test_a_single_tracker_has_one_slot() -> None:
     with pytest.raises(ConfigError, match=r"shape\.n_slots = 2: must be 1 for a single tracker"):
-        Device(config_of("cot_array"), "cot")
+        bare_device(config_of("cot_array"), "cot")
 
 
 def test_what_the_model_must_be() -> None:
-    assert [Device(config_of(top), top).arrangement for top in TOPS] == [
+    assert [bare_device(config_of(top), top).arrangement for top in TOPS] == [
         Arrangement.CHAIN,
         Arrangement.CHAIN,
         Arrangement.ARRAY,
@@ -233,9 +233,9 @@ def interactive(device: Device, events: TickedEvents, pattern: str) -> Decisions
 @pytest.mark.parametrize("top", TOPS)
 def test_interactive_and_streaming_drive_give_the_same(top: Top, pattern: str) -> None:
     events = traffic(300, seed=5)
-    streamed = Device(config_of(top)).stream(events)
+    streamed = bare_device(config_of(top)).stream(events)
     assert set(streamed.records["kind"]) >= {Kind.BORN, Kind.MOVED, Kind.LOST}
-    assert same(interactive(Device(config_of(top)), events, pattern), streamed)
+    assert same(interactive(bare_device(config_of(top)), events, pattern), streamed)
 
 
 class TestFaults:
@@ -259,7 +259,7 @@ class TestFaults:
         config = CotConfig.uniform(SHAPE, replace(SLOT, mode=Mode.FIXED, init_cm_x=64, init_cm_y=64))
         x = [64] * 7 + [0] * 7
         with pytest.raises(HardwareError, match=f"cot_array {message}") as caught:
-            Device(config, verilog=verilog).stream(ticked(np.arange(14), x, x))
+            bare_device(config, verilog=verilog).stream(ticked(np.arange(14), x, x))
         if seq is not None:
             assert caught.value.seq == seq
 
@@ -267,7 +267,7 @@ class TestFaults:
 class TestDumping:
     def test_the_file_holds_the_clocks_of_the_window_alone(self, tmp_path: Path) -> None:
         events = traffic(400)
-        device = Device(config_of("cot_array"), stalls=Stalls.random(np.random.default_rng(1)))
+        device = bare_device(config_of("cot_array"), stalls=Stalls.random(np.random.default_rng(1)))
         with device.dumping(tmp_path / "w.vcd", 10, 20):
             result, times = device.stream_timed(events)
             assert not (tmp_path / "w.vcd").exists()  # it appears when it is whole
@@ -277,10 +277,10 @@ class TestDumping:
         changes = [time for time, _ in wave[clock].tv]
         first, last = 10 * (times.accepted[9] + 1), 10 * times.accepted[20] + 5
         assert changes == list(range(first, last + 1, 5))  # rising edges at 5, 15, 25 …
-        assert same(result, Device(config_of("cot_array")).stream(events))
+        assert same(result, bare_device(config_of("cot_array")).stream(events))
 
     def test_nothing_is_dumped_after_the_block(self, tmp_path: Path) -> None:
-        device = Device(config_of("cot_array"))
+        device = bare_device(config_of("cot_array"))
         parts = cut(traffic(200), 100)
         with device.dumping(tmp_path / "w.vcd"):
             device.stream(parts[0])
@@ -289,7 +289,7 @@ class TestDumping:
         assert (tmp_path / "w.vcd").stat().st_size == size
 
     def test_a_folder_that_is_not_there(self, tmp_path: Path) -> None:
-        device = Device(config_of("cot_array"))
+        device = bare_device(config_of("cot_array"))
         path = tmp_path / "absent" / "w.vcd"
         with pytest.raises(OutputError, match=r"absent/w\.vcd: cannot be written: No such file"), device.dumping(path):
             pytest.fail("the block must not run")
@@ -302,7 +302,7 @@ sys.path[:0] = {PATHS!r}
 import test_device as t
 from pathlib import Path
 from evcot.errors import OutputError
-device = t.Device(t.config_of("cot_array"))
+device = t.bare_device(t.config_of("cot_array"))
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 try:
@@ -325,7 +325,7 @@ import test_device as t
 from pathlib import Path
 def resident():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
-device = t.Device(t.config_of("cot_array"))
+device = t.bare_device(t.config_of("cot_array"))
 events = t.traffic(50_000)
 sizes = []
 for _ in range(40):

@@ -22,13 +22,12 @@ from evcot.hardware.contract import Mode, Shape
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks, dump_window
 from evcot_cosim.lockstep.mismatch import MismatchError
 from evcot_cosim.names import Top
 from evcot_cosim.waves.vcd import parse
 from support.testing import broken_copy
-from support.trials import random_traffic
+from support.trials import bare_device, random_traffic
 
 SHAPE = Shape(n_slots=2, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20, tick_w=3)
 # Windows of 13 x 13 pixels, born with their first event, always at their last one.
@@ -226,7 +225,7 @@ class TestDumpWindow:
     def test_it_shows_what_the_run_did_clock_for_clock(self, tmp_path: Path) -> None:
         events, stalls = busy(300), Stalls.random(np.random.default_rng(4))
         dump_window(events, LIVELY, tmp_path / "w.vcd", 100, 120, stalls=stalls)
-        result, times = Device(LIVELY, stalls=stalls).stream_timed(TickedEvents.of(events))
+        result, times = bare_device(LIVELY, stalls=stalls).stream_timed(TickedEvents.of(events))
         wave = parse(tmp_path / "w.vcd")
         named = {name.split("cot_array.")[-1]: name for name in wave.signals}
         clock = [time for time, _ in wave[named["clk"]].tv]
@@ -253,7 +252,7 @@ class TestDumpWindow:
             dump_window(busy(50), LIVELY, tmp_path / "absent" / "w.vcd", 0, 40)
 
     def test_a_full_disk_leaves_no_file(self, tmp_path: Path) -> None:
-        Device(LIVELY)  # built while there is room
+        bare_device(LIVELY)  # built while there is room
         with full_disk(20_000), pytest.raises(OutputError, match=r"w\.vcd: cannot be written: File too large"):
             dump_window(busy(2000), LIVELY, tmp_path / "w.vcd", 0, 2000)
         assert list(tmp_path.iterdir()) == []

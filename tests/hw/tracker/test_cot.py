@@ -16,11 +16,10 @@ from evcot.hardware.config import CotConfig, SlotConfig
 from evcot.hardware.contract import Mode, Shape
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device
 from evcot_cosim.names import Top
 from support.testing import Sink, Source, always, run_streams
 from support.ticked import ticked
-from support.trials import ENGINES, Outcome, compare_random_runs, random_traffic, run_story
+from support.trials import ENGINES, Outcome, bare_device, compare_random_runs, random_traffic, run_story
 
 SHAPE = Shape(n_slots=1, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=8, seq_w=16, time_w=20)
 PUBLISHED = replace(SHAPE, frac=0, tick_w=3)
@@ -326,7 +325,7 @@ class TestRadius:
 @pytest.mark.parametrize("born", [True, False])
 def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(top: Top, born: bool) -> None:
     config = CotConfig(SHAPE, (replace(FIXED, **n_ev_of(3)),))
-    device = Device(config, top)
+    device = bare_device(config, top)
     io = device.sim.io
     n = 5 if born else 2
     device.stream(ticked(np.arange(10, 10 + n), 64, 64))
@@ -347,7 +346,7 @@ def test_a_mode_write_restarts_the_slot_and_ends_an_active_life(top: Top, born: 
 
 def test_a_mode_write_after_a_passed_event_names_the_next_one_too() -> None:
     config = CotConfig(SHAPE, (replace(FIXED, **n_ev_of(1)),))
-    device = Device(config, "cot")
+    device = bare_device(config, "cot")
     device.stream(ticked([1, 2], [64, 0], [64, 0]))
     device.sim.io.m_cm_ready = 0
     device.write_registers(0, config.slots[0])
@@ -358,7 +357,7 @@ def test_a_mode_write_after_a_passed_event_names_the_next_one_too() -> None:
 
 def timed(story: list[Event], **registers: int) -> tuple[list[int], list[int]]:
     """Clocks at which the events went in and the records came out, nothing stalled."""
-    device = Device(CotConfig(SHAPE, (replace(FIXED, **registers),)), "cot")
+    device = bare_device(CotConfig(SHAPE, (replace(FIXED, **registers),)), "cot")
     _, times = device.stream_timed(ticked(*np.array(story).T))
     return times.accepted.tolist(), times.recorded.tolist()
 
@@ -382,7 +381,7 @@ class TestClocks:
         assert np.diff(accepted).tolist() == [3 + 9 * 2, 3]
 
     def test_owned_and_passed_events_come_out_after_2_clocks(self) -> None:
-        device = Device(CotConfig(SHAPE, (FIXED,)), "cot")
+        device = bare_device(CotConfig(SHAPE, (FIXED,)), "cot")
         io = device.sim.io
         for x, prefix in ((64, "own"), (0, "pass")):
             io.s_valid, io.s_tick, io.s_event, io.s_x, io.s_y = 1, 0, 1, x, 64
@@ -399,7 +398,7 @@ class TestClocks:
 
 
 def test_ticks_travel_on_whether_the_event_does_or_not() -> None:
-    device = Device(CotConfig(SHAPE, (replace(FIXED, **n_ev_of(2)),)), "cot")
+    device = bare_device(CotConfig(SHAPE, (replace(FIXED, **n_ev_of(2)),)), "cot")
     fields = ["tick", "event", "x", "y", "p", "seq"]
     tokens = [
         (5, 1, 64, 64, 1, 0),
@@ -438,9 +437,8 @@ def test_decisions_do_not_depend_on_stalls() -> None:
     rng = np.random.default_rng(8)
     config = CotConfig(SHAPE, (replace(FIXED, mode=Mode.SEEDED, **n_ev_of(3)),))
     traffic = random_traffic(rng, SHAPE, 20_000, 2)
-    runs = [
-        Device(config, "cot", stalls=stalls).stream(traffic) for stalls in (Stalls(), Stalls.random(rng), Stalls.random(rng))
-    ]
+    patterns = (Stalls(), Stalls.random(rng), Stalls.random(rng))
+    runs = [bare_device(config, "cot", stalls=stalls).stream(traffic) for stalls in patterns]
     assert len(runs[0].records) > 100
     for other in runs[1:]:
         assert all(np.array_equal(mine, theirs) for mine, theirs in zip(runs[0], other, strict=True))

@@ -16,12 +16,12 @@ from evcot.hardware.contract import Shape
 from evcot.hardware.cot import CotModel, Decisions
 from evcot.tracks.log import DROPPED, Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.devices.device import build_device
 from evcot_cosim.names import Top
 from support import moving
 from support.testing import lint
 from support.ticked import ticked
-from support.trials import random_config, random_traffic
+from support.trials import bare_device, random_config, random_traffic
 
 SHAPE = Shape(n_slots=4, x_w=6, y_w=6, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 SENSOR = FilterShape(width=60, height=50, stamp_w=10, recent_depth=8)
@@ -76,8 +76,8 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled
     for run in range(6):
         rng = np.random.default_rng([7, run, enabled])
         config = replace(random_config(rng, SHAPE), filters=random_filters(rng, enabled), filter_shape=SENSOR)
-        built = built or build_device(config, top)
-        device = Device(config, top, model=built, stalls=Stalls.random(rng) if run % 3 else None)
+        built = built or build_device(config, top, waves=False)
+        device = bare_device(config, top, model=built, stalls=Stalls.random(rng) if run % 3 else None)
         model = CotModel(config, device.arrangement)
         for part in range(2):
             traffic = random_traffic(rng, SHAPE, 20_000, float(rng.choice([0.3, 2])), device.now)
@@ -102,7 +102,7 @@ def test_with_motion(stalls: int | None) -> None:
     events = moving.scene(1)
     golden = CotModel(config).feed(events)
     waits = None if stalls is None else Stalls.random(np.random.default_rng(stalls))
-    hardware = Device(config, stalls=waits).stream(events)
+    hardware = bare_device(config, stalls=waits).stream(events)
     for field in Decisions._fields:
         assert np.array_equal(getattr(hardware, field), getattr(golden, field)), field
     assert 0 < np.count_nonzero(golden.owner == DROPPED) < len(events)
@@ -115,7 +115,7 @@ def test_records_carry_the_numbers_of_the_camera(engine: str) -> None:
     filters = FilterRegisters(enable=enable(Filter.POLARITY), polarity=1)
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
     events = ticked([0, 10, 20, 30, 40, 900], 20, 20, [0, 1, 0, 1, 0, 0])
-    made = Device(config).stream(events) if engine == "rtl" else CotModel(config).feed(events)
+    made = bare_device(config).stream(events) if engine == "rtl" else CotModel(config).feed(events)
     assert made.owner.tolist() == [DROPPED, 0, DROPPED, 0, DROPPED, DROPPED]
     assert made.records["kind"].tolist() == [Kind.BORN, Kind.LOST]
     assert made.records["seq"].tolist() == [3, 5]  # the loss comes before the event that tells of it, though that is nobody's
@@ -125,7 +125,7 @@ def test_records_carry_the_numbers_of_the_camera(engine: str) -> None:
 def test_a_hot_pixel_starts_no_life() -> None:
     filters = FilterRegisters(enable=enable(Filter.MASK), hot_pixels=((20, 20),))
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
-    made = Device(config).stream(ticked(np.arange(200), [20, 21] * 100, 20))
+    made = bare_device(config).stream(ticked(np.arange(200), [20, 21] * 100, 20))
     assert set(made.owner[::2].tolist()) == {DROPPED}
     assert set(made.owner[1::2].tolist()) == {0}
 
@@ -134,7 +134,7 @@ def test_a_hot_pixel_starts_no_life() -> None:
 def test_reset_empties_the_memories(top: Top) -> None:
     filters = FilterRegisters(enable=enable(Filter.ACTIVITY), activity_ticks=500)
     config = replace(CotConfig.uniform(SHAPE, SLOT), filters=filters, filter_shape=SENSOR)
-    device = Device(config, top)
+    device = bare_device(config, top)
     story = ticked([0, 1], [20, 21], 20)
     first = device.stream(story).owner.tolist()
     device.reset()

@@ -16,7 +16,7 @@ from evcot_cosim.devices.base import Stalls
 from evcot_cosim.devices.device import Device
 from evcot_cosim.names import Top
 from support.ticked import ticked
-from support.trials import random_config, random_traffic
+from support.trials import bare_device, random_config, random_traffic
 
 SHAPE = Shape(n_slots=3, x_w=7, y_w=7, radix_w=5, nev_w=6, tc_w=12, sup_w=8, id_w=16, seq_w=16, time_w=20)
 
@@ -43,7 +43,7 @@ def test_every_value_has_one_meaning(top: Top, frac: int) -> None:
         config = random_config(rng, shape)
         slots = tuple(replace(slot, nev_min=1, nev_max=4, clust_nev=2, detect_ticks=4_000) for slot in config.slots)
         config = CotConfig(shape, slots)
-        device = Device(config, top, stalls=Stalls.random(rng) if seed % 2 else None)
+        device = bare_device(config, top, stalls=Stalls.random(rng) if seed % 2 else None)
         model = CotModel(config, device.arrangement)
         for k in rng.permutation(16).tolist():
             write(model, device, k)
@@ -76,7 +76,7 @@ def test_from_ten_on_nothing_moves(k: int, frac: int) -> None:
         "nev_max": 1,
     }
     config = CotConfig.uniform(shape, replace(CotConfig(shape).slots[0], **slot, max_ticks=1_000))
-    device, model = Device(config), CotModel(config)
+    device, model = bare_device(config), CotModel(config)
     write(model, device, k)
     traffic = ticked(np.arange(600), [0] + [4000] * 599, 0)
     hardware, golden = device.stream(traffic), model.feed(traffic)

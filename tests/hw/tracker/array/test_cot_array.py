@@ -17,13 +17,13 @@ from evcot.hardware.cot import CotModel, Decisions
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device
 from support.ticked import ticked
 from support.trials import (
     ENGINES,
     OLD_AND_YOUNG,
     Engine,
     Outcome,
+    bare_device,
     compare_random_runs,
     random_config,
     random_traffic,
@@ -270,7 +270,7 @@ def same(one: Decisions, other: Decisions) -> bool:
 
 
 def test_a_shorter_lifetime_counts_from_the_next_event_on() -> None:
-    device = Device(CotConfig(SHAPE, (JUMPY,) * 3))
+    device = bare_device(CotConfig(SHAPE, (JUMPY,) * 3))
     device.stream(ticked(1, 20, 20))
     io = device.sim.io
     io.cfg_valid, io.cfg_slot, io.cfg_addr, io.cfg_data = 1, 0, REGISTERS["max_ticks"].address, 5
@@ -281,7 +281,7 @@ def test_a_shorter_lifetime_counts_from_the_next_event_on() -> None:
 
 
 def test_a_mode_write_restarts_one_slot_alone() -> None:
-    device = Device(CotConfig(SHAPE, (JUMPY,) * 3))
+    device = bare_device(CotConfig(SHAPE, (JUMPY,) * 3))
     xs = [20, 60, 100]
     device.stream(ticked([1, 2, 3], xs, xs))
     io = device.sim.io
@@ -305,7 +305,7 @@ class TestClocks:
         self, shape: Shape, slot: SlotConfig, traffic: TickedEvents
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.void]]:
         """Clocks of events and records, and the records."""
-        device = Device(CotConfig(shape, (slot,) * shape.n_slots))
+        device = bare_device(CotConfig(shape, (slot,) * shape.n_slots))
         device.stream(traffic[:1])  # the first token has the deadlines looked up
         decisions, times = device.stream_timed(traffic)
         return times.accepted, times.recorded, decisions.records
@@ -324,7 +324,7 @@ class TestClocks:
 
     @pytest.mark.parametrize(("x", "prefix"), [(0, "own"), (64, "pass")])
     def test_owned_and_passed_events_come_out_after_11_clocks(self, x: int, prefix: str) -> None:
-        device = Device(CotConfig(SHAPE, (replace(JUMPY, mode=Mode.FIXED, clust_nev=8),) * 3))
+        device = bare_device(CotConfig(SHAPE, (replace(JUMPY, mode=Mode.FIXED, clust_nev=8),) * 3))
         device.stream(ticked(0, np.full(1, x), x))
         io = device.sim.io
         io.m_own_ready = io.m_pass_ready = io.m_cm_ready = 1
@@ -398,7 +398,7 @@ def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
             shape = replace(TWO, tick_w=tick_w)
             config = random_config(rng, shape)
             traffic = random_traffic(rng, shape, 5_000, 3)
-            runs.append(Device(config, stalls=Stalls.random(rng)).stream(traffic))
+            runs.append(bare_device(config, stalls=Stalls.random(rng)).stream(traffic))
         for other in runs[1:]:
             assert all(np.array_equal(mine, theirs) for mine, theirs in zip(runs[0], other, strict=True)), f"seed {seed}"
         records += len(runs[0].records)
@@ -434,7 +434,7 @@ def test_noise_that_is_born_merges_and_dies_all_the_time_is_exact(frac: int, id_
             cloud = 64 + 40 * np.sin(np.arange(n) / 500 + seed) + rng.normal(0, 8, n)
             axis[near] = np.clip(cloud[near], 0, 127).astype(np.uint16)
         traffic = ticked(np.cumsum(rng.integers(0, 3, n)), x, y, rng.integers(0, 2, n, np.uint8))
-        hardware = Device(config, stalls=Stalls.random(rng) if seed % 3 else None).stream(traffic)
+        hardware = bare_device(config, stalls=Stalls.random(rng) if seed % 3 else None).stream(traffic)
         golden = CotModel(config).feed(traffic)
         assert same(hardware, golden), f"seed {seed}"
         merged += int(np.count_nonzero(golden.records["kind"] == Kind.MERGED))
@@ -449,7 +449,7 @@ def test_a_window_longer_than_its_timer_counts_as_the_longest() -> None:
     traffic = ticked(np.cumsum(gaps), 20, 20)
     config = CotConfig(shape, (slot,))
     golden = CotModel(config).feed(traffic)
-    assert same(Device(config).stream(traffic), golden)
+    assert same(bare_device(config).stream(traffic), golden)
     assert len(np.unique(golden.records["n_ev"])) > 3
     assert set(golden.records["kind"].tolist()) == {Kind.BORN, Kind.MOVED}
 
@@ -460,7 +460,7 @@ def test_registers_written_between_events_act_as_in_the_model() -> None:
     for seed in range(16):
         rng = np.random.default_rng([29, seed])
         config, other = random_config(rng, EIGHT), random_config(rng, EIGHT)
-        model, device = CotModel(config), Device(config, stalls=Stalls.random(rng))
+        model, device = CotModel(config), bare_device(config, stalls=Stalls.random(rng))
         slots = list(config.slots)
         for _ in range(12):
             traffic = random_traffic(rng, EIGHT, 400, float(rng.choice([0.3, 3])), device.now)

@@ -15,10 +15,11 @@ from evcot.hardware.cot import CotModel, Decisions
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
-from evcot_cosim.devices.device import Device, build_device
+from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.random_runs import random_motion_run
 from support.moving import QUICK, SHAPE, VARIANTS, scene
 from support.testing import lint
+from support.trials import bare_device
 
 SHAPES = [
     Shape(n_slots=1, x_w=5, y_w=4, tc_w=12, radix_w=3, sup_w=6, id_w=2, seq_w=8, time_w=32),
@@ -41,7 +42,7 @@ def test_scenes_in_which_objects_meet(name: str) -> None:
         model = CotModel(config).feed(scene(seed))
         assert len(model.records)
         stalls = Stalls.random(np.random.default_rng(seed)) if seed == 2 else None
-        equal(Device(config, stalls=stalls).stream(scene(seed)), model)
+        equal(bare_device(config, stalls=stalls).stream(scene(seed)), model)
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: f"N={shape.n_slots}")
@@ -52,17 +53,16 @@ def test_random_registers_and_traffic(shape: Shape, seed: int) -> None:
 
 def test_stalls_change_nothing() -> None:
     config = CotConfig(SHAPE, motion=QUICK)
-    plain = Device(config).stream(scene(3))
+    plain = bare_device(config).stream(scene(3))
     for seed in range(3):
-        equal(
-            Device(config, stalls=Stalls.random(np.random.default_rng(seed), go=(0.9, 0.1, 0.2, 0.2))).stream(scene(3)), plain
-        )
+        stalls = Stalls.random(np.random.default_rng(seed), go=(0.9, 0.1, 0.2, 0.2))
+        equal(bare_device(config, stalls=stalls).stream(scene(3)), plain)
 
 
 def test_a_write_of_mode_restarts_a_slot_between_two_events() -> None:
     rng, events = np.random.default_rng(4), scene(4)
     config = CotConfig(SHAPE, motion=replace(QUICK, birth_support=5, birth_ticks=10))
-    device, model = Device(config), CotModel(config)
+    device, model = bare_device(config), CotModel(config)
     lost = 0
     for begin in range(0, len(events), 200):
         part = events[begin : begin + 200]
@@ -80,7 +80,7 @@ def test_events_that_a_filter_dropped_only_advance_time() -> None:
     events, rng = scene(2), np.random.default_rng(5)
     keep = rng.random(len(events)) < 0.7
     config = CotConfig(SHAPE, motion=QUICK)
-    equal(Device(config).stream(events, keep), CotModel(config).feed(events, keep))
+    equal(bare_device(config).stream(events, keep), CotModel(config).feed(events, keep))
 
 
 def test_a_box_that_coasts_out_of_the_sensor_stops_within_reach() -> None:
@@ -96,7 +96,7 @@ def test_a_box_that_coasts_out_of_the_sensor_stops_within_reach() -> None:
     events = TickedEvents(ticks, x, y, np.zeros(n, np.uint8))
     later = TickedEvents(ticks[-1:] + 200_000, x[:1] * 0, y[:1] * 0, np.zeros(1, np.uint8))
     config = CotConfig(replace(SHAPE, n_slots=1), motion=fast)
-    device, model = Device(config), CotModel(config)
+    device, model = bare_device(config), CotModel(config)
     equal(device.stream(events), model.feed(events))
     found = model.feed(later)
     equal(device.stream(later), found)
@@ -108,7 +108,7 @@ def test_a_box_that_coasts_out_of_the_sensor_stops_within_reach() -> None:
 
 def test_a_silence_ends_lives_at_steps_alone() -> None:
     config, events = CotConfig(SHAPE, motion=replace(QUICK, birth_support=10, birth_ticks=0)), scene(1)
-    device, model = Device(config), CotModel(config)
+    device, model = bare_device(config), CotModel(config)
     equal(device.stream(events), model.feed(events))
     later = TickedEvents(events.ticks[-1:] + 100_000, events.x[-1:], events.y[-1:], events.p[-1:])
     said = model.feed(later)
@@ -124,13 +124,13 @@ def test_clocks() -> None:
     n = 1_000
     zero = np.zeros(n, np.int64)
     same = TickedEvents(zero, np.full(n, 60, np.uint16), np.full(n, 30, np.uint16), np.zeros(n, np.uint8))
-    accepted = Device(config).stream_timed(same)[1].accepted
+    accepted = bare_device(config).stream_timed(same)[1].accepted
     assert np.all(np.diff(accepted[3:]) == 4)
     off = tuple(SlotConfig(mode=Mode.OFF) for _ in range(2))
-    accepted = Device(replace(config, slots=off)).stream_timed(same)[1].accepted
+    accepted = bare_device(replace(config, slots=off)).stream_timed(same)[1].accepted
     assert np.all(np.diff(accepted[1:]) == 3)
     silent = TickedEvents(np.array([0, 100 << 20]), same.x[:2], same.y[:2], same.p[:2])
-    device = Device(replace(config, slots=off))
+    device = bare_device(replace(config, slots=off))
     device.stream(silent)
     assert 2 * 100 <= device.cycle < 2 * 100 + 450  # a token holds 2^20 - 1 ticks: 101 of them
 
