@@ -47,6 +47,11 @@ class Module:
     answer: Answer | None = None
     asks_mhz: float | None = None
 
+    @property
+    def shown(self) -> int | None:
+        """The size that a table of all modules shows: the first of the usual ones; None if it has no N."""
+        return self.usual[0] if self.usual else None
+
     def at(self, n: int | None) -> dict[str, int]:
         """All parameters for one size."""
         return {**self.parameters, **({} if n is None else {"N": n})}

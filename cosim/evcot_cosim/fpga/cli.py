@@ -16,7 +16,7 @@ from ..tables import print_table
 from . import tools
 from .catalogue import MODULES, Module, chosen
 from .devices import DEVICES
-from .figures import Figure, Figures, growths, load, recorded_with, save, seed_noise
+from .figures import USUAL_SEEDS, Figure, Figures, growths, load, recorded_with, save, seed_noise
 from .measure import PATIENCE_MIN, Case
 from .release import write_release
 from .run import figures_of, synthesised
@@ -24,7 +24,7 @@ from .run import figures_of, synthesised
 __all__ = ["main"]
 
 _USUAL_DEVICES = ("ecp5-25", "hx8k", "xilinx7", "gowin")
-_USUAL_SEEDS, _ALL_SEEDS = 3, 5
+_ALL_SEEDS = 5
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -34,7 +34,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--n", type=int, nargs="+", metavar="N", help="sizes (default: the usual one of each module)")
     parser.add_argument("--device", nargs="+", metavar="DEVICE", help=f"of {', '.join(DEVICES)} (default: {usual})")
     parser.add_argument(
-        "--seeds", type=int, help=f"of place and route (default: {_USUAL_SEEDS}; with --all {_ALL_SEEDS}; 0: synthesis alone)"
+        "--seeds", type=int, help=f"of place and route (default: {USUAL_SEEDS}; with --all {_ALL_SEEDS}; 0: synthesis alone)"
     )
     parser.add_argument("--all", action="store_true", help="every size on every device: hours")
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="parallel cases (default: 2)")
@@ -87,7 +87,7 @@ def _cases(options: argparse.Namespace) -> list[Case]:
 
 
 def _measure(options: argparse.Namespace) -> int:
-    usual = _ALL_SEEDS if options.all else _USUAL_SEEDS
+    usual = _ALL_SEEDS if options.all else USUAL_SEEDS
     seeds = usual if options.seeds is None else options.seeds
     syntheses, failed = synthesised(_cases(options), _cache(), options.jobs)
     figures = figures_of([(one, seeds) for one in syntheses], options.jobs, options.patience)

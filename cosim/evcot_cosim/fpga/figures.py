@@ -13,10 +13,25 @@ from statistics import fmean, median, variance
 from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 
-__all__ = ["LIMIT", "Figure", "Figures", "Growth", "growths", "load", "recorded_with", "save", "seed_noise", "smallest_loss"]
+__all__ = [
+    "LIMIT",
+    "USUAL_SEEDS",
+    "Figure",
+    "Figures",
+    "Growth",
+    "growths",
+    "load",
+    "recorded_with",
+    "save",
+    "seed_noise",
+    "smallest_loss",
+]
 
 LIMIT = 0.05
 """Tolerated growth, as a fraction."""
+
+USUAL_SEEDS = 3
+"""Seeds of place and route, unless more or fewer are asked for."""
 
 _FEW = {"luts": 8, "ffs": 8, "lut_rams": 8, "block_rams": 0, "multipliers": 0}
 """Tolerated growth of a small module, in units: renaming a signal may cost a few."""

@@ -10,8 +10,9 @@ from pathlib import Path
 from evcot.errors import ConfigError
 from evcot.outputs import written_aside
 
+from .catalogue import MODULES
 from .devices import DEVICES
-from .figures import Figure, Figures, seed_noise, smallest_loss
+from .figures import USUAL_SEEDS, Figure, Figures, seed_noise, smallest_loss
 
 __all__ = ["MARK", "PUBLISHED_NS", "filled", "latency_name", "shown_clocks", "write_tables"]
 
@@ -82,8 +83,11 @@ def _mhz(figure: Figure) -> str:
     if figure.median_mhz is None or figure.best_mhz is None:
         return figure.misfit
     routed = len(figure.fmax_mhz)
-    fewer = f", {routed} of {figure.seeds} seeds" if routed < figure.seeds else ""
-    return f"{figure.median_mhz:.0f} ({figure.best_mhz:.0f}){fewer}"
+    if routed < figure.seeds:
+        seeds = f", {routed} of {figure.seeds} seeds"
+    else:
+        seeds = "" if routed == USUAL_SEEDS else ", one seed" if routed == 1 else f", {routed} seeds"
+    return f"{figure.median_mhz:.0f} ({figure.best_mhz:.0f}){seeds}"
 
 
 def _label(figure: Figure) -> str:
@@ -91,8 +95,8 @@ def _label(figure: Figure) -> str:
 
 
 def _cost(figures: Iterable[Figure], outdated: Collection[str]) -> str:
-    """One table per device; of a module with sizes, the one at 8."""
-    rows = [figure for figure in figures if figure.n in (None, 8)]
+    """One table per device; of a module with sizes, the first of its usual ones."""
+    rows = [figure for figure in figures if figure.n == MODULES[figure.module].shown]
     parts = []
     for name, device in DEVICES.items():
         here = [figure for figure in rows if figure.device == name]

@@ -22,9 +22,9 @@ _HEAD = """# Modules
 
 Made from `hw/verilog` and `hw/fpga/figures.json` by `python -m evcot_cosim.pages`, in the order of `manifest.txt`: each after
 the modules that it instantiates. The text is each file's header comment. A stream is listed as one bundle of ports: valid,
-ready and its data; `clk`, `rst` and self-explanatory ports are left out. Cost as in [fpga.md](fpga.md), at N = 8 where there
-is an N, and † marks what was measured before the module last changed; a module without such a table is only measured as a part
-of others.
+ready and its data; `clk`, `rst` and self-explanatory ports are left out. Cost as in [fpga.md](fpga.md), at N = 8 where
+there is an N (an example at its own), and † marks what was measured before the module last changed; a module without such a
+table is only measured as a part of others.
 
 What all trackers have in common (addresses of registers and the rules between them, when `cfg_*` may be written, kinds of
 records, order between the streams, what a blocked output stops) is on [registers.md](registers.md). A bench written from these
@@ -54,7 +54,8 @@ def _section(header: Header, figures: Iterable[Figure], old: Collection[str]) ->
     bundles = list(_bundles(header.ports))
     if bundles:
         parts.append(_table(("ports", "", "carry", "meaning"), bundles))
-    cost = [_cost(figure, old) for figure in figures if figure.n in (None, 8) and MODULES[figure.module].top == header.top]
+    measured = {name for name, module in MODULES.items() if module.top == header.top}
+    cost = [_cost(figure, old) for figure in figures if figure.module in measured and figure.n == MODULES[figure.module].shown]
     if cost:
         parts.append(_table(("on", "LUTs", "FFs", "block RAMs", "Fmax, median"), cost))
     return "\n".join(parts)
@@ -148,7 +149,7 @@ def _bundle(prefix: str, ports: Sequence[DeclaredPort], bus: bool) -> tuple[str,
 
 def _cost(figure: Figure, old: Collection[str]) -> tuple[str, ...]:
     device = DEVICES[figure.device].title if figure.device in DEVICES else figure.device
-    size = "N = 8, " if figure.n else ""
+    size = f"N = {figure.n}, " if figure.n else ""
     size += f"{figure.module}, " if figure.module != MODULES[figure.module].top else ""
     fmax = f"{figure.median_mhz:.0f} MHz" if figure.median_mhz is not None else figure.misfit
     return f"{size}{device}{MARK * (figure.name in old)}", f"{figure.luts:,}", f"{figure.ffs:,}", f"{figure.block_rams:,}", fmax

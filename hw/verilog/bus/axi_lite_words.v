@@ -261,9 +261,8 @@ module axi_lite_words #(
     localparam [31:0] ALLOWED_SOURCE_SELECT = SOURCES;
     reg bad_source_select;
     wire [19:0] new_tick_us = data[19:0];
-    wire        wide_tick_us = |data[31:20];
     localparam [19:0] TOP_TICK_US = 20'd1000000;
-    wire        more_tick_us = {1'b0, new_tick_us} > {1'b0, TOP_TICK_US};
+    wire        more_tick_us = data > {12'd0, TOP_TICK_US};
     reg over_tick_us;
     reg under_tick_us;
     wire [15:0] new_prescale_tick = data[15:0];
@@ -297,8 +296,8 @@ module axi_lite_words #(
 
     always @(posedge clk) begin
         bad_source_select <= at_source && !ALLOWED_SOURCE_SELECT[{2'd0, new_source_select}];
-        over_tick_us <= at_tick_us && (wide_tick_us || more_tick_us);
-        under_tick_us <= at_tick_us && !wide_tick_us && new_tick_us < 20'd1;
+        over_tick_us <= at_tick_us && more_tick_us;
+        under_tick_us <= at_tick_us && data < 32'd1;
         under_prescale_tick <= at_prescale && new_prescale_tick < 16'd1;
         under_prescale_us <= at_prescale && new_prescale_us < 16'd1;
         over_lfsr_seed <= at_lfsr_seed && more_lfsr_seed;

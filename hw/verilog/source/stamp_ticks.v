@@ -107,9 +107,8 @@ module stamp_ticks #(
     reg  [Y_W-1:0]     near_y;
 
     wire [T_W-1:0]     passed   = later ? ahead : {T_W{1'b0}};
-    wire [NEAR_W-1:0]  less_now = {2'b00, ahead[TICK_US_W-1:0]} - {2'b00, tick_us};
-    wire               is_long  = ahead[T_W-1:TICK_US_W] != {(T_W - TICK_US_W) {1'b0}};
-    reg  [NEAR_W-1:0]  less_none;  // the same where nothing has passed
+    reg  [NEAR_W-1:0]  less_none;  // what a tick leaves where nothing has passed: minus tick_us
+    wire [T_W:0]       less_now = {1'b0, ahead} + {{(T_W + 1 - NEAR_W) {1'b1}}, less_none};
 
     assign near_ready = !near_valid || near_leaves;
 
@@ -118,8 +117,8 @@ module stamp_ticks #(
         if (near_ready) begin
             near_valid  <= valid;
             near_passed <= passed;
-            divides     <= valid && later && !every_us && (is_long || !less_now[NEAR_W-1]);
-            less_one    <= later ? less_now : less_none;
+            divides     <= valid && later && !every_us && !less_now[T_W];
+            less_one    <= later ? less_now[NEAR_W-1:0] : less_none;
             near_x      <= x;
             near_y      <= y;
             near_p      <= p;

@@ -55,10 +55,15 @@ module tick_splitter #(
 
     wire output_ready;
 
-    // More ticks are left than a token holds, and will be when a full token has gone: left > 2 * MOST.
-    reg               more;
+    // More ticks are left than a token holds, and will be when a full token has gone: left > 2 * MOST. In two parts, so that no path
+    // from the ticks that come looks at more than half of the bits beyond.
+    localparam BEYOND_W = WIDE_W - TICK_W;
+    localparam HALF_W   = BEYOND_W / 2;
+
+    reg               more_low, more_high;
+    wire              more = more_low || more_high;
+    wire [WIDE_W+1:0] beyond    = {2'b00, s_tick} >> TICK_W;
     wire [WIDE_W+1:0] wide_left = {2'b00, left};
-    wire              much_more = (wide_left >> (TICK_W + 1)) != {(WIDE_W + 2) {1'b0}} || &wide_left[TICK_W:0];
 
     assign s_ready = !valid || (output_ready && !more);
 
@@ -79,22 +84,24 @@ module tick_splitter #(
 
     always @(posedge clk) begin
         if (output_ready && more) begin
-            left <= left - MOST;
-            more <= much_more;
+            left      <= left - MOST;
+            more_low  <= &wide_left[TICK_W:0];
+            more_high <= (wide_left >> (TICK_W + 1)) != {(WIDE_W + 2) {1'b0}};
         end
         if (s_ready) begin
-            more     <= (s_tick >> TICK_W) != {WIDE_W{1'b0}};
-            valid    <= s_valid;
-            left     <= s_tick;
-            is_event <= s_event;
-            is_skip  <= s_skip;
-            x        <= s_x;
-            y        <= s_y;
-            p        <= s_p;
+            more_low  <= (beyond & ~({(WIDE_W + 2) {1'b1}} << HALF_W)) != {(WIDE_W + 2) {1'b0}};
+            more_high <= (beyond >> HALF_W) != {(WIDE_W + 2) {1'b0}};
+            valid     <= s_valid;
+            left      <= s_tick;
+            is_event  <= s_event;
+            is_skip   <= s_skip;
+            x         <= s_x;
+            y         <= s_y;
+            p         <= s_p;
         end
         if (rst) begin
             valid <= 1'b0;
-            more  <= 1'b0;
+            {more_low, more_high} <= 2'b00;
         end
     end
 

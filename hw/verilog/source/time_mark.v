@@ -31,25 +31,29 @@ module time_mark #(
     localparam TURN_W = HIGH_W - MARK_W;
     localparam TOP = MARK_W - 1;
 
-    reg [TURN_W-1:0] turn;
+    reg [TURN_W-1:0] turn, turn_next;  // a turn begins with every second mark at most
+    reg              wrapped;          // the turn of the last mark is the next one
     reg [MARK_W-1:0] last;
 
     // last - mark > half of the range: only from the upper half to the lower one. Without a mark, last is 0.
     wire wraps = last[TOP] && !mark[TOP] && last[TOP-1:0] > mark[TOP-1:0];
 
-    assign high = {turn, last};
+    assign high = {wrapped ? turn_next : turn, last};
     assign differs = !known || mark != last;
 
     always @(posedge clk) begin
+        turn_next <= turn + 1'b1;
         if (set) begin
-            known <= 1'b1;
-            last  <= mark;
-            if (wraps) turn <= turn + 1'b1;
+            known   <= 1'b1;
+            last    <= mark;
+            wrapped <= wraps;
+            if (wrapped) turn <= turn_next;
         end
         if (rst) begin
-            known <= 1'b0;
-            last  <= {MARK_W{1'b0}};
-            turn  <= {TURN_W{1'b0}};
+            known   <= 1'b0;
+            last    <= {MARK_W{1'b0}};
+            wrapped <= 1'b0;
+            turn    <= {TURN_W{1'b0}};
         end
     end
 

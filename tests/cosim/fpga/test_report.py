@@ -57,6 +57,30 @@ def test_tables_say_what_was_measured(tmp_path: Path) -> None:
     assert page.read_text() == text
 
 
+def test_a_table_says_how_many_seeds_were_routed_where_they_are_not_the_usual_number(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    page.write_text(MARKS)
+    cases = [
+        (1, (118.0,), "118 (118), one seed |"),
+        (2, (118.0, 122.0), "120 (122), 2 seeds |"),
+        (3, (118.0, 122.0), "120 (122), 2 of 3 seeds |"),
+        (3, ARRAY.fmax_mhz, "125 (131) |"),
+    ]
+    for seeds, fmax, says in cases:
+        write_tables(page, table(replace(ARRAY, seeds=seeds, fmax_mhz=fmax)), {})
+        assert says in section(page.read_text(), "cost")
+
+
+def test_an_example_is_shown_at_the_size_it_has(tmp_path: Path) -> None:
+    page = tmp_path / "fpga.md"
+    page.write_text(MARKS)
+    davis = replace(ARRAY, module="evcot_top_davis", n=4)
+    write_tables(page, table(davis, replace(ARRAY, n=4)), {})
+    cost = section(page.read_text(), "cost")
+    assert "| evcot_top_davis, N = 4 |" in cost
+    assert "cot_array" not in cost
+
+
 def test_latency_is_that_on_the_first_device_that_was_routed_for(tmp_path: Path) -> None:
     page = tmp_path / "fpga.md"
     page.write_text(MARKS)
@@ -81,7 +105,7 @@ def test_scaling_tells_luts_once_for_one_synthesis_and_fmax_for_each_device(tmp_
         "| cot_array, MHz, ecp5-25 | 125 (131) | 125 (131) |",
         "| cot_array, MHz, ecp5-85 |  | 140 (140), 1 of 3 seeds |",
         "| cot_array, LUTs, hx8k | 800 | 4,100 |",
-        "| cot_array, MHz, hx8k | 97 (97) | – |",
+        "| cot_array, MHz, hx8k | 97 (97), one seed | – |",
         "| cot_array, LUTs, gowin | 950 |  |",
     ]
 

@@ -197,7 +197,7 @@ module array_update #(
     localparam [NEV_W-1:0] TWO = TWICE[NEV_W-1:0];  // 0 where it does not fit: then nothing is
 
     reg [SLOT_W-1:0]  u_slot;
-    reg               u_takes, u_last, u_again, u_follows, u_active, u_clear, u_join, u_report, u_first, u_placed, u_places;
+    reg               u_takes, u_last, u_again, u_follows, u_active, u_clear, u_join, u_report, u_first, u_placed;
     reg [NEV_W-1:0]   u_rest;
     reg               u_one;  // u_rest is 1
     reg               u_timed, u_max_grant;
@@ -270,7 +270,6 @@ module array_update #(
         u_first     <= first;
         u_special   <= c_takes && c_commits && (last || first);
         u_placed    <= place;
-        u_places    <= (c_takes && c_commits && (c_seeds || last)) || c_clear || c_join;
         u_max_grant <= c_active || c_join || (c_looks && looks_max);
         u_timed     <= c_timed;
         u_g         <= c_g;
@@ -351,7 +350,8 @@ module array_update #(
     wire [RADIX_W:0]   grows_by   = {1'b0, u_highest[RADIX_W-1:0]} - {1'b0, u_g};
     wire [RADIX_W+1:0] shrinks_by = {2'b00, u_g} - {1'b0, u_lowest};
 
-    wire u_two = u_rest == TWO;
+    wire u_two  = u_rest == TWO;
+    wire u_sets = u_placed && (u_takes || u_clear || u_join);
 
     wire u_outside = over_x[OFF_W-1] || over_y[OFF_W-1] || under_x[OFF_W-1] || under_y[OFF_W-1];
 
@@ -382,8 +382,8 @@ module array_update #(
         v_report   <= u_report;
         v_clear    <= u_clear;
         v_join     <= u_join;
-        v_places   <= u_places;
-        v_sets     <= u_places && u_placed;
+        v_places   <= u_sets || u_last;
+        v_sets     <= u_sets;
         v_slot     <= u_slot;
         v_offset_x <= u_offset_x;
         v_offset_y <= u_offset_y;
