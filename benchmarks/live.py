@@ -104,7 +104,7 @@ def _looked_at(name: str, events: Events, seconds: float, looking: Looking) -> I
         best, cores = run.rate_m, run.cores
     how = f"without a drop for {seconds:g} s, on {cores:.2f} cores; {name} looks{first_lost}"
     yield Result(f"live_rate_{name}", best, "M events/s", how=how)
-    runs = [_run(events, _LATENCY_RATE_M, 3.0 if quick else _LATENCY_S, looking) for _ in range(_LATENCY_TRIES)]
+    runs = [_run(events, _LATENCY_RATE_M, 3.0 if seconds < 5 else _LATENCY_S, looking) for _ in range(_LATENCY_TRIES)]
     run = min(runs, key=lambda run: run.drawn_ms["p99"] or run.tracked_ms["p99"] or 0.0)
     how = f"CPU time of evcot itself at {_LATENCY_RATE_M:g} M events/s"
     yield Result(f"live_cores_{name}", run.cores, "cores", how=how)

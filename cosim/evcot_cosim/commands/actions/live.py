@@ -22,7 +22,6 @@ from evcot.events import Events
 
 from ...live.camera import CameraSource
 from ...live.dashboard import rows_of, show
-from ...live.length import Length
 from ...live.player import Player
 from ...live.recorder import LogKeeper, Recorder
 from ...live.server import Server
@@ -31,6 +30,7 @@ from ...tables import print_table
 from ..options import sensor_from, window_from
 from .counting import Counting
 from .filters import save_learned
+from .length import Length
 from .live_runs import Runs
 from .opening import open_from
 from .settings import say_seen
@@ -85,7 +85,7 @@ def _fixed(options: argparse.Namespace) -> str:
 
 
 def _measured(options: argparse.Namespace, source: FileSource, window: tuple[int, int | None]) -> Length:
-    def found(length_s: float) -> None:
+    def found(_events: int, length_s: float) -> None:
         source.length_s = length_s
 
     return Length(lambda: open_from(options, Path(options.source)), window, found)
