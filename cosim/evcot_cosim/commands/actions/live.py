@@ -58,7 +58,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             undo.callback(recorder.drop)
         runs = Runs(options, source, blocks, recorder, log)
         hardware = " and the hardware" if options.with_hardware else ""
-        waiting = f"getting {options.engine}{hardware} ready (the first time takes longer)"
+        waiting = f"preparing {options.engine}{hardware} (compiled the first time, up to a minute)"
         with Counting(waiting, enabled=not (options.quiet or options.json)):
             player = Player(runs.prepare, runs.first, _fixed(options))
         server = undo.enter_context(Server(player, options.web, options.bind or _HERE)) if options.web is not None else None

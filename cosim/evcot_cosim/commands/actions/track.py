@@ -70,7 +70,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress,
             counted_ahead(progress, lambda: open_from(options, options.recording), window),
         ):
-            progress.note("getting ready (the first run compiles the tracker, which takes up to a minute)")
+            progress.note("preparing the tracker (compiled the first time, up to a minute)")
             done = track_into(
                 work, options.engine, lambda: ENGINES[options.engine].start(settings, filters, sensor),
                 _counted(file.blocks(*window, required=True), progress), options.checkpoint, _say(options, file),
