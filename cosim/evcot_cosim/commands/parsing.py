@@ -8,14 +8,14 @@ known, and checked, before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
-import difflib
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, NoReturn
 
+from evcot.errors import meant
 from evcot.outputs import Claims
 
 __all__ = [
@@ -97,12 +97,6 @@ class Parser(argparse.ArgumentParser):
             return meant(choice[1], re.findall(r"'([^']*)'", choice[2]) or choice[2].split(", "))
         unknown = re.search(r"unrecognized arguments: (--?[\w-]+)", message)
         return meant(unknown[1], self._option_string_actions) if unknown is not None else ""
-
-
-def meant(word: str, known: Iterable[str]) -> str:
-    """The known word that is most like a misspelled one, as the end of a message; empty where none is near."""
-    near = difflib.get_close_matches(word, list(known), 1)
-    return f"; did you mean {near[0]}?" if near else ""
 
 
 def group_of(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentGroup:
