@@ -108,7 +108,7 @@ def output_option(parser: argparse._ActionsContainer, *names: str, folder: bool 
     """Add an argument that names a file to write, or a folder; with the first file, --force too."""
     parser.add_argument(*names, type=output_folder if folder else output_file, **more)
     if not folder and "--force" not in parser._option_string_actions:
-        parser.add_argument("--force", action="store_true", help="replace the files to write where they exist")
+        parser.add_argument("--force", action="store_true", help="replace output files that exist")
 
 
 @dataclass(frozen=True)

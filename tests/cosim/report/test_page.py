@@ -14,8 +14,9 @@ import pytest
 
 from evcot.errors import ConfigError, OutputError
 from evcot.events import Events, Recording
-from evcot.tracks.log import TrackLog
+from evcot.tracks.log import DROPPED, TrackLog
 from evcot_cosim.report import Material, Side, page, write_report
+from evcot_cosim.report.heat import heat_maps
 from evcot_cosim.report.material import Material as Made
 
 from .conftest import summary_of
@@ -119,7 +120,9 @@ def test_a_run_without_anything_says_what_is_missing() -> None:
 
 
 def test_maps_of_filtered_events_say_whose_filters(material: Made) -> None:
-    first, second = (Side(name, replace(material.sides[0].log, owner=material.sides[0].log.owner.copy())) for name in ("a", "b"))
+    first, second = (
+        Side(name, replace(material.sides[0].log, owner=material.sides[0].log.owner.copy())) for name in ("a", "b")
+    )
     for side in (first, second):
         side.log.owner[:10] = DROPPED
     titles = [heat.title for heat in heat_maps(Material(material.recording, {}, (first, second)))]
