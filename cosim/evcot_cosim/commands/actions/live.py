@@ -40,6 +40,7 @@ __all__ = ["run"]
 _HERE = "127.0.0.1"
 _LINE_S = 1.0  # between lines of --json
 _NAP_S = 0.05
+_PAGE_S = 60.0  # after the end of a file, for the first page to be opened
 _SPEEDS = (0.001, 1000.0)
 
 
@@ -124,12 +125,18 @@ def _run(options: argparse.Namespace, player: Player, server: Server | None) -> 
     """Play until all is over or somebody interrupts; what is kept is then whole."""
     console = Console()
     ended = threading.Event()
+    over_s = 0.0
 
     def going_on() -> bool:
-        """At the end of a file, an open page may want to see it again."""
-        source = player.run.session.source
-        again = server is not None and server.watched and isinstance(source, FileSource) and not player.fixed
-        return not ended.is_set() and (player.running or (again and not player.failed))
+        """At the end of a file, an open page may want to see it again; a person at a terminal may be about to open one."""
+        nonlocal over_s
+        if ended.is_set() or player.running:
+            return not ended.is_set()
+        over_s = over_s or time.monotonic()
+        if server is None or player.fixed or player.failed or not isinstance(player.run.session.source, FileSource):
+            return False
+        awaited = console.is_terminal and not server.seen and time.monotonic() - over_s < _PAGE_S
+        return server.watched or awaited
 
     player.start()
     url = server.url if server else None
