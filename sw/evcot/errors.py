@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 __all__ = [
     "ConfigError",
     "DamagedRecordingError",
@@ -12,7 +15,11 @@ __all__ = [
     "RecordingWarning",
     "ToolchainError",
     "TrackLogError",
+    "meant",
 ]
+
+
+_ALIKE = 0.7  # of 1, by difflib's measure
 
 
 class EvcotError(Exception):
@@ -45,3 +52,10 @@ class OutputError(EvcotError, OSError):
 
 class TrackLogError(EvcotError, ValueError):
     """A stored TrackLog that cannot be used: names the file, the field and the rule."""
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The known word that is most like a misspelled one, as the end of a message; empty where none is near."""
+    bare = {each.lstrip("-"): each for each in known}  # the dashes of options make all of them alike
+    near = difflib.get_close_matches(word.lstrip("-"), bare, 1, _ALIKE)
+    return f"; did you mean {bare[near[0]]}?" if near else ""

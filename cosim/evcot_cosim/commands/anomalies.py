@@ -21,7 +21,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = add_command(commands, "anomalies", "flag unusual trajectories: zones, direction, speed, stays", _EXAMPLES)
     parser.add_argument("logs", type=input_path, nargs="+", metavar="LOG", help="a track log; with --learn one or more")
     parser.add_argument("--learn", action="store_true", help="learn normal motion from the logs, and write it to -o FILE.npz")
-    parser.add_argument("--normal", type=input_path, metavar="NPZ", help="normal motion, as --learn has written it")
+    parser.add_argument("--normal", type=input_path, metavar="NPZ", help="normal motion, as written by --learn")
     parser.add_argument("--zones", type=input_path, metavar="TOML", help="zones and counting lines (docs/anomalies.md)")
     parser.add_argument("--recording", type=input_path, metavar="FILE", help="refuse a log that is not of this recording")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the recording's, else the smallest)")

@@ -18,6 +18,6 @@ evcot completion fish > ~/.config/fish/completions/evcot.fish
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser], whole: argparse.ArgumentParser) -> None:
     """Add the command to the command line that `whole` is of."""
-    completion = add_command(commands, "completion", "print the completion of a shell", _EXAMPLES)
+    completion = add_command(commands, "completion", "print a shell's completion script", _EXAMPLES)
     completion.add_argument("shell", choices=("bash", "zsh", "fish"), help="which shell")
     completion.set_defaults(whole=whole)

@@ -30,7 +30,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = add_command(commands, "live", title, _EXAMPLES)
     source = "a recording; tcp://HOST:PORT, where DV or dv-processing sends AEDAT4; camera, or camera:SERIAL"
     parser.add_argument("source", type=input_or_name, metavar="SOURCE", help=source)
-    parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a recording (default: 1, real speed)")
+    parser.add_argument(
+        "--speed", type=float, default=1.0, metavar="X", help="playback speed of a recording (default: 1, real speed)"
+    )
     parser.add_argument("--web", nargs="?", type=int, const=PORT, metavar="PORT", help=f"show a page (default port: {PORT})")
     parser.add_argument(
         "--bind", metavar="ADDRESS", help="address that serves the page (default: 127.0.0.1, this machine only)"

@@ -8,14 +8,14 @@ known, and checked, before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
-import difflib
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, NoReturn
 
+from evcot.errors import meant
 from evcot.outputs import Claims
 
 __all__ = [
@@ -99,12 +99,6 @@ class Parser(argparse.ArgumentParser):
         return meant(unknown[1], self._option_string_actions) if unknown is not None else ""
 
 
-def meant(word: str, known: Iterable[str]) -> str:
-    """The known word that is most like a misspelled one, as the end of a message; empty where none is near."""
-    near = difflib.get_close_matches(word, list(known), 1)
-    return f"; did you mean {near[0]}?" if near else ""
-
-
 def group_of(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentGroup:
     """The group of arguments with this title, begun if it is not there yet."""
     return next((group for group in parser._action_groups if group.title == title), None) or parser.add_argument_group(title)
@@ -114,7 +108,7 @@ def output_option(parser: argparse._ActionsContainer, *names: str, folder: bool 
     """Add an argument that names a file to write, or a folder; with the first file, --force too."""
     parser.add_argument(*names, type=output_folder if folder else output_file, **more)
     if not folder and "--force" not in parser._option_string_actions:
-        parser.add_argument("--force", action="store_true", help="replace the files to write where they exist")
+        parser.add_argument("--force", action="store_true", help="replace output files that exist")
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ evcot plot build/cosim/boxes -o boxes.png --kind tracks,lifetimes
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    title = "draw a figure for a paper: tracks over events, places over time, tracks alive, lifetimes"
+    title = "draw a figure for a paper: tracks over events, positions over time, tracks alive, lifetimes"
     parser = add_command(commands, "plot", title, _EXAMPLES)
     tracked_options(parser)
     output_option(parser, "-o", "--output", required=True, metavar="FILE", help="what to write: .png, .svg or .pdf")

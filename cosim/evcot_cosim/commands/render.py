@@ -28,7 +28,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     tracked_options(parser)
     output_option(parser, "-o", "--output", required=True, metavar="FILE", help=f"to write: {', '.join(SUFFIXES)}")
     parser.add_argument(
-        "--speed", type=float, default=look.speed, metavar="X", help="of the recording (default: 1, real speed)"
+        "--speed", type=float, default=look.speed, metavar="X", help="playback speed of the recording (default: 1, real speed)"
     )
     parser.add_argument("--fps", type=float, default=look.fps, metavar="N", help=f"pictures per second (default: {look.fps:g})")
     decay = f"time of the film in which an event fades to 1/e (default: {look.decay_ms:g})"

@@ -36,7 +36,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def scheduler_options(parser: argparse.ArgumentParser) -> None:
     """Add --jobs, --scheduler and --scheduler-file."""
     parser.add_argument("--jobs", type=int, metavar="N", help="processes on this machine (default: one a core)")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that runs already, as tcp://HOST:8786")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a running Dask cluster, as tcp://HOST:8786")
     parser.add_argument(
         "--scheduler-file", type=input_path, metavar="FILE", help="the same, by the file that `dask scheduler` writes"
     )

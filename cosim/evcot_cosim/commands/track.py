@@ -14,7 +14,7 @@ from .parsing import add_command, input_path, output_option
 __all__ = ["add"]
 
 _EXAMPLES = """
-evcot track drive.aedat4 -o log.npz              # nothing to set
+evcot track drive.aedat4 -o log.npz              # no settings needed
 evcot track drive.aedat4 --engine kalman --preset traffic -o log.npz
 evcot track drive.aedat4 --boxes result.txt --frame-us 40000   # MOTChallenge, 25 frames a second
 evcot track drive.raw --engine rct --preset traffic --set radius_px=12 --learn-hot-pixels --json

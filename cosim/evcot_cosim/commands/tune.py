@@ -42,7 +42,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         help="a field to tune, such as rct.radius_px=6..20 or shape.n_slots=4,8; may be repeated (default: every number of the "
         "engine, from half to twice the preset's)",
     )  # fmt: skip
-    parser.add_argument("--method", choices=("random", "latin", "optuna"), default="random", help="(default: random)")
+    parser.add_argument(
+        "--method", choices=("random", "latin", "optuna"), default="random", help="how settings are chosen (default: random)"
+    )
     parser.add_argument("--samples", type=int, default=60, metavar="N", help="number of settings to try (default: 60)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of settings and of the division (default: 1)")
     parser.add_argument("--objective", default="hota", metavar="METRIC", help="hota, idf1 and others; idsw:min for the least")

@@ -21,10 +21,10 @@ evcot waves build/cosim/drive --around mismatch
 evcot waves boxes --around loss --reach 50
 """
 _ASSERT_EXAMPLES = """
-evcot assert build/cosim/boxes properties.py     # the waveform that the run has left
+evcot assert build/cosim/boxes properties.py     # the waveform that the run wrote
 evcot assert build/cosim/boxes properties.py --around birth:2 --reach 1000
 evcot assert waves.vcd properties.py --clock TOP.clk
-evcot assert boxes --to 20                       # that every stream holds what it offers, in 20 ms of a scene
+evcot assert boxes --to 20                       # does every stream hold its data until taken? 20 ms of a scene
 
 properties.py holds functions whose names begin with property_; each takes the signals and asserts on them:
 
@@ -44,11 +44,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     output_option(waves, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/waves/NAME)")
     waves.add_argument("--json", action="store_true", help="print what was written as JSON")
 
-    title = "check properties of a waveform that a Python file states"
+    title = "check properties of a waveform, stated in a Python file"
     asserts = add_command(commands, "assert", title, _ASSERT_EXAMPLES, "waves:check")
     _window_options(asserts)
     asserts.add_argument(
-        "properties", nargs="?", type=input_path, metavar="PROPERTIES", help="a Python file (default: streams hold)"
+        "properties",
+        nargs="?",
+        type=input_path,
+        metavar="PROPERTIES",
+        help="a Python file (default: every stream holds its data until taken)",
     )
     asserts.add_argument("--clock", default="TOP.clk", metavar="SIGNAL", help="sample on its rising edge (default: TOP.clk)")
     asserts.add_argument("--json", action="store_true", help="print every verdict as JSON")

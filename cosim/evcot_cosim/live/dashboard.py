@@ -79,9 +79,9 @@ def _side(session: Session, clusters: Clusters, undrawn: int, url: str | None) -
     grid.add_column(style="dim")
     grid.add_column(justify="right")
     for name, value in rows_of(figures):
-        alarming = name in ("dropped", "left out", "played late") and value != "0"
+        alarming = name in ("dropped", "left out", "playback delay") and value != "0"
         grid.add_row(name, Text(value, style="bold red" if alarming else "bold"))
-    grid.add_row("not drawn here", f"{undrawn:,}")
+    grid.add_row("not drawn", f"{undrawn:,}")
     table = Table(box=None, padding=(0, 1))
     for name in ("id", "age", "x", "y", "size", "px/s"):
         table.add_column(name, justify="right", header_style="dim")
@@ -92,7 +92,7 @@ def _side(session: Session, clusters: Clusters, undrawn: int, url: str | None) -
         numbers = f"{age_s:.1f} s", f"{state['x']:.0f}", f"{state['y']:.0f}", size, speed
         table.add_row(str(state["track_id"]), *numbers)
     page = Text(f"page: {url}\n" if url else "page: --web shows one\n", style="dim")
-    return Group(Panel(Group(grid, page), title="figures"), Panel(table, title="clusters, the oldest first"))
+    return Group(Panel(Group(grid, page), title="figures"), Panel(table, title="clusters, oldest first"))
 
 
 def rows_of(figures: dict[str, Any]) -> list[tuple[str, str]]:
@@ -110,7 +110,7 @@ def rows_of(figures: dict[str, Any]) -> list[tuple[str, str]]:
     if figures["left_out"]:
         rows.append(("left out", f"{figures['left_out']:,}"))
     if figures["slipped_s"]:
-        rows.append(("played late", f"{figures['slipped_s']:.1f} s"))
+        rows.append(("playback delay", f"{figures['slipped_s']:.1f} s"))
     for beside in figures["beside"]:
         dropped = f", {beside['dropped']:,} dropped" if beside["dropped"] else ""
         rows.append((beside["name"], f"{beside['clusters']:,} now, {beside['tracks']:,} tracks{dropped}"))

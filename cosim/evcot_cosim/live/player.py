@@ -125,7 +125,9 @@ class Player:
                     self._next = None
 
     def _play(self, wish: Wish) -> None:
-        self.note = f"getting {wish.engine}{' and the hardware' if wish.hardware else ''} ready"
+        self.note = (
+            f"preparing {wish.engine}{' and the hardware' if wish.hardware else ''} (compiled the first time, up to a minute)"
+        )
         try:
             begin = self._prepare(wish)
             if self._stopped:

@@ -34,7 +34,7 @@ class Grade(IntEnum):
 _GRADES = {grade.word: grade for grade in Grade}
 _HEADLINES = {
     Grade.GOOD: "The tracks look sound.",
-    Grade.FAIR: "The tracks are usable, with the faults below.",
+    Grade.FAIR: "The tracks are usable, with the faults listed below.",
     Grade.POOR: "The tracks are of little use.",
 }
 # figure: (fair from, poor from); of `owned` and `paired` below instead
@@ -144,11 +144,11 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
             side,
             Grade.POOR,
             "no track became visible",
-            _register(side, summary, "clust_nev", "fewer events for a birth", "below"),
+            _register(side, summary, "clust_nev", "require fewer events for a birth", "below"),
         )
-    text = f"{_counted_tracks(found.tracks)} for about {found.alive_mean:.2g} alive"
+    text = f"{_counted_tracks(found.tracks)} for about {found.alive_mean:.2g} alive at a time"
     if found.tracks_per_alive is not None:
-        text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} for each)"
+        text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} for each of them)"
     share = found.short / found.tracks
     text += f"; {_percent(share)} are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"
     grade = _above(share, _SHORT)
@@ -162,9 +162,8 @@ def _events(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
         return Line("events", side, Grade.GOOD, "no event with a neighbour reached the tracker")
     grade = Grade(2 - (found.owned_fraction >= _OWNED[1]) - (found.owned_fraction >= _OWNED[0]))
     text = f"{_percent(found.owned_fraction)} of the events that are neither filtered out nor isolated belong to lasting tracks"
-    advice = (
-        f"objects are missed or lost in between: {_register(side, summary, 'clust_nev', 'fewer events for a birth', 'below')}"
-    )
+    what = _register(side, summary, "clust_nev", "require fewer events for a birth", "below")
+    advice = f"objects are missed, or lost in between; {what}"
     return Line("events", side, grade, text, advice if grade else "")
 
 
@@ -176,7 +175,8 @@ def _noise(side: str, found: Quality) -> Line:
     text += f"{_percent(owned)} in tracks"
     grade = _above(found.noise_time_fraction or 0, _NOISE_TIME)
     if found.noise_tracks:
-        text += f"; {found.noise_tracks:,} of {_counted_tracks(found.tracks)} consist mostly of them"
+        verb = "consists" if found.noise_tracks == 1 else "consist"
+        text += f"; {found.noise_tracks:,} of {_counted_tracks(found.tracks)} {verb} mostly of them"
         if found.noise_tracks > _NOISE_TRACKS * found.tracks:
             grade = max(grade, Grade.FAIR)
     return Line("noise", side, grade, text, _quieter(found) if grade else "")
@@ -192,9 +192,9 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
     worse = min(shares)
     grade = Grade(2 - (worse >= _PAIRED[1]) - (worse >= _PAIRED[0]))
     text = (
-        f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, "
-        f"software tracks a hardware track for {_percent(shares[1])}; {len(found['merges']):,} merges are the same "
-        f"({found['merges_hardware']:,} in hardware, {found['merges_software']:,} in software)"
+        f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, and "
+        f"software tracks a hardware track for {_percent(shares[1])}; of {found['merges_hardware']:,} merges in hardware and "
+        f"{found['merges_software']:,} in software, {len(found['merges']):,} are the same"
     )
     return [
         Line(
@@ -212,16 +212,18 @@ def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
     if 2 * found.noise_tracks > found.tracks:
         return f"clusters on noise: {_quieter(found)}"
     if found.short_merged >= found.short_lost:
-        what = "they merge into a neighbouring track, so parts of an object start tracks of their own"
-        return f"{what}: {_register(side, summary, 'detect_ticks', 'less time to collect the events of a birth', 'below')}"
-    what = "they end for lack of events, so tracks are given up too early or start on too few events"
-    return f"{what}: {_register(side, summary, 'max_ticks', 'a longer lifetime', 'above')}"
+        what = "they merge into a neighbouring track: parts of one object start tracks of their own"
+        return (
+            f"{what}; {_register(side, summary, 'detect_ticks', 'allow less time to collect the events of a birth', 'below')}"
+        )
+    what = "they end for lack of events: tracks are given up too early, or begin with too few events"
+    return f"{what}; {_register(side, summary, 'max_ticks', 'let tracks live longer without events', 'above')}"
 
 
 def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: str) -> str:
     """A register of the hardware to change, or the automatic choice where it was not used."""
     if side not in ("hardware", "model"):
-        return "other settings, or another engine"
+        return "try other settings, or another engine"
     config = summary.get("config", {})
     slots = config.get("cot", {}).get("slots")
     set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what

@@ -55,11 +55,18 @@ class Heat:
 
 
 def heat_maps(material: Material) -> list[Heat]:
-    """Maps of all events, of those removed by a filter if there was one, and of those that no cluster of a side took."""
+    """Maps of all events, of those removed by filters, and of those that no cluster of a side took. Sides whose filters removed
+    the same events share a map."""
     maps = [_heat(material, "All events", None)]
-    for side in material.sides[:1]:
-        if (side.log.owner == DROPPED).any():
-            maps.append(_heat(material, "Removed by filters", side.log.owner == DROPPED))
+    removed: list[tuple[NDArray[np.bool_], list[str]]] = []
+    for side in material.sides:
+        dropped = side.log.owner == DROPPED
+        same = next((names for seen, names in removed if np.array_equal(seen, dropped)), None)
+        if same is not None:
+            same.append(side.name)
+        elif dropped.any():
+            removed.append((dropped, [side.name]))
+    maps += [_heat(material, f"Removed by filters: {', '.join(names)}", dropped) for dropped, names in removed]
     maps += [_heat(material, f"In no track: {side.name}", side.log.owner == -1) for side in material.sides]
     return maps
 

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from ..errors import ConfigError
+from ..errors import ConfigError, meant
 from ..filters.config import FilterConfig
 from ..filters.hot_pixels import load_hot_pixels
 from ..hardware.config import CotConfig, SlotConfig
@@ -81,7 +81,8 @@ class RunConfig:
 def _section(data: Mapping[str, Any], allowed: set[str], where: str) -> Mapping[str, Any]:
     for key in data:
         if key not in allowed:
-            raise ConfigError(f"{where}: unknown field {key!r}: must be one of {', '.join(sorted(allowed))}")
+            rule = f"must be one of {', '.join(sorted(allowed))}"
+            raise ConfigError(f"{where}: unknown field {key!r}: {rule}{meant(str(key), allowed)}")
     return data
 
 

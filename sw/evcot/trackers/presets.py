@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..errors import ConfigError
+from ..errors import ConfigError, meant
 from ..filters.config import FilterConfig
 from ..hardware.config import CotConfig, SlotConfig
 from ..hardware.contract import Shape
@@ -132,7 +132,7 @@ def preset(name: str) -> RunConfig:
         ConfigError: unknown name; the message lists the presets.
     """
     if name not in PRESETS:
-        raise ConfigError(f"preset {name!r}: must be one of {', '.join(PRESETS)}")
+        raise ConfigError(f"preset {name!r}: must be one of {', '.join(PRESETS)}{meant(name, PRESETS)}")
     return PRESETS[name]
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..errors import ConfigError
+from ..errors import ConfigError, meant
 from ..filters.config import FilterConfig
 from ..recordings.formats.source import Sensor
 from .config import RunConfig, load_toml, load_tracker
@@ -31,10 +31,11 @@ def engine_settings(
         ConfigError: no such engine or preset, or a file that cannot be used.
     """
     if engine not in ENGINES:
-        raise ConfigError(f"{mark}engine {engine}: must be one of {', '.join(ENGINES)}")
+        raise ConfigError(f"{mark}engine {engine}: must be one of {', '.join(ENGINES)}{meant(engine, ENGINES)}")
     presets = ENGINES[engine].presets
     if preset not in (None, *presets):
-        raise ConfigError(f"{mark}preset {preset}: must be one of {', '.join(presets)} with {mark}engine {engine}")
+        rule = f"must be one of {', '.join(presets)} with {mark}engine {engine}"
+        raise ConfigError(f"{mark}preset {preset}: {rule}{meant(str(preset), presets)}")
     name = preset or (for_sensor(sensor[0]).name if engine == "cot" else next(iter(presets)))
     settings = presets[name]
     if isinstance(settings, RunConfig):

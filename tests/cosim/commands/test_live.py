@@ -77,7 +77,7 @@ def test_a_terminal_sees_why_it_waits_for_the_first_event(source: Path) -> None:
     ours, theirs = pty.openpty()
     subprocess.run(command, stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, check=True)
     os.close(theirs)
-    assert "getting auto ready (the first time takes longer)" in os.read(ours, 100_000).decode()
+    assert "preparing auto (compiled the first time, up to a minute)" in os.read(ours, 100_000).decode()
     os.close(ours)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The progress bar shows events, time and rate on a terminal, and nothing in a pipe."""
+"""The progress bar shows events, time taken and left, and rate on a terminal, and nothing in a pipe."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import os
 import pty
 import subprocess
 import sys
+
+import pytest
 
 STORY = """
 from evcot_cosim.commands.actions.progress import Progress
@@ -16,16 +18,43 @@ with Progress("drive", 1000) as progress:
     progress._bars.refresh()
 """
 
+# The whole is known only later.
+LATER = """
+import time
+from evcot_cosim.commands.actions.progress import Progress
+with Progress("drive", None) as progress:
+    for done in (100, 200):
+        progress.update(done, 0, 1e6)
+        time.sleep(0.01)
+    if {known}:
+        progress.measured(1000)
+    for done in (250, 300):
+        progress.update(done, 0, 1e6)
+        time.sleep(0.01)
+    progress._bars.refresh()
+"""
 
-def test_a_terminal_sees_events_time_and_rate() -> None:
+
+def seen(story: str) -> str:
     ours, theirs = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "120"}
-    subprocess.run([sys.executable, "-c", STORY], stderr=theirs, env=environment, check=True)
+    subprocess.run([sys.executable, "-c", story], stderr=theirs, env=environment, check=True)
     os.close(theirs)
     shown = os.read(ours, 100_000).decode()
     os.close(ours)
-    for text in ("drive", "50%", "2.500 s simulated, 4.20 M events/s"):
+    return shown
+
+
+def test_a_terminal_sees_events_time_and_rate() -> None:
+    shown = seen(STORY)
+    for text in ("drive", "50%", "2.500 s of the recording, 4.20 M events/s"):
         assert text in shown
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_the_time_left_appears_when_the_whole_is_known(known: bool) -> None:
+    shown = seen(LATER.format(known=known))
+    assert ("left" in shown, "30%" in shown) == (known, known)
 
 
 def test_a_pipe_sees_nothing() -> None:

@@ -15,7 +15,7 @@ from evcot_cosim.commands.parsing import Action
 
 HEAVY = (
     "numpy", "numba", "llvmlite", "scipy", "matplotlib", "h5py", "PIL", "jinja2", "pyverilator", "vcdvcd", "rich", "rosbags",
-    "lz4", "zstandard", "websockets", "tomli_w", "shtab", "evcot_cosim.commands.actions",
+    "lz4", "backports.zstd", "websockets", "tomli_w", "shtab", "evcot_cosim.commands.actions",
 )  # fmt: skip
 COMMANDS: dict[str, argparse.ArgumentParser] = next(
     dict(action.choices) for action in parser()._actions if isinstance(action, argparse._SubParsersAction)

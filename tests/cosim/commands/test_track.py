@@ -132,6 +132,7 @@ def test_the_table_and_json_say_what_was_found(source: Path, capsys: pytest.Capt
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        ("--preset trafic", "--preset trafic: must be one of plain, traffic, discs with --engine rct; did you mean traffic?"),
         ("--preset none", "--preset none: must be one of plain"),
         ("--engine kalman --preset cars", "--preset cars: must be one of traffic, discs, road with --engine kalman"),
         (
@@ -163,3 +164,8 @@ def test_what_is_wrong_is_said_in_one_line(
     assert printed.err.count("\n") == 1
     assert printed.err.removeprefix("evcot: ").removeprefix(f"{source}: ").startswith(message)
     assert not Path("log.npz").exists()
+
+
+def test_a_misspelled_setting_is_told_from_many(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["track", str(source), "--engine", "rct", "--set", "radius_pxx=3"]) == 2
+    assert capsys.readouterr().err.endswith("; did you mean radius_px?\n")

@@ -49,7 +49,7 @@ def test_a_wish_takes_the_place_of_the_session_before() -> None:
     first = player.run.session
     studio.go_on.clear()
     player.ask(Wish("auto", "auto", True, 2.5))
-    wait_until(lambda: player.note == "getting auto and the hardware ready")
+    wait_until(lambda: player.note == "preparing auto and the hardware (compiled the first time, up to a minute)")
     assert player.run.session is first
     assert first.running, "as long as the other is prepared"
     studio.go_on.set()
@@ -68,7 +68,7 @@ def test_of_wishes_that_wait_the_last_is_granted() -> None:
     player = started(studio)
     studio.go_on.clear()
     player.ask(Wish("first"))
-    wait_until(lambda: player.note == "getting first ready")
+    wait_until(lambda: player.note == "preparing first (compiled the first time, up to a minute)")
     for name in ("second", "third"):
         player.ask(Wish(name))
     studio.go_on.set()

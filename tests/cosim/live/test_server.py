@@ -97,6 +97,20 @@ def test_who_does_not_answer_gets_no_more_and_the_next_frame_has_all_in_it(serve
         assert sum(events) > 200, "what came in the meantime"
 
 
+def test_short_messages_are_not_held_back(player: Player) -> None:
+    seen = []
+
+    class Seen(Server):
+        async def _read(self, connection: Any, *more: Any) -> None:
+            side = connection.transport.get_extra_info("socket")
+            seen.append(side.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+            await super()._read(connection, *more)
+
+    with Seen(player, port=0) as server, look(server) as connection:
+        next_frame(connection)
+    assert seen == [1]
+
+
 def test_only_its_own_page_may_connect(server: Server) -> None:
     port = int(server.url.rsplit(":", 1)[1].strip("/"))
     for origin in (f"http://127.0.0.1:{port}", f"http://localhost:{port}"):

@@ -29,6 +29,7 @@ from ..exit_codes import MISMATCH
 from ..options import window_from
 from .filters import save_learned
 from .job import Job, job_from
+from .length import counted_ahead
 from .progress import Progress
 from .work import say_resumed, work_key
 
@@ -83,7 +84,11 @@ def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str)
         return work_key(Path(job.source.recording), "cosim", job.source, job.config, job.top, job.seed, design_fingerprint())
 
     quiet = options.quiet or options.json
-    with unfinished(folder, key) as work, Progress(job.recording.name, None, enabled=not quiet) as progress:
+    with (
+        unfinished(folder, key) as work,
+        Progress(job.recording.name, None, enabled=not quiet) as progress,
+        counted_ahead(progress, job.source.opened, (job.source.from_us, job.source.to_us)),
+    ):
         run = run_long(
             job.source, job.config, job.top, work,
             stall_seed=job.seed, every=options.checkpoint, building=progress.building, progress=progress.update,

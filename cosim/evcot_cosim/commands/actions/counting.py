@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees while something goes on whose length nobody knows: what, and how far it is; silent in pipes."""
+"""What a person sees while something of unknown length goes on: what, how far, for how long; silent in pipes."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable, Iterator
 
 from rich.console import Console
@@ -23,7 +24,7 @@ class Counting:
 
     def __init__(self, title: str, *, enabled: bool = True) -> None:
         console = Console(stderr=True)
-        self._title = title
+        self._title, self._begin_s = title, time.perf_counter()
         self._line = Status(title, console=console) if enabled and console.is_terminal else None
 
     def __enter__(self) -> Counting:
@@ -46,4 +47,7 @@ class Counting:
     def update(self, events: int, after_us: int) -> None:
         """So many events are done, up to this time after the recording's first."""
         if self._line is not None:
-            self._line.update(f"{self._title}: {events:,} events, {after_us / 1e6:.3f} s of the recording")
+            taken_s = time.perf_counter() - self._begin_s
+            done = f"{events:,} events, {after_us / 1e6:.3f} s of the recording"
+            rate = f"{events / max(taken_s, 1e-9) / 1e6:.2f} M events/s"
+            self._line.update(f"{self._title}: {done}; {taken_s:.0f} s so far, {rate}")

@@ -22,7 +22,6 @@ from evcot.events import Events
 
 from ...live.camera import CameraSource
 from ...live.dashboard import rows_of, show
-from ...live.length import Length
 from ...live.player import Player
 from ...live.recorder import LogKeeper, Recorder
 from ...live.server import Server
@@ -31,6 +30,7 @@ from ...tables import print_table
 from ..options import sensor_from, window_from
 from .counting import Counting
 from .filters import save_learned
+from .length import Length
 from .live_runs import Runs
 from .opening import open_from
 from .settings import say_seen
@@ -40,6 +40,7 @@ __all__ = ["run"]
 _HERE = "127.0.0.1"
 _LINE_S = 1.0  # between lines of --json
 _NAP_S = 0.05
+_PAGE_S = 60.0  # after the end of a file, for the first page to be opened
 _SPEEDS = (0.001, 1000.0)
 
 
@@ -58,7 +59,7 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             undo.callback(recorder.drop)
         runs = Runs(options, source, blocks, recorder, log)
         hardware = " and the hardware" if options.with_hardware else ""
-        waiting = f"getting {options.engine}{hardware} ready (the first time takes longer)"
+        waiting = f"preparing {options.engine}{hardware} (compiled the first time, up to a minute)"
         with Counting(waiting, enabled=not (options.quiet or options.json)):
             player = Player(runs.prepare, runs.first, _fixed(options))
         server = undo.enter_context(Server(player, options.web, options.bind or _HERE)) if options.web is not None else None
@@ -85,7 +86,7 @@ def _fixed(options: argparse.Namespace) -> str:
 
 
 def _measured(options: argparse.Namespace, source: FileSource, window: tuple[int, int | None]) -> Length:
-    def found(length_s: float) -> None:
+    def found(_events: int, length_s: float) -> None:
         source.length_s = length_s
 
     return Length(lambda: open_from(options, Path(options.source)), window, found)
@@ -124,12 +125,18 @@ def _run(options: argparse.Namespace, player: Player, server: Server | None) -> 
     """Play until all is over or somebody interrupts; what is kept is then whole."""
     console = Console()
     ended = threading.Event()
+    over_s = 0.0
 
     def going_on() -> bool:
-        """At the end of a file, an open page may want to see it again."""
-        source = player.run.session.source
-        again = server is not None and server.watched and isinstance(source, FileSource) and not player.fixed
-        return not ended.is_set() and (player.running or (again and not player.failed))
+        """At the end of a file, an open page may want to see it again; a person at a terminal may be about to open one."""
+        nonlocal over_s
+        if ended.is_set() or player.running:
+            return not ended.is_set()
+        over_s = over_s or time.monotonic()
+        if server is None or player.fixed or player.failed or not isinstance(player.run.session.source, FileSource):
+            return False
+        awaited = console.is_terminal and not server.seen and time.monotonic() - over_s < _PAGE_S
+        return server.watched or awaited
 
     player.start()
     url = server.url if server else None

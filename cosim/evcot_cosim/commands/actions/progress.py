@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees while a run goes on: time taken and left, events done, simulated time and rate; silent in pipes."""
+"""What a person sees while a run goes on: time taken and left, how far it is, and rate; silent in pipes."""
 
 from __future__ import annotations
 
 from rich.console import Console
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Task, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
+from rich.text import Text
 
 __all__ = ["Progress"]
 
@@ -15,7 +16,7 @@ class Progress:
 
     Args:
         title: what is being run.
-        events: how many there are; None where nobody knows yet.
+        events: how many there are; None where nobody knows yet: `measured` tells it later.
         enabled: False shows nothing at all.
     """
 
@@ -26,7 +27,7 @@ class Progress:
             BarColumn(),
             TaskProgressColumn(),
             TimeElapsedColumn(),
-            *([] if events is None else [TextColumn("left"), TimeRemainingColumn()]),
+            _TimeLeftColumn(),
             TextColumn("{task.fields[state]}"),
             console=console,
             disable=not (enabled and console.is_terminal),
@@ -41,13 +42,22 @@ class Progress:
     def __exit__(self, *_: object) -> None:
         self._bars.stop()
 
+    @property
+    def shown(self) -> bool:
+        """Whether anybody sees it."""
+        return not self._bars.disable
+
+    def measured(self, events: int) -> None:
+        """There are so many events: from now on, the time left is known."""
+        self._bars.update(self._task, total=events)
+
     def building(self) -> None:
         """A build begins."""
         self.note("compiling the hardware (10 to 60 s, once for each shape; kept in the cache)")
 
     def update(self, events: int, t_us: int, events_per_s: float) -> None:
         """So many events are done, up to this time of the recording."""
-        self.advance(events, f"{t_us / 1e6:.3f} s simulated, {events_per_s / 1e6:.2f} M events/s")
+        self.advance(events, f"{t_us / 1e6:.3f} s of the recording, {events_per_s / 1e6:.2f} M events/s")
 
     def advance(self, done: int, state: str) -> None:
         """So much is done; say what is going on."""
@@ -56,3 +66,12 @@ class Progress:
     def note(self, state: str) -> None:
         """Say what is going on."""
         self._bars.update(self._task, state=state)
+
+
+class _TimeLeftColumn(TimeRemainingColumn):
+    """The time left; nothing where the whole is not known."""
+
+    def render(self, task: Task) -> Text:
+        if task.total is None or task.time_remaining is None:
+            return Text("")
+        return Text("left ", style="progress.remaining") + super().render(task)

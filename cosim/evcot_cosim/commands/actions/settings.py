@@ -8,7 +8,7 @@ import sys
 from dataclasses import asdict, replace
 from typing import Any
 
-from evcot.errors import ConfigError
+from evcot.errors import ConfigError, meant
 from evcot.filters.config import FilterConfig
 from evcot.ranges import read_pair, read_value
 from evcot.trackers.auto.estimates import seen_by
@@ -35,7 +35,7 @@ def _changed(options: argparse.Namespace, settings: Any) -> Any:
         rule = f" with a key among {', '.join(known)}"
         key, text = read_pair("--set", setting, rule)
         if key not in known:
-            raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}")
+            raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}{meant(key, known)}")
         settings = replace(settings, **{key: read_value(f"{options.engine}.{key}", text, known[key])})
     return settings
 

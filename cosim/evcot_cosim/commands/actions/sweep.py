@@ -57,6 +57,7 @@ def swept(options: argparse.Namespace, spec: Spec, folder: Path) -> Swept:
     with Progress(spec.name, None, enabled=not (options.quiet or options.json)) as progress:
 
         def told(done: int, runs: int, word: str) -> None:
+            progress.measured(runs)
             progress.advance(done, f"{done:,} of {runs:,} runs {word[:60]}")
 
         return run_sweep(

@@ -27,6 +27,7 @@ from ...tables import print_table
 from ..options import window_from
 from .clock import clock_from
 from .filters import filters_from, save_learned
+from .length import counted_ahead
 from .opening import open_from
 from .progress import Progress
 from .settings import configured, plain, say_seen
@@ -65,7 +66,11 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
             return work_key(file.path, "track", options.engine, settings, filters, sensor, window, options.skip_damaged)
 
         work = held.enter_context(unfinished(outputs[0], key)) if outputs else None
-        with Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress:
+        with (
+            Progress(file.name, None, enabled=not (options.quiet or options.json)) as progress,
+            counted_ahead(progress, lambda: open_from(options, options.recording), window),
+        ):
+            progress.note("preparing the tracker (compiled the first time, up to a minute)")
             done = track_into(
                 work, options.engine, lambda: ENGINES[options.engine].start(settings, filters, sensor),
                 _counted(file.blocks(*window, required=True), progress), options.checkpoint, _say(options, file),

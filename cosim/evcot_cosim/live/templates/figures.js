@@ -41,7 +41,8 @@ function showFigures(figures) {
   put("undrawn", figures.undrawn.toLocaleString("en"), figures.undrawn > 0);
   put("slipped_s", `${figures.slipped_s.toFixed(1)} s`, figures.slipped_s > 0);
   put("recording_s", `${figures.recording_s.toFixed(1)} s`);
-  put("saved", figures.saved === null ? "no" : figures.saved.toLocaleString("en"));
+  document.getElementById("saved").parentElement.hidden = figures.saved === null;
+  put("saved", (figures.saved ?? 0).toLocaleString("en"));
 }
 
 const ROWS_MAX = 50;
@@ -57,7 +58,8 @@ function showClusters(clusters) {
   }
   shown.forEach(({ id, lane, age, x, y, width, height, vx, vy }, i) => {
     const size = `${width.toFixed(0)}×${height.toFixed(0)}`;
-    const texts = [String(id), `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), size, Math.hypot(vx, vy).toFixed(0)];
+    const speed = vx || vy ? Math.hypot(vx, vy).toFixed(0) : "–"; // not every tracker measures it
+    const texts = [String(id), `${age.toFixed(1)} s`, x.toFixed(0), y.toFixed(0), size, speed];
     rows.children[i].dataset.lane = lane;
     texts.forEach((text, cell) => { rows.children[i].children[cell].textContent = text; });
   });

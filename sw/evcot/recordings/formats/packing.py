@@ -8,19 +8,24 @@ a few kilobytes that expand to gigabytes take time, but no memory.
 from __future__ import annotations
 
 import io
+import sys
 from collections.abc import Iterator
-from typing import IO, Protocol, cast
+from typing import Protocol
 
 import lz4.frame
-import zstandard
 
 from ...errors import RecordingError
+
+if sys.version_info >= (3, 14):
+    from compression import zstd
+else:
+    from backports import zstd
 
 __all__ = ["Lz4Unpacker", "PlainUnpacker", "Readable", "Section", "TooLarge", "Unpacker", "ZstdUnpacker"]
 
 _PIECE_BYTES = 1 << 20  # maximum to decompress, or to read from a file, at once
 _FILE_BYTES = 1 << 16
-_ZSTD_WINDOW_BYTES_MAX = 1 << 27
+_ZSTD_WINDOW_LOG_MAX = 27
 
 
 class TooLarge(RecordingError):
@@ -128,24 +133,25 @@ class Lz4Unpacker:
 class ZstdUnpacker:
     """Decompresses Zstandard frames; truncation is not detected."""
 
-    def __init__(self) -> None:
-        self._decompressor = zstandard.ZstdDecompressor(max_window_size=_ZSTD_WINDOW_BYTES_MAX)
-
     def whole(self, packed: bytes | memoryview, most: int) -> bytes:
         """See `Unpacker`."""
-        return _joined(self._read(packed, _step(packed, most)), most)
+        return _joined(self._read(io.BytesIO(packed), len(packed), _step(packed, most)), most)
 
     def pieces(self, packed: Readable) -> Iterator[bytes]:
         """See `Unpacker`."""
-        return self._read(packed, _PIECE_BYTES)
+        return self._read(packed, _FILE_BYTES, _PIECE_BYTES)
 
-    def _read(self, packed: bytes | memoryview | Readable, step: int) -> Iterator[bytes]:
+    def _read(self, packed: Readable, size: int, step: int) -> Iterator[bytes]:
+        one = zstd.ZstdDecompressor(options={zstd.DecompressionParameter.window_log_max: _ZSTD_WINDOW_LOG_MAX})
         try:
-            source = cast("IO[bytes] | bytes", packed)  # only its `read` is used
-            reader = self._decompressor.stream_reader(source, read_size=_FILE_BYTES, read_across_frames=False)
-            while piece := reader.read(step):
-                yield piece
-        except zstandard.ZstdError as error:
+            while not one.eof:
+                data = packed.read(size) if one.needs_input else b""
+                piece = one.decompress(data, step)
+                if piece:
+                    yield piece
+                elif one.needs_input and not data:
+                    return
+        except zstd.ZstdError as error:
             raise RecordingError(f"is no Zstandard frame: {error}") from error
 
 

@@ -381,7 +381,7 @@ def test_a_zstandard_frame_that_claims_a_huge_size_is_not_believed(tmp_path: Pat
     window = 31 - 10 << 3  # the window descriptor of 2 GiB
     huge = frame[:5] + bytes([window]) + frame[6:]
     message = refusal(tmp_path / "file.aedat4", plain_file(stream_node(0), (0, huge), compression=3))
-    assert "is no Zstandard frame: zstd decompress error: Frame requires too much memory for decoding" in message
+    assert "is no Zstandard frame: Unable to decompress Zstandard data: Frame requires too much memory for decoding" in message
 
 
 @pytest.mark.parametrize("compression", FAERY_COMPRESSIONS)

@@ -11,9 +11,9 @@ import pytest
 from evcot.errors import RecordingError
 from evcot.events import Recording
 from evcot.recordings.files import open_recording, write_recording
-from evcot_cosim.live.length import Length
+from evcot_cosim.commands.actions.length import Length
 
-from .stories import SENSOR, random_events, wait_until
+from ..live.stories import SENSOR, random_events, wait_until
 
 
 @pytest.mark.parametrize("window", [(0, None), (1_000, 30_000), (30_000, None)])
@@ -22,18 +22,18 @@ def test_it_is_that_of_the_window(tmp_path: Path, window: tuple[int, int | None]
     write_recording(Recording(some, *SENSOR), tmp_path / "a.npz")
     after_us = some.t_us - some.t_us[0]
     inside = after_us[(after_us >= window[0]) & (after_us < (window[1] or np.inf))]
-    found: list[float] = []
-    with Length(lambda: open_recording(tmp_path / "a.npz"), window, found.append):
+    found: list[tuple[int, float]] = []
+    with Length(lambda: open_recording(tmp_path / "a.npz"), window, lambda *told: found.append(told)):
         wait_until(lambda: bool(found))
-    assert found == [(inside[-1] - window[0]) / 1e6]
+    assert found == [(len(inside), (inside[-1] - window[0]) / 1e6)]
 
 
 def test_a_file_that_cannot_be_read_has_none() -> None:
     def opened() -> None:
         raise RecordingError("here: something")
 
-    found: list[float] = []
-    length = Length(opened, (0, None), found.append)  # type: ignore[arg-type]
+    found: list[tuple[int, float]] = []
+    length = Length(opened, (0, None), lambda *told: found.append(told))  # type: ignore[arg-type]
     with length:
         length._thread.join(10)
     assert found == []
