@@ -70,11 +70,20 @@ def full_disk(errno_of: int) -> OutputError:
     return error
 
 
+def saves_and_fails(path: Path, error: Exception) -> None:
+    with unfinished(path, lambda: "key") as work:
+        work.save({"count": 7})
+        raise error
+
+
 def test_a_full_disk_leaves_the_checkpoint_and_says_how_to_go_on(tmp_path: Path) -> None:
-    for error in (full_disk(errno.ENOSPC), full_disk(errno.EDQUOT), OSError(errno.ENOSPC, "No space left on device", "x.parquet")):
-        with pytest.raises(OutputError) as said, unfinished(tmp_path / "log", lambda: "key") as work:
-            work.save({"count": 7})
-            raise error
+    for error in (
+        full_disk(errno.ENOSPC),
+        full_disk(errno.EDQUOT),
+        OSError(errno.ENOSPC, "No space left on device", "x.parquet"),
+    ):
+        with pytest.raises(OutputError) as said:
+            saves_and_fails(tmp_path / "log", error)
         assert str(said.value) == (
             "x.parquet: cannot be written: No space left on device; free some space and give the same command again: "
             f"it goes on from its last checkpoint (kept in {tmp_path / '.log.unfinished'})"

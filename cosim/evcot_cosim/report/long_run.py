@@ -62,7 +62,9 @@ def write_long_run(
     with folder_written_aside(folder) as aside, ThreadPoolExecutor(1) as second:
         logs = second.submit(copy_context().run, _save_logs, run, aside)
         comparison = Comparison(run.begin_us, run.end_us, radius_px=near_px(run.config))
-        sides = {name: LongLog(log.engine, runs_of(log)) for name, log in (("hardware", run.hardware), ("software", run.software))}
+        sides = {
+            name: LongLog(log.engine, runs_of(log)) for name, log in (("hardware", run.hardware), ("software", run.software))
+        }
         about = {"config": run.config.to_dict()}
         with source.opened() as file:
             recording = LongRecording(run.name, run.sensor, source.blocks(file), run.events, run.begin_us, run.end_us)

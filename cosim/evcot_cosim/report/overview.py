@@ -53,7 +53,9 @@ def write_overview(summary: Mapping[str, Any], path: Path, *, force: bool = Fals
         style=style,
         script=script,
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-        facts=json.dumps({"parts": summary["parts"], "sides": sides}, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+        facts=json.dumps({"parts": summary["parts"], "sides": sides}, separators=(",", ":"), allow_nan=False).replace(
+            "<", "\\u003c"
+        ),
     )
     with written_aside(path, force=force) as file:
         file.write(text.encode())

@@ -14,8 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..tracks.log import Kind
 from ..tracks.column import PackedColumn
+from ..tracks.log import Kind
 from .field import FieldConfig, grid
 from .layout import TRACE
 from .motion import Steps, add_place, begin, close_step, extent_px

@@ -129,7 +129,7 @@ class PackedColumn:
         for begin in range(0, done, self._most):
             block = values[begin : min(begin + self._most, done)]
             planes = np.ascontiguousarray(block.view(np.uint8).reshape(len(block), -1).T)
-            packed = zlib.compress(planes, _LEVEL)
+            packed = zlib.compress(planes.tobytes(), _LEVEL)
             with self._one, self._named():
                 self._file.seek(self._end)
                 self._file.write(_HEADER.pack(len(block), len(packed)) + packed)

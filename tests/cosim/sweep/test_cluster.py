@@ -100,9 +100,7 @@ def test_a_cluster_gives_the_same_bit_for_bit(cluster: tuple[str, Path], tmp_pat
     assert exact(there.folder) == exact(here.folder)
 
 
-def test_a_recording_that_is_missing_on_one_worker_is_named(
-    cluster: tuple[str, Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_recording_that_is_missing_on_one_worker_is_named(cluster: tuple[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     """The workers run in different folders, and are asked for a path relative to them."""
     address, place = cluster
     recorded(place / "one", 1)
