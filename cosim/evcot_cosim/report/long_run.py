@@ -27,10 +27,11 @@ from ..lockstep.long import LongRun
 from ..lockstep.moments import Moment
 from ..lockstep.run_file import RUN_FILE, RunFile, Source, write_run_file
 from ..lockstep.summary import SUMMARY, summarise_long, write_summary
+from ..memory import give_back
 from ..waves.window import Window, write_waves
 from . import REPORT
 from .overview import write_overview
-from .parts import LongLog, LongRecording, give_back, write_parts
+from .parts import LongLog, LongRecording, write_parts
 
 __all__ = ["write_long_run"]
 

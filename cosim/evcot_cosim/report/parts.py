@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,10 +20,11 @@ from evcot.tracks.parts import Parts
 from evcot.tracks.timeline import alive
 
 from ..lockstep.verdict import verdict_by
+from ..memory import give_back, keep_little
 from .material import Material, Side
 from .page import write_report
 
-__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "give_back", "part_names", "write_parts"]
+__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "part_names", "write_parts"]
 
 PART_EVENTS = 1 << 18
 _DRAWN = 40_000  # events of a part's page
@@ -95,6 +94,7 @@ def write_parts(
     Raises:
         OutputError: a file cannot be written.
     """
+    keep_little()
     cut = {name: Parts(log.engine, log.runs) for name, log in logs.items()}
     quality = {name: QualityCounter(recording.begin_us, recording.end_us) for name in logs}
     times = comparison or Comparison(recording.begin_us, recording.end_us)
@@ -110,7 +110,7 @@ def write_parts(
         for name, log in cut.items():
             whole[name], shown[name] = log.take(len(events), last=last)
             quality[name].add(whole[name], events, alone, last=last)
-        part = {
+        part: dict[str, Any] = {
             "page": f"part-{len(parts):05}.html",
             "from_us": since_us - recording.begin_us,
             "to_us": until_us - recording.begin_us,
@@ -131,13 +131,6 @@ def write_parts(
         if progress is not None:
             progress(done)
     return Paged(parts, {name: counter.quality() for name, counter in quality.items()})
-
-
-def give_back() -> None:
-    """Hand what was freed back to the system, where the C library can: it keeps tens of megabytes otherwise."""
-    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if os.name == "posix" else None
-    if trim is not None:
-        trim(0)
 
 
 def _alive(
