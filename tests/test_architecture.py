@@ -22,7 +22,7 @@ ROOMS = {
         "pictures", "anomalies",
     ),
     "evcot_cosim": (
-        "tables", "names", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages", "commands",
+        "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages", "commands",
         "cli", "__main__",
     ),
 }  # fmt: skip

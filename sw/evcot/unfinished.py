@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Long work that goes on where it was when its process was killed: a folder beside its output, with a checkpoint.
 
-The folder `.NAME.unfinished` holds raw files that only grow, and `checkpoint`, the state of everything else at some moment,
+The folder `.NAME.unfinished` holds files that only grow, and `checkpoint`, the state of everything else at some moment,
 with how long the files were. It is removed when the work is done, and when it fails; it stays when the process ends in
-between. What another program, other settings or other inputs left there is not used.
+between, and when the disk is full. What another program, other settings or other inputs left there is not used.
 """
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import pickle
@@ -30,6 +31,7 @@ CHECKPOINT_EVENTS = 1 << 24  # between two checkpoints, unless somebody says oth
 _STATE, _LOCK = "checkpoint", "lock"
 _HEAD = b"evcot checkpoint 1\n"
 _DIGEST_BYTES = 16
+_FULL = (errno.ENOSPC, errno.EDQUOT)
 _OURS = ("evcot", "evcot_cosim")  # packages whose classes a checkpoint may hold
 _OTHERS = {  # and what else: how NumPy and Python store values
     ("builtins", "set"), ("builtins", "frozenset"), ("builtins", "slice"), ("builtins", "iter"),
@@ -113,7 +115,8 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
         key: a text that changes with everything on which the result depends; it is asked for only when it is needed.
 
     Raises:
-        OutputError: another process is at the same work, or the folder cannot be written.
+        OutputError: another process is at the same work, the folder cannot be written, or the disk is full: then, after a
+            checkpoint, the folder stays.
     """
     target = Path(os.path.realpath(path))
     if spool_folder(path) != target.parent:  # a pipe or a device: nothing to continue
@@ -134,7 +137,10 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
         try:
             with work.held:
                 yield work
-        except Exception:
+        except Exception as error:
+            if work.state is not None and _is_full(error):
+                rule = "free some space and give the same command again: it goes on from its last checkpoint"
+                raise OutputError(f"{_said(error)}; {rule} (kept in {folder})") from error
             _remove(folder, parents)
             raise
         except BaseException:
@@ -142,6 +148,22 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
                 _remove(folder, parents)
             raise
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _is_full(error: BaseException | None) -> bool:
+    """Whether an error, or one that it was made of, is that of a full disk."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in _FULL:
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def _said(error: Exception) -> str:
+    """An error in one line; of one that is Python's own, with its file."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename or 'a file'}: cannot be written: {error.strerror}"
+    return str(error)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import fractions
 import os
 import pickle
@@ -61,6 +62,40 @@ def test_nothing_is_left_of_work_that_fails_or_has_no_checkpoint(tmp_path: Path)
         assert list(tmp_path.iterdir()) == []
     ends(tmp_path / "log", lambda work: work.save({"count": 1}), ValueError())
     assert found(tmp_path / "log") is None
+
+
+def full_disk(errno_of: int) -> OutputError:
+    error = OutputError("x.parquet: cannot be written: No space left on device")
+    error.__cause__ = OSError(errno_of, os.strerror(errno_of))
+    return error
+
+
+def saves_and_fails(path: Path, error: Exception) -> None:
+    with unfinished(path, lambda: "key") as work:
+        work.save({"count": 7})
+        raise error
+
+
+def test_a_full_disk_leaves_the_checkpoint_and_says_how_to_go_on(tmp_path: Path) -> None:
+    for error in (
+        full_disk(errno.ENOSPC),
+        full_disk(errno.EDQUOT),
+        OSError(errno.ENOSPC, "No space left on device", "x.parquet"),
+    ):
+        with pytest.raises(OutputError) as said:
+            saves_and_fails(tmp_path / "log", error)
+        assert str(said.value) == (
+            "x.parquet: cannot be written: No space left on device; free some space and give the same command again: "
+            f"it goes on from its last checkpoint (kept in {tmp_path / '.log.unfinished'})"
+        )
+        assert found(tmp_path / "log") == {"count": 7}
+
+
+def test_of_another_error_or_without_a_checkpoint_nothing_is_left(tmp_path: Path) -> None:
+    ends(tmp_path / "log", lambda work: work.save({"count": 7}), full_disk(errno.EACCES))
+    assert list(tmp_path.iterdir()) == []
+    ends(tmp_path / "log", lambda work: (work.folder / "data").write_bytes(b"1"), full_disk(errno.ENOSPC))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_damaged_checkpoint_is_not_used(tmp_path: Path) -> None:

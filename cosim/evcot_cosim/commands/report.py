@@ -29,7 +29,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         type=input_path,
         nargs="+",
         metavar="RUN",
-        help="the folder of a run of `evcot cosim`, or a track log (.npz); "
+        help="the folder of a run of `evcot cosim`, or a track log (.npz, .parquet); "
         "further logs of the same recording are shown beside it; two folders are compared",
     )
     parser.add_argument("--recording", type=input_path, metavar="FILE", help="the events (default: the run's own recording)")

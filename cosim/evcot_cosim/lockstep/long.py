@@ -27,6 +27,7 @@ from evcot.tracks.tally import Tally
 from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished
 
 from ..devices.device import build_device
+from ..memory import keep_little
 from ..names import Top
 from ..rtl.build import BuiltModel
 from .cosim import check_addresses_of, compile_kernels, software_of, stalls_from
@@ -95,6 +96,7 @@ def run_long(
         MismatchError: hardware and model differ.
         ConfigError, RecordingError, ToolchainError.
     """
+    keep_little()
     with source.opened() as file:
         sensor, name = file.sensor, file.name
         check_addresses_of(sensor, config.cot, name)

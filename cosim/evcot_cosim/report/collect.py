@@ -19,7 +19,7 @@ from .paths import Paths, log_paths, truth_paths
 from .quiet import quiet_peaks
 from .thin import thinned_events
 
-__all__ = ["Collected", "collect"]
+__all__ = ["Collected", "collect", "looks_of"]
 
 _LOOKS = ("hardware", "model", "software")  # sides with a look of their own
 _ALIKE = {"a": "hardware", "b": "software"}  # two runs
@@ -50,7 +50,7 @@ def collect(material: Material, events_max: int) -> Collected:
     edges_us = np.linspace(begin_us, max(end_us, begin_us + 1), _BINS + 1)[1:-1]
     columns["rate"] = Column(np.diff(np.searchsorted(material.events.t_us, edges_us), prepend=0, append=len(material.events)))
     sides: list[dict[str, Any]] = []
-    looks = _looks([side.name for side in material.sides])
+    looks = looks_of([side.name for side in material.sides])
     for side in material.sides:
         peaks = quiet_peaks(side.log, material.events.t_us)
         columns |= paths[side.name].columns(side.name, begin_us) | _alive(side.name, side.log, begin_us, end_us)
@@ -94,7 +94,7 @@ def _names(name: str, paths: Paths) -> dict[str, Any]:
     return {"name": name, "ids": paths.names}
 
 
-def _looks(names: list[str]) -> dict[str, str]:
+def looks_of(names: list[str]) -> dict[str, str]:
     """The colour and dash pattern of each side, by the names that the style sheet has for them."""
     alike = {name: _ALIKE.get(name, name) for name in names}
     others = [name for name in names if alike[name] not in _LOOKS or (name == "model" and "software" in names)]

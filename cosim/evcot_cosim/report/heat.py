@@ -7,13 +7,13 @@ import base64
 import io
 from dataclasses import dataclass
 
-import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
 from evcot.tracks.log import DROPPED
 
+from .cividis import CIVIDIS
 from .material import Material
 
 __all__ = ["Heat", "heat_maps"]
@@ -22,7 +22,6 @@ _CELLS_MAX = 512  # per side: of larger sensors several pixels make one cell
 _RUN = 1 << 20  # events counted at a time
 _FULL = 0.995  # of the cells with events: busier ones are as bright as this one
 _HOT = 4  # times `full`: a busier cell is named
-_COLOURS = "cividis"  # the same to the colour-blind
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ def _heat(material: Material, title: str, chosen: NDArray[np.bool_] | None) -> H
 
 def _png(levels: NDArray[np.uint8]) -> str:
     image = Image.fromarray(levels)
-    image.putpalette((matplotlib.colormaps[_COLOURS](np.arange(256))[:, :3] * 255).astype(np.uint8).tobytes())
+    image.putpalette(CIVIDIS)
     file = io.BytesIO()
     image.save(file, "PNG")
     return f"data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"

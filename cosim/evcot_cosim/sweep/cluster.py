@@ -133,7 +133,8 @@ class Cluster:
                 return self._dask.Client(address, timeout=min(patience_s, _CONNECT_S), set_as_default=False)
             except (OSError, TimeoutError, ValueError, KeyError, TypeError) as error:
                 if time.monotonic() > deadline or patience_s <= _CONNECT_S:
-                    raise ConfigError(f"{self.name}: no scheduler answers: {' '.join(str(error).split())[:120]}") from error
+                    why = (isinstance(error, OSError) and error.strerror) or " ".join(str(error).split())[:120]
+                    raise ConfigError(f"{self.name}: no scheduler answers: {why}") from error
                 time.sleep(0.5)
 
 

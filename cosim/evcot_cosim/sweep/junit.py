@@ -24,7 +24,8 @@ def junit_xml(name: str, rows: Sequence[Mapping[str, Any]]) -> str:
     for title, own in suites.items():
         suite = ElementTree.SubElement(root, "testsuite", _counts(own) | {"name": title})
         for row in sorted(own, key=lambda row: row["seed"] if row["seed"] is not None else -1):
-            about = {"classname": f"{name}.{row['hardware']}", "name": f"{title}, seed {row['seed']}", "time": _seconds([row])}
+            case_name = title if row["seed"] is None else f"{title}, seed {row['seed']}"
+            about = {"classname": f"{name}.{row['hardware']}", "name": case_name, "time": _seconds([row])}
             case = ElementTree.SubElement(suite, "testcase", about)
             kind = {DONE: None, MISMATCH: "failure", INVALID: "skipped"}.get(row["status"], "error")
             if kind is not None:

@@ -44,7 +44,7 @@ class Tuned:
     """What was found.
 
     Attributes:
-        settings: the chosen fields.
+        settings: the chosen fields; empty where nothing that was tried is better than the preset.
         metric, way: the objective, and "max" or "min".
         chosen_on, validated_on: names of the recordings, or of the parts of the only one.
         tried: configurations.
@@ -74,7 +74,7 @@ class Tuned:
         """What must be said about over-fitting, in a line."""
         on_chosen, on_validated = self.gains
         if on_chosen < _LEAST_GAIN and on_validated > -_LEAST_GAIN:
-            return "nothing was gained: the preset is as good as the best of what was tried"
+            return "nothing was gained: the preset is as good as the best of what was tried, or better"
         if on_validated < 0:
             return (
                 f"over-fitting: {on_chosen:.3f} better than the preset on what the settings were chosen on, and "
@@ -116,8 +116,10 @@ def tune(spec: Spec, share: float, folder: Path, sweep: Sweep) -> Tuned:
     best = best_first(groups, spec.objectives)
     if not best:
         raise ConfigError(f"objective {metric}: no setting that was tried has a score: must have one at least")
-    validated = _scored(_fixed(second, best[0].settings), folder / "validate", sweep)
     chosen = best[0].means[metric]
+    if chosen <= before[0] if way == "max" else chosen >= before[0]:
+        return Tuned({}, metric, way, *names, len(groups), *before, *before)
+    validated = _scored(_fixed(second, best[0].settings), folder / "validate", sweep)
     return Tuned(best[0].settings, metric, way, *names, len(groups), chosen, validated, *before)
 
 

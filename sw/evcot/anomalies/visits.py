@@ -14,8 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..tracks.column import PackedColumn
 from ..tracks.log import Kind
-from ..tracks.spool import RawColumn
 from .field import FieldConfig, grid
 from .layout import TRACE
 from .motion import Steps, add_place, begin, close_step, extent_px
@@ -49,7 +49,7 @@ class Visits:
 
     def __init__(self, folder: Path, sensor: tuple[int, int], config: FieldConfig, measured: Steps) -> None:
         self._shape, self._cell_px, self._measured = grid(sensor, config), config.cell_px, measured
-        self._done = RawColumn(folder / "visits", VISIT)
+        self._done = PackedColumn(folder / "visits", VISIT)
         self.tracks = 0
 
     def add(self, runs: Iterator[NDArray[np.void]]) -> None:

@@ -82,6 +82,10 @@ class NpzFile:
         """Number of owners, one for each event."""
         return self._lengths["owner"]
 
+    def owner_runs(self) -> Iterator[NDArray[np.int16]]:
+        """All owners, run by run; every call gives them again."""
+        yield from self._runs("owner", _OWNER)
+
     def read(self) -> tuple[NDArray[np.void], NDArray[np.int16]]:
         """All records and owners, in memory."""
         records, owner = np.empty(self._lengths["records"], TRACK), np.empty(self._lengths["owner"], _OWNER)

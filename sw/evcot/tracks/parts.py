@@ -9,36 +9,50 @@ positions, merges and how far a track has travelled are those of the whole log.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .column import Column
 from .log import TRACK, Kind, TrackLog
 from .spool import LogColumns
 from .timeline import OPEN, by_life, lifetimes
 
-__all__ = ["Parts", "runs_of"]
+__all__ = ["Parts", "in_step", "runs_of"]
 
-_RUN = 1 << 16
+_OWNERS, _RECORDS = 1 << 16, 1 << 14  # of a run
 _BEFORE = -(1 << 62)  # `event_index` of what was before the part
 
 
 def runs_of(log: LogColumns) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
     """A log as records and owners, run by run, as `parquet.LogFile.blocks` gives them."""
-    done, n, total = 0, len(log.owner), len(log.records)
-    for begin in range(0, n, _RUN):
-        end = min(begin + _RUN, n)
-        records = [np.empty(0, TRACK)]
-        while done < total:
-            some = log.records[done : done + _RUN]
-            count = len(some) if end == n else int(np.searchsorted(np.maximum.accumulate(some["event_index"]), end))
-            records.append(some[:count])
-            done += count
-            if count < len(some):
+
+    def runs(column: Column, size: int) -> Iterator[NDArray[Any]]:
+        return (column[begin : begin + size] for begin in range(0, len(column), size))
+
+    return in_step(runs(log.records, _RECORDS), runs(log.owner, _OWNERS))
+
+
+def in_step(
+    records: Iterator[NDArray[np.void]], owners: Iterator[NDArray[np.int16]]
+) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
+    """Records and owners of a log, each run by run, brought together as `parquet.LogFile.blocks` gives them."""
+    owner: NDArray[np.int16] | None = next(owners, np.empty(0, np.int16))
+    waiting, end = np.empty(0, TRACK), 0
+    while owner is not None:
+        following = next(owners, None)
+        end += len(owner)
+        own = [np.empty(0, TRACK)]
+        while len(waiting) or len(waiting := next(records, waiting)):
+            last = following is None
+            count = len(waiting) if last else int(np.searchsorted(np.maximum.accumulate(waiting["event_index"]), end))
+            own.append(waiting[:count])
+            waiting = waiting[count:]
+            if len(waiting):
                 break
-        yield np.concatenate(records), log.owner[begin:end]
-    if not n:
-        yield log.records[0:total], log.owner[0:0]
+        yield np.concatenate(own), owner
+        owner = following
 
 
 class Parts:

@@ -7,6 +7,8 @@ was born earlier begins with its first record, and a track whose only record is 
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,7 @@ from .log import Kind, TrackLog
 
 __all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "by_life", "expiring", "lifetimes", "merges", "sample"]
 
+_BY_LIFE: WeakKeyDictionary[TrackLog, tuple[NDArray[np.int64], NDArray[np.int64]]] = WeakKeyDictionary()
 OPEN = -1  # `LIFE.ended` of a track that is still alive at the end of the log
 
 LIFE = np.dtype(
@@ -85,9 +88,15 @@ def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
 def by_life(log: TrackLog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """(order, first): `order` sorts the records by life, the lives by birth, and `first` is where each life begins in it.
 
-    Life i is row i of `lifetimes`.
+    Life i is row i of `lifetimes`. It is kept as long as the log, whose records must not change: several figures ask for it.
     """
-    records = log.records
+    found = _BY_LIFE.get(log)
+    if found is None:
+        found = _BY_LIFE[log] = _sorted_by_life(log.records)
+    return found
+
+
+def _sorted_by_life(records: NDArray[np.void]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     order = np.argsort(records["track_id"], kind="stable")
     kind, track_id = records["kind"][order], records["track_id"][order]
     is_end = (kind == Kind.MERGED) | (kind == Kind.LOST)

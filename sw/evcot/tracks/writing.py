@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..outputs import written_aside
+from .column import Column
 from .parquet import SUFFIX, check_parquet, write_log
 from .record import TRACK, Kind
-from .spool import Column, LogColumns
+from .spool import LogColumns
 
 __all__ = ["check_log_path", "save_log", "write_csv", "write_npz"]
 

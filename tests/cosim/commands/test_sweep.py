@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 import evcot
+from evcot.trackers.presets import run_config
 from evcot_cosim.cli import main
 from evcot_cosim.lockstep.lockstep import Lockstep
 from evcot_cosim.lockstep.mismatch import MismatchError
@@ -185,6 +186,13 @@ class InThisProcess:
             yield Done(task, self.function(task), "", 1)
 
 
+@pytest.fixture
+def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tuning makes four sweeps, whose processes would all have to start."""
+    monkeypatch.setattr("evcot_cosim.sweep.run.LocalPool", InThisProcess)
+
+
+@pytest.mark.usefixtures("in_this_process")
 def test_settings_are_chosen_on_some_recordings_and_validated_on_others(made: Path, capsys: Capture) -> None:
     arguments = ["--preset", "discs", "--field", "rct.radius_px=5.0..20.0", "--samples", "6", "--jobs", "1", "--json"]
     assert main(["tune", *(f"data/discs{seed}.npz" for seed in (1, 2, 3)), *arguments, "-o", "mine.toml"]) == 0
@@ -204,6 +212,7 @@ def test_settings_are_chosen_on_some_recordings_and_validated_on_others(made: Pa
     assert main(["tune", "data/discs1.npz", "-o", "mine.toml"]) == 2, "it exists"
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_the_time_of_one_recording_is_divided(made: Path, capsys: Capture) -> None:
     arguments = ["--engine", "cot", "--preset", "discs", "--field", "cot.init_radix=8,10", "--samples", "3", "--jobs", "1"]
     assert main(["tune", "data/discs2.npz", *arguments, "--validate", "0.5", "-o", "cot.toml"]) == 0
@@ -221,3 +230,13 @@ def test_what_is_shipped_can_be_read() -> None:
         assert read_spec(name).name == name
     families = read_spec("leave_one_family_out").families
     assert set(families) == set(read_spec("leave_one_family_out").scenes)
+
+
+@pytest.mark.usefixtures("in_this_process")
+def test_where_nothing_is_better_the_preset_is_chosen(made: Path, capsys: Capture) -> None:
+    arguments = ["--preset", "discs", "--field", "rct.radius_px=0.5..0.6", "--samples", "1", "--jobs", "1", "--json"]
+    assert main(["tune", "data/discs1.npz", *arguments, "-o", "same.toml"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["settings"], found["tried"], found["gain_chosen"], found["gain_validated"]) == ({}, 1, 0, 0)
+    assert found["warning"].startswith("nothing was gained")
+    assert tomllib.loads((made / "same.toml").read_text())["rct"]["radius_px"] == run_config(96, 64, "discs").rct.radius_px

@@ -27,10 +27,10 @@ _TIMES = ("wall_s", "realtime_factor", "events_per_s", "software_events_per_s", 
 # What makes a run of some ten thousand events a long one; in a process of its own, too, which may end itself.
 _SMALL = """
 import os, signal, sys
-import evcot_cosim.commands.actions.cosim as action, evcot_cosim.report.long_run as long_run
+import evcot_cosim.commands.actions.cosim as action, evcot_cosim.report.parts as parts
 import evcot_cosim.lockstep.long as long, evcot_cosim.lockstep.lockstep as lockstep, evcot.unfinished as unfinished
 from evcot_cosim.cli import main
-action.EVENTS_MAX, long_run.PART_EVENTS, long.CHUNK = 9_000, 4_000, 2_000
+action.EVENTS_MAX, parts.PART_EVENTS, long.CHUNK = 9_000, 4_000, 2_000
 saves, save = [], unfinished.Unfinished.save
 def counted(work, state):
     save(work, state)
@@ -117,3 +117,39 @@ def test_every_part_has_a_page_beside_the_overview(runs: Path, capsys: pytest.Ca
     assert "its pages are beside its report" in capsys.readouterr().err
     assert main(["evaluate", str(folder), "--truth", str(runs / "none.csv")]) == 2
     assert "none.csv" in capsys.readouterr().err
+
+
+def test_long_logs_alone_have_a_report_in_parts(
+    runs: Path, recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of Parquet and npz, of one log and of two, they say of each part what the run says."""
+    monkeypatch.setattr("evcot_cosim.commands.actions.report.EVENTS_MAX", 9_000)
+    monkeypatch.setattr("evcot_cosim.report.parts.PART_EVENTS", 4_000)
+    monkeypatch.chdir(tmp_path)
+    long, wanted = runs / "long", summary(runs / "long")["parts"]
+    TrackLog.load(long / "software.parquet").save("software.npz")
+    both = ["report", str(long / "hardware.parquet"), "software.npz", "--recording", str(recorded), "-q"]
+    assert main([*both, "-o", "both.html"]) == 0
+    text = Path("both.html").read_text()
+    found = json.loads(re.search(r'id="facts">(.*?)</script>', text)[1])  # type: ignore[index]
+    assert [side["name"] for side in found["sides"]] == ["hardware", "rct"]
+    for part, of_run in zip(found["parts"], wanted, strict=True):
+        assert part["page"] == f"both.parts/{of_run['page']}"
+        assert "<title>discs, " in Path(part["page"]).read_text()
+        assert (part["births_hardware"], part["births_rct"]) == (of_run["births_hardware"], of_run["births_software"])
+        assert (part["from_us"], part["to_us"], part["events"]) == (of_run["from_us"], of_run["to_us"], of_run["events"])
+    assert {path.name for path in Path("both.parts").iterdir()} == {*(part["page"] for part in wanted), "run.toml"}
+    assert "Agreement" not in text
+
+    assert main([*both, "-o", "both.html"]) == 2
+    assert "both.html: exists: must be another file" in capsys.readouterr().err
+    Path("both.parts/part-00001.html").write_text("mine")
+    assert main([*both, "-o", "both.html", "--force"]) == 2
+    assert "both.parts: holds part-00001.html, which evcot did not write" in capsys.readouterr().err
+    assert main(["report", "software.npz", "--recording", str(recorded), "--truth", "none.csv", "-o", "x.html"]) == 2
+    assert f"{recorded}: has more than 9000 events" in capsys.readouterr().err
+    other = ["report", "software.npz", "--recording", str(recorded), "--to", "200", "-o", "x.html"]
+    assert main(other) == 2
+    assert "software.npz: does not belong to" in capsys.readouterr().err
+    assert not Path("x.html").exists()
+    assert not Path("x.parts").exists()

@@ -17,6 +17,16 @@ Start = Callable[..., subprocess.Popen[bytes]]
 @pytest.fixture
 def dask(tmp_path: Path) -> Iterator[Start]:
     """Starts `scheduler` or `worker` with options, in a folder of its own; all end with the test."""
+    yield from _starting(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def shared_dask(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Start]:
+    """As `dask`; all end with the last test of the file."""
+    yield from _starting(tmp_path_factory.mktemp("dask"))
+
+
+def _starting(place: Path) -> Iterator[Start]:
     pytest.importorskip("distributed")
     started: list[subprocess.Popen[bytes]] = []
 
@@ -24,7 +34,7 @@ def dask(tmp_path: Path) -> Iterator[Start]:
         command = [sys.executable, "-m", f"distributed.cli.dask_{what}", "--no-dashboard", *options]
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
         process = subprocess.Popen(
-            command, cwd=folder or tmp_path, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            command, cwd=folder or place, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
         started.append(process)
         return process

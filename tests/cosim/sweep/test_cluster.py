@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import signal
 import socket
 import threading
@@ -80,8 +79,19 @@ def exact(folder: Path) -> dict[str, tuple[Any, ...]]:
     return {row["key"]: tuple(row[name] for name in ("status", "error", "task", *METRICS)) for row in read_rows(folder)}
 
 
-def test_a_cluster_gives_the_same_bit_for_bit(port: int, dask: Start, tmp_path: Path) -> None:
-    address = two_workers(port, dask, "--no-nanny")
+@pytest.fixture(scope="module")
+def cluster(shared_dask: Start, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """A scheduler with two workers, which run in the folders `one` and `two`; its address, and where the folders are."""
+    port, place = free_port(), tmp_path_factory.mktemp("workers")
+    started(port, shared_dask)
+    for name in ("one", "two"):
+        (place / name).mkdir()
+        shared_dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", folder=place / name)
+    return f"tcp://127.0.0.1:{port}", place
+
+
+def test_a_cluster_gives_the_same_bit_for_bit(cluster: tuple[str, Path], tmp_path: Path) -> None:
+    address, _ = cluster
     recorded(tmp_path, 1)
     connected(execute, address).__exit__(None, None, None)
     there = run_sweep(spec_of(tmp_path), tmp_path.with_name("there"), jobs=1, scheduler=address)
@@ -90,23 +100,16 @@ def test_a_cluster_gives_the_same_bit_for_bit(port: int, dask: Start, tmp_path: 
     assert exact(there.folder) == exact(here.folder)
 
 
-def test_a_recording_that_is_missing_on_one_worker_is_named(port: int, dask: Start, tmp_path: Path) -> None:
+def test_a_recording_that_is_missing_on_one_worker_is_named(cluster: tuple[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     """The workers run in different folders, and are asked for a path relative to them."""
-    started(port, dask)
-    for name in ("one", "two"):
-        (tmp_path / name).mkdir()
-        dask("worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", folder=tmp_path / name)
-    recorded(tmp_path / "one", 1)
-    here = Path.cwd()
-    os.chdir(tmp_path / "one")
-    try:
-        with connected(execute, f"tcp://127.0.0.1:{port}") as cluster:
-            with pytest.raises(ConfigError, match=r"^discs1.npz: is missing on worker tcp://.* on .*: must be the same file"):
-                cluster.check(["discs1.npz"])
-            (tmp_path / "two" / "discs1.npz").write_bytes(Path("discs1.npz").read_bytes())
-            assert len(cluster.check(["discs1.npz"])) == 2
-    finally:
-        os.chdir(here)
+    address, place = cluster
+    recorded(place / "one", 1)
+    monkeypatch.chdir(place / "one")
+    with connected(execute, address) as there:
+        with pytest.raises(ConfigError, match=r"^discs1.npz: is missing on worker tcp://.* on .*: must be the same file"):
+            there.check(["discs1.npz"])
+        (place / "two" / "discs1.npz").write_bytes(Path("discs1.npz").read_bytes())
+        assert len(there.check(["discs1.npz"])) == 2
 
 
 def test_no_scheduler_and_no_workers_are_said(port: int, dask: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,10 +18,12 @@ from evcot.events import Recording
 from evcot.outputs import is_own_file, remade
 from evcot.tracks.belongs import Extent
 from evcot.tracks.log import TrackLog
+from evcot.tracks.reading import open_log
 
 from ...lockstep.run_file import RUN_FILE, Source, read_run_file
 from ...lockstep.summary import SUMMARY, read_summary
 from ...report import REPORT, Material, Run, Side, Truth, comparison_of, truth_of, write_report
+from ...report.long_logs import write_long_logs
 from ...report.overview import write_overview
 from ...report.thin import EVENTS_MAX
 from ..options import sensor_from, window_from
@@ -58,18 +60,18 @@ def run(options: argparse.Namespace, arguments: Sequence[str]) -> int:
         elif folders:
             material = _of_run(options, folders[0], logs)
         else:
-            material = _of_logs(options, logs, shlex.join(["evcot", *arguments]))
+            command = shlex.join(["evcot", *arguments])
+            recording, source, more = _begin(options, logs[0])
+            if more:
+                return _of_long_logs(options, logs, source, command, path, progress)
+            material = _of_logs(options, logs, recording, source, command)
         if options.truth:
             sensor = sensor_from(options) or (material.recording.width, material.recording.height)
             material = replace(material, truth=Truth.read(options.truth, sensor, options.rule))
         progress.note("writing the page")
         write_report(material, path, force=force)
         remade(path)
-    if options.json:
-        print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": len(material.events)}, indent=2))
-    elif not options.quiet:
-        print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, to open in a browser")
-    return 0
+    return _said(options, path, len(material.events))
 
 
 def _overview(options: argparse.Namespace, summary: dict[str, Any], folder: Path, path: Path, force: bool) -> int:
@@ -79,8 +81,13 @@ def _overview(options: argparse.Namespace, summary: dict[str, Any], folder: Path
         raise ConfigError(f"{folder}: is a run of more than {EVENTS_MAX} events: {rule}")
     write_overview(summary, path, force=force)
     remade(path)
+    return _said(options, path, summary["events"])
+
+
+def _said(options: argparse.Namespace, path: Path, events: int) -> int:
+    """Say what was written; 0."""
     if options.json:
-        print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": summary["events"]}, indent=2))
+        print(json.dumps({"report": str(path), "bytes": path.stat().st_size, "events": events}, indent=2))
     elif not options.quiet:
         print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, to open in a browser")
     return 0
@@ -119,15 +126,21 @@ def _of_two_runs(options: argparse.Namespace, *folders: Path) -> Material:
     return comparison_of(recording, runs[0], runs[1], None if options.truth else truth_of(source, recording))
 
 
-def _named(sides: list[Side], logs: Sequence[Path]) -> list[Side]:
-    """The sides with those of further logs, named after their engine, else their file."""
-    for path in logs:
-        log = TrackLog.load(path)
-        taken = {side.name for side in sides}
-        engine = _SIDES.get(log.engine, log.engine)
-        names = [_slug(engine), _slug(path.stem), *(f"{_slug(engine)}_{i}" for i in range(2, len(taken) + 3))]
-        sides = [*sides, Side(next(name for name in names if name not in taken), log)]
-    return sides
+def _named(sides: list[Side], paths: Sequence[Path]) -> list[Side]:
+    """The sides with those of further logs."""
+    logs = [TrackLog.load(path) for path in paths]
+    names = _names_of([side.name for side in sides], [(log.engine, path) for log, path in zip(logs, paths, strict=True)])
+    return [*sides, *(Side(name, log) for name, log in zip(names, logs, strict=True))]
+
+
+def _names_of(taken: Sequence[str], logs: Sequence[tuple[str, Path]]) -> list[str]:
+    """Names of sides for logs, given as engine and file: after their engine, else their file."""
+    names: list[str] = []
+    for engine, path in logs:
+        slug = _slug(_SIDES.get(engine, engine))
+        offered = [slug, _slug(path.stem), *(f"{slug}_{i}" for i in range(2, len(taken) + len(names) + 3))]
+        names.append(next(name for name in offered if name not in taken and name not in names))
+    return names
 
 
 def _slug(text: str) -> str:
@@ -145,18 +158,53 @@ def _recording_of_run(folder: Path) -> tuple[Recording, Source]:
     return recording, described.source
 
 
-def _of_logs(options: argparse.Namespace, paths: Sequence[Path], command: str) -> Material:
+def _begin(options: argparse.Namespace, log: Path) -> tuple[Recording, Source, bool]:
+    """The recording of logs, where it came from, and whether it is too long to be held in memory: then, its beginning."""
     if options.recording is None:
-        raise ConfigError(f"{paths[0]}: a log does not hold the events: must be given with --recording FILE")
+        raise ConfigError(f"{log}: a log does not hold the events: must be given with --recording FILE")
+    width, height = sensor_from(options) or (0, 0)
+    from_us, to_us = window_from(options)
+    source = Source(
+        str(options.recording), from_us=from_us, to_us=to_us, width=width, height=height,
+        skip_damaged=options.skip_damaged, struct=options.struct or "",
+    )  # fmt: skip
+    recording, more = source.begin(EVENTS_MAX)
+    return recording, source, more
+
+
+def _of_logs(
+    options: argparse.Namespace, paths: Sequence[Path], recording: Recording, source: Source, command: str
+) -> Material:
     if len(paths) == 1:
         log = TrackLog.load(paths[0])
         sides = [Side(_SIDES.get(log.engine, "software"), log)]
     else:
         sides = _named([], paths)
-    recording, source = _recording(options)
     check_logs(zip(paths, (side.log for side in sides), strict=True), source.recording, Extent.of([recording.events]))
     summary = {"name": recording.name, "command": command, "versions": {"evcot": evcot.__version__}}
     return Material(recording, summary, tuple(sides), None if options.truth else truth_of(source, recording))
+
+
+def _of_long_logs(
+    options: argparse.Namespace, paths: Sequence[Path], source: Source, command: str, path: Path, progress: Progress
+) -> int:
+    """An overview, and beside it a folder with a page for each part; 0."""
+    if options.truth:
+        rule = "must be of at most so many for a page with scores; `evcot evaluate` reads logs of any length"
+        raise ConfigError(f"{source.recording}: has more than {EVENTS_MAX} events: {rule}")
+    logs = [open_log(log) for log in paths]
+    if len(paths) == 1:
+        names = [_SIDES.get(logs[0].engine, "software")]
+    else:
+        names = _names_of([], [(log.engine, path) for log, path in zip(logs, paths, strict=True)])
+    summary = write_long_logs(
+        dict(zip(names, logs, strict=True)), source, path, command,
+        check=lambda extent: check_logs(zip(paths, logs, strict=True), source.recording, extent),
+        claim=lambda folder, pages: options.claims.write_folder("-o", folder, pages),
+        force=options.force,
+        progress=lambda events: progress.update(events, 0, 0),
+    )  # fmt: skip
+    return _said(options, path, summary["events"])
 
 
 def _recording(options: argparse.Namespace) -> tuple[Recording, Source]:

@@ -81,7 +81,10 @@ def _print(found: Tuned) -> None:
     gap = found.validated - found.chosen
     print(f"\n{sign} of {found.tried} settings; from what it was chosen on to what it has not seen: {gap:+.4f}")
     print("Expect what the validation says: the other figure is flattered by the choice.")
-    print_table([(name, str(value)) for name, value in found.settings.items()])
+    if found.settings:
+        print_table([(name, str(value)) for name, value in found.settings.items()])
+    else:
+        print("The preset is kept.")
 
 
 def _row(title: str, before: float, after: float, names: Sequence[str]) -> tuple[str, ...]:

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The overview of a long run: curves over its parts, and the page of the part that is chosen.
 
-const parts = JSON.parse(document.getElementById("facts").textContent);
+const { parts, sides } = JSON.parse(document.getElementById("facts").textContent);
 const number = document.getElementById("number");
 const frame = document.querySelector("iframe.part");
 const WIDTH = 1000;
 const HEIGHT = 64;
 const CURVES = {
   rate: [["plain", (part) => (1e6 * part.events) / Math.max(part.to_us - part.from_us, 1)]],
-  alive: [["hardware", (part) => part.alive_hardware], ["software", (part) => part.alive_software]],
+  alive: sides.map((side) => [side.look, (part) => part[`alive_${side.name}`]]),
   paired: [["plain", (part) => part.paired_fraction]],
 };
 const end = Math.max(parts[parts.length - 1].to_us, 1);

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the C library does with freed memory, in work of any length: it keeps tens of megabytes that it does not use.
+
+Both functions do nothing where the library is not glibc.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import Any
+
+__all__ = ["give_back", "keep_little"]
+
+_MMAP_THRESHOLD = -3  # of malloc.h
+_LARGE_BYTES = 1 << 20
+
+
+def keep_little() -> None:
+    """Return large blocks to the system as soon as they are freed, from now on: arrays of a long run leave no holes."""
+    adjust = _function("mallopt")
+    if adjust is not None:
+        adjust(_MMAP_THRESHOLD, _LARGE_BYTES)
+
+
+def give_back() -> None:
+    """Return what has been freed so far."""
+    trim = _function("malloc_trim")
+    if trim is not None:
+        trim(0)
+
+
+def _function(name: str) -> Any:
+    return getattr(ctypes.CDLL(None), name, None) if os.name == "posix" else None

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages of a recording of any length: one for each part of it, and what an overview says of each; memory holds one part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evcot.events import Events, Recording
+from evcot.metrics.quality import Quality, QualityCounter, isolation, quality_of
+from evcot.recordings.formats.source import Sensor
+from evcot.tracks.compare import Comparison
+from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.parts import Parts
+from evcot.tracks.timeline import alive
+
+from ..lockstep.verdict import verdict_by
+from ..memory import give_back, keep_little
+from .material import Material, Side
+from .page import write_report
+
+__all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "part_names", "write_parts"]
+
+PART_EVENTS = 1 << 18
+_DRAWN = 40_000  # events of a part's page
+
+
+@dataclass(frozen=True)
+class LongLog:
+    """A log that comes in runs, as of `tracks.parts.runs_of`, and the engine that made it."""
+
+    engine: str
+    runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]
+
+
+@dataclass(frozen=True)
+class LongRecording:
+    """A recording that is not held in memory.
+
+    Attributes:
+        blocks: its events, block by block.
+        begin_us, end_us: times of the first and the last event.
+    """
+
+    name: str
+    sensor: Sensor
+    blocks: Iterator[Events]
+    events: int
+    begin_us: int
+    end_us: int
+
+
+@dataclass(frozen=True)
+class Paged:
+    """What was found on the way.
+
+    Attributes:
+        parts: a line of the overview each: `page`, its file; `events`; `from_us`, `to_us` from the recording's first event on;
+            `births_SIDE`, and `alive_SIDE`, the mean number of tracks, None without a sample; `paired_fraction`, where logs are
+            compared, the share of the hardware's track time with a software track nearby; `grade` of the part's verdict.
+        quality: of each side, over all parts.
+    """
+
+    parts: list[dict[str, Any]]
+    quality: dict[str, Quality]
+
+
+def part_names(events: int) -> list[str]:
+    """The files of the pages of so many events."""
+    return [f"part-{number:05}.html" for number in range(-(-events // PART_EVENTS))]
+
+
+def write_parts(
+    recording: LongRecording,
+    logs: Mapping[str, LongLog],
+    folder: Path,
+    about: Mapping[str, Any],
+    comparison: Comparison | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Paged:
+    """Write the page of each part into a folder.
+
+    Args:
+        logs: by side.
+        about: what the pages' summaries have besides name and verdict.
+        comparison: of the sides hardware and software; it is told every part.
+        progress: told how many events are done.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    keep_little()
+    cut = {name: Parts(log.engine, log.runs) for name, log in logs.items()}
+    quality = {name: QualityCounter(recording.begin_us, recording.end_us) for name in logs}
+    times = comparison or Comparison(recording.begin_us, recording.end_us)
+    alone_in = isolation(recording.sensor)
+    parts: list[dict[str, Any]] = []
+    done, since_us = 0, recording.begin_us
+    for events in _cut(recording.blocks, PART_EVENTS):
+        done += len(events)
+        last = done == recording.events
+        until_us = int(events.t_us[-1])
+        alone, times_us = alone_in(events), times.times_us(since_us, None if last else until_us)
+        whole, shown = {}, {}
+        for name, log in cut.items():
+            whole[name], shown[name] = log.take(len(events), last=last)
+            quality[name].add(whole[name], events, alone, last=last)
+        part: dict[str, Any] = {
+            "page": f"part-{len(parts):05}.html",
+            "from_us": since_us - recording.begin_us,
+            "to_us": until_us - recording.begin_us,
+            "events": len(events),
+            **{f"births_{name}": len(log.of_kind(Kind.BORN)) for name, log in whole.items()},
+            **_alive(whole, times_us, comparison, last=last),
+        }
+        verdict = verdict_by({name: quality_of(log, events, alone) for name, log in shown.items()}, {}).to_dict()
+        title = f"{recording.name}, {part['from_us'] / 1e6:.3f} s to {part['to_us'] / 1e6:.3f} s"
+        summary = {"name": title, "verdict": verdict, **about}
+        sides = tuple(Side(name, log) for name, log in shown.items())
+        material = Material(Recording(events, *recording.sensor, title), summary, sides)
+        write_report(material, folder / part["page"], events_max=_DRAWN)
+        parts.append(part | {"grade": verdict["grade"]})
+        since_us = until_us
+        del events, alone, whole, shown, sides, material  # before the next ones are made
+        give_back()
+        if progress is not None:
+            progress(done)
+    return Paged(parts, {name: counter.quality() for name, counter in quality.items()})
+
+
+def _alive(
+    logs: Mapping[str, TrackLog], times_us: NDArray[np.int64], comparison: Comparison | None, *, last: bool
+) -> dict[str, float | None]:
+    """Mean numbers of tracks at these times and, of a comparison, how much of the hardware's time is paired."""
+    if comparison is None:
+        return {f"alive_{name}": _mean(alive(log, times_us)) for name, log in logs.items()}
+    hardware, software, pairs = comparison.add(logs["hardware"], logs["software"], times_us, last=last)
+    paired = pairs / int(hardware.sum()) if hardware.sum() else None
+    return {"alive_hardware": _mean(hardware), "alive_software": _mean(software), "paired_fraction": paired}
+
+
+def _mean(counts: NDArray[np.int64]) -> float | None:
+    return float(counts.mean()) if len(counts) else None
+
+
+def _cut(blocks: Iterator[Events], size: int) -> Iterator[Events]:
+    """Runs of exactly `size` events, and a last one."""
+    waiting: list[Events] = []
+    have = 0
+    for block in blocks:
+        waiting.append(block)
+        have += len(block)
+        while have >= size:
+            joined = Events.joined(waiting)
+            yield joined[:size].packed()
+            waiting, have = [joined[size:]], have - size
+    if have:
+        yield Events.joined(waiting).packed()
