@@ -22,8 +22,8 @@ ROOMS = {
         "pictures", "anomalies",
     ),
     "evcot_cosim": (
-        "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages", "commands",
-        "cli", "__main__",
+        "tables", "names", "memory", "rtl", "devices", "lockstep", "waves", "report", "live", "fpga", "sweep", "pages",
+        "commands", "cli", "__main__",
     ),
 }  # fmt: skip
 
