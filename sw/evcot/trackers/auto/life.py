@@ -209,8 +209,9 @@ def _leaves(rules: Rules, world: World, i: int) -> int:
 
 
 @step
-def _go_away(rules: Rules, world: World, i: int, edge: int) -> None:
-    """Let an object that has left the sensor wait at the edge: what swings comes back."""
+def _go_away(rules: Rules, world: World, out: Table, t_us: int, i: int, edge: int) -> None:
+    """Let an object that has left the sensor wait at the edge: what swings comes back. Its track is lost until then."""
+    _record(rules, world, out, LOST, t_us, i, -1)
     world.objects[i].away = edge
     world.objects[i].missed = 0.0
     for axis in range(2):
@@ -295,8 +296,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         i = world.slots[at]
         o = world.objects[i]
         if o.away >= 0:
-            if o.missed > _AWAY:
-                _end(rules, world, out, LOST, t_us, i, -1)
+            o.alive = o.missed <= _AWAY
             continue
         if 1e-6 * o.unseen_us * o.speed >= rules.pause * _half(world, i):
             _observe(rules, world, i, t_us)
@@ -310,7 +310,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             patience *= _LEAVING_PATIENCE
         gone = o.missed > patience + rules.pause or _outside(rules, world, i)
         if gone and edge >= 0 and o.track_id >= 0 and o.travel >= _ESTABLISHED:
-            _go_away(rules, world, i, edge)
+            _go_away(rules, world, out, t_us, i, edge)
         elif gone or o.still > _STILL:
             _end(rules, world, out, LOST, t_us, i, -1)
     list_living(world)
