@@ -36,6 +36,7 @@ _PLACE = 0.3  # standard deviation of a new object's sides, half sides
 _EDGE_PX = 8.0
 _GROWTH = 0.3  # growth of a half side, as a part of the speed
 _LOST_SIGHT = 0.15  # half sides without support, from which an object may be found again elsewhere
+_FOLLOWS = 1.0  # half sides of travel, in which the rest of an object follows its centre over the edge
 _FOUND_WITHIN = 3.0  # half sides
 _ALIKE = 3.5  # ratio of sizes
 _FILLED = 0.5  # of a sensor: a group that covers more is no object
@@ -107,12 +108,18 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
 
 
 @step
+def _is_seen(o: Any) -> bool:
+    """Whether what is close to an object is its own: it was seen lately, or only its centre has left the sensor."""
+    return bool(o.track_id < 0 or o.missed < (_FOLLOWS if o.away >= 0 else _LOST_SIGHT))
+
+
+@step
 def _touches(world: World, box: Table, window_s: float) -> bool:
     """Whether a box lies close to an object, or where one was in the window: it is a part of it, or of what it left behind."""
     for at in range(world.run[0].live):
         i = world.slots[at]
         o, s = world.objects[i], world.state[i]
-        near = o.missed < _LOST_SIGHT or o.track_id < 0
+        near = _is_seen(o)
         for axis in range(2):
             back = -s[axis, 1] * window_s
             if o.track_id >= 0 and o.speed > 0.0:
@@ -183,7 +190,7 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
     begins = t_us - world.run[0].first_us <= _BEGINNING_US
     o.edge = -1 if begins else _edge(rules, box)
     o.travel = o.within = o.path = o.still = o.missed = 0.0
-    o.inside = -1
+    o.inside = o.away = -1
     o.meets = False
     o.apart = 0
     o.unseen_us = 0
@@ -213,19 +220,23 @@ def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: in
 
 
 @step
-def _find_again(world: World, box: Table) -> int:
-    """The object without support that lies closest to a new group, and is as large, if it can have come there; or -1."""
+def _find_again(rules: Rules, world: World, box: Table) -> int:
+    """The object without support that lies closest to a new group, and is as large, if it can have come there; or -1.
+
+    One that has left the sensor returns over the same edge.
+    """
     best, least = -1, 1.0
+    edge = _edge(rules, box)
     width, height = box[1] - box[0] + 1.0, box[3] - box[2] + 1.0
     for at in range(world.run[0].live):
         i = world.slots[at]
         o, s = world.objects[i], world.state[i]
-        if o.missed < _LOST_SIGHT or o.track_id < 0:
+        if _is_seen(o) or (o.away >= 0 and o.away != edge):
             continue
         half = max(s[0, 2], s[1, 2])
         ratio = (width + height) / (2.0 * (s[0, 2] + s[1, 2]))
         away = max(abs(0.5 * (box[0] + box[1]) - s[0, 0]), abs(0.5 * (box[2] + box[3]) - s[1, 0]))
-        away /= half * (_FOUND_WITHIN + o.missed)
+        away /= half * (_FOUND_WITHIN if o.away >= 0 else _FOUND_WITHIN + o.missed)
         if 1.0 / _ALIKE < ratio < _ALIKE and away < least:
             best, least = i, away
     return best
@@ -235,7 +246,7 @@ def _find_again(world: World, box: Table) -> int:
 def _resume(world: World, i: int, box: Table) -> None:
     """Let an object go on where it was found again."""
     o, s, p = world.objects[i], world.state[i], world.cov[i]
-    o.missed, o.unseen_us, o.apart = 0.0, 0, 0
+    o.missed, o.unseen_us, o.apart, o.away = 0.0, 0, 0, -1
     half = max(s[0, 2], s[1, 2])
     for axis in range(2):
         s[axis, 0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])
@@ -254,7 +265,7 @@ def _sweep(world: World) -> None:
     for at in range(world.run[0].live):
         i = world.slots[at]
         s, gate = world.state[i], world.objects[i].gate
-        if world.objects[i].missed >= _LOST_SIGHT and world.objects[i].track_id >= 0:
+        if not _is_seen(world.objects[i]):
             continue
         left, right = int(s[0, 0] - s[0, 2] - gate), int(s[0, 0] + s[0, 2] + gate)
         top, bottom = int(s[1, 0] - s[1, 2] - gate), int(s[1, 0] + s[1, 2] + gate)
@@ -340,7 +351,7 @@ def find_births(rules: Rules, world: World, t_us: int) -> None:
                     mass = parts[k, 2, 0] - noise - _SIGMAS * np.sqrt(noise)
                     if mass < max(rules.birth_pixels, _CONTOUR * (width + height)) or _touches(world, box, 1e-6 * window_us):
                         continue
-                    i = _find_again(world, box)
+                    i = _find_again(rules, world, box)
                     if i >= 0:
                         _resume(world, i, box)
                         born += 1

@@ -29,6 +29,8 @@ _MIN_HALF_PX = 1.0
 _COVERED_PATIENCE = 4.0  # factor of the coasting of an object hidden behind another
 _TENTATIVE_PATIENCE = 0.5
 _LEAVING_PATIENCE = 0.25  # of one at the edge on its way out
+_ESTABLISHED = 1.0  # half sides travelled, from which on an object may return
+_AWAY = 16.0  # half sides that it would travel until then
 _SPEED_KEEPS = 6.0  # half sides of travel for which an object's greatest speed counts
 _SLOWEST = 0.5  # half sides per second: the least unit of velocity
 _SETTLED = 3  # packets after which an object's first box is noted
@@ -118,6 +120,7 @@ def _meet(world: World, i: int) -> int:
         # What is not visible yet may be a part of this one: it hides nothing.
         if (
             k != i
+            and other_o.away < 0
             and (other_o.track_id >= 0 or o.track_id < 0)
             and abs(s[0, 0] - other[0, 0]) <= s[0, 2] + other[0, 2] + gate
             and abs(s[1, 0] - other[1, 0]) <= s[1, 2] + other[1, 2] + gate
@@ -134,7 +137,7 @@ def _covered(world: World, i: int) -> bool:
     for at in range(world.run[0].live):
         k = world.slots[at]
         other = world.state[k]
-        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < _UNSEEN
+        seen = world.objects[k].track_id >= 0 and world.objects[k].missed < _UNSEEN and world.objects[k].away < 0
         if k != i and seen and abs(s[0, 0] - other[0, 0]) <= other[0, 2] and abs(s[1, 0] - other[1, 0]) <= other[1, 2]:
             return True
     return False
@@ -145,6 +148,12 @@ def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, o
     if world.objects[i].track_id >= 0:
         _record(rules, world, out, kind, t_us, i, other_id)
     world.objects[i].alive = False
+
+
+@step
+def _is_here(world: World, i: int) -> bool:
+    """Whether an object lives, and is on the sensor."""
+    return bool(world.objects[i].alive and world.objects[i].away < 0)
 
 
 @step
@@ -165,7 +174,7 @@ def _merge(rules: Rules, world: World, out: Table, t_us: int) -> None:
         i = world.slots[at]
         for after in range(at + 1, n):
             k = world.slots[after]
-            if not (world.objects[i].alive and world.objects[k].alive and are_one(rules, world, i, k)):
+            if not (_is_here(world, i) and _is_here(world, k) and are_one(rules, world, i, k)):
                 continue
             first, second = (k, i) if _survives(world.objects[k], world.objects[i]) else (i, k)
             for axis in range(2):
@@ -188,13 +197,27 @@ def _outside(rules: Rules, world: World, i: int) -> bool:
 
 
 @step
-def _leaves(rules: Rules, world: World, i: int) -> bool:
-    """Whether an object's box reaches over an edge of the sensor towards which it moves."""
+def _leaves(rules: Rules, world: World, i: int) -> int:
+    """The edge of the sensor over which an object's box reaches and towards which it moves, as in `layout.OBJECT`; or -1."""
     for axis in range(2):
         s, size = world.state[i, axis], rules.width if axis == 0 else rules.height
-        if (s[1] < 0.0 and s[0] - s[2] <= 0.0) or (s[1] > 0.0 and s[0] + s[2] >= size - 1.0):
-            return True
-    return False
+        if s[1] < 0.0 and s[0] - s[2] <= 0.0:
+            return 2 * axis
+        if s[1] > 0.0 and s[0] + s[2] >= size - 1.0:
+            return 2 * axis + 1
+    return -1
+
+
+@step
+def _go_away(rules: Rules, world: World, out: Table, t_us: int, i: int, edge: int) -> None:
+    """Let an object that has left the sensor wait at the edge: what swings comes back. Its track is lost until then."""
+    _record(rules, world, out, LOST, t_us, i, -1)
+    world.objects[i].away = edge
+    world.objects[i].missed = 0.0
+    for axis in range(2):
+        s, size = world.state[i, axis], rules.width if axis == 0 else rules.height
+        s[0] = min(max(s[0], 0.0), size - 1.0)
+        s[1] = s[3] = 0.0
 
 
 @step
@@ -263,12 +286,18 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         i = world.slots[at]
         o = world.objects[i]
         o.packets += 1
+        if o.away >= 0:
+            o.missed += o.speed * lasted_s / _half(world, i)
+            continue
         o.unseen_us += lasted_us
         _advance(rules, world, i, lasted_s)
         o.meets = _meet(world, i) > 0
     for at in range(run.live):
         i = world.slots[at]
         o = world.objects[i]
+        if o.away >= 0:
+            o.alive = o.missed <= _AWAY
+            continue
         if 1e-6 * o.unseen_us * o.speed >= rules.pause * _half(world, i):
             _observe(rules, world, i, t_us)
         patience = rules.coast
@@ -276,9 +305,13 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             patience *= _COVERED_PATIENCE
         elif o.track_id < 0:
             patience *= _TENTATIVE_PATIENCE
-        if _leaves(rules, world, i):
+        edge = _leaves(rules, world, i)
+        if edge >= 0:
             patience *= _LEAVING_PATIENCE
-        if o.missed > patience + rules.pause or o.still > _STILL or _outside(rules, world, i):
+        gone = o.missed > patience + rules.pause or _outside(rules, world, i)
+        if gone and edge >= 0 and o.track_id >= 0 and o.travel >= _ESTABLISHED:
+            _go_away(rules, world, out, t_us, i, edge)
+        elif gone or o.still > _STILL:
             _end(rules, world, out, LOST, t_us, i, -1)
     list_living(world)
     _merge(rules, world, out, t_us)
@@ -290,7 +323,7 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         i = world.slots[at]
         o = world.objects[i]
         if o.track_id >= 0:
-            if o.missed <= _REPORTED or _covered(world, i):
+            if o.away < 0 and (o.missed <= _REPORTED or _covered(world, i)):
                 _record(rules, world, out, MOVED, t_us, i, -1)
         elif _becomes_visible(rules, world, i, lasted_s):
             o.track_id = run.births
@@ -317,6 +350,8 @@ def _prepare(rules: Rules, world: World) -> None:
     for at in range(world.run[0].live):
         i = world.slots[at]
         o, s = world.objects[i], world.state[i]
+        if o.away >= 0:
+            continue
         o.x, o.y = s[0, 0] + middle_s * s[0, 1], s[1, 0] + middle_s * s[1, 1]
         o.half_x, o.half_y = s[0, 2], s[1, 2]
         o.packet_events = 0

@@ -33,6 +33,9 @@ _LINK = 2  # bins: what is closer touches
 _LEAST = 2.0  # pixels in 3 x 3 bins
 _SIGMAS = 3.0
 _LEAST_SUPPORT = 0.15  # of the usual number of pixels
+_LATE = 0.1  # half sides of travel: the later part of a look, or its later half if that is longer
+_LEAST_LATE = 0.25  # share of the pixels in it; with fewer, the object is gone, and these are what it left behind
+_KNOWN = 3.0  # half sides travelled, from which on an object's size is known
 _LEAST_SHARE = 0.03  # of the pixels: a smaller part is noise
 _LEAST_PIXELS = 4.0
 _INSIDE = 0.5  # share of a part's pixels that lie in the box
@@ -49,11 +52,17 @@ _USUAL = 0.2  # how much of a look's pixels goes into what is usual
 
 
 @step
+def _pace(world: World, i: int) -> float:
+    """The speed by which an object's looks are timed, px/s."""
+    s = world.state[i]
+    return float(max(np.hypot(s[0, 1], s[1, 1]), _SLOWED * world.objects[i].speed, _SLOWEST * max(s[0, 2], s[1, 2])))
+
+
+@step
 def _window_s(rules: Rules, world: World, i: int) -> float:
     """How far back a look goes."""
     o, s, p = world.objects[i], world.state[i], world.cov[i]
-    half = max(s[0, 2], s[1, 2])
-    speed = max(np.hypot(s[0, 1], s[1, 1]), _SLOWED * o.speed, _SLOWEST * half)
+    half, speed = max(s[0, 2], s[1, 2]), _pace(world, i)
     unsure = np.sqrt(p[0, 1, 1] + p[1, 1, 1])
     enough_s = rules.fill * 2.0 * (s[0, 2] + s[1, 2]) / max(o.usual * speed, 1e-9)
     window_s = min(enough_s, rules.memory * half / speed, rules.blur * half / max(unsure, 1e-9), _LONGEST_S)
@@ -75,8 +84,8 @@ def _of_another(world: World, i: int, n: int, x: float, y: float) -> bool:
 
 
 @step
-def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin_px: int, reach: Table, n: int) -> None:
-    """Fill the bins."""
+def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin_px: int, reach: Table, n: int) -> float:
+    """Fill the bins; returns the share of the pixels in the box that sent an event lately."""
     s = world.state[i]
     bins = world.bins
     bins[:] = 0.0
@@ -88,6 +97,8 @@ def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin
         wider = max(-s[axis, 3] * window_s, 0.0)
         first[axis, 0] = max(s[axis, 0] - reach[axis] - wider + min(back, 0.0), 0.0)
         first[axis, 1] = min(s[axis, 0] + reach[axis] + wider + max(back, 0.0), size - 1.0)
+    inside, late = 1e-9, 0.0
+    late_s = max(0.5 * window_s, _LATE * max(s[0, 2], s[1, 2]) / _pace(world, i))
     grow_x, grow_y = s[0, 3] / s[0, 2], s[1, 3] / s[1, 2]
     for y in range(int(np.ceil(first[1, 0])), int(first[1, 1]) + 1):
         for x in range(int(np.ceil(first[0, 0])), int(first[0, 1]) + 1):
@@ -102,6 +113,10 @@ def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin
             if n > 0 and _of_another(world, i, n, s[0, 0] + dx, s[1, 0] + dy):
                 continue
             bins[int((dy + reach[1]) / bin_px), int((dx + reach[0]) / bin_px)] += 1.0
+            if abs(dx) <= s[0, 2] and abs(dy) <= s[1, 2]:
+                inside += 1.0
+                late += 1.0 if ago_s <= late_s else 0.0
+    return late / inside
 
 
 @step
@@ -402,7 +417,7 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
         reach[axis] = min(s[axis, 2] + max(_MARGIN * half, _MARGIN_PX), 0.5 * BINS * bin_px - 1e-6)
     columns = min(int(2.0 * reach[0] / bin_px) + 1, BINS)
     rows = min(int(2.0 * reach[1] / bin_px) + 1, BINS)
-    _collect(rules, world, i, t_us, window_s, bin_px, reach, n)
+    late = _collect(rules, world, i, t_us, window_s, bin_px, reach, n)
     _smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
     level = _level(rules, world, i, noise, bin_px, reach, rows, columns)
@@ -411,7 +426,7 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
     speed = max(np.hypot(s[0, 1], s[1, 1]), 0.2 * o.speed)
     expected = o.usual * np.hypot(s[0, 1], s[1, 1]) * window_s
     full = rules.full * 2.0 * (s[0, 2] + s[1, 2]) * max(speed * window_s, 1.0)
-    if total < max(0.5 * rules.birth_pixels, full, _LEAST_SUPPORT * expected):
+    if late < _LEAST_LATE or total < max(0.5 * rules.birth_pixels, full, _LEAST_SUPPORT * expected):
         return 0.0
     if found > 1 and _divide(rules, world, found, _CLOSE * half / bin_px):
         o.apart += 1
@@ -421,6 +436,9 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
         o.apart = 0
     mass = _measure_sides(rules, world, rows, columns, bin_px, reach)
     _measure_contrast(rules, world, i, rows, columns, bin_px, reach)
+    if o.travel >= _KNOWN:
+        # What turns back or stops sends little: few pixels tell less of a size that is known.
+        expected = max(expected, rules.fill * 2.0 * (s[0, 2] + s[1, 2]))
     variance = (rules.precision * half + 0.3 * bin_px) ** 2 * min(max(expected / mass, 1.0), 10.0)
     for axis in range(2):
         size = rules.width if axis == 0 else rules.height

@@ -39,7 +39,7 @@ class AutoTracker(CompiledTracker):
     def sightings(self) -> NDArray[np.void]:
         """The visible objects as they are now, (k,) of dtype `SIGHTING`."""
         world = self._world
-        visible = np.flatnonzero(world.objects["alive"] & (world.objects["track_id"] >= 0))
+        visible = np.flatnonzero(world.objects["alive"] & (world.objects["track_id"] >= 0) & (world.objects["away"] < 0))
         seen = np.empty(len(visible), SIGHTING)
         state = world.state[visible]
         seen["half_x"], seen["half_y"] = state[:, 0, 2], state[:, 1, 2]

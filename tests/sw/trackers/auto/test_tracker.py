@@ -12,8 +12,10 @@ from evcot.events import Events, Recording
 from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.recordings.files import read_recording
 from evcot.trackers.auto.config import AutoConfig
+from evcot.trackers.auto.layout import make_rules, make_world
+from evcot.trackers.auto.life import RECORDS_PER_PACKET, close_packet
 from evcot.trackers.auto.tracker import AutoTracker, track
-from evcot.tracks.log import Kind, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.timeline import sample
 from shared import SHARED
 
@@ -76,6 +78,47 @@ def test_two_edges_of_one_object_are_one_track() -> None:
     (seen,) = sample(log, np.array([1_000_000]))
     assert seen["x"] == pytest.approx(190, abs=2)
     assert seen["width"] == pytest.approx(25, abs=4)
+
+
+def test_what_swings_over_the_edge_of_the_sensor_comes_back_with_its_name() -> None:
+    random = np.random.default_rng(SEED)
+    swing, radius_px, rate_per_us = 2 * np.pi / 1.2e6, 8, 3.0 * 2 * np.pi * 8 * 65 * 2 * np.pi / 1.2e6
+    t_us = np.sort(random.uniform(0, 2_600_000, int(rate_per_us * 2_600_000)))
+    t_us = t_us[random.random(len(t_us)) < np.abs(np.cos(swing * t_us))]  # as many as it travels pixels
+    angle = random.uniform(0, 2 * np.pi, len(t_us))
+    x = 300 + 65 * np.sin(swing * t_us) + radius_px * np.cos(angle)
+    log = run(together((t_us, x, 130 + radius_px * np.sin(angle)), noise(0.2, 2_600_000)))
+    assert len(np.unique(log.records["track_id"])) == 1
+    # At 0.3 and 1.5 s its centre is 19 px outside.
+    assert [len(sample(log, np.array([at]))) for at in (300_000, 900_000, 1_500_000, 2_100_000)] == [0, 1, 0, 1]
+
+
+def look_once(radius_px: float, ago_us: int, travel: float) -> tuple[float, float]:
+    """One look at a slow object with half sides of 6 px, where a disc has sent events: its `missed`, and its half side."""
+    rules, world = make_rules(AutoConfig(max_objects=1), WIDTH, HEIGHT), make_world(1, WIDTH, HEIGHT)
+    t_us = 2_000_000
+    world.run["noise"], world.run["live"], world.run["birth_end_us"] = 0.1, 1, 2 * t_us
+    for name, value in (("alive", True), ("track_id", 0), ("away", -1), ("inside", -1), ("edge", -1), ("unseen_us", 500_000)):
+        world.objects[name] = value
+    world.objects["speed"], world.objects["usual"], world.objects["travel"] = 20.0, 20.0, travel
+    world.objects["missed"], world.objects["contrast"] = 0.1, np.inf
+    world.state[0, :, 0], world.state[0, :, 2] = (100, 100), 6.0
+    world.cov[0, :] = np.diag([1.0, 0.01, 1.0, 0.01])
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    world.seen[np.hypot(x - 100, y - 100) <= radius_px, 0] = t_us - ago_us
+    close_packet(rules, world, t_us, 5_000, np.zeros(RECORDS_PER_PACKET, TRACK))
+    return float(world.objects["missed"][0]), float(world.state[0, 0, 2])
+
+
+def test_what_sent_events_once_is_no_longer_there() -> None:
+    assert look_once(6, 150_000, 1.0)[0] == 0.0
+    assert look_once(6, 300_000, 1.0)[0] > 0.1
+
+
+def test_few_pixels_change_a_known_size_less() -> None:
+    new, known = look_once(3, 50_000, 1.0)[1], look_once(3, 50_000, 5.0)[1]
+    assert new < 5.5
+    assert known > new + 0.3
 
 
 def test_discs_that_cross_keep_their_names() -> None:
