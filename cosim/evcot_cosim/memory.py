@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the C library does with freed memory, in work of any length: it keeps tens of megabytes that it does not use.
+"""Freed memory in long runs: the C library keeps tens of megabytes of it, unless it is told to return them.
 
 Both functions do nothing where the library is not glibc.
 """

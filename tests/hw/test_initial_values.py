@@ -23,6 +23,7 @@ from evcot.hardware.config import CotConfig
 from evcot.hardware.contract import RECORD, Shape
 from evcot.hardware.cot import Arrangement, CotModel
 from evcot.hardware.motion.contract import MOTION_BANKS, MOTION_RECORD, MotionRegisters
+from evcot.hardware.registers import register_map
 from evcot.hardware.streams import pack_events
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import DROPPED
@@ -104,6 +105,13 @@ def on_sensor(traffic: TickedEvents) -> TickedEvents:
     return replace(traffic, x=traffic.x % WIDTH, y=traffic.y % HEIGHT)
 
 
+def word(stream: str, **values: int) -> int:
+    """A word of a stream, as the register map lays it out."""
+    (layout,) = (found for found in register_map().streams if found.name == stream)
+    assert {field.name for field in layout.fields} == set(values)
+    return sum(int(values[field.name]) << field.lsb for field in layout.fields)
+
+
 @functools.cache
 def expected(tracker: int, has: int, cell_px: int = 0) -> four_state.Beats:
     """What the model decides, as the hardware says it."""
@@ -117,12 +125,11 @@ def expected(tracker: int, has: int, cell_px: int = 0) -> four_state.Beats:
         decided = model.feed(events)
         found = found._replace(records=np.concatenate([found.records, decided.records]))
         for seq, (p, owner) in enumerate(zip(events.p.tolist(), decided.owner.tolist(), strict=True)):
-            rest = seq << 35 | p << 34
             if owner >= 0:
-                found.owned.append(rest | owner << 28 | int(decided.rel_y[seq]) << 14 | int(decided.rel_x[seq]))
+                found.owned.append(word("owned", x=decided.rel_x[seq], y=decided.rel_y[seq], slot=owner, p=p, seq=seq))
                 found.user.append(owner)
             elif owner != DROPPED:
-                found.passed.append(rest | int(events.y[seq]) << 16 | int(events.x[seq]))
+                found.passed.append(word("passed", x=events.x[seq], y=events.y[seq], p=p, seq=seq))
     return found
 
 

@@ -57,7 +57,7 @@ class LongRecording:
 
 @dataclass(frozen=True)
 class Paged:
-    """What was found on the way.
+    """What `write_parts` found.
 
     Attributes:
         parts: a line of the overview each: `page`, its file; `events`; `from_us`, `to_us` from the recording's first event on;

@@ -26,7 +26,7 @@ _LEVEL = 1  # of zlib: higher ones take much longer and save a tenth
 
 
 class Column(Protocol):
-    """Values of which a part can be had as an array."""
+    """Values that are read in parts, each an array."""
 
     def __len__(self) -> int: ...
 

@@ -60,7 +60,7 @@ class Length:
 def counted_ahead(
     progress: Progress, opened: Callable[[], RecordingFile], window: tuple[int, int | None]
 ) -> AbstractContextManager[object]:
-    """Tell a progress bar that somebody sees how many events there are, as soon as this is known."""
+    """Count the events of a file while it is worked on, for a progress bar that is shown: then it can give the time left."""
     if not progress.shown:
         return nullcontext()
     return Length(opened, window, lambda events, _length_s: progress.measured(events))

@@ -202,7 +202,7 @@ def _of_long_logs(
         check=lambda extent: check_logs(zip(paths, logs, strict=True), source.recording, extent),
         claim=lambda folder, pages: options.claims.write_folder("-o", folder, pages),
         force=options.force,
-        progress=lambda events: progress.update(events, 0, 0),
+        progress=lambda events: progress.note(f"writing the pages: {events:,} events done"),
     )  # fmt: skip
     return _said(options, path, summary["events"])
 
