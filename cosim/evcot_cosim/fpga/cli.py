@@ -126,7 +126,7 @@ def _document(figures: Figures) -> None:
     latencies = {name: count for name, count in measured.items() if count is not None}
     docs = verilog_dir().parents[1] / "docs"
     old = outdated(figures.values(), recorded_with(_file()))
-    draw(figures, latencies, docs / "images" / "fpga_scaling.png")
+    draw(figures, latencies, docs / "images" / "fpga_scaling.png", old)
     write_tables(docs / "fpga.md", figures, latencies, old)
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +37,11 @@ _STYLE: dict[Any, Any] = {
 }
 
 
-def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
-    """Draw LUTs, Fmax and latency over N, on ECP5.
+def draw(figures: Figures, clocks: Mapping[str, int], path: Path, outdated: Collection[str] = ()) -> None:
+    """Draw LUTs, Fmax and latency over N, on ECP5; with hollow points the figures of a module that has changed since.
+
+    Args:
+        outdated: their names.
 
     Raises:
         OutputError: the file cannot be written.
@@ -53,25 +56,27 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
         latency.set_title("(c) event in to record out, ns")
         for module, colour in _COLOURS.items():
             here = sorted((row for row in rows if row.module == module), key=lambda row: row.n or 0)
-            counts = {row.n: row.luts for row in here}
-            luts.plot(list(counts), list(counts.values()), color=colour, marker="o", markersize=4, label=module)
-            _fmax(fmax, module, here, colour)
-            routed = {row.n: row.median_mhz for row in reversed(here) if row.median_mhz}  # of each N the smallest device
-            names = {n: latency_name(module, n) for n in sorted(routed, key=lambda n: n or 0)}
-            times = {n: clocks[name] / routed[n] * 1e3 for n, name in names.items() if name in clocks}
-            latency.plot(list(times), list(times.values()), color=colour, marker="o", markersize=4, label=module)
+            smallest = list({row.n: row for row in reversed(here)}.values())[::-1]  # of each N the smallest device
+            _points(luts, smallest, [row.luts for row in smallest], outdated, color=colour, marker="o", label=module)
+            _fmax(fmax, module, here, colour, outdated)
+            routed = list({row.n: row for row in reversed(here) if row.median_mhz}.values())[::-1]
+            timed = [row for row in routed if latency_name(module, row.n) in clocks]
+            times = [clocks[latency_name(module, row.n)] / (row.median_mhz or 1.0) * 1e3 for row in timed]
+            _points(latency, timed, times, outdated, color=colour, marker="o", label=module)
         for (name, _, ns), (n, side) in zip(PUBLISHED_NS[1:], ((64, "right"), (1, "left"), (64, "right")), strict=True):
             latency.axhline(float(ns), color=_INK, linewidth=0.8, linestyle="dashed")
             latency.text(n, float(ns) * 1.05, name.replace(", ", ",\n"), fontsize=7, color=_INK, ha=side)
-        smallest = DEVICES["ecp5-25"].capacity
-        assert smallest is not None
-        luts.axhline(smallest.luts, color=_INK, linewidth=0.8, linestyle="dashed")
-        luts.text(1, smallest.luts * 1.08, "ECP5-25 has", fontsize=7, color=_INK)
+        capacity = DEVICES["ecp5-25"].capacity
+        assert capacity is not None
+        luts.axhline(capacity.luts, color=_INK, linewidth=0.8, linestyle="dashed")
+        luts.text(1, capacity.luts * 1.08, "ECP5-25 has", fontsize=7, color=_INK)
         for axes in (luts, fmax, latency):
             axes.set(xlabel="N, tracker slots", xscale="log", xticks=(1, 2, 4, 8, 16, 32, 64))
             axes.xaxis.set_major_formatter("{x:g}")
             axes.grid(linewidth=0.3)
+        for axes in (luts, latency):
             axes.legend()
+        fmax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)  # its curves leave no room
         luts.set(yscale="log", ylim=(1_000, max(50_000, luts.get_ylim()[1])))
         luts.yaxis.set_major_formatter("{x:,.0f}")
         fmax.set(ylim=(0, 1.1 * fmax.get_ylim()[1]))
@@ -83,7 +88,16 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path) -> None:
             picture.savefig(file, format="png")
 
 
-def _fmax(axes: Axes, module: str, rows: list[Figure], colour: str) -> None:
+def _points(axes: Axes, rows: Sequence[Figure], values: Sequence[float], outdated: Collection[str], **look: Any) -> None:
+    """A line with a point for each figure; hollow where it is outdated."""
+    sizes = [row.n or 0 for row in rows]
+    axes.plot(sizes, values, markersize=4, linewidth=1, **look)
+    old = [i for i, row in enumerate(rows) if row.name in outdated]
+    look = look | {"label": None, "linestyle": "none", "markerfacecolor": "white"}
+    axes.plot([sizes[i] for i in old], [values[i] for i in old], markersize=4, zorder=3, **look)
+
+
+def _fmax(axes: Axes, module: str, rows: list[Figure], colour: str, outdated: Collection[str]) -> None:
     for device, marker in _MARKERS.items():
         here = [row for row in rows if row.device == device and row.median_mhz]
         if not here:
@@ -91,7 +105,6 @@ def _fmax(axes: Axes, module: str, rows: list[Figure], colour: str) -> None:
         middle = [row.median_mhz or 0.0 for row in here]
         low = [at - min(row.fmax_mhz) for at, row in zip(middle, here, strict=True)]
         high = [max(row.fmax_mhz) - at for at, row in zip(middle, here, strict=True)]
-        axes.errorbar(
-            [row.n or 0 for row in here], middle, yerr=[low, high], color=colour, marker=marker, markersize=4,
-            linewidth=1, capsize=2, label=f"{module}, {device}",
-        )  # fmt: skip
+        sizes = [row.n or 0 for row in here]
+        axes.errorbar(sizes, middle, yerr=[low, high], color=colour, linestyle="none", linewidth=1, capsize=2)
+        _points(axes, here, middle, outdated, color=colour, marker=marker, label=f"{module}, {device}")

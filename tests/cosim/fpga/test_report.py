@@ -158,10 +158,12 @@ def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
     draw(table(ARRAY), {}, tmp_path / "few.png")
     many = [replace(ARRAY, module=name, n=n) for name in ("cot_chain", "cot_array") for n in (1, 2, 4, 8)]
     draw(table(*many), {f"{row.module} N={row.n}": 8 for row in many}, tmp_path / "many.png")
-    for name in ("few.png", "many.png"):
+    draw(table(*many), {f"{row.module} N={row.n}": 8 for row in many}, tmp_path / "old.png", {many[0].name})
+    names = ("few.png", "many.png", "old.png")
+    for name in names:
         with Image.open(tmp_path / name) as picture:
             assert picture.size == (1950, 615)
-    assert (tmp_path / "few.png").read_bytes() != (tmp_path / "many.png").read_bytes()
+    assert len({(tmp_path / name).read_bytes() for name in names}) == 3, "what is outdated is drawn otherwise"
 
 
 # By the headers: cot_published_chain's 14 and 3 for each of three upstream; aer_in's and aer_out's SYNC + 2 and SETUP + 1.
