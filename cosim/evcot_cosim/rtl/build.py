@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import functools
 import hashlib
 import importlib.metadata
 import json
@@ -245,9 +246,14 @@ def _reachable_sources(top: str, folder: Path) -> dict[str, bytes]:
         path = by_word[waiting.pop()]
         if path.name not in needed:
             needed[path.name] = path.read_bytes()
-            words = set(re.findall(r"\w+(?:\.vh)?", needed[path.name].decode(errors="replace")))
-            waiting += words & by_word.keys()
+            waiting += _words(needed[path.name]) & by_word.keys()
     return needed
+
+
+@functools.lru_cache(maxsize=512)
+def _words(source: bytes) -> frozenset[str]:
+    """The words of a Verilog file, and its names of headers; most of the time of finding a model again, so kept."""
+    return frozenset(re.findall(r"\w+(?:\.vh)?", source.decode(errors="replace")))
 
 
 def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:

@@ -168,8 +168,19 @@ def _which(tool: str, env: Mapping[str, str]) -> Path | None:
 
 
 def _first_line(command: list[str], env: Mapping[str, str]) -> str:
-    """The first line that a command prints, or an empty string if it fails."""
-    done = _ran(command, env)
+    """The first line that a command prints, or an empty string if it fails; a file that has not changed is asked once."""
+    found = _which(command[0], env)
+    try:
+        status = os.stat(found or command[0])
+    except OSError:
+        return ""
+    return _answer(tuple(command), tuple(env.items()), (status.st_ino, status.st_size, status.st_mtime_ns))
+
+
+@functools.lru_cache(maxsize=64)
+def _answer(command: tuple[str, ...], env: tuple[tuple[str, str], ...], _file: tuple[int, int, int]) -> str:
+    """The first line that a command prints, for one state of its file."""
+    done = _ran(list(command), dict(env))
     return "" if done is None else done.stdout.partition("\n")[0]
 
 

@@ -90,6 +90,20 @@ def test_versions_from_5_006_on_will_do(machine: dict[str, str], tmp_path: Path,
             find_toolchain(environment)
 
 
+def test_a_tool_is_asked_once_as_long_as_its_file_stays_as_it_is(machine: dict[str, str], tmp_path: Path) -> None:
+    asked = tmp_path / "asked"
+    tool = tmp_path / "v" / "bin" / "verilator"
+    environment = machine | {"VERILATOR": str(fake_verilator(tmp_path / "v", NEW))}
+    tool.write_text(tool.read_text().replace("\n", f"\necho >> {asked}\n", 1))
+    assert find_toolchain(environment) == find_toolchain(environment)
+    once = asked.read_text()
+    assert find_toolchain(environment).version.startswith("5.0")
+    assert asked.read_text() == once
+    tool.write_text(tool.read_text().replace(NEW, "Verilator 6.123 2027-01-01"))
+    assert find_toolchain(environment).version.startswith("6.123")
+    assert len(asked.read_text()) > len(once)
+
+
 def test_a_version_that_is_only_a_revision_is_read_from_the_runtime(machine: dict[str, str], tmp_path: Path) -> None:
     chosen = fake_verilator(tmp_path / "v", " rev vUNKNOWN-built20260516")
     (tmp_path / "v" / "include" / "verilated_config.h").write_text('#define VERILATOR_VERSION "5.49"\n')
