@@ -24,7 +24,7 @@ from typing import Any
 from .errors import OutputError
 from .outputs import spool_folder
 
-__all__ = ["CHECKPOINT_EVENTS", "Unfinished", "unfinished"]
+__all__ = ["CHECKPOINT_EVENTS", "Unfinished", "folder_of", "unfinished"]
 
 CHECKPOINT_EVENTS = 1 << 24  # between two checkpoints, unless somebody says otherwise
 
@@ -107,6 +107,12 @@ def _attribute(owner: object, name: str) -> Any:
     return getattr(owner, name)
 
 
+def folder_of(path: Path) -> Path:
+    """The folder of the unfinished work that will write `path`."""
+    target = Path(os.path.realpath(path))
+    return target.with_name(f".{target.name}.unfinished")
+
+
 @contextmanager
 def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
     """The folder of the work that will write `path`; with the last state, if the same work was ended before it was done.
@@ -118,19 +124,20 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
         OutputError: another process is at the same work, the folder cannot be written, or the disk is full: then, after a
             checkpoint, the folder stays.
     """
-    target = Path(os.path.realpath(path))
-    if spool_folder(path) != target.parent:  # a pipe or a device: nothing to continue
+    folder = folder_of(path)
+    try:
+        special = spool_folder(path) != folder.parent  # a pipe or a device: nothing to continue
+        parents = [parent for parent in folder.parents if not parent.exists()]
+        if not special:
+            folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    if special:
         with tempfile.TemporaryDirectory() as temporary:
             work = Unfinished(Path(temporary), key)
             with work.held:
                 yield work
         return
-    folder = target.with_name(f".{target.name}.unfinished")
-    parents = [parent for parent in folder.parents if not parent.exists()]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
     with _locked(folder, path):
         work = Unfinished(folder, key)
         work.load()

@@ -10,11 +10,11 @@ import time
 import traceback
 import warnings
 from datetime import UTC, datetime
+from functools import partial
 from threading import Lock
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evcot.errors import EvcotError, RecordingWarning
 from evcot.events import Events
@@ -23,7 +23,7 @@ from evcot.hardware.contract import Shape
 from evcot.hardware.cot import to_track_records
 from evcot.metrics import evaluate
 from evcot.trackers.engines import ENGINES
-from evcot.tracks.log import DROPPED, TRACK, Kind, TrackLog
+from evcot.tracks.log import TrackLog
 
 from ..devices.device import build_device
 from ..lockstep.cosim import stalls_from
@@ -37,6 +37,7 @@ from .cost import hardware_cost
 from .fields import MODEL, RTL
 from .inputs import Stream, opened, truth_of
 from .machine import code_fingerprint, versions
+from .parts import Parts
 from .task import FUZZ, Task, canonical
 
 __all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
@@ -79,7 +80,8 @@ def execute(task: Task) -> dict[str, Any]:
                 text = " ".join(str(error).split())
                 row |= {"status": FAILED, "error": f"{type(error).__name__}: {text} ({place.name}, line {place.lineno})"}
         row["warnings"] = "; ".join(dict.fromkeys(str(each.message) for each in warned))
-        row["wall_s"], row["cpu_s"] = time.perf_counter() - began, time.process_time() - cpu
+        row["wall_s"] = row.get("wall_s", 0.0) + time.perf_counter() - began
+        row["cpu_s"] = row.get("cpu_s", 0.0) + time.process_time() - cpu
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         row["memory_mb"] = peak / (1e6 if sys.platform == "darwin" else 1e3)
         return row
@@ -114,32 +116,45 @@ def _measured(task: Task) -> dict[str, Any]:
 
 
 def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
-    """Run a task's engine over a stream. Memory is that of the records, unless `whole`: events and owners are kept, too."""
+    """Run a task's engine over a stream; after a checkpoint of the same task, over what follows it.
+
+    Memory is that of the records, unless `whole`: events and owners are kept, too, and there are no checkpoints.
+    """
     slots = 1 if task.hardware == "cot" else None
     settings, filters = configuration(task.engine, stream.sensor, task.preset, task.tables, slots)
-    if task.engine == RTL:
-        return _lockstep(task, settings.hardware(*stream.sensor), stream, whole)
-    tracker = ENGINES[task.engine].start(settings, filters, stream.sensor)
-    parts = _Parts(whole)
-    for block in stream.blocks:
-        parts.add(*tracker.feed(block), block)
-    parts.records.append(tracker.finish())
-    cost = hardware_cost(DEFAULT_TOP, settings.cot.shape.n_slots) if task.engine == MODEL else {}
-    return Tracked(parts.log("cot-model" if task.engine == MODEL else task.engine), parts.counts(), cost, parts.events)
+    with Parts(task.key, whole) as parts:
+        if task.engine == RTL:
+            log, measured = _lockstep(task, settings.hardware(*stream.sensor), stream, parts)
+        else:
+            tracker = parts.engine or ENGINES[task.engine].start(settings, filters, stream.sensor)
+            for block in parts.rest(stream.blocks):
+                records, owner = tracker.feed(block)
+                parts.add(records, owner, block)
+                parts.keep(lambda: tracker)
+            log = parts.log("cot-model" if task.engine == MODEL else task.engine, tracker.finish())
+            measured = hardware_cost(DEFAULT_TOP, settings.cot.shape.n_slots) if task.engine == MODEL else {}
+        return Tracked(log, parts.counts(log), {**measured, **parts.spent}, parts.events)
 
 
-def _lockstep(task: Task, config: CotConfig, stream: Stream, whole: bool) -> Tracked:
+def _lockstep(task: Task, config: CotConfig, stream: Stream, parts: Parts) -> tuple[TrackLog, dict[str, Any]]:
     top = cast(Top, task.hardware)
-    built = _built(config, top)
-    parts, first, t0_us = _Parts(whole), 0, None
+    built = _built(config, top, savable=True)
+    state, t0_us = parts.engine or (None, None)
     with Lockstep(config, top, stalls=stalls_from(task.seed), seed=task.seed, model=built) as lockstep:
-        for block in stream.blocks:
-            decided = lockstep.feed(block).hardware
+        if state is not None:
+            lockstep.restore(state)
+        for block in parts.rest(stream.blocks):
+            first = lockstep.events
             t0_us = int(block.t_us[0]) if t0_us is None else t0_us  # of the part: tick 0
+            decided = lockstep.feed(block).hardware
             parts.add(to_track_records(decided.records, config, block.t_us, first, t0_us), decided.owner, block)
-            first += len(block)
+            parts.keep(partial(_state, lockstep, t0_us))
         measured = {**_hardware(lockstep), "build_s": 0.0 if built.cached else built.build_s}
-    return Tracked(parts.log("cot-rtl"), parts.counts(), measured | hardware_cost(top, config.shape.n_slots), parts.events)
+    return parts.log("cot-rtl"), measured | hardware_cost(top, config.shape.n_slots)
+
+
+def _state(lockstep: Lockstep, t0_us: int) -> tuple[dict[str, Any], int]:
+    return lockstep.state(), t0_us
 
 
 def _fuzzed(task: Task) -> dict[str, Any]:
@@ -163,43 +178,13 @@ def _hardware(lockstep: Lockstep) -> dict[str, Any]:
 _models: dict[str, BuiltModel] = {}
 
 
-def _built(config: CotConfig, top: Top) -> BuiltModel:
+def _built(config: CotConfig, top: Top, *, savable: bool = False) -> BuiltModel:
     """The compiled design: looked up once in a worker, built once on a machine."""
-    key = canonical([top, vars(config.shape), vars(config.filter_shape), int(config.filters.enable)])
+    asked = (int(config.filters.enable), int(config.motion.enable), savable)
+    key = canonical([top, vars(config.shape), vars(config.filter_shape), asked])
     found = _models.get(key)
     if found is None:
-        found = build_device(config, top, waves=False)
+        found = build_device(config, top, waves=False, savable=savable)
         _models[key] = found
         return found
     return BuiltModel(found.top, found.parameters, found.shared_object, found.key, True, 0.0)
-
-
-class _Parts:
-    """Records and counts of owners, block by block."""
-
-    def __init__(self, whole: bool) -> None:
-        self.records: list[NDArray[np.void]] = []
-        self.events: list[Events] = []
-        self._owners: list[NDArray[np.int16]] = []
-        self._whole = whole
-        self._count = dict.fromkeys(("events", "owned", "passed", "filtered"), 0)
-
-    def add(self, records: NDArray[np.void], owner: NDArray[np.int16], block: Events) -> None:
-        if len(records):
-            self.records.append(records)
-        self._count["events"] += len(owner)
-        self._count["owned"] += int(np.count_nonzero(owner >= 0))
-        self._count["passed"] += int(np.count_nonzero(owner == -1))
-        self._count["filtered"] += int(np.count_nonzero(owner == DROPPED))
-        if self._whole:
-            self._owners.append(owner)
-            self.events.append(block)
-
-    def log(self, engine: str) -> TrackLog:
-        records = np.concatenate([np.empty(0, TRACK), *self.records])
-        return TrackLog(engine, records, np.concatenate([np.empty(0, np.int16), *self._owners]))
-
-    def counts(self) -> dict[str, int]:
-        kinds = np.concatenate([np.empty(0, np.uint8), *(records["kind"] for records in self.records)])
-        born, merged, lost = (int(np.count_nonzero(kinds == kind)) for kind in (Kind.BORN, Kind.MERGED, Kind.LOST))
-        return {**self._count, "records": len(kinds), "tracks": born, "merged": merged, "lost": lost}

@@ -31,7 +31,7 @@ _MODULES = ("shades", "lines", "parallel", "scatter", "sweep")  # in the order i
 _STEPS = 65_534  # of a range, in two bytes
 _LINES_MAX = 200_000
 _FAULTS_MAX = 200
-_ROOM = (38.0, 292.0, 10.0, 130.0)  # of a response: left, right, top, bottom
+_ROOM = (46.0, 292.0, 10.0, 130.0)  # of a response: left, right, top, bottom
 
 
 def render(spec: Spec, rows: Sequence[Mapping[str, Any]], groups: Sequence[Group], summary: Mapping[str, Any]) -> str:

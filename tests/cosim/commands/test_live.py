@@ -10,11 +10,14 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import urllib.request
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from evcot.recordings.files import read_recording, write_recording
 from evcot.scenes.registry import simulate_scene
@@ -22,6 +25,8 @@ from evcot.trackers.auto.config import AutoConfig
 from evcot.trackers.auto.tracker import track
 from evcot.tracks.log import TrackLog
 from evcot_cosim.cli import main
+from evcot_cosim.commands.actions import live as action
+from support.sweeping import until
 
 DURATION_US = 400_000
 
@@ -151,6 +156,32 @@ def test_an_open_page_may_see_a_file_again_after_its_end(source: Path) -> None:
         out, _ = live.communicate(timeout=30)  # nobody looks any more
     assert live.returncode == 0
     assert lines(out)[-1]["kind"] == "summary"
+
+
+@pytest.mark.parametrize(("terminal", "patience_s", "comes"), [(True, 60.0, True), (True, 0.2, False), (False, 60.0, False)])
+def test_a_person_at_a_terminal_may_open_the_first_page_after_the_end_of_a_file(
+    terminal: bool, patience_s: float, comes: bool, source: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    client = pytest.importorskip("websockets.sync.client", reason="websockets is not installed")
+    said: list[dict[str, Any]] = []
+    monkeypatch.setattr(action, "_print_line", said.append)
+    monkeypatch.setattr(action, "_PAGE_S", patience_s)
+    monkeypatch.setattr(action, "Console", lambda: Console(force_terminal=terminal))
+    opened = threading.Event()
+    count = len(read_recording(source).window(0, 50_000).events)
+
+    def open_late() -> None:
+        until(lambda: any(line["kind"] == "figures" and line["events"] == count for line in said), "the end of the file")
+        page = said[0]["page"]
+        with client.connect(page.replace("http", "ws") + "events", origin=page.rstrip("/"), compression=None):
+            opened.set()
+
+    person = threading.Thread(target=open_late if comes else int)
+    person.start()
+    assert main(["live", str(source), "--to", "50", "--web", "0", "--json"]) == 0
+    person.join()
+    assert opened.is_set() == comes
+    assert said[-1]["kind"] == "summary"
 
 
 def test_hardware_runs_beside_the_engine(source: Path, capsys: pytest.CaptureFixture[str]) -> None:

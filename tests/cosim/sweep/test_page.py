@@ -121,10 +121,38 @@ def test_the_page_is_drawn_and_filtered(tmp_path: Path, browser: Any) -> None:
     page.mouse.click(x, top + 0.3 * high)
     until(lambda: page.inner_text("#kept").startswith("2,000 of 2,000"), "all lines")
     drawn = "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
+    page.wait_for_selector("#parallel[data-drawn='2000']")
     assert page.eval_on_selector("#scatter", drawn) > 20
     assert page.eval_on_selector("#parallel", drawn) > 20
     assert page.locator("#responses figure").count() == 2
     assert "a <script>worker</script> was killed" in page.inner_text("#faults")
+    page.close()
+
+
+def test_the_best_lines_are_drawn_first_and_stay_on_top(tmp_path: Path, browser: Any) -> None:
+    """Half of the lines are good, half bad, all through the same place: the good ones are seen at once, and at the end."""
+    rows = [row(i, {"rct.alpha": i * 7_919 % 6_000 / 6_000}, hota=float(i % 2), luts=1.0) for i in range(6_000)]
+    path = tmp_path / "report.html"
+    path.write_text(render(spec(), rows, grouped(rows, ["hota", "luts"]), summary_of(rows, spec())))
+    page = browser.new_page(viewport={"width": 1200, "height": 900})
+    page.add_init_script("""
+      const drawImage = CanvasRenderingContext2D.prototype.drawImage;
+      window.parts = 0;
+      window.colour = () => {
+        const canvas = document.getElementById("parallel");
+        return [...canvas.getContext("2d").getImageData(canvas.width / 4, canvas.height / 2, 1, 1).data];
+      };
+      CanvasRenderingContext2D.prototype.drawImage = function (...given) {
+        drawImage.apply(this, given);
+        if (!window.parts++) window.first = colour();
+      };
+    """)
+    page.goto(path.as_uri())
+    page.wait_for_selector("#parallel[data-drawn='6000']")
+    assert page.evaluate("parts") > 2, "part by part"
+    for red, green, blue, _ in page.evaluate("[first, colour()]"):
+        assert red > 2 * blue, "yellow, the colour of the best"
+        assert green > 2 * blue
     page.close()
 
 

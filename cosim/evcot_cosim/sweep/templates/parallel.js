@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallel coordinates: lines drawn a few thousand at a time, so that the page stays responsive; ranges kept by dragging.
+// Parallel coordinates: the best lines are drawn first and each next one under them, a part in each frame, so that the page stays
+// responsive; ranges kept by dragging.
 import { shade, sharp, short } from "./shades.js";
 
 const TOP = 44;
 const BOTTOM = 24;
-const PER_FRAME = 4000;
+const FIRST = 500; // lines of the first frame; then as many as keep a frame near FRAME_MS
+const FRAME_MS = 40;
+const COLOURS = 64;
 const LISTED = 12;
 
 /** Draws, and tells `kept(indices)` after each change of the ranges. */
@@ -12,9 +15,8 @@ export function parallel(canvas, lines, theme, kept) {
   const ranges = new Map(); // axis -> [low, high] places
   let drawing = 0;
   let drag = null;
-  // The best are drawn last, on top.
-  const objective = lines.objectives[0];
-  const order = Array.from({ length: lines.count }, (_, i) => i).sort((a, b) => lines.merit(objective, a) - lines.merit(objective, b));
+  const merits = Float64Array.from({ length: lines.count }, (_, i) => lines.merit(lines.objectives[0], i));
+  const order = Array.from({ length: lines.count }, (_, i) => i).sort((a, b) => merits[b] - merits[a]);
 
   const x = (k, width) => 50 + (k * (width - 100)) / Math.max(lines.axes.length - 1, 1);
   const y = (place, height) => TOP + (1 - place) * (height - TOP - BOTTOM);
@@ -28,30 +30,47 @@ export function parallel(canvas, lines, theme, kept) {
     const mine = ++drawing;
     const colours = theme();
     const chosen = order.filter(passes);
+    kept(chosen.slice(0, LISTED), chosen.length);
+    if (!canvas.width || !canvas.height) return;
     frame(context, width, height, colours);
-    const alpha = Math.max(0.04, Math.min(0.9, 60 / Math.sqrt(chosen.length + 1) / 6));
+    const alpha = Math.min(Math.max(10 / Math.sqrt(chosen.length + 1), 0.1), 0.9);
+    const strokes = Array.from({ length: COLOURS }, (_, k) => shade(k / (COLOURS - 1), alpha));
+    // Each part is drawn aside, and then put under all that is there: it looks as if the best had been drawn last.
+    const aside = new OffscreenCanvas(canvas.width, canvas.height);
+    const part = aside.getContext("2d");
+    context.globalCompositeOperation = "destination-over";
+    canvas.dataset.drawn = "0";
     let at = 0;
-    function some() {
+    let many = FIRST;
+    let before = null;
+    function some(now) {
       if (mine !== drawing) return;
-      const end = Math.min(at + PER_FRAME, chosen.length);
-      for (; at < end; at++) {
-        const i = chosen[at];
-        context.strokeStyle = shade(lines.merit(objective, i), alpha);
-        context.beginPath();
-        let open = false;
-        lines.axes.forEach((axis, k) => {
-          const place = lines.place(axis, i);
-          if (Number.isNaN(place)) open = false;
-          else if (open) context.lineTo(x(k, width), y(place, height));
-          else { context.moveTo(x(k, width), y(place, height)); open = true; }
-        });
-        context.stroke();
-      }
+      if (before !== null) many = Math.round(many * Math.min(Math.max(FRAME_MS / (now - before), 0.5), 2)) + 1;
+      before = now;
+      const end = Math.min(at + many, chosen.length);
+      part.setTransform(1, 0, 0, 1, 0, 0);
+      part.clearRect(0, 0, aside.width, aside.height);
+      part.setTransform(context.getTransform());
+      for (let k = end - 1; k >= at; k--) line(part, chosen[k], strokes, width, height);
+      at = end;
+      context.drawImage(aside, 0, 0, width, height);
+      canvas.dataset.drawn = String(at);
       if (at < chosen.length) requestAnimationFrame(some);
-      else frame(context, width, height, colours);
     }
-    some();
-    kept(chosen.slice(-LISTED).reverse(), chosen.length);
+    requestAnimationFrame(some);
+  }
+
+  function line(context, i, strokes, width, height) {
+    context.strokeStyle = strokes[Math.round(merits[i] * (COLOURS - 1))];
+    context.beginPath();
+    let open = false;
+    lines.axes.forEach((axis, k) => {
+      const place = lines.place(axis, i);
+      if (Number.isNaN(place)) open = false;
+      else if (open) context.lineTo(x(k, width), y(place, height));
+      else { context.moveTo(x(k, width), y(place, height)); open = true; }
+    });
+    context.stroke();
   }
 
   function frame(context, width, height, colours) {
