@@ -153,8 +153,7 @@ module motion_work #(
     localparam [6:0] SEED    = 7'd1;  // a candidate begins
     localparam [6:0] SEED_1  = 7'd2;
     localparam [6:0] SEED_2  = 7'd3;
-    localparam [6:0] READ    = 7'd4;  // a correction: reads the slot
-    localparam [6:0] TICKS   = 7'd5;
+    localparam [6:0] TICKS   = 7'd5;  // a correction: the slot is being read
     localparam [6:0] LOAD    = 7'd6;
     localparam [6:0] SHRINK  = 7'd7;  // how far sides move inwards
     localparam [6:0] OFFSET  = 7'd8;  // offsets in place of places
@@ -733,7 +732,13 @@ module motion_work #(
                     op_time <= job_time;
                     op_seq  <= job_seq;
                     support <= job_support;
-                    state   <= job_seed ? SEED : READ;
+                    state   <= SEED;
+                    if (!job_seed) begin
+                        writes <= 1'b1;
+                        op     <= OP_READ;
+                        pause  <= 3'd4;
+                        state  <= TICKS;
+                    end
                 end
             end
 
@@ -770,12 +775,6 @@ module motion_work #(
             end
 
             // ---- a correction ----------------------------------------------------------------------------------------
-            READ: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                pause  <= 3'd3;
-                state  <= TICKS;
-            end
             TICKS: begin
                 c_inverse <= 1'b1;
                 why       <= FOR_CORRECT;
