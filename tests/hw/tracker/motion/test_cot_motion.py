@@ -136,12 +136,12 @@ def test_clocks() -> None:
 
 
 def test_clocks_between_corrections() -> None:
-    """At 16 events a correction, of one object or of four, an event takes less than 1.4 clocks, if they do not all wait at once."""
+    """At 16 events a correction an event takes less than 1.2 clocks for one object or two; four wait for each other."""
     shape = replace(SHAPE, n_slots=4, time_w=48)
     registers = replace(
         QUICK, step_log2=20, nev_low=16, nev_high=16, gap_corrections=0, detect_ticks=2**20, life_ticks=2**20, coast_ticks=2**20
     )
-    for objects in (1, 2, 4):
+    for objects, most in ((1, 1.2), (2, 1.2), (4, 1.6)):
         n = 4_000
         rng = np.random.default_rng(objects)
         place = rng.integers(0, objects, n) * 32
@@ -150,7 +150,7 @@ def test_clocks_between_corrections() -> None:
         accepted = bare_device(CotConfig(shape, motion=registers)).stream_timed(events)[1].accepted
         clocks = (accepted[-1] - accepted[1_000]) / (n - 1_001)
         print(f"{objects} objects: {clocks:.2f} clocks an event")
-        assert clocks < 1.4
+        assert clocks < most
 
 
 @pytest.mark.parametrize(
