@@ -23,7 +23,8 @@ def test_random_events() -> None:
     for _ in range(250):
         axes = []
         for slot in range(SLOTS):
-            axis = Axis(*(int(side) for side in rng.integers(-40 * PX, 170 * PX, 2)))
+            lo, hi = (int(side) for side in rng.integers(-40 * PX, 170 * PX, 2))
+            axis = Axis(lo, hi)
             axis.hidden = [bool(rng.integers(2)), bool(rng.integers(2))] if rng.random() < 0.5 else [False, False]
             axes.append(axis)
             io.slot_3, io.store, io.s_lo, io.s_hi = slot, 1, axis.lo % (1 << SIDE_W), axis.hi % (1 << SIDE_W)
