@@ -12,6 +12,7 @@ from evcot.tracks.log import Kind
 __all__ = ["SlowArray"]
 
 PX = 4096  # a pixel, in units of a side
+LATER = 64  # events until a correction, or a candidate, is in force
 REACH_PX = 512  # how far out a box may be moved, of a sensor of at most as many pixels
 Record = tuple[int, ...]
 
@@ -41,7 +42,7 @@ class Axis:
     beyond: list[bool] = field(default_factory=lambda: [False, False])
     hidden: list[bool] = field(default_factory=lambda: [False, False])
     ring: int = 0
-    box: tuple[int, int] = (0, 0)
+    box: tuple[int, int] = (1, 0)  # holds nothing
     bins: list[int] = field(default_factory=lambda: [0] * 16)
     bin_px: int = 1
     start: int = 0
@@ -119,9 +120,20 @@ class Slot:
         self.usual, self.deadline, self.reported = r.detect_ticks, now + r.detect_ticks, 0
         for axis in self.axes:
             axis.clear_bins()
-        self.set_window()
+        self.due: int | None = None  # number of the event from which on what was found is in force
+        self.next_rings = self.rings()
+        self.support = 1
+
+    def put_in_force(self) -> None:
+        self.due, self.count = None, 0
+        for axis, ring in zip(self.axes, self.next_rings, strict=True):
+            axis.set_box(ring)
 
     def set_window(self) -> None:
+        for axis, ring in zip(self.axes, self.rings(), strict=True):
+            axis.set_box(ring)
+
+    def rings(self) -> tuple[int, int]:
         r, (x, y) = self.r, self.axes
         known = self.visible or self.corrections >= 4
 
@@ -137,8 +149,7 @@ class Slot:
             rings = along(x, y), across(y)
         else:
             rings = (x.px >> r.ring_any) + r.ring_px, (y.px >> r.ring_any) + r.ring_px
-        for axis, ring in zip(self.axes, rings, strict=True):
-            axis.set_box(min(ring, r.ring_max))
+        return min(rings[0], r.ring_max), min(rings[1], r.ring_max)
 
     def holds(self, place: tuple[int, int]) -> bool:
         return all(axis.window[0] <= at <= axis.window[1] for axis, at in zip(self.axes, place, strict=True))
@@ -149,7 +160,7 @@ class Slot:
     def take(self, place: tuple[int, int], shared: bool, support_max: int) -> bool:
         r = self.r
         self.support = min(self.support + 1, support_max)
-        if shared:
+        if shared or self.due is not None:
             return False
         back = r.side_step >> r.side_share
         faster = 1 if self.visible else 2
@@ -179,14 +190,14 @@ class Slot:
                 axis.v = max(-r.speed_max, min(r.speed_max, axis.v + change))
             axis.off = [0, 0]
         self.usual = ticks if self.corrections == 0 else self.usual + (ticks - self.usual) // 4
-        self.last, self.count = now, 0
+        self.last = now
         self.corrections = min(self.corrections + 1, 63)
         if self.corrections == 4:
             for axis in self.axes:
                 axis.start = axis.lo + axis.hi
         self.n_ev = min(max(sum(axis.px for axis in self.axes), r.nev_low), r.nev_high)
         self.deadline = now + min(max(self.usual * 2**r.life_log2, r.life_ticks), r.coast_ticks)
-        self.set_window()
+        self.next_rings = self.rings()
 
     def look(self) -> None:
         r, (x, y) = self.r, self.axes
@@ -291,21 +302,36 @@ class SlowArray:
         self.records: list[Record] = []
         self.owners: list[int] = []
         self.births = 0
+        self.seeded: Slot | None = None  # has begun, and is not in force
         self.next_step = 2**registers.step_log2
 
     def event(self, now: int, x: int, y: int) -> None:
         while self.next_step <= now:
+            self._put_in_force(None)
             for i in range(len(self.slots)):
                 slot = self.slots[i]
                 if slot is not None:
                     self._step(slot, self.next_step)
             self.next_step += 2**self.r.step_log2
+        number = len(self.owners)
+        self._put_in_force(number)
         slot, shared = self._owner(now, (x, y))
         self.owners.append(-1 if slot is None else slot.number)
-        if slot is not None and slot.take((x, y), shared, self.support_max):
+        if slot is not None and slot is self.seeded:
+            slot.due = number + LATER
+        elif slot is not None and slot.take((x, y), shared, self.support_max):
             slot.correct(now)
+            slot.due = number + LATER
             if slot.visible:
                 self._record(slot, Kind.MOVED, now, len(self.owners) - 1)
+
+    def _put_in_force(self, number: int | None) -> None:
+        """What waits for this event; None: all that waits."""
+        for slot in self.slots:
+            if slot is not None and slot.due is not None and (number is None or slot.due <= number):
+                slot.put_in_force()
+                if slot is self.seeded:
+                    self.seeded = None
 
     def write(self, registers: MotionRegisters, now: int) -> None:
         """Other registers, after the event at `now`; lives go on."""
@@ -317,17 +343,17 @@ class SlowArray:
         self.next_step = (now // step + 1) * step
 
     def _owner(self, now: int, place: tuple[int, int]) -> tuple[Slot | None, bool]:
-        here = [slot for slot in self.slots if slot is not None and slot.holds(place)]
+        here = [slot for slot in self.slots if slot is not None and slot is not self.seeded and slot.holds(place)]
         visible = [slot for slot in here if slot.visible]
         for choice in ([slot for slot in visible if slot.boxes(place)], visible):
             if choice:
                 return choice[0], len(choice) > 1
-        if here:
-            return here[0], False
+        if here or self.seeded is not None:
+            return (here[0] if here else None), False
         for i, slot in enumerate(self.slots):
             if slot is None:
-                self.slots[i] = Slot(i, self.r, *place, now)
-                return self.slots[i], False
+                self.slots[i] = self.seeded = Slot(i, self.r, *place, now)
+                return self.seeded, False
         return None, False
 
     def _record(self, slot: Slot, kind: Kind, time: int, seq: int | None = None, other: int = 0) -> None:

@@ -153,7 +153,7 @@ def test_registers_change_between_two_events_and_lives_go_on() -> None:
         births += int(np.count_nonzero(golden.records["kind"] == Kind.BORN))
         assert_same(played.decisions(0, n), golden)
     print(lost, births)
-    assert lost > 2
+    assert lost > 1
     assert births > 20
 
 

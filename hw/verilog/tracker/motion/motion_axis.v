@@ -1,60 +1,131 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an event does to both sides of an axis, as docs/motion.md says under "What an event does to its owner", point 3.
+// One axis of all slots, as far as events change it: both sides and their marks, as docs/motion.md says under "What an event does to its
+// owner"; and where in its owner's window and bins an event lies.
 //
-// A clock after `compare` it is known on which side the event lies; with that the outputs follow from the other inputs.
+// An event passes four stages here: the first reads what stays, the second the sides, the third moves them and writes them back, the
+// fourth finds the bin. What the third stage writes is forwarded if the next event is of the same slot.
 //
-// Latency:    1 clock from compare to the outputs.
+// Latency:    from the slot's number: 2 clocks to rel, lo, hi and marks, 5 to the bin.
 // Throughput: an event per clock.
-// Stall:      while compare is low, the comparison stays.
-// Reset:      none, nothing is used before it was computed.
-// Combinational paths: lo, hi, off_lo, off_hi, hidden, out, back -> every output.
+// Stall:      none.
+// Reset:      none, nothing is used before it was written.
+// Combinational paths: none.
 `default_nettype none
 
 module motion_axis #(
-    parameter AT_W   = 9,   // bits of an address
-    parameter SIDE_W = 25,  // bits of a side, 2^-12 px, signed
-    parameter OFF_W  = 30   // bits of an offset, likewise
+    parameter SLOT_W = 3,
+    parameter AT_W   = 9,    // bits of an address
+    parameter SIDE_W = 25,   // bits of a side, 2^-12 px, signed
+    parameter PX_W   = 13,   // bits of a bound in pixels
+    parameter REL_W  = 10    // bits of a recentred address
 ) (
     input  wire                     clk,
 
-    input  wire                     compare,
-    input  wire [AT_W-1:0]          place,
-    input  wire signed [SIDE_W-1:0] lo,
-    input  wire signed [SIDE_W-1:0] hi,
-    input  wire signed [OFF_W-1:0]  off_lo,
-    input  wire signed [OFF_W-1:0]  off_hi,
-    input  wire [1:0]               hidden,   // hi, lo
-    input  wire [17:0]              out,      // way of a side that the event is beyond
-    input  wire [17:0]              back,     // and of one that it is not
+    // first stage
+    input  wire [SLOT_W-1:0]        slot,
 
-    output wire [1:0]               beyond,   // hi, lo: the event is beyond this side, which is measured
-    output wire signed [SIDE_W-1:0] lo_next,
-    output wire signed [SIDE_W-1:0] hi_next,
-    output wire signed [OFF_W-1:0]  off_lo_next,
-    output wire signed [OFF_W-1:0]  off_hi_next
+    // second stage
+    input  wire [AT_W-1:0]          place,
+    input  wire [16:0]              out,        // way of a side that the event is beyond
+    input  wire [16:0]              back,       // and of one that it is not
+    input  wire                     forward,    // the slot is that of the third stage
+    input  wire [SLOT_W-1:0]        slot_2,
+
+    // third stage
+    input  wire                     update,     // the event moves the sides
+    input  wire                     store,      // they are written with s_*
+    input  wire                     put,        // the window's low pixel is
+    input  wire                     set_bins,   // the bins' size is
+    input  wire [SLOT_W-1:0]        slot_3,
+    output reg  [REL_W-1:0]         rel,        // place within the window
+    output reg signed [SIDE_W-1:0]  lo,         // as they are before the event
+    output reg signed [SIDE_W-1:0]  hi,
+    output reg  [1:0]               marks,      // hi, lo: an event was beyond it since the last correction
+
+    input  wire signed [SIDE_W-1:0] s_lo,
+    input  wire signed [SIDE_W-1:0] s_hi,
+    input  wire [1:0]               s_marks,
+    input  wire [1:0]               s_hidden,
+    input  wire [REL_W-1:0]         s_window,
+    input  wire [4:0]               s_log2,     // a bin has 2^log2 pixels
+
+    // two clocks after the third stage
+    output reg                      in_bin,     // the event has a bin
+    output reg  [3:0]               bin
 );
 
-    reg below, above;
+    reg [SIDE_W-1:0] los    [0:(1<<SLOT_W)-1];
+    reg [SIDE_W-1:0] his    [0:(1<<SLOT_W)-1];
+    reg [1:0]        markses[0:(1<<SLOT_W)-1];
+    reg [1:0]        hides  [0:(1<<SLOT_W)-1];
+    reg [4:0]        log2s  [0:(1<<SLOT_W)-1];
+    reg [REL_W-1:0]  windows[0:(1<<SLOT_W)-1];
 
-    wire signed [SIDE_W-1:0] at = {{(SIDE_W - AT_W - 12) {1'b0}}, place, 12'd0};
+    reg [1:0]      hide;
+    reg [AT_W-1:0] at;
+    reg [4:0]      log2_3, log2_4;
+    reg            hide_lo, hide_hi, hide_both;
+    reg [17:0]     far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
+    reg [PX_W:0]   from;
 
-    always @(posedge clk)
-        if (compare) begin
-            below <= at < lo;
-            above <= at > hi;
+    wire [PX_W+REL_W-1:0] wide_place = {{(PX_W + REL_W - AT_W) {1'b0}}, place};  // its lower part is what counts
+
+    // The sign of a difference is a comparison. A hidden side goes where the other one goes; where both are hidden, none does.
+    wire [SIDE_W-1:0] here     = {{(SIDE_W - AT_W - 12) {1'b0}}, at, 12'd0};
+    wire [SIDE_W:0]   over_lo  = {1'b0, here} - {lo[SIDE_W-1], lo};
+    wire [SIDE_W:0]   under_hi = {hi[SIDE_W-1], hi} - {1'b0, here};
+    wire              below    = over_lo[SIDE_W];
+    wire              above    = under_hi[SIDE_W];
+    wire [SIDE_W:0]   lo_far   = {lo, 1'b1} + {{(SIDE_W - 18) {far_lo[17]}}, far_lo, far_lo[17]};
+    wire [SIDE_W:0]   lo_near  = {lo, 1'b1} + {{(SIDE_W - 18) {near_lo[17]}}, near_lo, near_lo[17]};
+    wire [SIDE_W:0]   hi_far   = {hi, 1'b1} + {{(SIDE_W - 18) {far_hi[17]}}, far_hi, far_hi[17]};
+    wire [SIDE_W:0]   hi_near  = {hi, 1'b1} + {{(SIDE_W - 18) {near_hi[17]}}, near_hi, near_hi[17]};
+    wire              lo_is_far = hide_lo ? above : below;
+    wire              hi_is_far = hide_hi ? below : above;
+    wire [SIDE_W-1:0] lo_next   = lo_is_far ? lo_far[SIDE_W:1] : lo_near[SIDE_W:1];
+    wire [SIDE_W-1:0] hi_next   = hi_is_far ? hi_far[SIDE_W:1] : hi_near[SIDE_W:1];
+    wire [1:0]        marks_next = marks | (hide_both ? 2'b00 : {above, below});
+
+    // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
+    wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
+    wire [PX_W:0]   in_bins    = from >> log2_4;
+
+    always @(posedge clk) begin
+        hide <= hides[slot];
+
+        rel       <= wide_place[REL_W-1:0] - windows[slot_2];
+        at        <= place;
+        log2_3    <= log2s[slot_2];
+        hide_lo   <= hide[0];
+        hide_hi   <= hide[1];
+        hide_both <= &hide;
+        far_lo    <= &hide ? 18'd0 : hide[0] ? {1'b0, out} : ~{1'b0, out};
+        near_lo   <= &hide ? 18'd0 : hide[0] ? ~{1'b0, back} : {1'b0, back};
+        far_hi    <= &hide ? 18'd0 : hide[1] ? ~{1'b0, out} : {1'b0, out};
+        near_hi   <= &hide ? 18'd0 : hide[1] ? {1'b0, back} : ~{1'b0, back};
+        if (!forward || update) begin
+            lo    <= forward ? lo_next : los[slot_2];
+            hi    <= forward ? hi_next : his[slot_2];
+            marks <= forward ? marks_next : markses[slot_2];
         end
 
-    // A hidden side goes where the other one goes; where both are hidden, none does.
-    wire signed [18:0] way_lo   = below ? -$signed({1'b0, out}) : $signed({1'b0, back});
-    wire signed [18:0] way_hi   = above ? $signed({1'b0, out}) : -$signed({1'b0, back});
-    wire signed [18:0] moved_lo = &hidden ? 19'sd0 : hidden[0] ? way_hi : way_lo;
-    wire signed [18:0] moved_hi = &hidden ? 19'sd0 : hidden[1] ? way_lo : way_hi;
+        if (update || store) begin
+            los[slot_3]     <= store ? s_lo : lo_next;
+            his[slot_3]     <= store ? s_hi : hi_next;
+            markses[slot_3] <= store ? s_marks : marks_next;
+        end
+        if (store) hides[slot_3] <= s_hidden;
+        if (put) windows[slot_3] <= s_window;
+        if (set_bins) log2s[slot_3] <= s_log2;
 
-    assign beyond      = &hidden ? 2'b00 : {above, below};
-    assign lo_next     = lo + {{(SIDE_W - 19) {moved_lo[18]}}, moved_lo};
-    assign hi_next     = hi + {{(SIDE_W - 19) {moved_hi[18]}}, moved_hi};
-    assign off_lo_next = off_lo + {{(OFF_W - 19) {moved_lo[18]}}, moved_lo};
-    assign off_hi_next = off_hi + {{(OFF_W - 19) {moved_hi[18]}}, moved_hi};
+        from   <= place_from[PX_W+1:1];
+        log2_4 <= log2_3;
+
+        in_bin <= !from[PX_W] && in_bins[PX_W:4] == {(PX_W - 3) {1'b0}};
+        bin    <= in_bins[3:0];
+    end
+
+    wire unused = &{1'b0, place_from[0], wide_place, over_lo, under_hi, lo_far[0], lo_near[0], hi_far[0], hi_near[0]};
 
 endmodule
 

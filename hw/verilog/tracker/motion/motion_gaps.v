@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bins of all slots, and the search for a gap in them: docs/motion.md, "Gaps".
 //
-// A bin that was not used since its slot's bins were cleared is not cleared itself: `used` says which were. An event names its bin on
-// each axis; `count` makes it one more, three clocks later.
+// An event makes its bin on each axis one more: read, then written four clocks later; what is being written is forwarded. A bin can
+// be cleared in its place.
 //
-// Latency:    3 clocks from count to the bin; 58 clocks from look to done.
-// Throughput: an event every fourth clock, or a look, not both at a time.
+// Latency:    4 clocks from count to the bin; 58 clocks from look to done.
+// Throughput: an event per clock, and one look beside them, of a slot whose bins do not change.
 // Stall:      what a look found stays until the next one.
 // Reset:      waits for a look. Bins are not reset.
 // Combinational paths: none.
@@ -18,18 +18,19 @@ module motion_gaps #(
     input  wire              clk,
     input  wire              rst,
 
+    // an event
     input  wire [SLOT_W-1:0] slot,
     input  wire              count,
     input  wire              in_x,       // the event has a bin on x
     input  wire              in_y,
     input  wire [3:0]        bin_x,
     input  wire [3:0]        bin_y,
-    input  wire              first_x,    // its bin was not used yet
-    input  wire              first_y,
+    input  wire              clear,      // in place of an event: this bin is cleared on both axes
+    input  wire [3:0]        cleared,
 
     input  wire              look,
+    input  wire [SLOT_W-1:0] look_slot,
     input  wire              on_y,
-    input  wire [15:0]       used,       // bins of this axis
     input  wire [4:0]        bin_log2,   // a bin has 2^bin_log2 pixels
     input  wire [PX_W-1:0]   narrowest,  // pixels of a gap
     input  wire [3:0]        gap_share,
@@ -44,6 +45,39 @@ module motion_gaps #(
     localparam BIN_W  = 18;         // bits of a count: 255 corrections of 1023 events
     localparam WIDE_W = PX_W + 16;  // bits of the gap's width, with room for a shift
 
+    // ---- an event ----------------------------------------------------------------------------------------------------
+
+    wire [BIN_W-1:0] looked_x, looked_y;
+    reg  [4:0]       at;  // bin that is looked at; that of two clocks before is there
+
+    motion_bins #(
+        .BIN_W  (BIN_W),
+        .PLACE_W(SLOT_W + 4)
+    ) u_x (
+        .clk   (clk),
+        .rst   (rst),
+        .count (count && in_x),
+        .clear (clear),
+        .place ({slot, clear ? cleared : bin_x}),
+        .look  ({look_slot, at[3:0]}),
+        .looked(looked_x)
+    );
+
+    motion_bins #(
+        .BIN_W  (BIN_W),
+        .PLACE_W(SLOT_W + 4)
+    ) u_y (
+        .clk   (clk),
+        .rst   (rst),
+        .count (count && in_y),
+        .clear (clear),
+        .place ({slot, clear ? cleared : bin_y}),
+        .look  ({look_slot, at[3:0]}),
+        .looked(looked_y)
+    );
+
+    // ---- a look: three times through the bins ------------------------------------------------------------------------
+
     localparam [2:0] WAIT  = 3'd0;
     localparam [2:0] SUM   = 3'd1;  // all events
     localparam [2:0] LEAST = 3'd2;  // what an empty bin has at most
@@ -52,53 +86,24 @@ module motion_gaps #(
     localparam [2:0] PARTS = 3'd5;  // events below and above it
     localparam [2:0] JUDGE = 3'd6;
 
-    reg [BIN_W-1:0] bins_x[0:(16<<SLOT_W)-1];
-    reg [BIN_W-1:0] bins_y[0:(16<<SLOT_W)-1];
-    reg [BIN_W-1:0] read_x, read_y;
-
     reg [2:0]        state;
-    reg [4:0]        at;       // bin that is read; that of two clocks before is there
-    reg              counts_x, counts_y, was_first_x, was_first_y, was_used, wide;
-    reg              adds_x, adds_y;
-    reg [SLOT_W+3:0] place_x, place_y, to_x, to_y;
-    reg [BIN_W-1:0]  more_x, more_y, value;
+    reg              wide;
+    reg [BIN_W-1:0]  value;
     reg [BIN_W-1:0]  total, least, below, above;
     reg              any;      // a bin that is not empty was there
     reg [3:0]        run, widest, behind, next_bin, bin;
     reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
 
     wire             looking = state != WAIT;
-    wire [SLOT_W+3:0] from_x = {slot, looking ? at[3:0] : bin_x};
-    wire [SLOT_W+3:0] from_y = {slot, looking ? at[3:0] : bin_y};
     wire [BIN_W-1:0] share   = total >> gap_share;
     wire             there   = at > 5'd1;  // the value of `bin`
     wire             last    = at == 5'd17;
 
     always @(posedge clk) begin
-        // an event: read, then write
-        read_x      <= bins_x[from_x];
-        read_y      <= bins_y[from_y];
-        counts_x    <= count && in_x;
-        counts_y    <= count && in_y;
-        was_first_x <= first_x;
-        was_first_y <= first_y;
-        place_x     <= from_x;
-        place_y     <= from_y;
-        more_x      <= was_first_x ? {BIN_W{1'b0}} : read_x;
-        more_y      <= was_first_y ? {BIN_W{1'b0}} : read_y;
-        adds_x      <= counts_x;
-        adds_y      <= counts_y;
-        to_x        <= place_x;
-        to_y        <= place_y;
-        if (adds_x) bins_x[to_x] <= more_x + {{(BIN_W - 1) {1'b0}}, 1'b1};
-        if (adds_y) bins_y[to_y] <= more_y + {{(BIN_W - 1) {1'b0}}, 1'b1};
-
-        // a look: three times through the bins
         done     <= 1'b0;
-        was_used <= used[at[3:0]];
         next_bin <= at[3:0];
         bin      <= next_bin;
-        value    <= !was_used ? {BIN_W{1'b0}} : on_y ? read_y : read_x;
+        value    <= on_y ? looked_y : looked_x;
         if (looking) at <= last ? 5'd0 : at + 5'd1;
         case (state)
             WAIT: begin
@@ -157,12 +162,8 @@ module motion_gaps #(
             default: state <= WAIT;
         endcase
         if (rst) begin
-            state    <= WAIT;
-            done     <= 1'b0;
-            counts_x <= 1'b0;
-            counts_y <= 1'b0;
-            adds_x   <= 1'b0;
-            adds_y   <= 1'b0;
+            state <= WAIT;
+            done  <= 1'b0;
         end
     end
 

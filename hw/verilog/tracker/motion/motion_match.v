@@ -1,79 +1,103 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whose is an event? Compares it with the boxes and windows of all slots: docs/motion.md, "The owner of an event".
+// Which slots' boxes and windows share a pixel with an interval on each axis, and whose is an event: docs/motion.md, "The owner of an
+// event".
 //
-// `hit` is the comparison, in registers; the owner follows from it combinationally: the lowest visible slot whose box holds the event,
-// else the lowest visible one by its window, else the lowest candidate by its window, else the lowest free slot that may begin.
+// For an event the intervals are its address; a motion step asks for boxes. The owner is the lowest visible slot whose box holds the
+// event, else the lowest visible one by its window, else the lowest candidate by its window, else the lowest free slot that may begin.
 //
-// Latency:    1 clock from asked to the owner.
+// Latency:    1 clock from the intervals to the slots, two more to the owner.
 // Throughput: an event per clock.
-// Stall:      while asked is low, the result stays.
-// Reset:      none: a slot that is neither visible nor a candidate holds nothing.
-// Combinational paths: none; the outputs follow from registers.
+// Stall:      none.
+// Reset:      none: a slot that is neither visible nor a candidate owns nothing.
+// Combinational paths: none.
 `default_nettype none
 
 module motion_match #(
     parameter N      = 8,   // slots
-    parameter X_W    = 9,   // bits of an x address
-    parameter Y_W    = 9,   // bits of a y address
     parameter PX_W   = 13,  // bits of a bound in pixels, signed
     parameter SLOT_W = 3    // bits of a slot number
 ) (
     input  wire              clk,
 
-    input  wire              asked,
-    input  wire [X_W-1:0]    x,
-    input  wire [Y_W-1:0]    y,
+    input  wire signed [PX_W-1:0] lo_x,
+    input  wire signed [PX_W-1:0] hi_x,
+    input  wire signed [PX_W-1:0] lo_y,
+    input  wire signed [PX_W-1:0] hi_y,
+
+    // a clock later
+    output reg  [N-1:0]      box_x,       // whose box shares the interval on this axis
+    output reg  [N-1:0]      box_y,
+    output reg  [N-1:0]      window_x,
+    output reg  [N-1:0]      window_y,
     input  wire [N-1:0]      visible,
     input  wire [N-1:0]      candidate,
     input  wire [N-1:0]      may_begin,   // free, and seeded
 
-    // box and window of a slot: lo and hi on x, lo and hi on y
+    // two clocks later
+    input  wire              is_op,       // the owner is this one
+    input  wire [SLOT_W-1:0] op_slot,
+
+    // three clocks later
+    output reg               owned,       // else it is nobody's
+    output reg               begins,      // in this slot a candidate does
+    output reg               shared,      // among several visible ones
+    output reg  [SLOT_W-1:0] owner,
+
+    // box and window of a slot, each: low and high on x, low and high on y
     input  wire              place,
     input  wire [SLOT_W-1:0] place_slot,
     input  wire [4*PX_W-1:0] box,
-    input  wire [4*PX_W-1:0] window,
-
-    output wire              owned,       // else it is nobody's
-    output wire              begins,      // in this slot a candidate does
-    output wire              shared,      // among several visible ones
-    output wire [SLOT_W-1:0] owner
+    input  wire [4*PX_W-1:0] window
 );
-
-    reg [N-1:0] by_box, by_window, by_candidate, free;
-
-    wire signed [PX_W-1:0] at_x = {{(PX_W - X_W) {1'b0}}, x};
-    wire signed [PX_W-1:0] at_y = {{(PX_W - Y_W) {1'b0}}, y};
 
     genvar i;
     generate
         for (i = 0; i < N; i = i + 1) begin : g_slot
             reg signed [PX_W-1:0] box_lo_x, box_hi_x, box_lo_y, box_hi_y;
-            reg signed [PX_W-1:0] lo_x, hi_x, lo_y, hi_y;
-            wire in_box    = box_lo_x <= at_x && at_x <= box_hi_x && box_lo_y <= at_y && at_y <= box_hi_y;
-            wire in_window = lo_x <= at_x && at_x <= hi_x && lo_y <= at_y && at_y <= hi_y;
+            reg signed [PX_W-1:0] win_lo_x, win_hi_x, win_lo_y, win_hi_y;
+
+            // Negative where the interval does not reach the bound: one carry chain each.
+            wire [PX_W:0] to_box_x = {hi_x[PX_W-1], hi_x} - {box_lo_x[PX_W-1], box_lo_x};
+            wire [PX_W:0] in_box_x = {box_hi_x[PX_W-1], box_hi_x} - {lo_x[PX_W-1], lo_x};
+            wire [PX_W:0] to_box_y = {hi_y[PX_W-1], hi_y} - {box_lo_y[PX_W-1], box_lo_y};
+            wire [PX_W:0] in_box_y = {box_hi_y[PX_W-1], box_hi_y} - {lo_y[PX_W-1], lo_y};
+            wire [PX_W:0] to_win_x = {hi_x[PX_W-1], hi_x} - {win_lo_x[PX_W-1], win_lo_x};
+            wire [PX_W:0] in_win_x = {win_hi_x[PX_W-1], win_hi_x} - {lo_x[PX_W-1], lo_x};
+            wire [PX_W:0] to_win_y = {hi_y[PX_W-1], hi_y} - {win_lo_y[PX_W-1], win_lo_y};
+            wire [PX_W:0] in_win_y = {win_hi_y[PX_W-1], win_hi_y} - {lo_y[PX_W-1], lo_y};
+            wire unused = &{1'b0, to_box_x, in_box_x, to_box_y, in_box_y, to_win_x, in_win_x, to_win_y, in_win_y};
 
             always @(posedge clk) begin
                 if (place && place_slot == i[SLOT_W-1:0]) begin
                     {box_lo_x, box_hi_x, box_lo_y, box_hi_y} <= box;
-                    {lo_x, hi_x, lo_y, hi_y} <= window;
+                    {win_lo_x, win_hi_x, win_lo_y, win_hi_y} <= window;
                 end
-                if (asked) begin
-                    by_box[i]       <= visible[i] && in_box;
-                    by_window[i]    <= visible[i] && in_window;
-                    by_candidate[i] <= candidate[i] && in_window;
-                    free[i]         <= may_begin[i];
-                end
+                box_x[i]    <= !to_box_x[PX_W] && !in_box_x[PX_W];
+                box_y[i]    <= !to_box_y[PX_W] && !in_box_y[PX_W];
+                window_x[i] <= !to_win_x[PX_W] && !in_win_x[PX_W];
+                window_y[i] <= !to_win_y[PX_W] && !in_win_y[PX_W];
             end
         end
     endgenerate
 
-    wire [N-1:0] deciding = |by_box ? by_box : by_window;
-    wire         seen     = |by_window;  // a box lies within its window
-    wire         near     = |by_candidate;
-    wire [N-1:0] among    = seen ? deciding : near ? by_candidate : free;
+    // Of the kind that decides.
+    reg  [N-1:0]      among;
+    reg               seen, near;
+    wire [N-1:0]      by_box       = visible & box_x & box_y;
+    wire [N-1:0]      by_window    = visible & window_x & window_y;
+    wire [N-1:0]      by_candidate = candidate & window_x & window_y;
+    wire              any_among;
+    wire [SLOT_W-1:0] lowest;
 
-    assign shared = seen && |(deciding & (deciding - {{(N - 1) {1'b0}}, 1'b1}));
-    assign begins = !seen && !near;
+    always @(posedge clk) begin
+        seen   <= |by_window;  // a box lies within its window
+        near   <= |by_candidate;
+        among  <= |by_box ? by_box : |by_window ? by_window : |by_candidate ? by_candidate : may_begin;
+        owned  <= any_among;
+        begins <= !seen && !near;
+        shared <= seen && |(among & (among - {{(N - 1) {1'b0}}, 1'b1}));
+        owner  <= is_op ? op_slot : lowest;
+    end
 
     array_lowest #(
         .N     (N),
@@ -81,8 +105,8 @@ module motion_match #(
     ) u_lowest (
         .asked (1'b1),
         .among (among),
-        .any   (owned),
-        .lowest(owner)
+        .any   (any_among),
+        .lowest(lowest)
     );
 
 endmodule

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a slot lies and moves to another one: docs/motion.md, "Merging" and "Hidden sides". `one` is the slot, `other` the other.
+// Whether a slot and another one are one object that moves together: docs/motion.md, "Merging". `one` is the slot, `other` the other.
 //
-// Latency:    2 clocks from start to the outputs, but 6 to alike; inputs of `other` need stay for one, all others until then.
+// Latency:    6 clocks from start to alike; inputs of `other` need stay for one, all others until then.
 // Throughput: a pair every sixth clock.
 // Stall:      outputs stay until a clock after the next start.
 // Reset:      none, nothing is used before it was computed.
@@ -16,12 +16,10 @@ module motion_pair #(
 
     input  wire               start,
     input  wire [4*PX_W-1:0]  one_box,     // lo and hi on x, lo and hi on y
-    input  wire [4*PX_W-1:0]  one_window,
     input  wire signed [15:0] one_v_x,
     input  wire signed [15:0] one_v_y,
     input  wire [SUP_W-1:0]   one_support,
     input  wire [4*PX_W-1:0]  other_box,
-    input  wire [4*PX_W-1:0]  other_window,
     input  wire signed [15:0] other_v_x,
     input  wire signed [15:0] other_v_y,
     input  wire [SUP_W-1:0]   other_support,
@@ -31,11 +29,7 @@ module motion_pair #(
     input  wire [7:0]         join_px,
 
     output reg                alike,       // they move together, and can be one object
-    output reg                weaker,      // one has less support than the other
-    output reg                boxes_touch,
-    output reg                middle_in,   // the middle of one's box lies in the other's window
-    output reg                meet,        // their windows touch
-    output reg  [3:0]         hides        // sides of one that the other hides: hi and lo of y, hi and lo of x
+    output reg                weaker       // one has less support than the other
 );
 
     localparam GAP_W = PX_W + 1;
@@ -44,21 +38,13 @@ module motion_pair #(
 
     // ---- the other's ---------------------------------------------------------------------------------------------------
 
-    reg signed [PX_W-1:0] box_lo_x, box_hi_x, box_lo_y, box_hi_y, win_lo_x, win_hi_x, win_lo_y, win_hi_y;
+    reg signed [PX_W-1:0] box_lo_x, box_hi_x, box_lo_y, box_hi_y;
     reg signed [15:0]     v_x, v_y;
 
     wire signed [PX_W-1:0] own_lo_x = one_box[3*PX_W+:PX_W];
     wire signed [PX_W-1:0] own_hi_x = one_box[2*PX_W+:PX_W];
     wire signed [PX_W-1:0] own_lo_y = one_box[PX_W+:PX_W];
     wire signed [PX_W-1:0] own_hi_y = one_box[0+:PX_W];
-    wire signed [PX_W-1:0] own_win_lo_x = one_window[3*PX_W+:PX_W];
-    wire signed [PX_W-1:0] own_win_hi_x = one_window[2*PX_W+:PX_W];
-    wire signed [PX_W-1:0] own_win_lo_y = one_window[PX_W+:PX_W];
-    wire signed [PX_W-1:0] own_win_hi_y = one_window[0+:PX_W];
-    wire signed [PX_W:0]   sum_x = {own_lo_x[PX_W-1], own_lo_x} + {own_hi_x[PX_W-1], own_hi_x};
-    wire signed [PX_W:0]   sum_y = {own_lo_y[PX_W-1], own_lo_y} + {own_hi_y[PX_W-1], own_hi_y};
-    wire signed [PX_W-1:0] middle_x = sum_x[PX_W:1];
-    wire signed [PX_W-1:0] middle_y = sum_y[PX_W:1];
 
     // ---- velocities ----------------------------------------------------------------------------------------------------
 
@@ -95,23 +81,12 @@ module motion_pair #(
         step <= {step[3:0], start};
         if (start) begin
             {box_lo_x, box_hi_x, box_lo_y, box_hi_y} <= other_box;
-            {win_lo_x, win_hi_x, win_lo_y, win_hi_y} <= other_window;
             v_x       <= other_v_x;
             v_y       <= other_v_y;
             weaker    <= one_support < other_support;
             own_leads <= one_support >= other_support;
         end
         if (step[0]) begin
-            boxes_touch <= own_lo_x <= box_hi_x && box_lo_x <= own_hi_x && own_lo_y <= box_hi_y && box_lo_y <= own_hi_y;
-            middle_in   <= win_lo_x <= middle_x && middle_x <= win_hi_x && win_lo_y <= middle_y && middle_y <= win_hi_y;
-            meet        <= own_win_lo_x <= win_hi_x && win_lo_x <= own_win_hi_x
-                           && own_win_lo_y <= win_hi_y && win_lo_y <= own_win_hi_y;
-            // A side lies in the window on its axis, and the box touches the window on the other axis.
-            hides[0]    <= win_lo_x <= own_lo_x && own_lo_x <= win_hi_x && win_lo_y <= own_hi_y && own_lo_y <= win_hi_y;
-            hides[1]    <= win_lo_x <= own_hi_x && own_hi_x <= win_hi_x && win_lo_y <= own_hi_y && own_lo_y <= win_hi_y;
-            hides[2]    <= win_lo_y <= own_lo_y && own_lo_y <= win_hi_y && win_lo_x <= own_hi_x && own_lo_x <= win_hi_x;
-            hides[3]    <= win_lo_y <= own_hi_y && own_hi_y <= win_hi_y && win_lo_x <= own_hi_x && own_lo_x <= win_hi_x;
-
             fast        <= speed_x > speed_y ? speed_x : speed_y;
             own_fast    <= own_speed_x > own_speed_y ? own_speed_x : own_speed_y;
             along_y     <= speed_y >= speed_x;
@@ -152,7 +127,7 @@ module motion_pair #(
         if (step[4]) alike <= together && ((abreast_x && close_y) || (abreast_y && close_x));
     end
 
-    wire unused = &{1'b0, sum_x[0], sum_y[0], less_x[0], less_y[0], spare_x[GAP_W-2:0], spare_y[GAP_W-2:0]};
+    wire unused = &{1'b0, less_x[0], less_y[0], spare_x[GAP_W-2:0], spare_y[GAP_W-2:0]};
 
 endmodule
 

@@ -20,28 +20,34 @@ from ._state import (
     GAP_CORRECTIONS,
     HI_X,
     HI_Y,
+    IN_FORCE,
+    IN_FORCE_AFTER,
     LO_X,
     LO_Y,
     MOVES_FROM,
     N_EV,
     NEVER,
     NEXT_STEP,
+    NEXT_WIN_LO_X,
+    NEXT_WIN_LO_Y,
     NOW,
     REL_MASK,
     REPORT_STEPS,
     REPORTED,
+    SEEDING,
     SEQ,
     STATE,
     STEP_LOG2,
     SUPPORT,
     SUPPORT_MAX,
     VISIBLE,
+    WAITS,
     WIN_LO_X,
     WIN_LO_Y,
     Table,
 )
 from ._velocity import advance
-from ._windows import bounded, set_window
+from ._windows import bounded, set_window, take_window
 
 __all__ = ["RECORDS_PER_SLOT", "feed", "initialise", "restart", "restep"]
 
@@ -53,9 +59,34 @@ def initialise(s: Table, r: Table, glob: Table) -> None:
     """Reset: every slot is free."""
     glob[:] = 0
     glob[NEXT_STEP] = 1 << r[STEP_LOG2]
+    glob[IN_FORCE] = NEVER
+    glob[SEEDING] = -1
     for i in range(s.shape[1]):
         s[STATE, i] = FREE
         s[DEADLINE, i] = NEVER
+
+
+@njit(cache=True, nogil=True)
+def _put_in_force(s: Table, glob: Table, upto: int) -> None:
+    """Put windows and candidates in force that wait for an event up to this one, and see which is next."""
+    glob[IN_FORCE] = NEVER
+    for i in range(s.shape[1]):
+        if s[WAITS, i]:
+            if s[WAITS, i] <= upto:
+                take_window(s, i)
+                s[COUNT, i] = 0
+                s[WAITS, i] = 0
+                if glob[SEEDING] == i:
+                    glob[SEEDING] = -1
+            else:
+                glob[IN_FORCE] = min(glob[IN_FORCE], s[WAITS, i])
+
+
+@njit(cache=True, nogil=True)
+def _wait(s: Table, glob: Table, i: int) -> None:
+    """What was computed of slot i, with this event, is in force so many events later."""
+    s[WAITS, i] = glob[SEQ] + IN_FORCE_AFTER
+    glob[IN_FORCE] = min(glob[IN_FORCE], s[WAITS, i])
 
 
 @njit(cache=True, nogil=True)
@@ -68,6 +99,7 @@ def restep(r: Table, glob: Table) -> None:
 def restart(s: Table, glob: Table, i: int, out: Table) -> int:
     """End slot i's life at once; returns the number of records, one if it was visible."""
     n = 0
+    _put_in_force(s, glob, NEVER)
     if s[STATE, i] == VISIBLE:
         n = record(s, i, LOST, glob[SEQ], glob[NOW], 0, out, n)
     s[STATE, i] = FREE
@@ -103,6 +135,8 @@ def _step_slot(s: Table, r: Table, lim: Table, glob: Table, i: int, now: int, ou
 def _step(s: Table, r: Table, lim: Table, glob: Table, out: Table, n: int) -> int:
     """One motion step of all slots, in order."""
     now = glob[NEXT_STEP]
+    if glob[IN_FORCE] != NEVER:
+        _put_in_force(s, glob, NEVER)
     glob[NEXT_STEP] += 1 << r[STEP_LOG2]
     for i in range(s.shape[1]):
         if s[STATE, i] != FREE:
@@ -123,7 +157,7 @@ def _lives(s: Table) -> bool:
 def _take(s: Table, r: Table, lim: Table, i: int, x: int, y: int, shared: bool) -> bool:
     """What an event does to its owner; true when the window of N_ev events is complete."""
     s[SUPPORT, i] = min(s[SUPPORT, i] + 1, lim[SUPPORT_MAX])
-    if shared:
+    if shared or s[WAITS, i]:
         return False
     if r[GAP_CORRECTIONS]:
         count_in_bins(s, i, x, y)
@@ -163,15 +197,26 @@ def feed(
         if not (all_kept or keep[e]):
             owner[e] = DROPPED
         else:
+            if glob[SEQ] >= glob[IN_FORCE]:
+                _put_in_force(s, glob, glob[SEQ])
             i, shared, seeds = find(s, modes, x, y)
+            if seeds and glob[SEEDING] >= 0:
+                i = -1
             owner[e] = i
-            if i >= 0:
-                if seeds:
-                    seed(s, r, i, x, y, now)
+            if i < 0:
+                pass
+            elif seeds:
+                seed(s, r, i, x, y, now)
+                glob[SEEDING] = i
+                _wait(s, glob, i)
+                rel_x[e] = (x - s[NEXT_WIN_LO_X, i]) & lim[REL_MASK]
+                rel_y[e] = (y - s[NEXT_WIN_LO_Y, i]) & lim[REL_MASK]
+            else:
                 rel_x[e] = (x - s[WIN_LO_X, i]) & lim[REL_MASK]
                 rel_y[e] = (y - s[WIN_LO_Y, i]) & lim[REL_MASK]
                 if _take(s, r, lim, i, x, y, shared):
                     correct(s, r, i, now)
+                    _wait(s, glob, i)
                     if s[STATE, i] == VISIBLE:
                         n = record(s, i, MOVED, glob[SEQ], now, 0, out, n)
         glob[SEQ] += 1

@@ -55,10 +55,12 @@ from ._state import (
     V_X,
     V_Y,
     VISIBLE,
+    WIN_HI_X,
+    WIN_LO_X,
     Table,
 )
 from ._velocity import correct_velocity
-from ._windows import length, set_window
+from ._windows import length, next_window
 from .contract import SUB
 
 __all__ = ["BORN", "LOST", "MERGED", "MOVED", "appears", "correct", "record", "seed"]
@@ -90,7 +92,7 @@ def record(s: Table, i: int, kind: int, seq: int, time: int, other: int, out: Ta
 
 @njit(cache=True, nogil=True)
 def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
-    """A candidate begins: a square around the event, at rest."""
+    """A candidate begins: a square around the event, at rest, which holds no event until it is in force."""
     half = r[SEED_PX] << SUB
     s[STATE, i] = CANDIDATE
     s[LO_X, i] = (x << SUB) - half
@@ -108,11 +110,11 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
         HIDDEN,
         MEETS,
         COUNT,
-        SUPPORT,
         CORRECTIONS,
         TOGETHER,
     ):
         s[field, i] = 0
+    s[SUPPORT, i] = 1
     s[PARTNER, i] = -1
     s[N_EV, i] = r[NEV_LOW]
     s[LAST, i] = now
@@ -120,12 +122,14 @@ def seed(s: Table, r: Table, i: int, x: int, y: int, now: int) -> None:
     s[USUAL, i] = r[DETECT_TICKS]
     s[DEADLINE, i] = now + r[DETECT_TICKS]
     clear_bins(s, i)
-    set_window(s, r, i)
+    next_window(s, r, i)
+    s[WIN_LO_X, i] = 1
+    s[WIN_HI_X, i] = 0
 
 
 @njit(cache=True, nogil=True)
 def correct(s: Table, r: Table, i: int, now: int) -> None:
-    """After a window of N_ev events: sides, velocity, lifetime, the next N_ev, and a new window."""
+    """After a window of N_ev events: sides, velocity, lifetime, the next N_ev, and the next window."""
     shrink(s, r, i)
     look_for_gaps(s, r, i)
     correct_velocity(s, r, i, now)
@@ -133,11 +137,10 @@ def correct(s: Table, r: Table, i: int, now: int) -> None:
     if s[CORRECTIONS, i] == MOVES_FROM:
         s[FROM_X, i] = s[LO_X, i] + s[HI_X, i]
         s[FROM_Y, i] = s[LO_Y, i] + s[HI_Y, i]
-    s[COUNT, i] = 0
     outline = length(s, LO_X, HI_X, i) + length(s, LO_Y, HI_Y, i)
     s[N_EV, i] = min(max(outline, r[NEV_LOW]), r[NEV_HIGH])
     s[DEADLINE, i] = now + min(max(s[USUAL, i] << r[LIFE_LOG2], r[LIFE_TICKS]), r[COAST_TICKS])
-    set_window(s, r, i)
+    next_window(s, r, i)
 
 
 @njit(cache=True, nogil=True)

@@ -16,10 +16,11 @@ Table = NDArray[Any]
 (STATE, LO_X, HI_X, LO_Y, HI_Y, V_X, V_Y, OFF_LO_X, OFF_HI_X, OFF_LO_Y, OFF_HI_Y, BEYOND, HIDDEN, MEETS,
  BOX_LO_X, BOX_HI_X, BOX_LO_Y, BOX_HI_Y, WIN_LO_X, WIN_HI_X, WIN_LO_Y, WIN_HI_Y,
  COUNT, N_EV, SUPPORT, CORRECTIONS, LAST, USUAL, DEADLINE, SEEDED, FROM_X, FROM_Y, PARTNER, TOGETHER, ID, REPORTED,
- BIN_LOG2_X, BIN_LOG2_Y, LOOKED) = range(39)  # fmt: skip
+ BIN_LOG2_X, BIN_LOG2_Y, LOOKED, WAITS, NEXT_BOX_LO_X, NEXT_BOX_HI_X, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y,
+ NEXT_WIN_LO_X, NEXT_WIN_HI_X, NEXT_WIN_LO_Y, NEXT_WIN_HI_Y) = range(48)  # fmt: skip
 BINS = 16  # of each axis
-BINS_X, BINS_Y = 39, 39 + BINS
-FIELD_COUNT = 39 + 2 * BINS
+BINS_X, BINS_Y = 48, 48 + BINS
+FIELD_COUNT = 48 + 2 * BINS
 
 FREE, CANDIDATE, VISIBLE = range(3)  # STATE
 AT_LO_X, AT_HI_X, AT_LO_Y, AT_HI_Y = 1, 2, 4, 8  # bits of BEYOND and HIDDEN
@@ -39,8 +40,8 @@ _NAMES = [field.name for field in fields(MotionRegisters)]
     )
 )  # fmt: skip
 
-NOW, SEQ, BIRTHS, NEXT_STEP = range(4)  # common to all slots
-GLOBAL_COUNT = 4
+NOW, SEQ, BIRTHS, NEXT_STEP, IN_FORCE, SEEDING = range(6)  # common to all slots
+GLOBAL_COUNT = 6
 
 ID_MASK, SUPPORT_MAX, REL_MASK, REACH = range(4)  # follow from the hardware's widths
 LIMIT_COUNT = 4
@@ -51,4 +52,5 @@ CORRECTIONS_MAX = 63  # the count saturates
 TICKS_MAX = (1 << 24) - 1  # ticks between two corrections, saturating
 TOGETHER_MAX = (1 << 16) - 1  # steps together after which two merge in any case
 MOVES_FROM = 4  # corrections from which on a candidate's velocity counts
+IN_FORCE_AFTER = 64  # events after which a correction, or a candidate, is in force
 LOOKS_FROM = 8  # corrections from which on a gap counts

@@ -18,6 +18,14 @@ from ._state import (
     LO_X,
     LO_Y,
     MOVES_FROM,
+    NEXT_BOX_HI_X,
+    NEXT_BOX_HI_Y,
+    NEXT_BOX_LO_X,
+    NEXT_BOX_LO_Y,
+    NEXT_WIN_HI_X,
+    NEXT_WIN_HI_Y,
+    NEXT_WIN_LO_X,
+    NEXT_WIN_LO_Y,
     ONE,
     RING_ACROSS,
     RING_ALONG,
@@ -36,7 +44,7 @@ from ._state import (
 )
 from .contract import SUB
 
-__all__ = ["bounded", "gap", "in_box", "in_window", "length", "set_window", "windows_touch"]
+__all__ = ["bounded", "gap", "in_box", "in_window", "length", "next_window", "set_window", "take_window", "windows_touch"]
 
 
 @njit(cache=True, nogil=True)
@@ -67,7 +75,21 @@ def _reach(r: Table, across: int, along: int) -> int:
 
 @njit(cache=True, nogil=True)
 def set_window(s: Table, r: Table, i: int) -> None:
-    """Box and window of slot i from its sides and its velocity."""
+    """Box and window of slot i from its sides and its velocity, at once."""
+    next_window(s, r, i)
+    take_window(s, i)
+
+
+@njit(cache=True, nogil=True)
+def take_window(s: Table, i: int) -> None:
+    """Put slot i's next box and window in force."""
+    for k in range(8):
+        s[BOX_LO_X + k, i] = s[NEXT_BOX_LO_X + k, i]
+
+
+@njit(cache=True, nogil=True)
+def next_window(s: Table, r: Table, i: int) -> None:
+    """Box and window of slot i from its sides and its velocity, which are not in force yet."""
     width = length(s, LO_X, HI_X, i)
     height = length(s, LO_Y, HI_Y, i)
     speed_x = abs(s[V_X, i])
@@ -84,12 +106,12 @@ def set_window(s: Table, r: Table, i: int) -> None:
         ring_y = (height >> r[RING_ANY]) + r[RING_PX]
     ring_x = min(ring_x, r[RING_MAX])
     ring_y = min(ring_y, r[RING_MAX])
-    _box(s, LO_X, HI_X, BOX_LO_X, BOX_HI_X, i)
-    _box(s, LO_Y, HI_Y, BOX_LO_Y, BOX_HI_Y, i)
-    s[WIN_LO_X, i] = s[BOX_LO_X, i] - ring_x
-    s[WIN_HI_X, i] = s[BOX_HI_X, i] + ring_x
-    s[WIN_LO_Y, i] = s[BOX_LO_Y, i] - ring_y
-    s[WIN_HI_Y, i] = s[BOX_HI_Y, i] + ring_y
+    _box(s, LO_X, HI_X, NEXT_BOX_LO_X, NEXT_BOX_HI_X, i)
+    _box(s, LO_Y, HI_Y, NEXT_BOX_LO_Y, NEXT_BOX_HI_Y, i)
+    s[NEXT_WIN_LO_X, i] = s[NEXT_BOX_LO_X, i] - ring_x
+    s[NEXT_WIN_HI_X, i] = s[NEXT_BOX_HI_X, i] + ring_x
+    s[NEXT_WIN_LO_Y, i] = s[NEXT_BOX_LO_Y, i] - ring_y
+    s[NEXT_WIN_HI_Y, i] = s[NEXT_BOX_HI_Y, i] + ring_y
 
 
 @njit(cache=True, nogil=True)

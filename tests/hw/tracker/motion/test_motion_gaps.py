@@ -13,19 +13,24 @@ from support.testing import lint
 BINS = list[int]
 
 
-def count(sim: PyVerilator, slot: int, bins: tuple[int | None, int | None], used: list[set[int]]) -> None:
+def count(sim: PyVerilator, slot: int, bins: tuple[int | None, int | None]) -> None:
     io = sim.io
     io.slot, io.count = slot, 1
-    for suffix, number, seen in zip("xy", bins, used, strict=True):
+    for suffix, number in zip("xy", bins, strict=True):
         setattr(io, f"in_{suffix}", int(number is not None))
         setattr(io, f"bin_{suffix}", number or 0)
-        setattr(io, f"first_{suffix}", int(number not in seen))
-        if number is not None:
-            seen.add(number)
     sim.clock.tick()
     io.count = 0
-    for _clock in range(3):
-        sim.clock.tick()
+
+
+def clear(sim: PyVerilator) -> None:
+    io = sim.io
+    io.clear = 1
+    for slot in range(4):
+        for number in range(16):
+            io.slot, io.cleared = slot, number
+            sim.clock.tick()
+    io.clear = 0
 
 
 def test_random_looks() -> None:
@@ -37,16 +42,18 @@ def test_random_looks() -> None:
     outcomes = set()
     for _ in range(60):
         bins: list[list[BINS]] = [[[0] * 16, [0] * 16] for _ in range(4)]
-        used: list[list[set[int]]] = [[set(), set()] for _ in range(4)]
+        clear(sim)
         places = [[rng.choice(16, int(rng.integers(1, 8))) for _ in range(2)] for _ in range(4)]
         for _event in range(int(rng.integers(0, 150))):
             slot = int(rng.integers(4))
             pair = [int(rng.choice(places[slot][on_y])) if rng.random() < 0.9 else None for on_y in (0, 1)]
-            count(sim, slot, (pair[0], pair[1]), used[slot])
+            count(sim, slot, (pair[0], pair[1]))
             for on_y in (0, 1):
                 number = pair[on_y]
                 if number is not None:
                     bins[slot][on_y][number] += 1
+        for _clock in range(4):
+            sim.clock.tick()
         for slot in range(4):
             for on_y in (0, 1):
                 share, log2 = int(rng.integers(1, 8)), int(rng.integers(0, 6))
@@ -55,8 +62,7 @@ def test_random_looks() -> None:
                 axis = Axis(low, low + (8 * PX << log2), bins=bins[slot][on_y], bin_px=1 << log2)
                 before = axis.lo, axis.hi
                 axis.cut(share, narrowest)
-                io.slot, io.on_y, io.bin_log2, io.narrowest, io.gap_share = slot, on_y, log2, narrowest, share
-                io.used = sum(1 << number for number in used[slot][on_y])
+                io.look_slot, io.on_y, io.bin_log2, io.narrowest, io.gap_share = slot, on_y, log2, narrowest, share
                 io.look, clocks = 1, 0
                 while not int(io.done):
                     sim.clock.tick()

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counters in a memory, one of which an event makes one more.
+//
+// The memory is never read and written at one place in one clock for its value to count: an older event of the same place is forwarded.
+//
+// Latency:    4 clocks from count to the memory; 1 clock from look to looked.
+// Throughput: an event per clock.
+// Stall:      none.
+// Reset:      nothing is under way. Counters are not reset.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_bins #(
+    parameter BIN_W   = 18,  // bits of a counter
+    parameter PLACE_W = 7    // bits of its place
+) (
+    input  wire               clk,
+    input  wire               rst,
+
+    input  wire               count,   // one more
+    input  wire               clear,   // or 0
+    input  wire [PLACE_W-1:0] place,
+
+    input  wire [PLACE_W-1:0] look,
+    output reg  [BIN_W-1:0]   looked
+);
+
+    (* no_rw_check *) reg [BIN_W-1:0] counters[0:(1<<PLACE_W)-1];
+
+    reg               writes_1, writes_2, writes_3, clear_1, clear_2;
+    reg [PLACE_W-1:0] place_1, place_2, place_3;
+    reg [BIN_W-1:0]   read_1, read_2;
+    reg [BIN_W-1:0]   more_3, more_4, more_5;
+    reg [2:0]         is_1, is_2;  // the place is that of the event 1, 2 or 3 before
+
+    wire [BIN_W-1:0] known = is_2[0] ? more_3 : is_2[1] ? more_4 : is_2[2] ? more_5 : read_2;
+
+    always @(posedge clk) begin
+        looked   <= counters[look];
+
+        read_1   <= counters[place];
+        writes_1 <= count || clear;
+        clear_1  <= clear;
+        place_1  <= place;
+        is_1     <= {writes_3 && place_3 == place, writes_2 && place_2 == place, writes_1 && place_1 == place};
+
+        read_2   <= read_1;
+        writes_2 <= writes_1;
+        clear_2  <= clear_1;
+        place_2  <= place_1;
+        is_2     <= is_1;
+
+        more_3   <= clear_2 ? {BIN_W{1'b0}} : known + {{(BIN_W - 1) {1'b0}}, 1'b1};
+        writes_3 <= writes_2;
+        place_3  <= place_2;
+        more_4   <= more_3;
+        more_5   <= more_4;
+        if (writes_3) counters[place_3] <= more_3;
+
+        if (rst) begin
+            writes_1 <= 1'b0;
+            writes_2 <= 1'b0;
+            writes_3 <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

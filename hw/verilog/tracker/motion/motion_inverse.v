@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a division by a number is done with: docs/motion.md, "Correction", point 3. The position of its leading bit, and the inverse by
+// the three bits below it.
+//
+// Latency:    2 to 19 clocks from start to busy falling.
+// Throughput: one at a time.
+// Stall:      the results stay until the next start.
+// Reset:      not busy.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_inverse (
+    input  wire        clk,
+    input  wire        rst,
+
+    input  wire        start,
+    input  wire [23:0] number,    // at least 1
+    output reg         busy,
+    output reg  [4:0]  leading,   // position of the leading bit
+    output reg  [6:0]  inverse    // round(1024 / (8.5 + m)), m the three bits below it
+);
+
+    reg [23:0] left;
+
+    always @(posedge clk) begin
+        case (left[22:20])
+            3'd0: inverse <= 7'd120;
+            3'd1: inverse <= 7'd108;
+            3'd2: inverse <= 7'd98;
+            3'd3: inverse <= 7'd89;
+            3'd4: inverse <= 7'd82;
+            3'd5: inverse <= 7'd76;
+            3'd6: inverse <= 7'd71;
+            3'd7: inverse <= 7'd66;
+        endcase
+        if (left[23]) busy <= 1'b0;
+        else if (left[23:16] == 8'd0) begin
+            left    <= {left[15:0], 8'd0};
+            leading <= leading - 5'd8;
+        end else begin
+            left    <= {left[22:0], 1'b0};
+            leading <= leading - 5'd1;
+        end
+        if (start) begin
+            left    <= number;
+            leading <= 5'd23;
+            busy    <= 1'b1;
+        end
+        if (rst) busy <= 1'b0;
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which boxes and windows of others a slot's box and window touch: docs/motion.md, "A motion step of a slot". All others are asked at once.
+//
+// Latency:    10 clocks from start to done.
+// Throughput: one at a time.
+// Stall:      the results stay until the next start.
+// Reset:      nothing is under way.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_meeting #(
+    parameter N      = 8,
+    parameter SLOT_W = 3,
+    parameter PX_W   = 13   // bits of a bound in pixels, signed
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              start,
+    input  wire              begins,     // with it: of candidates all are asked, else those behind the one that was touched
+    input  wire [SLOT_W-1:0] slot,
+    input  wire [N-1:0]      visible,
+    input  wire [N-1:0]      candidate,
+    input  wire [4*PX_W-1:0] box,        // of the slot: lo and hi on x, lo and hi on y
+    input  wire [4*PX_W-1:0] window,
+
+    // see motion_match.v
+    output reg               ask,
+    output reg  [4*PX_W-1:0] ask_for,
+    input  wire [N-1:0]      in_box,     // two clocks later
+    input  wire [N-1:0]      in_window,
+
+    output reg               done,
+    output reg               meets,      // a visible one's window
+    output reg  [3:0]        hidden,     // sides that visible ones hide: hi and lo of y, hi and lo of x
+    output reg               held,       // the middle of the box lies in a visible one's window
+    output reg               touches,    // the box touches a candidate's
+    output reg  [SLOT_W-1:0] touched     // this one's, the lowest
+);
+
+    reg  [9:0]        step;     // one of them is high
+    reg  [N-1:0]      others, behind;
+    reg               sees;     // a visible one's window
+    reg  [N-1:0]      boxes;
+    wire              any_box;
+    wire [SLOT_W-1:0] lowest;
+    wire [PX_W-1:0]   lo_x = box[3*PX_W+:PX_W];
+    wire [PX_W-1:0]   hi_x = box[2*PX_W+:PX_W];
+    wire [PX_W-1:0]   lo_y = box[PX_W+:PX_W];
+    wire [PX_W-1:0]   hi_y = box[0+:PX_W];
+    wire [PX_W:0]     sum_x = {lo_x[PX_W-1], lo_x} + {hi_x[PX_W-1], hi_x};
+    wire [PX_W:0]     sum_y = {lo_y[PX_W-1], lo_y} + {hi_y[PX_W-1], hi_y};
+
+    array_lowest #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_lowest (
+        .asked (1'b1),
+        .among (boxes),
+        .any   (any_box),
+        .lowest(lowest)
+    );
+
+    always @(posedge clk) begin
+        step   <= {step[8:0], start};
+        done   <= step[9];
+        others <= ~({{(N - 1) {1'b0}}, 1'b1} << slot);
+
+        // Asked in step 0 is answered in step 3; a side's events are hidden where it lies in the window, and the box touches it.
+        ask <= start || |step[5:0];
+        if (start) ask_for <= window;
+        if (step[0]) ask_for <= {lo_x, lo_x, lo_y, hi_y};
+        if (step[1]) ask_for <= {hi_x, hi_x, lo_y, hi_y};
+        if (step[2]) ask_for <= {lo_x, hi_x, lo_y, lo_y};
+        if (step[3]) ask_for <= {lo_x, hi_x, hi_y, hi_y};
+        if (step[4]) ask_for <= {{2{sum_x[PX_W:1]}}, {2{sum_y[PX_W:1]}}};
+        if (step[5]) ask_for <= {lo_x, hi_x, lo_y, hi_y};
+        sees  <= |(in_window & visible & others);
+        boxes <= in_box & candidate & others & behind;
+        if (step[3]) meets <= sees;
+        if (step[4]) hidden[0] <= sees;
+        if (step[5]) hidden[1] <= sees;
+        if (step[6]) hidden[2] <= sees;
+        if (step[7]) hidden[3] <= sees;
+        if (step[8]) held <= sees;
+        if (step[9]) begin
+            touches <= any_box;
+            touched <= lowest;
+        end
+        if (start) behind <= begins ? {N{1'b1}} : ~(({{(N - 1) {1'b0}}, 1'b1} << touched) | (({{(N - 1) {1'b0}}, 1'b1} << touched) - {{(N - 1) {1'b0}}, 1'b1}));
+        if (rst) begin
+            step <= 10'd0;
+            done <= 1'b0;
+            ask  <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, sum_x[0], sum_y[0]};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tokens on their way to the event pipeline: their ticks are added up, and it is seen whether a motion step is due before them.
+//
+// Latency:    5 clocks from the acceptance of a token to m_valid.
+// Throughput: a token per clock.
+// Stall:      a token is held until accepted; s_ready is low while twelve or more are waiting.
+//             m_due follows next_step only at `again`, a clock later.
+// Reset:      becomes empty; time begins at 0.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_queue #(
+    parameter X_W    = 9,   // bits of an x address
+    parameter Y_W    = 9,   // bits of a y address
+    parameter TICK_W = 20,  // bits of the tick input
+    parameter TIME_W = 48   // bits of a time
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              s_valid,
+    output reg               s_ready,
+    input  wire [TICK_W-1:0] s_tick,
+    input  wire              s_event,
+    input  wire              s_skip,
+    input  wire [X_W-1:0]    s_x,
+    input  wire [Y_W-1:0]    s_y,
+    input  wire              s_p,
+
+    input  wire [TIME_W-1:0] next_step,
+    input  wire              again,      // next_step has changed
+
+    output reg               m_valid,
+    input  wire              m_ready,
+    output reg               m_due,      // a motion step comes before it
+    output reg  [TIME_W-1:0] m_time,
+    output reg               m_event,
+    output reg               m_skip,
+    output reg  [X_W-1:0]    m_x,
+    output reg  [Y_W-1:0]    m_y,
+    output reg               m_p,
+
+    output wire              empty
+);
+
+    localparam TOKEN_W = TIME_W + X_W + Y_W + 3;
+
+    reg [TOKEN_W-1:0] tokens[0:15];
+    reg               in_valid, in_event, in_skip, in_p;
+    reg [X_W-1:0]     in_x;
+    reg [Y_W-1:0]     in_y;
+    reg [TIME_W-1:0]  in_time;
+    reg [4:0]         written, read;  // tokens, modulo twice the depth
+
+    // The token behind the one at the output.
+    reg               next_valid;
+    reg [TIME_W-1:0]  next_time;
+    reg [X_W+Y_W+2:0] next_rest;
+
+    wire              gives      = !m_valid || m_ready;
+    wire              takes      = !next_valid || gives;
+    wire [4:0]        level      = written - read;
+    wire [TIME_W-1:0] seen_time  = again ? m_time : next_time;
+    wire [TIME_W-1:0] until_step = seen_time - next_step;
+
+    assign empty = !in_valid && written == read && !next_valid && !m_valid;
+
+    always @(posedge clk) begin
+        in_valid <= s_valid && s_ready;
+        if (s_valid && s_ready) begin
+            in_event <= s_event;
+            in_skip  <= s_skip;
+            in_x     <= s_x;
+            in_y     <= s_y;
+            in_p     <= s_p;
+            in_time  <= in_time + {{(TIME_W - TICK_W) {1'b0}}, s_tick};
+        end
+        if (in_valid) begin
+            tokens[written[3:0]] <= {in_time, in_event, in_skip, in_x, in_y, in_p};
+            written              <= written + 5'd1;
+        end
+        s_ready <= level < 5'd12;
+        if (takes) begin
+            {next_time, next_rest} <= tokens[read[3:0]];
+            next_valid             <= written != read;
+            if (written != read) read <= read + 5'd1;
+        end
+        if (gives) begin
+            m_valid <= next_valid;
+            m_time  <= next_time;
+            {m_event, m_skip, m_x, m_y, m_p} <= next_rest;
+        end
+        if (gives || again) m_due <= !until_step[TIME_W-1];
+        if (rst) begin
+            in_valid   <= 1'b0;
+            in_time    <= {TIME_W{1'b0}};
+            written    <= 5'd0;
+            read       <= 5'd0;
+            s_ready    <= 1'b0;
+            next_valid <= 1'b0;
+            m_valid    <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, until_step};
+
+endmodule
+
+`default_nettype wire

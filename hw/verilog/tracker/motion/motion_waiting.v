@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slots that wait for a correction, or for a candidate to begin in them: first for the work that is to be done, then for the event from
+// which on what was found is in force.
+//
+// Slots are worked on, and put in force, in the order in which they came: two places in one ring.
+//
+// Latency:    1 clock from s_valid to job_valid, 2 to reached.
+// Throughput: a slot per clock.
+// Stall:      none: there is an entry for each slot, and a slot does not come again before it is in force.
+// Reset:      becomes empty.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_waiting #(
+    parameter SLOT_W = 3,
+    parameter X_W    = 9,
+    parameter Y_W    = 9,
+    parameter SUP_W  = 16,  // bits of a support count
+    parameter SEQ_W  = 48,
+    parameter TIME_W = 48,
+    parameter AFTER  = 64   // in force so many events later
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              s_valid,
+    input  wire              s_seed,     // a candidate begins
+    input  wire [SLOT_W-1:0] s_slot,
+    input  wire [X_W-1:0]    s_x,
+    input  wire [Y_W-1:0]    s_y,
+    input  wire [SUP_W-1:0]  s_support,
+    input  wire [TIME_W-1:0] s_time,
+    input  wire [SEQ_W-1:0]  s_seq,
+
+    // the next one to be worked on
+    output wire              job_valid,
+    input  wire              job_done,
+    output wire              job_seed,
+    output wire [SLOT_W-1:0] job_slot,
+    output wire [X_W-1:0]    job_x,
+    output wire [Y_W-1:0]    job_y,
+    output wire [SUP_W-1:0]  job_support,
+    output wire [TIME_W-1:0] job_time,
+    output wire [SEQ_W-1:0]  job_seq,
+
+    // the next one to be in force
+    input  wire [7:0]        next_event, // lower bits of the number of the event that comes next, from the next clock on
+    output reg               reached,    // it must be before that event
+    output wire              put_valid,  // it can be
+    output wire              put_seed,
+    output wire [SLOT_W-1:0] put_slot,
+    input  wire              put_done,
+
+    output wire              empty
+);
+
+    localparam JOB_W = X_W + Y_W + SUP_W + TIME_W + SEQ_W;
+    localparam [7:0] LATER = AFTER;
+
+    reg [JOB_W-1:0]    jobs [0:(1<<SLOT_W)-1];
+    reg [SLOT_W:0]     slots[0:(1<<SLOT_W)-1];  // and whether a candidate begins
+    reg [SLOT_W+8:0]   puts [0:(1<<SLOT_W)-1];
+    reg [SLOT_W:0]     tail, job, head;         // modulo twice the depth
+    wire [7:0]         put_event;
+
+    assign empty     = head == tail;
+    assign job_valid = job != tail;
+    assign put_valid = head != job;
+    assign {job_x, job_y, job_support, job_time, job_seq} = jobs[job[SLOT_W-1:0]];
+    assign {job_seed, job_slot} = slots[job[SLOT_W-1:0]];
+    assign {put_seed, put_slot, put_event} = puts[head[SLOT_W-1:0]];
+
+    always @(posedge clk) begin
+        if (s_valid) begin
+            jobs[tail[SLOT_W-1:0]]  <= {s_x, s_y, s_support, s_time, s_seq};
+            slots[tail[SLOT_W-1:0]] <= {s_seed, s_slot};
+            puts[tail[SLOT_W-1:0]]  <= {s_seed, s_slot, s_seq[7:0] + LATER};
+            tail                    <= tail + {{SLOT_W{1'b0}}, 1'b1};
+        end
+        if (job_done) job <= job + {{SLOT_W{1'b0}}, 1'b1};
+        if (put_done) head <= head + {{SLOT_W{1'b0}}, 1'b1};
+        reached <= head != tail && put_event == next_event;
+        if (rst) begin
+            tail    <= {(SLOT_W + 1) {1'b0}};
+            job     <= {(SLOT_W + 1) {1'b0}};
+            head    <= {(SLOT_W + 1) {1'b0}};
+            reached <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""motion_inverse.v: leading bit and inverse of every kind of number."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from evcot_cosim.rtl.build import load
+from support.testing import lint
+
+
+def test_numbers_of_every_length() -> None:
+    sim, rng = load("motion_inverse"), np.random.default_rng(1)
+    io = sim.io
+    io.rst = 1
+    sim.clock.tick()
+    io.rst = 0
+    numbers = [*range(1, 70), *((1 << k) - 1 for k in range(7, 25)), *(1 << k for k in range(7, 24))]
+    numbers += [int(rng.integers(1, 1 << 24)) >> int(rng.integers(17)) or 1 for _ in range(400)]
+    most = 0
+    for number in numbers:
+        io.number, io.start = number, 1
+        sim.clock.tick()
+        io.start, io.number, clocks = 0, 0, 1
+        while int(io.busy):
+            sim.clock.tick()
+            clocks += 1
+        exponent = number.bit_length() - 1
+        assert int(io.leading) == exponent
+        assert int(io.inverse) == round(1024 / (8.5 + (number * 8 >> exponent) - 8))
+        most = max(most, clocks)
+    assert most <= 19
+
+
+def test_lint() -> None:
+    assert lint("motion_inverse") == (0, "")
