@@ -154,7 +154,10 @@ def _alone(world: World, i: int) -> bool:
         o, other = world.objects[k], world.state[k]
         if k == i or o.track_id < 0 or o.away >= 0:
             continue
-        if abs(s[0, 0] - other[0, 0]) <= s[0, 2] + other[0, 2] + far and abs(s[1, 0] - other[1, 0]) <= s[1, 2] + other[1, 2] + far:
+        if (
+            abs(s[0, 0] - other[0, 0]) <= s[0, 2] + other[0, 2] + far
+            and abs(s[1, 0] - other[1, 0]) <= s[1, 2] + other[1, 2] + far
+        ):
             return False
     return True
 
@@ -226,7 +229,7 @@ def _leaves(rules: Rules, world: World, i: int) -> int:
 
 @step
 def _go_away(rules: Rules, world: World, out: Table, t_us: int, i: int, edge: int) -> None:
-    """Let an object wait where it has left the sensor, or where it has stopped: what swings comes back. Its track is lost until then."""
+    """Let an object wait where it left the sensor, or stopped: what swings comes back. Its track is lost until then."""
     _record(rules, world, out, LOST, t_us, i, -1)
     world.objects[i].away = edge
     if edge != INSIDE:
