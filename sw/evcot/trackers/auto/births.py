@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._numba_private import step
-from .layout import CELL_BITS, LEVELS, NOBODY, Rules, World
+from .layout import CELL_BITS, INSIDE, LEVELS, NOBODY, Rules, World
 from .look import look_at_group
 
 __all__ = ["BIRTH_US", "find_births", "list_living"]
@@ -110,7 +110,7 @@ def _gather(world: World, level: int, row: int, column: int, box: Table, least: 
 @step
 def _is_seen(o: Any) -> bool:
     """Whether what is close to an object is its own: it was seen lately, or only its centre has left the sensor."""
-    return bool(o.track_id < 0 or o.missed < (_FOLLOWS if o.away >= 0 else _LOST_SIGHT))
+    return bool(o.track_id < 0 or o.missed < (_FOLLOWS if 0 <= o.away < INSIDE else _LOST_SIGHT))
 
 
 @step
@@ -183,7 +183,7 @@ def _drift(world: World, box: Table, t_us: int, window_us: int) -> float:
 def _start(rules: Rules, world: World, i: int, box: Table, pixels: int, t_us: int, window_us: int) -> None:
     o = world.objects[i]
     o.alive = True
-    o.track_id = -1
+    o.track_id = o.name = -1
     o.born_us = t_us
     o.packets = 0
     # What is there when the stream begins has not entered.
@@ -231,13 +231,14 @@ def _find_again(rules: Rules, world: World, box: Table) -> int:
     for at in range(world.run[0].live):
         i = world.slots[at]
         o, s = world.objects[i], world.state[i]
-        if _is_seen(o) or (o.away >= 0 and o.away != edge):
+        if _is_seen(o) or (0 <= o.away < INSIDE and o.away != edge):
             continue
         half = max(s[0, 2], s[1, 2])
         ratio = (width + height) / (2.0 * (s[0, 2] + s[1, 2]))
         away = max(abs(0.5 * (box[0] + box[1]) - s[0, 0]), abs(0.5 * (box[2] + box[3]) - s[1, 0]))
         away /= half * (_FOUND_WITHIN if o.away >= 0 else _FOUND_WITHIN + o.missed)
-        if 1.0 / _ALIKE < ratio < _ALIKE and away < least:
+        enters = 0 <= o.away < INSIDE  # as far as its edge cuts it off, it may be small
+        if (enters or ratio > 1.0 / _ALIKE) and ratio < _ALIKE and away < least:
             best, least = i, away
     return best
 
@@ -246,7 +247,12 @@ def _find_again(rules: Rules, world: World, box: Table) -> int:
 def _resume(world: World, i: int, box: Table) -> None:
     """Let an object go on where it was found again."""
     o, s, p = world.objects[i], world.state[i], world.cov[i]
-    o.missed, o.unseen_us, o.apart, o.away = 0.0, 0, 0, -1
+    if o.away >= 0:
+        o.travel = o.within = 0.0
+        o.edge = o.away if o.away < INSIDE else -1
+    if o.away == INSIDE:
+        o.name, o.track_id, o.packets, o.path = o.track_id, -1, 0, 0.0
+    o.missed, o.still, o.unseen_us, o.apart, o.away = 0.0, 0.0, 0, 0, -1
     half = max(s[0, 2], s[1, 2])
     for axis in range(2):
         s[axis, 0] = 0.5 * (box[2 * axis] + box[2 * axis + 1])

@@ -14,6 +14,7 @@ from .config import AutoConfig
 __all__ = [
     "BINS",
     "CELL_BITS",
+    "INSIDE",
     "LEVELS",
     "NEAR",
     "NOBODY",
@@ -34,12 +35,14 @@ BINS = 48  # of a look along an axis, at most
 PARTS = 24  # that a look tells apart, at most
 LEVELS = 6  # windows in which births are looked for, each twice as long as the one before
 NOBODY = -1  # in `World.near`, beside slots
+INSIDE = 4  # of `away`, beside edges: lost on the sensor
 NEAR = 4  # objects that a cell can have near it
 
 OBJECT = np.dtype(
     [
         ("alive", "?"),
         ("track_id", "<i8"),  # -1 until the object is visible
+        ("name", "<i8"),  # its track id until it was lost, if it was found again; or -1
         ("born_us", "<i8"),
         ("first_x", "<f8"),  # where it was seen to start, until it is visible
         ("first_y", "<f8"),
@@ -54,7 +57,7 @@ OBJECT = np.dtype(
         ("speed", "<f8"),  # px/s, the greatest of the recent past: the object's unit of velocity
         ("unseen_us", "<i8"),  # time since the last look
         ("missed", "<f8"),  # half sides travelled without support
-        ("away", "<i8"),  # edge over which it has left the sensor, as for `edge`; or -1
+        ("away", "<i8"),  # edge over which it has left the sensor, as for `edge`; INSIDE if it was lost on it; or -1
         ("support", "<i8"),  # events so far
         ("packet_events", "<i8"),
         ("mass", "<f8"),  # pixels that the last look showed

@@ -13,7 +13,7 @@ from ..._numba_private import step
 from ...tracks.log import Kind
 from ..kalman.motion import predict
 from .births import BIRTH_US, find_births, list_living
-from .layout import CELL_BITS, NEAR, NOBODY, UNSET_US, Rules, World
+from .layout import CELL_BITS, INSIDE, NEAR, NOBODY, UNSET_US, Rules, World
 from .look import look
 from .unity import are_one
 
@@ -30,6 +30,7 @@ _COVERED_PATIENCE = 4.0  # factor of the coasting of an object hidden behind ano
 _TENTATIVE_PATIENCE = 0.5
 _LEAVING_PATIENCE = 0.25  # of one at the edge on its way out
 _ESTABLISHED = 1.0  # half sides travelled, from which on an object may return
+_ALONE = 3.0  # half sides between an object and others
 _AWAY = 16.0  # half sides that it would travel until then
 _SPEED_KEEPS = 6.0  # half sides of travel for which an object's greatest speed counts
 _SLOWEST = 0.5  # half sides per second: the least unit of velocity
@@ -144,6 +145,24 @@ def _covered(world: World, i: int) -> bool:
 
 
 @step
+def _alone(world: World, i: int) -> bool:
+    """Whether no other visible object's box is near: what is found here later can be this one alone."""
+    s = world.state[i]
+    far = _ALONE * _half(world, i)
+    for at in range(world.run[0].live):
+        k = world.slots[at]
+        o, other = world.objects[k], world.state[k]
+        if k == i or o.track_id < 0 or o.away >= 0:
+            continue
+        if (
+            abs(s[0, 0] - other[0, 0]) <= s[0, 2] + other[0, 2] + far
+            and abs(s[1, 0] - other[1, 0]) <= s[1, 2] + other[1, 2] + far
+        ):
+            return False
+    return True
+
+
+@step
 def _end(rules: Rules, world: World, out: Table, kind: int, t_us: int, i: int, other_id: int) -> None:
     if world.objects[i].track_id >= 0:
         _record(rules, world, out, kind, t_us, i, other_id)
@@ -210,10 +229,11 @@ def _leaves(rules: Rules, world: World, i: int) -> int:
 
 @step
 def _go_away(rules: Rules, world: World, out: Table, t_us: int, i: int, edge: int) -> None:
-    """Let an object that has left the sensor wait at the edge: what swings comes back. Its track is lost until then."""
+    """Let an object wait where it left the sensor, or stopped: what swings comes back. Its track is lost until then."""
     _record(rules, world, out, LOST, t_us, i, -1)
     world.objects[i].away = edge
-    world.objects[i].missed = 0.0
+    if edge != INSIDE:
+        world.objects[i].missed = 0.0
     for axis in range(2):
         s, size = world.state[i, axis], rules.width if axis == 0 else rules.height
         s[0] = min(max(s[0], 0.0), size - 1.0)
@@ -308,9 +328,13 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
         edge = _leaves(rules, world, i)
         if edge >= 0:
             patience *= _LEAVING_PATIENCE
-        gone = o.missed > patience + rules.pause or _outside(rules, world, i)
-        if gone and edge >= 0 and o.track_id >= 0 and o.travel >= _ESTABLISHED:
+        outside = _outside(rules, world, i)
+        gone = o.missed > patience + rules.pause or outside
+        returns = o.track_id >= 0 and o.travel >= _ESTABLISHED
+        if gone and edge >= 0 and returns:
             _go_away(rules, world, out, t_us, i, edge)
+        elif (gone or o.still > _STILL) and returns and not outside and _alone(world, i):
+            _go_away(rules, world, out, t_us, i, INSIDE)
         elif gone or o.still > _STILL:
             _end(rules, world, out, LOST, t_us, i, -1)
     list_living(world)
@@ -326,8 +350,11 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             if o.away < 0 and (o.missed <= _REPORTED or _covered(world, i)):
                 _record(rules, world, out, MOVED, t_us, i, -1)
         elif _becomes_visible(rules, world, i, lasted_s):
-            o.track_id = run.births
-            run.births += 1
+            if o.name >= 0:
+                o.track_id = o.name
+            else:
+                o.track_id = run.births
+                run.births += 1
             _record(rules, world, out, BORN, t_us, i, -1)
 
 

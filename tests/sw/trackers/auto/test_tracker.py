@@ -93,6 +93,25 @@ def test_what_swings_over_the_edge_of_the_sensor_comes_back_with_its_name() -> N
     assert [len(sample(log, np.array([at]))) for at in (300_000, 900_000, 1_500_000, 2_100_000)] == [0, 1, 0, 1]
 
 
+def stops_and_goes_on(*, beside: bool) -> TrackLog:
+    """A disc of 10 px that stops for 0.8 s at 1 s, and goes back; with or without another that passes close by."""
+    there, back = ring(60, 130, 100, 0, 10, 1_000_000), ring(160, 130, -100, 0, 10, 1_000_000)
+    parts = [there, (back[0] + 1_800_000, back[1], back[2]), noise(0.2, 2_800_000)]
+    if beside:
+        parts.append(ring(60, 165, 100, 0, 10, 2_800_000))
+    return run(together(*parts))
+
+
+def test_what_stops_goes_on_with_its_name() -> None:
+    log = stops_and_goes_on(beside=False)
+    assert len(np.unique(log.records["track_id"])) == 1
+    assert [len(sample(log, np.array([at]))) for at in (900_000, 1_780_000, 2_200_000, 2_700_000)] == [1, 0, 1, 1]
+
+
+def test_what_stops_beside_another_is_new_when_it_goes_on() -> None:
+    assert len(np.unique(stops_and_goes_on(beside=True).records["track_id"])) == 3
+
+
 def look_once(radius_px: float, ago_us: int, travel: float) -> tuple[float, float]:
     """One look at a slow object with half sides of 6 px, where a disc has sent events: its `missed`, and its half side."""
     rules, world = make_rules(AutoConfig(max_objects=1), WIDTH, HEIGHT), make_world(1, WIDTH, HEIGHT)
