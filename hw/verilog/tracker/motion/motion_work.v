@@ -76,8 +76,8 @@ module motion_work #(
     input  wire [4*SIDE_W-1:0] r_sides,
     input  wire [3:0]          r_marks,
     input  wire [SUP_W-1:0]    r_support,
-    output reg                 ask,
-    output reg  [4*PX_W-1:0]   ask_for,
+    output wire                ask,
+    output wire [4*PX_W-1:0]   ask_for,
     input  wire [N-1:0]        in_box,
     input  wire [N-1:0]        in_window,
 
