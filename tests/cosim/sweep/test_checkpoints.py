@@ -3,28 +3,22 @@
 
 from __future__ import annotations
 
-import os
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from evcot.events import Events
 from evcot.unfinished import Unfinished
-from evcot_cosim.sweep import execute, inputs, parts
+from evcot_cosim.sweep import execute
 from evcot_cosim.sweep.metrics import METRICS
 from evcot_cosim.sweep.plan import Planner, points_of
 from evcot_cosim.sweep.pool import LocalPool
 from evcot_cosim.sweep.spec import spec_from
-from evcot_cosim.sweep.task import Input, Task
+from evcot_cosim.sweep.task import Task
+from support.interrupted import BLOCK, CHECKPOINT, dies_once, small
 from support.sweeping import recorded
 
-BLOCK, CHECKPOINT = 250, 600
 SHAPE = {  # as in lockstep/test_resuming.py: the same model
     "n_slots": 2, "x_w": 7, "y_w": 7, "radix_w": 5, "nev_w": 6, "tc_w": 12, "sup_w": 8, "id_w": 16, "seq_w": 16, "time_w": 20,
     "tick_w": 3,
@@ -44,41 +38,8 @@ def task_of(folder: Path, engine: str) -> Task:
     return task
 
 
-@contextmanager
-def in_small_blocks(source: Input, seen: Callable[[Events], None]) -> Iterator[inputs.Stream]:
-    """As `inputs.opened`, in blocks of a small recording; `seen` is told each."""
-
-    def blocks(stream: inputs.Stream) -> Iterator[Events]:
-        for whole in stream.blocks:
-            for begin in range(0, len(whole), BLOCK):
-                seen(whole[begin : begin + BLOCK])
-                yield whole[begin : begin + BLOCK]
-
-    with inputs.opened(source) as stream:
-        yield replace(stream, blocks=blocks(stream))
-
-
-def small(patch: pytest.MonkeyPatch, cache: Path, seen: Callable[[Events], None] = lambda _: None) -> None:
-    patch.setattr(execute, "opened", lambda source: in_small_blocks(source, seen))
-    patch.setattr(parts, "CHECKPOINT_EVENTS", CHECKPOINT)
-    patch.setattr(parts, "cache_dir", lambda: cache)
-
-
 def exact(row: dict[str, Any]) -> dict[str, Any]:
     return {name: row.get(name) for name in ("key", "status", "error", "warnings", "content", *METRICS)}
-
-
-def dies_once(cache: Path, task: Task) -> dict[str, Any]:
-    """A run whose process is killed before its last block, if it began at the beginning."""
-    continues = bool(list(cache.glob("sweep/.*.unfinished/checkpoint")))
-
-    def seen(block: Events) -> None:
-        if not continues and len(block) < BLOCK:
-            os.kill(os.getpid(), signal.SIGKILL)
-
-    with pytest.MonkeyPatch.context() as patch:
-        small(patch, cache, seen)
-        return execute.execute(task) | {"continues": continues}
 
 
 @pytest.mark.parametrize("engine", ["rtl", "cot", "rct"])
