@@ -225,9 +225,13 @@ def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: 
     if side not in ("hardware", "model"):
         return "try other settings, or another engine"
     config = summary.get("config", {})
+    if config.get("cot", {}).get("motion", {}).get("enable"):
+        return f"{what} ([motion] in run.toml: docs/motion.md)"
     slots = config.get("cot", {}).get("slots")
     set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what
-    return set_it if config.get("name") == "auto" else f"{set_it}, or `--preset auto`"
+    if config.get("name") == "auto":
+        return f"{set_it}, or take the array with motion and boxes: `--preset motion`"
+    return f"{set_it}, or `--preset auto`"
 
 
 def _quieter(found: Quality) -> str:

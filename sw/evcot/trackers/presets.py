@@ -102,7 +102,8 @@ def _discs() -> RunConfig:
 def _motion() -> RunConfig:
     """Objects of any size that move: the extended contract (docs/motion.md)."""
     cot = CotConfig(Shape(n_slots=16), motion=MotionRegisters(enable=1))
-    return RunConfig("motion", cot, filters=FilterConfig(refractory_us=1_000, activity_us=5_000))
+    filters = FilterConfig(refractory_us=1_000, activity_us=5_000)
+    return RunConfig("motion", cot, filters=filters, software="auto", software_filters=FilterConfig())
 
 
 PRESETS: dict[str, RunConfig] = {

@@ -109,7 +109,16 @@ def test_auto_is_recommended_only_where_it_was_not_used(monkeypatch: pytest.Monk
     bad = replace(GOOD, short=6, short_merged=6)
     assert "--preset auto" in line(judged(monkeypatch, bad), "tracks").advice
     config = SUMMARY["config"] | {"name": "auto"}  # type: ignore[operator]
-    assert "--preset auto" not in line(judged(monkeypatch, bad, config=config), "tracks").advice
+    advice = line(judged(monkeypatch, bad, config=config), "tracks").advice
+    assert "--preset auto" not in advice
+    assert "--preset motion" in advice
+
+
+def test_hardware_with_motion_has_no_slots_registers_to_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    config = {"name": "motion", "cot": SUMMARY["config"]["cot"] | {"motion": {"enable": 1}}}  # type: ignore[index]
+    advice = line(judged(monkeypatch, replace(GOOD, short=6, short_merged=6), config=config), "tracks").advice
+    assert "[motion] in run.toml" in advice
+    assert "--preset" not in advice
 
 
 def test_it_is_the_same_after_a_conversion_through_json(monkeypatch: pytest.MonkeyPatch) -> None:

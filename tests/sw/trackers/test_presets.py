@@ -75,3 +75,10 @@ def test_fitting_changes_the_number_of_slots_and_nothing_else(n: int) -> None:
     assert fitted.cot.slots == base.cot.slots[:1] * n
     assert (fitted.name, fitted.rct, fitted.cot.tick_us) == (base.name, base.rct, base.cot.tick_us)
     assert fit(base, 640, 480).cot.slots == base.cot.slots
+
+
+def test_beside_hardware_with_motion_runs_the_automatic_tracker_without_filters() -> None:
+    motion = preset("motion")
+    assert motion.software == "auto"
+    assert motion.filters.enabled
+    assert not motion.in_front_of_software.enabled
