@@ -37,6 +37,11 @@ class Tally:
         if len(records):
             self._lengths(records)
 
+    @property
+    def alive(self) -> int:
+        """Number of tracks whose last record is no end; one that was lost and found again is alive."""
+        return len(self._first_us)
+
     def _lengths(self, records: NDArray[np.void]) -> None:
         t_us, track_id = records["t_us"], records["track_id"]
         ids, first = np.unique(track_id, return_index=True)

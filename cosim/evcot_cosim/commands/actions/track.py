@@ -137,7 +137,7 @@ def _found(tally: Tally) -> dict[str, int | float | None]:
         "filtered": tally.filtered,
         "tracks": count[Kind.BORN],
         "merged": count[Kind.MERGED],
-        "lost": count[Kind.LOST],
-        "alive_at_the_end": count[Kind.BORN] - count[Kind.MERGED] - count[Kind.LOST],
+        "lost": count[Kind.BORN] - count[Kind.MERGED] - tally.alive,  # for good: LOST of one that is found again is none
+        "alive_at_the_end": tally.alive,
         "longest_track_s": None if tally.longest_us is None else round(tally.longest_us / 1e6, 6),
     }
