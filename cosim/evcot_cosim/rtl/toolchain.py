@@ -168,20 +168,21 @@ def _which(tool: str, env: Mapping[str, str]) -> Path | None:
 
 
 def _first_line(command: list[str], env: Mapping[str, str]) -> str:
-    """The first line that a command prints, or an empty string if it fails; a file that has not changed is asked once."""
-    found = _which(command[0], env)
+    """The first line that a command prints, or an empty string if it fails; it is asked again once its file changes."""
     try:
-        status = os.stat(found or command[0])
+        status = os.stat(_which(command[0], env) or command[0])
+        return _answer(tuple(command), tuple(env.items()), (status.st_ino, status.st_size, status.st_mtime_ns))
     except OSError:
         return ""
-    return _answer(tuple(command), tuple(env.items()), (status.st_ino, status.st_size, status.st_mtime_ns))
 
 
 @functools.lru_cache(maxsize=64)
 def _answer(command: tuple[str, ...], env: tuple[tuple[str, str], ...], _file: tuple[int, int, int]) -> str:
-    """The first line that a command prints, for one state of its file."""
+    """The first line that a command prints, for one state of its file; OSError, which is not kept, if it fails."""
     done = _ran(list(command), dict(env))
-    return "" if done is None else done.stdout.partition("\n")[0]
+    if done is None:
+        raise OSError(f"{command[0]} failed")
+    return done.stdout.partition("\n")[0]
 
 
 def _ran(command: list[str], env: Mapping[str, str]) -> subprocess.CompletedProcess[str] | None:

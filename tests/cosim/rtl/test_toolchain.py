@@ -94,7 +94,7 @@ def test_a_tool_is_asked_once_as_long_as_its_file_stays_as_it_is(machine: dict[s
     asked = tmp_path / "asked"
     tool = tmp_path / "v" / "bin" / "verilator"
     environment = machine | {"VERILATOR": str(fake_verilator(tmp_path / "v", NEW))}
-    tool.write_text(tool.read_text().replace("\n", f"\necho >> {asked}\n", 1))
+    tool.write_text(tool.read_text().replace("\n", f"\necho >> {asked}\n", 1) + "true\n")
     assert find_toolchain(environment) == find_toolchain(environment)
     once = asked.read_text()
     assert find_toolchain(environment).version.startswith("5.0")

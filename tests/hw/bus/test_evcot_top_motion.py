@@ -111,7 +111,7 @@ def test_registers_change_between_two_events_and_lives_go_on() -> None:
     """The hardware says at which event each commit took effect; the model, changed at that event, gives the same bits."""
     print("seed 41")
     lost = births = 0
-    for run in range(3):
+    for run in range(4):
         rng = np.random.default_rng([41, run])
         config = replace(CONFIG, motion=replace(QUICK, birth_support=8, birth_ticks=20))
         device = device_of("motion", config, pace=Pace.random(rng) if run else None)
@@ -153,7 +153,7 @@ def test_registers_change_between_two_events_and_lives_go_on() -> None:
         births += int(np.count_nonzero(golden.records["kind"] == Kind.BORN))
         assert_same(played.decisions(0, n), golden)
     print(lost, births)
-    assert lost > 1
+    assert lost > 2
     assert births > 20
 
 

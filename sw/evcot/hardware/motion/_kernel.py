@@ -201,17 +201,15 @@ def feed(
                 _put_in_force(s, glob, glob[SEQ])
             i, shared, seeds = find(s, modes, x, y)
             if seeds and glob[SEEDING] >= 0:
-                i = -1
+                i, seeds = -1, False
             owner[e] = i
-            if i < 0:
-                pass
-            elif seeds:
+            if seeds:
                 seed(s, r, i, x, y, now)
                 glob[SEEDING] = i
                 _wait(s, glob, i)
                 rel_x[e] = (x - s[NEXT_WIN_LO_X, i]) & lim[REL_MASK]
                 rel_y[e] = (y - s[NEXT_WIN_LO_Y, i]) & lim[REL_MASK]
-            else:
+            elif i >= 0:
                 rel_x[e] = (x - s[WIN_LO_X, i]) & lim[REL_MASK]
                 rel_y[e] = (y - s[WIN_LO_Y, i]) & lim[REL_MASK]
                 if _take(s, r, lim, i, x, y, shared):

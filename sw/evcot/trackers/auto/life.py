@@ -350,12 +350,10 @@ def close_packet(rules: Rules, world: World, t_us: int, lasted_us: int, out: Tab
             if o.away < 0 and (o.missed <= _REPORTED or _covered(world, i)):
                 _record(rules, world, out, MOVED, t_us, i, -1)
         elif _becomes_visible(rules, world, i, lasted_s):
-            if o.name >= 0:
-                o.track_id = o.name
-            else:
-                o.track_id = run.births
-                run.births += 1
-            _record(rules, world, out, BORN, t_us, i, -1)
+            kind = MOVED if o.name >= 0 else BORN  # a track is born once
+            o.track_id = o.name if o.name >= 0 else run.births
+            run.births += o.name < 0
+            _record(rules, world, out, kind, t_us, i, -1)
 
 
 @step

@@ -105,6 +105,7 @@ def stops_and_goes_on(*, beside: bool) -> TrackLog:
 def test_what_stops_goes_on_with_its_name() -> None:
     log = stops_and_goes_on(beside=False)
     assert len(np.unique(log.records["track_id"])) == 1
+    assert len(log.of_kind(Kind.BORN)) == 1
     assert [len(sample(log, np.array([at]))) for at in (900_000, 1_780_000, 2_200_000, 2_700_000)] == [1, 0, 1, 1]
 
 
