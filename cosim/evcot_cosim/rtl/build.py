@@ -28,7 +28,7 @@ from pyverilator import PyVerilator
 from evcot.errors import ToolchainError
 
 from .files import rtl_files, verilog_dir
-from .toolchain import Toolchain, find_toolchain
+from .toolchain import Toolchain, find_toolchain, make_variables
 
 __all__ = [
     "PORTS_ONLY_FLAGS",
@@ -53,6 +53,8 @@ _GCC_VERILATOR_FLAGS = ("-LDFLAGS", "-Wl,-Bsymbolic-functions")
 # A context for each simulation: with a shared one, every waveform would show the signals of all simulations.
 _CONTEXT_FILE = "evcot_context.cpp"
 _CONTEXT_CPP = """#include "verilated.h"
+extern "C" void* construct();
+extern "C" { void* (*evcot_construct)() = construct; }
 extern "C" void evcot_new_context(int seed) {
     VerilatedContext* context = new VerilatedContext;
     context->randReset(seed ? 2 : 0);
@@ -60,6 +62,12 @@ extern "C" void evcot_new_context(int seed) {
     Verilated::threadContextp(context);
 }
 """
+
+# All other C++ of a model is one file to the compiler: headers take longer than the rest of most files, and what a drive
+# calls in the model is in the same file. So of a user's files make compiles the context alone, the others come first in what
+# it puts together, and the context asks for `construct`, as nothing is linked from an archive that nobody asks for.
+_WRAPPER_FILE = "pyverilator_wrapper.cpp"
+_JOIN = Path(__file__).with_name("joined.py")
 
 RANDOM_INITIAL_FLAGS = ("--x-assign", "unique", "--x-initial", "unique")
 """`extra_flags` of a model whose registers begin with random values in a simulation that is loaded with a seed."""
@@ -119,7 +127,7 @@ def build(
     Args:
         top: module name; its source is `<top>.v`.
         parameters: values for its Verilog parameters; the rest keep their defaults.
-        extra_cpp: C++ files, name to text. Those that end in `.cpp` are compiled into the same shared object, where
+        extra_cpp: C++ files, name to text. Those that end in `.cpp` are compiled with the model, where
             their `extern "C"` functions are available as `sim.lib.<name>` and may be passed `sim.model`, a `V<top>*`.
         extra_flags: additional flags for Verilator.
         verilog: folder of the sources (default: evcot's own).
@@ -191,6 +199,13 @@ class _Recipe:
         return _hash(self.runtime_key, self.request, contents, worker)
 
     @property
+    def make_flags(self) -> str:
+        """What make compiles: the context as Verilator's user file, and all else as one file."""
+        first = [_WRAPPER_FILE, *sorted(name for name in self.files if name.endswith(".cpp") and name != _CONTEXT_FILE)]
+        join = shlex.join([sys.executable, "-E", "-S", _JOIN.name, *first])
+        return make_variables({"VM_USER_CLASSES": Path(_CONTEXT_FILE).stem, "VERILATOR_INCLUDER": join})
+
+    @property
     def runtime_key(self) -> str:
         """A hash of everything that Verilator's compiled runtime depends on; it is the same for many designs."""
         tools, for_all = self.tools, [_CONTEXT_CPP, _HEADER]
@@ -214,8 +229,8 @@ def _recipe(
 ) -> _Recipe:
     """Collect the sources and the arguments that the worker passes to pyverilator."""
     files = {f"verilog/{name}": text for name, text in _reachable_sources(top, verilog).items()}
-    cpp = {_CONTEXT_FILE: _CONTEXT_CPP, **extra_cpp}
-    files |= {name: text.encode() for name, text in {_HEADER_FILE: _HEADER, **cpp}.items()}
+    own = {_HEADER_FILE: _HEADER, _CONTEXT_FILE: _CONTEXT_CPP, _JOIN.name: _JOIN.read_text()}
+    files |= {name: text.encode() for name, text in {**own, **extra_cpp}.items()}
     gcc_flags, gcc_verilator_flags = ((), ()) if tools.compiler_is_clang else (_GCC_FLAGS, _GCC_VERILATOR_FLAGS)
     flags = (*_VERILATOR_FLAGS, *gcc_verilator_flags, *extra_flags)
     request = {
@@ -224,7 +239,7 @@ def _recipe(
         "args": [
             *flags,
             *(f"-G{name}={value}" for name, value in parameters.items()),
-            *sorted(name for name in cpp if name.endswith(".cpp")),
+            _CONTEXT_FILE,
         ],
         "cargs": " ".join([*_COMPILER_FLAGS, *gcc_flags]),
     }
@@ -271,7 +286,7 @@ def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
         (stage / "request.json").write_text(json.dumps(request, indent=1))
         _reuse_runtime(runtime, stage)
         log = stage / "build.log"
-        if not _run_worker(stage, log, recipe.tools):
+        if not _run_worker(stage, log, recipe):
             kept_log = root / "logs" / f"{shared_object.parent.name}.log"
             line = _error_line(log.read_text(errors="replace"))
             os.replace(log, kept_log)
@@ -364,9 +379,10 @@ def _stage(parent: Path) -> Iterator[Path]:
         shutil.rmtree(stage, ignore_errors=True)
 
 
-def _run_worker(stage: Path, log: Path, tools: Toolchain) -> bool:
+def _run_worker(stage: Path, log: Path, recipe: _Recipe) -> bool:
     """Run the build in its own process group with all output in `log`; an interrupt ends the whole group."""
-    environment = dict(tools.environment)
+    tools = recipe.tools
+    environment = {**tools.environment, "MAKEFLAGS": f"{tools.environment['MAKEFLAGS']} {recipe.make_flags}"}
     if " " in str(tools.root):  # neither Verilator's launcher nor make can handle a space
         link = stage / "verilator"
         link.symlink_to(tools.root)

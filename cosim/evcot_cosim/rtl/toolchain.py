@@ -17,7 +17,7 @@ from pathlib import Path
 
 from evcot.errors import ToolchainError
 
-__all__ = ["MINIMUM_VERILATOR", "Toolchain", "find_toolchain"]
+__all__ = ["MINIMUM_VERILATOR", "Toolchain", "find_toolchain", "make_variables"]
 
 # Optimise for this machine if the compiler can: a model runs where it was built.
 _OPTIMISATIONS = ("-O3 -march=native", "-O3")
@@ -155,10 +155,13 @@ def _make_flags(compiler: tuple[str, ...], optimisation: str) -> str:
         "OPT_FAST": optimisation,
         "OPT_GLOBAL": optimisation,
     }
-    words = [
-        f"{name}={value}".replace("$", "$$").replace("\\", "\\\\").replace(" ", "\\ ") for name, value in variables.items()
-    ]
-    return " ".join([f"-j{os.cpu_count() or 1}", "--", *words])
+    return f"-j{os.cpu_count() or 1} -- {make_variables(variables)}"
+
+
+def make_variables(values: Mapping[str, str]) -> str:
+    """Variables as they stand in MAKEFLAGS, which override those of every makefile."""
+    words = (f"{name}={value}" for name, value in values.items())
+    return " ".join(word.replace("$", "$$").replace("\\", "\\\\").replace(" ", "\\ ") for word in words)
 
 
 def _which(tool: str, env: Mapping[str, str]) -> Path | None:
