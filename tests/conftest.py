@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the process of the tests does on signals: interrupts reach it and what it starts, and a broken pipe is an error."""
+"""How many processes run the tests, and what they do on signals: interrupts reach them and a broken pipe is an error."""
 
 from __future__ import annotations
 
+import os
 import signal
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """One more than processors: tests that wait, for a process or a socket, would leave one idle."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_configure() -> None:

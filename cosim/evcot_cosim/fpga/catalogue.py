@@ -77,7 +77,7 @@ _DAVIS = {
 
 _TABLE = (
     Module("cot", "cot", _TICK, answer="record"),
-    Module("cot_chain", "cot_chain", _TICK, _SIZES, (8,), "record"),
+    Module("cot_chain", "cot_chain", _TICK, (1, 2, 4, 8), (8,), "record"),
     Module("cot_array", "cot_array", _TICK, _SIZES, (8, 32), "record"),
     Module("cot_array_narrow", "cot_array", _NARROW, (8,), (8,), "record"),
     Module("cot_motion", "cot_motion", _TICK, _SIZES, (8,)),

@@ -16,12 +16,12 @@ from ..tables import print_table
 from . import tools
 from .catalogue import MODULES, Module, chosen
 from .devices import DEVICES
-from .figures import USUAL_SEEDS, Figure, Figures, growths, load, recorded_with, save, seed_noise
+from .figures import USUAL_SEEDS, Figure, Figures, case_name, growths, load, recorded_with, save, seed_noise
 from .measure import PATIENCE_MIN, Case
 from .release import write_release
 from .run import figures_of, synthesised
 
-__all__ = ["main"]
+__all__ = ["main", "recorded_rows"]
 
 _USUAL_DEVICES = ("ecp5-25", "hx8k", "xilinx7", "gowin")
 _ALL_SEEDS = 5
@@ -97,7 +97,7 @@ def _measure(options: argparse.Namespace) -> int:
         before = load(_file())
         # Synthesis alone does not replace a figure that has more and is of the same sources.
         new = [row for row in figures if row.seeds or row.name not in before or before[row.name].key != row.key]
-        recorded = _ordered(before | {figure.name: figure for figure in new})
+        recorded = recorded_rows(before | {figure.name: figure for figure in new})
         save(_file(), recorded, tools.versions())
         _document(recorded)
     return _report(failed) or _slow(figures)
@@ -117,12 +117,12 @@ def _document(figures: Figures) -> None:
     from .curves import draw
     from .latency import clocks
     from .outdated import outdated
-    from .report import latency_name, write_tables
+    from .report import write_tables
 
     modules = list(MODULES)
     known = {(figure.module, figure.n) for figure in figures.values() if figure.median_mhz}
     cases = sorted(known, key=lambda case: (modules.index(case[0]), case[1] or 0))
-    measured = {latency_name(name, n): clocks(MODULES[name], n) for name, n in cases}
+    measured = {case_name(name, n): clocks(MODULES[name], n) for name, n in cases}
     latencies = {name: count for name, count in measured.items() if count is not None}
     docs = verilog_dir().parents[1] / "docs"
     old = outdated(figures.values(), recorded_with(_file()))
@@ -162,11 +162,27 @@ def _file() -> Path:
     return verilog_dir().parent / "fpga" / "figures.json"
 
 
-def _ordered(figures: Figures) -> Figures:
+def recorded_rows(figures: Figures) -> Figures:
+    """The figures that are kept, in the order of the catalogue and of the devices, the larger devices of a family last."""
     modules, devices = list(MODULES), list(DEVICES)
-    rows = [figure for figure in figures.values() if figure.module in MODULES and figure.device in DEVICES]
+    rows = [
+        figure
+        for figure in figures.values()
+        if figure.module in MODULES and figure.device in DEVICES and not _known_from_a_smaller(figure, figures)
+    ]
     rows.sort(key=lambda row: (modules.index(row.module), devices.index(row.device), row.n or 0))
     return {row.name: row for row in rows}
+
+
+def _known_from_a_smaller(figure: Figure, figures: Figures) -> bool:
+    """Whether a smaller device of the same family, which has the same fabric, was routed with the same case."""
+    for name, device in DEVICES.items():
+        if name == figure.device:
+            return False
+        same = figures.get(f"{case_name(figure.module, figure.n)} {name}")
+        if device.synthesis == DEVICES[figure.device].synthesis and same is not None and same.fmax_mhz:
+            return True
+    return False
 
 
 _HEAD = ("module", "N", "device", "LUTs", "FFs", "block RAMs", "LUT RAMs", "multipliers", "Fmax best", "median", "MHz")

@@ -15,8 +15,8 @@ from matplotlib.figure import Figure as Picture
 from evcot.outputs import written_aside
 
 from .devices import DEVICES
-from .figures import Figure, Figures
-from .report import PUBLISHED_NS, latency_name
+from .figures import Figure, Figures, case_name
+from .report import PUBLISHED_NS
 
 __all__ = ["draw"]
 
@@ -60,8 +60,8 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path, outdated: Coll
             _points(luts, smallest, [row.luts for row in smallest], outdated, color=colour, marker="o", label=module)
             _fmax(fmax, module, here, colour, outdated)
             routed = list({row.n: row for row in reversed(here) if row.median_mhz}.values())[::-1]
-            timed = [row for row in routed if latency_name(module, row.n) in clocks]
-            times = [clocks[latency_name(module, row.n)] / (row.median_mhz or 1.0) * 1e3 for row in timed]
+            timed = [row for row in routed if case_name(module, row.n) in clocks]
+            times = [clocks[case_name(module, row.n)] / (row.median_mhz or 1.0) * 1e3 for row in timed]
             _points(latency, timed, times, outdated, color=colour, marker="o", label=module)
         for (name, _, ns), (n, side) in zip(PUBLISHED_NS[1:], ((64, "right"), (1, "left"), (64, "right")), strict=True):
             latency.axhline(float(ns), color=_INK, linewidth=0.8, linestyle="dashed")

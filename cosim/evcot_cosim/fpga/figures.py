@@ -19,6 +19,7 @@ __all__ = [
     "Figure",
     "Figures",
     "Growth",
+    "case_name",
     "growths",
     "load",
     "recorded_with",
@@ -67,7 +68,7 @@ class Figure:
 
     @property
     def name(self) -> str:
-        return f"{self.module}{'' if self.n is None else f' N={self.n}'} {self.device}"
+        return f"{case_name(self.module, self.n)} {self.device}"
 
     @property
     def median_mhz(self) -> float | None:
@@ -80,6 +81,11 @@ class Figure:
 
 Figures = dict[str, Figure]
 """By name."""
+
+
+def case_name(module: str, n: int | None) -> str:
+    """A module with its size, if it has one."""
+    return module if n is None else f"{module} N={n}"
 
 
 def load(path: Path) -> Figures:

@@ -14,7 +14,7 @@ from .catalogue import MODULES
 from .devices import DEVICES
 from .figures import USUAL_SEEDS, Figure, Figures, seed_noise, smallest_loss
 
-__all__ = ["MARK", "PUBLISHED_NS", "filled", "latency_name", "shown_clocks", "write_tables"]
+__all__ = ["MARK", "PUBLISHED_NS", "filled", "shown_clocks", "write_tables"]
 
 PUBLISHED_NS = (
     ("published library of event-based components, any of them", "", "below 300"),
@@ -46,7 +46,7 @@ def filled(path: Path, text: str, figures: Figures, clocks: Mapping[str, int], o
     Args:
         path: of the page, for messages.
         figures: all recorded figures.
-        clocks: latency by `latency_name`.
+        clocks: latency by `case_name`.
         outdated: names of figures whose module has changed since; they are marked.
 
     Raises:
@@ -68,7 +68,7 @@ def filled(path: Path, text: str, figures: Figures, clocks: Mapping[str, int], o
 
 
 def shown_clocks(text: str) -> dict[str, int]:
-    """The latencies that a page shows, by `latency_name`."""
+    """The latencies that a page shows, by `case_name`."""
     _, _, rest = text.partition("<!-- latency -->\n")
     rows = re.findall(r"^\| ([^|]*?) \| (\d+) \|", rest.partition("<!-- end -->")[0], re.MULTILINE)
     return {label.replace(", N = ", " N="): int(count) for label, count in rows}
@@ -146,11 +146,6 @@ def _fmax(figure: Figure, outdated: Collection[str]) -> str:
 def _noise(noise: float) -> str:
     seen = " or ".join(f"by {smallest_loss(noise, seeds):.1%} with {seeds} seeds" for seeds in (3, 5))
     return f"From seed to seed Fmax differs by {noise:.1%} (standard deviation). A median is seen when it is lower {seen}."
-
-
-def latency_name(module: str, n: int | None) -> str:
-    """A case without its device."""
-    return module if n is None else f"{module} N={n}"
 
 
 def _latency(figures: Figures, clocks: Mapping[str, int], outdated: Collection[str]) -> str:

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""fpga.cli: which of the measured figures are recorded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from evcot_cosim.fpga.cli import recorded_rows
+from evcot_cosim.fpga.figures import Figure, Figures
+
+SMALL = Figure("cot_array", 8, "ecp5-25", "key", 3_662, 3_053, 0, 568, 0, 1, (150.0,))
+
+
+def by_name(*figures: Figure) -> Figures:
+    return {figure.name: figure for figure in figures}
+
+
+def test_a_larger_device_says_nothing_more_once_a_smaller_one_was_routed() -> None:
+    larger = [replace(SMALL, device=device) for device in ("ecp5-45", "ecp5-85")]
+    assert list(recorded_rows(by_name(*larger, SMALL))) == ["cot_array N=8 ecp5-25"]
+
+
+def test_what_does_not_fit_is_kept_up_to_the_device_that_it_fits() -> None:
+    full = replace(SMALL, fmax_mhz=(), misfit="does not fit: 69 of 56 block RAMs")
+    larger = [replace(SMALL, device=device) for device in ("ecp5-45", "ecp5-85")]
+    assert list(recorded_rows(by_name(full, *larger))) == ["cot_array N=8 ecp5-25", "cot_array N=8 ecp5-45"]
+
+
+def test_other_sizes_and_families_are_other_cases() -> None:
+    others = [replace(SMALL, n=16, device="ecp5-45"), replace(SMALL, device="hx8k"), replace(SMALL, device="gowin")]
+    assert len(recorded_rows(by_name(SMALL, *others))) == 4
+
+
+def test_modules_and_devices_of_the_past_are_dropped() -> None:
+    assert not recorded_rows(by_name(replace(SMALL, module="cot_engine"), replace(SMALL, device="ecp5-12")))
