@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,8 +34,13 @@ LATENCY_MAX = 4_095  # clocks; longer latencies share the last bin
 CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough to make the cost of a call negligible
 
 
-class Step(NamedTuple):
-    """Decisions of both on one chunk of events; `model` is None if the hardware ran alone."""
+@dataclass(frozen=True)
+class Step:
+    """What hardware and model decided about one chunk of events.
+
+    Attributes:
+        hardware, model: each with `records`, `owner`, `rel_x` and `rel_y`; `model` is None if the hardware ran alone.
+    """
 
     hardware: Decisions
     model: Decisions | None

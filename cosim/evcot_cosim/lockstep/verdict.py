@@ -146,9 +146,9 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
             "no track became visible",
             _register(side, summary, "clust_nev", "require fewer events for a birth", "below"),
         )
-    text = f"{_counted_tracks(found.tracks)} for about {found.alive_mean:.2g} alive at a time"
+    text = f"{_counted_tracks(found.tracks)}, about {found.alive_mean:.2g} alive at a time"
     if found.tracks_per_alive is not None:
-        text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} for each of them)"
+        text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} per object alive)"
     share = found.short / found.tracks
     text += f"; {_percent(share)} are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"
     grade = _above(share, _SHORT)
@@ -191,10 +191,11 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
         return [Line("agreement", "", Grade.POOR, "hardware or software has no track to compare")]
     worse = min(shares)
     grade = Grade(2 - (worse >= _PAIRED[1]) - (worse >= _PAIRED[0]))
+    same = len(found["merges"])
     text = (
         f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, and "
         f"software tracks a hardware track for {_percent(shares[1])}; of {found['merges_hardware']:,} merges in hardware and "
-        f"{found['merges_software']:,} in software, {len(found['merges']):,} are the same"
+        f"{found['merges_software']:,} in software, {same:,} {'is' if same == 1 else 'are'} the same"
     )
     return [
         Line(

@@ -116,7 +116,7 @@ def _figures(side: str, a: Quality, b: Quality) -> list[tuple[str, str, str]]:
     rows: tuple[tuple[str, Callable[[Quality], str]], ...] = (
         ("tracks", lambda q: figure(q.tracks)),
         ("alive on average", lambda q: figure(q.alive_mean)),
-        ("tracks for each alive", lambda q: figure(q.tracks_per_alive, 1)),
+        ("tracks per object alive", lambda q: figure(q.tracks_per_alive, 1)),
         ("short tracks", lambda q: f"{q.short:,}" + (f" ({percent(q.short / q.tracks)})" if q.tracks else "")),
         ("events in lasting tracks", lambda q: percent(q.owned_fraction)),
         ("isolated events filtered out", lambda q: percent(q.isolated_dropped_fraction)),
