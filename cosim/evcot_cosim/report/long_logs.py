@@ -13,14 +13,14 @@ from typing import Any
 import evcot
 from evcot.outputs import folder_written_aside
 from evcot.tracks.belongs import Extent
+from evcot.tracks.log_parts import in_step
 from evcot.tracks.npz import NpzFile
 from evcot.tracks.parquet import LogFile
-from evcot.tracks.parts import in_step
 
 from ..lockstep.run_file import RUN_FILE, Source
 from ..lockstep.verdict import verdict_by
 from .overview import write_overview
-from .parts import LongLog, LongRecording, part_names, write_parts
+from .part_pages import LongLog, LongRecording, part_names, write_parts
 
 __all__ = ["write_long_logs"]
 

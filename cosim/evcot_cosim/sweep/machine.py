@@ -27,7 +27,7 @@ Machine = Mapping[str, Any]
 
 _RESULTS_DEPEND_ON = ("numpy", "numba", "scipy")
 _ROOMS = ("devices", "lockstep", "rtl")  # of this package, by which a result could change; and of this room:
-_MODULES = ("configure", "cost", "execute", "fields", "inputs", "parts", "places", "task")
+_MODULES = ("checkpoints", "configure", "cost", "execute", "fields", "inputs", "places", "task")
 _BLOCK = 1 << 22
 
 

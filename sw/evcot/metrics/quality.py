@@ -90,7 +90,7 @@ def quality_of(log: TrackLog, events: Events, alone: NDArray[np.bool_]) -> Quali
 
 
 class QualityCounter:
-    """The figures of a log that comes in parts, see `tracks.parts.Parts`: the same as of the whole.
+    """The figures of a log that comes in parts, see `tracks.log_parts.LogParts`: the same as of the whole.
 
     Args:
         begin_us, end_us: times of the recording's first and last event.

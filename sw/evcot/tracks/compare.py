@@ -139,7 +139,7 @@ def compare(
 
 
 class Comparison:
-    """The agreement of two logs that come in parts, see `tracks.parts.Parts`: the same as of the whole.
+    """The agreement of two logs that come in parts, see `tracks.log_parts.LogParts`: the same as of the whole.
 
     Memory holds the distances of all pairs, 8 bytes each at no more than 20 000 samples, and 75 bytes a track and a merge.
 

@@ -19,7 +19,7 @@ from .log import TRACK, Kind, TrackLog
 from .spool import LogColumns
 from .timeline import OPEN, by_life, lifetimes
 
-__all__ = ["Parts", "in_step", "runs_of"]
+__all__ = ["LogParts", "in_step", "runs_of"]
 
 _OWNERS, _RECORDS = 1 << 16, 1 << 14  # of a run
 _BEFORE = -(1 << 62)  # `event_index` of what was before the part
@@ -55,7 +55,7 @@ def in_step(
         owner = following
 
 
-class Parts:
+class LogParts:
     """Cuts a log that comes in runs.
 
     Args:
