@@ -130,7 +130,7 @@ class Lane:
             "clusters": len(self.clusters.states),
             "tracks": count[Kind.BORN],
             "merged": count[Kind.MERGED],
-            "lost": count[Kind.LOST],
+            "lost": count[Kind.BORN] - count[Kind.MERGED] - len(self.clusters.states),  # for now: it may be found again
             "tracked_ms": quantiles(self.tracked.recent_ms),
         }
 
