@@ -51,8 +51,8 @@ class Lane:
 
     Args:
         wait_s: events that have waited longer for the tracker are dropped if there are newer ones.
-        keep: told all records and owners, those of dropped events included.
-        done: told every packet that was tracked, with its owners.
+        keep: called with all records and owners, those of dropped events included.
+        done: called with every packet that was tracked, and its owners.
 
     Attributes:
         about: what runs in it, which a substitute changes.

@@ -211,7 +211,7 @@ def dump_window(
     Args:
         path: of the VCD; `force` replaces one that exists.
         first_event, last_event: numbers of the events around which clocks are dumped.
-        progress: told how many events were driven so far.
+        progress: called with the number of events driven so far.
 
     Raises:
         OutputError: the file exists, or cannot be written.

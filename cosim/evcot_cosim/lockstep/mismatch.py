@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The first difference between hardware and model, and the error that tells of it."""
+"""The first difference between hardware and model, and the error that reports it."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def verdict_by(figures: Mapping[str, Quality], summary: Mapping[str, Any]) -> Ve
 
 
 def _counted(line: Line) -> Grade:
-    """Hardware and software that disagree do not say which of them is wrong: that alone makes no run useless."""
+    """Where hardware and software disagree, either may be wrong: that alone makes no run useless."""
     return min(line.grade, Grade.FAIR) if line.about == "agreement" else line.grade
 
 

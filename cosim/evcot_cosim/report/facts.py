@@ -21,7 +21,7 @@ _UNKNOWN = "–"
 
 @dataclass(frozen=True)
 class Place:
-    """A place in the playback: microseconds after the first event, the side and track to select, and what else is to say."""
+    """A place in the playback: microseconds after the first event, the side and track to select, and a text."""
 
     at_us: int
     side: str

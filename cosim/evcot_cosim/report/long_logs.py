@@ -40,9 +40,9 @@ def write_long_logs(
 
     Args:
         logs: by side.
-        check: told the extent of the recording, to refuse logs of another one.
-        claim: told the folder and its files before they are written.
-        progress: told how many events are done.
+        check: called with the extent of the recording, to refuse logs of another one.
+        claim: called with the folder and its files before they are written.
+        progress: called with the number of events done.
 
     Raises:
         OutputError: a file exists (without `force`), or cannot be written.

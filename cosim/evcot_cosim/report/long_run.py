@@ -53,7 +53,7 @@ def write_long_run(
 
     Args:
         head: the first events; a waveform is written if the first birth is among them.
-        progress: told how many events are done.
+        progress: called with the number of events done.
 
     Raises:
         OutputError: a file cannot be written.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of a recording of any length: one for each part of it, and what an overview says of each; memory holds one part."""
+"""Pages of a recording of any length: one for each part of it, and the figures of each for an overview; memory holds one part."""
 
 from __future__ import annotations
 
@@ -88,8 +88,8 @@ def write_parts(
     Args:
         logs: by side.
         about: what the pages' summaries have besides name and verdict.
-        comparison: of the sides hardware and software; it is told every part.
-        progress: told how many events are done.
+        comparison: of the sides hardware and software; every part is added to it.
+        progress: called with the number of events done.
 
     Raises:
         OutputError: a file cannot be written.

@@ -75,7 +75,7 @@ def execute(task: Task) -> dict[str, Any]:
                 row |= {"status": MISMATCH, "error": str(error)}
             except EvcotError as error:
                 row |= {"status": FAILED, "error": str(error)}
-            except Exception as error:  # a row must say it: the sweep goes on
+            except Exception as error:  # it goes into the row, and the sweep goes on
                 place = traceback.extract_tb(error.__traceback__)[-1]
                 text = " ".join(str(error).split())
                 row |= {"status": FAILED, "error": f"{type(error).__name__}: {text} ({place.name}, line {place.lineno})"}
@@ -88,7 +88,7 @@ def execute(task: Task) -> dict[str, Any]:
 
 
 def row_of(task: Task) -> dict[str, Any]:
-    """What a row says before its run."""
+    """The columns of a row that are known before its run."""
     source = task.input
     about: dict[str, Any] = {}
     if source is not None:

@@ -113,7 +113,7 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
 
 
 def _truth_of_boxes(path: Path, boxes: Boxes, rule: Rule) -> GroundTruth:
-    """Boxes as a truth; what their file says of its images' size holds, unless the rule says it."""
+    """Boxes as a truth; the sensor is that of the rule, else the size of the images that the file states."""
     rows = boxes.rows
     detected = rows["id"] == NOBODY
     if detected.any():

@@ -22,7 +22,7 @@ UNSET_US = -(1 << 62)  # a time before all events
 class CompiledTracker:
     """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
 
-    Besides the returned arrays, memory is constant. A tracker that derives from it says how its compiled loop continues
+    Besides the returned arrays, memory is constant. A tracker that derives from it defines how its compiled loop continues
     (`_continue`) and how a packet is closed (`_close`).
     """
 

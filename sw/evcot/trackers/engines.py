@@ -58,7 +58,7 @@ class Engine:
 
     @property
     def filters(self) -> Mapping[str, FilterConfig]:
-        """Name of a preset -> the filters that it wants in front."""
+        """Name of a preset -> the filters that belong in front of it."""
         return self._parts.filters
 
 

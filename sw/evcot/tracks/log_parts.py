@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A track log in parts, one after the other, each a log of its own that knows of the tracks alive at its beginning.
+"""A track log in parts, one after the other, each a log of its own that begins with the tracks that are alive then.
 
 A part holds the records that belong to its events, by the order of the log. Before them come three records for every track
 that is alive: where it was born and the corners of the places where it has been, then its newest state, so that lifetimes,

@@ -23,7 +23,7 @@ _RUN = 1 << 16
 
 
 class LogColumns(Protocol):
-    """A track log whose parts can be had one after the other: a `TrackLog`, or a `LogSpool`."""
+    """A track log that can be read part by part: a `TrackLog`, or a `LogSpool`."""
 
     @property
     def engine(self) -> str: ...
