@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: one module per group of commands. Exit codes: 0 done, 1 hardware and model differ, 2 something that the
-user can mend."""
+"""The command line: one module per group of commands. Exit codes: 0 done, 1 hardware and model differ, 2 a mistake of the
+user's."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands do, as functions; `import evcot` has them by name."""
+"""The commands as functions, which `import evcot` offers by name."""
 
 from __future__ import annotations
 

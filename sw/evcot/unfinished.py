@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Long work that goes on where it was when its process was killed: a folder beside its output, with a checkpoint.
+"""Long work that continues where it was when its process was killed: a folder beside its output, with a checkpoint.
 
 The folder `.NAME.unfinished` holds files that only grow, and `checkpoint`, the state of everything else at some moment,
 with how long the files were. It is removed when the work is done, and when it fails; it stays when the process ends in

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a command presents itself: a line on what it does, examples, and its options; and which of them name files.
+"""The help of a command: a line on what it does, examples, options; and which of its arguments name files.
 
-Every argument that names a file says by its type whether the file is read or written. That is how all files of a call are
-known, and checked, before a command begins (`claims_of`).
+The type of an argument states whether it names a file to read or to write. So all files of a call are known, and checked,
+before a command begins (`claims_of`).
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot report`: the page to explore a run with, made again or made of a software tracker's log."""
+"""`evcot report`: write the page for exploring a run, software trackers' logs, or two runs."""
 
 from __future__ import annotations
 

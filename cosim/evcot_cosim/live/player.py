@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is played: one session after another, as pages wish."""
+"""Plays one session after another, as pages choose."""
 
 from __future__ import annotations
 

@@ -237,7 +237,7 @@ class Server:
         return json.dumps({"type": "figures", **session.figures(), **place, **told})
 
     async def _say_goodbye(self, connection: Any, session: Session, inbox: Waiting[Step]) -> None:
-        """Send the last figures when all is over, and close the connection in a way that the page distinguishes from a failure."""
+        """Send the last figures when all is over, and close the connection with a code that a failure does not have."""
         await self._ended.wait()
         await connection.send(self._figures(session, inbox))
         await connection.close(1000, "ended")

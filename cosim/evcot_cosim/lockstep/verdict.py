@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How good a run is, in a few lines with figures: exactness, tracks, events, noise, agreement, and what to do about each.
 
-The terminal, summary.json and the report show these lines. Nothing here knows a ground truth.
+The terminal, summary.json and the report show these lines. No ground truth is used.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two runs of one recording side by side: what differs in their settings, and what came of it."""
+"""Two runs of one recording side by side: how their settings and their results differ."""
 
 from __future__ import annotations
 

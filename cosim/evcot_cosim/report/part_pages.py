@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of a recording of any length: one for each part of it, and the figures of each for an overview; memory holds one part."""
+"""Pages of a recording of any length: one page for each part, and its figures for an overview. Memory holds one part."""
 
 from __future__ import annotations
 

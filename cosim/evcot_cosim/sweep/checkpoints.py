@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run of a sweep leaves, block by block; a long one makes checkpoints, from which it goes on when it was killed."""
+"""The results of one run of a sweep, block by block. A long run makes checkpoints, from which it continues after a kill."""
 
 from __future__ import annotations
 

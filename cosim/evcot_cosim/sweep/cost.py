@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What hardware costs on an FPGA, by the figures that `make fpga` has measured: no synthesis for a run of a sweep."""
+"""Cost of the hardware on an FPGA, from the figures that `make fpga` has measured: a run of a sweep needs no synthesis."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a worker is and has: versions, a fingerprint of the program, and the contents of recordings as it sees them."""
+"""Description of a worker: versions, a fingerprint of the program, and the contents of recordings as it sees them."""
 
 from __future__ import annotations
 

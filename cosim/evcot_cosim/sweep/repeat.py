@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One run of a sweep again, by its key, and compared with what the store has of it."""
+"""Repeats one run of a sweep, by its key, and compares it with the store."""
 
 from __future__ import annotations
 

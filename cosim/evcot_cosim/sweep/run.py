@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A sweep from its specification to a full store: what is done is left out, the rest handed out, rows written as they come."""
+"""A sweep from its specification to a full store: does the runs that the store does not have, and writes rows as they come."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the trackers with a compiled loop share: checks of what comes in, and records taken out of a buffer of fixed length."""
+"""Common base of the trackers with a compiled loop: checks of the input, and records taken from a buffer of fixed length."""
 
 from __future__ import annotations
 

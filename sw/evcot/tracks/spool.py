@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A track log of any length on its way to its file: records and owners in two files that grow as a tracker goes on.
+"""A track log of any length before it is written: records and owners in two files that grow while a tracker runs.
 
 From there they are written in the form that is wanted. These files can be cut back to what a checkpoint knows of them, which a
 finished file cannot.

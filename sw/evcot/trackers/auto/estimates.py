@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the automatic tracker saw of a scene: noise, hot pixels, and the number, size and speed of its objects.
+"""Estimates of the automatic tracker about a scene: noise, hot pixels, and the number, size and speed of its objects.
 
 See docs/auto.md, "What is estimated".
 """
