@@ -206,7 +206,8 @@ def dump_window(
 ) -> Clocks:
     """Run the hardware again on the same chunks of events and dump the clocks around a window of events to a VCD.
 
-    Clock for clock what a `Lockstep` with the same arguments did, up to the end of the window. Returns when what happened.
+    Every clock is as it was in a `Lockstep` with the same arguments, up to the end of the window. Returns the clocks at which
+    events were accepted and records sent.
 
     Args:
         path: of the VCD; `force` replaces one that exists.

@@ -52,7 +52,7 @@ class Mismatch:
 
 
 class MismatchError(EvcotError, AssertionError):
-    """Hardware and model differ; `mismatch` says where."""
+    """Hardware and model differ; `mismatch` is the first difference."""
 
     def __init__(self, mismatch: Mismatch) -> None:
         super().__init__(str(mismatch))

@@ -43,7 +43,7 @@ class Source:
         seed: seed of a scene.
         from_us, to_us: the part to use, relative to the first event; to_us None for all.
         width, height: sensor size, overriding the file's; 0 for the file's.
-        skip_damaged: leave out damaged parts of the file.
+        skip_damaged: whether damaged parts of the file are left out.
         struct: of a MATLAB file, the struct of events; empty for the usual one.
     """
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A track log of any length before it is written: records and owners in two files that grow while a tracker runs.
 
-From there they are written in the form that is wanted. These files can be cut back to what a checkpoint knows of them, which a
+From there they are written in the form that is wanted. These files can be cut back to the length noted by a checkpoint, which a
 finished file cannot.
 """
 
