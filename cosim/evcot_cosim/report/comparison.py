@@ -117,7 +117,7 @@ def _figures(side: str, a: Quality, b: Quality) -> list[tuple[str, str, str]]:
         ("tracks", lambda q: figure(q.tracks)),
         ("alive on average", lambda q: figure(q.alive_mean)),
         ("tracks per object alive", lambda q: figure(q.tracks_per_alive, 1)),
-        ("short tracks", lambda q: f"{q.short:,}" + (f" ({percent(q.short / q.tracks)})" if q.tracks else "")),
+        ("short tracks", lambda q: f"{q.short:,}" + (f" ({percent(q.short / q.lives)})" if q.lives else "")),
         ("events in lasting tracks", lambda q: percent(q.owned_fraction)),
         ("isolated events filtered out", lambda q: percent(q.isolated_dropped_fraction)),
         ("isolated events in tracks", lambda q: percent(q.isolated_owned_fraction)),

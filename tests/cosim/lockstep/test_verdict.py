@@ -133,6 +133,9 @@ def test_the_terminal_has_every_line_and_every_advice(monkeypatch: pytest.Monkey
         assert one.text in text
         assert one.advice in text
     assert text.startswith(f"verdict: {verdict.headline}")
+    narrow = verdict_lines(verdict, 80)
+    assert max(map(len, narrow)) <= 80
+    assert " ".join(" ".join(narrow).split()) == " ".join(text.split())
 
 
 @pytest.mark.parametrize(("tracks", "per"), [(3_000, "1,500"), (26, "13"), (3, "1.5")])
