@@ -15,7 +15,7 @@ from ..events import Events
 from ..filters.config import FilterConfig
 from ..filters.run import filtered
 from ..tracks.log import DROPPED, Kind, TrackLog
-from ..tracks.timeline import OPEN, by_life, lifetimes
+from ..tracks.timeline import OPEN, FoundAgain, by_life, lifetimes
 
 __all__ = ["Quality", "QualityCounter", "isolated", "isolation", "quality_of"]
 
@@ -109,7 +109,7 @@ class QualityCounter:
         self._short_us = int(min(_SHORT_US, _SHORT_PART * self._span_us))
         self._sums = Counter[str]()
         self._open = np.zeros((0, 3), np.int64)  # of each track alive: events, isolated ones, and those that count as lasting
-        self._lost = np.empty(0, np.int64)  # ids, ascending
+        self._found_again = FoundAgain()
 
     def add(self, log: TrackLog, events: Events, alone: NDArray[np.bool_], *, last: bool = True) -> None:
         """Count a part; arguments as of `quality_of`, and whether it is the last one.
@@ -118,7 +118,7 @@ class QualityCounter:
         """
         lives = lifetimes(log, self._end_us)
         lengths_us = lives["end_us"] - lives["birth_us"]
-        found_again = self._found_again(log, lives)
+        found_again = self._found_again.of(log, lives)[len(self._open) :]
         over = (lives["ended"] != OPEN) | last
         short = (lengths_us < self._short_us) & (lives["ended"] != OPEN) & ~_travelled(log)
         life = _life_of_event(log, events.t_us, lives)
@@ -130,7 +130,7 @@ class QualityCounter:
         self._open = counts[~over]
         self._sums.update(
             lives=int(over.sum()),
-            found_again=found_again,
+            found_again=int(found_again.sum()),
             alive_us=int(lengths_us[over].sum()),
             short=int(short.sum()),
             short_merged=int((short & (lives["ended"] == Kind.MERGED)).sum()),
@@ -166,15 +166,6 @@ class QualityCounter:
             noise_time_fraction=_share(sums["noise_us"], sums["alive_us"]),
             found_again=sums["found_again"],
         )
-
-    def _found_again(self, log: TrackLog, lives: NDArray[np.void]) -> int:
-        """How many lives begin in this part without BORN, of a track that was lost before."""
-        order, first = by_life(log)
-        _, first_of_id, inverse = np.unique(lives["track_id"], return_index=True, return_inverse=True)
-        known = (first_of_id[inverse] < np.arange(len(lives))) | np.isin(lives["track_id"], self._lost)
-        begins = np.arange(len(lives)) >= len(self._open)
-        self._lost = np.union1d(self._lost, lives["track_id"][lives["ended"] == Kind.LOST])
-        return int(np.count_nonzero(begins & known & (log.records["kind"][order[first]] != Kind.BORN)))
 
 
 def _share(part: int, whole: int) -> float | None:
