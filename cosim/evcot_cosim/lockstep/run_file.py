@@ -30,7 +30,7 @@ from ..names import DEFAULT_TOP, Top
 __all__ = ["HEAD_EVENTS", "RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
 
 HEAD_EVENTS = 1 << 18  # of a long recording, in memory
-_HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] names the recording or scene.\n"
+_HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] names the source of the events.\n"
 
 
 @dataclass(frozen=True)
