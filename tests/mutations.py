@@ -29,8 +29,9 @@ KERNELS = ROOT / "build" / "cache" / "numba"  # of Python, the same for every mu
 TABLE = ROOT / "docs" / "mutations.md"
 HEADING = """# What the tests catch
 
-The RTL, broken in one place at a time. Made by `python tests/mutations.py --write`, which runs the tests of the modules
-concerned on each broken copy and fails when one of them goes unnoticed. Named is the first test that failed in each test file.
+Each row is the RTL with one mistake in it, and the tests that noticed. The table is written by `python tests/mutations.py
+--write`, which runs the tests of the modules concerned on each broken copy, and fails if any mistake goes unnoticed. Of each
+test file the first test that failed is named.
 
 | mutation | in | caught by |
 |---|---|---|

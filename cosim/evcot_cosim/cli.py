@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: one module per group of commands. Exit codes: 0 done, 1 hardware and model differ, 2 something that the
-user can mend."""
+"""The command line: one module per group of commands. Exit codes: 0 done, 1 hardware and model differ, 2 a mistake of the
+user's."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from .commands import (
 )
 from .commands import filter as filter_command
 from .commands.exit_codes import MISMATCH, USER_ERROR
-from .commands.parsing import Parser, claims_of
+from .commands.parsing import HelpFormatter, Parser, claims_of
 from .lockstep.mismatch import MismatchError
 
 __all__ = ["main", "parser"]
@@ -51,7 +51,7 @@ _EXAMPLES = """examples:
   evcot track highway.aedat4 -o log.npz
   evcot evaluate log.npz --truth highway.truth.csv
 
-`evcot COMMAND -h` has the options of a command, and more examples.
+`evcot COMMAND -h` shows the options of a command, and more examples.
 """
 
 
@@ -84,7 +84,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _warnings_in_one_line() -> Iterator[None]:
-    """What is amiss with a recording is told as errors are, and once, however often it is read."""
+    """Print a warning about a recording as errors are printed, in one line, and once, however often the recording is read."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", RecordingWarning)
         show = warnings.showwarning
@@ -109,29 +109,29 @@ def parser() -> argparse.ArgumentParser:
     whole = Parser(
         prog="evcot",
         description=f"Event-camera object tracking: hardware, model and software in lock-step.\n\n{_EXAMPLES}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     whole.add_argument("--version", action="version", version=f"evcot {evcot.__version__}")
     commands: Any = whole.add_subparsers(required=True, metavar="COMMAND")
     for group in (
         cosim,
-        report,
-        waves,
-        toggles,
-        live,
-        plot,
-        render,
         track,
-        simulate,
+        live,
         recordings,
         filter_command,
+        simulate,
         evaluate,
+        report,
+        plot,
+        render,
         boxes,
         anomalies,
-        board,
-        bench,
         sweep,
         tune,
+        waves,
+        toggles,
+        board,
+        bench,
         presets,
     ):
         group.add(commands)

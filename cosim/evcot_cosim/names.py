@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the command line offers by name, without what stands behind the names."""
+"""Names that the command line offers, in a module that is cheap to import."""
 
 from __future__ import annotations
 

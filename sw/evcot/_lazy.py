@@ -16,7 +16,7 @@ def lazily(package: str, names: Mapping[str, Sequence[str]]) -> tuple[Callable[[
 
     Args:
         package: its `__name__`.
-        names: module of the package -> the names that the package has from there, as an import statement says them: `a`, or
+        names: module of the package -> the names that the package has from there, written as in an import statement: `a`, or
             `a as b`. None may be the name of a module of the package: importing that would put it in the name's place. With
             the module "" the names are those of modules of the package themselves.
     """

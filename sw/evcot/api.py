@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands do, as functions; `import evcot` has them by name."""
+"""The commands as functions, which `import evcot` offers by name."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ __all__ = ["evaluate", "filter_recording", "simulate", "track"]
 
 
 def filter_recording(recording: Recording, config: FilterConfig | None = None, **settings: Any) -> Recording:
-    """The events of a recording that filters let through, as `evcot filter` writes them.
+    """Filter a recording, as `evcot filter` does; returns the events that pass.
 
     Example:
         clean = evcot.filter(recording, refractory_us=1_000, activity_us=5_000)
 
     Args:
-        config: which filters are on; None: none.
-        settings: fields of `FilterConfig`, in place of those of `config`.
+        config: the filters and their settings; None: all filters are off.
+        settings: fields of `FilterConfig`, which replace those of `config`.
 
     Raises:
         ConfigError: no such field, a value outside its range, or a hot pixel outside the sensor.
@@ -72,14 +72,15 @@ def track(
     Args:
         source: a recording in memory, or a file in any format that evcot reads, which is read block by block.
         engine: one of `ENGINES`.
-        preset: one of `ENGINES[engine].presets`; None: the first, or of "cot" the one for the sensor.
+        preset: one of `ENGINES[engine].presets`; None: the first, or, for "cot", the one for the sensor.
         config: a TOML file that overrides the preset.
-        settings: the engine's settings themselves, in place of preset and file; of "cot" a `RunConfig`.
-        filters: in front of the tracker; None: the preset's.
-        changes: fields of the engine's settings, in place of those of the preset; not of "cot", whose settings are registers.
+        settings: an object with all of the engine's settings, in place of preset and file; for "cot" a `RunConfig`.
+        filters: those in front of the tracker; None: the preset's.
+        changes: fields of the engine's settings, which replace those of the preset; not for "cot", whose settings are
+            registers.
 
     Returns:
-        What became of every track, and who took each event.
+        The records of every track (births, moves, merges, losses), and the owner of each event.
 
     Raises:
         ConfigError: no such engine, preset or setting, or a value outside its range.
@@ -110,7 +111,7 @@ def simulate(scene: str, seed: int = 1, **settings: Any) -> Scene:
 
     Args:
         scene: one of `SCENES`.
-        seed: of everything random; the same gives the same events.
+        seed: seeds all random numbers; the same seed gives the same events.
         settings: fields of the scene's settings or of its pixel model; `evcot simulate SCENE --list` shows them.
 
     Raises:
@@ -129,24 +130,24 @@ def evaluate(
     log_format: str | None = None,
     truth_format: str | None = None,
 ) -> Scores:
-    """Hold tracks against a ground truth, as `evcot evaluate` does.
+    """Score tracks against a ground truth, as `evcot evaluate` does.
 
     Example:
         scene = evcot.simulate("discs")
         evcot.evaluate(evcot.track(scene.recording), scene.truth).hota
 
     Args:
-        log: a log, or the file of one, or a file of boxes of any tracker.
-        truth: a scene's, one that was read already, a CSV file, or a file of boxes.
-        rule: how the truth is read and scored: a rule, the name of one in `metrics.RULES`, or a TOML file; None: the one for
+        log: a track log, the file of one, or a file of boxes of any tracker.
+        truth: the truth of a scene, one that was read by `read_truth`, a CSV file, or a file of boxes.
+        rule: how the truth is read and scored: a rule, the name of one in `metrics.RULES`, or a TOML file; None: the rule for
             scenes, or the one with the file's columns.
         sensor: (width, height) in pixels; None: the rule's.
-        clock: the time of frames, for files of boxes that have frames in place of times.
-        log_format, truth_format: formats of boxes, in `FORMATS` of `tracks.formats.registry`; None: by the files' names.
+        clock: the times of frames, for files of boxes that number frames.
+        log_format, truth_format: names of box formats, of `tracks.formats.registry.FORMATS`; None: chosen by the files' names.
 
     Raises:
-        TrackLogError: a log or boxes that cannot be used, or that have another clock than the truth.
-        ConfigError: a rule that cannot be used, or a truth that was read already without one.
+        TrackLogError: a log or boxes that cannot be used, or whose times lie apart from those of the truth.
+        ConfigError: a rule that cannot be used, or no rule for a truth that was read by `read_truth`.
         RecordingError: a truth that cannot be read.
     """
     chosen = _rule(truth, rule, truth_format).on(sensor)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Long work that goes on where it was when its process was killed: a folder beside its output, with a checkpoint.
+"""Long work that continues where it was when its process was killed: a folder beside its output, with a checkpoint.
 
 The folder `.NAME.unfinished` holds files that only grow, and `checkpoint`, the state of everything else at some moment,
 with how long the files were. It is removed when the work is done, and when it fails; it stays when the process ends in
@@ -26,7 +26,7 @@ from .outputs import spool_folder
 
 __all__ = ["CHECKPOINT_EVENTS", "Unfinished", "folder_of", "unfinished"]
 
-CHECKPOINT_EVENTS = 1 << 24  # between two checkpoints, unless somebody says otherwise
+CHECKPOINT_EVENTS = 1 << 24  # between two checkpoints, by default
 
 _STATE, _LOCK = "checkpoint", "lock"
 _HEAD = b"evcot checkpoint 1\n"
@@ -118,7 +118,7 @@ def unfinished(path: Path, key: Callable[[], str]) -> Iterator[Unfinished]:
     """The folder of the work that will write `path`; with the last state, if the same work was ended before it was done.
 
     Args:
-        key: a text that changes with everything on which the result depends; it is asked for only when it is needed.
+        key: a text that changes with everything on which the result depends; it is called only when it is needed.
 
     Raises:
         OutputError: another process is at the same work, the folder cannot be written, or the disk is full: then, after a

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from evcot.events import Events
-from evcot_cosim.sweep import execute, inputs, parts
+from evcot_cosim.sweep import checkpoints, execute, inputs
 from evcot_cosim.sweep.task import Input, Task
 
 BLOCK, CHECKPOINT = 250, 600
@@ -36,8 +36,8 @@ def in_small_blocks(source: Input, seen: Callable[[Events], None]) -> Iterator[i
 
 def small(patch: pytest.MonkeyPatch, cache: Path, seen: Callable[[Events], None] = lambda _: None) -> None:
     patch.setattr(execute, "opened", lambda source: in_small_blocks(source, seen))
-    patch.setattr(parts, "CHECKPOINT_EVENTS", CHECKPOINT)
-    patch.setattr(parts, "cache_dir", lambda: cache)
+    patch.setattr(checkpoints, "CHECKPOINT_EVENTS", CHECKPOINT)
+    patch.setattr(checkpoints, "cache_dir", lambda: cache)
 
 
 def dies_once(cache: Path, task: Task) -> dict[str, Any]:

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands of the command line, one module each; `add` puts one into the parser."""
+"""Commands of the command line, one module each; `add` adds one to the parser."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot anomalies`: trajectories that do not fit, and what is normal."""
+"""`evcot anomalies`: flag unusual trajectories, or learn which are normal."""
 
 from __future__ import annotations
 
@@ -28,6 +28,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="a setting of the rules; may be repeated"
     )
-    output_option(parser, "-o", "--output", metavar="FILE", help="alarms as .csv or .json; with --learn the .npz")
-    output_option(parser, "--picture", metavar="PNG", help="draw tracks and alarms")
+    output_option(
+        parser, "-o", "--output", metavar="FILE", help="write alarms as .csv or .json; with --learn, normal motion as .npz"
+    )
+    output_option(parser, "--picture", metavar="PNG", help="draw tracks and alarms there")
     parser.add_argument("--json", action="store_true", help="print everything as JSON")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot bench`: how fast everything runs here, on a recording of one's own. Against references: benchmarks/run.py."""
+"""`evcot bench`: how fast everything runs on this machine, on any recording. Comparison with references: benchmarks/run.py."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ def clock_options(parser: argparse.ArgumentParser, origin: str) -> None:
     Args:
         origin: what the origin is if it is not given.
     """
-    parser.add_argument("--frame-us", type=float, metavar="US", help="time from frame to frame, in formats that count frames")
+    parser.add_argument("--frame-us", type=float, metavar="US", help="time from frame to frame, for formats that number frames")
     parser.add_argument(
         "--origin-us", type=int, metavar="US", help=f"time of frame 1 on the recording's clock (default: {origin})"
     )

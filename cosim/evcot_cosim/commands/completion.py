@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot completion`: options, values and file names complete in the shell."""
+"""`evcot completion`: print the script with which a shell completes commands, options, values and file names."""
 
 from __future__ import annotations
 
@@ -19,5 +19,5 @@ evcot completion fish > ~/.config/fish/completions/evcot.fish
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser], whole: argparse.ArgumentParser) -> None:
     """Add the command to the command line that `whole` is of."""
     completion = add_command(commands, "completion", "print a shell's completion script", _EXAMPLES)
-    completion.add_argument("shell", choices=("bash", "zsh", "fish"), help="which shell")
+    completion.add_argument("shell", choices=("bash", "zsh", "fish"), metavar="SHELL", help="bash, zsh or fish")
     completion.set_defaults(whole=whole)

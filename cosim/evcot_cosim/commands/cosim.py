@@ -23,12 +23,12 @@ evcot cosim --config run.toml
 
 
 _TERMS = """words in the output:
-  record      what a tracker says of a track: it was born, has moved, has merged into another, or was lost
+  record      a line of a track log: a track was born, has moved, has merged into another, or was lost
   owner       the tracker slot that took an event
   CM          a cluster's centre, updated after every N_ev of its events
   TC          the time since a cluster's last event
-  isolated    of an event: without another on the eight pixels around it within the 10 ms before
-  short       of a track: ended within 0.2 s where it began
+  isolated    an event without another one on the eight pixels around it in the 10 ms before
+  short       a track that ended within 0.2 s, where it began
 """
 
 

@@ -17,8 +17,10 @@ def engine_options(parser: argparse.ArgumentParser) -> None:
     engines = "; ".join(f"{name}: {engine.title}" for name, engine in ENGINES.items())
     group = group_of(parser, "engine")
     group.add_argument("--engine", choices=ENGINES, default="auto", help=f"{engines} (default: auto)")
-    group.add_argument("--preset", metavar="NAME", help="of the engine, see `evcot presets --engine` (default: its first)")
+    group.add_argument("--preset", metavar="NAME", help="one of `evcot presets --engine ENGINE` (default: its first)")
     group.add_argument(
-        "--config", type=input_path, metavar="TOML", help="its table named after the engine overrides the preset"
+        "--config", type=input_path, metavar="TOML", help="a file whose table named after the engine overrides the preset"
     )
-    group.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; may be repeated")
+    group.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="change one setting of the engine; may be repeated"
+    )

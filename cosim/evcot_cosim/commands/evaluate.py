@@ -35,10 +35,10 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "--rule",
         type=input_or_name,
         metavar="RULE",
-        help=f"{known}, or a .toml file (default: the one with the truth's columns)",
+        help=f"how to read and score the truth: {known}, or a .toml file (default: the one with the truth's columns)",
     )
-    parser.add_argument("--log-format", metavar="NAME", help=f"of boxes as LOG: {FORMATS_TEXT}")
-    parser.add_argument("--truth-format", metavar="NAME", help=f"of boxes as TRUTH: {FORMATS_TEXT}; .csv is read by the rule")
+    parser.add_argument("--log-format", metavar="NAME", help=f"format of LOG if it has boxes: {FORMATS_TEXT}")
+    parser.add_argument("--truth-format", metavar="NAME", help=f"the same of TRUTH: {FORMATS_TEXT}; .csv is read by the rule")
     clock_options(parser, "0")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the rule's)")
     parser.add_argument("--json", action="store_true", help="print every figure as JSON")

@@ -19,9 +19,11 @@ evcot filter drive.aedat4 left.aedat4 --region 0,0,99,199 --polarity on
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = add_command(commands, "filter", "remove noise, hot pixels or all but a region from a recording", _EXAMPLES)
+    parser = add_command(
+        commands, "filter", "remove noise, hot pixels, or everything outside a region from a recording", _EXAMPLES
+    )
     parser.add_argument("source", type=input_path, metavar="A", help="the recording, in any format that evcot reads")
-    output_option(parser, "target", metavar="B", help="what to write; its suffix tells the format")
+    output_option(parser, "target", metavar="B", help="what to write; its suffix gives the format")
     recording_options(parser)
     parser.add_argument("--config", type=input_path, metavar="TOML", help="its table [filters] says what to filter")
     filter_options(parser)

@@ -30,11 +30,11 @@ def region(text: str) -> tuple[int, ...]:
 NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
     "--refractory": ("refractory_us", milliseconds, "MS", "silence a pixel for this long after each of its events"),
     "--activity": ("activity_us", milliseconds, "MS", "keep an event if a neighbour sent one at most this long before"),
-    "--activity-support": ("activity_support", int, "N", "how many neighbours (default: 1)"),
-    "--recent": ("recent_us", milliseconds, "MS", "keep an event near one of the last few, at most this old"),
+    "--activity-support": ("activity_support", int, "N", "how many neighbours must have sent one (default: 1)"),
+    "--recent": ("recent_us", milliseconds, "MS", "keep an event if one of the last few events, at most this old, was near"),
     "--recent-radius": ("recent_radius", int, "PX", "how near (default: 4)"),
     "--recent-support": ("recent_support", int, "N", "how many of them must be near (default: 1)"),
-    "--recent-depth": ("recent_depth", int, "N", "how many last events are remembered (default: 32)"),
+    "--recent-depth": ("recent_depth", int, "N", "how many of the last events are remembered (default: 32)"),
     "--decay-tau": (
         "decay_tau_us",
         milliseconds,
@@ -47,7 +47,7 @@ NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
         "rowcol_us",
         milliseconds,
         "MS",
-        "keep an event near the last one of a neighbouring row or column, at most this old",
+        "keep an event if the last one of a neighbouring row or column, at most this old, was near",
     ),
     "--rowcol-radius": ("rowcol_radius", int, "PX", "how near along the row or column (default: 1)"),
     "--rowcol-support": ("rowcol_support", int, "N", "how many rows and columns must have one (default: 1)"),
@@ -55,7 +55,7 @@ NUMBERS: dict[str, tuple[str, Callable[[str], Any], str, str]] = {
         "cell_px",
         int,
         "PX",
-        "one small memory of cells, 1, 2 or 4 pixels wide (default: 0, a time per pixel and filter)",
+        "keep times per cell of 1, 2 or 4 pixels, in less memory (default: 0, a time per pixel and filter)",
     ),
 }
 
@@ -69,6 +69,7 @@ def filter_options(parser: argparse.ArgumentParser) -> None:
         "--hot-pixels", type=input_path, metavar="FILE", help="silence the pixels listed there, one `x y` a line"
     )
     group.add_argument("--learn-hot-pixels", action="store_true", help="find hot pixels in the recording and silence them")
-    output_option(group, "--save-hot-pixels", metavar="FILE", help="list the hot pixels that --learn-hot-pixels finds")
+    listed = "write there the hot pixels that --learn-hot-pixels finds, for --hot-pixels"
+    output_option(parser, "--save-hot-pixels", group=group, metavar="FILE", help=listed)
     for option, (field, kind, metavar, meaning) in NUMBERS.items():
         group.add_argument(option, dest=field, type=kind, metavar=metavar, help=meaning)

@@ -27,14 +27,16 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: 
     parser.add_argument("--seed", type=int, metavar="N", help="seed of a scene (default: 1)")
     group = group_of(parser, "hardware")
     group.add_argument(
-        "--preset", metavar="NAME", help=f"see `evcot presets`; auto: from what the recording shows (default: {default})"
+        "--preset",
+        metavar="NAME",
+        help=f"one of `evcot presets`; auto: chosen from what the recording shows (default: {default})",
     )
     group.add_argument(
-        "--config", type=input_path, metavar="TOML", help="overrides of the preset, or a whole run (--print-config)"
+        "--config", type=input_path, metavar="TOML", help="a file that overrides the preset, or a whole run (--print-config)"
     )
     group.add_argument("--slots", type=int, metavar="N", help="tracker slots (default: the preset's)")
-    group.add_argument("--hardware", choices=get_args(Top), help="which module (default: cot_array)")
-    group.add_argument("--stalls", type=int, metavar="SEED", help="stall every stream of the hardware at random")
+    group.add_argument("--hardware", choices=get_args(Top), help="which RTL module (default: cot_array)")
+    group.add_argument("--stalls", type=int, metavar="SEED", help="stall the hardware's streams at random, from this seed")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
     damage_options(parser)
     filter_options(parser)

@@ -37,7 +37,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument(
         "--bind", metavar="ADDRESS", help="address that serves the page (default: 127.0.0.1, this machine only)"
     )
-    beside = "the hardware beside the engine: RTL in simulation while it keeps up, else its golden model"
+    beside = "run the hardware beside the engine: RTL in simulation while it keeps up, else its golden model"
     parser.add_argument("--with-hardware", action="store_true", help=beside)
     parser.add_argument("--loop", action="store_true", help="play a recording again and again")
     output_option(

@@ -46,17 +46,17 @@ def window_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--from", dest="from_ms", type=float, default=0.0, metavar="MS", help="begin this long after the first event"
     )
-    group.add_argument("--to", dest="to_ms", type=float, metavar="MS", help="end (default: the recording's)")
+    group.add_argument("--to", dest="to_ms", type=float, metavar="MS", help="end this long after it (default: the end)")
 
 
 def damage_options(parser: argparse.ArgumentParser) -> None:
     """Add --sensor, --struct and --skip-damaged."""
     group = group_of(parser, RECORDING)
     group.add_argument(
-        "--sensor", metavar="WxH", help="size in pixels (default: stated in the file, else the smallest that fits)"
+        "--sensor", metavar="WxH", help="size in pixels (default: as the file states, else the smallest that fits)"
     )
     group.add_argument(
-        "--struct", metavar="NAME", help="of a .mat with several structs of events (default: TD, else the first)"
+        "--struct", metavar="NAME", help="which struct of a .mat with several of events (default: TD, else the first)"
     )
     group.add_argument("--skip-damaged", action="store_true", help="skip damaged parts, and say how much was skipped")
 

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a command presents itself: a line on what it does, examples, and its options; and which of them name files.
+"""The help of a command: a line on what it does, examples, options; and which of its arguments name files.
 
-Every argument that names a file says by its type whether the file is read or written. That is how all files of a call are
-known, and checked, before a command begins (`claims_of`).
+The type of an argument states whether it names a file to read or to write. So all files of a call are known, and checked,
+before a command begins (`claims_of`).
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+import textwrap
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ __all__ = [
     "INPUT_TYPES",
     "OUTPUT_TYPES",
     "Action",
+    "HelpFormatter",
     "Parser",
     "add_command",
     "claims_of",
@@ -56,6 +58,47 @@ def output_folder(text: str) -> Path:
 
 INPUT_TYPES = (input_path, input_or_name)
 OUTPUT_TYPES = (output_file, output_folder)
+
+
+class HelpFormatter(argparse.RawDescriptionHelpFormatter):
+    """Keeps the lines of a description that fit, and breaks the others so that commands can still be copied.
+
+    Where a command with its remark is too long, every remark of the description gets a line of its own above its command; a
+    command that is too long is continued behind a backslash.
+    """
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        lines = [(*_INDENTED.fullmatch(line).groups(), line) for line in text.splitlines()]  # type: ignore[union-attr]
+        apart = any(len(line) > width and _REMARK.search(line) for *_, line in lines)
+        return "".join(f"{indent}{part}\n" for left, words, _ in lines for part in _broken(left, words, width, apart))
+
+
+_INDENTED = re.compile(r"( *)(.*)")
+_REMARK = re.compile(r" +# ")
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+_TERM = re.compile(r"\S+ {2,}")
+
+
+def _broken(left: str, words: str, width: int, apart: bool) -> Iterator[str]:
+    """The lines of one indented line of a description; `apart`: a remark has its own."""
+    command, remark = words, ""
+    if apart and words.startswith("evcot "):
+        command, _, remark = (part.strip() for part in _REMARK.sub("\0", words, count=1).partition("\0"))
+    if remark:
+        yield from textwrap.wrap(remark, width, initial_indent=f"{left}# ", subsequent_indent=f"{left}# ")
+    if len(left + command) <= width:
+        yield left + command
+    elif command.startswith("evcot "):
+        joined = re.sub(" (?!-)", _NO_BREAK, command)  # an option stays with its value
+        *firsts, last = textwrap.wrap(
+            joined, width - 2, initial_indent=left, subsequent_indent=f"{left}    ", break_on_hyphens=False
+        )
+        yield from (f"{first} \\".replace(_NO_BREAK, " ") for first in firsts)
+        yield last.replace(_NO_BREAK, " ")
+    else:
+        term = _TERM.match(command)
+        hanging = left + " " * len(term[0] if term is not None else "")
+        yield from textwrap.wrap(command, width, initial_indent=left, subsequent_indent=hanging)
 
 
 class Parser(argparse.ArgumentParser):
@@ -104,9 +147,18 @@ def group_of(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentG
     return next((group for group in parser._action_groups if group.title == title), None) or parser.add_argument_group(title)
 
 
-def output_option(parser: argparse._ActionsContainer, *names: str, folder: bool = False, **more: Any) -> None:
-    """Add an argument that names a file to write, or a folder; with the first file, --force too."""
-    parser.add_argument(*names, type=output_folder if folder else output_file, **more)
+def output_option(
+    parser: argparse.ArgumentParser,
+    *names: str,
+    folder: bool = False,
+    group: argparse._ArgumentGroup | None = None,
+    **more: Any,
+) -> None:
+    """Add an argument that names a file or a folder to write, listed in `group` if there is one.
+
+    The first file of a parser adds --force too, among the parser's own options: it holds for all files that are written.
+    """
+    (group or parser).add_argument(*names, type=output_folder if folder else output_file, **more)
     if not folder and "--force" not in parser._option_string_actions:
         parser.add_argument("--force", action="store_true", help="replace output files that exist")
 
@@ -140,10 +192,8 @@ def add_command(
         place: of what it does, as of `Action`; without it `NAME:run`.
     """
     shown = "examples:\n" + "\n".join(f"  {line}".rstrip() for line in examples.strip().splitlines())
-    parser = commands.add_parser(
-        name, help=title, description=f"{title[:1].upper()}{title[1:]}.\n\n{shown}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    description = f"{title[:1].upper()}{title[1:]}.\n\n{shown}"
+    parser = commands.add_parser(name, help=title, description=description, formatter_class=HelpFormatter)
     parser.set_defaults(parser=parser, command=Action(place or f"{name}:run"))
     return parser
 

@@ -26,11 +26,17 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     tracked_options(parser)
     output_option(parser, "-o", "--output", required=True, metavar="FILE", help="what to write: .png, .svg or .pdf")
     parser.add_argument("--kind", default="tracks", metavar="KIND,...", help=f"panels: {', '.join(KINDS)} (default: tracks)")
-    parser.add_argument("--columns", type=int, choices=COLUMN_MM, default=1, help="of a paper: 85 or 178 mm (default: 1)")
-    parser.add_argument("--width", type=float, metavar="MM", help="another width")
+    parser.add_argument(
+        "--columns", type=int, choices=COLUMN_MM, default=1, help="width in columns of a paper, 85 or 178 mm (default: 1)"
+    )
+    parser.add_argument("--width", type=float, metavar="MM", help="another width, in place of --columns")
     parser.add_argument("--height", type=float, metavar="MM", help="height (default: what the panels need)")
     parser.add_argument(
-        "--dpi", type=float, default=300, metavar="N", help="of a PNG, and of images in the others (default: 300)"
+        "--dpi",
+        type=float,
+        default=300,
+        metavar="N",
+        help="resolution of a PNG, and of images in the others (default: 300)",
     )
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")

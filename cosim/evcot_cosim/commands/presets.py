@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot presets`."""
+"""`evcot presets`: list the presets."""
 
 from __future__ import annotations
 
@@ -21,4 +21,4 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     presets = add_command(commands, "presets", "list the presets", _EXAMPLES)
     presets.add_argument("--engine", choices=ENGINES, help="presets of one engine of `evcot track` (default: of `evcot cosim`)")
-    presets.add_argument("--json", action="store_true", help="print every field")
+    presets.add_argument("--json", action="store_true", help="print every field as JSON")

@@ -33,7 +33,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
     convert = add_command(commands, "convert", "write a recording, or a part of it, in another format", _EXAMPLES_CONVERT)
     convert.add_argument("source", type=input_path, metavar="A", help="a recording in any format that evcot reads")
-    output_option(convert, "target", metavar="B", help="what to write; its suffix tells the format")
+    output_option(convert, "target", metavar="B", help="what to write; its suffix gives the format")
     convert.add_argument("--format", metavar="NAME", help=f"{', '.join(WRITABLE_NAMES)} (default: by B's suffix)")
     recording_options(convert)
     convert.add_argument("--json", action="store_true", help="print what was written as JSON")

@@ -26,14 +26,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = add_command(commands, "render", title, _EXAMPLES)
     look = Look()
     tracked_options(parser)
-    output_option(parser, "-o", "--output", required=True, metavar="FILE", help=f"to write: {', '.join(SUFFIXES)}")
+    output_option(parser, "-o", "--output", required=True, metavar="FILE", help=f"what to write: {', '.join(SUFFIXES)}")
     parser.add_argument(
         "--speed", type=float, default=look.speed, metavar="X", help="playback speed of the recording (default: 1, real speed)"
     )
     parser.add_argument("--fps", type=float, default=look.fps, metavar="N", help=f"pictures per second (default: {look.fps:g})")
-    decay = f"time of the film in which an event fades to 1/e (default: {look.decay_ms:g})"
+    decay = f"time, in the film, in which an event fades to 1/e (default: {look.decay_ms:g})"
     parser.add_argument("--decay", type=float, default=look.decay_ms, metavar="MS", help=decay)
-    width = f"enlarge small sensors to at least this (default: {look.width_px})"
+    width = f"enlarge the picture of a small sensor to at least this width (default: {look.width_px})"
     parser.add_argument("--width", type=int, default=look.width_px, metavar="PX", help=width)
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, print nothing")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot report`: the page to explore a run with, made again or made of a software tracker's log."""
+"""`evcot report`: write the page for exploring a run, software trackers' logs, or two runs."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ __all__ = ["add"]
 _EXAMPLES = """
 evcot report build/cosim/drive                              # writes build/cosim/drive/report.html anew
 evcot report build/cosim/drive --truth drive.csv --rule traffic
-evcot report log.npz --recording drive.aedat4 -o drive.html # of a log of `evcot track`
-evcot report build/cosim/drive kalman.npz -o all.html       # and of further engines beside hardware and software
-evcot report build/cosim/before build/cosim/after -o changed.html   # settings, figures, scores, tracks of two runs
+evcot report log.npz --recording drive.aedat4 -o drive.html # for a log of `evcot track`
+evcot report build/cosim/drive kalman.npz -o all.html       # with further engines beside hardware and software
+evcot report build/cosim/before build/cosim/after -o changed.html   # two runs compared: settings, figures, scores, tracks
 """
 
 
@@ -38,7 +38,10 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     )
     known = ", ".join(RULES)
     parser.add_argument(
-        "--rule", type=input_or_name, metavar="RULE", help=f"of the truth: {known}, or a .toml file (default: by its columns)"
+        "--rule",
+        type=input_or_name,
+        metavar="RULE",
+        help=f"how to read and score the truth: {known}, or a .toml file (default: by its columns)",
     )
     output_option(
         parser, "-o", "--output", metavar="HTML", help="where to write (default: report.html in the folder, replaced there)"

@@ -19,7 +19,7 @@ evcot simulate highway --list                    # its settings
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = add_command(commands, "simulate", "simulate a scene, or events of a video or images", _EXAMPLES)
+    parser = add_command(commands, "simulate", "simulate a scene, or make events of a video or images", _EXAMPLES)
     parser.add_argument(
         "scene",
         nargs="?",
@@ -27,12 +27,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         metavar="SCENE",
         help="a scene (see --list), a video file, or a folder of images",
     )
-    output_option(parser, "-o", "--output", metavar="FILE", help="the recording; its suffix tells the format")
+    output_option(parser, "-o", "--output", metavar="FILE", help="the recording to write; its suffix gives the format")
     output_option(parser, "--truth", metavar="CSV", help="the truth of a scene (default: NAME.truth.csv beside FILE)")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of everything random (default: 1)")
-    parser.add_argument("--duration", type=float, metavar="S", help="seconds (default: the scene's; all of a video)")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
+    parser.add_argument("--duration", type=float, metavar="S", help="length in seconds (default: the scene's; of a video, all)")
     parser.add_argument("--sensor", metavar="WxH", help="size in pixels (default: the scene's)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another setting; may be repeated")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="change a setting (see --list); may be repeated"
+    )
     parser.add_argument("--list", action="store_true", help="list the scenes; with a scene, its settings")
     parser.add_argument("--json", action="store_true", help="print what was written, or the list, as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")

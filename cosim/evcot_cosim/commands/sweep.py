@@ -22,7 +22,10 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     title = "run many settings over recordings, engines and seeds, and store the results"
     parser = add_command(commands, "sweep", title, _EXAMPLES)
     parser.add_argument(
-        "spec", type=input_or_name, metavar="SPEC", help="a TOML file (docs/sweeps.md), fuzz, or leave_one_family_out"
+        "spec",
+        type=input_or_name,
+        metavar="SPEC",
+        help="a TOML file (docs/sweeps.md), or one that comes with evcot: fuzz, leave_one_family_out",
     )
     output_option(parser, "-o", "--output", folder=True, metavar="DIR", help="where to write (default: build/sweep/NAME)")
     scheduler_options(parser)
@@ -35,8 +38,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 def scheduler_options(parser: argparse.ArgumentParser) -> None:
     """Add --jobs, --scheduler and --scheduler-file."""
-    parser.add_argument("--jobs", type=int, metavar="N", help="processes on this machine (default: one a core)")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a running Dask cluster, as tcp://HOST:8786")
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes on this machine (default: one per core)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="address of a running Dask cluster, as tcp://HOST:8786")
     parser.add_argument(
-        "--scheduler-file", type=input_path, metavar="FILE", help="the same, by the file that `dask scheduler` writes"
+        "--scheduler-file", type=input_path, metavar="FILE", help="the same, from the file that `dask scheduler` writes"
     )

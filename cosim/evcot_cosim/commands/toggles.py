@@ -15,7 +15,7 @@ __all__ = ["TOGGLES_MS", "add"]
 TOGGLES_MS = 20.0  # length of what is simulated, if not given
 
 _EXAMPLES = """
-evcot toggles boxes --from 100                            # toggles an event of each module of the array
+evcot toggles boxes --from 100                            # toggles per event, for each module of the array
 evcot toggles boxes --from 100 --beside cot_chain         # and of the chain, on the same events
 evcot toggles drive.aedat4 --from 500 --saif array.saif   # for a vendor's tool
 """
@@ -26,8 +26,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     title = "count toggles by module, as a table and as SAIF, to estimate power"
     parser = add_command(commands, "toggles", title, _EXAMPLES)
     input_options(parser)
-    parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin (default: 0)")
-    parser.add_argument("--to", dest="to_ms", type=float, metavar="MS", help=f"end (default: {TOGGLES_MS:g} ms on)")
-    parser.add_argument("--beside", choices=get_args(Top), help="another module on the same events, in the same table")
+    parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin this long after the first event")
+    parser.add_argument(
+        "--to",
+        dest="to_ms",
+        type=float,
+        metavar="MS",
+        help=f"end (default: {TOGGLES_MS:g} ms after --from)",
+    )
+    parser.add_argument("--beside", choices=get_args(Top), help="another RTL module on the same events, in the same table")
     output_option(parser, "--saif", metavar="FILE", help="write the toggles of every net of --hardware in SAIF")
     parser.add_argument("--json", action="store_true", help="print the figures as JSON")

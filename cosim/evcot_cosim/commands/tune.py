@@ -15,9 +15,9 @@ __all__ = ["add"]
 
 _EXAMPLES = """
 evcot tune a.aedat4 b.aedat4 c.aedat4 --engine rct --preset traffic -o mine.toml     # truth: a.truth.csv or a_gt.csv beside a
-evcot tune drive.aedat4 --truth drive.csv --engine kalman -o mine.toml     # chosen on its beginning, validated on its end
+evcot tune drive.aedat4 --truth drive.csv --engine kalman -o mine.toml     # chosen on its first part, validated on the rest
 evcot tune a.raw b.raw --engine cot --field cot.init_radix=6..20 --field shape.n_slots=4,8 -o mine.toml
-evcot track d.aedat4 --engine rct --config mine.toml -o log.npz                      # what it is for
+evcot track d.aedat4 --engine rct --config mine.toml -o log.npz                      # use the result
 """
 
 
@@ -31,12 +31,17 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "(default: NAME.truth.csv or NAME_gt.csv beside each)",
     )  # fmt: skip
     known = ", ".join(RULES)
-    parser.add_argument("--rule", type=input_or_name, metavar="RULE", help=f"of the truths: {known}, or a .toml file")
+    parser.add_argument(
+        "--rule",
+        type=input_or_name,
+        metavar="RULE",
+        help=f"how to read and score the truths: {known}, or a .toml file (default: by their columns)",
+    )
     parser.add_argument("--engine", choices=[*ENGINES, "rtl"], default="rct", help="engine to tune (default: rct)")
     parser.add_argument(
-        "--preset", metavar="NAME", help="preset to start from (default: the engine's first, or for the sensor)"
+        "--preset", metavar="NAME", help="preset to start from (default: the engine's first, or the one for the sensor)"
     )
-    parser.add_argument("--config", type=input_path, metavar="TOML", help="overrides of the preset")
+    parser.add_argument("--config", type=input_path, metavar="TOML", help="a file that overrides the preset")
     parser.add_argument(
         "--field", action="append", default=[], metavar="NAME=LOW..HIGH",
         help="a field to tune, such as rct.radius_px=6..20 or shape.n_slots=4,8; may be repeated (default: every number of the "
@@ -46,10 +51,25 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "--method", choices=("random", "latin", "optuna"), default="random", help="how settings are chosen (default: random)"
     )
     parser.add_argument("--samples", type=int, default=60, metavar="N", help="number of settings to try (default: 60)")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of settings and of the division (default: 1)")
-    parser.add_argument("--objective", default="hota", metavar="METRIC", help="hota, idf1 and others; idsw:min for the least")
     parser.add_argument(
-        "--validate", type=float, default=0.34, metavar="SHARE", help="of the recordings, or of the only one's time (0.34)"
+        "--seed",
+        type=int,
+        default=1,
+        metavar="N",
+        help="seed of the settings tried and of the division of recordings (default: 1)",
+    )
+    parser.add_argument(
+        "--objective",
+        default="hota",
+        metavar="METRIC",
+        help="what to maximise: hota, idf1 or another score; idsw:min to minimise one (default: hota)",
+    )
+    parser.add_argument(
+        "--validate",
+        type=float,
+        default=0.34,
+        metavar="SHARE",
+        help="share kept for validation: of the recordings, or of the time of a single one (default: 0.34)",
     )
     output_option(parser, "-o", "--output", required=True, metavar="TOML", help="write the chosen settings, for --config")
     parser.add_argument("--json", action="store_true", help="print what was found as JSON")

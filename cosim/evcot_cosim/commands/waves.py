@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot waves` and `evcot assert`: a part of a run simulated again, to look at and to ask."""
+"""`evcot waves` and `evcot assert`: simulate a part of a run again, to look at its waveform and to check its properties."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ASSERT_EXAMPLES = """
 evcot assert build/cosim/boxes properties.py     # the waveform that the run wrote
 evcot assert build/cosim/boxes properties.py --around birth:2 --reach 1000
 evcot assert waves.vcd properties.py --clock TOP.clk
-evcot assert boxes --to 20                       # does every stream hold its data until taken? 20 ms of a scene
+evcot assert boxes --to 20                       # does every stream hold its data until it is taken? 20 ms of a scene
 
 properties.py holds functions whose names begin with property_; each takes the signals and asserts on them:
 
@@ -52,7 +52,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         nargs="?",
         type=input_path,
         metavar="PROPERTIES",
-        help="a Python file (default: every stream holds its data until taken)",
+        help="a Python file (default: every stream must hold its data until it is taken)",
     )
     asserts.add_argument("--clock", default="TOP.clk", metavar="SIGNAL", help="sample on its rising edge (default: TOP.clk)")
     asserts.add_argument("--json", action="store_true", help="print every verdict as JSON")
@@ -60,7 +60,13 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 def _window_options(parser: argparse.ArgumentParser) -> None:
     input_options(parser, runs=True)
-    parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin (default: 0)")
-    parser.add_argument("--to", dest="to_ms", type=float, metavar="MS", help=f"end (default: {WAVES_MS:g} ms on)")
-    parser.add_argument("--around", metavar="MOMENT", help=f"the surroundings of {MOMENTS}")
+    parser.add_argument("--from", dest="from_ms", type=float, metavar="MS", help="begin this long after the first event")
+    parser.add_argument(
+        "--to",
+        dest="to_ms",
+        type=float,
+        metavar="MS",
+        help=f"end (default: {WAVES_MS:g} ms after --from)",
+    )
+    parser.add_argument("--around", metavar="MOMENT", help=f"show the surroundings of {MOMENTS}")
     parser.add_argument("--reach", type=int, metavar="N", help=f"number of events before and after it (default: {REACH})")

@@ -71,8 +71,8 @@ def build_device(
 ) -> BuiltModel:
     """Build the model of `top` in the shape given by `config`, with its streaming drive, or find it in the cache.
 
-    Without `waves` a waveform has the signals of `top` itself alone: Verilator need not keep what lies
-    below, which takes time.
+    Without `waves` a waveform shows the ports of `top` alone. Verilator then optimises the signals below it away, which makes
+    building and running faster.
 
     Args:
         waves: whether waveforms show what lies below `top`.
@@ -112,7 +112,7 @@ def build_device(
 
 
 class Device:
-    """One simulated tracker: `cot`, `cot_chain` or `cot_array`.
+    """One simulated tracker: `cot`, `cot_chain` or `cot_array`; with `motion.enable` in the configuration, `cot_motion`.
 
     Interactive: `device.sim.io.<port>` reads and writes ports, `device.sim.clock.tick()` runs one clock, about 10^4 per second.
     Streaming: `stream` passes NumPy arrays through a C++ loop with the GIL released. Both drive the same hardware and give
@@ -263,7 +263,7 @@ class Device:
         Args:
             events: with addresses below 2^x_w and 2^y_w. Times in microseconds become ticks of the configuration's `tick_us`,
                 the first such event since reset being at tick 0; a device takes either microseconds or ticks until its reset.
-            keep: (n,) bool, for a chain or an array: what a filter in front let stay. None: all.
+            keep: (n,) bool, for a chain or an array: the events that a filter in front let pass. None: all.
 
         Raises:
             HardwareError: an event was lost, repeated, reordered or changed, or there was no progress.
@@ -272,7 +272,7 @@ class Device:
         return self._stream(events, None, keep)[0]
 
     def stream_timed(self, events: Events | TickedEvents) -> tuple[Decisions, StreamTimes]:
-        """As `stream`, with the clocks at which events were taken and records handed over."""
+        """As `stream`; also returns the clocks at which events were accepted and records sent."""
         accepted = np.zeros(len(events), np.int64)
         decisions, recorded = self._stream(events, accepted)
         return decisions, StreamTimes(accepted, recorded)

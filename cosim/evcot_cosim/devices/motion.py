@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The array with motion, docs/motion.md, in hardware: its module, what it cannot be, and the writes of its registers."""
+"""The array with motion (docs/motion.md) in hardware: its module, the configurations it refuses, its register writes."""
 
 from __future__ import annotations
 

@@ -317,7 +317,7 @@ class TopDevice:
             words: input words.
             commands: made by `read`, `write` and `poll`; each begins when the previous one is complete.
             keeps: tkeep of each word; all ones if None.
-            quiet_clocks: must exceed the time a filter needs to clear its memory, if the run shall wait for that.
+            quiet_clocks: must exceed the time a filter needs to clear its memory, if the run is to wait for that.
             most: maximum number of output events (default: the number of input words).
             take_outputs: accept outputs; otherwise they wait for the next run.
 

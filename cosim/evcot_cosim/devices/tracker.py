@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hardware in simulation as a tracker like the others."""
+"""The simulated hardware with the interface of a software tracker."""
 
 from __future__ import annotations
 

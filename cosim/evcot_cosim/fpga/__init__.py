@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the RTL costs on an FPGA and how fast it is there; netlists, releases and descriptions made from the RTL."""
+"""Cost and speed of the RTL on FPGAs; netlists, releases and descriptions made from the RTL."""
 
 __all__ = ["RECORDS"]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Toggles by module: the nets of a VCD, told apart into registers and wires by what the RTL says of them."""
+"""Toggles by module: the nets of a VCD, classified as registers and wires by their declarations in the RTL."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ def _measure(options: argparse.Namespace) -> int:
 
 
 def _slow(figures: Sequence[Figure]) -> int:
-    """Say which designs miss their own constraint: 1 if there are any."""
+    """Print which designs miss their own constraint; returns 1 if any does, else 0."""
     asked = [(figure, MODULES[figure.module].asks_mhz) for figure in figures]
     slow = [(figure, asks) for figure, asks in asked if asks and figure.median_mhz and figure.median_mhz < asks]
     for figure, asks in slow:

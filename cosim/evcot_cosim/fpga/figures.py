@@ -32,7 +32,7 @@ LIMIT = 0.05
 """Tolerated growth, as a fraction."""
 
 USUAL_SEEDS = 3
-"""Seeds of place and route, unless more or fewer are asked for."""
+"""Seeds of place and route, by default."""
 
 _FEW = {"luts": 8, "ffs": 8, "lut_rams": 8, "block_rams": 0, "multipliers": 0}
 """Tolerated growth of a small module, in units: renaming a signal may cost a few."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which recorded figures are of a module that has changed since, and docs/fpga.md with these marked.
+"""Finds the recorded figures of modules that have changed since, and marks them in docs/fpga.md.
 
 A key is a hash of all inputs of a synthesis, so nothing has to be synthesised to know.
 """

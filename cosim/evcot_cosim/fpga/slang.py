@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one door to slang, which reads Verilog: what it is to search, which language it is, what it complains of."""
+"""The only use of slang, a reader of Verilog: its search paths, the version of the language, its error messages."""
 
 from __future__ import annotations
 

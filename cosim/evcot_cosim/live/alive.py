@@ -16,7 +16,12 @@ __all__ = ["Alive", "Clusters"]
 
 @dataclass(frozen=True)
 class Clusters:
-    """Clusters visible at one moment: `states`, (k,) of dtype `TRACK`, the last record of each; `birth_us`, (k,) int64."""
+    """Clusters visible at one moment.
+
+    Attributes:
+        states: (k,) of dtype `TRACK`, the last record of each.
+        birth_us: (k,) int64, when each became visible; of one that was lost, when it was found again.
+    """
 
     states: NDArray[np.void] = field(default_factory=lambda: np.empty(0, TRACK))
     birth_us: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
@@ -41,12 +46,13 @@ class Alive:
         kinds = np.bincount(records["kind"], minlength=len(Kind))
         self.count.update({kind: int(kinds[kind]) for kind in Kind})
         before = self.clusters
-        born = records[records["kind"] == Kind.BORN]
-        ids = np.concatenate([before.states["track_id"], born["track_id"]])
-        births_us = np.concatenate([before.birth_us, born["t_us"]])
-        joined = np.concatenate([before.states, records])[::-1]
-        _, last = np.unique(joined["track_id"], return_index=True)
-        states = joined[last]
-        states = states[(states["kind"] != Kind.MERGED) & (states["kind"] != Kind.LOST)]
-        order = np.argsort(ids)
-        self.clusters = Clusters(states, births_us[order[np.searchsorted(ids, states["track_id"], sorter=order)]])
+        joined = np.concatenate([before.states, records])
+        began_us = np.concatenate([before.birth_us, records["t_us"]])
+        order = np.argsort(joined["track_id"], kind="stable")
+        track_id, kind = joined["track_id"][order], joined["kind"][order]
+        ended = (kind == Kind.MERGED) | (kind == Kind.LOST)
+        follows = np.append(False, track_id[1:] == track_id[:-1])  # the record before it is of the same track
+        begins = ~follows | (kind == Kind.BORN) | np.append(False, ended[:-1])
+        birth = np.maximum.accumulate(np.where(begins, np.arange(len(order)), 0))
+        newest = np.flatnonzero(np.append(~follows[1:], True) & ~ended)
+        self.clusters = Clusters(joined[order[newest]], began_us[order[birth[newest]]])

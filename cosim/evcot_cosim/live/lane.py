@@ -51,8 +51,8 @@ class Lane:
 
     Args:
         wait_s: events that have waited longer for the tracker are dropped if there are newer ones.
-        keep: told all records and owners, those of dropped events included.
-        done: told every packet that was tracked, with its owners.
+        keep: called with all records and owners, those of dropped events included.
+        done: called with every packet that was tracked, and its owners.
 
     Attributes:
         about: what runs in it, which a substitute changes.
@@ -130,7 +130,7 @@ class Lane:
             "clusters": len(self.clusters.states),
             "tracks": count[Kind.BORN],
             "merged": count[Kind.MERGED],
-            "lost": count[Kind.LOST],
+            "lost": count[Kind.BORN] - count[Kind.MERGED] - len(self.clusters.states),  # for now: it may be found again
             "tracked_ms": quantiles(self.tracked.recent_ms),
         }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is played: one session after another, as pages wish."""
+"""Plays one session after another, as pages choose."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Run:
-    """A session, and what is told of it to a page: name, engine, sensor and more."""
+    """A session, and its description for a page: name, engine, sensor and more."""
 
     session: Session
     hello: Mapping[str, Any]
@@ -49,7 +49,7 @@ class Player:
     """Plays what is wished. A wish is prepared while the present session goes on, then takes its place.
 
     Args:
-        prepare: the slow part of a wish, compiling say; raises EvcotError for one that cannot be fulfilled.
+        prepare: the slow part of a wish, such as compiling; raises EvcotError for one that cannot be fulfilled.
         wish: the first one.
         fixed: why nothing else can be played: ""  if it can.
 

@@ -39,11 +39,11 @@ _FRAMES_HZ = 60
 _UNDRAWN_MAX = 2  # frames sent to a viewer but not yet drawn
 _FIGURES_S = 0.5
 _VIEWERS_MAX = 8
-_MESSAGE_BYTES_MAX = 256  # of what a page may say
+_MESSAGE_BYTES_MAX = 256  # longest message of a page
 _HERE = ("127.0.0.1", "::1")
 _REFUSED = 1008  # the code of WebSocket for a message against the rules
 _START_S = 10.0
-_GOODBYE_S = 1.0  # for the pages to hear that the run has ended
+_GOODBYE_S = 1.0  # for the pages to receive the end of the run
 _NAP_S = 0.02
 _SOCKET_PATH = "/events"
 
@@ -237,7 +237,7 @@ class Server:
         return json.dumps({"type": "figures", **session.figures(), **place, **told})
 
     async def _say_goodbye(self, connection: Any, session: Session, inbox: Waiting[Step]) -> None:
-        """Send the last figures when all is over, and close the connection: the page can tell this from a failure."""
+        """Send the last figures when all is over, and close the connection with a code that a failure does not have."""
         await self._ended.wait()
         await connection.send(self._figures(session, inbox))
         await connection.close(1000, "ended")
@@ -273,7 +273,7 @@ class _Undrawn:
             await self._fewer.wait()
 
     def drawn(self, number: int | None) -> None:
-        """The page says that it has drawn a frame."""
+        """The page reports that it has drawn a frame."""
         if number in self._arrived_s and self._session is not None:
             self._session.drawn.add(time.perf_counter() - self._arrived_s.pop(number))
             self._fewer.set()

@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,8 +34,13 @@ LATENCY_MAX = 4_095  # clocks; longer latencies share the last bin
 CHUNK = 1 << 16  # events driven at once: bounds memory, and long enough to make the cost of a call negligible
 
 
-class Step(NamedTuple):
-    """Decisions of both on one chunk of events; `model` is None if the hardware ran alone."""
+@dataclass(frozen=True)
+class Step:
+    """What hardware and model decided about one chunk of events.
+
+    Attributes:
+        hardware, model: each with `records`, `owner`, `rel_x` and `rel_y`; `model` is None if the hardware ran alone.
+    """
 
     hardware: Decisions
     model: Decisions | None
@@ -200,12 +206,13 @@ def dump_window(
 ) -> Clocks:
     """Run the hardware again on the same chunks of events and dump the clocks around a window of events to a VCD.
 
-    Clock for clock what a `Lockstep` with the same arguments did, up to the end of the window. Returns when what happened.
+    Every clock is as it was in a `Lockstep` with the same arguments, up to the end of the window. Returns the clocks at which
+    events were accepted and records sent.
 
     Args:
         path: of the VCD; `force` replaces one that exists.
         first_event, last_event: numbers of the events around which clocks are dumped.
-        progress: told how many events were driven so far.
+        progress: called with the number of events driven so far.
 
     Raises:
         OutputError: the file exists, or cannot be written.

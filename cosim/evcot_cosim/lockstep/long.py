@@ -89,7 +89,7 @@ def run_long(
     Args:
         work: where the logs grow; it continues from its state.
         every: events from one checkpoint to the next, rounded up to whole chunks; 0 makes none.
-        resumed: told how many events were done before.
+        resumed: called with the number of events that an earlier process has driven.
         stall_seed, building, progress: as of `cosim.run_cosim`.
 
     Raises:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The first difference between hardware and model, and the error that tells of it."""
+"""The first difference between hardware and model, and the error that reports it."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Mismatch:
 
 
 class MismatchError(EvcotError, AssertionError):
-    """Hardware and model differ; `mismatch` says where."""
+    """Hardware and model differ; `mismatch` is the first difference."""
 
     def __init__(self, mismatch: Mismatch) -> None:
         super().__init__(str(mismatch))

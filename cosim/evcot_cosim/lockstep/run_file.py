@@ -30,7 +30,7 @@ from ..names import DEFAULT_TOP, Top
 __all__ = ["HEAD_EVENTS", "RUN_FILE", "RunFile", "Source", "config_tables", "read_run_file", "run_toml", "write_run_file"]
 
 HEAD_EVENTS = 1 << 18  # of a long recording, in memory
-_HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] says of what.\n"
+_HEAD = "# Made by evcot. `evcot cosim --config FILE` repeats the run; [run] names the source of the events.\n"
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Source:
         seed: seed of a scene.
         from_us, to_us: the part to use, relative to the first event; to_us None for all.
         width, height: sensor size, overriding the file's; 0 for the file's.
-        skip_damaged: leave out damaged parts of the file.
+        skip_damaged: whether damaged parts of the file are left out.
         struct: of a MATLAB file, the struct of events; empty for the usual one.
     """
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import platform
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -39,6 +40,8 @@ __all__ = [
     "verdict_lines",
     "write_summary",
 ]
+
+_LEAST_ROOM = 30  # characters of a text on a line, however narrow the terminal is
 
 SUMMARY = "summary.json"  # its name in the folder of a run
 
@@ -235,15 +238,27 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def verdict_lines(verdict: Verdict) -> list[str]:
-    """The verdict as text, a line for each finding and one for what to do about it."""
+def verdict_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
+    """The verdict as text: the headline, then each finding, and what to do about it.
+
+    Args:
+        columns: width of the terminal, to which the texts are wrapped; None: one line each.
+    """
     width = max(len(f"{line.about} {line.side}".strip()) for line in verdict.lines) if verdict.lines else 0
     lines = [f"verdict: {verdict.headline}"]
     for line in verdict.lines:
-        lines.append(f"  {line.grade.word:4}  {f'{line.about} {line.side}'.strip():{width}}  {line.text}")
+        lines += _wrapped(f"  {line.grade.word:4}  {f'{line.about} {line.side}'.strip():{width}}  ", line.text, columns)
         if line.advice:
-            lines.append(f"  {'':4}  {'':{width}}  -> {line.advice}")
+            lines += _wrapped(f"  {'':4}  {'':{width}}  -> ", line.advice, columns)
     return lines
+
+
+def _wrapped(head: str, text: str, columns: int | None) -> list[str]:
+    if columns is None:
+        return [head + text]
+    room = max(columns - len(head), _LEAST_ROOM)
+    first, *others = textwrap.wrap(text, room, break_long_words=False, break_on_hyphens=False) or [""]
+    return [head + first, *(" " * len(head) + other for other in others)]
 
 
 def _figure(value: float | None) -> str:

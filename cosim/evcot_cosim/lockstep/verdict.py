@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How good a run is, in a few lines with figures: exactness, tracks, events, noise, agreement, and what to do about each.
 
-The terminal, summary.json and the report show these lines. Nothing here knows a ground truth.
+The terminal, summary.json and the report show these lines. No ground truth is used.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def verdict_by(figures: Mapping[str, Quality], summary: Mapping[str, Any]) -> Ve
 
 
 def _counted(line: Line) -> Grade:
-    """Hardware and software that disagree do not say which of them is wrong: that alone makes no run useless."""
+    """Where hardware and software disagree, either may be wrong: that alone makes no run useless."""
     return min(line.grade, Grade.FAIR) if line.about == "agreement" else line.grade
 
 
@@ -146,11 +146,15 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
             "no track became visible",
             _register(side, summary, "clust_nev", "require fewer events for a birth", "below"),
         )
-    text = f"{_counted_tracks(found.tracks)} for about {found.alive_mean:.2g} alive at a time"
+    text = _counted_tracks(found.tracks)
+    if found.found_again:
+        text += f", found again {found.found_again:,} time{'' if found.found_again == 1 else 's'} after a loss"
+    text += f", about {found.alive_mean:.2g} alive at a time"
     if found.tracks_per_alive is not None:
-        text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} for each of them)"
-    share = found.short / found.tracks
-    text += f"; {_percent(share)} are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"
+        text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} per object alive)"
+    share = found.short / found.lives
+    what = "of their lives " if found.found_again else ""
+    text += f"; {_percent(share)} {what}are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"
     grade = _above(share, _SHORT)
     if grade is Grade.POOR and (found.owned_fraction or 0) >= _OWNED_SOUND:
         grade = Grade.FAIR
@@ -176,8 +180,9 @@ def _noise(side: str, found: Quality) -> Line:
     grade = _above(found.noise_time_fraction or 0, _NOISE_TIME)
     if found.noise_tracks:
         verb = "consists" if found.noise_tracks == 1 else "consist"
-        text += f"; {found.noise_tracks:,} of {_counted_tracks(found.tracks)} {verb} mostly of them"
-        if found.noise_tracks > _NOISE_TRACKS * found.tracks:
+        of = f"{found.lives:,} lives of tracks" if found.found_again else _counted_tracks(found.tracks)
+        text += f"; {found.noise_tracks:,} of {of} {verb} mostly of them"
+        if found.noise_tracks > _NOISE_TRACKS * found.lives:
             grade = max(grade, Grade.FAIR)
     return Line("noise", side, grade, text, _quieter(found) if grade else "")
 
@@ -191,10 +196,11 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
         return [Line("agreement", "", Grade.POOR, "hardware or software has no track to compare")]
     worse = min(shares)
     grade = Grade(2 - (worse >= _PAIRED[1]) - (worse >= _PAIRED[0]))
+    same = len(found["merges"])
     text = (
         f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, and "
         f"software tracks a hardware track for {_percent(shares[1])}; of {found['merges_hardware']:,} merges in hardware and "
-        f"{found['merges_software']:,} in software, {len(found['merges']):,} are the same"
+        f"{found['merges_software']:,} in software, {same:,} {'is' if same == 1 else 'are'} the same"
     )
     return [
         Line(
@@ -209,7 +215,7 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
 
 def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
     """What to do about many short tracks, by how they end."""
-    if 2 * found.noise_tracks > found.tracks:
+    if 2 * found.noise_tracks > found.lives:
         return f"clusters on noise: {_quieter(found)}"
     if found.short_merged >= found.short_lost:
         what = "they merge into a neighbouring track: parts of one object start tracks of their own"

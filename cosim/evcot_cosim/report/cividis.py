@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The colours of heat maps: cividis, the same to the colour-blind, as Matplotlib has it; a report alone need not load that."""
+"""The colours of heat maps: cividis, which looks the same to the colour-blind; a copy, so that Matplotlib is not loaded."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evcot.tracks.log import TrackLog
-from evcot.tracks.timeline import OPEN, alive
+from evcot.tracks.timeline import OPEN, alive, lifetimes
 
 from .material import Material, Side
 from .pack import Column
@@ -146,7 +146,8 @@ def _joint(owners: list[NDArray[np.int16]], n: int) -> tuple[NDArray[np.int64], 
 
 
 def _alive(name: str, log: TrackLog, begin_us: int, end_us: int) -> dict[str, Column]:
-    times_us = np.unique(np.append(log.records["t_us"][log.records["kind"] != 1], begin_us))
+    lives = lifetimes(log, end_us)
+    times_us = np.unique(np.concatenate(([begin_us], lives["birth_us"], lives["end_us"][lives["ended"] != OPEN])))
     if len(times_us) > _STEPS_MAX:
         times_us = np.unique(np.linspace(begin_us, end_us, _STEPS_MAX).astype(np.int64))
     return _steps(name, times_us - begin_us, alive(log, times_us))

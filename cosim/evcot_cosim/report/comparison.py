@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two runs of one recording side by side: what differs in their settings, and what came of it."""
+"""Two runs of one recording side by side: how their settings and their results differ."""
 
 from __future__ import annotations
 
@@ -116,8 +116,8 @@ def _figures(side: str, a: Quality, b: Quality) -> list[tuple[str, str, str]]:
     rows: tuple[tuple[str, Callable[[Quality], str]], ...] = (
         ("tracks", lambda q: figure(q.tracks)),
         ("alive on average", lambda q: figure(q.alive_mean)),
-        ("tracks for each alive", lambda q: figure(q.tracks_per_alive, 1)),
-        ("short tracks", lambda q: f"{q.short:,}" + (f" ({percent(q.short / q.tracks)})" if q.tracks else "")),
+        ("tracks per object alive", lambda q: figure(q.tracks_per_alive, 1)),
+        ("short tracks", lambda q: f"{q.short:,}" + (f" ({percent(q.short / q.lives)})" if q.lives else "")),
         ("events in lasting tracks", lambda q: percent(q.owned_fraction)),
         ("isolated events filtered out", lambda q: percent(q.isolated_dropped_fraction)),
         ("isolated events in tracks", lambda q: percent(q.isolated_owned_fraction)),

@@ -21,7 +21,7 @@ _UNKNOWN = "–"
 
 @dataclass(frozen=True)
 class Place:
-    """A place in the playback: microseconds after the first event, the side and track to select, and what else is to say."""
+    """A place in the playback: microseconds after the first event, the side and track to select, and a text."""
 
     at_us: int
     side: str
@@ -100,25 +100,28 @@ _SCORES = (
     ("HOTA", "hota", "detection and association together"),
     ("DetA", "deta", "how well objects were found"),
     ("AssA", "assa", "how well they kept one track"),
-    ("LocA", "loca", "how well places fit"),
-    ("MOTA", "mota", "1 minus misses, false outputs and switches"),
+    ("LocA", "loca", "how well the positions of matched pairs fit"),
+    ("MOTA", "mota", "1 minus the shares of misses, false outputs and switches"),
     ("MOTP", "motp", "similarity of matched pairs"),
     ("IDF1", "idf1", "share of outputs under the right identity"),
-    ("Switches of identity", "idsw", ""),
-    ("Interruptions", "frag", ""),
-    ("Mostly tracked objects", "mt", ""),
-    ("Mostly lost objects", "ml", ""),
+    ("Switches of identity", "idsw", "an object goes on under another track"),
+    ("Interruptions", "frag", "an object without a track for a while"),
+    ("Mostly tracked objects", "mt", "for more than 80 % of their time"),
+    ("Mostly lost objects", "ml", "tracked for less than 20 % of their time"),
     ("Position error, median (px)", "position_error_px_median", ""),
     ("Position error, 90 % (px)", "position_error_px_p90", ""),
     ("Velocity error, median (px/s)", "velocity_error_median", "of a track's displacement over 50 ms"),
     ("Stated velocity's error, median (px/s)", "stated_velocity_error_median", "of the velocity that the tracker states"),
-    ("Latency (ms)", "latency_ms", "from an object's appearance to its track"),
+    ("Latency (ms)", "latency_ms", "shift in time after which tracks fit their objects best"),
 )
 
 
 def score_rows(scores: Sequence[Scores]) -> list[tuple[str, str, list[str]]]:
     """Rows of (score, meaning, one figure per side)."""
-    return [(title, meaning, [figure(getattr(of, name), 3) for of in scores]) for title, name, meaning in _SCORES]
+    digits = {"latency_ms": 0}
+    return [
+        (title, meaning, [figure(getattr(of, name), digits.get(name, 3)) for of in scores]) for title, name, meaning in _SCORES
+    ]
 
 
 def run_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -197,7 +200,7 @@ def latency_bars(summary: Mapping[str, Any], most_bars: int = 24) -> Bars | None
         bars = [(str(a) if a == b else f"{a}–{b}", count) for (a, b), count in zip(ranges, sums, strict=True)]
         if slow.any():
             bars.append((f"{high + 1}–{clocks[-1]}", int(counts[slow].sum())))
-    words = f"median {latency['median']} clocks, 99 % within {latency['p99']}, most {latency['max']}"
+    words = f"median {latency['median']} clocks, 99 % within {latency['p99']}, at most {latency['max']}"
     return Bars(bars, max(count for _, count in bars), words)
 
 

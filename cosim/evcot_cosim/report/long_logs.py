@@ -13,14 +13,14 @@ from typing import Any
 import evcot
 from evcot.outputs import folder_written_aside
 from evcot.tracks.belongs import Extent
+from evcot.tracks.log_parts import in_step
 from evcot.tracks.npz import NpzFile
 from evcot.tracks.parquet import LogFile
-from evcot.tracks.parts import in_step
 
 from ..lockstep.run_file import RUN_FILE, Source
 from ..lockstep.verdict import verdict_by
 from .overview import write_overview
-from .parts import LongLog, LongRecording, part_names, write_parts
+from .part_pages import LongLog, LongRecording, part_names, write_parts
 
 __all__ = ["write_long_logs"]
 
@@ -40,9 +40,9 @@ def write_long_logs(
 
     Args:
         logs: by side.
-        check: told the extent of the recording, to refuse logs of another one.
-        claim: told the folder and its files before they are written.
-        progress: told how many events are done.
+        check: called with the extent of the recording, to refuse logs of another one.
+        claim: called with the folder and its files before they are written.
+        progress: called with the number of events done.
 
     Raises:
         OutputError: a file exists (without `force`), or cannot be written.

@@ -18,8 +18,8 @@ from evcot.events import Recording
 from evcot.outputs import folder_written_aside
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import Kind
+from evcot.tracks.log_parts import runs_of
 from evcot.tracks.parquet import SUFFIX, check_parquet
-from evcot.tracks.parts import runs_of
 from evcot.tracks.writing import save_log
 
 from ..lockstep.cosim import near_px, stalls_from
@@ -31,7 +31,7 @@ from ..memory import give_back
 from ..waves.window import Window, write_waves
 from . import REPORT
 from .overview import write_overview
-from .parts import LongLog, LongRecording, write_parts
+from .part_pages import LongLog, LongRecording, write_parts
 
 __all__ = ["write_long_run"]
 
@@ -53,7 +53,7 @@ def write_long_run(
 
     Args:
         head: the first events; a waveform is written if the first birth is among them.
-        progress: told how many events are done.
+        progress: called with the number of events done.
 
     Raises:
         OutputError: a file cannot be written.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from evcot.metrics import GroundTruth
 from evcot.tracks.log import Kind, TrackLog
-from evcot.tracks.timeline import LIFE, OPEN, lifetimes
+from evcot.tracks.timeline import LIFE, OPEN, by_life, lifetimes
 
 from .pack import Column
 from .thin import LIVES_MAX, RECORDS_MAX, longest_lives, thinned_events, thinned_records
@@ -64,14 +64,13 @@ class Paths:
     def columns(self, name: str, origin_us: int) -> dict[str, Column]:
         """Columns to pack, with names prefixed by `name`; times relative to `origin_us`."""
         lives, points = self.lives, self.points
-        row = {int(track_id): i for i, track_id in enumerate(lives["track_id"])}
         columns = {
             "slot": Column(lives["slot"]),
             "lane": Column(self.lanes),
             "birth": Column(lives["birth_us"] - origin_us, delta=True),
             "end": Column(lives["end_us"] - origin_us, delta=True),
             "ended": Column(lives["ended"]),
-            "other": Column(np.array([row.get(int(other), -1) for other in lives["other_id"]], np.int64)),
+            "other": Column(_survivors(lives)),
             "count": Column(self.counts),
             "t": Column(points["t_us"] - origin_us, delta=True),
             "n_ev": Column(points["n_ev"], delta=True),
@@ -89,21 +88,23 @@ class Paths:
 def log_paths(log: TrackLog, end_us: int, lives_max: int = LIVES_MAX, records_max: int = RECORDS_MAX) -> Paths:
     """A log's tracks; those still alive end at `end_us`."""
     everyone = lifetimes(log, end_us)
-    lives = longest_lives(everyone, lives_max)
-    records = log.records
-    if len(lives) < len(everyone):
-        records = records[np.isin(records["track_id"], lives["track_id"])]
-    records = records[thinned_records(records["kind"], records_max)]
-    by_id = np.argsort(lives["track_id"])
-    row = by_id[np.searchsorted(lives["track_id"], records["track_id"], sorter=by_id)]
-    order = np.argsort(row, kind="stable")
+    kept = longest_lives(everyone, lives_max)
+    lives = everyone[kept]
+    order, first = by_life(log)
+    life = np.empty(len(log.records), np.int64)  # of each record, -1 of one that is left out
+    life[order] = np.repeat(np.where(kept, np.cumsum(kept) - 1, -1), np.diff(first, append=len(order)))
+    kind = log.records["kind"].copy()
+    kind[order[first]] = Kind.BORN  # the first record of one that was found again stays, too
+    drawn = np.flatnonzero(life >= 0)
+    drawn = drawn[thinned_records(kind[drawn], records_max)]
+    records = log.records[drawn[np.argsort(life[drawn], kind="stable")]]
     points = np.empty(len(records), POINT)
     for field in ("t_us", "x", "y", "n_ev", "angle", "vx", "vy"):
-        points[field] = records[field][order]
-    points["half_width"], points["half_height"] = records["width"][order] / 2, records["height"][order] / 2
+        points[field] = records[field]
+    points["half_width"], points["half_height"] = records["width"] / 2, records["height"] / 2
     names = tuple(str(track_id) for track_id in lives["track_id"].tolist())
     lanes = _used(lives["slot"]) if log.engine.startswith("cot") else _lanes(lives)
-    return Paths(lives, lanes, names, np.bincount(row, minlength=len(lives)), points, len(everyone), len(log.records))
+    return Paths(lives, lanes, names, np.bincount(life[drawn], minlength=len(lives)), points, len(everyone), len(log.records))
 
 
 def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
@@ -137,6 +138,18 @@ def truth_paths(truth: GroundTruth, records_max: int = RECORDS_MAX) -> Paths:
     names = tuple(truth.ids[i] for i in objects["object"][first][in_time].tolist())
     counts = np.bincount(rows[chosen], minlength=len(kept))
     return Paths(kept, _lanes(kept), names, counts, points, len(first), len(objects))
+
+
+def _survivors(lives: NDArray[np.void]) -> NDArray[np.int64]:
+    """For each life, the row of the one that it merged into, -1 where there is none or it is not drawn."""
+    rows: dict[int, list[int]] = {}
+    for i, track_id in enumerate(lives["track_id"].tolist()):
+        rows.setdefault(track_id, []).append(i)
+    births_us = lives["birth_us"].tolist()
+    found = np.full(len(lives), -1, np.int64)
+    for i, (other, end_us) in enumerate(zip(lives["other_id"].tolist(), lives["end_us"].tolist(), strict=True)):
+        found[i] = max((row for row in rows.get(other, ()) if births_us[row] <= end_us), default=-1)
+    return found
 
 
 def _used(slots: NDArray[np.int16]) -> NDArray[np.int64]:

@@ -15,7 +15,7 @@ __all__ = ["QuietPeaks", "quiet_peaks"]
 
 _CELLS_MAX = 100_000  # slots times stretches
 _STRETCHES_MAX = 800
-_BORN, _MERGED, _LOST = int(Kind.BORN), int(Kind.MERGED), int(Kind.LOST)
+_BORN, _MOVED, _MERGED, _LOST = (int(kind) for kind in (Kind.BORN, Kind.MOVED, Kind.MERGED, Kind.LOST))
 
 
 class QuietPeaks(NamedTuple):
@@ -63,7 +63,7 @@ def _walk(t_us, owner, cause, kind, slot, record_us, begin_us, stretch_us, peaks
             _note(peaks, owner[i], t_us[i], last_us, visible, begin_us, stretch_us)
             last_us[owner[i]] = t_us[i]
         while j < len(cause) and cause[j] <= i:
-            if kind[j] == _BORN:
+            if kind[j] == _BORN or kind[j] == _MOVED:  # without BORN one that was lost and found again
                 visible[slot[j]] = True
             elif kind[j] == _MERGED or kind[j] == _LOST:
                 visible[slot[j]] = False

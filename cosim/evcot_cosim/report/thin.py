@@ -26,13 +26,11 @@ def thinned_events(n: int, most: int) -> NDArray[np.int64]:
     return edges[:-1] + (at * np.diff(edges)).astype(np.int64)
 
 
-def longest_lives(lives: NDArray[np.void], most: int = LIVES_MAX) -> NDArray[np.void]:
-    """The `most` longest rows of dtype `timeline.LIFE`, in order of birth."""
-    if len(lives) <= most:
-        return lives
-    order = np.argsort(lives["birth_us"] - lives["end_us"], kind="stable")[:most]
-    kept: NDArray[np.void] = lives[np.sort(order)]
-    return kept
+def longest_lives(lives: NDArray[np.void], most: int = LIVES_MAX) -> NDArray[np.bool_]:
+    """Select the `most` longest rows of dtype `timeline.LIFE`; (k,) bool."""
+    keep = np.ones(len(lives), np.bool_)
+    keep[np.argsort(lives["birth_us"] - lives["end_us"], kind="stable")[most:]] = False
+    return keep
 
 
 def thinned_records(kind: NDArray[np.uint8], most: int = RECORDS_MAX) -> NDArray[np.bool_]:

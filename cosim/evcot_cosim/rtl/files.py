@@ -36,7 +36,7 @@ def rtl_files(verilog: Path | None = None) -> dict[str, Path]:
 
 
 def search_flags(verilog: Path | None = None) -> list[str]:
-    """What tells Verilator and Icarus where modules and headers are."""
+    """Arguments by which Verilator and Icarus find modules and headers."""
     folders = sorted({path.parent for path in rtl_files(verilog).values()})
     return [flag for folder in folders for flag in ("-y", str(folder), f"-I{folder}")]
 

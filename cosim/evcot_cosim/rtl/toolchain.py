@@ -171,7 +171,7 @@ def _which(tool: str, env: Mapping[str, str]) -> Path | None:
 
 
 def _first_line(command: list[str], env: Mapping[str, str]) -> str:
-    """The first line that a command prints, or an empty string if it fails; it is asked again once its file changes."""
+    """The first line that a command prints, or an empty string if it fails; it runs again once its file has changed."""
     try:
         status = os.stat(_which(command[0], env) or command[0])
         return _answer(tuple(command), tuple(env.items()), (status.st_ino, status.st_size, status.st_mtime_ns))

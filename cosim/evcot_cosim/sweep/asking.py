@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Points that Optuna chooses by the results of those before: ask and tell, in batches.
+"""Points that Optuna chooses from the results of earlier ones, in batches (its interface "ask and tell").
 
 A batch has a fixed number of points, whose results are told in the order in which the points were asked for. So the points
 depend on specification and results alone, not on the number of workers, and a sweep that resumes asks for the same ones.

@@ -32,7 +32,7 @@ def configuration(
     """An engine's settings, of hardware and model a `RunConfig`, and the filters in front.
 
     Args:
-        slots: number of tracker slots, unless the tables say it; None: the preset's.
+        slots: number of tracker slots, unless the tables state it; None: the preset's.
 
     Raises:
         ConfigError: no such preset or field, or a value outside its range.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What hardware costs on an FPGA, by the figures that `make fpga` has measured: no synthesis for a run of a sweep."""
+"""Cost of the hardware on an FPGA, from the figures that `make fpga` has measured: a run of a sweep needs no synthesis."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def _figures(module: str) -> tuple[Figure, ...]:
 def hardware_cost(module: str, slots: int) -> dict[str, float]:
     """LUTs, flip-flops, block RAMs and median Fmax of a module in its default widths, without filters.
 
-    Between two measured numbers of slots on a straight line; beyond them nothing is said.
+    Interpolated between two measured numbers of slots; beyond them unknown.
     """
     rows = _figures(module)
     sizes = [row.n or 1 for row in rows]

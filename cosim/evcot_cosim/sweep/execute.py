@@ -32,12 +32,12 @@ from ..lockstep.mismatch import MismatchError
 from ..lockstep.random_runs import random_config, random_run
 from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
+from .checkpoints import CheckpointedLog
 from .configure import configuration
 from .cost import hardware_cost
 from .fields import MODEL, RTL
 from .inputs import Stream, opened, truth_of
 from .machine import code_fingerprint, versions
-from .parts import Parts
 from .task import FUZZ, Task, canonical
 
 __all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
@@ -75,7 +75,7 @@ def execute(task: Task) -> dict[str, Any]:
                 row |= {"status": MISMATCH, "error": str(error)}
             except EvcotError as error:
                 row |= {"status": FAILED, "error": str(error)}
-            except Exception as error:  # a row must say it: the sweep goes on
+            except Exception as error:  # it goes into the row, and the sweep goes on
                 place = traceback.extract_tb(error.__traceback__)[-1]
                 text = " ".join(str(error).split())
                 row |= {"status": FAILED, "error": f"{type(error).__name__}: {text} ({place.name}, line {place.lineno})"}
@@ -88,7 +88,7 @@ def execute(task: Task) -> dict[str, Any]:
 
 
 def row_of(task: Task) -> dict[str, Any]:
-    """What a row says before its run."""
+    """The columns of a row that are known before its run."""
     source = task.input
     about: dict[str, Any] = {}
     if source is not None:
@@ -122,35 +122,35 @@ def tracked(task: Task, stream: Stream, *, whole: bool = False) -> Tracked:
     """
     slots = 1 if task.hardware == "cot" else None
     settings, filters = configuration(task.engine, stream.sensor, task.preset, task.tables, slots)
-    with Parts(task.key, whole) as parts:
+    with CheckpointedLog(task.key, whole) as kept:
         if task.engine == RTL:
-            log, measured = _lockstep(task, settings.hardware(*stream.sensor), stream, parts)
+            log, measured = _lockstep(task, settings.hardware(*stream.sensor), stream, kept)
         else:
-            tracker = parts.engine or ENGINES[task.engine].start(settings, filters, stream.sensor)
-            for block in parts.rest(stream.blocks):
+            tracker = kept.engine or ENGINES[task.engine].start(settings, filters, stream.sensor)
+            for block in kept.rest(stream.blocks):
                 records, owner = tracker.feed(block)
-                parts.add(records, owner, block)
-                parts.keep(lambda: tracker)
-            log = parts.log("cot-model" if task.engine == MODEL else task.engine, tracker.finish())
+                kept.add(records, owner, block)
+                kept.keep(lambda: tracker)
+            log = kept.log("cot-model" if task.engine == MODEL else task.engine, tracker.finish())
             measured = hardware_cost(DEFAULT_TOP, settings.cot.shape.n_slots) if task.engine == MODEL else {}
-        return Tracked(log, parts.counts(log), {**measured, **parts.spent}, parts.events)
+        return Tracked(log, kept.counts(log), {**measured, **kept.spent}, kept.events)
 
 
-def _lockstep(task: Task, config: CotConfig, stream: Stream, parts: Parts) -> tuple[TrackLog, dict[str, Any]]:
+def _lockstep(task: Task, config: CotConfig, stream: Stream, kept: CheckpointedLog) -> tuple[TrackLog, dict[str, Any]]:
     top = cast(Top, task.hardware)
     built = _built(config, top, savable=True)
-    state, t0_us = parts.engine or (None, None)
+    state, t0_us = kept.engine or (None, None)
     with Lockstep(config, top, stalls=stalls_from(task.seed), seed=task.seed, model=built) as lockstep:
         if state is not None:
             lockstep.restore(state)
-        for block in parts.rest(stream.blocks):
+        for block in kept.rest(stream.blocks):
             first = lockstep.events
             t0_us = int(block.t_us[0]) if t0_us is None else t0_us  # of the part: tick 0
             decided = lockstep.feed(block).hardware
-            parts.add(to_track_records(decided.records, config, block.t_us, first, t0_us), decided.owner, block)
-            parts.keep(partial(_state, lockstep, t0_us))
+            kept.add(to_track_records(decided.records, config, block.t_us, first, t0_us), decided.owner, block)
+            kept.keep(partial(_state, lockstep, t0_us))
         measured = {**_hardware(lockstep), "build_s": 0.0 if built.cached else built.build_s}
-    return parts.log("cot-rtl"), measured | hardware_cost(top, config.shape.n_slots)
+    return kept.log("cot-rtl"), measured | hardware_cost(top, config.shape.n_slots)
 
 
 def _state(lockstep: Lockstep, t0_us: int) -> tuple[dict[str, Any], int]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""After the runs: what a sweep has found, as plain values; its report, JUnit file, and the playback of its best runs."""
+"""After the runs: the results of a sweep as plain values, its report and JUnit file, and the playback of its best runs."""
 
 from __future__ import annotations
 

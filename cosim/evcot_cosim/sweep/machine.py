@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a worker is and has: versions, a fingerprint of the program, and the contents of recordings as it sees them."""
+"""Description of a worker: versions, a fingerprint of the program, and the contents of recordings as it sees them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Machine = Mapping[str, Any]
 
 _RESULTS_DEPEND_ON = ("numpy", "numba", "scipy")
 _ROOMS = ("devices", "lockstep", "rtl")  # of this package, by which a result could change; and of this room:
-_MODULES = ("configure", "cost", "execute", "fields", "inputs", "parts", "places", "task")
+_MODULES = ("checkpoints", "configure", "cost", "execute", "fields", "inputs", "places", "task")
 _BLOCK = 1 << 22
 
 

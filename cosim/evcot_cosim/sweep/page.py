@@ -103,7 +103,7 @@ def _hours(seconds: float) -> str:
 
 
 def _axes(groups: Sequence[Group], objectives: Sequence[tuple[str, str]]) -> tuple[list[dict[str, Any]], dict[str, Column]]:
-    """Axes of the page and their columns: what tells the configurations apart, then the objectives."""
+    """Axes of the page and their columns: the fields in which configurations differ, then the objectives."""
     values: dict[str, list[Any]] = {}
     for name in ("engine", "hardware", "preset"):
         values[name] = [getattr(group, name) or None for group in groups]

@@ -53,7 +53,7 @@ class Plan:
 
 
 def design_of(task: Task) -> tuple[str, str]:
-    """What tells the designs of tasks apart: module and shape."""
+    """What distinguishes the designs of tasks: module and shape."""
     tables = task.tables
     filters = canonical(sorted(tables.get("filters", {}))) + str(task.preset)
     size = canonical([task.input.width, task.input.height]) if task.input else ""

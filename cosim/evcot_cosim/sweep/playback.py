@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page to explore single runs of a sweep with: the run again, and its report, in the sweep's folder."""
+"""Report pages of single runs of a sweep: each is run again, and its report written into the sweep's folder."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One run of a sweep again, by its key, and compared with what the store has of it."""
+"""Repeats one run of a sweep, by its key, and compares it with the store."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .task import Task
 
 __all__ = ["Difference", "Repeated", "repeat"]
 
-_LEAST = 6  # digits of a key: enough to tell runs apart
+_LEAST = 6  # digits of a key: enough to distinguish runs
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Repeated:
 
     @property
     def shown(self) -> list[tuple[str, str]]:
-        """What a person wants to see of it."""
+        """The result as a table for people."""
         names = ("key", "status", "engine", "hardware", "preset", "input", "error")
         rows = [(name, str(self.row[name])) for name in names if self.row.get(name)]
         rows += [(name, str(value)) for name, value in self.row["settings"].items()]

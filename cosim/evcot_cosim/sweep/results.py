@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a store's rows say: a mean per configuration, the best of them, the Pareto front, the response to each field."""
+"""Results from a store's rows: a mean per configuration, the best of them, the Pareto front, the response to each field."""
 
 from __future__ import annotations
 

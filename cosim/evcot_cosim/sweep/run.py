@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A sweep from its specification to a full store: what is done is left out, the rest handed out, rows written as they come."""
+"""A sweep from its specification to a full store: does the runs that the store does not have, and writes rows as they come."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .task import Task
 __all__ = ["Progress", "Swept", "run_sweep"]
 
 Progress = Callable[[int, int, str], None]
-"""Told after each run: how many have ended, of how many, and a word on the last."""
+"""Called after each run: with how many have ended, of how many, and a word on the last."""
 
 
 class Scheduler(Protocol):
@@ -73,7 +73,7 @@ def run_sweep(
         jobs: processes on this machine, without a scheduler.
         scheduler, scheduler_file: of a Dask cluster.
         again: runs that have failed before are tried again.
-        planned: told the plan before anything runs; of Optuna that of the first batch.
+        planned: called with the plan before anything runs; with Optuna it is that of the first batch.
 
     Raises:
         ConfigError, RecordingError: what was asked for cannot be done; nothing has run.

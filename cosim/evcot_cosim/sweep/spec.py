@@ -65,7 +65,7 @@ class Spec:
         hardware: modules of `fields.RTL`.
         seeds: of scenes; with `stalls` also of the hardware's stall patterns.
         preset, tables: the configuration before `axes`.
-        method, samples, batch, sampling_seed: how points are chosen; `batch` points of Optuna are asked for at a time.
+        method, samples, batch, sampling_seed: how points are chosen; Optuna chooses `batch` points at a time.
         objectives: metric -> "max" or "min", the first first.
         best: number of best runs for which a page with their playback is made.
         timeout_s: time after which a run of the local scheduler is ended, 0 for none.
@@ -174,7 +174,7 @@ def spec_from(data: Mapping[str, Any], folder: Path, name: str) -> Spec:
 
 
 def spec_toml(spec: Spec) -> str:
-    """The text of a file that says the same, from whatever folder it is read."""
+    """The text of a specification file with the same meaning in every folder."""
     plain = Spec(spec.name)
     values: dict[str, Any] = {"name": spec.name}
     for each in fields(Spec):

@@ -72,7 +72,7 @@ class Task:
         seed: of the stall patterns, of `FUZZ` of everything; None never stalls.
         events: of `FUZZ`, number of events.
         settings: the fields that the sweep has set, by name: the columns of the row.
-        code: fingerprint of the program that shall do it, see `machine`.
+        code: fingerprint of the program that is to run it, see `machine`.
         design: fingerprint of the hardware; empty without.
     """
 

@@ -71,7 +71,7 @@ class Tuned:
 
     @property
     def warning(self) -> str:
-        """What must be said about over-fitting, in a line."""
+        """A warning of over-fitting, in a line; empty if there is nothing to warn of."""
         on_chosen, on_validated = self.gains
         if on_chosen < _LEAST_GAIN and on_validated > -_LEAST_GAIN:
             return "nothing was gained: the preset is as good as the best of what was tried, or better"

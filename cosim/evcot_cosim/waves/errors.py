@@ -19,7 +19,7 @@ class PropertyError(EvcotError, TypeError):
 class WaveformError(EvcotError, AssertionError):
     """A property that fails in a waveform, or is vacuous.
 
-    The first line says what was expected, when and how often it fails; a table of the signals around that time follows.
+    The first line states what was expected, when and how often it failed; a table of the signals around that time follows.
 
     Attributes:
         path: the VCD.

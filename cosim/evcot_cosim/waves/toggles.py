@@ -18,7 +18,7 @@ __all__ = ["Activity", "count_toggles"]
 
 _END_OF_HEADER = b"$enddefinitions"
 _DIGITS, _LOWEST = 94, 33  # a code is a number of printable characters
-_LONGEST_CODE = 9  # characters: more than int64 can tell apart
+_LONGEST_CODE = 9  # characters: more than int64 can represent
 
 # Why `_count` stopped.
 _WHOLE, _BROKEN, _BACKWARDS = 0, 1, 2

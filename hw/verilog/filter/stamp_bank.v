@@ -5,7 +5,7 @@
 // A slot reads in stage `read`. The slot in stage `age` writes; `meets` says for each stage whether the slot there has read, or is
 // reading, the word that is written now. So `was`, in stage `then`, is what a memory without delay would have held.
 // The RAM is made of parts of 2,048 words, each with a register behind its output (block_memory.v), as a RAM gives late in its
-// clock: which part it is to be is chosen behind the register.
+// clock: the part is selected behind the register.
 //
 // Latency:    4 clocks from read_row to `was`: RAM, its output, which part, correction.
 // Throughput: 1 read and 1 write per clock.

@@ -7,7 +7,7 @@
 // KEEP or more means that the pixel had no event, or none of an age that matters.
 // A visit reads a row of all banks and writes it back three clocks later. If an event needs the port in that clock, or has
 // written to the row in between, the visit is repeated. So no cell is ever read and written in one clock, except in
-// the own bank of an event, whose read data is not used.
+// the bank of an event's own pixel, whose read data is not used.
 //
 // Latency:    6 clocks from s_ to m_: address, time, addresses of the banks, RAM, its output, ages.
 // Throughput: 1 token per clock; for stalls by the walk, which are rare, see stamp_walk.v.

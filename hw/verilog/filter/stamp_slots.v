@@ -4,7 +4,7 @@
 //
 // Stage 0 `ask`, 1 `read`: the RAM reads, 2 `found`, 3 `held`: its output registers, 4 `taken`, 5 `then`: what was read, corrected,
 // 6 `age`: what is written, is written now.
-// Stage s of a vector with one field per stage is [s*W +: W]. A visit is never in vain: what it has read is corrected like
+// Stage s of a vector with one field per stage is [s*W +: W]. A visit never has to be repeated: what it has read is corrected like
 // that of a token, and it writes in its turn.
 //
 // Latency:    8 clocks from s_ to stage 6, the first of them in front of stage 0.

@@ -6,7 +6,7 @@
 // non-restoring division from the highest bit: the weight is added to a negative remainder in the next clock, and subtracted from
 // any other; the sign is the quotient bit. This also holds for negative products.
 //
-// `b` must be there with `start`, the others until `done`, `weight` from W clocks after `start` on. It must not be zero.
+// `b` must be valid at `start`, the others until `done`, and `weight` from W clocks after `start` on; it must not be zero.
 //
 // Latency:    2 W + 3 clocks from the edge that takes `start` to `done`, which stays until the next start.
 // Throughput: a mean at a time.

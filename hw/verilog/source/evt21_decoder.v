@@ -41,7 +41,7 @@ module evt21_decoder #(
     output wire [Y_W-1:0]      m_y,
     output wire                m_p,
 
-    output wire [COUNT_W-1:0]  n_events,    // given
+    output wire [COUNT_W-1:0]  n_events,    // output
     output wire [COUNT_W-1:0]  n_untimed,   // events before any time mark
     output wire [COUNT_W-1:0]  n_outside,   // events beyond the sensor
     output reg  [COUNT_W-1:0]  n_reserved,  // words of reserved types

@@ -12,7 +12,7 @@
 
 module time_mark #(
     parameter MARK_W = 28,  // bits of a mark, at least 2
-    parameter HIGH_W = 42   // bits with the turns, more than MARK_W
+    parameter HIGH_W = 42   // bits of the whole time, more than MARK_W
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -20,9 +20,9 @@ module time_mark #(
     input  wire              set,
     input  wire [MARK_W-1:0] mark,
 
-    output wire              differs,  // the mark on offer is none, or not the one before
+    output wire              differs,  // `mark` is not the last one, or no mark is known
     output wire [HIGH_W-1:0] high,
-    output reg               known     // there was a mark
+    output reg               known     // a mark has been received since reset
 );
 
     parameter_check #(.OK(MARK_W >= 2)) MARK_W_must_be_at_least_2 ();

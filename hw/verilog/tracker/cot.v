@@ -11,8 +11,8 @@
 // Throughput: an event every 3 clocks, every 5 at a centre update, a token without event every 2.
 // Stall:      every output is held until accepted, and the FSM waits for all of them.
 // Reset:      turns the tracker off.
-// Registers:  a write takes effect on the next token; s_ready is low in the clock after a write. A life that a shorter timer ends
-//             so is reported when the next event enters, s_valid or next_seq says which.
+// Registers:  a write takes effect on the next token; s_ready is low in the clock after a write. A life that ends because
+//             its timer was shortened is reported when the next event enters the row of trackers (s_valid, or a change of next_seq).
 // Combinational paths: s_tick -> s_ready; put a skid_buffer in front where that is too long.
 `default_nettype none
 `include "evcot_defs.vh"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The memory of cells that refractory, activity and decay can share or have: a few bits for each square of pixels.
+"""The memory of cells that the filters refractory, activity and decay can use: a few bits for each square of pixels.
 
 docs/filters.md, "One memory of cells", is the contract; `cell_memory.v` is the hardware.
 """

@@ -55,7 +55,7 @@ class CotConfig:
             `mode` has a meaning.
 
     Raises:
-        ConfigError: a value outside its limits, another number of slots than the shape has, or a fixed start with motion.
+        ConfigError: a value outside its limits, a number of slots that is not the shape's, or a fixed start with motion.
     """
 
     shape: Shape = field(default_factory=Shape)

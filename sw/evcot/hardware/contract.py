@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from enum import IntEnum
+from types import MappingProxyType
 
 import numpy as np
 
@@ -20,6 +21,7 @@ __all__ = [
     "HIST_AVG_STILL",
     "ORDERED",
     "RECORD",
+    "RECORD_MEANINGS",
     "REGISTERS",
     "SHAPE_RANGES",
     "SLOTS_MAX",
@@ -180,14 +182,14 @@ ORDERED = (("radix_min", "init_radix", "radix_max"), ("nev_min", "clust_nev", "n
 # A record as output by the hardware: centres in fixed point with `Shape.frac` fractional bits.
 RECORD = np.dtype(
     [
-        ("seq", "<u8"),  # number of the event that caused it; for LOST, of the next event
-        ("time", "<u8"),  # ticks since reset
+        ("seq", "<u8"),
+        ("time", "<u8"),
         ("track_id", "<u4"),
-        ("other_id", "<u4"),  # MERGED: the survivor; else 0
+        ("other_id", "<u4"),
         ("cm_x", "<u4"),
         ("cm_y", "<u4"),
         ("support", "<u4"),
-        ("radius", "<u2"),  # R = g + radix_th, pixels
+        ("radius", "<u2"),
         ("n_ev", "<u2"),
         ("slot", "u1"),
         ("kind", "u1"),
@@ -195,3 +197,20 @@ RECORD = np.dtype(
         ("_pad2", "<u4"),
     ]
 )
+
+RECORD_MEANINGS: MappingProxyType[str, str] = MappingProxyType(
+    {
+        "seq": "number of the event that caused it; of a LOST record, of the next event",
+        "time": "ticks since reset",
+        "track_id": "the track",
+        "other_id": "of a MERGED record, the track that survives; else 0",
+        "cm_x": "column of the centre, in pixels with `shape0.frac` fractional bits",
+        "cm_y": "row of it, likewise",
+        "support": "events that the track has collected; saturates",
+        "radius": "R = g + `radix_th`, in pixels",
+        "n_ev": "N_ev, the events until the next centre update",
+        "slot": "the slot of the track",
+        "kind": "see below",
+    }
+)
+"""Field of `RECORD` -> its meaning."""

@@ -24,9 +24,9 @@ from ..filters.decay import CLOCK_FRAC, UNITS_PER_HALF_LIFE, weights
 from ..outputs import written_aside
 from ..templating import templates
 from ..tracks.log import Kind
-from .contract import HIST_AVG_STILL, ORDERED, RECORD, REGISTERS, SHAPE_RANGES, Mode, Register, State
+from .contract import HIST_AVG_STILL, ORDERED, RECORD, RECORD_MEANINGS, REGISTERS, SHAPE_RANGES, Mode, Register, State
 from .lfsr import TAPS, tap_mask
-from .motion.contract import MOTION_BANKS, MOTION_RECORD, MOTION_RULES, MotionRegister, Rule
+from .motion.contract import MOTION_BANKS, MOTION_RECORD, MOTION_RECORD_MEANINGS, MOTION_RULES, MotionRegister, Rule
 from .published.registers import REGISTERS as PUBLISHED_REGISTERS
 from .published.registers import SELECT, SELECT_FIRST, SELECT_NONE
 from .registers import Access, Bank, Field, Listed, Word, motion_addresses, register_map
@@ -173,6 +173,7 @@ def _vocabulary() -> dict[str, Any]:
         "clamping": [f"{flaw}_{word.port(field)}" for word, field in checked for flaw in _flaws(field) if not field.allowed],
         "wide": lambda field: not field.name and field.bits < 32,
         "compared": lambda field: field.high is not None and field.high != (1 << field.bits) - 1,
+        "record_meanings": {"record": RECORD_MEANINGS, "motion_record": MOTION_RECORD_MEANINGS},
         "records": {
             "record": (_record(RECORD), _record_in_c(RECORD), RECORD.itemsize),
             "motion_record": (_record(MOTION_RECORD), _record_in_c(MOTION_RECORD), MOTION_RECORD.itemsize),

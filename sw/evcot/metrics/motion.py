@@ -28,7 +28,7 @@ class Motion:
         position_error_px_median, position_error_px_p90: distance between object and track.
         velocity_error_median: distance between their velocities, pixels per second; for a track, from its positions 25 ms later
             and earlier. None without velocities in the truth.
-        stated_velocity_error_median: the same with the velocity that the track states, which knows nothing of later; None
+        stated_velocity_error_median: the same with the velocity that the track states, which cannot use later events; None
             if no matched track states one.
         latency_ms: time shift of the tracks that minimises the median distance, searched over +-100 ms in steps of 1 ms; above
             0 the tracks are late. None if the minimum is at an end of the range, or if nothing moves.

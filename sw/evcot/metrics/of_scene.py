@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene's own truth as a ground truth, to the digits that its file has."""
+"""The truth of a simulated scene as a ground truth, rounded as in its file."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from ..events import Events
 from ..filters.config import FilterConfig
 from ..filters.run import filtered
 from ..tracks.log import DROPPED, Kind, TrackLog
-from ..tracks.timeline import OPEN, by_life, lifetimes
+from ..tracks.timeline import OPEN, FoundAgain, by_life, lifetimes
 
 __all__ = ["Quality", "QualityCounter", "isolated", "isolation", "quality_of"]
 
@@ -33,15 +33,16 @@ class Quality:
     Attributes:
         tracks: number of tracks; `alive_mean`: how many were alive, on average over the recording.
         tracks_per_alive: tracks for each object alive.
-        short_us: a track is short if it ended sooner and travelled less than half its box.
-        short: number of short tracks; `short_merged` of them ended in another track, `short_lost` in silence.
+        short_us: a life of a track is short if it ended sooner and travelled less than half its box.
+        short: number of short lives; `short_merged` of them ended in another track, `short_lost` in silence.
         owned_fraction: share of the events that passed the filters and have a neighbour, that belong to a visible track that is
             not short.
         isolated_fraction: share of all events without an event on one of the eight pixels around within the 10 ms before.
         isolated_dropped_fraction, isolated_owned_fraction: shares of the isolated events that filters dropped, and that
             belong to a visible track.
-        noise_tracks: number of tracks most of whose events are isolated; `noise_time_fraction`: their share of the time of all
-            tracks.
+        noise_tracks: number of lives most of whose events are isolated; `noise_time_fraction`: their share of the time of all
+            lives.
+        found_again: how often a track was found again after it had been lost; each time it begins another life.
     """
 
     tracks: int
@@ -57,6 +58,12 @@ class Quality:
     isolated_owned_fraction: float | None
     noise_tracks: int
     noise_time_fraction: float | None
+    found_again: int = 0
+
+    @property
+    def lives(self) -> int:
+        """Number of lives: one a track, and one more each time that one was found again."""
+        return self.tracks + self.found_again
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as summary.json stores them."""
@@ -90,7 +97,7 @@ def quality_of(log: TrackLog, events: Events, alone: NDArray[np.bool_]) -> Quali
 
 
 class QualityCounter:
-    """The figures of a log that comes in parts, see `tracks.parts.Parts`: the same as of the whole.
+    """The figures of a log that comes in parts, see `tracks.log_parts.LogParts`: the same as of the whole.
 
     Args:
         begin_us, end_us: times of the recording's first and last event.
@@ -102,6 +109,7 @@ class QualityCounter:
         self._short_us = int(min(_SHORT_US, _SHORT_PART * self._span_us))
         self._sums = Counter[str]()
         self._open = np.zeros((0, 3), np.int64)  # of each track alive: events, isolated ones, and those that count as lasting
+        self._found_again = FoundAgain()
 
     def add(self, log: TrackLog, events: Events, alone: NDArray[np.bool_], *, last: bool = True) -> None:
         """Count a part; arguments as of `quality_of`, and whether it is the last one.
@@ -110,6 +118,7 @@ class QualityCounter:
         """
         lives = lifetimes(log, self._end_us)
         lengths_us = lives["end_us"] - lives["birth_us"]
+        found_again = self._found_again.of(log, lives)[len(self._open) :]
         over = (lives["ended"] != OPEN) | last
         short = (lengths_us < self._short_us) & (lives["ended"] != OPEN) & ~_travelled(log)
         life = _life_of_event(log, events.t_us, lives)
@@ -120,7 +129,8 @@ class QualityCounter:
         noise = over & (2 * counts[:, 1] > counts[:, 0])
         self._open = counts[~over]
         self._sums.update(
-            tracks=int(over.sum()),
+            lives=int(over.sum()),
+            found_again=int(found_again.sum()),
             alive_us=int(lengths_us[over].sum()),
             short=int(short.sum()),
             short_merged=int((short & (lives["ended"] == Kind.MERGED)).sum()),
@@ -139,10 +149,11 @@ class QualityCounter:
         """The figures of all parts."""
         sums = self._sums
         alive_mean = sums["alive_us"] / self._span_us
+        tracks = sums["lives"] - sums["found_again"]
         return Quality(
-            tracks=sums["tracks"],
+            tracks=tracks,
             alive_mean=alive_mean,
-            tracks_per_alive=sums["tracks"] / alive_mean if alive_mean else None,
+            tracks_per_alive=tracks / alive_mean if alive_mean else None,
             short_us=self._short_us,
             short=sums["short"],
             short_merged=sums["short_merged"],
@@ -153,6 +164,7 @@ class QualityCounter:
             isolated_owned_fraction=_share(sums["alone_owned"], sums["alone"]),
             noise_tracks=sums["noise"],
             noise_time_fraction=_share(sums["noise_us"], sums["alive_us"]),
+            found_again=sums["found_again"],
         )
 
 

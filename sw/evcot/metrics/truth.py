@@ -66,12 +66,12 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
 
     Args:
         clock: the time of frames, for formats that have no times.
-        format: a format of boxes; None: by the file's name, else CSV.
+        format: name of a box format; None: chosen by the file's name, else CSV.
 
     Raises:
         RecordingError: the file cannot be read, lacks a column, or has an invalid line: names file, line, field, value and
             rule; no box counts, or one that does lies off the sensor.
-        TrackLogError: the same of a file of boxes.
+        TrackLogError: the same for a file of boxes.
         ConfigError: the rule clips, and the sensor is unknown; a CSV file with a rule without columns; frames without a clock.
     """
     path = Path(path)
@@ -113,7 +113,7 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
 
 
 def _truth_of_boxes(path: Path, boxes: Boxes, rule: Rule) -> GroundTruth:
-    """Boxes as a truth; what their file says of its images' size holds, unless the rule says it."""
+    """Boxes as a truth; the sensor is that of the rule, else the size of the images that the file states."""
     rows = boxes.rows
     detected = rows["id"] == NOBODY
     if detected.any():
@@ -156,7 +156,7 @@ def rule_for(path: Path | str, format: str | None = None) -> Rule:
     """The named rule whose columns a CSV file has, the first if there is none; "boxes" for a file of boxes.
 
     Args:
-        format: a format of boxes; None: by the file's name, else CSV.
+        format: name of a box format; None: chosen by the file's name, else CSV.
 
     Raises:
         RecordingError: the file cannot be read.

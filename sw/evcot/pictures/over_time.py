@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every picture draws over time alike: the axis, the number of tracks alive, how lives end, and merges."""
+"""Common to all pictures over time: the axis, the number of tracks alive, the ends of lives, and merges."""
 
 from __future__ import annotations
 

@@ -128,7 +128,8 @@ def _draw_paths(ax: Axes, side: Side, clock: Clock) -> None:
     states = _states(side, clock.times_us)
     paths = []
     for life in side.lives:
-        path = states[states["track_id"] == life["track_id"]]
+        here = clock.times_us[states["sample"]]
+        path = states[(states["track_id"] == life["track_id"]) & (here >= life["birth_us"]) & (here <= life["end_us"])]
         if len(path):
             paths.append(np.column_stack((path["x"], path["y"])))
     ax.add_collection(LineCollection(paths, colors="white", linewidths=side.width + 1.2, alpha=0.6))

@@ -68,8 +68,8 @@ class Description:
             shorter than one window.
         pixels: None for a sensor of more than 2^24 pixels.
         left_out: reason -> number of events that were left out.
-        remarks: what was found amiss without any event being left out.
-        details: what else the file says about itself.
+        remarks: faults for which no event was left out.
+        details: other metadata of the file.
     """
 
     format: str

@@ -45,9 +45,9 @@ class RecordingFile:
         path, name: the file, and its name without suffix.
         format: the format's display name.
         assumes_sensor: whether the sensor size is assumed, because neither the caller nor the file states it.
-        details: what else the file says about itself.
+        details: other metadata of the file.
         left_out: reason -> number of events left out in the most recent pass of `blocks`; complete when the pass has ended.
-        remarks: what was found amiss in that pass without any event being left out, one line each.
+        remarks: faults found in that pass for which no event was left out, one line each.
     """
 
     def __init__(self, path: Path, format_title: str, source: Source, sensor: Sensor | None, damage: Damage) -> None:
@@ -114,7 +114,7 @@ class RecordingFile:
                 after a place that cannot be read. Also raised where an event is `required` and there is none.
         Warns:
             RecordingWarning: events were left out, how many and why; events ran back in time by no more than `HELD_US` and
-                have the time of the latest before them; the file says something of itself that is not so.
+                have the time of the latest before them; or the file contradicts itself.
         """
         width, height = self.sensor
         t0_us = self.t0_us
@@ -300,8 +300,8 @@ def read_recording(
         recording.events.x  # (n,) uint16, pixels
 
     Args:
-        path: the file; its content tells the format.
-        sensor: (width, height) in pixels, in place of what the file says.
+        path: the file; its format is detected from its content.
+        sensor: (width, height) in pixels, in place of what the file states.
         from_us, to_us: the window, in microseconds since the first event; None: to the end.
         damage: what to do about events that break the rules, see `open_recording`.
 

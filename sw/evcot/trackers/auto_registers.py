@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The configuration of a run from what was seen of the scene: registers and filters of the hardware, without any preset.
+"""The configuration of a run from estimates about the scene: registers and filters of the hardware, without any preset.
 
 Every rule is a ratio of lengths, of times or of counts; docs/auto.md explains them, "Registers of the hardware".
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the trackers with a compiled loop share: checks of what comes in, and records taken out of a buffer of fixed length."""
+"""Common base of the trackers with a compiled loop: checks of the input, and records taken from a buffer of fixed length."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ UNSET_US = -(1 << 62)  # a time before all events
 class CompiledTracker:
     """A streaming tracker: feed events in runs of any length; the result does not depend on how they are split into runs.
 
-    Besides the returned arrays, memory is constant. A tracker that derives from it says how its compiled loop continues
+    Besides the returned arrays, memory is constant. A tracker that derives from it defines how its compiled loop continues
     (`_continue`) and how a packet is closed (`_close`).
     """
 

@@ -101,7 +101,7 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
     """Read a TOML file whose tables `[shape]`, `[cot]`, `[[slot]]`, `[motion]`, `[rct]`, `[auto]` and `[filters]`
     override `base`.
 
-    `software` says which software tracker runs, and `[software_filters]` what is in front of it if that is not `[filters]`.
+    `software` names the software tracker, and `[software_filters]` holds its filters if they are not those of `[filters]`.
 
     `[cot]` has `tick_us` and any register, for all slots; the i-th `[[slot]]` then overrides registers of slot i. `[filters]`
     may have `hot_pixels_file`, a file of `filters.hot_pixels` relative to the TOML file, instead of `hot_pixels`. `[run]`,

@@ -36,7 +36,7 @@ class Engine:
 
     Attributes:
         title: display name.
-        load: imports the rest.
+        load: imports the tracker's modules; returns the rest.
     """
 
     title: str
@@ -53,12 +53,12 @@ class Engine:
 
     @property
     def start(self) -> Start:
-        """A tracker that has seen nothing, from settings, filters in front, and the sensor."""
+        """A new tracker with these settings, these filters in front of it, and this sensor."""
         return self._parts.start
 
     @property
     def filters(self) -> Mapping[str, FilterConfig]:
-        """Name of a preset -> the filters that it wants in front."""
+        """Name of a preset -> the filters that belong in front of it."""
         return self._parts.filters
 
 

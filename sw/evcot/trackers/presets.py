@@ -151,7 +151,7 @@ def run_config(width: int, height: int, name: str | None = None, n_slots: int | 
         n_slots: number of tracker slots; None: the preset's.
 
     Raises:
-        ConfigError: no such preset, or a number of slots that cannot be.
+        ConfigError: no such preset, or a number of slots outside its range.
     """
     return fit(preset(name) if name else for_sensor(width), width, height, n_slots)
 

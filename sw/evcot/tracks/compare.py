@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import ConfigError
 from .log import TrackLog
 from .pairing import best_pairs, closest_pairs
-from .timeline import MERGE, OPEN, alive, lifetimes, merges, sample
+from .timeline import MERGE, OPEN, FoundAgain, alive, lifetimes, merges, sample
 
 __all__ = ["Agreement", "Comparison", "MergePair", "TrackPair", "compare"]
 
@@ -139,7 +139,7 @@ def compare(
 
 
 class Comparison:
-    """The agreement of two logs that come in parts, see `tracks.parts.Parts`: the same as of the whole.
+    """The agreement of two logs that come in parts, see `tracks.log_parts.LogParts`: the same as of the whole.
 
     Memory holds the distances of all pairs, 8 bytes each at no more than 20 000 samples, and 75 bytes a track and a merge.
 
@@ -154,6 +154,8 @@ class Comparison:
         self.radius_px, self.tolerance_us = radius_px, tolerance_us
         self.step_us = _step_us(begin_us, end_us) if step_us is None else step_us
         self._lives: tuple[list[NDArray[np.void]], list[NDArray[np.void]]] = ([], [])
+        self._found_again = FoundAgain(), FoundAgain()
+        self._goes_on: tuple[list[NDArray[np.bool_]], list[NDArray[np.bool_]]] = ([], [])  # of each of the lives
         self._merges: tuple[list[NDArray[np.void]], list[NDArray[np.void]]] = ([], [])
         self._alive: tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]] = ([], [])
         self._distances: list[NDArray[np.float64]] = []
@@ -169,9 +171,13 @@ class Comparison:
         self, hardware: TrackLog, software: TrackLog, times_us: NDArray[np.int64], *, last: bool = True
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
         """Compare a part at its sample times; returns how many tracks are alive at each, on both sides, and how many pairs."""
-        for log, lives, merged, living in zip((hardware, software), self._lives, self._merges, self._alive, strict=True):
+        for side, (log, lives, merged, living) in enumerate(
+            zip((hardware, software), self._lives, self._merges, self._alive, strict=True)
+        ):
             own = lifetimes(log, self.end_us)
-            lives.append(own if last else own[own["ended"] != OPEN])
+            over = (own["ended"] != OPEN) | last
+            lives.append(own[over])
+            self._goes_on[side].append(self._found_again[side].of(log, own)[over])
             merged.append(merges(log))
             living.append(alive(log, times_us))
         hw_ids, sw_ids, distance_px = _pair_clusters(sample(hardware, times_us), sample(software, times_us), self.radius_px)
@@ -189,7 +195,8 @@ class Comparison:
         """The agreement of all parts."""
         hw_alive, sw_alive = (np.concatenate([np.empty(0, np.int64), *parts]) for parts in self._alive)
         distance_px, met = np.concatenate([np.empty(0), *self._distances]), np.concatenate(self._met)
-        tracks, hw_alone, sw_alone = _pair_tracks(*self.lives, met[:, 0], met[:, 1], self.step_us, self.tolerance_us)
+        hw_tracks, sw_tracks = map(_tracks_of, self._lives, self._goes_on)
+        tracks, hw_alone, sw_alone = _pair_tracks(hw_tracks, sw_tracks, met[:, 0], met[:, 1], self.step_us, self.tolerance_us)
         hw_merges, sw_merges = (np.concatenate([np.empty(0, MERGE), *parts]) for parts in self._merges)
         joint, hw_merged, sw_merged = _pair_merges(hw_merges, sw_merges, self.radius_px, self.tolerance_us)
         return Agreement(
@@ -227,6 +234,18 @@ def _by_birth(parts: list[NDArray[np.void]]) -> NDArray[np.void]:
         return parts[0]
     lives = np.concatenate(parts)
     return lives[np.argsort(lives["birth_us"], kind="stable")]
+
+
+def _tracks_of(parts: list[NDArray[np.void]], goes_on: list[NDArray[np.bool_]]) -> NDArray[np.void]:
+    """The tracks of all lives, in order of birth; one that was lost and found again lasts from its first life to its last."""
+    lives, again = np.concatenate(parts), np.concatenate(goes_on)
+    order = np.lexsort((lives["birth_us"], lives["track_id"]))
+    first = np.flatnonzero(~again[order])
+    last = np.append(first[1:], len(order)) - 1 if len(first) else first
+    tracks = lives[order[first]]
+    for name in ("end_us", "ended", "other_id"):
+        tracks[name] = lives[name][order[last]]
+    return tracks[np.argsort(order[first] if len(parts) == 1 else tracks["birth_us"], kind="stable")]
 
 
 def _step_us(begin_us: int, end_us: int) -> int:

@@ -19,7 +19,7 @@ __all__ = ["RecordRuns", "in_the_name_of", "open_log"]
 
 
 class RecordRuns(Protocol):
-    """A log whose records can be had run by run, as often as they are needed: a `TrackLog`, or the file of one."""
+    """A log whose records can be read run by run, as often as they are needed: a `TrackLog`, or the file of one."""
 
     @property
     def engine(self) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a tracker says of its tracks and of the events: records, and owners."""
+"""The output of a tracker: records of its tracks, and owners of the events."""
 
 from __future__ import annotations
 

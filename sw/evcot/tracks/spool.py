@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A track log of any length on its way to its file: records and owners in two files that grow as a tracker goes on.
+"""A track log of any length before it is written: records and owners in two files that grow while a tracker runs.
 
-From there they are written in the form that is wanted. These files can be cut back to what a checkpoint knows of them, which a
+From there they are written in the form that is wanted. These files can be cut back to the length noted by a checkpoint, which a
 finished file cannot.
 """
 
@@ -23,7 +23,7 @@ _RUN = 1 << 16
 
 
 class LogColumns(Protocol):
-    """A track log whose parts can be had one after the other: a `TrackLog`, or a `LogSpool`."""
+    """A track log that can be read part by part: a `TrackLog`, or a `LogSpool`."""
 
     @property
     def engine(self) -> str: ...

@@ -45,7 +45,7 @@ def track_into(
         start: makes a tracker before its first event.
         blocks: all events of the recording; those before a checkpoint are read and compared with it, and not tracked again.
         every: events from one checkpoint to the next; 0 makes none.
-        resumed: told how many events were done before.
+        resumed: called with the number of events that an earlier process has tracked.
 
     Raises:
         RecordingError: the recording has other events than those that were tracked before the checkpoint.

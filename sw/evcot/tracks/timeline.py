@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .log import Kind, TrackLog
 
-__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "alive", "by_life", "expiring", "lifetimes", "merges", "sample"]
+__all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "FoundAgain", "alive", "by_life", "expiring", "lifetimes", "merges", "sample"]
 
 _BY_LIFE: WeakKeyDictionary[TrackLog, tuple[NDArray[np.int64], NDArray[np.int64]]] = WeakKeyDictionary()
 OPEN = -1  # `LIFE.ended` of a track that is still alive at the end of the log
@@ -83,6 +83,34 @@ def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
     lives["ended"] = np.where(ended, records["kind"][last].astype(np.int8), OPEN)
     lives["other_id"] = np.where(ended, records["other_id"][last], -1)
     return lives
+
+
+class FoundAgain:
+    """Which lives go on with a track that was lost before, in a log that comes in parts, see `log_parts.LogParts`.
+
+    Such a life begins without BORN. Memory holds the ids of the tracks that were lost, 8 bytes each.
+    """
+
+    def __init__(self) -> None:
+        self._lost: list[NDArray[np.int64]] = []
+        self._open = np.empty(0, np.bool_)  # what is known of the lives that the part before has left open
+
+    def of(self, log: TrackLog, lives: NDArray[np.void]) -> NDArray[np.bool_]:
+        """(k,) bool, one for each of `lives`, which are the `lifetimes` of the next part."""
+        order, first = by_life(log)
+        found = np.asarray(log.records["kind"][order[first]] != Kind.BORN, np.bool_)
+        found[: len(self._open)] = self._open
+        for row in (len(self._open) + np.flatnonzero(found[len(self._open) :])).tolist():
+            found[row] = self._was_lost(lives, row)
+        self._open = found[lives["ended"] == OPEN]
+        self._lost.append(lives["track_id"][lives["ended"] == Kind.LOST])
+        return found
+
+    def _was_lost(self, lives: NDArray[np.void], row: int) -> bool:
+        """Whether the track of a life has been there before, in this part or in one before."""
+        self._lost = [np.concatenate(self._lost)] if self._lost else []
+        track_id = lives["track_id"][row]
+        return bool((lives["track_id"][:row] == track_id).any() or any((ids == track_id).any() for ids in self._lost))
 
 
 def by_life(log: TrackLog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

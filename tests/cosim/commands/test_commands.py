@@ -36,7 +36,7 @@ def test_every_command_speaks_json(command: str) -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_examples_that_its_parser_takes(command: str) -> None:
-    examples = EXAMPLE.findall(COMMANDS[command].format_help().partition("examples:")[2])
+    examples = EXAMPLE.findall(COMMANDS[command].format_help().replace(" \\\n", " ").partition("examples:")[2])
     own = [shlex.split(example) for example in examples]
     assert any(words[1] == command for words in own)
     for words in own:
@@ -119,6 +119,22 @@ def test_help_shows_examples_before_options_and_filters_last(command: str) -> No
     titles = [group.title for group in COMMANDS[command]._action_groups if group._group_actions]
     assert "filters" not in titles[:-1]
     assert ("filters" in titles) == ("--activity" in options(command))
+    (own,) = (group for group in COMMANDS[command]._action_groups if group.title == "options")
+    listed = {option for action in own._group_actions for option in action.option_strings}
+    assert "--force" in listed or "--force" not in options(command)
+
+
+@pytest.mark.parametrize("columns", [80, 100])
+def test_help_fits_the_terminal_and_its_examples_can_be_copied(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    for command in COMMANDS.values():
+        shown = command.format_help()
+        assert max(map(len, shown.splitlines())) <= columns
+        for line in (command.description or "").splitlines():
+            if line.startswith("  evcot "):
+                words, _, remark = line.partition(" # ")
+                assert " ".join(words.split()) in " ".join(shown.replace(" \\\n", " ").split()), line
+                assert remark.strip() in " ".join(shown.replace("\n  # ", " ").split()), line
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,18 @@ def test_a_life() -> None:
     assert [alive.count[kind] for kind in Kind] == [3, 2, 1, 2]
 
 
+def test_a_track_that_was_lost_and_is_found_again_is_visible_since_then() -> None:
+    alive = Alive()
+    alive.apply(record(Kind.BORN, 100, 0, 7))
+    alive.apply(record(Kind.LOST, 150, 5, 7))
+    assert len(alive.clusters.states) == 0
+    alive.apply(record(Kind.MOVED, 200, 9, 7, x=3))
+    assert (alive.clusters.states["x"].tolist(), alive.clusters.birth_us.tolist()) == ([3], [200])
+    alive.apply(np.concatenate([record(Kind.LOST, 210, 10, 7), record(Kind.MOVED, 220, 11, 7), record(Kind.MOVED, 230, 12, 7)]))
+    assert alive.clusters.birth_us.tolist() == [220]
+    assert alive.count[Kind.BORN] == 1
+
+
 @pytest.mark.parametrize("size", [1, 7, 1_000_000])
 def test_it_agrees_with_the_whole_log_however_the_records_are_cut(size: int) -> None:
     recording = simulate_scene("discs", 5, {"duration_us": 200_000}).recording

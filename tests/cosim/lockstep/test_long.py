@@ -27,7 +27,7 @@ _TIMES = ("wall_s", "realtime_factor", "events_per_s", "software_events_per_s", 
 # What makes a run of some ten thousand events a long one; in a process of its own, too, which may end itself.
 _SMALL = """
 import os, signal, sys
-import evcot_cosim.commands.actions.cosim as action, evcot_cosim.report.parts as parts
+import evcot_cosim.commands.actions.cosim as action, evcot_cosim.report.part_pages as parts
 import evcot_cosim.lockstep.long as long, evcot_cosim.lockstep.lockstep as lockstep, evcot.unfinished as unfinished
 from evcot_cosim.cli import main
 action.EVENTS_MAX, parts.PART_EVENTS, long.CHUNK = 9_000, 4_000, 2_000
@@ -124,7 +124,7 @@ def test_long_logs_alone_have_a_report_in_parts(
 ) -> None:
     """Of Parquet and npz, of one log and of two, they say of each part what the run says."""
     monkeypatch.setattr("evcot_cosim.commands.actions.report.EVENTS_MAX", 9_000)
-    monkeypatch.setattr("evcot_cosim.report.parts.PART_EVENTS", 4_000)
+    monkeypatch.setattr("evcot_cosim.report.part_pages.PART_EVENTS", 4_000)
     monkeypatch.chdir(tmp_path)
     long, wanted = runs / "long", summary(runs / "long")["parts"]
     TrackLog.load(long / "software.parquet").save("software.npz")

@@ -133,12 +133,15 @@ def test_the_terminal_has_every_line_and_every_advice(monkeypatch: pytest.Monkey
         assert one.text in text
         assert one.advice in text
     assert text.startswith(f"verdict: {verdict.headline}")
+    narrow = verdict_lines(verdict, 80)
+    assert max(map(len, narrow)) <= 80
+    assert " ".join(" ".join(narrow).split()) == " ".join(text.split())
 
 
 @pytest.mark.parametrize(("tracks", "per"), [(3_000, "1,500"), (26, "13"), (3, "1.5")])
 def test_tracks_for_each_object_are_told_in_plain_numbers(monkeypatch: pytest.MonkeyPatch, tracks: int, per: str) -> None:
     found = line(judged(monkeypatch, replace(GOOD, tracks=tracks, tracks_per_alive=tracks / 2)), "tracks").text
-    assert found.startswith(f"{tracks:,} tracks for about 2 alive at a time ({per} for each of them)")
+    assert found.startswith(f"{tracks:,} tracks, about 2 alive at a time ({per} per object alive)")
 
 
 DATA = Path(__file__).parents[4] / "shared" / "data"

@@ -194,7 +194,7 @@ def test_the_tracks_of_the_moment_are_listed_and_chosen(opened: Opened) -> None:
     assert len(alive) > 2
     rows.nth(1).click()
     assert opened.page.locator("#chosen").inner_text() == alive[1]
-    assert rows.nth(1).get_attribute("aria-selected") == "true"
+    opened.page.wait_for_selector("#alive-now tr:nth-child(2)[aria-selected=true]")  # drawn with the next picture
 
 
 def test_decay_lets_more_events_be_seen(opened: Opened) -> None:

@@ -83,7 +83,7 @@ def test_the_verdict_stands_above_the_picture_and_says_what_to_do(opened: Opened
     assert picture is not None
     assert verdict["y"] + verdict["height"] <= picture["y"]
     text = opened.page.locator("#verdict").inner_text()
-    assert "2,001 tracks for about 1.5 alive at a time (1,334 for each of them)" in text
+    assert "2,001 tracks, about 1.5 alive at a time (1,334 per object alive)" in text
     assert "parts of one object start tracks of their own" in text
     assert opened.page.locator("#verdict").get_attribute("class") in ("fair", "poor")
 

@@ -35,6 +35,14 @@ def test_a_new_life_in_a_slot_does_not_inherit_a_silence() -> None:
     assert {int(i): int(peaks[0, i]) for i in np.flatnonzero(peaks[0] >= 0)} == {50: 100}
 
 
+def test_a_cluster_that_is_found_again_is_visible_from_then_on() -> None:
+    t_us = np.array([0, 100, 500, 600, 700, 799])
+    log = log_of([0, 0, 0, 0, 0, -1], (0, 0, Kind.BORN, 0), (2, 200, Kind.LOST, 0), (3, 600, Kind.MOVED, 0))
+    peaks, stretch_us = quiet_peaks(log, t_us)
+    assert stretch_us == 1
+    assert {int(i): int(peaks[0, i]) for i in np.flatnonzero(peaks[0] >= 0)} == {100: 100, 200: 100, 700: 100}
+
+
 def test_no_events() -> None:
     peaks, _ = quiet_peaks(TrackLog.empty("rct"), np.empty(0, np.int64))
     assert (peaks == -1).all()

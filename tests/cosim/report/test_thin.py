@@ -40,5 +40,5 @@ def test_births_and_ends_stay_whatever_the_room() -> None:
 def test_the_longest_lives_stay_in_order_of_birth() -> None:
     lives = np.zeros(4, LIFE)
     lives["track_id"], lives["birth_us"], lives["end_us"] = range(4), [0, 10, 20, 30], [5, 500, 21, 300]
-    assert longest_lives(lives, 2)["track_id"].tolist() == [1, 3]
-    assert longest_lives(lives, 4)["track_id"].tolist() == [0, 1, 2, 3]
+    assert lives[longest_lives(lives, 2)]["track_id"].tolist() == [1, 3]
+    assert lives[longest_lives(lives, 4)]["track_id"].tolist() == [0, 1, 2, 3]

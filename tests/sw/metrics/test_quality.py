@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from evcot.events import Events
-from evcot.metrics.quality import isolated, quality_of
+from evcot.metrics.quality import QualityCounter, isolated, quality_of
 from evcot.tracks.log import TRACK, Kind, TrackLog
+from evcot.tracks.log_parts import LogParts
 
 SENSOR = (64, 48)
 SECOND = 1_000_000
@@ -72,6 +73,35 @@ def test_a_brief_track_that_travels_or_is_still_alive_is_not_short() -> None:
     )  # fmt: skip
     found = quality_of(log, events_at([0, end_us]), np.zeros(2, np.bool_))
     assert (found.tracks, found.short) == (2, 0)
+
+
+@pytest.mark.parametrize("cut", [None, 1, 2, 4])
+def test_a_track_that_is_found_again_counts_once_whole_or_in_parts(cut: int | None) -> None:
+    times_us = [0, 1 * SECOND, 2 * SECOND, 3 * SECOND, 4 * SECOND, 10 * SECOND]
+    log = log_of(
+        [
+            record(Kind.BORN, 0, 0), record(Kind.LOST, 0, 1 * SECOND), record(Kind.MOVED, 0, 3 * SECOND),
+            record(Kind.LOST, 0, 5 * SECOND), record(Kind.BORN, 1, 4 * SECOND, slot=1), record(Kind.MOVED, 0, 9 * SECOND),
+        ],
+        [-1] * len(times_us),
+    )  # fmt: skip
+    log.records["event_index"] = np.searchsorted(times_us, log.records["t_us"])
+    events, alone = events_at(times_us), np.zeros(len(times_us), np.bool_)
+    counter = QualityCounter(0, 10 * SECOND)
+    cutter = LogParts(log.engine, iter([(log.records, log.owner)]))
+    for part in (slice(0, cut), slice(cut, None)) if cut else (slice(None),):
+        last = part.stop is None
+        counter.add(cutter.take(len(events[part]), last=last)[0], events[part], alone[part], last=last)
+    found = counter.quality()
+    assert (found.tracks, found.found_again, found.lives) == (2, 2, 4)
+    assert found.alive_mean == pytest.approx(1.0)
+    assert found.tracks_per_alive == pytest.approx(2.0)
+
+
+def test_a_log_that_begins_in_the_middle_of_a_life_has_nothing_found_again() -> None:
+    log = log_of([record(Kind.MOVED, 0, SECOND), record(Kind.LOST, 0, 2 * SECOND)], [0] * 2)
+    found = quality_of(log, events_at([0, 10 * SECOND]), np.zeros(2, np.bool_))
+    assert (found.tracks, found.found_again) == (1, 0)
 
 
 def test_events_belong_to_a_track_only_while_it_lasts_and_is_visible() -> None:

@@ -57,6 +57,22 @@ def test_a_log_agrees_with_itself() -> None:
     assert same.merges_unpaired_hardware == same.merges_unpaired_software == ()
 
 
+def test_a_track_that_is_found_again_is_one_track() -> None:
+    found_again = log_of(
+        [
+            (10, Kind.BORN, 3, 10.0, 10.0), (30, Kind.LOST, 3, 10.0, 10.0), (40, Kind.MOVED, 3, 10.0, 10.0),
+            (60, Kind.LOST, 3, 10.0, 10.0), (70, Kind.MOVED, 3, 10.0, 10.0), (90, Kind.LOST, 3, 10.0, 10.0),
+        ]
+    )  # fmt: skip
+    found = compare(log_of([(10, Kind.BORN, 0, 10.0, 10.0), (90, Kind.LOST, 0, 10.0, 10.0)]), found_again, span_us=SPAN)
+    assert found.tracks == (TrackPair(0, 3, 60 * MS, 0, 0, True),)
+    assert (found.tracks_software, found.tracks_unpaired_software) == (1, ())
+    assert found.alive_mean_software == pytest.approx(0.6)
+    born_anew = found_again.records.copy()  # as with narrow ids in hardware: other tracks
+    born_anew["kind"][[2, 4]] = Kind.BORN
+    assert compare(EMPTY, TrackLog("rct", born_anew, found_again.owner), span_us=SPAN).tracks_software == 3
+
+
 def test_the_same_story_told_a_little_later() -> None:
     agreement = compare(HARDWARE, SOFTWARE, span_us=SPAN, radius_px=10.0, tolerance_us=5 * MS)
     # The counts differ by one in [10, 15), [20, 25), [50, 55), [90, 95) and [95, 100).

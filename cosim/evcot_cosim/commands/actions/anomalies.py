@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot anomalies`: trajectories that do not fit, and what is normal."""
+"""`evcot anomalies`: flag unusual trajectories, or learn which are normal."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot board`."""
+"""`evcot board`: compare the records of a board with the golden model."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot completion`: the script that a shell reads."""
+"""`evcot completion`: print the script with which a shell completes commands, options, values and file names."""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -108,7 +109,8 @@ def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[s
         print(json.dumps(summary, indent=2, allow_nan=False))
     elif not options.quiet:
         print_table(table(summary))
-        print("\n" + "\n".join(verdict_lines(verdict_from(summary["verdict"]))))
+        columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+        print("\n" + "\n".join(verdict_lines(verdict_from(summary["verdict"]), columns)))
         waves = ", and waves.vcd with its view waves.gtkw" if (folder / "waves.vcd").exists() else ""
         print(f"\n{folder}/ holds report.html, summary.json, run.toml, {what}{waves}")
     return 0 if summary["exact"] else MISMATCH

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees while something of unknown length goes on: what, how far, for how long; silent in pipes."""
+"""Progress of work of unknown length, on a terminal: what is done, how far it is, for how long. Nothing is printed in pipes."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def _logs_of_run(options: argparse.Namespace) -> dict[str, Path]:
 def _column(s: Scores) -> list[tuple[str, str]]:
     """The column of an engine in the table of a run: (what, value)."""
     return [
-        *((name.upper(), f"{getattr(s, name):.3f}") for name in ("hota", "deta", "assa", "loca", "mota", "motp", "idf1")),
+        *((name, f"{getattr(s, name.lower()):.3f}") for name in ("HOTA", "DetA", "AssA", "LocA", "MOTA", "MOTP", "IDF1")),
         *((what, str(value)) for what, value in (
             ("found", s.tp), ("missed", s.fn), ("false", s.fp), ("switches", s.idsw), ("interruptions", s.frag),
             ("objects", s.truth_ids), ("mostly tracked", s.mt), ("mostly lost", s.ml), ("tracks", s.track_ids),

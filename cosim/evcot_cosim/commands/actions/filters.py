@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The filters in front, as the options say."""
+"""The filters in front of a tracker, from the options."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot info`: what a recording is."""
+"""`evcot info`: describe a recording."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long a file is, found while it is worked on: only a pass over it tells, which may take minutes."""
+"""The length of a recording, counted in the background while work on it goes on: a pass over the file may take minutes."""
 
 from __future__ import annotations
 

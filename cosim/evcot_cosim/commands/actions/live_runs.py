@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sessions of `evcot live`: what the options say, with what a page wishes instead."""
+"""The sessions of `evcot live`: from the options, changed by what a page has chosen."""
 
 from __future__ import annotations
 

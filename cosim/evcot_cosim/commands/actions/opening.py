@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A recording opened as the options say."""
+"""Open a recording with the options of the command line."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot presets`."""
+"""`evcot presets`: list the presets."""
 
 from __future__ import annotations
 

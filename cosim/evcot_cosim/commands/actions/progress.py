@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person sees while a run goes on: time taken and left, how far it is, and rate; silent in pipes."""
+"""Progress of a run, on a terminal: how far it is, time taken and left, rate. Nothing is printed in pipes."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot report`: the page to explore a run with, made again, made of software trackers' logs, or of two runs."""
+"""`evcot report`: write the page for exploring a run, software trackers' logs, or two runs."""
 
 from __future__ import annotations
 

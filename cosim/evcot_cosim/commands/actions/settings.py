@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An engine's settings, as the options say."""
+"""An engine's settings, from the options."""
 
 from __future__ import annotations
 

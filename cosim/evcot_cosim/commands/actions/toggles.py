@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot toggles`: a part of a run simulated again, and what every bit did in it."""
+"""`evcot toggles`: simulate a part of a run again, and count the toggles of every bit."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands that draw take: a recording with its track logs, or the folder of a run."""
+"""The inputs of the commands that draw: a recording with its track logs, or the folder of a run."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`evcot waves` and `evcot assert`: a part of a run simulated again, to look at and to ask."""
+"""`evcot waves` and `evcot assert`: simulate a part of a run again, to look at its waveform and to check its properties."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Long work that is continued: what identifies it, and what is said of it."""
+"""Long work that is continued: what identifies it, and the message about it."""
 
 from __future__ import annotations
 

@@ -206,7 +206,7 @@ export class QuietPanel {
       const chosen = selected?.side === side;
       const slots = chosen ? [side.slot[selected.life]] : side.slots;
       const peak = Math.max(-1, ...slots.map((slot) => side.quiet[slot * side.stretches + at]));
-      return { side, text: peak < 0 ? "none" : `${chosen ? "" : "most "}${(peak / 1e3).toFixed(2)} ms` };
+      return { side, text: peak < 0 ? "none" : `${chosen ? "" : "longest "}${(peak / 1e3).toFixed(2)} ms` };
     });
   }
 }

@@ -87,7 +87,10 @@ export class PlaceList {
     const when = document.createElement("span");
     when.className = "quiet";
     when.textContent = timeText(at, 100);
-    row.append(swatch, `${side.name} ${id}${text ? ` ${text}` : ""} `, when);
+    const what = document.createElement("span");
+    what.className = "what";
+    what.textContent = `${side.name} ${id}${text ? ` ${text}` : ""}`;
+    row.append(swatch, what, " ", when);
     return row;
   }
 

@@ -2,8 +2,8 @@
 // One axis of a slot's average and centre, an event per clock, even where events of one slot follow each other.
 //
 // av <- av + (event - av) * 2^-k and, where the centre moves, cm <- cm + (av - cm) * 2^-k, rounded as in approach.v: the bit
-// below the shifted value is the carry into the adder. Not the average is forwarded to the next event, but that event's distance
-// to the average, in the same clock: it is larger by the difference of the two events, and smaller by the step. The difference
+// below the shifted value is the carry into the adder. The next event is not given the average, but its own distance to the
+// average, in the same clock: it is larger by the difference of the two events, and smaller by the step. The difference
 // is added while the step is shifted.
 //
 // This loop limits the clock frequency, so it contains only one shift and one addition: the distance read from memory and the

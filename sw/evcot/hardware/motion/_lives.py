@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A slot's life: seeded by an event, corrected every so many events, visible once it has shown itself, ended by silence."""
+"""A slot's life: seeded by an event, corrected every so many events, visible once it has moved, ended by silence."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ __all__ = ["absorbed", "hide_sides", "join"]
 
 @njit(cache=True, nogil=True)
 def hide_sides(s: Table, i: int) -> None:
-    """Which sides of slot i lie in another visible slot's window, so that its own events cannot tell where they are."""
+    """Which sides of slot i lie in another visible slot's window, so that its own events do not show where they are."""
     hidden = 0
     meets = 0
     for j in range(s.shape[1]):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who owns an event: exactly one slot, or none."""
+"""The owner of an event: exactly one slot, or none."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The velocity of a slot: an alpha-beta correction with the time since the last one, and the way of a motion step."""
+"""The velocity of a slot: an alpha-beta correction with the time since the last one, and the displacement in a motion step."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a slot's sides to the pixels of its box and of its window, and how the boxes of two slots lie to each other."""
+"""From a slot's sides to the pixels of its box and of its window, and the relative position of two slots' boxes."""
 
 from __future__ import annotations
 

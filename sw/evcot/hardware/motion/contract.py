@@ -12,12 +12,13 @@ import numpy as np
 
 from ...errors import ConfigError
 from ...ranges import Range, check_integer
-from ..contract import Shape
+from ..contract import RECORD_MEANINGS, Shape
 
 __all__ = [
     "MOTION_BANKS",
     "MOTION_RANGES",
     "MOTION_RECORD",
+    "MOTION_RECORD_MEANINGS",
     "MOTION_RULES",
     "SUB",
     "MotionRegister",
@@ -192,15 +193,15 @@ MOTION_BANKS: Mapping[str, Mapping[str, MotionRegister]] = MappingProxyType(
 # What the extended contract puts out: like contract.RECORD, with a box and a velocity in place of the radius.
 MOTION_RECORD = np.dtype(
     [
-        ("seq", "<u8"),  # number of the event that caused it; of a motion step, of the next event
-        ("time", "<u8"),  # ticks since reset
+        ("seq", "<u8"),
+        ("time", "<u8"),
         ("track_id", "<u4"),
-        ("other_id", "<u4"),  # MERGED: the survivor; else 0
-        ("cm_x", "<i4"),  # middle of the box, px with SUB fractional bits; may be off the sensor
+        ("other_id", "<u4"),
+        ("cm_x", "<i4"),
         ("cm_y", "<i4"),
-        ("width", "<u4"),  # of the box, px with SUB fractional bits
+        ("width", "<u4"),
         ("height", "<u4"),
-        ("v_x", "<i2"),  # 2^-SUB px per motion step
+        ("v_x", "<i2"),
         ("v_y", "<i2"),
         ("support", "<u4"),
         ("n_ev", "<u2"),
@@ -209,3 +210,17 @@ MOTION_RECORD = np.dtype(
         ("_pad", "<u4"),
     ]
 )
+
+MOTION_RECORD_MEANINGS: MappingProxyType[str, str] = MappingProxyType(
+    {
+        **{name: meaning for name, meaning in RECORD_MEANINGS.items() if name != "radius"},
+        "seq": "number of the event that caused it; of the record of a motion step, of the next event",
+        "cm_x": f"column of the middle of the box, in pixels with {SUB} fractional bits; it may lie off the sensor",
+        "width": f"width of the box, in pixels with {SUB} fractional bits",
+        "height": "height of the box, likewise",
+        "v_x": f"velocity to the right, in 2^-{SUB} pixels per motion step",
+        "v_y": "velocity downwards, likewise",
+        "n_ev": "N_ev, the events until the next correction",
+    }
+)
+"""Field of `MOTION_RECORD` -> its meaning."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a film may be, and how it looks."""
+"""The formats of a film, and the settings of its look."""
 
 from __future__ import annotations
 

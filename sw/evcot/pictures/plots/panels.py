@@ -25,31 +25,37 @@ _LABELS_MAX = 24  # with more tracks, no labels are drawn
 _ROW_LABELS_MAX = 40
 
 
-def _styled(material: Material) -> Iterator[tuple[Log, int, dict[str, Any]]]:
-    """All tracks as (log, id, line style). Earlier logs have wider lines, so that later ones do not hide them."""
+def _styled(material: Material) -> Iterator[tuple[Log, NDArray[np.void], dict[str, Any]]]:
+    """All lives as (log, life, line style). Earlier logs have wider lines, so that later ones do not hide them."""
     several = len(material.logs) > 1
     for place, log in enumerate(material.logs):
         width = 1.0 + _WIDER * (len(material.logs) - 1 - place)
-        for order, track_id in enumerate(material.lives(log)["track_id"].tolist()):
-            colour = PALETTE[(place if several else order) % len(PALETTE)]
-            yield log, track_id, {"color": colour, "linestyle": DASHES[place % len(DASHES)], "linewidth": width}
+        lives = material.lives(log)
+        of_track = {track_id: i for i, track_id in enumerate(dict.fromkeys(lives["track_id"].tolist()))}
+        for life in lives:
+            colour = PALETTE[(place if several else of_track[int(life["track_id"])]) % len(PALETTE)]
+            yield log, life, {"color": colour, "linestyle": DASHES[place % len(DASHES)], "linewidth": width}
 
 
 def _lines(ax: Axes, material: Material, curve: tuple[str, str], name_at_end: bool) -> None:
-    """Draw a line per track through two fields of its states; "t" is the time."""
+    """Draw a line per life of a track through two fields of its states; "t" is the time."""
     paths = {log.name: material.paths(log) for log in material.logs}
     few = sum(map(len, paths.values())) <= _LABELS_MAX
-    for log, track_id, look in _styled(material):
-        states = paths[log.name].get(track_id)
+    for log, life, look in _styled(material):
+        states = paths[log.name].get(int(life["track_id"]))
         if states is None:
+            continue
+        times_us = material.times_us[states["sample"]]
+        states = states[(times_us >= life["birth_us"]) & (times_us <= life["end_us"])]
+        if not len(states):
             continue
         across, up = (material.axis(material.times_us[states["sample"]]) if field == "t" else states[field] for field in curve)
         ax.plot(across, up, color="white", linewidth=look["linewidth"] + 1, alpha=0.7, zorder=1.5)
         ax.plot(across, up, **look)
         if few and name_at_end:
             ax.annotate(
-                str(track_id), (across[-1], up[-1]), (2, 2), textcoords="offset points", color=look["color"], fontsize=6,
-                weight="bold", annotation_clip=True, path_effects=[withStroke(linewidth=1.5, foreground="white")],
+                str(life["track_id"]), (across[-1], up[-1]), (2, 2), textcoords="offset points", color=look["color"],
+                fontsize=6, weight="bold", annotation_clip=True, path_effects=[withStroke(linewidth=1.5, foreground="white")],
             )  # fmt: skip
 
 
@@ -102,13 +108,10 @@ def alive_panel(ax: Axes, material: Material) -> None:
 def lives_panel(ax: Axes, material: Material) -> None:
     """Draw every track from birth to end, one log above the other; a merge is linked to its survivor."""
     lives = {log.name: material.lives(log) for log in material.logs}
-    rows = {
-        (name, track_id): row
-        for row, (name, track_id) in enumerate((name, i) for name, some in lives.items() for i in some["track_id"].tolist())
-    }
-    for log, track_id, look in _styled(material):
-        life = lives[log.name][lives[log.name]["track_id"] == track_id]
-        _life(ax, material, life[0], rows[log.name, track_id], look["color"])
+    tracks = dict.fromkeys((name, track_id) for name, some in lives.items() for track_id in some["track_id"].tolist())
+    rows = {track: row for row, track in enumerate(tracks)}  # one that was lost and found again stays in its row
+    for log, life, look in _styled(material):
+        _life(ax, material, life, rows[log.name, int(life["track_id"])], look["color"])
     joins = [
         (
             (at := float(material.axis(life["end_us"])), rows[name, int(life["track_id"])]),

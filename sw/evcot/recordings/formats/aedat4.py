@@ -209,7 +209,7 @@ class Aedat4File:
             at = packet.at + length
 
     def _may_hold_events(self, packet: _Packet, stream: int) -> bool:
-        """Whether a packet of another stream is worth a look: nothing else says that it holds no events of this one."""
+        """Whether a packet of another stream must be read, since nothing else shows that it holds no events of this one."""
         if type_of(self._streams[stream]) == "EVTS":
             return False
         return self._table is None or self._table.stream_at(packet.at) != stream

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of packets at the end of an AEDAT 4.0 file: a help for seeking, never the judge of the packets.
+"""The table of packets at the end of an AEDAT 4.0 file: used for seeking only; where it contradicts the packets, they count.
 
 For each packet it has the offset (after stream and length), stream, length, number of elements, and times. DV of 2020 left
 number and times zero. A zero says nothing; any other number that differs from the packet's is a disagreement, which the reader

@@ -46,7 +46,7 @@ class Header:
         """`2`, `2.1` or `3`, as stated by `evt` and `format`; None in the header of a DAT file.
 
         Raises:
-            RecordingError: they say different things.
+            RecordingError: they contradict each other.
         """
         named = {self.fields.get("evt", ""), self._format[0].removeprefix("evt")} - {""}
         versions = {{"21": "2.1"}.get(version, version.removesuffix(".0")) for version in named}

@@ -59,7 +59,7 @@ class Bag1:
 
     Attributes:
         topics: name -> message type, of all topics.
-        remarks: what the index says and is not so, though no message is lost by it; complete when `messages` has ended.
+        remarks: where the index is wrong without any message being lost; complete when `messages` has ended.
     """
 
     is_cdr = False

@@ -25,7 +25,7 @@ class Source(Protocol):
         sensor: (width, height) in pixels as stated in the file; None if not stated.
         details: other metadata of the file, for `evcot info`: short name -> short value.
         left_out: reason -> number of events left out in the most recent pass of `blocks`; complete when the pass has ended.
-        remarks: what the file says of itself and is not so, though no event is lost by it; one line each, complete as above.
+        remarks: where the file contradicts itself without any event being lost; one line each, complete as above.
     """
 
     @property

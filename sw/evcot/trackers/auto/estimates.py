@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the automatic tracker saw of a scene: noise, hot pixels, and the number, size and speed of its objects.
+"""Estimates of the automatic tracker about a scene: noise, hot pixels, and the number, size and speed of its objects.
 
 See docs/auto.md, "What is estimated".
 """
@@ -90,7 +90,7 @@ class Estimates:
             return ", ".join([*said, "no object seen for long enough"])
         size, speed = self.objects.long_px, self.objects.speed_px_s
         sizes, speeds = f"{2 * size.low:.0f} to {2 * size.high:.0f} px", f"{speed.low:.0f} to {speed.high:.0f} px/s"
-        return ", ".join([*said, f"up to {self.alive_most} objects of {sizes}", speeds])
+        return ", ".join([*said, f"up to {self.alive_most} object{'' if self.alive_most == 1 else 's'} of {sizes}", speeds])
 
 
 class _Histogram:

@@ -77,7 +77,7 @@ class FrameClock:
 
         Raises:
             ConfigError: `frame_us` is unknown.
-            TrackLogError: a time that is no frame's.
+            TrackLogError: there is no frame at a time.
         """
         numbers = 1 + np.rint((times_us - self.origin_us) / self._known_us(path)).astype(np.int64)
         good = (numbers >= 1) & (numbers <= FRAME_MAX) & (self.times_us(numbers, path) == times_us)
@@ -98,7 +98,7 @@ class Boxes:
     """Boxes at instants.
 
     Attributes:
-        instants_us: (f,) int64, ascending: all times of which the file speaks, with or without boxes.
+        instants_us: (f,) int64, ascending: all times that the file names, with or without boxes.
         rows: (n,) of dtype `BOX`, by instant.
         sensor: (width, height) in pixels, if the file has it.
         unit, places: what a row is called in messages, as "line", and its number.

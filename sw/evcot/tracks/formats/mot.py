@@ -35,7 +35,7 @@ class MotResult:
 
     @staticmethod
     def read(path: Path, clock: FrameClock) -> Boxes:
-        """See `BoxFormat`; results, detections and truths are told apart by their columns."""
+        """See `BoxFormat`; results, detections and truths are distinguished by their columns."""
         lines = _lines(path)
         columns = len(lines[0][1])
         if columns not in (_TRUTH, _RESULT):

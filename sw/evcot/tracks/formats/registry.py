@@ -47,11 +47,11 @@ def read_boxes(path: Path | str, clock: FrameClock | None = None, name: str | No
     """Read a file of boxes.
 
     Args:
-        clock: of formats with frames in place of times.
-        name: one in `FORMATS`; None: by the file's name.
+        clock: the times of frames, for formats that number frames.
+        name: of a format in `FORMATS`; None: chosen by the file's name.
 
     Raises:
-        TrackLogError: the file cannot be read, or holds what cannot be: names file, place, value and rule.
+        TrackLogError: the file cannot be read, or holds an invalid value: names file, place, value and rule.
         ConfigError: an unknown format, or frames without a clock.
     """
     path = Path(path)
@@ -64,13 +64,13 @@ def write_boxes(
     """Write boxes to a file.
 
     Args:
-        clock, name: as of `read_boxes`.
+        clock, name: as for `read_boxes`.
         force: replace a file that exists.
 
     Raises:
         OutputError: the file exists, or cannot be written.
-        TrackLogError: a time that is no frame's, or an id that the format cannot hold.
-        ConfigError: as of `read_boxes`.
+        TrackLogError: a time at which there is no frame, or an id that the format cannot hold.
+        ConfigError: as for `read_boxes`.
     """
     path = Path(path)
     chosen = box_format(path, name)

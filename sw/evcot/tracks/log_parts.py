@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A track log in parts, one after the other, each a log of its own that knows of the tracks alive at its beginning.
+"""A track log in parts, one after the other, each a log of its own that begins with the tracks that are alive then.
 
 A part holds the records that belong to its events, by the order of the log. Before them come three records for every track
 that is alive: where it was born and the corners of the places where it has been, then its newest state, so that lifetimes,
@@ -19,7 +19,7 @@ from .log import TRACK, Kind, TrackLog
 from .spool import LogColumns
 from .timeline import OPEN, by_life, lifetimes
 
-__all__ = ["Parts", "in_step", "runs_of"]
+__all__ = ["LogParts", "in_step", "runs_of"]
 
 _OWNERS, _RECORDS = 1 << 16, 1 << 14  # of a run
 _BEFORE = -(1 << 62)  # `event_index` of what was before the part
@@ -55,7 +55,7 @@ def in_step(
         owner = following
 
 
-class Parts:
+class LogParts:
     """Cuts a log that comes in runs.
 
     Args:

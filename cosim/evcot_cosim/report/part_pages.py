@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of a recording of any length: one for each part of it, and what an overview says of each; memory holds one part."""
+"""Pages of a recording of any length: one page for each part, and its figures for an overview. Memory holds one part."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from evcot.metrics.quality import Quality, QualityCounter, isolation, quality_of
 from evcot.recordings.formats.source import Sensor
 from evcot.tracks.compare import Comparison
 from evcot.tracks.log import Kind, TrackLog
-from evcot.tracks.parts import Parts
+from evcot.tracks.log_parts import LogParts
 from evcot.tracks.timeline import alive
 
 from ..lockstep.verdict import verdict_by
@@ -32,7 +32,7 @@ _DRAWN = 40_000  # events of a part's page
 
 @dataclass(frozen=True)
 class LongLog:
-    """A log that comes in runs, as of `tracks.parts.runs_of`, and the engine that made it."""
+    """A log that comes in runs, as of `tracks.log_parts.runs_of`, and the engine that made it."""
 
     engine: str
     runs: Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]
@@ -88,14 +88,14 @@ def write_parts(
     Args:
         logs: by side.
         about: what the pages' summaries have besides name and verdict.
-        comparison: of the sides hardware and software; it is told every part.
-        progress: told how many events are done.
+        comparison: of the sides hardware and software; every part is added to it.
+        progress: called with the number of events done.
 
     Raises:
         OutputError: a file cannot be written.
     """
     keep_little()
-    cut = {name: Parts(log.engine, log.runs) for name, log in logs.items()}
+    cut = {name: LogParts(log.engine, log.runs) for name, log in logs.items()}
     quality = {name: QualityCounter(recording.begin_us, recording.end_us) for name in logs}
     times = comparison or Comparison(recording.begin_us, recording.end_us)
     alone_in = isolation(recording.sensor)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run of a sweep leaves, block by block; a long one makes checkpoints, from which it goes on when it was killed."""
+"""The results of one run of a sweep, block by block. A long run makes checkpoints, from which it continues after a kill."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from evcot.unfinished import CHECKPOINT_EVENTS, Unfinished, folder_of, unfinishe
 
 from ..rtl.build import cache_dir
 
-__all__ = ["Parts"]
+__all__ = ["CheckpointedLog"]
 
 
-class Parts:
+class CheckpointedLog:
     """Records and counts of owners, as a context: it holds the folder of the checkpoints, in the cache of this machine.
 
     There are none where the cache cannot be written, and while another process is at the same run.
@@ -52,7 +52,7 @@ class Parts:
         self._held = ExitStack()
         self._began = time.perf_counter(), time.process_time()
 
-    def __enter__(self) -> Parts:
+    def __enter__(self) -> CheckpointedLog:
         path = cache_dir() / "sweep" / self._key
         if not self._whole and folder_of(path).exists():
             self._open()

@@ -18,8 +18,8 @@ from evcot.trackers.rct.presets import PRESETS
 from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks.compare import Comparison, compare
 from evcot.tracks.log import TRACK, TrackLog
+from evcot.tracks.log_parts import LogParts, runs_of
 from evcot.tracks.parquet import LogFile
-from evcot.tracks.parts import Parts, runs_of
 from evcot.tracks.timeline import lifetimes
 
 PART = 2_003
@@ -38,7 +38,7 @@ def logs(recording: Recording) -> tuple[TrackLog, TrackLog]:
 
 
 def cut(log: TrackLog, n: int) -> list[tuple[TrackLog, TrackLog]]:
-    parts = Parts(log.engine, runs_of(log))
+    parts = LogParts(log.engine, runs_of(log))
     return [parts.take(min(PART, n - begin), last=begin + PART >= n) for begin in range(0, n, PART)]
 
 
@@ -98,7 +98,7 @@ def test_a_parquet_file_comes_in_the_same_parts(recording: Recording, logs: tupl
     log = logs[0]
     log.save(tmp_path / "log.parquet")
     file, n = LogFile(tmp_path / "log.parquet"), len(recording.events)
-    parts = Parts(file.engine, file.blocks())
+    parts = LogParts(file.engine, file.blocks())
     for whole, _ in cut(log, n):
         other, _ = parts.take(len(whole.owner), last=len(whole.owner) < PART)
         assert np.array_equal(other.records, whole.records)
