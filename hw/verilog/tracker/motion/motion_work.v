@@ -205,7 +205,9 @@ module motion_work #(
     localparam [6:0] RETURN  = 7'd54;  // reads the one that stays
     localparam [6:0] RETURNS = 7'd55;
     localparam [6:0] UNITE   = 7'd56;
-    localparam [6:0] UNITED  = 7'd57;  // new bins and a new window
+    localparam [6:0] UNITED  = 7'd57;  // how far its sides are from those of the one that goes
+    localparam [6:0] COVER   = 7'd61;  // they cover both
+    localparam [6:0] COVERED = 7'd67;  // new bins and a new window
     localparam [6:0] BINS    = 7'd58;
     localparam [6:0] MERGED  = 7'd59;  // writes it back
     localparam [6:0] GO_ON   = 7'd60;
@@ -268,14 +270,21 @@ module motion_work #(
     wire [4*PX_W-1:0]   box, window;
 
     wire signed [SIDE_W-1:0] lo_x, hi_x, lo_y, hi_y;
-    wire [SIDE_W:0]     ref_lo_x, ref_hi_x, ref_lo_y, ref_hi_y;
-    wire [14:0]         speed_x, speed_y;
-    wire                too_long_x, too_long_y, too_small_x, too_small_y;
+    wire                lane;
+    wire [SIDE_W:0]     sum_lane;
+    wire signed [SIDE_W:0] ref_lo, ref_hi;
+    wire signed [15:0]  v_lane;
+    wire [4*SIDE_W-1:0] refs;
+    wire [31:0]         v;
+    wire                crossed_x, crossed_y;
+    wire [14:0]         speed_x = v_x[15] ? -v_x[14:0] : v_x[14:0];
+    wire [14:0]         speed_y = v_y[15] ? -v_y[14:0] : v_y[14:0];
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
     wire                moves    = is_visible || corrections >= 6'd4;  // its velocity counts
 
-    assign o_sides   = {lo_x, hi_x, lo_y, hi_y};
+    assign {lo_x, hi_x, lo_y, hi_y} = o_sides;
+    assign {v_y, v_x} = v;
     assign o_support = support;
     assign o_log2    = log2;
 
@@ -299,8 +308,8 @@ module motion_work #(
         .keep_id      (keep_id),
         .keep_start   (keep_start),
         .keep_log2    (keep_log2),
-        .v            ({v_y, v_x}),
-        .refs         ({ref_lo_x[SIDE_W-1:0], ref_hi_x[SIDE_W-1:0], ref_lo_y[SIDE_W-1:0], ref_hi_y[SIDE_W-1:0]}),
+        .v            (v),
+        .refs         (refs),
         .corrections  (corrections),
         .looked       (looked),
         .meets        ({o_hidden, meets}),
@@ -340,98 +349,61 @@ module motion_work #(
 
     // ---- its sides -----------------------------------------------------------------------------------------------------
 
-    reg  c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_move, c_shorten, c_reflect, c_settle, c_turn, c_rub;
+    reg  c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_cover, c_move, c_shorten, c_reflect, c_settle, c_rub;
     wire loads  = read_done && (state == LOAD || state == FETCHED || state == GOES);
     wire unites = read_done && state == UNITE;
     reg  [PX_W-1:0] cut_px;
-    wire [15:0] v_x_next, v_y_next;
+    wire            turn;
+    wire [15:0]     v_next;
 
     motion_sides #(
-        .AT_W  (X_W),
+        .X_W   (X_W),
+        .Y_W   (Y_W),
         .SIDE_W(SIDE_W)
-    ) u_x (
+    ) u_sides (
         .clk        (clk),
-        .load       (loads),
-        .unite      (unites),
+        .rst        (rst),
+        .load       (loads || unites),
+        .load_refs  (loads),
         .seed       (c_seed),
         .shrink     (c_shrink),
-        .cut_high   (c_cut_high && !look_y),
-        .cut_low    (c_cut_low && !look_y),
-        .order      (c_order && !look_y),
+        .cut_high   (c_cut_high),
+        .cut_low    (c_cut_low),
+        .order      (c_order),
+        .on_y       (look_y),
+        .unite      (c_cover),
         .move       (c_move),
-        .shorten    (c_shorten && too_long_x),
+        .shorten    (c_shorten),
         .reflect    (c_reflect),
         .settle     (c_settle),
-        .turn       (c_turn),
+        .turn       (turn),
         .rub        (c_rub),
-        .place      (x),
-        .r_lo       (r_sides[3*SIDE_W+:SIDE_W]),
-        .r_hi       (r_sides[2*SIDE_W+:SIDE_W]),
-        .m_ref_lo   (q_refs[3*SIDE_W+:SIDE_W]),
-        .m_ref_hi   (q_refs[2*SIDE_W+:SIDE_W]),
-        .m_v        (q_v[15:0]),
-        .v_next     (v_x_next),
-        .marks      (o_marks[1:0]),
+        .x          (x),
+        .y          (y),
+        .r_sides    (r_sides),
+        .m_refs     (q_refs),
+        .m_v        (q_v),
+        .v_next     (v_next),
+        .marks      (o_marks),
         .cut_px     (cut_px),
         .seed_px    (seed_px),
         .side_shrink(side_shrink),
         .side_max   (side_max),
         .friction   (friction),
-        .lo         (lo_x),
-        .hi         (hi_x),
-        .ref_lo     (ref_lo_x),
-        .ref_hi     (ref_hi_x),
-        .v          (v_x),
-        .speed      (speed_x),
-        .side       (side_x),
-        .sum        (sum_x),
-        .too_long   (too_long_x),
-        .too_small  (too_small_x),
-        .least_px   (birth_px)
-    );
-
-    motion_sides #(
-        .AT_W  (Y_W),
-        .SIDE_W(SIDE_W)
-    ) u_y (
-        .clk        (clk),
-        .load       (loads),
-        .unite      (unites),
-        .seed       (c_seed),
-        .shrink     (c_shrink),
-        .cut_high   (c_cut_high && look_y),
-        .cut_low    (c_cut_low && look_y),
-        .order      (c_order && look_y),
-        .move       (c_move),
-        .shorten    (c_shorten && too_long_y),
-        .reflect    (c_reflect),
-        .settle     (c_settle),
-        .turn       (c_turn),
-        .rub        (c_rub),
-        .place      (y),
-        .r_lo       (r_sides[SIDE_W+:SIDE_W]),
-        .r_hi       (r_sides[0+:SIDE_W]),
-        .m_ref_lo   (q_refs[SIDE_W+:SIDE_W]),
-        .m_ref_hi   (q_refs[0+:SIDE_W]),
-        .m_v        (q_v[31:16]),
-        .v_next     (v_y_next),
-        .marks      (o_marks[3:2]),
-        .cut_px     (cut_px),
-        .seed_px    (seed_px),
-        .side_shrink(side_shrink),
-        .side_max   (side_max),
-        .friction   (friction),
-        .lo         (lo_y),
-        .hi         (hi_y),
-        .ref_lo     (ref_lo_y),
-        .ref_hi     (ref_hi_y),
-        .v          (v_y),
-        .speed      (speed_y),
-        .side       (side_y),
-        .sum        (sum_y),
-        .too_long   (too_long_y),
-        .too_small  (too_small_y),
-        .least_px   (birth_px)
+        .lane       (lane),
+        .ref_lo     (ref_lo),
+        .ref_hi     (ref_hi),
+        .v          (v_lane),
+        .sum        (sum_lane),
+        .o_sides    (o_sides),
+        .o_refs     (refs),
+        .o_v        (v),
+        .side_x     (side_x),
+        .side_y     (side_y),
+        .sum_x      (sum_x),
+        .sum_y      (sum_y),
+        .crossed_x  (crossed_x),
+        .crossed_y  (crossed_y)
     );
 
     // ---- gaps -----------------------------------------------------------------------------------------------------------
@@ -482,7 +454,7 @@ module motion_work #(
 
     reg        c_inverse, c_speed;
     reg  [3:0] gain;
-    wire       inverse_busy, speed_busy_x, speed_busy_y;
+    wire       inverse_busy;
     wire [4:0] leading;
     wire [6:0] inverse;
     wire [6:0] slow_gain  = {1'b0, corrections >> gain_slow} + 7'd1;
@@ -500,40 +472,21 @@ module motion_work #(
 
     motion_velocity #(
         .OFF_W(SIDE_W + 1)
-    ) u_velocity_x (
+    ) u_velocity (
         .clk      (clk),
         .rst      (rst),
         .start    (c_speed),
-        .low      (ref_lo_x),
-        .high     (ref_hi_x),
+        .low      (ref_lo),
+        .high     (ref_hi),
         .slower   (corrections < settle_count),
         .leading  (leading),
         .inverse  (inverse),
         .gain     (gain),
         .step_log2(step_log2),
         .speed_max(speed_max),
-        .v        (v_x),
-        .busy     (speed_busy_x),
-        .v_next   (v_x_next)
-    );
-
-    motion_velocity #(
-        .OFF_W(SIDE_W + 1)
-    ) u_velocity_y (
-        .clk      (clk),
-        .rst      (rst),
-        .start    (c_speed),
-        .low      (ref_lo_y),
-        .high     (ref_hi_y),
-        .slower   (corrections < settle_count),
-        .leading  (leading),
-        .inverse  (inverse),
-        .gain     (gain),
-        .step_log2(step_log2),
-        .speed_max(speed_max),
-        .v        (v_y),
-        .busy     (speed_busy_y),
-        .v_next   (v_y_next)
+        .v        (v_lane),
+        .turn     (turn),
+        .v_next   (v_next)
     );
 
     // ---- box and window ------------------------------------------------------------------------------------------------
@@ -571,13 +524,14 @@ module motion_work #(
 
     reg             c_pair;
     reg [SUP_W-1:0] other_support;
-    wire            alike, weaker;
+    wire            pair_done, alike, weaker;
 
     motion_pair #(
         .PX_W (PX_W),
         .SUP_W(SUP_W)
     ) u_pair (
         .clk          (clk),
+        .rst          (rst),
         .start        (c_pair),
         .one_box      (box),
         .one_v_x      (v_x),
@@ -590,6 +544,7 @@ module motion_work #(
         .join_speed   (join_speed),
         .join_reach   (join_reach),
         .join_px      (join_px),
+        .done         (pair_done),
         .alike        (alike),
         .weaker       (weaker)
     );
@@ -636,15 +591,16 @@ module motion_work #(
         .TIME_W(TIME_W)
     ) u_birth (
         .clk          (clk),
-        .sum_x        (sum_x),
-        .sum_y        (sum_y),
+        .lane         (lane),
+        .sum          (sum_lane),
         .side_x       (side_x),
         .side_y       (side_y),
         .start        (q_start),
-        .too_small    (too_small_x || too_small_y || corrections < 6'd4),
+        .young        (crossed_x || crossed_y || corrections < 6'd4),
         .support      (support),
         .age          (age),
         .birth_support(birth_support),
+        .birth_px     (birth_px),
         .birth_ticks  (birth_ticks),
         .birth_travel (birth_travel),
         .appears      (appears)
@@ -656,6 +612,7 @@ module motion_work #(
     reg  [4:0]        op;                  // clear, put, full, store, read
     reg  [3:0]        bin;
     reg  [PX_W:0]     outline;
+    reg               look_due;            // bins are looked at
     reg               other_older;
     reg  [TIME_W-1:0] lived;
     reg  [5:0]        shift;
@@ -681,10 +638,11 @@ module motion_work #(
     assign job_done = state == KEPT;
 
     always @(posedge clk) begin
-        {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_move, c_shorten, c_reflect, c_settle, c_turn, c_rub} <= 11'd0;
+        {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_cover, c_move, c_shorten, c_reflect, c_settle, c_rub} <= 11'd0;
         {c_inverse, c_speed, c_window, c_pair, c_meet, look} <= 6'd0;
         {keep, keep_times, keep_deadline, keep_window, keep_seed, keep_report, keep_id, keep_start, keep_log2} <= 9'd0;
 
+        look_due     <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
         outline      <= {1'b0, length_x} + {1'b0, length_y};
         report_ticks <= {20'd0, report_steps} << step_log2;
         long_x       <= {4'd0, was_x} * {{PX_W{1'b0}}, elongation};
@@ -743,7 +701,8 @@ module motion_work #(
             end
 
             // ---- a candidate that begins -----------------------------------------------------------------------------
-            SEED: begin
+            SEED:
+            if (!lane) begin
                 c_seed      <= 1'b1;
                 keep_seed   <= 1'b1;
                 o_marks     <= 4'd0;
@@ -763,7 +722,7 @@ module motion_work #(
             end
             SEED_1: begin
                 c_settle <= 1'b1;
-                pause    <= 3'd1;
+                pause    <= 3'd5;
                 state    <= SEED_2;
             end
             SEED_2: begin
@@ -782,11 +741,8 @@ module motion_work #(
             end
             LOAD:
             if (read_done) begin
-                state <= OFFSET;
-                if (!q_meets && side_shrink != 4'd0) begin
-                    pause <= 3'd1;
-                    state <= SHRINK;
-                end
+                pause <= 3'd2;
+                state <= !q_meets && side_shrink != 4'd0 ? SHRINK : OFFSET;
             end
             SHRINK: begin
                 c_shrink <= 1'b1;
@@ -797,14 +753,15 @@ module motion_work #(
                 c_reflect <= 1'b1;
                 o_marks   <= 4'd0;
                 gain      <= least_gain + {3'd0, meets};
-                state     <= gap_corrections == 8'd0 ? SPEED : LOOK;
+                if (gap_corrections != 8'd0) looked <= looked + 8'd1;
+                state     <= look_due ? LOOK : SPEED;
             end
             LOOK: begin
                 across_x <= {speed_y, 1'b0} >= {1'b0, speed_x};
                 across_y <= {speed_x, 1'b0} >= {1'b0, speed_y};
                 look_y   <= 1'b0;
-                looked   <= looked + 8'd1;
-                state    <= {1'b0, looked} + 9'd1 < {1'b0, gap_corrections} ? SPEED : LOOK_AT;
+                pause    <= 3'd4;
+                state    <= LOOK_AT;
             end
             LOOK_AT: begin
                 was_x <= length_x;
@@ -825,11 +782,12 @@ module motion_work #(
                 cut_px <= cut_bin << look_log2;
                 if (look_done) state <= gap_found ? CUT : ORDERED;
             end
-            CUT: begin
+            CUT:
+            if (!lane) begin
                 cut_px     <= cut_bin << look_log2;
                 c_cut_high <= low_stays;
                 c_cut_low  <= !low_stays;
-                pause      <= 3'd2;
+                pause      <= 3'd5;
                 state      <= ORDER;
             end
             ORDER: begin
@@ -838,7 +796,7 @@ module motion_work #(
             end
             ORDERED: begin
                 look_y <= 1'b1;
-                pause  <= 3'd1;
+                pause  <= 3'd6;
                 state  <= look_y ? LOOKED : LOOK_GO;
             end
             LOOKED: begin
@@ -849,9 +807,10 @@ module motion_work #(
                 state       <= CLEAR;
             end
             SPEED:
-            if (!inverse_busy) begin
-                c_speed <= corrections >= 6'd2;
-                usual   <= corrections == 6'd0 ? ticks : usual + {slower_by[24], slower_by[24:2]};
+            if (!inverse_busy && !lane) begin
+                c_speed  <= corrections >= 6'd2;
+                c_settle <= 1'b1;
+                usual    <= corrections == 6'd0 ? ticks : usual + {slower_by[24], slower_by[24:2]};
                 state   <= GRANT;
             end
             GRANT: begin
@@ -859,27 +818,24 @@ module motion_work #(
                 state <= LIFE;
             end
             LIFE: begin
-                n_ev  <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
-                       : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
                 if (grant < {8'd0, life_ticks}) grant <= {8'd0, life_ticks};
                 else if (grant > {8'd0, coast_ticks}) grant <= {8'd0, coast_ticks};
+                pause <= corrections >= 6'd2 ? 3'd7 : 3'd2;
                 state <= TURN;
             end
             TURN: begin
                 deadline <= op_time + {{(TIME_W - 24) {1'b0}}, grant[23:0]};
-                if (!speed_busy_x && !speed_busy_y) begin
-                    c_turn      <= corrections >= 6'd2;
-                    c_settle    <= 1'b1;
-                    corrections <= corrections == 6'd63 ? 6'd63 : corrections + 6'd1;
-                    if (corrections == 6'd3) begin
-                        keep_start  <= 1'b1;
-                        settled[at] <= 1'b1;
-                    end
-                    kind  <= `EVCOT_KIND_MOVED;
-                    after <= PLACE;
-                    pause <= 3'd1;
-                    state <= is_visible ? SAY : PLACE;
+                n_ev     <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
+                          : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
+                corrections <= corrections == 6'd63 ? 6'd63 : corrections + 6'd1;
+                if (corrections == 6'd3) begin
+                    keep_start  <= 1'b1;
+                    settled[at] <= 1'b1;
                 end
+                kind  <= `EVCOT_KIND_MOVED;
+                after <= PLACE;
+                pause <= corrections >= 6'd2 ? 3'd3 : 3'd0;
+                state <= is_visible ? SAY : PLACE;
             end
 
             // ---- box and window --------------------------------------------------------------------------------------
@@ -943,19 +899,19 @@ module motion_work #(
             FETCHED:
             if (read_done) begin
                 support <= r_support;
-                pause   <= 3'd1;
                 state   <= AGED;
             end
             AGED: begin
                 c_reflect <= 1'b1;
                 kind      <= `EVCOT_KIND_LOST;
                 after     <= LAPSE;
+                pause     <= !ended && !alone ? 3'd1 : 3'd4;
                 state     <= !ended && !alone ? MOVE : is_visible ? SAY : LAPSE;
             end
             MOVE: begin
                 c_move <= moves;
                 c_rub  <= moves && friction != 4'd0 && !meets && silent;
-                pause  <= 3'd3;
+                pause  <= 3'd5;
                 state  <= LONG;
             end
             LONG: begin
@@ -966,6 +922,7 @@ module motion_work #(
             SHORT: begin
                 c_reflect <= 1'b1;
                 why       <= FOR_STEP;
+                pause     <= 3'd4;
                 state     <= PLACE;
             end
             LAPSE: begin
@@ -1008,18 +965,17 @@ module motion_work #(
             if (read_done) begin
                 other_support <= r_support;
                 c_pair        <= 1'b1;
-                pause         <= 3'd6;
                 state         <= FOUND;
             end
             FOUND:
-            if (alike) begin
+            if (pair_done && alike) begin
                 has_partner <= 1'b1;
                 partner     <= this_other;
                 together    <= has_partner && partner == this_other ? together + 16'd1 : 16'd1;
                 since       <= SEEDED;
                 pause       <= 3'd3;
                 state       <= YOUNGER;
-            end else begin
+            end else if (pair_done) begin
                 other <= other + {{SLOT_W{1'b0}}, 1'b1};
                 state <= SCAN;
             end
@@ -1155,9 +1111,11 @@ module motion_work #(
                 pause    <= 3'd2;
                 state    <= visible[goes] ? SAY : RETURN;
             end
-            RETURN: begin
-                at    <= stays;
-                state <= RETURNS;
+            RETURN:
+            if (!lane) begin
+                c_settle <= 1'b1;
+                at       <= stays;
+                state    <= RETURNS;
             end
             RETURNS: begin
                 writes <= 1'b1;
@@ -1176,8 +1134,18 @@ module motion_work #(
                 state <= UNITED;
             end
             UNITED: begin
+                c_reflect <= 1'b1;
+                pause     <= 3'd1;
+                state     <= COVER;
+            end
+            COVER: begin
+                c_cover <= 1'b1;
+                pause   <= 3'd1;
+                state   <= COVERED;
+            end
+            COVERED: begin
                 c_settle <= 1'b1;
-                pause    <= 3'd1;
+                pause    <= 3'd5;
                 state    <= BINS;
             end
             BINS: begin
@@ -1227,7 +1195,7 @@ module motion_work #(
         end
     end
 
-    wire unused = &{1'b0, slow_gain[6:4], slower_by[1:0], later, ref_lo_x[SIDE_W], ref_hi_x[SIDE_W], ref_lo_y[SIDE_W], ref_hi_y[SIDE_W]};
+    wire unused = &{1'b0, slow_gain[6:4], slower_by[1:0], later};
 
 endmodule
 
