@@ -166,7 +166,7 @@ module cot_motion #(
 
     reg  [N-1:0] seeded;      // `mode`
     reg  [N-1:0] restart;     // it was written
-    reg          restep;      // step_log2 was written, or reset: the next step is set
+    reg          restep_1, restep_2, restep;  // step_log2 was written, or reset: the next step is set
     wire         writes_mode = cfg_valid && cfg_addr == `EVCOT_MREG_MODE;
     wire         restarts;
     wire [SLOT_W-1:0] restart_slot;
@@ -184,6 +184,7 @@ module cot_motion #(
     // What follows from the registers.
     reg  [16:0]       out, back;    // ways of a side
     reg  [15:0]       seed_part;
+    reg  [19:0]       step_mask;    // a multiple of a step's length, or a time behind it, up to the next one
     reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
     wire [15:0]       share    = side_step >> side_share;
     wire [15:0]       seed_far = seed_part + {8'd0, ring_px};
@@ -193,6 +194,7 @@ module cot_motion #(
     always @(posedge clk) begin
         back      <= {1'b0, share};
         out       <= {1'b0, side_step - share};
+        step_mask <= ~(20'hfffff << step_log2);
         seed_part <= {7'd0, seed_px, 1'b0} >> ring_any;
         seed_at   <= seed_place[REL_W-1:0];
     end
@@ -200,6 +202,7 @@ module cot_motion #(
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
     reg  [TIME_W-1:0] now, next_step;
+    wire [TIME_W-1:0] step_from = restep ? now : next_step;
     reg               again;
     wire              q_valid, q_due, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
@@ -315,18 +318,19 @@ module cot_motion #(
             end
             DUE: state <= RUN;
         endcase
-        if (steps) next_step <= next_step + ({{(TIME_W - 1) {1'b0}}, 1'b1} << step_log2);
+        if (steps || restep) next_step <= (step_from | {{(TIME_W - 20) {1'b0}}, step_mask}) + {{(TIME_W - 1) {1'b0}}, 1'b1};
         if (ends_life) restart[restart_slot] <= 1'b0;
 
         if (writes_mode) begin
             seeded[cfg_slot]  <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
             restart[cfg_slot] <= 1'b1;
         end
-        restep <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
-        if (restep) next_step <= (now | ~({TIME_W{1'b1}} << step_log2)) + {{(TIME_W - 1) {1'b0}}, 1'b1};
+        restep_1 <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
+        restep_2 <= restep_1;  // step_mask follows
+        restep   <= restep_2;
 
         idle <= state == RUN && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && !reached && !put_busy
-                && output_empty && !m_cm_valid && !restarts && !restep && !cfg_valid;
+                && output_empty && !m_cm_valid && !restarts && !restep_1 && !restep_2 && !restep && !cfg_valid;
 
         if (rst) begin
             state    <= RUN;
@@ -338,6 +342,8 @@ module cot_motion #(
             now      <= {TIME_W{1'b0}};
             seeded   <= {N{1'b0}};
             restart  <= {N{1'b0}};
+            restep_1 <= 1'b1;
+            restep_2 <= 1'b1;
             restep   <= 1'b1;
             idle     <= 1'b0;
         end

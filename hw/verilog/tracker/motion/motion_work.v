@@ -166,9 +166,8 @@ module motion_work #(
     localparam [6:0] ORDERED = 7'd15;
     localparam [6:0] LOOKED  = 7'd16;  // begins new bins
     localparam [6:0] SPEED   = 7'd17;  // waits for the leading bit of the time
-    localparam [6:0] GRANT   = 7'd18;  // the time until the deadline, and the next N_ev
-    localparam [6:0] LIFE    = 7'd19;
-    localparam [6:0] TURN    = 7'd20;  // waits for the velocity
+    localparam [6:0] LIFE    = 7'd19;  // waits for the velocity and the lengths
+    localparam [6:0] TURN    = 7'd20;  // the next N_ev
     localparam [6:0] PLACE   = 7'd21;  // box and window
     localparam [6:0] WINDOW  = 7'd22;  // waits for them, and for the sides to be written
     localparam [6:0] KEPT    = 7'd23;
@@ -190,7 +189,7 @@ module motion_work #(
     localparam [6:0] OLDER   = 7'd39;
     localparam [6:0] LIVED   = 7'd40;  // how long has it lived?
     localparam [6:0] STEPS   = 7'd41;  // in steps
-    localparam [6:0] ENOUGH  = 7'd42;
+    localparam [6:0] SINCE   = 7'd42;  // how long ago was its last record, or its seed?
     localparam [6:0] JOIN    = 7'd43;
     localparam [6:0] MEET    = 7'd44;  // which boxes and windows does it touch?
     localparam [6:0] MET     = 7'd45;
@@ -249,10 +248,9 @@ module motion_work #(
     reg               meets, has_partner;
     reg  [SLOT_W-1:0] partner;
     reg  [15:0]       together;
-    reg  [23:0]       usual;
-    reg  [TIME_W-1:0] deadline;
+    wire [23:0]       usual;
     reg  [9:0]        log2;
-    reg               keep, keep_times, keep_deadline, keep_window, keep_seed, keep_report, keep_id, keep_start, keep_log2;
+    reg               keep, keep_time, keep_until, keep_window, keep_id, keep_start;
     reg  [ID_W-1:0]   births;
 
     wire [31:0]         q_v;
@@ -264,7 +262,6 @@ module motion_work #(
     wire [9:0]          q_n_ev, q_log2;
     wire [SLOT_W-1:0]   q_partner;
     wire [15:0]         q_together;
-    wire [TIME_W-1:0]   q_last, q_deadline, q_seeded, q_reported;
     wire [23:0]         q_usual;
     wire [2*SIDE_W+1:0] q_start;
     wire [4*PX_W-1:0]   box, window;
@@ -292,22 +289,16 @@ module motion_work #(
         .SLOT_W(SLOT_W),
         .SIDE_W(SIDE_W),
         .PX_W  (PX_W),
-        .ID_W  (ID_W),
-        .TIME_W(TIME_W)
+        .ID_W  (ID_W)
     ) u_context (
         .clk          (clk),
         .at           (at),
         .puts         (puts),
         .put_slot     (put_slot),
         .keep         (keep),
-        .keep_times   (keep_times),
-        .keep_deadline(keep_deadline),
         .keep_window  (keep_window),
-        .keep_seed    (keep_seed),
-        .keep_report  (keep_report),
         .keep_id      (keep_id),
         .keep_start   (keep_start),
-        .keep_log2    (keep_log2),
         .v            (v),
         .refs         (refs),
         .corrections  (corrections),
@@ -317,9 +308,7 @@ module motion_work #(
         .has_partner  (has_partner),
         .partner      (partner),
         .together     (together),
-        .now          (op_time),
         .usual        (usual),
-        .deadline     (deadline),
         .box          (box),
         .window       (window),
         .id           (births),
@@ -334,11 +323,7 @@ module motion_work #(
         .q_has_partner(q_has_partner),
         .q_partner    (q_partner),
         .q_together   (q_together),
-        .q_last       (q_last),
         .q_usual      (q_usual),
-        .q_deadline   (q_deadline),
-        .q_seeded     (q_seeded),
-        .q_reported   (q_reported),
         .q_id         (id),
         .q_start      (q_start),
         .q_log2       (q_log2),
@@ -410,9 +395,7 @@ module motion_work #(
 
     reg  [PX_W-1:0] was_x, was_y;      // lengths before a cut
     reg  [PX_W+3:0] long_x, long_y;    // so long must the other axis be
-    reg             across_x, across_y;
-    wire            looks_x = across_x || {4'd0, was_x} >= long_y;
-    wire            looks_y = across_y || {4'd0, was_y} >= long_x;
+    reg             across_x, across_y, looks_x, looks_y;
     wire [PX_W-1:0] least_gap  = {{(PX_W - 8) {1'b0}}, gap_px};
     wire [PX_W-1:0] half_other = {1'b0, look_y ? was_x[PX_W-1:1] : was_y[PX_W-1:1]};
     wire [PX_W-1:0] cut_bin    = {{(PX_W - 4) {1'b0}}, low_stays ? gap_begins : gap_ends};
@@ -429,7 +412,7 @@ module motion_work #(
         end
     endfunction
 
-    // ---- times: three clocks after `at` or what is chosen changes ---------------------------------------------------------
+    // ---- times ---------------------------------------------------------------------------------------------------------
 
     localparam [1:0] LAST     = 2'd0;
     localparam [1:0] UNTIL    = 2'd1;  // the deadline
@@ -437,18 +420,49 @@ module motion_work #(
     localparam [1:0] REPORTED = 2'd3;
 
     reg  [1:0]        since;
-    reg  [TIME_W-1:0] since_then, age, other_age;
-    reg  [23:0]       ticks;
-    reg  [31:0]       grant;
-    reg               silent;       // for more than four times the usual time
-    wire [24:0]       slower_by = {1'b0, ticks} - {1'b0, usual};
+    reg               c_correct, c_hold, c_take, c_divide;
+    reg  [5:0]        down;
+    wire [TIME_W-1:0] age;
+    wire [23:0]       ticks;
+    wire              time_ended, silent, dividing, older, enough, overdue;
 
-    always @(posedge clk) begin
-        since_then <= since == LAST ? q_last : since == UNTIL ? q_deadline : since == SEEDED ? q_seeded : q_reported;
-        age        <= op_time - since_then;
-        ticks      <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
-        silent     <= age > {{(TIME_W - 26) {1'b0}}, usual, 2'b00};
-    end
+    motion_times #(
+        .SLOT_W(SLOT_W),
+        .TIME_W(TIME_W)
+    ) u_times (
+        .clk         (clk),
+        .rst         (rst),
+        .at          (at),
+        .since       (since),
+        .keep_now    (keep_time),
+        .keep_until  (keep_until),
+        .now         (op_time),
+        .age         (age),
+        .ended       (time_ended),
+        .ticks       (ticks),
+        .silent      (silent),
+        .load        (loads || unites),
+        .loaded      (q_usual),
+        .seed        (c_seed),
+        .correct     (c_correct),
+        .first       (corrections == 6'd0),
+        .usual       (usual),
+        .detect_ticks(detect_ticks),
+        .life_log2   (life_log2),
+        .life_ticks  (life_ticks),
+        .coast_ticks (coast_ticks),
+        .hold        (c_hold),
+        .take        (c_take),
+        .divide      (c_divide),
+        .down        (down),
+        .dividing    (dividing),
+        .older       (older),
+        .together    (together),
+        .join_steps  (join_steps),
+        .enough      (enough),
+        .report_steps(report_steps),
+        .overdue     (overdue)
+    );
 
     // ---- velocity ------------------------------------------------------------------------------------------------------
 
@@ -614,14 +628,8 @@ module motion_work #(
     reg  [PX_W:0]     outline;
     reg               look_due;            // bins are looked at
     reg               other_older;
-    reg  [TIME_W-1:0] lived;
-    reg  [5:0]        shift;
-    reg  [15:0]       enough;              // steps together
-    reg  [29:0]       report_ticks;
     wire              op_free      = !writes || op_ready;
-    wire [TIME_W-1:0] later        = q_deadline - deadline;
     wire [SUP_W:0]    both_support = {1'b0, support} + {1'b0, r_support};
-    wire [15:0]       lived_steps  = |lived[TIME_W-1:16] ? 16'hffff : lived[15:0];
     wire              goes_on      = pause == 3'd0;
 
     localparam [4:0] OP_READ  = 5'b00001;
@@ -640,13 +648,15 @@ module motion_work #(
     always @(posedge clk) begin
         {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_cover, c_move, c_shorten, c_reflect, c_settle, c_rub} <= 11'd0;
         {c_inverse, c_speed, c_window, c_pair, c_meet, look} <= 6'd0;
-        {keep, keep_times, keep_deadline, keep_window, keep_seed, keep_report, keep_id, keep_start, keep_log2} <= 9'd0;
+        {c_correct, c_hold, c_take, c_divide} <= 4'd0;
+        {keep, keep_time, keep_until, keep_window, keep_id, keep_start} <= 6'd0;
 
         look_due     <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
         outline      <= {1'b0, length_x} + {1'b0, length_y};
-        report_ticks <= {20'd0, report_steps} << step_log2;
         long_x       <= {4'd0, was_x} * {{PX_W{1'b0}}, elongation};
         long_y       <= {4'd0, was_y} * {{PX_W{1'b0}}, elongation};
+        looks_x      <= across_x || {4'd0, was_x} >= long_y;
+        looks_y      <= across_y || {4'd0, was_y} >= long_x;
 
         if (op_ready) writes <= 1'b0;
         if (store_done) stored <= 1'b1;
@@ -661,7 +671,6 @@ module motion_work #(
             n_ev        <= q_n_ev;
             corrections <= q_corrections;
             looked      <= q_looked;
-            usual       <= q_usual;
             has_partner <= q_has_partner;
             partner     <= q_partner;
             together    <= q_together;
@@ -704,7 +713,8 @@ module motion_work #(
             SEED:
             if (!lane) begin
                 c_seed      <= 1'b1;
-                keep_seed   <= 1'b1;
+                since       <= SEEDED;
+                keep_time   <= 1'b1;
                 o_marks     <= 4'd0;
                 o_hidden    <= 4'd0;
                 meets       <= 1'b0;
@@ -714,8 +724,6 @@ module motion_work #(
                 looked      <= 8'd0;
                 has_partner <= 1'b0;
                 together    <= 16'd0;
-                usual       <= detect_ticks;
-                deadline    <= op_time + {{(TIME_W - 24) {1'b0}}, detect_ticks};
                 settled[at] <= 1'b0;
                 pause       <= 3'd1;
                 state       <= SEED_1;
@@ -727,7 +735,6 @@ module motion_work #(
             end
             SEED_2: begin
                 log2        <= {bin_log2(length_y), bin_log2(length_x)};
-                keep_log2   <= 1'b1;
                 why         <= FOR_SEED;
                 after_clear <= PLACE;
                 state       <= CLEAR;
@@ -766,7 +773,7 @@ module motion_work #(
             LOOK_AT: begin
                 was_x <= length_x;
                 was_y <= length_y;
-                pause <= 3'd1;
+                pause <= 3'd2;
                 state <= corrections >= 6'd8 && (speed_x != 15'd0 || speed_y != 15'd0) ? LOOK_GO : LOOKED;
             end
             LOOK_GO:
@@ -802,7 +809,6 @@ module motion_work #(
             LOOKED: begin
                 looked      <= 8'd0;
                 log2        <= {bin_log2(length_y), bin_log2(length_x)};
-                keep_log2   <= 1'b1;
                 after_clear <= SPEED;
                 state       <= CLEAR;
             end
@@ -810,21 +816,15 @@ module motion_work #(
             if (!inverse_busy && !lane) begin
                 c_speed  <= corrections >= 6'd2;
                 c_settle <= 1'b1;
-                usual    <= corrections == 6'd0 ? ticks : usual + {slower_by[24], slower_by[24:2]};
-                state   <= GRANT;
-            end
-            GRANT: begin
-                grant <= {8'd0, usual} << life_log2;
-                state <= LIFE;
+                c_correct <= 1'b1;
+                pause     <= corrections >= 6'd2 ? 3'd7 : 3'd2;
+                state     <= LIFE;
             end
             LIFE: begin
-                if (grant < {8'd0, life_ticks}) grant <= {8'd0, life_ticks};
-                else if (grant > {8'd0, coast_ticks}) grant <= {8'd0, coast_ticks};
-                pause <= corrections >= 6'd2 ? 3'd7 : 3'd2;
+                pause <= 3'd1;
                 state <= TURN;
             end
             TURN: begin
-                deadline <= op_time + {{(TIME_W - 24) {1'b0}}, grant[23:0]};
                 n_ev     <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
                           : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
                 corrections <= corrections == 6'd63 ? 6'd63 : corrections + 6'd1;
@@ -857,13 +857,17 @@ module motion_work #(
                     FOR_MERGE: state <= MERGED;
                     default: begin
                         keep          <= 1'b1;
-                        keep_times    <= 1'b1;
-                        keep_deadline <= 1'b1;
+                        since     <= LAST;
+                        keep_time <= 1'b1;
                         state         <= KEPT;
                     end
                 endcase
             end
-            KEPT: state <= REST;
+            KEPT: begin
+                since      <= UNTIL;
+                keep_until <= 1'b1;
+                state      <= REST;
+            end
             CLEAR:
             if (op_free) begin
                 writes <= 1'b1;
@@ -873,8 +877,9 @@ module motion_work #(
             end
             SAY:
             if (record_free) begin
-                keep_report <= 1'b1;
-                state       <= after;
+                since     <= REPORTED;
+                keep_time <= 1'b1;
+                state     <= after;
             end
 
             // ---- a motion step of a slot -----------------------------------------------------------------------------
@@ -892,7 +897,7 @@ module motion_work #(
                 state  <= AGE;
             end
             AGE: begin
-                ended <= !age[TIME_W-1];
+                ended <= time_ended;
                 since <= LAST;
                 state <= FETCHED;
             end
@@ -980,32 +985,24 @@ module motion_work #(
                 state <= SCAN;
             end
             YOUNGER: begin
-                other_age <= age;
-                at        <= this_slot;
-                pause     <= 3'd4;
-                state     <= OLDER;
+                c_take <= 1'b1;
+                at     <= this_slot;
+                pause  <= 3'd4;
+                state  <= OLDER;
             end
             OLDER: begin
-                other_older <= other_age > age;
-                shift       <= {1'b0, step_log2} + {2'b00, join_life};
+                other_older <= older;
+                down        <= {1'b0, step_log2} + {2'b00, join_life};
                 state       <= LIVED;
             end
             LIVED: begin
-                lived <= other_older ? age : other_age;
-                state <= STEPS;
+                c_take   <= other_older;
+                c_divide <= 1'b1;
+                pause    <= 3'd1;
+                state    <= STEPS;
             end
             STEPS:
-            if (shift >= 6'd8) begin
-                lived <= {8'd0, lived[TIME_W-1:8]};
-                shift <= shift - 6'd8;
-            end else if (shift != 6'd0) begin
-                lived <= {1'b0, lived[TIME_W-1:1]};
-                shift <= shift - 6'd1;
-            end else state <= ENOUGH;
-            ENOUGH: begin
-                enough <= lived_steps > {6'd0, join_steps} ? lived_steps : {6'd0, join_steps};
-                state  <= JOIN;
-            end
+            if (!dividing) state <= JOIN;
             JOIN: begin
                 scans_touch <= 1'b0;
                 stays       <= this_slot;
@@ -1014,14 +1011,21 @@ module motion_work #(
                     stays <= this_other;
                     goes  <= this_slot;
                 end
-                state <= together < enough ? MEET : MERGE;
+                state <= enough ? MERGE : MEET;
             end
             MEET: begin
                 c_meet  <= 1'b1;
                 c_touch <= 1'b1;
                 again   <= 1'b0;
                 since   <= visible[this_slot] ? REPORTED : SEEDED;
-                state   <= MET;
+                down    <= {1'b0, step_log2};
+                pause   <= 3'd2;
+                state   <= SINCE;
+            end
+            SINCE: begin
+                c_take   <= 1'b1;
+                c_divide <= 1'b1;
+                state    <= MET;
             end
             MET:
             if (meet_done) begin
@@ -1053,10 +1057,11 @@ module motion_work #(
                 pause       <= 3'd1;
                 state       <= MERGE;
             end
-            REPORT: begin
+            REPORT:
+            if (!dividing) begin
                 kind  <= `EVCOT_KIND_MOVED;
                 after <= DONE;
-                state <= age >= {{(TIME_W - 30) {1'b0}}, report_ticks} ? SAY : DONE;
+                state <= overdue ? SAY : DONE;
             end
             BORN: begin
                 kind  <= `EVCOT_KIND_BORN;
@@ -1066,13 +1071,15 @@ module motion_work #(
                     visible[at]   <= 1'b1;
                     candidate[at] <= 1'b0;
                     keep_id       <= 1'b1;
-                    pause         <= 3'd2;
+                    pause         <= 3'd4;
                     state         <= SAY;
                 end
             end
 
             // ---- two become one --------------------------------------------------------------------------------------
             MERGE: begin
+                since <= UNTIL;
+                pause <= 3'd3;
                 state <= GONE;
                 if (stays == this_slot) begin
                     writes <= 1'b1;
@@ -1098,7 +1105,8 @@ module motion_work #(
                 state   <= GONE;
             end
             GONE: begin
-                deadline <= q_deadline;
+                c_hold   <= 1'b1;
+                c_take   <= 1'b1;
                 at       <= stays;
                 pause    <= 3'd2;
                 state    <= STAYS;
@@ -1114,6 +1122,7 @@ module motion_work #(
             RETURN:
             if (!lane) begin
                 c_settle <= 1'b1;
+                since    <= UNTIL;
                 at       <= stays;
                 state    <= RETURNS;
             end
@@ -1130,7 +1139,6 @@ module motion_work #(
                 together        <= 16'd0;
                 visible[goes]   <= 1'b0;
                 candidate[goes] <= 1'b0;
-                if (!later[TIME_W-1]) deadline <= q_deadline;
                 state <= UNITED;
             end
             UNITED: begin
@@ -1151,8 +1159,7 @@ module motion_work #(
             BINS: begin
                 looked        <= 8'd0;
                 log2          <= {bin_log2(length_y), bin_log2(length_x)};
-                keep_log2     <= 1'b1;
-                keep_deadline <= 1'b1;
+                keep_until    <= !older;
                 why           <= FOR_MERGE;
                 after_clear   <= PLACE;
                 state         <= CLEAR;
@@ -1175,6 +1182,7 @@ module motion_work #(
                     slot    <= slot;
                     c_meet  <= scans_touch;
                     c_touch <= 1'b0;
+                    since   <= SEEDED;
                     again   <= 1'b1;
                     state   <= scans_touch ? MET : MEET;
                 end
@@ -1195,7 +1203,7 @@ module motion_work #(
         end
     end
 
-    wire unused = &{1'b0, slow_gain[6:4], slower_by[1:0], later};
+    wire unused = &{1'b0, slow_gain[6:4]};
 
 endmodule
 
