@@ -54,12 +54,16 @@ module motion_times #(
     output reg               overdue     // the age is so many steps
 );
 
+    localparam PLACE_W = SLOT_W > 4 ? SLOT_W + 2 : 7;
+
+    wire [PLACE_W-1:0] place = {{(PLACE_W - SLOT_W) {1'b0}}, at} | ({{(PLACE_W - 2) {1'b0}}, since} << SLOT_W);
     wire [TIME_W-1:0] then;
     reg  [TIME_W-1:0] deadline, other;
     reg  [5:0]        left;
-    reg               grants, grows, limits, adds;
+    reg               grants, grows, limits, chooses, adds;
+    reg               over, shorter, longer;  // 24 bits; less than life_ticks; more than coast_ticks
     reg  [3:0]        grow_left;
-    reg  [31:0]       grant;
+    reg  [23:0]       grant, granted;
     wire signed [TIME_W-1:0] signed_age = age, signed_other = other;
     wire [24:0]       slower_by = {1'b0, ticks} - {1'b0, usual};
 
@@ -67,14 +71,14 @@ module motion_times #(
 
     block_memory #(
         .W    (TIME_W),
-        .DEPTH(4 << SLOT_W)
+        .DEPTH(SLOT_W > 4 ? 4 << SLOT_W : 128)  // more than 64, for block RAM on every device
     ) u_times (
         .clk          (clk),
         .write        (keep_now || keep_until),
-        .write_address({since, at}),
+        .write_address(place),
         .write_data   (keep_until ? deadline : now),
         .read_enable  (1'b1),
-        .read_address ({since, at}),
+        .read_address (place),
         .out_enable   (1'b1),
         .read_data    (then)
     );
@@ -88,26 +92,26 @@ module motion_times #(
         if (seed) usual <= detect_ticks;
         if (correct) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
 
-        // The time until the deadline is shifted, limited and added.
+        // The time until the deadline is shifted, then limited, then added.
         grants <= correct;
         if (grants) begin
-            grant     <= {8'd0, usual};
+            grant     <= usual;
+            over      <= 1'b0;
             grow_left <= life_log2;
             grows     <= 1'b1;
         end
         if (grows) begin
             grow_left <= grow_left - 4'd1;
-            if (grow_left != 4'd0) grant <= {grant[30:0], 1'b0};
-            else grows <= 1'b0;
+            if (grow_left == 4'd0) grows <= 1'b0;
+            else {over, grant} <= {over || grant[23], grant[22:0], 1'b0};
         end
-        limits <= grows && grow_left == 4'd0;
-        if (limits) begin
-            if (grant < {8'd0, life_ticks}) grant <= {8'd0, life_ticks};
-            else if (grant > {8'd0, coast_ticks}) grant <= {8'd0, coast_ticks};
-        end
-        if (seed) grant <= {8'd0, detect_ticks};
-        adds <= limits || seed;
-        if (adds) deadline <= now + {{(TIME_W - 24) {1'b0}}, grant[23:0]};
+        limits  <= grows && grow_left == 4'd0;
+        shorter   <= !over && grant < life_ticks;
+        longer    <= over || grant > coast_ticks;
+        chooses <= limits;
+        if (seed || chooses) granted <= seed ? detect_ticks : shorter ? life_ticks : longer ? coast_ticks : grant;
+        adds <= chooses || seed;
+        if (adds) deadline <= now + {{(TIME_W - 24) {1'b0}}, granted};
         if (hold) deadline <= then;
 
         if (take) other <= age;
@@ -128,6 +132,7 @@ module motion_times #(
             grants   <= 1'b0;
             grows    <= 1'b0;
             limits   <= 1'b0;
+            chooses  <= 1'b0;
             adds     <= 1'b0;
             dividing <= 1'b0;
         end

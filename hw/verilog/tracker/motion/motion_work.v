@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // All that is done to a slot, one slot at a time: a candidate is placed, a correction computed, a motion step gone through.
 //
-// The slot that is worked on is in registers: its sides and velocity in motion_sides.v, the rest here. What events change of it is read
-// and written by operations in their pipeline, motion_events.v; the rest lies in motion_context.v.
+// Three parts say what is done and when, one of them at a time: motion_correct.v, motion_step.v and, within a step, motion_merge.v. The
+// others do it: the slot that is worked on is in motion_sides.v, motion_times.v and motion_slot.v. What events change of it is read and
+// written by operations in their pipeline, motion_events.v.
 //
-// Latency:    from job_valid to job_done about 40 clocks for a correction, more with a look for gaps; 45 for a candidate that begins.
-// Throughput: a job at a time. A step: 2 clocks and one for each free slot; for each one that lives about 50, and 16 for each other
-//             one that it is compared with.
+// Latency:    from job_valid to job_done: see motion_correct.v.
+// Throughput: a job at a time; a step: see motion_step.v.
 // Stall:      a job waits for its operations and for its record to be accepted.
 // Reset:      waits for a job.
 // Combinational paths: record_free and op_ready -> op_*.
@@ -48,8 +48,8 @@ module motion_work #(
     input  wire [SLOT_W-1:0]   put_slot,
 
     // slots
-    output reg  [N-1:0]        visible,
-    output reg  [N-1:0]        candidate,
+    output wire [N-1:0]        visible,
+    output wire [N-1:0]        candidate,
     input  wire                begins,        // a candidate is in force
     input  wire [SLOT_W-1:0]   begins_slot,
 
@@ -66,8 +66,8 @@ module motion_work #(
     input  wire                read_done,
     input  wire                store_done,
     output wire [4*SIDE_W-1:0] o_sides,
-    output reg  [3:0]          o_marks,
-    output reg  [3:0]          o_hidden,
+    output wire [3:0]          o_marks,
+    output wire [3:0]          o_hidden,
     output wire [SUP_W-1:0]    o_support,
     output wire [9:0]          o_log2,
     output wire [4*PX_W-1:0]   o_box,
@@ -82,10 +82,10 @@ module motion_work #(
     input  wire [N-1:0]        in_window,
 
     // the search for a gap: see motion_gaps.v
-    output reg                 look,
-    output reg                 look_y,
+    output wire                look,
+    output wire                look_y,
     output wire [4:0]          look_log2,
-    output reg  [PX_W-1:0]     narrowest,
+    output wire [PX_W-1:0]     narrowest,
     input  wire                look_done,
     input  wire                gap_found,
     input  wire                low_stays,
@@ -95,17 +95,17 @@ module motion_work #(
     // records: see motion_record.v
     output wire                say,
     input  wire                record_free,
-    output reg  [1:0]          kind,
-    output reg  [SLOT_W-1:0]   at,            // the slot that is worked on, or compared
+    output wire [1:0]          kind,
+    output wire [SLOT_W-1:0]   at,            // the slot that is worked on, or compared
     output wire [ID_W-1:0]     id,
-    output reg  [ID_W-1:0]     stays_id,
+    output wire [ID_W-1:0]     stays_id,
     output wire [SIDE_W:0]     sum_x,
     output wire [SIDE_W:0]     sum_y,
     output wire [SIDE_W-1:0]   side_x,
     output wire [SIDE_W-1:0]   side_y,
     output wire [15:0]         v_x,
     output wire [15:0]         v_y,
-    output reg  [9:0]          n_ev,
+    output wire [9:0]          n_ev,
     output reg  [SEQ_W-1:0]    op_seq,
     output reg  [TIME_W-1:0]   op_time,
 
@@ -146,200 +146,272 @@ module motion_work #(
     input  wire [9:0]          report_steps
 );
 
-    localparam [31:0] SLOTS = N;
+    // ---- what is done, in order ----------------------------------------------------------------------------------------
 
-    // What it does.
-    localparam [6:0] REST    = 7'd0;  // waits for a job
-    localparam [6:0] SEED    = 7'd1;  // a candidate begins
-    localparam [6:0] SEED_1  = 7'd2;
-    localparam [6:0] SEED_2  = 7'd3;
-    localparam [6:0] TICKS   = 7'd5;  // a correction: the slot is being read
-    localparam [6:0] LOAD    = 7'd6;
-    localparam [6:0] SHRINK  = 7'd7;  // how far sides move inwards
-    localparam [6:0] OFFSET  = 7'd8;  // offsets in place of places
-    localparam [6:0] LOOK    = 7'd9;  // are bins looked at?
-    localparam [6:0] LOOK_AT = 7'd10;  // on which axes?
-    localparam [6:0] LOOK_GO = 7'd11;  // each axis
-    localparam [6:0] LOOKING = 7'd12;
-    localparam [6:0] CUT     = 7'd13;
-    localparam [6:0] ORDER   = 7'd14;
-    localparam [6:0] ORDERED = 7'd15;
-    localparam [6:0] LOOKED  = 7'd16;  // begins new bins
-    localparam [6:0] SPEED   = 7'd17;  // waits for the leading bit of the time
-    localparam [6:0] LIFE    = 7'd19;  // waits for the velocity and the lengths
-    localparam [6:0] TURN    = 7'd20;  // the next N_ev
-    localparam [6:0] PLACE   = 7'd21;  // box and window
-    localparam [6:0] WINDOW  = 7'd22;  // waits for them, and for the sides to be written
-    localparam [6:0] KEPT    = 7'd23;
-    localparam [6:0] CLEAR   = 7'd24;  // clears the bins
-    localparam [6:0] SAY     = 7'd25;  // hands over a record
-    localparam [6:0] NEXT    = 7'd26;  // a motion step: the next slot
-    localparam [6:0] FETCH   = 7'd27;  // reads it
-    localparam [6:0] AGE     = 7'd28;  // has its life ended?
-    localparam [6:0] FETCHED = 7'd29;
-    localparam [6:0] AGED    = 7'd30;
-    localparam [6:0] MOVE    = 7'd31;  // moves it
-    localparam [6:0] LONG    = 7'd32;  // is it too long?
-    localparam [6:0] SHORT   = 7'd33;
-    localparam [6:0] SCAN    = 7'd34;  // compares it with others: the next one
-    localparam [6:0] COMPARE = 7'd35;  // reads that one
-    localparam [6:0] PAIR    = 7'd36;
-    localparam [6:0] FOUND   = 7'd37;
-    localparam [6:0] YOUNGER = 7'd38;  // they are alike: which is younger?
-    localparam [6:0] OLDER   = 7'd39;
-    localparam [6:0] LIVED   = 7'd40;  // how long has it lived?
-    localparam [6:0] STEPS   = 7'd41;  // in steps
-    localparam [6:0] SINCE   = 7'd42;  // how long ago was its last record, or its seed?
-    localparam [6:0] JOIN    = 7'd43;
-    localparam [6:0] MEET    = 7'd44;  // which boxes and windows does it touch?
-    localparam [6:0] MET     = 7'd45;
-    localparam [6:0] TOUCH   = 7'd46;  // a candidate touches another one, which is read
-    localparam [6:0] TOUCHED = 7'd47;
-    localparam [6:0] MERGE   = 7'd48;  // two become one: writes the slot back
-    localparam [6:0] RELOAD  = 7'd49;  // reads the one that goes
-    localparam [6:0] RELOADS = 7'd50;
-    localparam [6:0] GOES    = 7'd51;
-    localparam [6:0] GONE    = 7'd52;  // the id of the one that stays, then a record
-    localparam [6:0] STAYS   = 7'd53;
-    localparam [6:0] RETURN  = 7'd54;  // reads the one that stays
-    localparam [6:0] RETURNS = 7'd55;
-    localparam [6:0] UNITE   = 7'd56;
-    localparam [6:0] UNITED  = 7'd57;  // how far its sides are from those of the one that goes
-    localparam [6:0] COVER   = 7'd61;  // they cover both
-    localparam [6:0] COVERED = 7'd67;  // new bins and a new window
-    localparam [6:0] BINS    = 7'd58;
-    localparam [6:0] MERGED  = 7'd59;  // writes it back
-    localparam [6:0] GO_ON   = 7'd60;
-    localparam [6:0] BORN    = 7'd62;
-    localparam [6:0] REPORT  = 7'd63;  // is it time for a record?
-    localparam [6:0] LAPSE   = 7'd64;  // the slot becomes free
-    localparam [6:0] DONE    = 7'd65;  // writes the slot back
-    localparam [6:0] WRITTEN = 7'd66;
+    // Names of motion_correct.v begin with k_, of motion_step.v with s_, of motion_merge.v with m_.
+    wire              k_begun, k_rests, k_valid, k_read, k_store, k_full, k_clear, k_load, k_seed, k_shrink, k_cut_high, k_cut_low, k_order;
+    wire              k_offset, k_settle, k_inverse, k_speed, k_times, k_count, k_bins, k_window, k_note, k_say;
+    wire              k_keep, k_keep_now, k_keep_until, k_keep_window, k_keep_start;
+    wire              s_rests, s_valid, s_all, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
+    wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
+    wire              m_rests, m_done, m_valid, m_read, m_store, m_put, m_clear, m_load, m_unite, m_settle, m_reflect, m_cover, m_bins;
+    wire              m_window, m_take, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
+    wire [SLOT_W-1:0] k_at, s_at, m_at, this_slot, stays, goes;
+    wire [3:0]        k_bin, m_bin;
+    wire [1:0]        s_kind, m_kind, k_since, s_since, m_since;
+    reg               k_was;        // and what it has written last is being written
+    wire              correcting = !k_rests || k_was;
+    wire              merging    = !m_rests;
 
-    // Why the slot's window is found.
-    localparam [1:0] FOR_SEED    = 2'd0;
-    localparam [1:0] FOR_CORRECT = 2'd1;
-    localparam [1:0] FOR_STEP    = 2'd2;
-    localparam [1:0] FOR_MERGE   = 2'd3;
+    // What decides, of the parts below.
+    wire              lane, q_meets, look_due, looks, inverse_busy, window_done, silent, ended, older, dividing, enough, overdue;
+    wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
+    wire [N-1:0]      settled;
+    wire [5:0]        corrections;
+    wire [SLOT_W-1:0] touched;
+    wire [14:0]       speed_x, speed_y;
 
-    reg [6:0]        state, after, after_clear;
-    reg [2:0]        pause;          // clocks until the state is gone on with
-    reg [1:0]        why;
-    reg [SLOT_W:0]   slot, other;    // of a motion step; with which it is compared
-    reg [SLOT_W-1:0] stays, goes;
-    reg              scans_touch;    // a candidate was united with another one, not with its partner
-    reg [N-1:0]      settled;        // has had four corrections
-    reg [X_W-1:0]    x;
-    reg [Y_W-1:0]    y;
-    reg              alone;          // a life ends, not in a step
-    reg              ended, again;   // its time is over; its box has grown since it was first compared
-    wire [N-1:0]     lives      = visible | candidate;
-    wire [SLOT_W-1:0] this_slot  = slot[SLOT_W-1:0];
-    wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
-    wire             is_visible = visible[at];
+    assign rests    = k_rests && s_rests;
+    assign at       = correcting ? k_at : merging ? m_at : s_at;
+    assign say      = k_say || s_say || m_say;
+    assign kind     = correcting ? `EVCOT_KIND_MOVED : merging ? m_kind : s_kind;
+    assign op_valid = k_valid || s_valid || m_valid;
+    assign op_read  = (k_valid && k_read) || (s_valid && !s_all) || (m_valid && m_read);
+    assign op_store = (k_valid && k_store) || (s_valid && s_all) || (m_valid && m_store);
+    assign op_full  = (k_valid && k_full) || (s_valid && s_all) || (m_valid && m_store);
+    assign op_put   = (s_valid && s_all) || (m_valid && m_put);
+    assign op_clear = (k_valid && k_clear) || (m_valid && m_clear);
+    assign op_slot  = at;
+    assign op_bin   = correcting ? k_bin : m_bin;
 
-    assign rests = state == REST;
+    always @(posedge clk) begin
+        k_was <= !k_rests;
+        if (do_step || do_end) begin
+            op_time <= now;
+            op_seq  <= seq;
+        end else if (k_begun) begin
+            op_time <= job_time;
+            op_seq  <= job_seq;
+        end
+    end
 
-    // ---- the slot, and what memory has of it ---------------------------------------------------------------------------
-
-    reg  [SUP_W-1:0]  support;
-    reg  [5:0]        corrections;
-    reg  [7:0]        looked;
-    reg               meets, has_partner;
-    reg  [SLOT_W-1:0] partner;
-    reg  [15:0]       together;
-    wire [23:0]       usual;
-    reg  [9:0]        log2;
-    reg               keep, keep_time, keep_until, keep_window, keep_id, keep_start;
-    reg  [ID_W-1:0]   births;
-
-    wire [31:0]         q_v;
-    wire [4*SIDE_W-1:0] q_refs;
-    wire [5:0]          q_corrections;
-    wire [7:0]          q_looked;
-    wire                q_meets, q_has_partner;
-    wire [3:0]          q_hidden;
-    wire [9:0]          q_n_ev, q_log2;
-    wire [SLOT_W-1:0]   q_partner;
-    wire [15:0]         q_together;
-    wire [23:0]         q_usual;
-    wire [2*SIDE_W+1:0] q_start;
-    wire [4*PX_W-1:0]   box, window;
-
-    wire signed [SIDE_W-1:0] lo_x, hi_x, lo_y, hi_y;
-    wire                lane;
-    wire [SIDE_W:0]     sum_lane;
-    wire signed [SIDE_W:0] ref_lo, ref_hi;
-    wire signed [15:0]  v_lane;
-    wire [4*SIDE_W-1:0] refs;
-    wire [31:0]         v;
-    wire                crossed_x, crossed_y;
-    wire [14:0]         speed_x = v_x[15] ? -v_x[14:0] : v_x[14:0];
-    wire [14:0]         speed_y = v_y[15] ? -v_y[14:0] : v_y[14:0];
-    wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
-    wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
-    wire                moves    = is_visible || corrections >= 6'd4;  // its velocity counts
-
-    assign {lo_x, hi_x, lo_y, hi_y} = o_sides;
-    assign {v_y, v_x} = v;
-    assign o_support = support;
-    assign o_log2    = log2;
-
-    motion_context #(
-        .SLOT_W(SLOT_W),
-        .SIDE_W(SIDE_W),
-        .PX_W  (PX_W),
-        .ID_W  (ID_W)
-    ) u_context (
-        .clk          (clk),
-        .at           (at),
-        .puts         (puts),
-        .put_slot     (put_slot),
-        .keep         (keep),
-        .keep_window  (keep_window),
-        .keep_id      (keep_id),
-        .keep_start   (keep_start),
-        .v            (v),
-        .refs         (refs),
-        .corrections  (corrections),
-        .looked       (looked),
-        .meets        ({o_hidden, meets}),
-        .n_ev         (n_ev),
-        .has_partner  (has_partner),
-        .partner      (partner),
-        .together     (together),
-        .usual        (usual),
-        .box          (box),
-        .window       (window),
-        .id           (births),
-        .start        ({sum_x, sum_y}),
-        .log2         (log2),
-        .q_v          (q_v),
-        .q_refs       (q_refs),
-        .q_corrections(q_corrections),
-        .q_looked     (q_looked),
-        .q_meets      ({q_hidden, q_meets}),
-        .q_n_ev       (q_n_ev),
-        .q_has_partner(q_has_partner),
-        .q_partner    (q_partner),
-        .q_together   (q_together),
-        .q_usual      (q_usual),
-        .q_id         (id),
-        .q_start      (q_start),
-        .q_log2       (q_log2),
-        .p_box        (o_box),
-        .p_window     (o_window),
-        .p_n_ev       (o_n_ev)
+    motion_correct #(
+        .SLOT_W(SLOT_W)
+    ) u_correct (
+        .clk         (clk),
+        .rst         (rst),
+        .start       (job_valid && s_rests && !do_step && !do_end),
+        .seed        (job_seed),
+        .slot        (job_slot),
+        .begun       (k_begun),
+        .done        (job_done),
+        .rests       (k_rests),
+        .at          (k_at),
+        .op_valid    (k_valid),
+        .op_ready    (op_ready),
+        .op_read     (k_read),
+        .op_store    (k_store),
+        .op_full     (k_full),
+        .op_clear    (k_clear),
+        .op_bin      (k_bin),
+        .read_done   (read_done),
+        .store_done  (store_done),
+        .lane        (lane),
+        .visible     (visible[k_at]),
+        .shrinks     (side_shrink != 4'd0),
+        .q_meets     (q_meets),
+        .corrections (corrections),
+        .look_due    (look_due),
+        .resting     (v == 32'd0),
+        .looks       (looks),
+        .look_done   (look_done),
+        .gap_found   (gap_found),
+        .low_stays   (low_stays),
+        .inverse_busy(inverse_busy),
+        .window_done (window_done),
+        .record_free (record_free),
+        .load        (k_load),
+        .c_seed      (k_seed),
+        .c_shrink    (k_shrink),
+        .c_cut_high  (k_cut_high),
+        .c_cut_low   (k_cut_low),
+        .c_order     (k_order),
+        .c_offset    (k_offset),
+        .c_settle    (k_settle),
+        .c_inverse   (k_inverse),
+        .c_speed     (k_speed),
+        .c_times     (k_times),
+        .c_count     (k_count),
+        .c_bins      (k_bins),
+        .c_window    (k_window),
+        .c_note      (k_note),
+        .look        (look),
+        .look_y      (look_y),
+        .say         (k_say),
+        .since       (k_since),
+        .keep        (k_keep),
+        .keep_now    (k_keep_now),
+        .keep_until  (k_keep_until),
+        .keep_window (k_keep_window),
+        .keep_start  (k_keep_start)
     );
 
-    // ---- its sides -----------------------------------------------------------------------------------------------------
+    motion_step #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_step (
+        .clk        (clk),
+        .rst        (rst),
+        .start      (do_step),
+        .end_life   (do_end),
+        .end_slot   (end_slot),
+        .rests      (s_rests),
+        .at         (s_at),
+        .this_slot  (this_slot),
+        .op_valid   (s_valid),
+        .op_ready   (op_ready),
+        .op_all     (s_all),
+        .read_done  (read_done),
+        .store_done (store_done),
+        .merge      (s_merge),
+        .stays      (stays),
+        .goes       (goes),
+        .merged     (m_done),
+        .visible    (visible),
+        .candidate  (candidate),
+        .settled    (settled),
+        .corrections(corrections),
+        .rubs       (friction != 4'd0 && !meets),
+        .silent     (silent),
+        .ended      (ended),
+        .older      (older),
+        .dividing   (dividing),
+        .enough     (enough),
+        .overdue    (overdue),
+        .window_done(window_done),
+        .pair_done  (pair_done),
+        .alike      (alike),
+        .weaker     (weaker),
+        .keep_older (keep_older),
+        .meet_done  (meet_done),
+        .held       (held),
+        .touches    (touches),
+        .touched    (touched),
+        .appears    (appears),
+        .record_free(record_free),
+        .load       (s_load),
+        .c_reflect  (s_reflect),
+        .c_move     (s_move),
+        .c_rub      (s_rub),
+        .c_shorten  (s_shorten),
+        .c_window   (s_window),
+        .c_compare  (s_compare),
+        .c_pair     (s_pair),
+        .c_part     (s_part),
+        .c_take     (s_take),
+        .c_divide   (s_divide),
+        .by_life    (s_by_life),
+        .c_ask      (s_ask),
+        .c_touch    (s_touch),
+        .c_meet     (s_meet),
+        .appear     (s_appear),
+        .lapse      (s_lapse),
+        .say        (s_say),
+        .kind       (s_kind),
+        .since      (s_since),
+        .keep       (s_keep),
+        .keep_now   (s_keep_now),
+        .keep_window(s_keep_window)
+    );
 
-    reg  c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_cover, c_move, c_shorten, c_reflect, c_settle, c_rub;
-    wire loads  = read_done && (state == LOAD || state == FETCHED || state == GOES);
-    wire unites = read_done && state == UNITE;
-    reg  [PX_W-1:0] cut_px;
-    wire            turn;
-    wire [15:0]     v_next;
+    motion_merge #(
+        .N     (N),
+        .SLOT_W(SLOT_W),
+        .ID_W  (ID_W)
+    ) u_merge (
+        .clk        (clk),
+        .rst        (rst),
+        .start      (s_merge),
+        .this_slot  (this_slot),
+        .stays      (stays),
+        .goes       (goes),
+        .rests      (m_rests),
+        .done       (m_done),
+        .at         (m_at),
+        .op_valid   (m_valid),
+        .op_ready   (op_ready),
+        .op_read    (m_read),
+        .op_store   (m_store),
+        .op_put     (m_put),
+        .op_clear   (m_clear),
+        .op_bin     (m_bin),
+        .read_done  (read_done),
+        .store_done (store_done),
+        .lane       (lane),
+        .visible    (visible),
+        .older      (older),
+        .window_done(window_done),
+        .record_free(record_free),
+        .id         (id),
+        .load       (m_load),
+        .unite      (m_unite),
+        .c_settle   (m_settle),
+        .c_reflect  (m_reflect),
+        .c_cover    (m_cover),
+        .c_bins     (m_bins),
+        .c_window   (m_window),
+        .c_take     (m_take),
+        .lapse      (m_lapse),
+        .say        (m_say),
+        .kind       (m_kind),
+        .stays_id   (stays_id),
+        .since      (m_since),
+        .keep       (m_keep),
+        .keep_now   (m_keep_now),
+        .keep_until (m_keep_until),
+        .keep_window(m_keep_window)
+    );
+
+    motion_lives #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_lives (
+        .clk        (clk),
+        .rst        (rst),
+        .begins     (begins),
+        .begins_slot(begins_slot),
+        .at         (at),
+        .seed       (k_seed),
+        .settle     (k_keep_start),
+        .appear     (s_appear),
+        .lapse      (s_lapse || m_lapse),
+        .visible    (visible),
+        .candidate  (candidate),
+        .settled    (settled)
+    );
+
+    // ---- the slot that is worked on --------------------------------------------------------------------------------------
+
+    wire                loads = k_load || s_load || m_load;
+    wire                turn, crossed_x, crossed_y;
+    wire [31:0]         v, q_v;
+    wire [4*SIDE_W-1:0] refs, q_refs;
+    wire [2*SIDE_W+1:0] q_start;
+    wire [23:0]         usual, q_usual, ticks;
+    wire [TIME_W-1:0]   age;
+    wire [SIDE_W:0]     sum_lane, ref_lo, ref_hi;
+    wire [15:0]         v_lane, v_next, together;
+    wire [3:0]          gain, hidden_now;
+    wire                meets_now;
+    wire [4*PX_W-1:0]   box, window;
+    wire [PX_W-1:0]     cut_px;
+    wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
+    wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
+
+    assign {v_y, v_x} = v;
+    assign speed_x    = v_x[15] ? -v_x[14:0] : v_x[14:0];
+    assign speed_y    = v_y[15] ? -v_y[14:0] : v_y[14:0];
+    assign look_log2  = look_y ? o_log2[9:5] : o_log2[4:0];
 
     motion_sides #(
         .X_W   (X_W),
@@ -348,23 +420,23 @@ module motion_work #(
     ) u_sides (
         .clk        (clk),
         .rst        (rst),
-        .load       (loads || unites),
+        .load       (loads || m_unite),
         .load_refs  (loads),
-        .seed       (c_seed),
-        .shrink     (c_shrink),
-        .cut_high   (c_cut_high),
-        .cut_low    (c_cut_low),
-        .order      (c_order),
+        .seed       (k_seed),
+        .shrink     (k_shrink),
+        .cut_high   (k_cut_high),
+        .cut_low    (k_cut_low),
+        .order      (k_order),
         .on_y       (look_y),
-        .unite      (c_cover),
-        .move       (c_move),
-        .shorten    (c_shorten),
-        .reflect    (c_reflect),
-        .settle     (c_settle),
+        .unite      (m_cover),
+        .move       (s_move),
+        .shorten    (s_shorten),
+        .reflect    (k_offset || s_reflect || m_reflect),
+        .settle     (k_settle || m_settle),
         .turn       (turn),
-        .rub        (c_rub),
-        .x          (x),
-        .y          (y),
+        .rub        (s_rub),
+        .x          (job_x),
+        .y          (job_y),
         .r_sides    (r_sides),
         .m_refs     (q_refs),
         .m_v        (q_v),
@@ -391,40 +463,71 @@ module motion_work #(
         .crossed_y  (crossed_y)
     );
 
-    // ---- gaps -----------------------------------------------------------------------------------------------------------
-
-    reg  [PX_W-1:0] was_x, was_y;      // lengths before a cut
-    reg  [PX_W+3:0] long_x, long_y;    // so long must the other axis be
-    reg             across_x, across_y, looks_x, looks_y;
-    wire [PX_W-1:0] least_gap  = {{(PX_W - 8) {1'b0}}, gap_px};
-    wire [PX_W-1:0] half_other = {1'b0, look_y ? was_x[PX_W-1:1] : was_y[PX_W-1:1]};
-    wire [PX_W-1:0] cut_bin    = {{(PX_W - 4) {1'b0}}, low_stays ? gap_begins : gap_ends};
-
-    assign look_log2 = look_y ? log2[9:5] : log2[4:0];
-
-    // Bins of 2^n pixels, four to eight for the whole side.
-    function [4:0] bin_log2;
-        input [PX_W-1:0] length;
-        integer k;
-        begin
-            bin_log2 = 5'd0;
-            for (k = 4; k <= PX_W; k = k + 1) if (length[k-1]) bin_log2 = k[4:0] - 5'd3;
-        end
-    endfunction
-
-    // ---- times ---------------------------------------------------------------------------------------------------------
-
-    localparam [1:0] LAST     = 2'd0;
-    localparam [1:0] UNTIL    = 2'd1;  // the deadline
-    localparam [1:0] SEEDED   = 2'd2;
-    localparam [1:0] REPORTED = 2'd3;
-
-    reg  [1:0]        since;
-    reg               c_correct, c_hold, c_take, c_divide;
-    reg  [5:0]        down;
-    wire [TIME_W-1:0] age;
-    wire [23:0]       ticks;
-    wire              time_ended, silent, dividing, older, enough, overdue;
+    motion_slot #(
+        .SLOT_W(SLOT_W),
+        .SIDE_W(SIDE_W),
+        .PX_W  (PX_W),
+        .SUP_W (SUP_W),
+        .ID_W  (ID_W)
+    ) u_slot (
+        .clk            (clk),
+        .rst            (rst),
+        .at             (at),
+        .puts           (puts),
+        .put_slot       (put_slot),
+        .take           (k_begun),
+        .load           (loads || m_unite),
+        .load_support   (s_load || m_load),
+        .unite          (m_unite),
+        .seed           (k_seed),
+        .offset         (k_offset),
+        .count          (k_count),
+        .begin_bins     (k_bins || m_bins),
+        .pair           (s_pair),
+        .part           (s_part),
+        .meet           (s_meet),
+        .keep           (k_keep || s_keep || m_keep),
+        .keep_window    (k_keep_window || s_keep_window || m_keep_window),
+        .keep_id        (s_appear),
+        .keep_start     (k_keep_start),
+        .job_support    (job_support),
+        .r_support      (r_support),
+        .r_marks        (r_marks),
+        .length_x       (length_x),
+        .length_y       (length_y),
+        .meets_now      (meets_now),
+        .hidden_now     (hidden_now),
+        .v              (v),
+        .refs           (refs),
+        .usual          (usual),
+        .box            (box),
+        .window         (window),
+        .start          ({sum_x, sum_y}),
+        .nev_low        (nev_low),
+        .nev_high       (nev_high),
+        .gain_log2      (gain_log2),
+        .gain_slow      (gain_slow),
+        .gap_corrections(gap_corrections),
+        .support        (o_support),
+        .corrections    (corrections),
+        .gain           (gain),
+        .look_due       (look_due),
+        .meets          (meets),
+        .hidden         (o_hidden),
+        .marks          (o_marks),
+        .n_ev           (n_ev),
+        .together       (together),
+        .log2           (o_log2),
+        .q_meets        (q_meets),
+        .q_v            (q_v),
+        .q_refs         (q_refs),
+        .q_usual        (q_usual),
+        .q_id           (id),
+        .q_start        (q_start),
+        .p_box          (o_box),
+        .p_window       (o_window),
+        .p_n_ev         (o_n_ev)
+    );
 
     motion_times #(
         .SLOT_W(SLOT_W),
@@ -433,28 +536,28 @@ module motion_work #(
         .clk         (clk),
         .rst         (rst),
         .at          (at),
-        .since       (since),
-        .keep_now    (keep_time),
-        .keep_until  (keep_until),
+        .since       (correcting ? k_since : merging ? m_since : s_since),
+        .keep_now    (k_keep_now || s_keep_now || m_keep_now),
+        .keep_until  (k_keep_until || m_keep_until),
         .now         (op_time),
         .age         (age),
-        .ended       (time_ended),
+        .ended       (ended),
         .ticks       (ticks),
         .silent      (silent),
-        .load        (loads || unites),
+        .load        (loads || m_unite),
         .loaded      (q_usual),
-        .seed        (c_seed),
-        .correct     (c_correct),
+        .seed        (k_seed),
+        .correct     (k_times),
         .first       (corrections == 6'd0),
         .usual       (usual),
         .detect_ticks(detect_ticks),
         .life_log2   (life_log2),
         .life_ticks  (life_ticks),
         .coast_ticks (coast_ticks),
-        .hold        (c_hold),
-        .take        (c_take),
-        .divide      (c_divide),
-        .down        (down),
+        .hold        (m_take),
+        .take        (s_take || m_take),
+        .divide      (s_divide),
+        .down        ({1'b0, step_log2} + (s_by_life ? {2'b00, join_life} : 6'd0)),
         .dividing    (dividing),
         .older       (older),
         .together    (together),
@@ -464,20 +567,36 @@ module motion_work #(
         .overdue     (overdue)
     );
 
-    // ---- velocity ------------------------------------------------------------------------------------------------------
+    // ---- corrections -----------------------------------------------------------------------------------------------------
 
-    reg        c_inverse, c_speed;
-    reg  [3:0] gain;
-    wire       inverse_busy;
     wire [4:0] leading;
     wire [6:0] inverse;
-    wire [6:0] slow_gain  = {1'b0, corrections >> gain_slow} + 7'd1;
-    wire [3:0] least_gain = slow_gain < {3'd0, gain_log2} ? slow_gain[3:0] : gain_log2;
+
+    motion_look #(
+        .PX_W(PX_W)
+    ) u_look (
+        .clk       (clk),
+        .note      (k_note),
+        .length_x  (length_x),
+        .length_y  (length_y),
+        .speed_x   (speed_x),
+        .speed_y   (speed_y),
+        .on_y      (look_y),
+        .looks     (looks),
+        .narrowest (narrowest),
+        .low_stays (low_stays),
+        .begins    (gap_begins),
+        .ends      (gap_ends),
+        .bin_log2  (look_log2),
+        .cut_px    (cut_px),
+        .elongation(elongation),
+        .gap_px    (gap_px)
+    );
 
     motion_inverse u_inverse (
         .clk    (clk),
         .rst    (rst),
-        .start  (c_inverse),
+        .start  (k_inverse),
         .number (ticks),
         .busy   (inverse_busy),
         .leading(leading),
@@ -489,7 +608,7 @@ module motion_work #(
     ) u_velocity (
         .clk      (clk),
         .rst      (rst),
-        .start    (c_speed),
+        .start    (k_speed),
         .low      (ref_lo),
         .high     (ref_hi),
         .slower   (corrections < settle_count),
@@ -503,26 +622,21 @@ module motion_work #(
         .v_next   (v_next)
     );
 
-    // ---- box and window ------------------------------------------------------------------------------------------------
-
-    reg  c_window, windowed, stored;  // they have been found; the sides have been written
-    wire window_done;
-
     motion_window #(
         .SIDE_W(SIDE_W)
     ) u_window (
         .clk        (clk),
         .rst        (rst),
-        .start      (c_window),
-        .lo_x       (lo_x),
-        .hi_x       (hi_x),
-        .lo_y       (lo_y),
-        .hi_y       (hi_y),
+        .start      (k_window || s_window || m_window),
+        .lo_x       (o_sides[3*SIDE_W+:SIDE_W]),
+        .hi_x       (o_sides[2*SIDE_W+:SIDE_W]),
+        .lo_y       (o_sides[SIDE_W+:SIDE_W]),
+        .hi_y       (o_sides[0+:SIDE_W]),
         .length_x   (length_x),
         .length_y   (length_y),
         .speed_x    (speed_x),
         .speed_y    (speed_y),
-        .known      (moves),
+        .known      (visible[at] || corrections >= 6'd4),
         .elongation (elongation),
         .ring_across(ring_across),
         .ring_along (ring_along),
@@ -536,9 +650,9 @@ module motion_work #(
 
     // ---- the slot and others -------------------------------------------------------------------------------------------
 
-    reg             c_pair;
     reg [SUP_W-1:0] other_support;
-    wire            pair_done, alike, weaker;
+
+    always @(posedge clk) if (read_done) other_support <= r_support;
 
     motion_pair #(
         .PX_W (PX_W),
@@ -546,11 +660,11 @@ module motion_work #(
     ) u_pair (
         .clk          (clk),
         .rst          (rst),
-        .start        (c_pair),
+        .start        (s_compare),
         .one_box      (box),
         .one_v_x      (v_x),
         .one_v_y      (v_y),
-        .one_support  (support),
+        .one_support  (o_support),
         .other_box    (o_box),
         .other_v_x    (q_v[15:0]),
         .other_v_y    (q_v[31:16]),
@@ -563,12 +677,6 @@ module motion_work #(
         .weaker       (weaker)
     );
 
-    reg              c_meet, c_touch;
-    wire             meet_done, meets_now, middle_held;
-    wire [3:0]       hidden_now;
-    wire             touches;
-    wire [SLOT_W-1:0] touched;
-
     motion_meeting #(
         .N     (N),
         .SLOT_W(SLOT_W),
@@ -576,8 +684,8 @@ module motion_work #(
     ) u_meeting (
         .clk      (clk),
         .rst      (rst),
-        .start    (c_meet),
-        .begins   (c_touch),
+        .start    (s_ask),
+        .begins   (s_touch),
         .slot     (this_slot),
         .visible  (visible),
         .candidate(candidate),
@@ -590,14 +698,10 @@ module motion_work #(
         .done     (meet_done),
         .meets    (meets_now),
         .hidden   (hidden_now),
-        .held     (middle_held),
+        .held     (held),
         .touches  (touches),
         .touched  (touched)
     );
-
-    // ---- births --------------------------------------------------------------------------------------------------------
-
-    wire appears;
 
     motion_birth #(
         .SIDE_W(SIDE_W),
@@ -611,7 +715,7 @@ module motion_work #(
         .side_y       (side_y),
         .start        (q_start),
         .young        (crossed_x || crossed_y || corrections < 6'd4),
-        .support      (support),
+        .support      (o_support),
         .age          (age),
         .birth_support(birth_support),
         .birth_px     (birth_px),
@@ -619,591 +723,6 @@ module motion_work #(
         .birth_travel (birth_travel),
         .appears      (appears)
     );
-
-    // ---- what is done, in order ----------------------------------------------------------------------------------------
-
-    reg               writes;              // an operation is wanted
-    reg  [4:0]        op;                  // clear, put, full, store, read
-    reg  [3:0]        bin;
-    reg  [PX_W:0]     outline;
-    reg               look_due;            // bins are looked at
-    reg               other_older;
-    wire              op_free      = !writes || op_ready;
-    wire [SUP_W:0]    both_support = {1'b0, support} + {1'b0, r_support};
-    wire              goes_on      = pause == 3'd0;
-
-    localparam [4:0] OP_READ  = 5'b00001;
-    localparam [4:0] OP_STORE = 5'b00010;
-    localparam [4:0] OP_FULL  = 5'b00110;  // and the support
-    localparam [4:0] OP_ALL   = 5'b01110;  // and the window
-    localparam [4:0] OP_CLEAR = 5'b10000;
-
-    assign op_valid = writes;
-    assign {op_clear, op_put, op_full, op_store, op_read} = op;
-    assign op_slot  = at;
-    assign op_bin   = bin;
-    assign say      = state == SAY && goes_on;
-    assign job_done = state == KEPT;
-
-    always @(posedge clk) begin
-        {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_cover, c_move, c_shorten, c_reflect, c_settle, c_rub} <= 11'd0;
-        {c_inverse, c_speed, c_window, c_pair, c_meet, look} <= 6'd0;
-        {c_correct, c_hold, c_take, c_divide} <= 4'd0;
-        {keep, keep_time, keep_until, keep_window, keep_id, keep_start} <= 6'd0;
-
-        look_due     <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
-        outline      <= {1'b0, length_x} + {1'b0, length_y};
-        long_x       <= {4'd0, was_x} * {{PX_W{1'b0}}, elongation};
-        long_y       <= {4'd0, was_y} * {{PX_W{1'b0}}, elongation};
-        looks_x      <= across_x || {4'd0, was_x} >= long_y;
-        looks_y      <= across_y || {4'd0, was_y} >= long_x;
-
-        if (op_ready) writes <= 1'b0;
-        if (store_done) stored <= 1'b1;
-        if (window_done) windowed <= 1'b1;
-        if (begins) candidate[begins_slot] <= 1'b1;
-        if (keep_id) births <= births + {{(ID_W - 1) {1'b0}}, 1'b1};
-
-        if (loads || unites) begin
-            o_marks     <= r_marks;
-            o_hidden    <= q_hidden;
-            meets       <= q_meets;
-            n_ev        <= q_n_ev;
-            corrections <= q_corrections;
-            looked      <= q_looked;
-            has_partner <= q_has_partner;
-            partner     <= q_partner;
-            together    <= q_together;
-            log2        <= q_log2;
-        end
-
-        if (!goes_on) pause <= pause - 3'd1;
-        else case (state)
-            REST: begin
-                slot  <= {(SLOT_W + 1) {1'b0}};
-                since <= LAST;
-                alone <= do_end;
-                x     <= job_x;
-                y     <= job_y;
-                if (do_step || do_end) begin
-                    op_time <= now;
-                    op_seq  <= seq;
-                    if (|lives) state <= NEXT;
-                    if (do_end) begin
-                        at    <= end_slot;
-                        slot  <= {1'b0, end_slot};
-                        state <= lives[end_slot] ? FETCH : REST;
-                    end
-                end else if (job_valid) begin
-                    at      <= job_slot;
-                    op_time <= job_time;
-                    op_seq  <= job_seq;
-                    support <= job_support;
-                    state   <= SEED;
-                    if (!job_seed) begin
-                        writes <= 1'b1;
-                        op     <= OP_READ;
-                        pause  <= 3'd4;
-                        state  <= TICKS;
-                    end
-                end
-            end
-
-            // ---- a candidate that begins -----------------------------------------------------------------------------
-            SEED:
-            if (!lane) begin
-                c_seed      <= 1'b1;
-                since       <= SEEDED;
-                keep_time   <= 1'b1;
-                o_marks     <= 4'd0;
-                o_hidden    <= 4'd0;
-                meets       <= 1'b0;
-                n_ev        <= nev_low;
-                support     <= {{(SUP_W - 1) {1'b0}}, 1'b1};
-                corrections <= 6'd0;
-                looked      <= 8'd0;
-                has_partner <= 1'b0;
-                together    <= 16'd0;
-                settled[at] <= 1'b0;
-                pause       <= 3'd1;
-                state       <= SEED_1;
-            end
-            SEED_1: begin
-                c_settle <= 1'b1;
-                pause    <= 3'd5;
-                state    <= SEED_2;
-            end
-            SEED_2: begin
-                log2        <= {bin_log2(length_y), bin_log2(length_x)};
-                why         <= FOR_SEED;
-                after_clear <= PLACE;
-                state       <= CLEAR;
-            end
-
-            // ---- a correction ----------------------------------------------------------------------------------------
-            TICKS: begin
-                c_inverse <= 1'b1;
-                why       <= FOR_CORRECT;
-                state     <= LOAD;
-            end
-            LOAD:
-            if (read_done) begin
-                pause <= 3'd2;
-                state <= !q_meets && side_shrink != 4'd0 ? SHRINK : OFFSET;
-            end
-            SHRINK: begin
-                c_shrink <= 1'b1;
-                pause    <= 3'd1;
-                state    <= OFFSET;
-            end
-            OFFSET: begin
-                c_reflect <= 1'b1;
-                o_marks   <= 4'd0;
-                gain      <= least_gain + {3'd0, meets};
-                if (gap_corrections != 8'd0) looked <= looked + 8'd1;
-                state     <= look_due ? LOOK : SPEED;
-            end
-            LOOK: begin
-                across_x <= {speed_y, 1'b0} >= {1'b0, speed_x};
-                across_y <= {speed_x, 1'b0} >= {1'b0, speed_y};
-                look_y   <= 1'b0;
-                pause    <= 3'd4;
-                state    <= LOOK_AT;
-            end
-            LOOK_AT: begin
-                was_x <= length_x;
-                was_y <= length_y;
-                pause <= 3'd2;
-                state <= corrections >= 6'd8 && (speed_x != 15'd0 || speed_y != 15'd0) ? LOOK_GO : LOOKED;
-            end
-            LOOK_GO:
-            if (look_y ? looks_y : looks_x) begin
-                narrowest <= (look_y ? across_y : across_x) || least_gap > half_other ? least_gap : half_other;
-                look      <= 1'b1;
-                state     <= LOOKING;
-            end else begin
-                look_y <= 1'b1;
-                state  <= look_y ? LOOKED : LOOK_GO;
-            end
-            LOOKING: begin
-                cut_px <= cut_bin << look_log2;
-                if (look_done) state <= gap_found ? CUT : ORDERED;
-            end
-            CUT:
-            if (!lane) begin
-                cut_px     <= cut_bin << look_log2;
-                c_cut_high <= low_stays;
-                c_cut_low  <= !low_stays;
-                pause      <= 3'd5;
-                state      <= ORDER;
-            end
-            ORDER: begin
-                c_order <= !low_stays;
-                state   <= ORDERED;
-            end
-            ORDERED: begin
-                look_y <= 1'b1;
-                pause  <= 3'd6;
-                state  <= look_y ? LOOKED : LOOK_GO;
-            end
-            LOOKED: begin
-                looked      <= 8'd0;
-                log2        <= {bin_log2(length_y), bin_log2(length_x)};
-                after_clear <= SPEED;
-                state       <= CLEAR;
-            end
-            SPEED:
-            if (!inverse_busy && !lane) begin
-                c_speed  <= corrections >= 6'd2;
-                c_settle <= 1'b1;
-                c_correct <= 1'b1;
-                pause     <= corrections >= 6'd2 ? 3'd7 : 3'd2;
-                state     <= LIFE;
-            end
-            LIFE: begin
-                pause <= 3'd1;
-                state <= TURN;
-            end
-            TURN: begin
-                n_ev     <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
-                          : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
-                corrections <= corrections == 6'd63 ? 6'd63 : corrections + 6'd1;
-                if (corrections == 6'd3) begin
-                    keep_start  <= 1'b1;
-                    settled[at] <= 1'b1;
-                end
-                kind  <= `EVCOT_KIND_MOVED;
-                after <= PLACE;
-                pause <= corrections >= 6'd2 ? 3'd3 : 3'd0;
-                state <= is_visible ? SAY : PLACE;
-            end
-
-            // ---- box and window --------------------------------------------------------------------------------------
-            PLACE:
-            if (op_free) begin
-                c_window <= 1'b1;
-                windowed <= 1'b0;
-                stored   <= why == FOR_STEP || why == FOR_MERGE;
-                writes   <= why == FOR_SEED || why == FOR_CORRECT;
-                op       <= why == FOR_SEED ? OP_FULL : OP_STORE;
-                state    <= WINDOW;
-            end
-            WINDOW:
-            if (windowed && stored) begin
-                keep_window <= 1'b1;
-                other       <= corrections < 6'd4 ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
-                case (why)
-                    FOR_STEP:  state <= SCAN;
-                    FOR_MERGE: state <= MERGED;
-                    default: begin
-                        keep          <= 1'b1;
-                        since     <= LAST;
-                        keep_time <= 1'b1;
-                        state         <= KEPT;
-                    end
-                endcase
-            end
-            KEPT: begin
-                since      <= UNTIL;
-                keep_until <= 1'b1;
-                state      <= REST;
-            end
-            CLEAR:
-            if (op_free) begin
-                writes <= 1'b1;
-                op     <= OP_CLEAR;
-                bin    <= bin + 4'd1;
-                if (bin == 4'd14) state <= after_clear;
-            end
-            SAY:
-            if (record_free) begin
-                since     <= REPORTED;
-                keep_time <= 1'b1;
-                state     <= after;
-            end
-
-            // ---- a motion step of a slot -----------------------------------------------------------------------------
-            NEXT: begin
-                at <= this_slot;
-                if (slot == SLOTS[SLOT_W:0]) state <= REST;
-                else if (lives[this_slot]) state <= FETCH;
-                else slot <= slot + {{SLOT_W{1'b0}}, 1'b1};
-            end
-            FETCH: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                since  <= UNTIL;
-                pause  <= 3'd3;
-                state  <= AGE;
-            end
-            AGE: begin
-                ended <= time_ended;
-                since <= LAST;
-                state <= FETCHED;
-            end
-            FETCHED:
-            if (read_done) begin
-                support <= r_support;
-                state   <= AGED;
-            end
-            AGED: begin
-                c_reflect <= 1'b1;
-                kind      <= `EVCOT_KIND_LOST;
-                after     <= LAPSE;
-                pause     <= !ended && !alone ? 3'd1 : 3'd4;
-                state     <= !ended && !alone ? MOVE : is_visible ? SAY : LAPSE;
-            end
-            MOVE: begin
-                c_move <= moves;
-                c_rub  <= moves && friction != 4'd0 && !meets && silent;
-                pause  <= 3'd5;
-                state  <= LONG;
-            end
-            LONG: begin
-                c_shorten <= 1'b1;
-                pause     <= 3'd1;
-                state     <= SHORT;
-            end
-            SHORT: begin
-                c_reflect <= 1'b1;
-                why       <= FOR_STEP;
-                pause     <= 3'd4;
-                state     <= PLACE;
-            end
-            LAPSE: begin
-                visible[at]   <= 1'b0;
-                candidate[at] <= 1'b0;
-                slot          <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                state         <= alone ? REST : NEXT;
-            end
-            DONE:
-            if (op_free) begin
-                writes <= 1'b1;
-                op     <= OP_ALL;
-                stored <= 1'b0;
-                keep   <= 1'b1;
-                state  <= WRITTEN;
-            end
-            WRITTEN:
-            if (stored) begin
-                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                state <= NEXT;
-            end
-
-            // ---- comparing it with the others ------------------------------------------------------------------------
-            SCAN: begin
-                at <= this_slot;
-                if (other == SLOTS[SLOT_W:0]) begin
-                    if (together != 16'd0) together <= together - 16'd1;
-                    state <= MEET;
-                end else if (settled[this_other] && lives[this_other] && other != slot) begin
-                    at    <= this_other;
-                    state <= COMPARE;
-                end else other <= other + {{SLOT_W{1'b0}}, 1'b1};
-            end
-            COMPARE: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= PAIR;
-            end
-            PAIR:
-            if (read_done) begin
-                other_support <= r_support;
-                c_pair        <= 1'b1;
-                state         <= FOUND;
-            end
-            FOUND:
-            if (pair_done && alike) begin
-                has_partner <= 1'b1;
-                partner     <= this_other;
-                together    <= has_partner && partner == this_other ? together + 16'd1 : 16'd1;
-                since       <= SEEDED;
-                pause       <= 3'd3;
-                state       <= YOUNGER;
-            end else if (pair_done) begin
-                other <= other + {{SLOT_W{1'b0}}, 1'b1};
-                state <= SCAN;
-            end
-            YOUNGER: begin
-                c_take <= 1'b1;
-                at     <= this_slot;
-                pause  <= 3'd4;
-                state  <= OLDER;
-            end
-            OLDER: begin
-                other_older <= older;
-                down        <= {1'b0, step_log2} + {2'b00, join_life};
-                state       <= LIVED;
-            end
-            LIVED: begin
-                c_take   <= other_older;
-                c_divide <= 1'b1;
-                pause    <= 3'd1;
-                state    <= STEPS;
-            end
-            STEPS:
-            if (!dividing) state <= JOIN;
-            JOIN: begin
-                scans_touch <= 1'b0;
-                stays       <= this_slot;
-                goes        <= this_other;
-                if (visible[this_slot] != visible[this_other] ? visible[this_other] : keep_older ? other_older : weaker) begin
-                    stays <= this_other;
-                    goes  <= this_slot;
-                end
-                state <= enough ? MERGE : MEET;
-            end
-            MEET: begin
-                c_meet  <= 1'b1;
-                c_touch <= 1'b1;
-                again   <= 1'b0;
-                since   <= visible[this_slot] ? REPORTED : SEEDED;
-                down    <= {1'b0, step_log2};
-                pause   <= 3'd2;
-                state   <= SINCE;
-            end
-            SINCE: begin
-                c_take   <= 1'b1;
-                c_divide <= 1'b1;
-                state    <= MET;
-            end
-            MET:
-            if (meet_done) begin
-                if (visible[this_slot]) begin
-                    meets    <= meets_now;
-                    o_hidden <= hidden_now;
-                    state    <= REPORT;
-                end else if (middle_held && !again) state <= LAPSE;
-                else if (touches) begin
-                    other <= {1'b0, touched};
-                    at    <= touched;
-                    state <= TOUCH;
-                end else begin
-                    pause <= 3'd5;
-                    state <= BORN;
-                end
-            end
-            TOUCH: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= TOUCHED;
-            end
-            TOUCHED:
-            if (read_done) begin
-                scans_touch <= 1'b1;
-                stays       <= support < r_support ? this_other : this_slot;
-                goes        <= support < r_support ? this_slot : this_other;
-                at          <= this_slot;
-                pause       <= 3'd1;
-                state       <= MERGE;
-            end
-            REPORT:
-            if (!dividing) begin
-                kind  <= `EVCOT_KIND_MOVED;
-                after <= DONE;
-                state <= overdue ? SAY : DONE;
-            end
-            BORN: begin
-                kind  <= `EVCOT_KIND_BORN;
-                after <= DONE;
-                state <= DONE;
-                if (appears) begin
-                    visible[at]   <= 1'b1;
-                    candidate[at] <= 1'b0;
-                    keep_id       <= 1'b1;
-                    pause         <= 3'd4;
-                    state         <= SAY;
-                end
-            end
-
-            // ---- two become one --------------------------------------------------------------------------------------
-            MERGE: begin
-                since <= UNTIL;
-                pause <= 3'd3;
-                state <= GONE;
-                if (stays == this_slot) begin
-                    writes <= 1'b1;
-                    op     <= OP_FULL;
-                    stored <= 1'b0;
-                    keep   <= 1'b1;
-                    state  <= RELOAD;
-                end
-            end
-            RELOAD:
-            if (stored) begin
-                at    <= goes;
-                state <= RELOADS;
-            end
-            RELOADS: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= GOES;
-            end
-            GOES:
-            if (read_done) begin
-                support <= r_support;
-                state   <= GONE;
-            end
-            GONE: begin
-                c_hold   <= 1'b1;
-                c_take   <= 1'b1;
-                at       <= stays;
-                pause    <= 3'd2;
-                state    <= STAYS;
-            end
-            STAYS: begin
-                stays_id <= id;
-                at       <= goes;
-                kind     <= `EVCOT_KIND_MERGED;
-                after    <= RETURN;
-                pause    <= 3'd2;
-                state    <= visible[goes] ? SAY : RETURN;
-            end
-            RETURN:
-            if (!lane) begin
-                c_settle <= 1'b1;
-                since    <= UNTIL;
-                at       <= stays;
-                state    <= RETURNS;
-            end
-            RETURNS: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= UNITE;
-            end
-            UNITE:
-            if (read_done) begin
-                support         <= both_support[SUP_W] ? {SUP_W{1'b1}} : both_support[SUP_W-1:0];
-                o_marks         <= 4'hf;
-                has_partner     <= 1'b0;
-                together        <= 16'd0;
-                visible[goes]   <= 1'b0;
-                candidate[goes] <= 1'b0;
-                state <= UNITED;
-            end
-            UNITED: begin
-                c_reflect <= 1'b1;
-                pause     <= 3'd1;
-                state     <= COVER;
-            end
-            COVER: begin
-                c_cover <= 1'b1;
-                pause   <= 3'd1;
-                state   <= COVERED;
-            end
-            COVERED: begin
-                c_settle <= 1'b1;
-                pause    <= 3'd5;
-                state    <= BINS;
-            end
-            BINS: begin
-                looked        <= 8'd0;
-                log2          <= {bin_log2(length_y), bin_log2(length_x)};
-                keep_until    <= !older;
-                why           <= FOR_MERGE;
-                after_clear   <= PLACE;
-                state         <= CLEAR;
-            end
-            MERGED:
-            if (op_free) begin
-                writes <= 1'b1;
-                op     <= OP_ALL;
-                stored <= 1'b0;
-                keep   <= 1'b1;
-                kind   <= `EVCOT_KIND_MOVED;
-                after  <= GO_ON;
-                state  <= is_visible ? SAY : GO_ON;
-            end
-            GO_ON:
-            if (stored) begin
-                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                state <= NEXT;
-                if (stays == this_slot) begin
-                    slot    <= slot;
-                    c_meet  <= scans_touch;
-                    c_touch <= 1'b0;
-                    since   <= SEEDED;
-                    again   <= 1'b1;
-                    state   <= scans_touch ? MET : MEET;
-                end
-            end
-            default: state <= REST;
-        endcase
-
-        if (rst) begin
-            state     <= REST;
-            pause     <= 3'd0;
-            visible   <= {N{1'b0}};
-            candidate <= {N{1'b0}};
-            settled   <= {N{1'b0}};
-            births    <= {ID_W{1'b0}};
-            writes    <= 1'b0;
-            bin       <= 4'd15;
-            keep_id   <= 1'b0;
-        end
-    end
-
-    wire unused = &{1'b0, slow_gain[6:4]};
 
 endmodule
 
