@@ -16,6 +16,7 @@
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
+`include "motion_fields.vh"
 
 module cot_motion #(
     parameter N       = 8,   // tracker slots
@@ -106,18 +107,7 @@ module cot_motion #(
 
     // ---- registers -------------------------------------------------------------------------------------------------
 
-    wire [4:0]  step_log2;
-    wire [15:0] side_step, birth_support;
-    wire [11:0] side_max;
-    wire [14:0] speed_max;
-    wire [3:0]  side_share, side_shrink, gain_log2, friction, ring_across, ring_along, ring_any, elongation, life_log2, birth_travel;
-    wire [3:0]  gap_share, join_life, join_speed, join_reach;
-    wire [2:0]  gain_slow;
-    wire [5:0]  settle;
-    wire [9:0]  nev_low, nev_high, join_steps, report_steps;
-    wire [7:0]  seed_px, ring_px, ring_max, birth_px, gap_corrections, gap_px, join_px;
-    wire [23:0] detect_ticks, life_ticks, coast_ticks, birth_ticks;
-    wire        keep_older;
+    wire [`MOTION_REGS_W-1:0] regs;
 
     motion_regs u_regs (
         .clk            (clk),
@@ -125,60 +115,26 @@ module cot_motion #(
         .cfg_valid      (cfg_valid),
         .cfg_addr       (cfg_addr),
         .cfg_data       (cfg_data),
-        .step_log2      (step_log2),
-        .side_step      (side_step),
-        .side_share     (side_share),
-        .side_shrink    (side_shrink),
-        .side_max       (side_max),
-        .gain_log2      (gain_log2),
-        .gain_slow      (gain_slow),
-        .settle         (settle),
-        .speed_max      (speed_max),
-        .friction       (friction),
-        .nev_low        (nev_low),
-        .nev_high       (nev_high),
-        .seed_px        (seed_px),
-        .ring_px        (ring_px),
-        .ring_max       (ring_max),
-        .ring_across    (ring_across),
-        .ring_along     (ring_along),
-        .ring_any       (ring_any),
-        .elongation     (elongation),
-        .detect_ticks   (detect_ticks),
-        .life_log2      (life_log2),
-        .life_ticks     (life_ticks),
-        .coast_ticks    (coast_ticks),
-        .birth_support  (birth_support),
-        .birth_px       (birth_px),
-        .birth_ticks    (birth_ticks),
-        .birth_travel   (birth_travel),
-        .gap_corrections(gap_corrections),
-        .gap_share      (gap_share),
-        .gap_px         (gap_px),
-        .join_steps     (join_steps),
-        .join_life      (join_life),
-        .join_speed     (join_speed),
-        .join_reach     (join_reach),
-        .join_px        (join_px),
-        .keep_older     (keep_older),
-        .report_steps   (report_steps)
+        .regs           (regs)
     );
 
     reg  [N-1:0] seeded;      // `mode`
     reg  [N-1:0] restart;     // it was written
     reg          restep_1, restep_2, restep;  // step_log2 was written, or reset: the next step is set
     wire         writes_mode = cfg_valid && cfg_addr == `EVCOT_MREG_MODE;
-    wire         restarts;
-    wire [SLOT_W-1:0] restart_slot;
+    reg          restarts;
+    reg  [SLOT_W-1:0] restart_slot;
+    wire         any_restart;
+    wire [SLOT_W-1:0] lowest_restart;
 
     array_lowest #(
         .N     (N),
         .SLOT_W(SLOT_W)
     ) u_restart (
-        .asked (restarts),
+        .asked (any_restart),
         .among (restart),
-        .any   (restarts),
-        .lowest(restart_slot)
+        .any   (any_restart),
+        .lowest(lowest_restart)
     );
 
     // What follows from the registers.
@@ -186,16 +142,16 @@ module cot_motion #(
     reg  [15:0]       seed_part;
     reg  [19:0]       step_mask;    // a multiple of a step's length, or a time behind it, up to the next one
     reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
-    wire [15:0]       share    = side_step >> side_share;
-    wire [15:0]       seed_far = seed_part + {8'd0, ring_px};
-    wire [15:0]       seed_ring = seed_far < {8'd0, ring_max} ? seed_far : {8'd0, ring_max};
-    wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, seed_px}};
+    wire [15:0]       share    = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
+    wire [15:0]       seed_far = seed_part + {8'd0, regs[`MOTION_RING_PX]};
+    wire [15:0]       seed_ring = seed_far < {8'd0, regs[`MOTION_RING_MAX]} ? seed_far : {8'd0, regs[`MOTION_RING_MAX]};
+    wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, regs[`MOTION_SEED_PX]}};
 
     always @(posedge clk) begin
         back      <= {1'b0, share};
-        out       <= {1'b0, side_step - share};
-        step_mask <= ~(20'hfffff << step_log2);
-        seed_part <= {7'd0, seed_px, 1'b0} >> ring_any;
+        out       <= {1'b0, regs[`MOTION_SIDE_STEP] - share};
+        step_mask <= ~(20'hfffff << regs[`MOTION_STEP_LOG2]);
+        seed_part <= {7'd0, regs[`MOTION_SEED_PX], 1'b0} >> regs[`MOTION_RING_ANY];
         seed_at   <= seed_place[REL_W-1:0];
     end
 
@@ -293,11 +249,13 @@ module cot_motion #(
     wire starts     = state == RUN && stop && drained;
     wire ends_life  = starts && restarts;
     wire steps      = starts && !restarts;
-    wire [7:0] next_event = issued + {7'd0, takes_token && (q_event || q_skip)};
+    wire issues     = takes_token && (q_event || q_skip);
 
     always @(posedge clk) begin
         bubble  <= (takes_op && (op_store || op_put)) || takes_put;
-        issued  <= next_event;
+        if (issues) issued <= issued + 8'd1;
+        restarts     <= any_restart;
+        restart_slot <= lowest_restart;
         drained <= state == RUN && stop && !active && waits_none && rests && !op_valid && !bubble;
         again   <= 1'b0;
         if (takes_put) put_busy <= 1'b1;
@@ -330,7 +288,7 @@ module cot_motion #(
         restep   <= restep_2;
 
         idle <= state == RUN && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && !reached && !put_busy
-                && output_empty && !m_cm_valid && !restarts && !restep_1 && !restep_2 && !restep && !cfg_valid;
+                && output_empty && !m_cm_valid && !any_restart && !restarts && !restep_1 && !restep_2 && !restep && !cfg_valid;
 
         if (rst) begin
             state    <= RUN;
@@ -342,6 +300,7 @@ module cot_motion #(
             now      <= {TIME_W{1'b0}};
             seeded   <= {N{1'b0}};
             restart  <= {N{1'b0}};
+            restarts <= 1'b0;
             restep_1 <= 1'b1;
             restep_2 <= 1'b1;
             restep   <= 1'b1;
@@ -402,7 +361,7 @@ module cot_motion #(
         .in_window  (in_window),
         .out        (out),
         .back       (back),
-        .counts     (gap_corrections != 8'd0),
+        .counts     (regs[`MOTION_GAP_CORRECTIONS] != 8'd0),
         .seed_at    (seed_at),
         .visible    (visible),
         .candidate  (candidate),
@@ -461,7 +420,8 @@ module cot_motion #(
         .job_support(job_support),
         .job_time   (job_time),
         .job_seq    (job_seq),
-        .next_event (next_event),
+        .issued     (issued),
+        .issues     (issues),
         .reached    (reached),
         .put_valid  (put_valid),
         .put_seed   (put_seed),
@@ -496,7 +456,7 @@ module cot_motion #(
         .on_y     (look_y),
         .bin_log2 (look_log2),
         .narrowest(narrowest),
-        .gap_share(gap_share),
+        .gap_share(regs[`MOTION_GAP_SHARE]),
         .done     (look_done),
         .found    (gap_found),
         .low_stays(low_stays),
@@ -602,40 +562,7 @@ module cot_motion #(
         .n_ev           (n_ev),
         .op_seq         (op_seq),
         .op_time        (op_time),
-        .step_log2      (step_log2),
-        .side_shrink    (side_shrink),
-        .side_max       (side_max),
-        .gain_log2      (gain_log2),
-        .gain_slow      (gain_slow),
-        .settle_count   (settle),
-        .speed_max      (speed_max),
-        .friction       (friction),
-        .nev_low        (nev_low),
-        .nev_high       (nev_high),
-        .seed_px        (seed_px),
-        .ring_px        (ring_px),
-        .ring_max       (ring_max),
-        .ring_across    (ring_across),
-        .ring_along     (ring_along),
-        .ring_any       (ring_any),
-        .elongation     (elongation),
-        .detect_ticks   (detect_ticks),
-        .life_log2      (life_log2),
-        .life_ticks     (life_ticks),
-        .coast_ticks    (coast_ticks),
-        .birth_support  (birth_support),
-        .birth_px       (birth_px),
-        .birth_ticks    (birth_ticks),
-        .birth_travel   (birth_travel),
-        .gap_corrections(gap_corrections),
-        .gap_px         (gap_px),
-        .join_steps     (join_steps),
-        .join_life      (join_life),
-        .join_speed     (join_speed),
-        .join_reach     (join_reach),
-        .join_px        (join_px),
-        .keep_older     (keep_older),
-        .report_steps   (report_steps)
+        .regs           (regs)
     );
 
     motion_record #(

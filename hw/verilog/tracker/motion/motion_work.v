@@ -12,6 +12,7 @@
 // Combinational paths: record_free and op_ready -> op_*.
 `default_nettype none
 `include "evcot_defs.vh"
+`include "motion_fields.vh"
 
 module motion_work #(
     parameter N      = 8,
@@ -109,41 +110,7 @@ module motion_work #(
     output reg  [SEQ_W-1:0]    op_seq,
     output reg  [TIME_W-1:0]   op_time,
 
-    // registers
-    input  wire [4:0]          step_log2,
-    input  wire [3:0]          side_shrink,
-    input  wire [11:0]         side_max,
-    input  wire [3:0]          gain_log2,
-    input  wire [2:0]          gain_slow,
-    input  wire [5:0]          settle_count,
-    input  wire [14:0]         speed_max,
-    input  wire [3:0]          friction,
-    input  wire [9:0]          nev_low,
-    input  wire [9:0]          nev_high,
-    input  wire [7:0]          seed_px,
-    input  wire [7:0]          ring_px,
-    input  wire [7:0]          ring_max,
-    input  wire [3:0]          ring_across,
-    input  wire [3:0]          ring_along,
-    input  wire [3:0]          ring_any,
-    input  wire [3:0]          elongation,
-    input  wire [23:0]         detect_ticks,
-    input  wire [3:0]          life_log2,
-    input  wire [23:0]         life_ticks,
-    input  wire [23:0]         coast_ticks,
-    input  wire [15:0]         birth_support,
-    input  wire [7:0]          birth_px,
-    input  wire [23:0]         birth_ticks,
-    input  wire [3:0]          birth_travel,
-    input  wire [7:0]          gap_corrections,
-    input  wire [7:0]          gap_px,
-    input  wire [9:0]          join_steps,
-    input  wire [3:0]          join_life,
-    input  wire [3:0]          join_speed,
-    input  wire [3:0]          join_reach,
-    input  wire [7:0]          join_px,
-    input  wire                keep_older,
-    input  wire [9:0]          report_steps
+    input  wire [`MOTION_REGS_W-1:0] regs  // registers: motion_fields.vh
 );
 
     // ---- what is done, in order ----------------------------------------------------------------------------------------
@@ -218,7 +185,7 @@ module motion_work #(
         .store_done  (store_done),
         .lane        (lane),
         .visible     (visible[k_at]),
-        .shrinks     (side_shrink != 4'd0),
+        .shrinks     (regs[`MOTION_SIDE_SHRINK] != 4'd0),
         .q_meets     (q_meets),
         .corrections (corrections),
         .look_due    (look_due),
@@ -281,7 +248,7 @@ module motion_work #(
         .candidate  (candidate),
         .settled    (settled),
         .corrections(corrections),
-        .rubs       (friction != 4'd0 && !meets),
+        .rubs       (regs[`MOTION_FRICTION] != 4'd0 && !meets),
         .silent     (silent),
         .ended      (ended),
         .older      (older),
@@ -292,7 +259,7 @@ module motion_work #(
         .pair_done  (pair_done),
         .alike      (alike),
         .weaker     (weaker),
-        .keep_older (keep_older),
+        .keep_older (regs[`MOTION_KEEP_OLDER]),
         .meet_done  (meet_done),
         .held       (held),
         .touches    (touches),
@@ -443,10 +410,10 @@ module motion_work #(
         .v_next     (v_next),
         .marks      (o_marks),
         .cut_px     (cut_px),
-        .seed_px    (seed_px),
-        .side_shrink(side_shrink),
-        .side_max   (side_max),
-        .friction   (friction),
+        .seed_px    (regs[`MOTION_SEED_PX]),
+        .side_shrink(regs[`MOTION_SIDE_SHRINK]),
+        .side_max   (regs[`MOTION_SIDE_MAX]),
+        .friction   (regs[`MOTION_FRICTION]),
         .lane       (lane),
         .ref_lo     (ref_lo),
         .ref_hi     (ref_hi),
@@ -503,11 +470,11 @@ module motion_work #(
         .box            (box),
         .window         (window),
         .start          ({sum_x, sum_y}),
-        .nev_low        (nev_low),
-        .nev_high       (nev_high),
-        .gain_log2      (gain_log2),
-        .gain_slow      (gain_slow),
-        .gap_corrections(gap_corrections),
+        .nev_low        (regs[`MOTION_NEV_LOW]),
+        .nev_high       (regs[`MOTION_NEV_HIGH]),
+        .gain_log2      (regs[`MOTION_GAIN_LOG2]),
+        .gain_slow      (regs[`MOTION_GAIN_SLOW]),
+        .gap_corrections(regs[`MOTION_GAP_CORRECTIONS]),
         .support        (o_support),
         .corrections    (corrections),
         .gain           (gain),
@@ -550,20 +517,20 @@ module motion_work #(
         .correct     (k_times),
         .first       (corrections == 6'd0),
         .usual       (usual),
-        .detect_ticks(detect_ticks),
-        .life_log2   (life_log2),
-        .life_ticks  (life_ticks),
-        .coast_ticks (coast_ticks),
+        .detect_ticks(regs[`MOTION_DETECT_TICKS]),
+        .life_log2   (regs[`MOTION_LIFE_LOG2]),
+        .life_ticks  (regs[`MOTION_LIFE_TICKS]),
+        .coast_ticks (regs[`MOTION_COAST_TICKS]),
         .hold        (m_take),
         .take        (s_take || m_take),
         .divide      (s_divide),
-        .down        ({1'b0, step_log2} + (s_by_life ? {2'b00, join_life} : 6'd0)),
+        .down        ({1'b0, regs[`MOTION_STEP_LOG2]} + (s_by_life ? {2'b00, regs[`MOTION_JOIN_LIFE]} : 6'd0)),
         .dividing    (dividing),
         .older       (older),
         .together    (together),
-        .join_steps  (join_steps),
+        .join_steps  (regs[`MOTION_JOIN_STEPS]),
         .enough      (enough),
-        .report_steps(report_steps),
+        .report_steps(regs[`MOTION_REPORT_STEPS]),
         .overdue     (overdue)
     );
 
@@ -589,8 +556,8 @@ module motion_work #(
         .ends      (gap_ends),
         .bin_log2  (look_log2),
         .cut_px    (cut_px),
-        .elongation(elongation),
-        .gap_px    (gap_px)
+        .elongation(regs[`MOTION_ELONGATION]),
+        .gap_px    (regs[`MOTION_GAP_PX])
     );
 
     motion_inverse u_inverse (
@@ -611,12 +578,12 @@ module motion_work #(
         .start    (k_speed),
         .low      (ref_lo),
         .high     (ref_hi),
-        .slower   (corrections < settle_count),
+        .slower   (corrections < regs[`MOTION_SETTLE]),
         .leading  (leading),
         .inverse  (inverse),
         .gain     (gain),
-        .step_log2(step_log2),
-        .speed_max(speed_max),
+        .step_log2(regs[`MOTION_STEP_LOG2]),
+        .speed_max(regs[`MOTION_SPEED_MAX]),
         .v        (v_lane),
         .turn     (turn),
         .v_next   (v_next)
@@ -637,12 +604,12 @@ module motion_work #(
         .speed_x    (speed_x),
         .speed_y    (speed_y),
         .known      (visible[at] || corrections >= 6'd4),
-        .elongation (elongation),
-        .ring_across(ring_across),
-        .ring_along (ring_along),
-        .ring_any   (ring_any),
-        .ring_px    (ring_px),
-        .ring_max   (ring_max),
+        .elongation (regs[`MOTION_ELONGATION]),
+        .ring_across(regs[`MOTION_RING_ACROSS]),
+        .ring_along (regs[`MOTION_RING_ALONG]),
+        .ring_any   (regs[`MOTION_RING_ANY]),
+        .ring_px    (regs[`MOTION_RING_PX]),
+        .ring_max   (regs[`MOTION_RING_MAX]),
         .done       (window_done),
         .box        (box),
         .window     (window)
@@ -669,9 +636,9 @@ module motion_work #(
         .other_v_x    (q_v[15:0]),
         .other_v_y    (q_v[31:16]),
         .other_support(other_support),
-        .join_speed   (join_speed),
-        .join_reach   (join_reach),
-        .join_px      (join_px),
+        .join_speed   (regs[`MOTION_JOIN_SPEED]),
+        .join_reach   (regs[`MOTION_JOIN_REACH]),
+        .join_px      (regs[`MOTION_JOIN_PX]),
         .done         (pair_done),
         .alike        (alike),
         .weaker       (weaker)
@@ -717,12 +684,14 @@ module motion_work #(
         .young        (crossed_x || crossed_y || corrections < 6'd4),
         .support      (o_support),
         .age          (age),
-        .birth_support(birth_support),
-        .birth_px     (birth_px),
-        .birth_ticks  (birth_ticks),
-        .birth_travel (birth_travel),
+        .birth_support(regs[`MOTION_BIRTH_SUPPORT]),
+        .birth_px     (regs[`MOTION_BIRTH_PX]),
+        .birth_ticks  (regs[`MOTION_BIRTH_TICKS]),
+        .birth_travel (regs[`MOTION_BIRTH_TRAVEL]),
         .appears      (appears)
     );
+
+    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE]};
 
 endmodule
 
