@@ -118,48 +118,10 @@ module cot_motion #(
         .regs           (regs)
     );
 
-    reg  [N-1:0] seeded;      // `mode`
-    reg  [N-1:0] restart;     // it was written
-    reg          restep_1, restep_2, restep;  // step_log2 was written, or reset: the next step is set
-    wire         writes_mode = cfg_valid && cfg_addr == `EVCOT_MREG_MODE;
-    reg          restarts;
-    reg  [SLOT_W-1:0] restart_slot;
-    wire         any_restart;
-    wire [SLOT_W-1:0] lowest_restart;
-
-    array_lowest #(
-        .N     (N),
-        .SLOT_W(SLOT_W)
-    ) u_restart (
-        .asked (any_restart),
-        .among (restart),
-        .any   (any_restart),
-        .lowest(lowest_restart)
-    );
-
-    // What follows from the registers.
-    reg  [16:0]       out, back;    // ways of a side
-    reg  [15:0]       seed_part;
-    reg  [19:0]       step_mask;    // a multiple of a step's length, or a time behind it, up to the next one
-    reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
-    wire [15:0]       share    = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
-    wire [15:0]       seed_far = seed_part + {8'd0, regs[`MOTION_RING_PX]};
-    wire [15:0]       seed_ring = seed_far < {8'd0, regs[`MOTION_RING_MAX]} ? seed_far : {8'd0, regs[`MOTION_RING_MAX]};
-    wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, regs[`MOTION_SEED_PX]}};
-
-    always @(posedge clk) begin
-        back      <= {1'b0, share};
-        out       <= {1'b0, regs[`MOTION_SIDE_STEP] - share};
-        step_mask <= ~(20'hfffff << regs[`MOTION_STEP_LOG2]);
-        seed_part <= {7'd0, regs[`MOTION_SEED_PX], 1'b0} >> regs[`MOTION_RING_ANY];
-        seed_at   <= seed_place[REL_W-1:0];
-    end
-
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
-    reg  [TIME_W-1:0] now, next_step;
-    wire [TIME_W-1:0] step_from = restep ? now : next_step;
-    reg               again;
+    wire [TIME_W-1:0] now, next_step;
+    wire              again;
     wire              q_valid, q_due, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
@@ -218,21 +180,12 @@ module cot_motion #(
 
     // ---- what comes next ---------------------------------------------------------------------------------------------
 
-    localparam [1:0] RUN   = 2'd0;
-    localparam [1:0] BEGUN = 2'd1;  // a step, or the end of a life
-    localparam [1:0] BUSY  = 2'd2;
-    localparam [1:0] DUE   = 2'd3;  // is another step due?
-
-    reg  [1:0]       state;
-    reg              bubble;        // an operation that writes was before
-    reg              put_busy;      // a slot is being put in force
-    reg  [7:0]       issued;        // lower bits of the number of the next event
-    reg              drained;
-    wire             room, output_empty;
-    reg  [SLOT_W-1:0] putting;      // this one
-    wire             active, rests, waits_none, reached, put_valid, put_seed, put_done;
+    wire             room, output_empty, quiet;
+    wire             active, rests, waits_none, reached, put_valid, put_seed, put_done, puts, steps, ends_life;
     wire             job_valid, job_done, job_seed;
-    wire [SLOT_W-1:0] job_slot, put_slot;
+    wire [7:0]       issued;
+    wire             issues, takes_op, takes_put;
+    wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, end_slot;
     wire [X_W-1:0]   job_x;
     wire [Y_W-1:0]   job_y;
     wire [SUP_W-1:0] job_support;
@@ -241,71 +194,55 @@ module cot_motion #(
     wire             op_valid, op_read, op_store, op_full, op_put, op_clear;
     wire [SLOT_W-1:0] op_slot;
     wire [3:0]       op_bin;
+    wire [N-1:0]     seeded;
 
-    wire stop       = restarts || (q_valid && q_due);  // all that waits comes first
-    wire takes_op   = op_valid && !bubble;
-    wire takes_put  = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
-    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && room && state == RUN;
-    wire starts     = state == RUN && stop && drained;
-    wire ends_life  = starts && restarts;
-    wire steps      = starts && !restarts;
-    wire issues     = takes_token && (q_event || q_skip);
+    motion_turn #(
+        .N     (N),
+        .SLOT_W(SLOT_W),
+        .TIME_W(TIME_W)
+    ) u_turn (
+        .clk        (clk),
+        .rst        (rst),
+        .cfg_valid  (cfg_valid),
+        .cfg_slot   (cfg_slot),
+        .cfg_addr   (cfg_addr),
+        .cfg_mode   (cfg_data[1:0]),
+        .step_log2  (regs[`MOTION_STEP_LOG2]),
+        .seeded     (seeded),
+        .q_valid    (q_valid),
+        .q_due      (q_due),
+        .q_counts   (q_event || q_skip),
+        .room       (room),
+        .takes_token(takes_token),
+        .again      (again),
+        .issues     (issues),
+        .issued     (issued),
+        .d_valid    (d_valid),
+        .d_time     (d_time),
+        .now        (now),
+        .next_step  (next_step),
+        .op_valid   (op_valid),
+        .op_writes  (op_store || op_put),
+        .takes_op   (takes_op),
+        .reached    (reached),
+        .put_valid  (put_valid),
+        .put_slot   (put_slot),
+        .takes_put  (takes_put),
+        .put_done   (put_done),
+        .puts       (puts),
+        .puts_slot  (puts_slot),
+        .active     (active),
+        .waits_none (waits_none),
+        .rests      (rests),
+        .steps      (steps),
+        .ends_life  (ends_life),
+        .end_slot   (end_slot),
+        .quiet      (quiet)
+    );
 
     always @(posedge clk) begin
-        bubble  <= (takes_op && (op_store || op_put)) || takes_put;
-        if (issues) issued <= issued + 8'd1;
-        restarts     <= any_restart;
-        restart_slot <= lowest_restart;
-        drained <= state == RUN && stop && !active && waits_none && rests && !op_valid && !bubble;
-        again   <= 1'b0;
-        if (takes_put) put_busy <= 1'b1;
-        if (!put_busy) putting <= put_slot;
-        if (put_done) put_busy <= 1'b0;
-        if (d_valid) now <= d_time;
-        case (state)
-            RUN:
-            if (starts) begin
-                state   <= BEGUN;
-                drained <= 1'b0;
-            end
-            BEGUN: state <= BUSY;
-            BUSY:
-            if (rests) begin
-                again <= 1'b1;
-                state <= DUE;
-            end
-            DUE: state <= RUN;
-        endcase
-        if (steps || restep) next_step <= (step_from | {{(TIME_W - 20) {1'b0}}, step_mask}) + {{(TIME_W - 1) {1'b0}}, 1'b1};
-        if (ends_life) restart[restart_slot] <= 1'b0;
-
-        if (writes_mode) begin
-            seeded[cfg_slot]  <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
-            restart[cfg_slot] <= 1'b1;
-        end
-        restep_1 <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
-        restep_2 <= restep_1;  // step_mask follows
-        restep   <= restep_2;
-
-        idle <= state == RUN && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && !reached && !put_busy
-                && output_empty && !m_cm_valid && !any_restart && !restarts && !restep_1 && !restep_2 && !restep && !cfg_valid;
-
-        if (rst) begin
-            state    <= RUN;
-            bubble   <= 1'b0;
-            put_busy <= 1'b0;
-            drained  <= 1'b0;
-            again    <= 1'b0;
-            issued   <= 8'd0;
-            now      <= {TIME_W{1'b0}};
-            seeded   <= {N{1'b0}};
-            restart  <= {N{1'b0}};
-            restarts <= 1'b0;
-            restep_1 <= 1'b1;
-            restep_2 <= 1'b1;
-            restep   <= 1'b1;
-            idle     <= 1'b0;
-        end
+        idle <= quiet && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && output_empty && !m_cm_valid && !cfg_valid;
+        if (rst) idle <= 1'b0;
     end
 
     // ---- events --------------------------------------------------------------------------------------------------------
@@ -359,10 +296,7 @@ module cot_motion #(
         .ask_for    (ask_for),
         .in_box     (in_box),
         .in_window  (in_window),
-        .out        (out),
-        .back       (back),
-        .counts     (regs[`MOTION_GAP_CORRECTIONS] != 8'd0),
-        .seed_at    (seed_at),
+        .regs       (regs),
         .visible    (visible),
         .candidate  (candidate),
         .may_begin  (seeded & ~(visible | candidate)),
@@ -502,12 +436,12 @@ module cot_motion #(
         .job_seq        (job_seq),
         .do_step        (steps),
         .do_end         (ends_life),
-        .end_slot       (restart_slot),
+        .end_slot       (end_slot),
         .now            (steps ? next_step : now),
         .seq            (seq),
         .rests          (rests),
-        .puts           (put_busy || put_valid),
-        .put_slot       (put_busy ? putting : put_slot),
+        .puts           (puts),
+        .put_slot       (puts_slot),
         .visible        (visible),
         .candidate      (candidate),
         .begins         (begins),
@@ -645,8 +579,6 @@ module cot_motion #(
         .room        (room),
         .empty       (output_empty)
     );
-
-    wire unused = &{1'b0, seed_place};
 
 endmodule
 

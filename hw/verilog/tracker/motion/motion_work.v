@@ -115,79 +115,69 @@ module motion_work #(
 
     // ---- what is done, in order ----------------------------------------------------------------------------------------
 
-    // Names of motion_correct.v begin with k_, of motion_step.v with s_, of motion_merge.v with m_.
-    wire              k_begun, k_rests, k_valid, k_read, k_store, k_full, k_clear, k_load, k_seed, k_shrink, k_cut_high, k_cut_low, k_order;
-    wire              k_offset, k_settle, k_inverse, k_speed, k_times, k_count, k_bins, k_window, k_note, k_say;
-    wire              k_keep, k_keep_now, k_keep_until, k_keep_window, k_keep_start;
-    wire              s_rests, s_valid, s_all, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
-    wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
-    wire              m_rests, m_done, m_valid, m_read, m_store, m_put, m_clear, m_load, m_unite, m_settle, m_reflect, m_cover, m_bins;
-    wire              m_window, m_take, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
-    wire [SLOT_W-1:0] k_at, s_at, m_at, this_slot, stays, goes;
-    wire [3:0]        k_bin, m_bin;
-    wire [1:0]        s_kind, m_kind, k_since, s_since, m_since;
-    reg               k_was;        // and what it has written last is being written
-    wire              correcting = !k_rests || k_was;
-    wire              merging    = !m_rests;
-
-    // What decides, of the parts below.
-    wire              lane, q_meets, look_due, looks, inverse_busy, window_done, silent, ended, older, dividing, enough, overdue;
+    wire              begun, lane, q_meets, look_due, looks, inverse_busy, window_done, silent, ended, older, dividing, enough, overdue;
     wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
-    wire [N-1:0]      settled;
     wire [5:0]        corrections;
-    wire [SLOT_W-1:0] touched;
+    wire [SLOT_W-1:0] touched, this_slot;
     wire [14:0]       speed_x, speed_y;
+    wire [1:0]        since;
+    wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
+    wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
+    wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
+    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
 
-    assign rests    = k_rests && s_rests;
-    assign at       = correcting ? k_at : merging ? m_at : s_at;
-    assign say      = k_say || s_say || m_say;
-    assign kind     = correcting ? `EVCOT_KIND_MOVED : merging ? m_kind : s_kind;
-    assign op_valid = k_valid || s_valid || m_valid;
-    assign op_read  = (k_valid && k_read) || (s_valid && !s_all) || (m_valid && m_read);
-    assign op_store = (k_valid && k_store) || (s_valid && s_all) || (m_valid && m_store);
-    assign op_full  = (k_valid && k_full) || (s_valid && s_all) || (m_valid && m_store);
-    assign op_put   = (s_valid && s_all) || (m_valid && m_put);
-    assign op_clear = (k_valid && k_clear) || (m_valid && m_clear);
-    assign op_slot  = at;
-    assign op_bin   = correcting ? k_bin : m_bin;
+    assign op_slot = at;
 
     always @(posedge clk) begin
-        k_was <= !k_rests;
         if (do_step || do_end) begin
             op_time <= now;
             op_seq  <= seq;
-        end else if (k_begun) begin
+        end else if (begun) begin
             op_time <= job_time;
             op_seq  <= job_seq;
         end
     end
 
-    motion_correct #(
-        .SLOT_W(SLOT_W)
-    ) u_correct (
+    motion_order #(
+        .N     (N),
+        .SLOT_W(SLOT_W),
+        .ID_W  (ID_W)
+    ) u_order (
         .clk         (clk),
         .rst         (rst),
-        .start       (job_valid && s_rests && !do_step && !do_end),
-        .seed        (job_seed),
-        .slot        (job_slot),
-        .begun       (k_begun),
-        .done        (job_done),
-        .rests       (k_rests),
-        .at          (k_at),
-        .op_valid    (k_valid),
+        .job_valid   (job_valid),
+        .job_done    (job_done),
+        .job_seed    (job_seed),
+        .job_slot    (job_slot),
+        .do_step     (do_step),
+        .do_end      (do_end),
+        .end_slot    (end_slot),
+        .rests       (rests),
+        .begun       (begun),
+        .begins      (begins),
+        .begins_slot (begins_slot),
+        .visible     (visible),
+        .candidate   (candidate),
+        .at          (at),
+        .this_slot   (this_slot),
+        .op_valid    (op_valid),
         .op_ready    (op_ready),
-        .op_read     (k_read),
-        .op_store    (k_store),
-        .op_full     (k_full),
-        .op_clear    (k_clear),
-        .op_bin      (k_bin),
+        .op_read     (op_read),
+        .op_store    (op_store),
+        .op_full     (op_full),
+        .op_put      (op_put),
+        .op_clear    (op_clear),
+        .op_bin      (op_bin),
         .read_done   (read_done),
         .store_done  (store_done),
+        .say         (say),
+        .record_free (record_free),
+        .kind        (kind),
+        .id          (id),
+        .stays_id    (stays_id),
         .lane        (lane),
-        .visible     (visible[k_at]),
         .shrinks     (regs[`MOTION_SIDE_SHRINK] != 4'd0),
         .q_meets     (q_meets),
-        .corrections (corrections),
         .look_due    (look_due),
         .resting     (v == 32'd0),
         .looks       (looks),
@@ -196,170 +186,68 @@ module motion_work #(
         .low_stays   (low_stays),
         .inverse_busy(inverse_busy),
         .window_done (window_done),
-        .record_free (record_free),
-        .load        (k_load),
-        .c_seed      (k_seed),
-        .c_shrink    (k_shrink),
-        .c_cut_high  (k_cut_high),
-        .c_cut_low   (k_cut_low),
-        .c_order     (k_order),
-        .c_offset    (k_offset),
-        .c_settle    (k_settle),
-        .c_inverse   (k_inverse),
-        .c_speed     (k_speed),
-        .c_times     (k_times),
-        .c_count     (k_count),
-        .c_bins      (k_bins),
-        .c_window    (k_window),
-        .c_note      (k_note),
+        .rubs        (regs[`MOTION_FRICTION] != 4'd0 && !meets),
+        .silent      (silent),
+        .ended       (ended),
+        .older       (older),
+        .dividing    (dividing),
+        .enough      (enough),
+        .overdue     (overdue),
+        .pair_done   (pair_done),
+        .alike       (alike),
+        .weaker      (weaker),
+        .keep_older  (regs[`MOTION_KEEP_OLDER]),
+        .meet_done   (meet_done),
+        .held        (held),
+        .touches     (touches),
+        .appears     (appears),
+        .touched     (touched),
+        .corrections (corrections),
+        .load        (c_load),
+        .load_support(c_load_support),
+        .unite       (c_unite),
+        .seed        (c_seed),
+        .shrink      (c_shrink),
+        .cut_high    (c_cut_high),
+        .cut_low     (c_cut_low),
+        .order       (c_order),
+        .offset      (c_offset),
+        .reflect     (c_reflect),
+        .settle      (c_settle),
+        .cover_both  (c_cover_both),
+        .move        (c_move),
+        .rub         (c_rub),
+        .shorten     (c_shorten),
+        .invert      (c_invert),
+        .speed       (c_speed),
+        .correct     (c_correct),
+        .count       (c_count),
+        .begin_bins  (c_begin_bins),
+        .place       (c_place),
+        .note        (c_note),
+        .compare     (c_compare),
+        .pair        (c_pair),
+        .part        (c_part),
+        .ask         (c_ask),
+        .touch       (c_touch),
+        .meet        (c_meet),
+        .take        (c_take),
+        .hold        (c_hold),
+        .divide      (c_divide),
+        .by_life     (c_by_life),
+        .keep        (c_keep),
+        .keep_window (c_keep_window),
+        .keep_now    (c_keep_now),
+        .keep_until  (c_keep_until),
+        .keep_id     (c_keep_id),
+        .keep_start  (c_keep_start),
         .look        (look),
         .look_y      (look_y),
-        .say         (k_say),
-        .since       (k_since),
-        .keep        (k_keep),
-        .keep_now    (k_keep_now),
-        .keep_until  (k_keep_until),
-        .keep_window (k_keep_window),
-        .keep_start  (k_keep_start)
-    );
-
-    motion_step #(
-        .N     (N),
-        .SLOT_W(SLOT_W)
-    ) u_step (
-        .clk        (clk),
-        .rst        (rst),
-        .start      (do_step),
-        .end_life   (do_end),
-        .end_slot   (end_slot),
-        .rests      (s_rests),
-        .at         (s_at),
-        .this_slot  (this_slot),
-        .op_valid   (s_valid),
-        .op_ready   (op_ready),
-        .op_all     (s_all),
-        .read_done  (read_done),
-        .store_done (store_done),
-        .merge      (s_merge),
-        .stays      (stays),
-        .goes       (goes),
-        .merged     (m_done),
-        .visible    (visible),
-        .candidate  (candidate),
-        .settled    (settled),
-        .corrections(corrections),
-        .rubs       (regs[`MOTION_FRICTION] != 4'd0 && !meets),
-        .silent     (silent),
-        .ended      (ended),
-        .older      (older),
-        .dividing   (dividing),
-        .enough     (enough),
-        .overdue    (overdue),
-        .window_done(window_done),
-        .pair_done  (pair_done),
-        .alike      (alike),
-        .weaker     (weaker),
-        .keep_older (regs[`MOTION_KEEP_OLDER]),
-        .meet_done  (meet_done),
-        .held       (held),
-        .touches    (touches),
-        .touched    (touched),
-        .appears    (appears),
-        .record_free(record_free),
-        .load       (s_load),
-        .c_reflect  (s_reflect),
-        .c_move     (s_move),
-        .c_rub      (s_rub),
-        .c_shorten  (s_shorten),
-        .c_window   (s_window),
-        .c_compare  (s_compare),
-        .c_pair     (s_pair),
-        .c_part     (s_part),
-        .c_take     (s_take),
-        .c_divide   (s_divide),
-        .by_life    (s_by_life),
-        .c_ask      (s_ask),
-        .c_touch    (s_touch),
-        .c_meet     (s_meet),
-        .appear     (s_appear),
-        .lapse      (s_lapse),
-        .say        (s_say),
-        .kind       (s_kind),
-        .since      (s_since),
-        .keep       (s_keep),
-        .keep_now   (s_keep_now),
-        .keep_window(s_keep_window)
-    );
-
-    motion_merge #(
-        .N     (N),
-        .SLOT_W(SLOT_W),
-        .ID_W  (ID_W)
-    ) u_merge (
-        .clk        (clk),
-        .rst        (rst),
-        .start      (s_merge),
-        .this_slot  (this_slot),
-        .stays      (stays),
-        .goes       (goes),
-        .rests      (m_rests),
-        .done       (m_done),
-        .at         (m_at),
-        .op_valid   (m_valid),
-        .op_ready   (op_ready),
-        .op_read    (m_read),
-        .op_store   (m_store),
-        .op_put     (m_put),
-        .op_clear   (m_clear),
-        .op_bin     (m_bin),
-        .read_done  (read_done),
-        .store_done (store_done),
-        .lane       (lane),
-        .visible    (visible),
-        .older      (older),
-        .window_done(window_done),
-        .record_free(record_free),
-        .id         (id),
-        .load       (m_load),
-        .unite      (m_unite),
-        .c_settle   (m_settle),
-        .c_reflect  (m_reflect),
-        .c_cover    (m_cover),
-        .c_bins     (m_bins),
-        .c_window   (m_window),
-        .c_take     (m_take),
-        .lapse      (m_lapse),
-        .say        (m_say),
-        .kind       (m_kind),
-        .stays_id   (stays_id),
-        .since      (m_since),
-        .keep       (m_keep),
-        .keep_now   (m_keep_now),
-        .keep_until (m_keep_until),
-        .keep_window(m_keep_window)
-    );
-
-    motion_lives #(
-        .N     (N),
-        .SLOT_W(SLOT_W)
-    ) u_lives (
-        .clk        (clk),
-        .rst        (rst),
-        .begins     (begins),
-        .begins_slot(begins_slot),
-        .at         (at),
-        .seed       (k_seed),
-        .settle     (k_keep_start),
-        .appear     (s_appear),
-        .lapse      (s_lapse || m_lapse),
-        .visible    (visible),
-        .candidate  (candidate),
-        .settled    (settled)
+        .since       (since)
     );
 
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
-    wire                loads = k_load || s_load || m_load;
     wire                turn, crossed_x, crossed_y;
     wire [31:0]         v, q_v;
     wire [4*SIDE_W-1:0] refs, q_refs;
@@ -387,21 +275,21 @@ module motion_work #(
     ) u_sides (
         .clk        (clk),
         .rst        (rst),
-        .load       (loads || m_unite),
-        .load_refs  (loads),
-        .seed       (k_seed),
-        .shrink     (k_shrink),
-        .cut_high   (k_cut_high),
-        .cut_low    (k_cut_low),
-        .order      (k_order),
+        .load       (c_load || c_unite),
+        .load_refs  (c_load),
+        .seed       (c_seed),
+        .shrink     (c_shrink),
+        .cut_high   (c_cut_high),
+        .cut_low    (c_cut_low),
+        .order      (c_order),
         .on_y       (look_y),
-        .unite      (m_cover),
-        .move       (s_move),
-        .shorten    (s_shorten),
-        .reflect    (k_offset || s_reflect || m_reflect),
-        .settle     (k_settle || m_settle),
+        .unite      (c_cover_both),
+        .move       (c_move),
+        .shorten    (c_shorten),
+        .reflect    (c_reflect),
+        .settle     (c_settle),
         .turn       (turn),
-        .rub        (s_rub),
+        .rub        (c_rub),
         .x          (job_x),
         .y          (job_y),
         .r_sides    (r_sides),
@@ -442,21 +330,21 @@ module motion_work #(
         .at             (at),
         .puts           (puts),
         .put_slot       (put_slot),
-        .take           (k_begun),
-        .load           (loads || m_unite),
-        .load_support   (s_load || m_load),
-        .unite          (m_unite),
-        .seed           (k_seed),
-        .offset         (k_offset),
-        .count          (k_count),
-        .begin_bins     (k_bins || m_bins),
-        .pair           (s_pair),
-        .part           (s_part),
-        .meet           (s_meet),
-        .keep           (k_keep || s_keep || m_keep),
-        .keep_window    (k_keep_window || s_keep_window || m_keep_window),
-        .keep_id        (s_appear),
-        .keep_start     (k_keep_start),
+        .take           (begun),
+        .load           (c_load || c_unite),
+        .load_support   (c_load_support),
+        .unite          (c_unite),
+        .seed           (c_seed),
+        .offset         (c_offset),
+        .count          (c_count),
+        .begin_bins     (c_begin_bins),
+        .pair           (c_pair),
+        .part           (c_part),
+        .meet           (c_meet),
+        .keep           (c_keep),
+        .keep_window    (c_keep_window),
+        .keep_id        (c_keep_id),
+        .keep_start     (c_keep_start),
         .job_support    (job_support),
         .r_support      (r_support),
         .r_marks        (r_marks),
@@ -503,28 +391,28 @@ module motion_work #(
         .clk         (clk),
         .rst         (rst),
         .at          (at),
-        .since       (correcting ? k_since : merging ? m_since : s_since),
-        .keep_now    (k_keep_now || s_keep_now || m_keep_now),
-        .keep_until  (k_keep_until || m_keep_until),
+        .since       (since),
+        .keep_now    (c_keep_now),
+        .keep_until  (c_keep_until),
         .now         (op_time),
         .age         (age),
         .ended       (ended),
         .ticks       (ticks),
         .silent      (silent),
-        .load        (loads || m_unite),
+        .load        (c_load || c_unite),
         .loaded      (q_usual),
-        .seed        (k_seed),
-        .correct     (k_times),
+        .seed        (c_seed),
+        .correct     (c_correct),
         .first       (corrections == 6'd0),
         .usual       (usual),
         .detect_ticks(regs[`MOTION_DETECT_TICKS]),
         .life_log2   (regs[`MOTION_LIFE_LOG2]),
         .life_ticks  (regs[`MOTION_LIFE_TICKS]),
         .coast_ticks (regs[`MOTION_COAST_TICKS]),
-        .hold        (m_take),
-        .take        (s_take || m_take),
-        .divide      (s_divide),
-        .down        ({1'b0, regs[`MOTION_STEP_LOG2]} + (s_by_life ? {2'b00, regs[`MOTION_JOIN_LIFE]} : 6'd0)),
+        .hold        (c_hold),
+        .take        (c_take),
+        .divide      (c_divide),
+        .down        ({1'b0, regs[`MOTION_STEP_LOG2]} + (c_by_life ? {2'b00, regs[`MOTION_JOIN_LIFE]} : 6'd0)),
         .dividing    (dividing),
         .older       (older),
         .together    (together),
@@ -543,7 +431,7 @@ module motion_work #(
         .PX_W(PX_W)
     ) u_look (
         .clk       (clk),
-        .note      (k_note),
+        .note      (c_note),
         .length_x  (length_x),
         .length_y  (length_y),
         .speed_x   (speed_x),
@@ -563,7 +451,7 @@ module motion_work #(
     motion_inverse u_inverse (
         .clk    (clk),
         .rst    (rst),
-        .start  (k_inverse),
+        .start  (c_invert),
         .number (ticks),
         .busy   (inverse_busy),
         .leading(leading),
@@ -575,7 +463,7 @@ module motion_work #(
     ) u_velocity (
         .clk      (clk),
         .rst      (rst),
-        .start    (k_speed),
+        .start    (c_speed),
         .low      (ref_lo),
         .high     (ref_hi),
         .slower   (corrections < regs[`MOTION_SETTLE]),
@@ -594,7 +482,7 @@ module motion_work #(
     ) u_window (
         .clk        (clk),
         .rst        (rst),
-        .start      (k_window || s_window || m_window),
+        .start      (c_place),
         .lo_x       (o_sides[3*SIDE_W+:SIDE_W]),
         .hi_x       (o_sides[2*SIDE_W+:SIDE_W]),
         .lo_y       (o_sides[SIDE_W+:SIDE_W]),
@@ -627,7 +515,7 @@ module motion_work #(
     ) u_pair (
         .clk          (clk),
         .rst          (rst),
-        .start        (s_compare),
+        .start        (c_compare),
         .one_box      (box),
         .one_v_x      (v_x),
         .one_v_y      (v_y),
@@ -651,8 +539,8 @@ module motion_work #(
     ) u_meeting (
         .clk      (clk),
         .rst      (rst),
-        .start    (s_ask),
-        .begins   (s_touch),
+        .start    (c_ask),
+        .begins   (c_touch),
         .slot     (this_slot),
         .visible  (visible),
         .candidate(candidate),
