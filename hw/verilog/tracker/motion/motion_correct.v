@@ -22,7 +22,7 @@ module motion_correct #(
     input  wire [SLOT_W-1:0] slot,
     output wire              begun,
     output wire              done,
-    output wire              rests,
+    output reg               rests,
     output reg  [SLOT_W-1:0] at,
 
     // operations: see motion_events.v
@@ -70,7 +70,7 @@ module motion_correct #(
     output reg               c_note,
     output reg               look,
     output reg               look_y,
-    output wire              say,
+    output reg               say,          // the record is taken
     output reg  [1:0]        since,        // see motion_times.v
     output reg               keep,
     output reg               keep_now,
@@ -118,16 +118,14 @@ module motion_correct #(
     wire      op_free = !op_valid || op_ready;
     wire      turns   = corrections >= 6'd2;  // its velocity is corrected
 
-    assign rests = state == REST;
     assign begun = rests && start;
     assign load  = read_done && reads;
-    assign say   = state == SAY && goes_on;
     assign done  = state == KEPT;
 
     always @(posedge clk) begin
         {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset, c_settle, c_inverse, c_speed} <= 9'd0;
         {c_times, c_count, c_bins, c_window, c_note, look} <= 6'd0;
-        {keep, keep_now, keep_until, keep_window, keep_start} <= 5'd0;
+        {keep, keep_now, keep_until, keep_window, keep_start, say} <= 6'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
         if (window_done) windowed <= 1'b1;
@@ -143,6 +141,7 @@ module motion_correct #(
                 op_bin <= 4'd15;
                 {op_clear, op_full, op_store, op_read} <= 4'b0001;
                 if (start) begin
+                    rests <= 1'b0;
                     state <= SEED;
                     if (!seed) begin
                         op_valid <= 1'b1;
@@ -258,6 +257,7 @@ module motion_correct #(
             end
             SAY:
             if (record_free) begin
+                say      <= 1'b1;
                 since    <= REPORTED;
                 keep_now <= 1'b1;
                 state    <= PLACE;
@@ -283,6 +283,7 @@ module motion_correct #(
             KEPT: begin
                 since      <= UNTIL;
                 keep_until <= 1'b1;
+                rests      <= 1'b1;
                 state      <= REST;
             end
             default: state <= REST;
@@ -290,6 +291,7 @@ module motion_correct #(
 
         if (rst) begin
             state    <= REST;
+            rests    <= 1'b1;
             pause    <= 3'd0;
             op_valid <= 1'b0;
             reads    <= 1'b0;

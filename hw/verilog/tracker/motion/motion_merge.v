@@ -24,7 +24,7 @@ module motion_merge #(
     input  wire [SLOT_W-1:0] this_slot,
     input  wire [SLOT_W-1:0] stays,
     input  wire [SLOT_W-1:0] goes,
-    output wire              rests,
+    output reg               rests,
     output reg               done,
     output reg  [SLOT_W-1:0] at,
 
@@ -57,7 +57,7 @@ module motion_merge #(
     output reg               c_window,
     output reg               c_take,       // the deadline of the one that goes
     output reg               lapse,
-    output wire              say,
+    output reg               say,          // the record is taken
     output reg  [1:0]        kind,
     output reg  [ID_W-1:0]   stays_id,
     output reg  [1:0]        since,        // see motion_times.v
@@ -99,14 +99,12 @@ module motion_merge #(
     wire      goes_on = pause == 3'd0;
     wire      op_free = !op_valid || op_ready;
 
-    assign rests = state == REST;
     assign load  = read_done && reads;
     assign unite = read_done && unites;
-    assign say   = (state == SAY_END || state == SAY) && goes_on;
 
     always @(posedge clk) begin
         {c_settle, c_reflect, c_cover, c_bins, c_window, c_take, lapse, done} <= 8'd0;
-        {keep, keep_now, keep_until, keep_window} <= 4'd0;
+        {keep, keep_now, keep_until, keep_window, say} <= 5'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
 
@@ -119,6 +117,7 @@ module motion_merge #(
                 op_bin <= 4'd15;
                 {op_clear, op_put, op_store, op_read} <= 4'b0010;
                 if (start) begin
+                    rests <= 1'b0;
                     pause <= 3'd3;
                     state <= GONE;
                     if (stays == this_slot) begin
@@ -155,7 +154,11 @@ module motion_merge #(
                 pause    <= 3'd2;
                 state    <= visible[goes] ? SAY_END : END;
             end
-            SAY_END: if (record_free) state <= END;
+            SAY_END:
+            if (record_free) begin
+                say   <= 1'b1;
+                state <= END;
+            end
             END:
             if (!lane) begin
                 c_settle <= 1'b1;
@@ -225,6 +228,7 @@ module motion_merge #(
             end
             SAY:
             if (record_free) begin
+                say      <= 1'b1;
                 since    <= REPORTED;
                 keep_now <= 1'b1;
                 state    <= WRITTEN;
@@ -232,6 +236,7 @@ module motion_merge #(
             WRITTEN:
             if (stored) begin
                 done  <= 1'b1;
+                rests <= 1'b1;
                 state <= REST;
             end
             default: state <= REST;
@@ -239,6 +244,7 @@ module motion_merge #(
 
         if (rst) begin
             state    <= REST;
+            rests    <= 1'b1;
             pause    <= 3'd0;
             op_valid <= 1'b0;
             reads    <= 1'b0;

@@ -97,8 +97,8 @@ module motion_slot #(
     wire [15:0]       q_together;
     wire [9:0]        q_n_ev, q_log2;
 
-    wire [6:0]     slow_gain    = {1'b0, corrections >> gain_slow} + 7'd1;
-    wire [3:0]     least_gain   = slow_gain < {3'd0, gain_log2} ? slow_gain[3:0] : gain_log2;
+    reg  [5:0]     slow;        // corrections, slower
+    reg  [3:0]     least_gain;  // g, alone
     wire [SUP_W:0] both_support = {1'b0, support} + {1'b0, r_support};
 
     motion_context #(
@@ -159,6 +159,8 @@ module motion_slot #(
     endfunction
 
     always @(posedge clk) begin
+        slow     <= corrections >> gain_slow;
+        least_gain <= slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
         gain     <= least_gain + {3'd0, meets};
         look_due <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
         outline  <= {1'b0, length_x} + {1'b0, length_y};
@@ -217,8 +219,6 @@ module motion_slot #(
         if (keep_id) births <= births + {{(ID_W - 1) {1'b0}}, 1'b1};
         if (rst) births <= {ID_W{1'b0}};
     end
-
-    wire unused = &{1'b0, slow_gain[6:4]};
 
 endmodule
 

@@ -22,7 +22,7 @@ module motion_step #(
     input  wire              start,        // a motion step, while nothing is under way
     input  wire              end_life,     // the life of end_slot ends at once
     input  wire [SLOT_W-1:0] end_slot,
-    output wire              rests,
+    output reg               rests,
     output reg  [SLOT_W-1:0] at,           // the slot that is worked on, or compared
     output wire [SLOT_W-1:0] this_slot,    // the one whose step it is
 
@@ -81,7 +81,7 @@ module motion_step #(
     output reg               c_meet,
     output reg               appear,
     output reg               lapse,
-    output wire              say,
+    output reg               say,          // the record is taken
     output reg  [1:0]        kind,
     output reg  [1:0]        since,        // see motion_times.v
     output reg               keep,
@@ -142,14 +142,12 @@ module motion_step #(
     wire             is_visible = visible[at];
     wire             goes_on    = pause == 3'd0;
 
-    assign rests     = state == REST;
     assign this_slot = slot[SLOT_W-1:0];
     assign load      = read_done && reads;
-    assign say       = state == SAY && goes_on;
 
     always @(posedge clk) begin
         {c_reflect, c_move, c_rub, c_shorten, c_window, c_compare, c_pair, c_part, c_take, c_divide} <= 10'd0;
-        {c_ask, c_meet, merge, appear, lapse, keep, keep_now, keep_window} <= 8'd0;
+        {c_ask, c_meet, merge, appear, lapse, say, keep, keep_now, keep_window} <= 9'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
 
@@ -159,15 +157,22 @@ module motion_step #(
                 alone <= end_life;
                 slot  <= {(SLOT_W + 1) {1'b0}};
                 at    <= end_slot;
-                if (start && |lives) state <= NEXT;
+                if (start && |lives) begin
+                    rests <= 1'b0;
+                    state <= NEXT;
+                end
                 if (end_life) begin
                     slot  <= {1'b0, end_slot};
+                    rests <= !lives[end_slot];
                     state <= lives[end_slot] ? FETCH : REST;
                 end
             end
             NEXT: begin
                 at <= this_slot;
-                if (slot == SLOTS[SLOT_W:0]) state <= REST;
+                if (slot == SLOTS[SLOT_W:0]) begin
+                    rests <= 1'b1;
+                    state <= REST;
+                end
                 else if (lives[this_slot]) state <= FETCH;
                 else slot <= slot + {{SLOT_W{1'b0}}, 1'b1};
             end
@@ -199,6 +204,7 @@ module motion_step #(
                 lapse <= 1'b1;
                 slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
                 pause <= 3'd1;
+                rests <= alone;
                 state <= alone ? REST : NEXT;
             end
 
@@ -358,6 +364,7 @@ module motion_step #(
             end
             SAY:
             if (record_free) begin
+                say      <= 1'b1;
                 since    <= REPORTED;
                 keep_now <= 1'b1;
                 state    <= kind == `EVCOT_KIND_LOST ? LAPSE : DONE;
@@ -379,6 +386,7 @@ module motion_step #(
 
         if (rst) begin
             state    <= REST;
+            rests    <= 1'b1;
             pause    <= 3'd0;
             op_valid <= 1'b0;
             reads    <= 1'b0;

@@ -62,7 +62,8 @@ module motion_velocity #(
     wire signed [P_W+7:0] wide_4   = {product, 8'd0};
     wire                  sign_4   = product[P_W-1];
     wire signed [17:0]    most     = {3'd0, speed_max};
-    wire signed [17:0]    bound    = sum > most ? most : sum < -most ? -most : sum;
+    reg  signed [17:0]    least;
+    wire signed [17:0]    bound    = sum > most ? most : sum < least ? least : sum;
 
     assign turn = begun[9];
 
@@ -98,6 +99,7 @@ module motion_velocity #(
 
         change <= over_7 || part_7[16] != sign_7 ? (sign_7 ? 17'sh10000 : 17'sh0ffff) : part_7;
         sum    <= {{2{v[15]}}, v} + {change[16], change};
+        least  <= -most;
         v_next <= bound[15:0];
         if (rst) begun <= 10'd0;
     end
