@@ -2,7 +2,7 @@
 // Whether a candidate becomes visible: by support, size, time and the way that it has gone. docs/motion.md, "A motion step of a slot",
 // point 5.
 //
-// Latency:    5 clocks from the inputs to appears, and one more until both axes have gone through.
+// Latency:    7 clocks and birth_travel from start to appears, if the inputs stay.
 // Throughput: a candidate at a time.
 // Stall:      none.
 // Reset:      none, nothing is used before it was computed.
@@ -16,6 +16,7 @@ module motion_birth #(
 ) (
     input  wire                  clk,
 
+    input  wire                  measure,    // how far is enough, by the sides
     input  wire                  lane,       // `sum` is that of y, else of x: in turn
     input  wire [SIDE_W:0]       sum,        // of both sides
     input  wire [SIDE_W-1:0]     side_x,
@@ -35,7 +36,8 @@ module motion_birth #(
 
     reg  [SIDE_W+1:0] way, way_abs;   // twice the way
     reg  [SIDE_W:0]   sides;
-    reg  [SIDE_W+1:0] far_2, far_3;   // so much must it be
+    reg  [SIDE_W+1:0] far, far_px;    // so much must it be, without the pixel and with it
+    reg  [4:0]        left;           // places that `far` is shifted
     reg               few, early, small_x, small_y, goes_far, went_far;
     wire [SIDE_W:0]   start_x, start_y;
     wire [SIDE_W:0]   from         = lane ? start_y : start_x;
@@ -49,13 +51,19 @@ module motion_birth #(
         way      <= {sum[SIDE_W], sum} - {from[SIDE_W], from};
         sides    <= {1'b0, side_x} + {1'b0, side_y};
         way_abs  <= way[SIDE_W+1] ? -way : way;
-        far_2    <= {1'b0, sides} >> ({1'b0, birth_travel} + 5'd1);
-        far_3    <= far_2 + {{(SIDE_W - 12) {1'b0}}, 14'h2000};
+        if (measure) begin
+            far  <= {1'b0, sides};
+            left <= {1'b0, birth_travel} + 5'd1;
+        end else if (left != 5'd0) begin
+            far  <= {1'b0, far[SIDE_W+1:1]};
+            left <= left - 5'd1;
+        end
+        far_px   <= far + {{(SIDE_W - 12) {1'b0}}, 14'h2000};
         few      <= wide_support < wide_birth;
         early    <= age < {{(TIME_W - 24) {1'b0}}, birth_ticks};
         small_x  <= side_x[SIDE_W-1:12] < least;
         small_y  <= side_y[SIDE_W-1:12] < least;
-        goes_far <= way_abs >= far_3;
+        goes_far <= way_abs >= far_px;
         went_far <= goes_far;
         appears  <= (goes_far || went_far) && !young && !small_x && !small_y && !few && !early;
     end

@@ -564,6 +564,7 @@ module motion_work #(
         .TIME_W(TIME_W)
     ) u_birth (
         .clk          (clk),
+        .measure      (c_ask),
         .lane         (lane),
         .sum          (sum_lane),
         .side_x       (side_x),
