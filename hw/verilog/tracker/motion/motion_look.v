@@ -35,6 +35,7 @@ module motion_look #(
 
     reg  [PX_W-1:0] was_x, was_y;
     reg  [PX_W+3:0] long_x, long_y;  // so long must the other axis be
+    reg  [3:0]      times;           // beside the multipliers
     reg             across_x, across_y, looks_x, looks_y;
     wire [PX_W-1:0] least   = {{(PX_W - 8) {1'b0}}, gap_px};
     wire [PX_W-1:0] half    = {1'b0, on_y ? was_x[PX_W-1:1] : was_y[PX_W-1:1]};
@@ -47,8 +48,9 @@ module motion_look #(
         end
         across_x  <= {speed_y, 1'b0} >= {1'b0, speed_x};
         across_y  <= {speed_x, 1'b0} >= {1'b0, speed_y};
-        long_x    <= {4'd0, was_x} * {{PX_W{1'b0}}, elongation};
-        long_y    <= {4'd0, was_y} * {{PX_W{1'b0}}, elongation};
+        times     <= elongation;
+        long_x    <= {4'd0, was_x} * {{PX_W{1'b0}}, times};
+        long_y    <= {4'd0, was_y} * {{PX_W{1'b0}}, times};
         looks_x   <= across_x || {4'd0, was_x} >= long_y;
         looks_y   <= across_y || {4'd0, was_y} >= long_x;
         looks     <= on_y ? looks_y : looks_x;

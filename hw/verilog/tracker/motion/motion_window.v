@@ -45,6 +45,7 @@ module motion_window #(
     reg signed [PX_W-1:0] low_x, high_x, low_y, high_y;
     reg [PX_W-1:0]   width, height;
     reg [LONG_W-1:0] long_x, long_y;    // so long must the other axis be at least
+    reg [3:0]        times;             // beside the multipliers
     reg              along_x, along_y;  // the direction of the motion
     reg [PX_W-1:0]   base_x, base_y;    // what a ring follows from
     reg [3:0]        shift_x, shift_y;
@@ -62,7 +63,8 @@ module motion_window #(
 
     // Of the pixel of a side, rounded to nearest, and of the length, which the inputs have.
     always @(posedge clk) begin
-        step <= {step[4:0], start};
+        step  <= {step[4:0], start};
+        times <= elongation;
         done <= step[5];
         if (start) begin
             width  <= length_x;
@@ -83,8 +85,8 @@ module motion_window #(
             end
             along_y <= known && {1'b0, speed_y} >= {speed_x, 1'b0};
             along_x <= known && {1'b0, speed_x} >= {speed_y, 1'b0};
-            long_x  <= {{4{1'b0}}, width} * {{PX_W{1'b0}}, elongation};
-            long_y  <= {{4{1'b0}}, height} * {{PX_W{1'b0}}, elongation};
+            long_x  <= {{4{1'b0}}, width} * {{PX_W{1'b0}}, times};
+            long_y  <= {{4{1'b0}}, height} * {{PX_W{1'b0}}, times};
         end
         if (step[1]) begin
             base_x  <= width;
