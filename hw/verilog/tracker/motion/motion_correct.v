@@ -190,12 +190,12 @@ module motion_correct #(
             end
 
             LOOK: begin
-                pause <= 3'd4;
+                pause <= 3'd7;
                 state <= LOOK_AT;
             end
             LOOK_AT: begin
                 c_note <= 1'b1;
-                pause  <= 3'd4;
+                pause  <= 3'd3;
                 state  <= corrections >= 6'd8 && !resting ? LOOK_GO : LOOKED;
             end
             LOOK_GO:

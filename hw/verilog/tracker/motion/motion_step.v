@@ -221,7 +221,7 @@ module motion_step #(
             end
             SHORT: begin
                 c_reflect <= 1'b1;
-                pause     <= 3'd4;
+                pause     <= 3'd6;
                 state     <= PLACE;
             end
             PLACE: begin

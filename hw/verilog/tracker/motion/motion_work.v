@@ -260,6 +260,7 @@ module motion_work #(
     wire                meets_now;
     wire [4*PX_W-1:0]   box, window;
     wire [PX_W-1:0]     cut_px;
+    wire [PX_W+3:0]     long_x, long_y;
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
 
@@ -433,6 +434,8 @@ module motion_work #(
         .clk       (clk),
         .note      (c_note),
         .length_x  (length_x),
+        .long_x    (long_x),
+        .long_y    (long_y),
         .length_y  (length_y),
         .speed_x   (speed_x),
         .speed_y   (speed_y),
@@ -444,7 +447,6 @@ module motion_work #(
         .ends      (gap_ends),
         .bin_log2  (look_log2),
         .cut_px    (cut_px),
-        .elongation(regs[`MOTION_ELONGATION]),
         .gap_px    (regs[`MOTION_GAP_PX])
     );
 
@@ -499,6 +501,8 @@ module motion_work #(
         .ring_px    (regs[`MOTION_RING_PX]),
         .ring_max   (regs[`MOTION_RING_MAX]),
         .done       (window_done),
+        .long_x     (long_x),
+        .long_y     (long_y),
         .box        (box),
         .window     (window)
     );
