@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What events do not change of a slot: memories that are read at one slot, all at once, and written in groups.
 //
-// Latency:    2 clocks from `at` to what it has, which is in block RAM; 1 to box, window and N_ev, of `put_slot` while one is put in force.
+// Latency:    2 clocks from `at` to what it has, 1 to box, window and N_ev, of `put_slot` while one is put in force.
 // Throughput: a slot per clock.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
@@ -51,7 +51,7 @@ module motion_context #(
     output wire [15:0]         q_together,
     output wire [23:0]         q_usual,
     output wire [9:0]          q_log2,
-    output wire [ID_W-1:0]     q_id,
+    output reg  [ID_W-1:0]     q_id,
     output wire [2*SIDE_W+1:0] q_start,
     output reg  [4*PX_W-1:0]   p_box,
     output reg  [4*PX_W-1:0]   p_window,
@@ -63,6 +63,8 @@ module motion_context #(
 
     reg [8*PX_W-1:0] windows[0:DEPTH-1];
     reg [9:0]        n_evs  [0:DEPTH-1];
+    reg [ID_W-1:0]   ids    [0:DEPTH-1];
+    reg [ID_W-1:0]   read_id;
 
     wire [SLOT_W-1:0] place = puts ? put_slot : at;
 
@@ -78,20 +80,6 @@ module motion_context #(
         .read_address (at),
         .out_enable   (1'b1),
         .read_data    ({q_v, q_refs, q_corrections, q_looked, q_meets, q_n_ev, q_has_partner, q_partner, q_together, q_usual, q_log2})
-    );
-
-    block_memory #(
-        .W    (ID_W),
-        .DEPTH(DEPTH)
-    ) u_ids (
-        .clk          (clk),
-        .write        (keep_id),
-        .write_address(at),
-        .write_data   (id),
-        .read_enable  (1'b1),
-        .read_address (at),
-        .out_enable   (1'b1),
-        .read_data    (q_id)
     );
 
     block_memory #(
@@ -111,7 +99,10 @@ module motion_context #(
     always @(posedge clk) begin
         {p_box, p_window} <= windows[place];
         p_n_ev            <= n_evs[place];
+        read_id           <= ids[at];
+        q_id              <= read_id;
         if (keep) n_evs[at] <= n_ev;
+        if (keep_id) ids[at] <= id;
         if (keep_window) windows[at] <= {box, window};
     end
 
