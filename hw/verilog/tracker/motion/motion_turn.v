@@ -9,7 +9,7 @@
 // Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
 // Stall:      a step and the end of a life wait for `drained`.
 // Reset:      turns all slots off; the first step is at 2^step_log2.
-// Combinational paths: op_valid, reached, q_due, q_valid, room, put_valid -> takes_*, issues.
+// Combinational paths: op_valid, reached, q_due, q_valid, put_valid -> takes_*, issues.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -32,7 +32,7 @@ module motion_turn #(
     input  wire              q_valid,
     input  wire              q_due,        // a motion step comes before it
     input  wire              q_counts,     // it is an event, or one that a filter took out
-    input  wire              room,
+    input  wire              room,         // for those under way and two more: it is seen a clock later
     output wire              takes_token,
     output reg               again,        // next_step has changed
     output wire              issues,       // a token that counts comes in this clock
@@ -77,6 +77,7 @@ module motion_turn #(
     reg               put_busy;   // a slot is being put in force,
     reg  [SLOT_W-1:0] putting;    // this one
     reg               drained;
+    reg               has_room;
     reg  [N-1:0]      restart;    // `mode` was written
     reg               restarts;
     reg               restep_1, restep_2, restep;  // step_log2 was written, or reset: the next step is set
@@ -89,7 +90,7 @@ module motion_turn #(
 
     assign takes_op    = op_valid && !bubble;
     assign takes_put   = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
-    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && room && state == RUN;
+    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && has_room && state == RUN;
     assign issues      = takes_token && q_counts;
     assign ends_life   = starts && restarts;
     assign steps       = starts && !restarts;
@@ -108,7 +109,8 @@ module motion_turn #(
     );
 
     always @(posedge clk) begin
-        bubble <= (takes_op && op_writes) || takes_put;
+        bubble   <= (takes_op && op_writes) || takes_put;
+        has_room <= room;
         if (takes_put) put_busy <= 1'b1;
         if (!put_busy) putting <= put_slot;
         if (put_done) put_busy <= 1'b0;
@@ -152,6 +154,7 @@ module motion_turn #(
             bubble   <= 1'b0;
             put_busy <= 1'b0;
             drained  <= 1'b0;
+            has_room <= 1'b0;
             again    <= 1'b0;
             issued   <= 8'd0;
             now      <= {TIME_W{1'b0}};
