@@ -86,12 +86,13 @@ def test_random_commands() -> None:
     sim.clock.tick()
     io.rst = 0
     seen = dict.fromkeys(COMMANDS, 0)
+    axes: list[Axis] = []
     for _slot in range(150):
         for name, high in (("side_shrink", 9), ("side_max", 300), ("friction", 16), ("seed_px", 256), ("marks", 16)):
             setattr(io, name, int(rng.integers(name == "side_max", high)))
         places = [int(rng.integers(1 << bits)) for _, _, bits in AXES]
         io.x, io.y = places
-        axes = []
+        before_load, axes = axes, []
         for _axis in AXES:
             lo = int(rng.integers(-600, 1_000)) * PX + int(rng.integers(PX))
             hi = lo + int(rng.integers(-2 * PX, 400 * PX >> int(rng.integers(8))))
@@ -102,7 +103,10 @@ def test_random_commands() -> None:
         io.r_sides = packed([side for axis in axes for side in (axis.lo, axis.hi)])
         io.m_refs = packed([ref for axis in axes for ref in (axis.ref_lo, axis.ref_hi)])
         io.m_v = packed([axis.v for axis in reversed(axes)], 16)
-        io.load = io.load_refs = 1
+        io.load, io.load_refs = 1, int(not before_load or rng.random() < 0.5)
+        if not int(io.load_refs):
+            for axis, was in zip(axes, before_load, strict=True):
+                axis.ref_lo, axis.ref_hi = was.ref_lo, was.ref_hi
         sim.clock.tick()
         io.load = 0
         assert int(io.lane) == 0
