@@ -8,7 +8,7 @@
 // Throughput: one at a time.
 // Stall:      waits for its operations, for the leading bit of the time and for its record to be accepted.
 // Reset:      waits for a start.
-// Combinational paths: start -> begun; read_done -> load; op_ready is not passed on.
+// Combinational paths: start -> begun.
 `default_nettype none
 
 module motion_correct #(
@@ -53,7 +53,7 @@ module motion_correct #(
     input  wire              record_free,
 
     // commands
-    output wire              load,
+    output wire              load,         // the slot is being read: it is loaded
     output reg               c_seed,
     output reg               c_shrink,
     output reg               c_cut_high,
@@ -119,7 +119,7 @@ module motion_correct #(
     wire      turns   = corrections >= 6'd2;  // its velocity is corrected
 
     assign begun = rests && start;
-    assign load  = read_done && reads;
+    assign load  = reads;
     assign done  = state == KEPT;
 
     always @(posedge clk) begin

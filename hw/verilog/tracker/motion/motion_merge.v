@@ -8,7 +8,7 @@
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
 // Reset:      waits for a start.
-// Combinational paths: read_done -> load, unite; op_ready is not passed on.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -48,7 +48,7 @@ module motion_merge #(
     input  wire [ID_W-1:0]   id,
 
     // commands
-    output wire              load,         // the one that goes was read,
+    output wire              load,         // the one that goes is being read,
     output wire              unite,        // the one that stays
     output reg               c_settle,
     output reg               c_reflect,
@@ -99,8 +99,8 @@ module motion_merge #(
     wire      goes_on = pause == 3'd0;
     wire      op_free = !op_valid || op_ready;
 
-    assign load  = read_done && reads;
-    assign unite = read_done && unites;
+    assign load  = reads;
+    assign unite = unites;
 
     always @(posedge clk) begin
         {c_settle, c_reflect, c_cover, c_bins, c_window, c_take, lapse, done} <= 8'd0;

@@ -6,7 +6,7 @@
 // Throughput: one job or step at a time.
 // Stall:      see there.
 // Reset:      nothing is being done, and every slot is free.
-// Combinational paths: job_valid, do_step, do_end -> begun; read_done -> load, load_support, unite.
+// Combinational paths: job_valid, do_step, do_end -> begun.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -46,6 +46,7 @@ module motion_order #(
     output wire                    op_put,
     output wire                    op_clear,
     output wire [3:0]              op_bin,
+    input  wire                    read_next,  // read_done in the next clock
     input  wire                    read_done,
     input  wire                    store_done,
 
@@ -87,9 +88,9 @@ module motion_order #(
     input  wire [5:0]              corrections,
 
     // commands
-    output wire                    load,
-    output wire                    load_support,
-    output wire                    unite,
+    output reg                     load,
+    output reg                     load_support,
+    output reg                     unite,
     output wire                    seed,
     output wire                    shrink,
     output wire                    cut_high,
@@ -162,9 +163,6 @@ module motion_order #(
     assign begun    = k_begun;
     assign since    = correcting ? k_since : merging ? m_since : s_since;
 
-    assign load         = k_load || s_load || m_load;
-    assign load_support = s_load || m_load;
-    assign unite        = m_unite;
     assign seed         = k_seed;
     assign shrink       = k_shrink;
     assign cut_high     = k_cut_high;
@@ -201,7 +199,12 @@ module motion_order #(
     assign keep_id      = s_appear;
     assign keep_start   = k_keep_start;
 
-    always @(posedge clk) k_was <= !k_rests;
+    always @(posedge clk) begin
+        k_was        <= !k_rests;
+        load         <= read_next && (k_load || s_load || m_load);
+        load_support <= read_next && (s_load || m_load);
+        unite        <= read_next && m_unite;
+    end
 
     motion_correct #(
         .SLOT_W(SLOT_W)

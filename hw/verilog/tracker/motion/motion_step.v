@@ -9,7 +9,7 @@
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
 // Reset:      waits for a start.
-// Combinational paths: read_done -> load; op_ready is not passed on.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 
@@ -65,7 +65,7 @@ module motion_step #(
     input  wire              record_free,
 
     // commands
-    output wire              load,
+    output wire              load,         // the slot is being read: it is loaded
     output reg               c_reflect,
     output reg               c_move,
     output reg               c_rub,
@@ -144,7 +144,7 @@ module motion_step #(
     wire             goes_on    = pause == 3'd0;
 
     assign this_slot = slot[SLOT_W-1:0];
-    assign load      = read_done && reads;
+    assign load      = reads;
 
     always @(posedge clk) begin
         {c_reflect, c_move, c_rub, c_shorten, c_window, c_compare, c_pair, c_part, c_take, c_divide} <= 10'd0;

@@ -168,7 +168,8 @@ module motion_work #(
         .op_put      (op_put),
         .op_clear    (op_clear),
         .op_bin      (op_bin),
-        .read_done   (read_done),
+        .read_next   (read_done),
+        .read_done   (was_read),
         .store_done  (store_done),
         .say         (say),
         .record_free (record_free),
@@ -248,6 +249,21 @@ module motion_work #(
 
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
+    // What was read, a clock later.
+    reg                 was_read;
+    reg  [4*SIDE_W-1:0] read_sides;
+    reg  [3:0]          read_marks;
+    reg  [SUP_W-1:0]    read_support, other_support;
+
+    always @(posedge clk) begin
+        was_read     <= read_done;
+        read_sides   <= r_sides;
+        read_marks   <= r_marks;
+        read_support <= r_support;
+        if (was_read) other_support <= read_support;
+        if (rst) was_read <= 1'b0;
+    end
+
     wire                turn, crossed_x, crossed_y;
     wire [31:0]         v, q_v;
     wire [4*SIDE_W-1:0] refs, q_refs;
@@ -293,7 +309,7 @@ module motion_work #(
         .rub        (c_rub),
         .x          (job_x),
         .y          (job_y),
-        .r_sides    (r_sides),
+        .r_sides    (read_sides),
         .m_refs     (q_refs),
         .m_v        (q_v),
         .v_next     (v_next),
@@ -347,8 +363,8 @@ module motion_work #(
         .keep_id        (c_keep_id),
         .keep_start     (c_keep_start),
         .job_support    (job_support),
-        .r_support      (r_support),
-        .r_marks        (r_marks),
+        .r_support      (read_support),
+        .r_marks        (read_marks),
         .length_x       (length_x),
         .length_y       (length_y),
         .meets_now      (meets_now),
@@ -508,10 +524,6 @@ module motion_work #(
     );
 
     // ---- the slot and others -------------------------------------------------------------------------------------------
-
-    reg [SUP_W-1:0] other_support;
-
-    always @(posedge clk) if (read_done) other_support <= r_support;
 
     motion_pair #(
         .PX_W (PX_W),
