@@ -249,14 +249,16 @@ module motion_work #(
 
     // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
-    // What was read, a clock later.
+    // What was read, and what counts, a clock later.
     reg                 was_read;
+    reg                 known;  // the velocity of the slot counts
     reg  [4*SIDE_W-1:0] read_sides;
     reg  [3:0]          read_marks;
     reg  [SUP_W-1:0]    read_support, other_support;
 
     always @(posedge clk) begin
         was_read     <= read_done;
+        known        <= visible[at] || corrections >= 6'd4;
         read_sides   <= r_sides;
         read_marks   <= r_marks;
         read_support <= r_support;
@@ -509,7 +511,7 @@ module motion_work #(
         .length_y   (length_y),
         .speed_x    (speed_x),
         .speed_y    (speed_y),
-        .known      (visible[at] || corrections >= 6'd4),
+        .known      (known),
         .elongation (regs[`MOTION_ELONGATION]),
         .ring_across(regs[`MOTION_RING_ACROSS]),
         .ring_along (regs[`MOTION_RING_ALONG]),
