@@ -9,7 +9,8 @@
 // Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
 // Stall:      a step and the end of a life wait for `drained`.
 // Reset:      turns all slots off; the first step is at 2^step_log2.
-// Combinational paths: op_valid, reached, q_due, q_valid, put_valid -> takes_*, issues.
+// Combinational paths: op_valid, reached, put_valid, q_valid, q_due, q_counts -> takes_op, takes_put, takes_token, issues, steps, ends_life, quiet;
+//             put_valid, put_slot -> puts, puts_slot.
 `default_nettype none
 `include "evcot_defs.vh"
 

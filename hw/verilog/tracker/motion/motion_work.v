@@ -9,7 +9,7 @@
 // Throughput: a job at a time; a step: see motion_step.v.
 // Stall:      a job waits for its operations and for its record to be accepted.
 // Reset:      waits for a job.
-// Combinational paths: record_free and op_ready -> op_*.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
 `include "motion_fields.vh"
