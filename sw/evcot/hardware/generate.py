@@ -13,6 +13,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -70,9 +71,15 @@ def _motion_codes() -> _Codes:
 
 
 def _motion_registers() -> dict[str, Any]:
-    """Variables of motion_regs.v: name, bits, reset value and meaning of each register."""
+    """Variables of motion_regs.v: name, bits, reset value, range, meaning and lowest bit of each register."""
     registers = [entry for bank in MOTION_BANKS.values() for entry in bank.items()]
-    return {"rows": [(name, r.high.bit_length(), r.start, r.low, r.high, r.meaning) for name, r in registers]}
+    places = accumulate((r.high.bit_length() for _, r in registers), initial=0)
+    return {
+        "rows": [
+            (name, r.high.bit_length(), r.start, r.low, r.high, r.meaning, at)
+            for (name, r), at in zip(registers, places, strict=False)
+        ]
+    }
 
 
 def _rules() -> dict[str, list[Rule]]:
@@ -224,6 +231,7 @@ def render() -> dict[str, str]:
         "hw/verilog/published/published_regs.vh": {
             "select": SELECT, "select_first": SELECT_FIRST, "select_none": SELECT_NONE, "registers": PUBLISHED_REGISTERS,
         },
+        "hw/verilog/tracker/motion/motion_fields.vh": _motion_registers(),
         "hw/verilog/tracker/motion/motion_regs.v": _motion_registers(),
         "hw/verilog/bus/evcot_regs.vh": vocabulary,
         "hw/verilog/bus/evcot_limits.vh": vocabulary,

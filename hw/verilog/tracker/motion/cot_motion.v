@@ -16,6 +16,7 @@
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
+`include "motion_fields.vh"
 
 module cot_motion #(
     parameter N       = 8,   // tracker slots
@@ -106,18 +107,7 @@ module cot_motion #(
 
     // ---- registers -------------------------------------------------------------------------------------------------
 
-    wire [4:0]  step_log2;
-    wire [15:0] side_step, birth_support;
-    wire [11:0] side_max;
-    wire [14:0] speed_max;
-    wire [3:0]  side_share, side_shrink, gain_log2, friction, ring_across, ring_along, ring_any, elongation, life_log2, birth_travel;
-    wire [3:0]  gap_share, join_life, join_speed, join_reach;
-    wire [2:0]  gain_slow;
-    wire [5:0]  settle;
-    wire [9:0]  nev_low, nev_high, join_steps, report_steps;
-    wire [7:0]  seed_px, ring_px, ring_max, birth_px, gap_corrections, gap_px, join_px;
-    wire [23:0] detect_ticks, life_ticks, coast_ticks, birth_ticks;
-    wire        keep_older;
+    wire [`MOTION_REGS_W-1:0] regs;
 
     motion_regs u_regs (
         .clk            (clk),
@@ -125,82 +115,13 @@ module cot_motion #(
         .cfg_valid      (cfg_valid),
         .cfg_addr       (cfg_addr),
         .cfg_data       (cfg_data),
-        .step_log2      (step_log2),
-        .side_step      (side_step),
-        .side_share     (side_share),
-        .side_shrink    (side_shrink),
-        .side_max       (side_max),
-        .gain_log2      (gain_log2),
-        .gain_slow      (gain_slow),
-        .settle         (settle),
-        .speed_max      (speed_max),
-        .friction       (friction),
-        .nev_low        (nev_low),
-        .nev_high       (nev_high),
-        .seed_px        (seed_px),
-        .ring_px        (ring_px),
-        .ring_max       (ring_max),
-        .ring_across    (ring_across),
-        .ring_along     (ring_along),
-        .ring_any       (ring_any),
-        .elongation     (elongation),
-        .detect_ticks   (detect_ticks),
-        .life_log2      (life_log2),
-        .life_ticks     (life_ticks),
-        .coast_ticks    (coast_ticks),
-        .birth_support  (birth_support),
-        .birth_px       (birth_px),
-        .birth_ticks    (birth_ticks),
-        .birth_travel   (birth_travel),
-        .gap_corrections(gap_corrections),
-        .gap_share      (gap_share),
-        .gap_px         (gap_px),
-        .join_steps     (join_steps),
-        .join_life      (join_life),
-        .join_speed     (join_speed),
-        .join_reach     (join_reach),
-        .join_px        (join_px),
-        .keep_older     (keep_older),
-        .report_steps   (report_steps)
+        .regs           (regs)
     );
-
-    reg  [N-1:0] seeded;      // `mode`
-    reg  [N-1:0] restart;     // it was written
-    reg          restep;      // step_log2 was written, or reset: the next step is set
-    wire         writes_mode = cfg_valid && cfg_addr == `EVCOT_MREG_MODE;
-    wire         restarts;
-    wire [SLOT_W-1:0] restart_slot;
-
-    array_lowest #(
-        .N     (N),
-        .SLOT_W(SLOT_W)
-    ) u_restart (
-        .asked (restarts),
-        .among (restart),
-        .any   (restarts),
-        .lowest(restart_slot)
-    );
-
-    // What follows from the registers.
-    reg  [16:0]       out, back;    // ways of a side
-    reg  [15:0]       seed_part;
-    reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
-    wire [15:0]       share    = side_step >> side_share;
-    wire [15:0]       seed_far = seed_part + {8'd0, ring_px};
-    wire [15:0]       seed_ring = seed_far < {8'd0, ring_max} ? seed_far : {8'd0, ring_max};
-    wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, seed_px}};
-
-    always @(posedge clk) begin
-        back      <= {1'b0, share};
-        out       <= {1'b0, side_step - share};
-        seed_part <= {7'd0, seed_px, 1'b0} >> ring_any;
-        seed_at   <= seed_place[REL_W-1:0];
-    end
 
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
-    reg  [TIME_W-1:0] now, next_step;
-    reg               again;
+    wire [TIME_W-1:0] now, next_step;
+    wire              again;
     wire              q_valid, q_due, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
@@ -259,21 +180,12 @@ module cot_motion #(
 
     // ---- what comes next ---------------------------------------------------------------------------------------------
 
-    localparam [1:0] RUN   = 2'd0;
-    localparam [1:0] BEGUN = 2'd1;  // a step, or the end of a life
-    localparam [1:0] BUSY  = 2'd2;
-    localparam [1:0] DUE   = 2'd3;  // is another step due?
-
-    reg  [1:0]       state;
-    reg              bubble;        // an operation that writes was before
-    reg              put_busy;      // a slot is being put in force
-    reg  [7:0]       issued;        // lower bits of the number of the next event
-    reg              drained;
-    wire             room, output_empty;
-    reg  [SLOT_W-1:0] putting;      // this one
-    wire             active, rests, waits_none, reached, put_valid, put_seed, put_done;
+    wire             room, output_empty, quiet;
+    wire             active, rests, waits_none, reached, put_valid, put_seed, put_done, puts, steps, ends_life;
     wire             job_valid, job_done, job_seed;
-    wire [SLOT_W-1:0] job_slot, put_slot;
+    wire [7:0]       issued;
+    wire             issues, takes_op, takes_put;
+    wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, end_slot;
     wire [X_W-1:0]   job_x;
     wire [Y_W-1:0]   job_y;
     wire [SUP_W-1:0] job_support;
@@ -282,65 +194,55 @@ module cot_motion #(
     wire             op_valid, op_read, op_store, op_full, op_put, op_clear;
     wire [SLOT_W-1:0] op_slot;
     wire [3:0]       op_bin;
+    wire [N-1:0]     seeded;
 
-    wire stop       = restarts || (q_valid && q_due);  // all that waits comes first
-    wire takes_op   = op_valid && !bubble;
-    wire takes_put  = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
-    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && room && state == RUN;
-    wire starts     = state == RUN && stop && drained;
-    wire ends_life  = starts && restarts;
-    wire steps      = starts && !restarts;
-    wire [7:0] next_event = issued + {7'd0, takes_token && (q_event || q_skip)};
+    motion_turn #(
+        .N     (N),
+        .SLOT_W(SLOT_W),
+        .TIME_W(TIME_W)
+    ) u_turn (
+        .clk        (clk),
+        .rst        (rst),
+        .cfg_valid  (cfg_valid),
+        .cfg_slot   (cfg_slot),
+        .cfg_addr   (cfg_addr),
+        .cfg_mode   (cfg_data[1:0]),
+        .step_log2  (regs[`MOTION_STEP_LOG2]),
+        .seeded     (seeded),
+        .q_valid    (q_valid),
+        .q_due      (q_due),
+        .q_counts   (q_event || q_skip),
+        .room       (room),
+        .takes_token(takes_token),
+        .again      (again),
+        .issues     (issues),
+        .issued     (issued),
+        .d_valid    (d_valid),
+        .d_time     (d_time),
+        .now        (now),
+        .next_step  (next_step),
+        .op_valid   (op_valid),
+        .op_writes  (op_store || op_put),
+        .takes_op   (takes_op),
+        .reached    (reached),
+        .put_valid  (put_valid),
+        .put_slot   (put_slot),
+        .takes_put  (takes_put),
+        .put_done   (put_done),
+        .puts       (puts),
+        .puts_slot  (puts_slot),
+        .active     (active),
+        .waits_none (waits_none),
+        .rests      (rests),
+        .steps      (steps),
+        .ends_life  (ends_life),
+        .end_slot   (end_slot),
+        .quiet      (quiet)
+    );
 
     always @(posedge clk) begin
-        bubble  <= (takes_op && (op_store || op_put)) || takes_put;
-        issued  <= next_event;
-        drained <= state == RUN && stop && !active && waits_none && rests && !op_valid && !bubble;
-        again   <= 1'b0;
-        if (takes_put) put_busy <= 1'b1;
-        if (!put_busy) putting <= put_slot;
-        if (put_done) put_busy <= 1'b0;
-        if (d_valid) now <= d_time;
-        case (state)
-            RUN:
-            if (starts) begin
-                state   <= BEGUN;
-                drained <= 1'b0;
-            end
-            BEGUN: state <= BUSY;
-            BUSY:
-            if (rests) begin
-                again <= 1'b1;
-                state <= DUE;
-            end
-            DUE: state <= RUN;
-        endcase
-        if (steps) next_step <= next_step + ({{(TIME_W - 1) {1'b0}}, 1'b1} << step_log2);
-        if (ends_life) restart[restart_slot] <= 1'b0;
-
-        if (writes_mode) begin
-            seeded[cfg_slot]  <= cfg_data[1:0] == `EVCOT_MODE_SEEDED;
-            restart[cfg_slot] <= 1'b1;
-        end
-        restep <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
-        if (restep) next_step <= (now | ~({TIME_W{1'b1}} << step_log2)) + {{(TIME_W - 1) {1'b0}}, 1'b1};
-
-        idle <= state == RUN && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && !reached && !put_busy
-                && output_empty && !m_cm_valid && !restarts && !restep && !cfg_valid;
-
-        if (rst) begin
-            state    <= RUN;
-            bubble   <= 1'b0;
-            put_busy <= 1'b0;
-            drained  <= 1'b0;
-            again    <= 1'b0;
-            issued   <= 8'd0;
-            now      <= {TIME_W{1'b0}};
-            seeded   <= {N{1'b0}};
-            restart  <= {N{1'b0}};
-            restep   <= 1'b1;
-            idle     <= 1'b0;
-        end
+        idle <= quiet && q_empty && !s_valid && !active && rests && !job_valid && !op_valid && output_empty && !m_cm_valid && !cfg_valid;
+        if (rst) idle <= 1'b0;
     end
 
     // ---- events --------------------------------------------------------------------------------------------------------
@@ -394,10 +296,7 @@ module cot_motion #(
         .ask_for    (ask_for),
         .in_box     (in_box),
         .in_window  (in_window),
-        .out        (out),
-        .back       (back),
-        .counts     (gap_corrections != 8'd0),
-        .seed_at    (seed_at),
+        .regs       (regs),
         .visible    (visible),
         .candidate  (candidate),
         .may_begin  (seeded & ~(visible | candidate)),
@@ -455,7 +354,8 @@ module cot_motion #(
         .job_support(job_support),
         .job_time   (job_time),
         .job_seq    (job_seq),
-        .next_event (next_event),
+        .issued     (issued),
+        .issues     (issues),
         .reached    (reached),
         .put_valid  (put_valid),
         .put_seed   (put_seed),
@@ -490,7 +390,7 @@ module cot_motion #(
         .on_y     (look_y),
         .bin_log2 (look_log2),
         .narrowest(narrowest),
-        .gap_share(gap_share),
+        .gap_share(regs[`MOTION_GAP_SHARE]),
         .done     (look_done),
         .found    (gap_found),
         .low_stays(low_stays),
@@ -536,12 +436,12 @@ module cot_motion #(
         .job_seq        (job_seq),
         .do_step        (steps),
         .do_end         (ends_life),
-        .end_slot       (restart_slot),
+        .end_slot       (end_slot),
         .now            (steps ? next_step : now),
         .seq            (seq),
         .rests          (rests),
-        .puts           (put_busy || put_valid),
-        .put_slot       (put_busy ? putting : put_slot),
+        .puts           (puts),
+        .put_slot       (puts_slot),
         .visible        (visible),
         .candidate      (candidate),
         .begins         (begins),
@@ -596,40 +496,7 @@ module cot_motion #(
         .n_ev           (n_ev),
         .op_seq         (op_seq),
         .op_time        (op_time),
-        .step_log2      (step_log2),
-        .side_shrink    (side_shrink),
-        .side_max       (side_max),
-        .gain_log2      (gain_log2),
-        .gain_slow      (gain_slow),
-        .settle_count   (settle),
-        .speed_max      (speed_max),
-        .friction       (friction),
-        .nev_low        (nev_low),
-        .nev_high       (nev_high),
-        .seed_px        (seed_px),
-        .ring_px        (ring_px),
-        .ring_max       (ring_max),
-        .ring_across    (ring_across),
-        .ring_along     (ring_along),
-        .ring_any       (ring_any),
-        .elongation     (elongation),
-        .detect_ticks   (detect_ticks),
-        .life_log2      (life_log2),
-        .life_ticks     (life_ticks),
-        .coast_ticks    (coast_ticks),
-        .birth_support  (birth_support),
-        .birth_px       (birth_px),
-        .birth_ticks    (birth_ticks),
-        .birth_travel   (birth_travel),
-        .gap_corrections(gap_corrections),
-        .gap_px         (gap_px),
-        .join_steps     (join_steps),
-        .join_life      (join_life),
-        .join_speed     (join_speed),
-        .join_reach     (join_reach),
-        .join_px        (join_px),
-        .keep_older     (keep_older),
-        .report_steps   (report_steps)
+        .regs           (regs)
     );
 
     motion_record #(
@@ -712,8 +579,6 @@ module cot_motion #(
         .room        (room),
         .empty       (output_empty)
     );
-
-    wire unused = &{1'b0, seed_place};
 
 endmodule
 

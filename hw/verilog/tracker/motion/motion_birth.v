@@ -2,8 +2,8 @@
 // Whether a candidate becomes visible: by support, size, time and the way that it has gone. docs/motion.md, "A motion step of a slot",
 // point 5.
 //
-// Latency:    5 clocks from the inputs to appears.
-// Throughput: a candidate per clock.
+// Latency:    7 clocks and birth_travel from start to appears, if the inputs stay.
+// Throughput: a candidate at a time.
 // Stall:      none.
 // Reset:      none, nothing is used before it was computed.
 // Combinational paths: none.
@@ -16,42 +16,56 @@ module motion_birth #(
 ) (
     input  wire                  clk,
 
-    input  wire [SIDE_W:0]       sum_x,      // of both sides
-    input  wire [SIDE_W:0]       sum_y,
+    input  wire                  measure,    // how far is enough, by the sides
+    input  wire                  lane,       // `sum` is that of y, else of x: in turn
+    input  wire [SIDE_W:0]       sum,        // of both sides
     input  wire [SIDE_W-1:0]     side_x,
     input  wire [SIDE_W-1:0]     side_y,
-    input  wire [2*SIDE_W+1:0]   start,      // sum_x and sum_y at the fourth correction
-    input  wire                  too_small,  // or too young
+    input  wire [2*SIDE_W+1:0]   start,      // sums of x and y at the fourth correction
+    input  wire                  young,      // it cannot be
     input  wire [SUP_W-1:0]      support,
     input  wire [TIME_W-1:0]     age,
     input  wire [15:0]           birth_support,
+    input  wire [7:0]            birth_px,
     input  wire [23:0]           birth_ticks,
     input  wire [3:0]            birth_travel,
     output reg                   appears
 );
 
-    reg  [SIDE_W+1:0] way_x, way_y, abs_x, abs_y;  // twice the way
+    localparam PX_W = SIDE_W - 12;
+
+    reg  [SIDE_W+1:0] way, way_abs;   // twice the way
     reg  [SIDE_W:0]   sides;
-    reg  [SIDE_W+1:0] far_2, far_3;                // so much must it be
-    reg               few, early, goes_far;
+    reg  [SIDE_W+1:0] far, far_px;    // so much must it be, without the pixel and with it
+    reg  [4:0]        left;           // places that `far` is shifted
+    reg               few, early, small_x, small_y, goes_far, went_far;
     wire [SIDE_W:0]   start_x, start_y;
+    wire [SIDE_W:0]   from         = lane ? start_y : start_x;
+    wire [PX_W-1:0]   least        = {{(PX_W - 8) {1'b0}}, birth_px};
     wire [SUP_W+15:0] wide_support = {16'd0, support};
     wire [SUP_W+15:0] wide_birth   = {{SUP_W{1'b0}}, birth_support};
 
     assign {start_x, start_y} = start;
 
     always @(posedge clk) begin
-        way_x    <= {sum_x[SIDE_W], sum_x} - {start_x[SIDE_W], start_x};
-        way_y    <= {sum_y[SIDE_W], sum_y} - {start_y[SIDE_W], start_y};
+        way      <= {sum[SIDE_W], sum} - {from[SIDE_W], from};
         sides    <= {1'b0, side_x} + {1'b0, side_y};
-        abs_x    <= way_x[SIDE_W+1] ? -way_x : way_x;
-        abs_y    <= way_y[SIDE_W+1] ? -way_y : way_y;
-        far_2    <= {1'b0, sides} >> ({1'b0, birth_travel} + 5'd1);
-        far_3    <= far_2 + {{(SIDE_W - 12) {1'b0}}, 14'h2000};
+        way_abs  <= way[SIDE_W+1] ? -way : way;
+        if (measure) begin
+            far  <= {1'b0, sides};
+            left <= {1'b0, birth_travel} + 5'd1;
+        end else if (left != 5'd0) begin
+            far  <= {1'b0, far[SIDE_W+1:1]};
+            left <= left - 5'd1;
+        end
+        far_px   <= far + {{(SIDE_W - 12) {1'b0}}, 14'h2000};
         few      <= wide_support < wide_birth;
         early    <= age < {{(TIME_W - 24) {1'b0}}, birth_ticks};
-        goes_far <= abs_x >= far_3 || abs_y >= far_3;
-        appears  <= goes_far && !too_small && !few && !early;
+        small_x  <= side_x[SIDE_W-1:12] < least;
+        small_y  <= side_y[SIDE_W-1:12] < least;
+        goes_far <= way_abs >= far_px;
+        went_far <= goes_far;
+        appears  <= (goes_far || went_far) && !young && !small_x && !small_y && !few && !early;
     end
 
 endmodule

@@ -15,6 +15,7 @@
 // Reset:      nothing is under way.
 // Combinational paths: none.
 `default_nettype none
+`include "motion_fields.vh"
 
 module motion_events #(
     parameter N       = 8,
@@ -77,10 +78,7 @@ module motion_events #(
     output wire [N-1:0]      in_window,
 
     // registers and slots
-    input  wire [16:0]       out,
-    input  wire [16:0]       back,
-    input  wire              counts,      // events are counted in bins
-    input  wire [RADIX_W+1:0] seed_at,    // where a candidate's first event lies in its window
+    input  wire [`MOTION_REGS_W-1:0] regs,
     input  wire [N-1:0]      visible,
     input  wire [N-1:0]      candidate,
     input  wire [N-1:0]      may_begin,
@@ -117,6 +115,25 @@ module motion_events #(
 
     localparam REL_W   = RADIX_W + 2;
     localparam TOKEN_W = TIME_W + X_W + Y_W + 3;
+
+    // ---- what follows from the registers -------------------------------------------------------------------------------
+
+    reg  [16:0]       out, back;    // ways of a side
+    reg  [15:0]       seed_part;
+    reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
+    reg               counts;       // events are counted in bins
+    wire [15:0]       share      = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
+    wire [15:0]       seed_far   = seed_part + {8'd0, regs[`MOTION_RING_PX]};
+    wire [15:0]       seed_ring  = seed_far < {8'd0, regs[`MOTION_RING_MAX]} ? seed_far : {8'd0, regs[`MOTION_RING_MAX]};
+    wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, regs[`MOTION_SEED_PX]}};
+
+    always @(posedge clk) begin
+        back      <= {1'b0, share};
+        out       <= {1'b0, regs[`MOTION_SIDE_STEP] - share};
+        seed_part <= {7'd0, regs[`MOTION_SEED_PX], 1'b0} >> regs[`MOTION_RING_ANY];
+        seed_at   <= seed_place[REL_W-1:0];
+        counts    <= regs[`MOTION_GAP_CORRECTIONS] != 8'd0;
+    end
 
     // ---- stages 1 to 4: whose is it? -----------------------------------------------------------------------------------
 
@@ -342,7 +359,7 @@ module motion_events #(
         .bin     (bin_y)
     );
 
-    wire unused = &{1'b0, low_x, low_y};
+    wire unused = &{1'b0, low_x, low_y, seed_place, regs};
 
     // ---- behind: the bins ------------------------------------------------------------------------------------------------
 

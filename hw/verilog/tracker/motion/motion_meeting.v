@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which boxes and windows of others a slot's box and window touch: docs/motion.md, "A motion step of a slot". All others are asked at once.
 //
-// Latency:    10 clocks from start to done.
+// Latency:    11 clocks from start to done.
 // Throughput: one at a time.
 // Stall:      the results stay until the next start.
 // Reset:      nothing is under way.
@@ -38,11 +38,19 @@ module motion_meeting #(
     output reg  [SLOT_W-1:0] touched     // this one's, the lowest
 );
 
-    reg  [9:0]        step;     // one of them is high
+    reg  [10:0]       step;     // one of them is high
+    reg  [1:0]        ask_lo_x, ask_hi_x, ask_lo_y, ask_hi_y;  // the bound that is asked for next
+    reg               asks;
     reg  [N-1:0]      others, behind;
     reg               sees;     // a visible one's window
     reg  [N-1:0]      boxes;
     wire              any_box;
+
+    localparam [1:0] LOW    = 2'd0;
+    localparam [1:0] HIGH   = 2'd1;
+    localparam [1:0] MIDDLE = 2'd2;
+    localparam [1:0] WINDOW = 2'd3;
+
     wire [SLOT_W-1:0] lowest;
     wire [PX_W-1:0]   lo_x = box[3*PX_W+:PX_W];
     wire [PX_W-1:0]   hi_x = box[2*PX_W+:PX_W];
@@ -50,6 +58,12 @@ module motion_meeting #(
     wire [PX_W-1:0]   hi_y = box[0+:PX_W];
     wire [PX_W:0]     sum_x = {lo_x[PX_W-1], lo_x} + {hi_x[PX_W-1], hi_x};
     wire [PX_W:0]     sum_y = {lo_y[PX_W-1], lo_y} + {hi_y[PX_W-1], hi_y};
+
+    function [PX_W-1:0] bound;
+        input [1:0]      which;
+        input [PX_W-1:0] low, high, middle, outer;
+        bound = which[1] ? (which[0] ? outer : middle) : (which[0] ? high : low);
+    endfunction
 
     array_lowest #(
         .N     (N),
@@ -62,35 +76,41 @@ module motion_meeting #(
     );
 
     always @(posedge clk) begin
-        step   <= {step[8:0], start};
-        done   <= step[9];
+        step   <= {step[9:0], start};
+        done   <= step[10];
         others <= ~({{(N - 1) {1'b0}}, 1'b1} << slot);
 
-        // Asked in step 0 is answered in step 3; a side's events are hidden where it lies in the window, and the box touches it.
-        ask <= start || |step[5:0];
-        if (start) ask_for <= window;
-        if (step[0]) ask_for <= {lo_x, lo_x, lo_y, hi_y};
-        if (step[1]) ask_for <= {hi_x, hi_x, lo_y, hi_y};
-        if (step[2]) ask_for <= {lo_x, hi_x, lo_y, lo_y};
-        if (step[3]) ask_for <= {lo_x, hi_x, hi_y, hi_y};
-        if (step[4]) ask_for <= {{2{sum_x[PX_W:1]}}, {2{sum_y[PX_W:1]}}};
-        if (step[5]) ask_for <= {lo_x, hi_x, lo_y, hi_y};
+        // The window, then each side, the middle, the box: asked in step 1 is answered in step 4. A side's events are hidden where it
+        // lies in the window, and the box touches it.
+        ask_lo_x <= start ? WINDOW : step[1] ? HIGH : step[4] ? MIDDLE : LOW;
+        ask_hi_x <= start ? WINDOW : step[0] ? LOW : step[4] ? MIDDLE : HIGH;
+        ask_lo_y <= start ? WINDOW : step[3] ? HIGH : step[4] ? MIDDLE : LOW;
+        ask_hi_y <= start ? WINDOW : step[2] ? LOW : step[4] ? MIDDLE : HIGH;
+        asks     <= start || |step[5:0];
+        ask      <= asks;
+        ask_for  <= {
+            bound(ask_lo_x, lo_x, hi_x, sum_x[PX_W:1], window[3*PX_W+:PX_W]),
+            bound(ask_hi_x, lo_x, hi_x, sum_x[PX_W:1], window[2*PX_W+:PX_W]),
+            bound(ask_lo_y, lo_y, hi_y, sum_y[PX_W:1], window[PX_W+:PX_W]),
+            bound(ask_hi_y, lo_y, hi_y, sum_y[PX_W:1], window[0+:PX_W])
+        };
         sees  <= |(in_window & visible & others);
         boxes <= in_box & candidate & others & behind;
-        if (step[3]) meets <= sees;
-        if (step[4]) hidden[0] <= sees;
-        if (step[5]) hidden[1] <= sees;
-        if (step[6]) hidden[2] <= sees;
-        if (step[7]) hidden[3] <= sees;
-        if (step[8]) held <= sees;
-        if (step[9]) begin
+        if (step[4]) meets <= sees;
+        if (step[5]) hidden[0] <= sees;
+        if (step[6]) hidden[1] <= sees;
+        if (step[7]) hidden[2] <= sees;
+        if (step[8]) hidden[3] <= sees;
+        if (step[9]) held <= sees;
+        if (step[10]) begin
             touches <= any_box;
             touched <= lowest;
         end
         if (start) behind <= begins ? {N{1'b1}} : ~(({{(N - 1) {1'b0}}, 1'b1} << touched) | (({{(N - 1) {1'b0}}, 1'b1} << touched) - {{(N - 1) {1'b0}}, 1'b1}));
         if (rst) begin
-            step <= 10'd0;
+            step <= 11'd0;
             done <= 1'b0;
+            asks <= 1'b0;
             ask  <= 1'b0;
         end
     end

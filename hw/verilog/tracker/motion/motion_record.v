@@ -20,7 +20,7 @@ module motion_record #(
     input  wire              clk,
     input  wire              rst,
 
-    input  wire              say,        // while `free`
+    input  wire              say,        // a clock after one in which `free` is high
     output wire              free,
     input  wire [1:0]        kind,
     input  wire [SLOT_W-1:0] slot,
@@ -59,7 +59,7 @@ module motion_record #(
 
     always @(posedge clk) begin
         if (m_cm_ready) m_cm_valid <= 1'b0;
-        if (say && free) begin
+        if (say) begin
             m_cm_valid   <= 1'b1;
             m_cm_kind    <= kind;
             m_cm_slot    <= slot;

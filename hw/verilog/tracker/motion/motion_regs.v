@@ -11,6 +11,7 @@
 // Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
+`include "motion_fields.vh"
 
 module motion_regs (
     input  wire        clk,
@@ -19,199 +20,126 @@ module motion_regs (
     input  wire        cfg_valid,
     input  wire [`EVCOT_MREG_W-1:0] cfg_addr,
     input  wire [31:0] cfg_data,
-
-    // 0 to 20: a motion step every 2^step_log2 ticks
-    output reg  [4:0]  step_log2,
-
-    // 1 to 65535: way of a side for an event beyond and one within it, in 2^-12 px
-    output reg  [15:0] side_step,
-
-    // 1 to 8: 2^-side_share of a slot's events lie beyond each side
-    output reg  [3:0]  side_share,
-
-    // 0 to 8: a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never
-    output reg  [3:0]  side_shrink,
-
-    // 1 to 4095: longest side, px
-    output reg  [11:0] side_max,
-
-    // 1 to 12: gain of a velocity's correction is 2^-gain_log2 in the end
-    output reg  [3:0]  gain_log2,
-
-    // 0 to 6: 2^gain_slow corrections until a gain is halved
-    output reg  [2:0]  gain_slow,
-
-    // 0 to 63: corrections during which a velocity follows the slower of two sides
-    output reg  [5:0]  settle,
-
-    // 0 to 32767: limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events
-    output reg  [14:0] speed_max,
-
-    // 0 to 15: a silent slot loses 2^-friction of its velocity a step; 0: nothing
-    output reg  [3:0]  friction,
-
-    // 1 to 1023: fewest events of a correction
-    output reg  [9:0]  nev_low,
-
-    // 1 to 1023: most events of a correction
-    output reg  [9:0]  nev_high,
-
-    // 1 to 255: half the side of a new candidate's box
-    output reg  [7:0]  seed_px,
-
-    // 0 to 255: least distance of a window from its box
-    output reg  [7:0]  ring_px,
-
-    // 0 to 255: largest distance of a window from its box
-    output reg  [7:0]  ring_max,
-
-    // 0 to 8: distance across the motion is 2^-ring_across of the box's side there
-    output reg  [3:0]  ring_across,
-
-    // 0 to 8: distance along the motion is 2^-ring_along of the side across it
-    output reg  [3:0]  ring_along,
-
-    // 0 to 8: distance, where there is no one direction, is 2^-ring_any of the side
-    output reg  [3:0]  ring_any,
-
-    // 1 to 15: a box this many times as long as it is wide reaches along its motion as across it
-    output reg  [3:0]  elongation,
-
-    // 1 to 16777215: ticks within which a candidate must have its first correction
-    output reg  [23:0] detect_ticks,
-
-    // 0 to 8: a life ends after 2^life_log2 times the usual time between corrections without one
-    output reg  [3:0]  life_log2,
-
-    // 1 to 16777215: but not before this time
-    output reg  [23:0] life_ticks,
-
-    // 1 to 16777215: nor after this time
-    output reg  [23:0] coast_ticks,
-
-    // 1 to 65535: events that a candidate needs to become visible
-    output reg  [15:0] birth_support,
-
-    // 0 to 255: sides that it needs
-    output reg  [7:0]  birth_px,
-
-    // 0 to 16777215: time that it needs
-    output reg  [23:0] birth_ticks,
-
-    // 0 to 8: since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side
-    output reg  [3:0]  birth_travel,
-
-    // 0 to 255: corrections after which a box is looked through for a gap; 0: never
-    output reg  [7:0]  gap_corrections,
-
-    // 1 to 15: a bin with at most 2^-gap_share of the events is empty
-    output reg  [3:0]  gap_share,
-
-    // 1 to 255: narrowest gap
-    output reg  [7:0]  gap_px,
-
-    // 1 to 1023: steps for which two slots must move together before they merge
-    output reg  [9:0]  join_steps,
-
-    // 0 to 15: and 2^-join_life of the younger's life
-    output reg  [3:0]  join_life,
-
-    // 0 to 8: together: velocities differ by at most 2^-join_speed of the larger
-    output reg  [3:0]  join_speed,
-
-    // 0 to 8: one object: a gap along the motion of at most 2^-join_reach of the width
-    output reg  [3:0]  join_reach,
-
-    // 0 to 255: one object: a gap of so many px otherwise
-    output reg  [7:0]  join_px,
-
-    // 0 to 1: of two that merge stays 0: the one with more support; 1: the one that was seeded first
-    output reg         keep_older,
-
-    // 1 to 1023: steps after which a slot without a correction is reported
-    output reg  [9:0]  report_steps
+    output reg  [`MOTION_REGS_W-1:0] regs  // where each lies: motion_fields.vh
 );
 
     always @(posedge clk) begin
         if (cfg_valid)
             case (cfg_addr)
-                `EVCOT_MREG_STEP_LOG2: step_log2 <= cfg_data[4:0];
-                `EVCOT_MREG_SIDE_STEP: side_step <= cfg_data[15:0];
-                `EVCOT_MREG_SIDE_SHARE: side_share <= cfg_data[3:0];
-                `EVCOT_MREG_SIDE_SHRINK: side_shrink <= cfg_data[3:0];
-                `EVCOT_MREG_SIDE_MAX: side_max <= cfg_data[11:0];
-                `EVCOT_MREG_GAIN_LOG2: gain_log2 <= cfg_data[3:0];
-                `EVCOT_MREG_GAIN_SLOW: gain_slow <= cfg_data[2:0];
-                `EVCOT_MREG_SETTLE: settle <= cfg_data[5:0];
-                `EVCOT_MREG_SPEED_MAX: speed_max <= cfg_data[14:0];
-                `EVCOT_MREG_FRICTION: friction <= cfg_data[3:0];
-                `EVCOT_MREG_NEV_LOW: nev_low <= cfg_data[9:0];
-                `EVCOT_MREG_NEV_HIGH: nev_high <= cfg_data[9:0];
-                `EVCOT_MREG_SEED_PX: seed_px <= cfg_data[7:0];
-                `EVCOT_MREG_RING_PX: ring_px <= cfg_data[7:0];
-                `EVCOT_MREG_RING_MAX: ring_max <= cfg_data[7:0];
-                `EVCOT_MREG_RING_ACROSS: ring_across <= cfg_data[3:0];
-                `EVCOT_MREG_RING_ALONG: ring_along <= cfg_data[3:0];
-                `EVCOT_MREG_RING_ANY: ring_any <= cfg_data[3:0];
-                `EVCOT_MREG_ELONGATION: elongation <= cfg_data[3:0];
-                `EVCOT_MREG_DETECT_TICKS: detect_ticks <= cfg_data[23:0];
-                `EVCOT_MREG_LIFE_LOG2: life_log2 <= cfg_data[3:0];
-                `EVCOT_MREG_LIFE_TICKS: life_ticks <= cfg_data[23:0];
-                `EVCOT_MREG_COAST_TICKS: coast_ticks <= cfg_data[23:0];
-                `EVCOT_MREG_BIRTH_SUPPORT: birth_support <= cfg_data[15:0];
-                `EVCOT_MREG_BIRTH_PX: birth_px <= cfg_data[7:0];
-                `EVCOT_MREG_BIRTH_TICKS: birth_ticks <= cfg_data[23:0];
-                `EVCOT_MREG_BIRTH_TRAVEL: birth_travel <= cfg_data[3:0];
-                `EVCOT_MREG_GAP_CORRECTIONS: gap_corrections <= cfg_data[7:0];
-                `EVCOT_MREG_GAP_SHARE: gap_share <= cfg_data[3:0];
-                `EVCOT_MREG_GAP_PX: gap_px <= cfg_data[7:0];
-                `EVCOT_MREG_JOIN_STEPS: join_steps <= cfg_data[9:0];
-                `EVCOT_MREG_JOIN_LIFE: join_life <= cfg_data[3:0];
-                `EVCOT_MREG_JOIN_SPEED: join_speed <= cfg_data[3:0];
-                `EVCOT_MREG_JOIN_REACH: join_reach <= cfg_data[3:0];
-                `EVCOT_MREG_JOIN_PX: join_px <= cfg_data[7:0];
-                `EVCOT_MREG_KEEP_OLDER: keep_older <= cfg_data[0:0];
-                `EVCOT_MREG_REPORT_STEPS: report_steps <= cfg_data[9:0];
+                // 0 to 20: a motion step every 2^step_log2 ticks
+                `EVCOT_MREG_STEP_LOG2: regs[`MOTION_STEP_LOG2] <= cfg_data[4:0];
+                // 1 to 65535: way of a side for an event beyond and one within it, in 2^-12 px
+                `EVCOT_MREG_SIDE_STEP: regs[`MOTION_SIDE_STEP] <= cfg_data[15:0];
+                // 1 to 8: 2^-side_share of a slot's events lie beyond each side
+                `EVCOT_MREG_SIDE_SHARE: regs[`MOTION_SIDE_SHARE] <= cfg_data[3:0];
+                // 0 to 8: a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never
+                `EVCOT_MREG_SIDE_SHRINK: regs[`MOTION_SIDE_SHRINK] <= cfg_data[3:0];
+                // 1 to 4095: longest side, px
+                `EVCOT_MREG_SIDE_MAX: regs[`MOTION_SIDE_MAX] <= cfg_data[11:0];
+                // 1 to 12: gain of a velocity's correction is 2^-gain_log2 in the end
+                `EVCOT_MREG_GAIN_LOG2: regs[`MOTION_GAIN_LOG2] <= cfg_data[3:0];
+                // 0 to 6: 2^gain_slow corrections until a gain is halved
+                `EVCOT_MREG_GAIN_SLOW: regs[`MOTION_GAIN_SLOW] <= cfg_data[2:0];
+                // 0 to 63: corrections during which a velocity follows the slower of two sides
+                `EVCOT_MREG_SETTLE: regs[`MOTION_SETTLE] <= cfg_data[5:0];
+                // 0 to 32767: limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events
+                `EVCOT_MREG_SPEED_MAX: regs[`MOTION_SPEED_MAX] <= cfg_data[14:0];
+                // 0 to 15: a silent slot loses 2^-friction of its velocity a step; 0: nothing
+                `EVCOT_MREG_FRICTION: regs[`MOTION_FRICTION] <= cfg_data[3:0];
+                // 1 to 1023: fewest events of a correction
+                `EVCOT_MREG_NEV_LOW: regs[`MOTION_NEV_LOW] <= cfg_data[9:0];
+                // 1 to 1023: most events of a correction
+                `EVCOT_MREG_NEV_HIGH: regs[`MOTION_NEV_HIGH] <= cfg_data[9:0];
+                // 1 to 255: half the side of a new candidate's box
+                `EVCOT_MREG_SEED_PX: regs[`MOTION_SEED_PX] <= cfg_data[7:0];
+                // 0 to 255: least distance of a window from its box
+                `EVCOT_MREG_RING_PX: regs[`MOTION_RING_PX] <= cfg_data[7:0];
+                // 0 to 255: largest distance of a window from its box
+                `EVCOT_MREG_RING_MAX: regs[`MOTION_RING_MAX] <= cfg_data[7:0];
+                // 0 to 8: distance across the motion is 2^-ring_across of the box's side there
+                `EVCOT_MREG_RING_ACROSS: regs[`MOTION_RING_ACROSS] <= cfg_data[3:0];
+                // 0 to 8: distance along the motion is 2^-ring_along of the side across it
+                `EVCOT_MREG_RING_ALONG: regs[`MOTION_RING_ALONG] <= cfg_data[3:0];
+                // 0 to 8: distance, where there is no one direction, is 2^-ring_any of the side
+                `EVCOT_MREG_RING_ANY: regs[`MOTION_RING_ANY] <= cfg_data[3:0];
+                // 1 to 15: a box this many times as long as it is wide reaches along its motion as across it
+                `EVCOT_MREG_ELONGATION: regs[`MOTION_ELONGATION] <= cfg_data[3:0];
+                // 1 to 16777215: ticks within which a candidate must have its first correction
+                `EVCOT_MREG_DETECT_TICKS: regs[`MOTION_DETECT_TICKS] <= cfg_data[23:0];
+                // 0 to 8: a life ends after 2^life_log2 times the usual time between corrections without one
+                `EVCOT_MREG_LIFE_LOG2: regs[`MOTION_LIFE_LOG2] <= cfg_data[3:0];
+                // 1 to 16777215: but not before this time
+                `EVCOT_MREG_LIFE_TICKS: regs[`MOTION_LIFE_TICKS] <= cfg_data[23:0];
+                // 1 to 16777215: nor after this time
+                `EVCOT_MREG_COAST_TICKS: regs[`MOTION_COAST_TICKS] <= cfg_data[23:0];
+                // 1 to 65535: events that a candidate needs to become visible
+                `EVCOT_MREG_BIRTH_SUPPORT: regs[`MOTION_BIRTH_SUPPORT] <= cfg_data[15:0];
+                // 0 to 255: sides that it needs
+                `EVCOT_MREG_BIRTH_PX: regs[`MOTION_BIRTH_PX] <= cfg_data[7:0];
+                // 0 to 16777215: time that it needs
+                `EVCOT_MREG_BIRTH_TICKS: regs[`MOTION_BIRTH_TICKS] <= cfg_data[23:0];
+                // 0 to 8: since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side
+                `EVCOT_MREG_BIRTH_TRAVEL: regs[`MOTION_BIRTH_TRAVEL] <= cfg_data[3:0];
+                // 0 to 255: corrections after which a box is looked through for a gap; 0: never
+                `EVCOT_MREG_GAP_CORRECTIONS: regs[`MOTION_GAP_CORRECTIONS] <= cfg_data[7:0];
+                // 1 to 15: a bin with at most 2^-gap_share of the events is empty
+                `EVCOT_MREG_GAP_SHARE: regs[`MOTION_GAP_SHARE] <= cfg_data[3:0];
+                // 1 to 255: narrowest gap
+                `EVCOT_MREG_GAP_PX: regs[`MOTION_GAP_PX] <= cfg_data[7:0];
+                // 1 to 1023: steps for which two slots must move together before they merge
+                `EVCOT_MREG_JOIN_STEPS: regs[`MOTION_JOIN_STEPS] <= cfg_data[9:0];
+                // 0 to 15: and 2^-join_life of the younger's life
+                `EVCOT_MREG_JOIN_LIFE: regs[`MOTION_JOIN_LIFE] <= cfg_data[3:0];
+                // 0 to 8: together: velocities differ by at most 2^-join_speed of the larger
+                `EVCOT_MREG_JOIN_SPEED: regs[`MOTION_JOIN_SPEED] <= cfg_data[3:0];
+                // 0 to 8: one object: a gap along the motion of at most 2^-join_reach of the width
+                `EVCOT_MREG_JOIN_REACH: regs[`MOTION_JOIN_REACH] <= cfg_data[3:0];
+                // 0 to 255: one object: a gap of so many px otherwise
+                `EVCOT_MREG_JOIN_PX: regs[`MOTION_JOIN_PX] <= cfg_data[7:0];
+                // 0 to 1: of two that merge stays 0: the one with more support; 1: the one that was seeded first
+                `EVCOT_MREG_KEEP_OLDER: regs[`MOTION_KEEP_OLDER] <= cfg_data[0:0];
+                // 1 to 1023: steps after which a slot without a correction is reported
+                `EVCOT_MREG_REPORT_STEPS: regs[`MOTION_REPORT_STEPS] <= cfg_data[9:0];
                 default: ;
             endcase
         if (rst) begin
-            step_log2 <= 5'd10;
-            side_step <= 16'd1024;
-            side_share <= 4'd4;
-            side_shrink <= 4'd5;
-            side_max <= 12'd160;
-            gain_log2 <= 4'd4;
-            gain_slow <= 3'd2;
-            settle <= 6'd8;
-            speed_max <= 15'd32767;
-            friction <= 4'd7;
-            nev_low <= 10'd8;
-            nev_high <= 10'd256;
-            seed_px <= 8'd4;
-            ring_px <= 8'd2;
-            ring_max <= 8'd24;
-            ring_across <= 4'd1;
-            ring_along <= 4'd1;
-            ring_any <= 4'd1;
-            elongation <= 4'd2;
-            detect_ticks <= 24'd10000;
-            life_log2 <= 4'd3;
-            life_ticks <= 24'd20000;
-            coast_ticks <= 24'd100000;
-            birth_support <= 16'd200;
-            birth_px <= 8'd4;
-            birth_ticks <= 24'd10000;
-            birth_travel <= 4'd1;
-            gap_corrections <= 8'd16;
-            gap_share <= 4'd7;
-            gap_px <= 8'd2;
-            join_steps <= 10'd10;
-            join_life <= 4'd3;
-            join_speed <= 4'd1;
-            join_reach <= 4'd0;
-            join_px <= 8'd2;
-            keep_older <= 1'd0;
-            report_steps <= 10'd4;
+            regs[`MOTION_STEP_LOG2] <= 5'd10;
+            regs[`MOTION_SIDE_STEP] <= 16'd1024;
+            regs[`MOTION_SIDE_SHARE] <= 4'd4;
+            regs[`MOTION_SIDE_SHRINK] <= 4'd5;
+            regs[`MOTION_SIDE_MAX] <= 12'd160;
+            regs[`MOTION_GAIN_LOG2] <= 4'd4;
+            regs[`MOTION_GAIN_SLOW] <= 3'd2;
+            regs[`MOTION_SETTLE] <= 6'd8;
+            regs[`MOTION_SPEED_MAX] <= 15'd32767;
+            regs[`MOTION_FRICTION] <= 4'd7;
+            regs[`MOTION_NEV_LOW] <= 10'd8;
+            regs[`MOTION_NEV_HIGH] <= 10'd256;
+            regs[`MOTION_SEED_PX] <= 8'd4;
+            regs[`MOTION_RING_PX] <= 8'd2;
+            regs[`MOTION_RING_MAX] <= 8'd24;
+            regs[`MOTION_RING_ACROSS] <= 4'd1;
+            regs[`MOTION_RING_ALONG] <= 4'd1;
+            regs[`MOTION_RING_ANY] <= 4'd1;
+            regs[`MOTION_ELONGATION] <= 4'd2;
+            regs[`MOTION_DETECT_TICKS] <= 24'd10000;
+            regs[`MOTION_LIFE_LOG2] <= 4'd3;
+            regs[`MOTION_LIFE_TICKS] <= 24'd20000;
+            regs[`MOTION_COAST_TICKS] <= 24'd100000;
+            regs[`MOTION_BIRTH_SUPPORT] <= 16'd200;
+            regs[`MOTION_BIRTH_PX] <= 8'd4;
+            regs[`MOTION_BIRTH_TICKS] <= 24'd10000;
+            regs[`MOTION_BIRTH_TRAVEL] <= 4'd1;
+            regs[`MOTION_GAP_CORRECTIONS] <= 8'd16;
+            regs[`MOTION_GAP_SHARE] <= 4'd7;
+            regs[`MOTION_GAP_PX] <= 8'd2;
+            regs[`MOTION_JOIN_STEPS] <= 10'd10;
+            regs[`MOTION_JOIN_LIFE] <= 4'd3;
+            regs[`MOTION_JOIN_SPEED] <= 4'd1;
+            regs[`MOTION_JOIN_REACH] <= 4'd0;
+            regs[`MOTION_JOIN_PX] <= 8'd2;
+            regs[`MOTION_KEEP_OLDER] <= 1'd0;
+            regs[`MOTION_REPORT_STEPS] <= 10'd4;
         end
     end
 

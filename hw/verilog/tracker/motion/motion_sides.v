@@ -1,135 +1,209 @@
 // SPDX-License-Identifier: Apache-2.0
-// One axis of the slot that is worked on: its sides, what they were or have moved, and its velocity.
+// The sides of the slot that is worked on, what they were or have moved, and its velocity: one circuit through which both axes go in turn.
 //
-// A command that moves sides is prepared in its clock, and takes effect in the next one. `ref` of a side is its place at the last
-// correction, carried along by steps, or after `reflect` its offset from there; after another one it is the place again.
+// An axis is in front for one clock, behind for the next, and so on; `lane` is low while x is in front. A command is given while
+// `lane` is high, for one clock, and holds for x, then for y. `ref` of a side is its place at the last correction, carried along by
+// steps, or after `reflect` how far the side is from there; after another one it is the place again.
 //
-// Latency:    lo and hi 1 clock after load, unite, order, 2 after seed, shrink, cut, move, shorten; side and sum one more, part and too_long two.
-//             ref and v 1 clock.
-// Throughput: a command every second clock.
+// Latency:    from a command: 3 clocks to the sides of x in front, 2 to ref, 1 to the velocity, one more for y; o_* show what is in
+//             front one clock later, side and sum three. After load, with which `lane` goes low, x is in front.
+// Throughput: a command every second clock; shrink and shorten follow the sides as they were 4 clocks before, order and unite
+//             the differences of 2 clocks before.
 // Stall:      none, without a command everything stays.
-// Reset:      none, nothing is used before it was loaded.
+// Reset:      none but of lane: nothing is used before it was loaded.
 // Combinational paths: none.
 `default_nettype none
 
 module motion_sides #(
-    parameter AT_W   = 9,   // bits of an address
+    parameter X_W    = 9,   // bits of an address
+    parameter Y_W    = 9,
     parameter SIDE_W = 25,  // bits of a side, 2^-12 px, signed
     parameter PX_W   = SIDE_W - 12  // derived: leave it alone
 ) (
-    input  wire                     clk,
+    input  wire                clk,
+    input  wire                rst,
 
     // commands
-    input  wire                     load,     // takes r_*, m_*
-    input  wire                     unite,    // sides cover r_* as well; velocity as m_v
-    input  wire                     seed,     // a square about `place`, at rest
-    input  wire                     shrink,   // a part inwards, but for marked sides
-    input  wire                     cut_high, // the high side, or the low one, is `cut_px` from the low one
-    input  wire                     cut_low,
-    input  wire                     order,    // the high side is not below the low one
-    input  wire                     move,     // by the velocity, if within reach
-    input  wire                     shorten,  // to side_max, about the middle
-    input  wire                     reflect,
-    input  wire                     settle,   // ref is the side
-    input  wire                     turn,     // the velocity is v_next
-    input  wire                     rub,      // it dies away
+    input  wire                load,      // takes r_*, m_*, at any time
+    input  wire                load_refs, // with it: ref as well
+    input  wire                seed,      // a square about x, y, at rest
+    input  wire                shrink,    // a part inwards, but for marked sides
+    input  wire                cut_high,  // the high side of axis `on_y`, or the low one, is `cut_px` from the low one
+    input  wire                cut_low,
+    input  wire                order,     // its high side is not below the low one
+    input  wire                on_y,
+    input  wire                unite,     // after reflect: the sides cover ref as well
+    input  wire                move,      // by the velocity, if within reach
+    input  wire                shorten,   // to side_max, about the middle, where longer
+    input  wire                reflect,
+    input  wire                settle,    // ref is the side
+    input  wire                turn,      // the velocity is v_next, of x, in the next clock of y
+    input  wire                rub,       // it dies away
 
-    // operands
-    input  wire [AT_W-1:0]          place,
-    input  wire signed [SIDE_W-1:0] r_lo,
-    input  wire signed [SIDE_W-1:0] r_hi,
-    input  wire [SIDE_W-1:0]        m_ref_lo,
-    input  wire [SIDE_W-1:0]        m_ref_hi,
-    input  wire [15:0]              m_v,
-    input  wire [15:0]              v_next,
-    input  wire [1:0]               marks,    // hi, lo
-    input  wire [PX_W-1:0]          cut_px,
-    input  wire [7:0]               seed_px,
-    input  wire [3:0]               side_shrink,
-    input  wire [11:0]              side_max,
-    input  wire [3:0]               friction,
+    // operands: x first
+    input  wire [X_W-1:0]      x,
+    input  wire [Y_W-1:0]      y,
+    input  wire [4*SIDE_W-1:0] r_sides,   // lo and hi of x, lo and hi of y
+    input  wire [4*SIDE_W-1:0] m_refs,
+    input  wire [31:0]         m_v,       // y, x
+    input  wire [15:0]         v_next,
+    input  wire [3:0]          marks,     // hi and lo of y, hi and lo of x
+    input  wire [PX_W-1:0]     cut_px,
+    input  wire [7:0]          seed_px,
+    input  wire [3:0]          side_shrink,
+    input  wire [11:0]         side_max,
+    input  wire [3:0]          friction,
 
-    output reg signed [SIDE_W-1:0]  lo,
-    output reg signed [SIDE_W-1:0]  hi,
-    output reg  [SIDE_W:0]          ref_lo,   // as a place its lower bits count
-    output reg  [SIDE_W:0]          ref_hi,
-    output reg signed [15:0]        v,
-    output wire [14:0]              speed,
-    output wire [SIDE_W-1:0]        side,     // hi - lo, at least 0
-    output reg signed [SIDE_W:0]    sum,
-    output reg                      too_long,
-    output reg                      too_small, // less than least_px
-    input  wire [7:0]               least_px
+    // the axis behind, x while `lane` is high
+    output reg                 lane,
+    output reg signed [SIDE_W:0] ref_lo,  // as a place its lower bits count
+    output reg signed [SIDE_W:0] ref_hi,
+    output reg signed [15:0]   v,
+
+    // that in front
+    output reg  [SIDE_W:0]     sum,
+
+    // both
+    output reg  [4*SIDE_W-1:0] o_sides,
+    output reg  [4*SIDE_W-1:0] o_refs,
+    output reg  [31:0]         o_v,
+    output reg  [SIDE_W-1:0]   side_x,    // hi - lo, at least 0
+    output reg  [SIDE_W-1:0]   side_y,
+    output reg  [SIDE_W:0]     sum_x,
+    output reg  [SIDE_W:0]     sum_y,
+    output reg                 crossed_x, // hi is below lo
+    output reg                 crossed_y
 );
 
-    reg                     do_add, do_hi, do_lo, checks, from_place, from_middle, hi_from_lo;
-    reg signed [SIDE_W-1:0] add_lo, add_hi;
-    reg signed [SIDE_W:0]   apart;
-    reg [SIDE_W-1:0]        part;
-    reg signed [15:0]       v_part;
+    // ---- commands, as the axis behind, then that in front has them -------------------------------------------------------
+
+    reg  seeded, shrinks, cuts_high, cuts_low, orders, unites, moves, shortens, turns, rubs;  // x had it, now y does
+    reg  reflects_1, reflects_2, settles_1, settles_2;
+    wire is_y     = !lane;  // of the axis behind
+    wire seed_b   = seed || seeded;
+    wire shrink_b = shrink || shrinks;
+    wire high_b   = on_y ? cuts_high : cut_high;
+    wire low_b    = on_y ? cuts_low : cut_low;
+    wire order_b  = on_y ? orders : order;
+    wire unite_b  = unite || unites;
+    wire move_b   = move || moves;
+    wire long_b   = (shorten || shortens) && too_long;
+    wire turn_b   = turn || turns;
+    wire rub_b    = rub || rubs;
+    wire reflect_a = reflects_1 || reflects_2;
+    wire settle_a  = settles_1 || settles_2;
+
+    always @(posedge clk) begin
+        {seeded, shrinks, cuts_high, cuts_low, orders} <= {seed, shrink, cut_high, cut_low, order};
+        {unites, moves, shortens, turns, rubs} <= {unite, move, shorten, turn, rub};
+        {reflects_2, reflects_1, settles_2, settles_1} <= {reflects_1, reflect, settles_1, settle};
+    end
+
+    // ---- behind: what is added is chosen; in front: it is added; behind: it is taken -------------------------------------
+
+    reg signed [SIDE_W-1:0] lo_a, hi_a, lo_b, hi_b, new_lo, new_hi;
+    reg signed [SIDE_W:0]   ref_lo_a, ref_hi_a;
+    reg signed [15:0]       v_a, v_part;
+    reg signed [SIDE_W:0]   apart;             // of the axis in front, as sum
+    reg        [SIDE_W-1:0] part;              // of the axis behind
+    reg                     too_long, inverted;
+    reg        [SIDE_W-1:0] add_lo, add_hi;    // complements where negative
+    reg                     less_lo, less_hi;
+    reg                     from_place, from_middle, hi_from_lo, checks, do_lo, do_hi, checks_b, take_lo, take_hi;
 
     wire [SIDE_W-1:0] seed_way = {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0};
     wire [SIDE_W-1:0] half     = {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0};
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {v[15]}}, v};
-    wire [SIDE_W-1:0] at       = {{(SIDE_W - 12 - AT_W) {1'b0}}, place, 12'd0};
-    wire signed [SIDE_W-1:0] base_lo = from_place ? at : from_middle ? sum[SIDE_W:1] : lo;
-    wire signed [SIDE_W-1:0] base_hi = from_place ? at : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo : hi;
-    wire signed [SIDE_W-1:0] new_lo  = base_lo + add_lo;
-    wire signed [SIDE_W-1:0] new_hi  = base_hi + add_hi;
+    wire [SIDE_W-1:0] at_x     = {{(SIDE_W - 12 - X_W) {1'b0}}, x, 12'd0};
+    wire [SIDE_W-1:0] at_y     = {{(SIDE_W - 12 - Y_W) {1'b0}}, y, 12'd0};
+    wire [1:0]        mark     = is_y ? marks[3:2] : marks[1:0];
+    wire [SIDE_W-1:0] side     = apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0];
     wire signed [PX_W:0]     apart_px = apart[SIDE_W:12];
     wire signed [PX_W:0]     most     = {{(PX_W - 11) {1'b0}}, side_max};
-    wire signed [PX_W:0]     least    = {{(PX_W - 7) {1'b0}}, least_px};
+    wire signed [SIDE_W-1:0] base_lo  = from_place ? (lane ? at_y : at_x) : from_middle ? sum[SIDE_W:1] : lo_a;
+    wire signed [SIDE_W-1:0] base_hi  = from_place ? (lane ? at_y : at_x) : from_middle ? sum[SIDE_W:1] : hi_from_lo ? lo_a : hi_a;
+    wire [SIDE_W:0]          sum_lo   = {base_lo, 1'b1} + {add_lo, less_lo};
+    wire [SIDE_W:0]          sum_hi   = {base_hi, 1'b1} + {add_hi, less_hi};
 
     // From -2^REACH to below 2^(REACH + 1) pixels.
     wire reachable = (new_lo[SIDE_W-1:SIDE_W-4] == 4'hf || new_lo[SIDE_W-1:SIDE_W-3] == 3'd0)
                && (new_hi[SIDE_W-1:SIDE_W-4] == 4'hf || new_hi[SIDE_W-1:SIDE_W-3] == 3'd0);
-
-    assign side  = apart[SIDE_W] ? {SIDE_W{1'b0}} : apart[SIDE_W-1:0];
-    assign speed = v[15] ? -v[14:0] : v[14:0];
+    wire taken     = !checks_b || reachable;
 
     always @(posedge clk) begin
-        do_add      <= seed || shrink || cut_high || cut_low || move || shorten;
-        do_lo       <= !cut_high;
-        do_hi       <= !cut_low;
-        checks      <= move;
-        from_place  <= seed;
-        from_middle <= shorten;
-        hi_from_lo  <= cut_high;
-        add_lo      <= seed ? -seed_way : shorten ? -half : move ? way : cut_low ? {cut_px, 12'd0} : marks[0] ? {SIDE_W{1'b0}} : part;
-        add_hi      <= seed ? seed_way : shorten ? half : move ? way : cut_high ? {cut_px, 12'd0} : marks[1] ? {SIDE_W{1'b0}} : -part;
+        // behind
+        from_place  <= seed_b;
+        from_middle <= long_b;
+        hi_from_lo  <= high_b || order_b;
+        checks      <= move_b;
+        do_lo       <= seed_b || shrink_b || low_b || unite_b || move_b || long_b;
+        do_hi       <= seed_b || shrink_b || high_b || unite_b || move_b || long_b || (order_b && inverted);
+        less_lo     <= seed_b || long_b || unite_b;
+        less_hi     <= shrink_b || unite_b;
+        add_lo      <= seed_b ? ~seed_way : long_b ? ~half : move_b ? way : low_b ? {cut_px, 12'd0}
+                     : unite_b ? (ref_lo[SIDE_W] ? {SIDE_W{1'b1}} : ~ref_lo[SIDE_W-1:0]) : mark[0] ? {SIDE_W{1'b0}} : part;
+        add_hi      <= seed_b ? seed_way : long_b ? half : move_b ? way : high_b ? {cut_px, 12'd0} : order_b ? {SIDE_W{1'b0}}
+                     : unite_b ? (ref_hi[SIDE_W] ? ~ref_hi[SIDE_W-1:0] : {SIDE_W{1'b1}}) : mark[1] ? {SIDE_W{1'b1}} : ~part;
 
-        if (do_add && (!checks || reachable)) begin
-            if (do_lo) lo <= new_lo;
-            if (do_hi) hi <= new_hi;
-        end
-        if (load) {lo, hi} <= {r_lo, r_hi};
-        if (unite) begin
-            if (r_lo < lo) lo <= r_lo;
-            if (r_hi > hi) hi <= r_hi;
-        end
-        if (order && apart[SIDE_W]) hi <= lo;
+        // in front
+        {lo_b, hi_b} <= {lo_a, hi_a};
+        new_lo   <= sum_lo[SIDE_W:1];
+        new_hi   <= sum_hi[SIDE_W:1];
+        take_lo  <= do_lo;
+        take_hi  <= do_hi;
+        checks_b <= checks;
 
+        // behind
+        lo_a <= take_lo && taken ? new_lo : lo_b;
+        hi_a <= take_hi && taken ? new_hi : hi_b;
+
+        // in front, and behind
+        if (!load || lane) begin
+            ref_lo <= reflect_a || settle_a ? {lo_a[SIDE_W-1], lo_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_lo_a) : ref_lo_a;
+            ref_hi <= reflect_a || settle_a ? {hi_a[SIDE_W-1], hi_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_hi_a) : ref_hi_a;
+            {ref_lo_a, ref_hi_a} <= {ref_lo, ref_hi};
+        end
+        v      <= v_a;
+        v_part <= v_a >>> friction;
+        v_a    <= seed_b ? 16'd0 : turn_b ? v_next : rub_b ? v - v_part : v;
+
+        lane <= !lane;
         if (load) begin
-            ref_lo <= {m_ref_lo[SIDE_W-1], m_ref_lo};
-            ref_hi <= {m_ref_hi[SIDE_W-1], m_ref_hi};
+            {lo_a, hi_a, lo_b, hi_b} <= r_sides;
+            {v, v_a} <= m_v;
+            lane     <= 1'b0;
         end
-        if (reflect || settle) begin
-            ref_lo <= {lo[SIDE_W-1], lo} - (settle ? {(SIDE_W + 1) {1'b0}} : ref_lo);
-            ref_hi <= {hi[SIDE_W-1], hi} - (settle ? {(SIDE_W + 1) {1'b0}} : ref_hi);
+        if (load && load_refs) begin
+            ref_lo_a <= {m_refs[4*SIDE_W-1], m_refs[3*SIDE_W+:SIDE_W]};
+            ref_hi_a <= {m_refs[3*SIDE_W-1], m_refs[2*SIDE_W+:SIDE_W]};
+            ref_lo   <= {m_refs[2*SIDE_W-1], m_refs[SIDE_W+:SIDE_W]};
+            ref_hi   <= {m_refs[SIDE_W-1], m_refs[0+:SIDE_W]};
         end
-
-        if (load || unite) v <= m_v;
-        if (turn) v <= v_next;
-        if (rub) v <= v - v_part;
-        if (seed) v <= 16'd0;
-
-        v_part   <= v >>> friction;
-        apart    <= {hi[SIDE_W-1], hi} - {lo[SIDE_W-1], lo};
-        sum      <= {hi[SIDE_W-1], hi} + {lo[SIDE_W-1], lo};
-        part     <= side >> side_shrink;
-        too_long  <= apart_px > most || (apart_px == most && |apart[11:0]);
-        too_small <= apart_px < least;
+        if (rst) lane <= 1'b0;
     end
+
+    // ---- what follows from them ------------------------------------------------------------------------------------------
+
+    always @(posedge clk) begin
+        apart    <= {hi_b[SIDE_W-1], hi_b} - {lo_b[SIDE_W-1], lo_b};
+        sum      <= {hi_b[SIDE_W-1], hi_b} + {lo_b[SIDE_W-1], lo_b};
+        part     <= side >> side_shrink;
+        inverted <= apart[SIDE_W];
+        too_long <= apart_px > most || (apart_px == most && |apart[11:0]);
+        if (lane) begin
+            o_sides[2*SIDE_W-1:0] <= {lo_a, hi_a};
+            o_refs[2*SIDE_W-1:0]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
+            o_v[31:16]            <= v_a;
+            {side_y, sum_y, crossed_y} <= {side, sum, apart[SIDE_W]};
+        end else begin
+            o_sides[4*SIDE_W-1:2*SIDE_W] <= {lo_a, hi_a};
+            o_refs[4*SIDE_W-1:2*SIDE_W]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
+            o_v[15:0]                    <= v_a;
+            {side_x, sum_x, crossed_x}   <= {side, sum, apart[SIDE_W]};
+        end
+    end
+
+    wire unused = &{1'b0, sum_lo[0], sum_hi[0]};
 
 endmodule
 

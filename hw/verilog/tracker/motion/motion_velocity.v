@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The correction of a velocity on one axis: docs/motion.md, "Correction", point 3.
+// The correction of the velocities on x and y, one after the other: docs/motion.md, "Correction", point 3.
 //
 // d·2^-g over the time since the last correction, by the leading bit of that time and the three bits below it, which motion_inverse.v finds.
+// The shift is to the left by up to 7 with the factor of the product, then to the right in whole bytes.
 //
-// Latency:    10 to 22 clocks from start to busy falling; inputs must stay.
-// Throughput: one at a time.
-// Stall:      the result stays until the next start.
-// Reset:      not busy.
+// Latency:    10 clocks from an axis' offsets to its v_next.
+// Throughput: an axis per clock.
+// Stall:      none. Inputs that have no axis must stay from start to turn.
+// Reset:      nothing is under way.
 // Combinational paths: none.
 `default_nettype none
 
@@ -16,7 +17,7 @@ module motion_velocity #(
     input  wire                    clk,
     input  wire                    rst,
 
-    input  wire                    start,
+    input  wire                    start,      // the offsets are those of x; in the next clock, of y
     input  wire signed [OFF_W-1:0] low,        // offsets of both sides
     input  wire signed [OFF_W-1:0] high,
     input  wire                    slower,     // take what both sides have in common
@@ -25,84 +26,85 @@ module motion_velocity #(
     input  wire [3:0]              gain,       // g, 1 to 13
     input  wire [4:0]              step_log2,
     input  wire [14:0]             speed_max,
-    input  wire signed [15:0]      v,
+    input  wire signed [15:0]      v,          // of the axis, eight clocks later
 
-    output reg                     busy,
+    output wire                    turn,       // v_next is that of x; in the next clock, of y
     output reg signed [15:0]       v_next
 );
 
-    localparam D_W  = OFF_W + 1;   // bits of d
-    localparam LOW  = 17;          // of its lower part
-    localparam P_W  = D_W + 8;     // of its product with up to 120
-    localparam LEFT = 12;          // most places to the left; all shifts are to the right from there
-    localparam S_W  = P_W + LEFT;
+    localparam D_W = OFF_W + 1;  // bits of d
+    localparam LOW = 17;         // of its lower part
+    localparam P_W = D_W + 15;   // of its product with up to 120 << 7
+    localparam A_W = 41;         // what is left of the product after each of the shifts to the right
+    localparam B_W = 25;
+    localparam C_W = 17;
 
-    reg [6:0]             step;    // one of them is high: the values of the step before are there
-    reg                   shifts;
-    reg [OFF_W-1:0]       abs_low, abs_high;
-    reg                   low_less;
-    reg signed [D_W-1:0]  way;
-    reg [LOW+6:0]         product_low;
+    // (d · inverse) >> k is (d · inverse << 7 - down % 8 << 8) >> 8·(down / 8), k = down - 15.
+    reg  [5:0]  down;            // 4 to 59
+    reg  [13:0] factor;
+
+    reg [9:0]                begun;
+    reg signed [OFF_W-1:0]   low_1, high_1;
+    reg signed [D_W-1:0]     both_1, way_2;
+    reg                      low_rises, high_rises, low_less;
+    reg [LOW+13:0]           product_low;
     reg signed [P_W-LOW-1:0] product_high;
-    reg signed [S_W-1:0]  shifted;
-    reg [6:0]             down;    // places to the right
-    reg signed [16:0]     change;
-    reg signed [17:0]     sum;
+    reg signed [P_W-1:0]     product;
+    reg signed [A_W-1:0]     part_5;
+    reg signed [B_W-1:0]     part_6;
+    reg signed [C_W-1:0]     part_7, change;
+    reg                      over_5, over_6, over_7, sign_5, sign_6, sign_7;
+    reg signed [17:0]        sum;
 
-    wire low_rises  = !low[OFF_W-1] && |low;
-    wire high_rises = !high[OFF_W-1] && |high;
-    wire signed [D_W-1:0] shorter = low_less ? {low, 1'b0} : {high, 1'b0};
-    wire signed [D_W-1:0] both    = {low[OFF_W-1], low} + {high[OFF_W-1], high};
-    wire signed [D_W-LOW-1:0] way_high = way[D_W-1:LOW];
-    wire [P_W-1:0] product = {product_high, {LOW{1'b0}}} + {{(P_W - LOW - 7) {1'b0}}, product_low};
+    wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
+    wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
+    wire signed [D_W-LOW-1:0] way_high = way_2[D_W-1:LOW];
+    wire signed [P_W+7:0] wide_4   = {product, 8'd0};
+    wire                  sign_4   = product[P_W-1];
+    wire signed [17:0]    most     = {3'd0, speed_max};
+    reg  signed [17:0]    least;
+    wire signed [17:0]    bound    = sum > most ? most : sum < least ? least : sum;
 
-    // Beyond 16 bits only the sign of a change counts: no velocity has more.
-    wire too_high = !shifted[S_W-1] && |shifted[S_W-2:16];
-    wire too_low  = shifted[S_W-1] && !(&shifted[S_W-2:16]);
-    wire signed [17:0] most  = {3'd0, speed_max};
-    wire signed [17:0] bound = sum > most ? most : sum < -most ? -most : sum;
-    wire unused = &{1'b0, bound[17:16]};
+    assign turn = begun[9];
 
     always @(posedge clk) begin
-        step <= {step[5:0], start};
-        if (start) begin
-            abs_low  <= low[OFF_W-1] ? -low : low;
-            abs_high <= high[OFF_W-1] ? -high : high;
-            busy     <= 1'b1;
-        end
-        if (step[0]) low_less <= abs_low < abs_high;
-        if (step[1]) way <= !slower ? both : low_rises != high_rises ? {D_W{1'b0}} : shorter;
-        if (step[2]) begin
-            product_low  <= way[LOW-1:0] * inverse;
-            product_high <= way_high * $signed({{(P_W - LOW - 7) {1'b0}}, inverse});
-        end
-        if (step[3]) begin
-            shifted <= {product, {LEFT{1'b0}}};
-            down    <= {2'b00, leading} + {3'd0, gain} + 7'd20 - {2'b00, step_log2};
-            shifts  <= 1'b1;
-        end
-        if (shifts) begin
-            if (down >= 7'd8) begin
-                shifted <= {{8{shifted[S_W-1]}}, shifted[S_W-1:8]};
-                down    <= down - 7'd8;
-            end else if (down != 7'd0) begin
-                shifted <= {shifted[S_W-1], shifted[S_W-1:1]};
-                down    <= down - 7'd1;
-            end else begin
-                shifts <= 1'b0;
-                change <= too_high ? 17'sh0ffff : too_low ? 17'sh10000 : shifted[16:0];
-            end
-        end
-        step[4] <= shifts && down == 7'd0;
-        if (step[4]) sum <= {{2{v[15]}}, v} + {change[16], change};
-        if (step[5]) v_next <= bound[15:0];
-        if (step[6]) busy <= 1'b0;
-        if (rst) begin
-            step   <= 7'd0;
-            shifts <= 1'b0;
-            busy   <= 1'b0;
-        end
+        down   <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
+        factor <= {7'd0, inverse} << ~down[2:0];
+
+        begun      <= {begun[8:0], start};
+        low_1      <= low;
+        high_1     <= high;
+        both_1     <= {low[OFF_W-1], low} + {high[OFF_W-1], high};
+        low_less   <= less[D_W-1];
+        low_rises  <= !low[OFF_W-1] && |low;
+        high_rises <= !high[OFF_W-1] && |high;
+
+        way_2 <= !slower ? both_1 : low_rises != high_rises ? {D_W{1'b0}} : shorter;
+
+        product_low  <= way_2[LOW-1:0] * factor;
+        product_high <= way_high * $signed({{(P_W - LOW - 14) {1'b0}}, factor});
+
+        product <= {product_high, {LOW{1'b0}}} + {{(P_W - LOW - 14) {1'b0}}, product_low};
+
+        // Beyond 16 bits only the sign of a change counts: no velocity has more.
+        part_5 <= down[5] ? {{(A_W + 24 - P_W) {sign_4}}, wide_4[P_W+7:32]} : wide_4[A_W-1:0];
+        over_5 <= !down[5] && wide_4[P_W+7:A_W] != {(P_W + 8 - A_W) {sign_4}};
+        sign_5 <= sign_4;
+        part_6 <= down[4] ? part_5[A_W-1:16] : part_5[B_W-1:0];
+        over_6 <= over_5 || (!down[4] && part_5[A_W-1:B_W] != {(A_W - B_W) {sign_5}});
+        sign_6 <= sign_5;
+        part_7 <= down[3] ? part_6[B_W-1:8] : part_6[C_W-1:0];
+        over_7 <= over_6 || (!down[3] && part_6[B_W-1:C_W] != {(B_W - C_W) {sign_6}});
+        sign_7 <= sign_6;
+
+        change <= over_7 || part_7[16] != sign_7 ? (sign_7 ? 17'sh10000 : 17'sh0ffff) : part_7;
+        sum    <= {{2{v[15]}}, v} + {change[16], change};
+        least  <= -most;
+        v_next <= bound[15:0];
+        if (rst) begun <= 10'd0;
     end
+
+    wire unused = &{1'b0, bound[17:16], less[D_W-2:0]};
 
 endmodule
 

@@ -4,7 +4,7 @@
 //
 // Slots are worked on, and put in force, in the order in which they came: two places in one ring.
 //
-// Latency:    1 clock from s_valid to job_valid, 2 to reached.
+// Latency:    1 clock from s_valid to job_valid, 3 to reached; 2 clocks from put_done to the next one's put_slot, and not reached until then.
 // Throughput: a slot per clock.
 // Stall:      none: there is an entry for each slot, and a slot does not come again before it is in force.
 // Reset:      becomes empty.
@@ -44,11 +44,12 @@ module motion_waiting #(
     output wire [SEQ_W-1:0]  job_seq,
 
     // the next one to be in force
-    input  wire [7:0]        next_event, // lower bits of the number of the event that comes next, from the next clock on
+    input  wire [7:0]        issued,     // lower bits of the number of the event that comes next
+    input  wire              issues,     // it comes in this clock
     output reg               reached,    // it must be before that event
     output wire              put_valid,  // it can be
-    output wire              put_seed,
-    output wire [SLOT_W-1:0] put_slot,
+    output reg               put_seed,
+    output reg  [SLOT_W-1:0] put_slot,
     input  wire              put_done,
 
     output wire              empty
@@ -61,14 +62,15 @@ module motion_waiting #(
     reg [SLOT_W:0]     slots[0:(1<<SLOT_W)-1];  // and whether a candidate begins
     reg [SLOT_W+8:0]   puts [0:(1<<SLOT_W)-1];
     reg [SLOT_W:0]     tail, job, head;         // modulo twice the depth
-    wire [7:0]         put_event;
+    reg  [7:0]         put_event;
+    reg                waits;                   // the entry that was read is one
+    wire [7:0]         later = issued + 8'd1;
 
     assign empty     = head == tail;
     assign job_valid = job != tail;
     assign put_valid = head != job;
     assign {job_x, job_y, job_support, job_time, job_seq} = jobs[job[SLOT_W-1:0]];
     assign {job_seed, job_slot} = slots[job[SLOT_W-1:0]];
-    assign {put_seed, put_slot, put_event} = puts[head[SLOT_W-1:0]];
 
     always @(posedge clk) begin
         if (s_valid) begin
@@ -79,11 +81,14 @@ module motion_waiting #(
         end
         if (job_done) job <= job + {{SLOT_W{1'b0}}, 1'b1};
         if (put_done) head <= head + {{SLOT_W{1'b0}}, 1'b1};
-        reached <= head != tail && put_event == next_event;
+        {put_seed, put_slot, put_event} <= puts[head[SLOT_W-1:0]];
+        waits   <= head != tail && !put_done;
+        reached <= waits && !put_done && put_event == (issues ? later : issued);
         if (rst) begin
             tail    <= {(SLOT_W + 1) {1'b0}};
             job     <= {(SLOT_W + 1) {1'b0}};
             head    <= {(SLOT_W + 1) {1'b0}};
+            waits   <= 1'b0;
             reached <= 1'b0;
         end
     end

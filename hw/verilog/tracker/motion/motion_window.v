@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Box and window of a slot from its sides and its velocity: docs/motion.md, "Windows".
 //
-// Latency:    7 clocks from start to done; sides need stay for one, other inputs until then.
+// Latency:    7 clocks from start to done; sides need stay for one, other inputs until then. Lengths must be there 2 clocks before start.
+//             3 clocks from the lengths to long_x and long_y.
 // Throughput: one at a time.
 // Stall:      box and window stay until the next start.
 // Reset:      done is low until the next start has come through.
@@ -34,17 +35,19 @@ module motion_window #(
     input  wire [7:0]               ring_max,
 
     output reg                      done,
+    output reg  [PX_W+3:0]          long_x,    // so long must the other axis be at least, to be long
+    output reg  [PX_W+3:0]          long_y,
     output wire [4*PX_W-1:0]        box,       // lo and hi on x, lo and hi on y
     output reg  [4*PX_W-1:0]        window
 );
-
-    localparam LONG_W = PX_W + 4;
 
     reg [5:0] step;  // one of them is high: the values of the step before are there
 
     reg signed [PX_W-1:0] low_x, high_x, low_y, high_y;
     reg [PX_W-1:0]   width, height;
-    reg [LONG_W-1:0] long_x, long_y;    // so long must the other axis be at least
+    reg [PX_W-1:0]   wide_length, high_length;  // beside the multipliers, as the next three
+    reg [3:0]        times;
+    reg [PX_W+3:0]   product_x, product_y;
     reg              along_x, along_y;  // the direction of the motion
     reg [PX_W-1:0]   base_x, base_y;    // what a ring follows from
     reg [3:0]        shift_x, shift_y;
@@ -62,7 +65,14 @@ module motion_window #(
 
     // Of the pixel of a side, rounded to nearest, and of the length, which the inputs have.
     always @(posedge clk) begin
-        step <= {step[4:0], start};
+        step  <= {step[4:0], start};
+        times       <= elongation;
+        wide_length <= length_x;
+        high_length <= length_y;
+        product_x   <= {4'd0, wide_length} * {{PX_W{1'b0}}, times};
+        product_y   <= {4'd0, high_length} * {{PX_W{1'b0}}, times};
+        long_x      <= product_x;
+        long_y      <= product_y;
         done <= step[5];
         if (start) begin
             width  <= length_x;
@@ -83,8 +93,6 @@ module motion_window #(
             end
             along_y <= known && {1'b0, speed_y} >= {speed_x, 1'b0};
             along_x <= known && {1'b0, speed_x} >= {speed_y, 1'b0};
-            long_x  <= {{4{1'b0}}, width} * {{PX_W{1'b0}}, elongation};
-            long_y  <= {{4{1'b0}}, height} * {{PX_W{1'b0}}, elongation};
         end
         if (step[1]) begin
             base_x  <= width;

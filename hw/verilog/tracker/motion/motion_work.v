@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // All that is done to a slot, one slot at a time: a candidate is placed, a correction computed, a motion step gone through.
 //
-// The slot that is worked on is in registers: its sides and velocity in motion_sides.v, the rest here. What events change of it is read
-// and written by operations in their pipeline, motion_events.v; the rest lies in motion_context.v.
+// Three parts say what is done and when, one of them at a time: motion_correct.v, motion_step.v and, within a step, motion_merge.v. The
+// others do it: the slot that is worked on is in motion_sides.v, motion_times.v and motion_slot.v. What events change of it is read and
+// written by operations in their pipeline, motion_events.v.
 //
-// Latency:    from job_valid to job_done about 40 clocks for a correction, more with a look for gaps; 45 for a candidate that begins.
-// Throughput: a job at a time. A step: 2 clocks and one for each free slot; for each one that lives about 50, and 16 for each other
-//             one that it is compared with.
+// Latency:    from job_valid to job_done: see motion_correct.v.
+// Throughput: a job at a time; a step: see motion_step.v.
 // Stall:      a job waits for its operations and for its record to be accepted.
 // Reset:      waits for a job.
-// Combinational paths: record_free and op_ready -> op_*.
+// Combinational paths: none.
 `default_nettype none
 `include "evcot_defs.vh"
+`include "motion_fields.vh"
 
 module motion_work #(
     parameter N      = 8,
@@ -48,8 +49,8 @@ module motion_work #(
     input  wire [SLOT_W-1:0]   put_slot,
 
     // slots
-    output reg  [N-1:0]        visible,
-    output reg  [N-1:0]        candidate,
+    output wire [N-1:0]        visible,
+    output wire [N-1:0]        candidate,
     input  wire                begins,        // a candidate is in force
     input  wire [SLOT_W-1:0]   begins_slot,
 
@@ -66,8 +67,8 @@ module motion_work #(
     input  wire                read_done,
     input  wire                store_done,
     output wire [4*SIDE_W-1:0] o_sides,
-    output reg  [3:0]          o_marks,
-    output reg  [3:0]          o_hidden,
+    output wire [3:0]          o_marks,
+    output wire [3:0]          o_hidden,
     output wire [SUP_W-1:0]    o_support,
     output wire [9:0]          o_log2,
     output wire [4*PX_W-1:0]   o_box,
@@ -82,10 +83,10 @@ module motion_work #(
     input  wire [N-1:0]        in_window,
 
     // the search for a gap: see motion_gaps.v
-    output reg                 look,
-    output reg                 look_y,
+    output wire                look,
+    output wire                look_y,
     output wire [4:0]          look_log2,
-    output reg  [PX_W-1:0]     narrowest,
+    output wire [PX_W-1:0]     narrowest,
     input  wire                look_done,
     input  wire                gap_found,
     input  wire                low_stays,
@@ -95,403 +96,382 @@ module motion_work #(
     // records: see motion_record.v
     output wire                say,
     input  wire                record_free,
-    output reg  [1:0]          kind,
-    output reg  [SLOT_W-1:0]   at,            // the slot that is worked on, or compared
+    output wire [1:0]          kind,
+    output wire [SLOT_W-1:0]   at,            // the slot that is worked on, or compared
     output wire [ID_W-1:0]     id,
-    output reg  [ID_W-1:0]     stays_id,
+    output wire [ID_W-1:0]     stays_id,
     output wire [SIDE_W:0]     sum_x,
     output wire [SIDE_W:0]     sum_y,
     output wire [SIDE_W-1:0]   side_x,
     output wire [SIDE_W-1:0]   side_y,
     output wire [15:0]         v_x,
     output wire [15:0]         v_y,
-    output reg  [9:0]          n_ev,
+    output wire [9:0]          n_ev,
     output reg  [SEQ_W-1:0]    op_seq,
     output reg  [TIME_W-1:0]   op_time,
 
-    // registers
-    input  wire [4:0]          step_log2,
-    input  wire [3:0]          side_shrink,
-    input  wire [11:0]         side_max,
-    input  wire [3:0]          gain_log2,
-    input  wire [2:0]          gain_slow,
-    input  wire [5:0]          settle_count,
-    input  wire [14:0]         speed_max,
-    input  wire [3:0]          friction,
-    input  wire [9:0]          nev_low,
-    input  wire [9:0]          nev_high,
-    input  wire [7:0]          seed_px,
-    input  wire [7:0]          ring_px,
-    input  wire [7:0]          ring_max,
-    input  wire [3:0]          ring_across,
-    input  wire [3:0]          ring_along,
-    input  wire [3:0]          ring_any,
-    input  wire [3:0]          elongation,
-    input  wire [23:0]         detect_ticks,
-    input  wire [3:0]          life_log2,
-    input  wire [23:0]         life_ticks,
-    input  wire [23:0]         coast_ticks,
-    input  wire [15:0]         birth_support,
-    input  wire [7:0]          birth_px,
-    input  wire [23:0]         birth_ticks,
-    input  wire [3:0]          birth_travel,
-    input  wire [7:0]          gap_corrections,
-    input  wire [7:0]          gap_px,
-    input  wire [9:0]          join_steps,
-    input  wire [3:0]          join_life,
-    input  wire [3:0]          join_speed,
-    input  wire [3:0]          join_reach,
-    input  wire [7:0]          join_px,
-    input  wire                keep_older,
-    input  wire [9:0]          report_steps
+    input  wire [`MOTION_REGS_W-1:0] regs  // registers: motion_fields.vh
 );
 
-    localparam [31:0] SLOTS = N;
+    // ---- what is done, in order ----------------------------------------------------------------------------------------
 
-    // What it does.
-    localparam [6:0] REST    = 7'd0;  // waits for a job
-    localparam [6:0] SEED    = 7'd1;  // a candidate begins
-    localparam [6:0] SEED_1  = 7'd2;
-    localparam [6:0] SEED_2  = 7'd3;
-    localparam [6:0] TICKS   = 7'd5;  // a correction: the slot is being read
-    localparam [6:0] LOAD    = 7'd6;
-    localparam [6:0] SHRINK  = 7'd7;  // how far sides move inwards
-    localparam [6:0] OFFSET  = 7'd8;  // offsets in place of places
-    localparam [6:0] LOOK    = 7'd9;  // are bins looked at?
-    localparam [6:0] LOOK_AT = 7'd10;  // on which axes?
-    localparam [6:0] LOOK_GO = 7'd11;  // each axis
-    localparam [6:0] LOOKING = 7'd12;
-    localparam [6:0] CUT     = 7'd13;
-    localparam [6:0] ORDER   = 7'd14;
-    localparam [6:0] ORDERED = 7'd15;
-    localparam [6:0] LOOKED  = 7'd16;  // begins new bins
-    localparam [6:0] SPEED   = 7'd17;  // waits for the leading bit of the time
-    localparam [6:0] GRANT   = 7'd18;  // the time until the deadline, and the next N_ev
-    localparam [6:0] LIFE    = 7'd19;
-    localparam [6:0] TURN    = 7'd20;  // waits for the velocity
-    localparam [6:0] PLACE   = 7'd21;  // box and window
-    localparam [6:0] WINDOW  = 7'd22;  // waits for them, and for the sides to be written
-    localparam [6:0] KEPT    = 7'd23;
-    localparam [6:0] CLEAR   = 7'd24;  // clears the bins
-    localparam [6:0] SAY     = 7'd25;  // hands over a record
-    localparam [6:0] NEXT    = 7'd26;  // a motion step: the next slot
-    localparam [6:0] FETCH   = 7'd27;  // reads it
-    localparam [6:0] AGE     = 7'd28;  // has its life ended?
-    localparam [6:0] FETCHED = 7'd29;
-    localparam [6:0] AGED    = 7'd30;
-    localparam [6:0] MOVE    = 7'd31;  // moves it
-    localparam [6:0] LONG    = 7'd32;  // is it too long?
-    localparam [6:0] SHORT   = 7'd33;
-    localparam [6:0] SCAN    = 7'd34;  // compares it with others: the next one
-    localparam [6:0] COMPARE = 7'd35;  // reads that one
-    localparam [6:0] PAIR    = 7'd36;
-    localparam [6:0] FOUND   = 7'd37;
-    localparam [6:0] YOUNGER = 7'd38;  // they are alike: which is younger?
-    localparam [6:0] OLDER   = 7'd39;
-    localparam [6:0] LIVED   = 7'd40;  // how long has it lived?
-    localparam [6:0] STEPS   = 7'd41;  // in steps
-    localparam [6:0] ENOUGH  = 7'd42;
-    localparam [6:0] JOIN    = 7'd43;
-    localparam [6:0] MEET    = 7'd44;  // which boxes and windows does it touch?
-    localparam [6:0] MET     = 7'd45;
-    localparam [6:0] TOUCH   = 7'd46;  // a candidate touches another one, which is read
-    localparam [6:0] TOUCHED = 7'd47;
-    localparam [6:0] MERGE   = 7'd48;  // two become one: writes the slot back
-    localparam [6:0] RELOAD  = 7'd49;  // reads the one that goes
-    localparam [6:0] RELOADS = 7'd50;
-    localparam [6:0] GOES    = 7'd51;
-    localparam [6:0] GONE    = 7'd52;  // the id of the one that stays, then a record
-    localparam [6:0] STAYS   = 7'd53;
-    localparam [6:0] RETURN  = 7'd54;  // reads the one that stays
-    localparam [6:0] RETURNS = 7'd55;
-    localparam [6:0] UNITE   = 7'd56;
-    localparam [6:0] UNITED  = 7'd57;  // new bins and a new window
-    localparam [6:0] BINS    = 7'd58;
-    localparam [6:0] MERGED  = 7'd59;  // writes it back
-    localparam [6:0] GO_ON   = 7'd60;
-    localparam [6:0] BORN    = 7'd62;
-    localparam [6:0] REPORT  = 7'd63;  // is it time for a record?
-    localparam [6:0] LAPSE   = 7'd64;  // the slot becomes free
-    localparam [6:0] DONE    = 7'd65;  // writes the slot back
-    localparam [6:0] WRITTEN = 7'd66;
+    wire              begun, lane, q_meets, look_due, looks, inverse_busy, window_done, silent, ended, older, dividing, enough, overdue;
+    wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
+    wire [5:0]        corrections;
+    wire [SLOT_W-1:0] touched, this_slot;
+    wire [14:0]       speed_x, speed_y;
+    wire [1:0]        since;
+    wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
+    wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
+    wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
+    wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
 
-    // Why the slot's window is found.
-    localparam [1:0] FOR_SEED    = 2'd0;
-    localparam [1:0] FOR_CORRECT = 2'd1;
-    localparam [1:0] FOR_STEP    = 2'd2;
-    localparam [1:0] FOR_MERGE   = 2'd3;
+    assign op_slot = at;
 
-    reg [6:0]        state, after, after_clear;
-    reg [2:0]        pause;          // clocks until the state is gone on with
-    reg [1:0]        why;
-    reg [SLOT_W:0]   slot, other;    // of a motion step; with which it is compared
-    reg [SLOT_W-1:0] stays, goes;
-    reg              scans_touch;    // a candidate was united with another one, not with its partner
-    reg [N-1:0]      settled;        // has had four corrections
-    reg [X_W-1:0]    x;
-    reg [Y_W-1:0]    y;
-    reg              alone;          // a life ends, not in a step
-    reg              ended, again;   // its time is over; its box has grown since it was first compared
-    wire [N-1:0]     lives      = visible | candidate;
-    wire [SLOT_W-1:0] this_slot  = slot[SLOT_W-1:0];
-    wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
-    wire             is_visible = visible[at];
+    always @(posedge clk) begin
+        if (do_step || do_end) begin
+            op_time <= now;
+            op_seq  <= seq;
+        end else if (begun) begin
+            op_time <= job_time;
+            op_seq  <= job_seq;
+        end
+    end
 
-    assign rests = state == REST;
+    motion_order #(
+        .N     (N),
+        .SLOT_W(SLOT_W),
+        .ID_W  (ID_W)
+    ) u_order (
+        .clk         (clk),
+        .rst         (rst),
+        .job_valid   (job_valid),
+        .job_done    (job_done),
+        .job_seed    (job_seed),
+        .job_slot    (job_slot),
+        .do_step     (do_step),
+        .do_end      (do_end),
+        .end_slot    (end_slot),
+        .rests       (rests),
+        .begun       (begun),
+        .begins      (begins),
+        .begins_slot (begins_slot),
+        .visible     (visible),
+        .candidate   (candidate),
+        .at          (at),
+        .this_slot   (this_slot),
+        .op_valid    (op_valid),
+        .op_ready    (op_ready),
+        .op_read     (op_read),
+        .op_store    (op_store),
+        .op_full     (op_full),
+        .op_put      (op_put),
+        .op_clear    (op_clear),
+        .op_bin      (op_bin),
+        .read_next   (read_done),
+        .read_done   (was_read),
+        .store_done  (store_done),
+        .say         (say),
+        .record_free (record_free),
+        .kind        (kind),
+        .id          (id),
+        .stays_id    (stays_id),
+        .lane        (lane),
+        .shrinks     (regs[`MOTION_SIDE_SHRINK] != 4'd0),
+        .q_meets     (q_meets),
+        .look_due    (look_due),
+        .resting     (v == 32'd0),
+        .looks       (looks),
+        .look_done   (look_done),
+        .gap_found   (gap_found),
+        .low_stays   (low_stays),
+        .inverse_busy(inverse_busy),
+        .window_done (window_done),
+        .rubs        (regs[`MOTION_FRICTION] != 4'd0 && !meets),
+        .silent      (silent),
+        .ended       (ended),
+        .older       (older),
+        .dividing    (dividing),
+        .enough      (enough),
+        .overdue     (overdue),
+        .pair_done   (pair_done),
+        .alike       (alike),
+        .weaker      (weaker),
+        .keep_older  (regs[`MOTION_KEEP_OLDER]),
+        .meet_done   (meet_done),
+        .held        (held),
+        .touches     (touches),
+        .appears     (appears),
+        .touched     (touched),
+        .corrections (corrections),
+        .load        (c_load),
+        .load_support(c_load_support),
+        .unite       (c_unite),
+        .seed        (c_seed),
+        .shrink      (c_shrink),
+        .cut_high    (c_cut_high),
+        .cut_low     (c_cut_low),
+        .order       (c_order),
+        .offset      (c_offset),
+        .reflect     (c_reflect),
+        .settle      (c_settle),
+        .cover_both  (c_cover_both),
+        .move        (c_move),
+        .rub         (c_rub),
+        .shorten     (c_shorten),
+        .invert      (c_invert),
+        .speed       (c_speed),
+        .correct     (c_correct),
+        .count       (c_count),
+        .begin_bins  (c_begin_bins),
+        .place       (c_place),
+        .note        (c_note),
+        .compare     (c_compare),
+        .pair        (c_pair),
+        .part        (c_part),
+        .ask         (c_ask),
+        .touch       (c_touch),
+        .meet        (c_meet),
+        .take        (c_take),
+        .hold        (c_hold),
+        .divide      (c_divide),
+        .by_life     (c_by_life),
+        .keep        (c_keep),
+        .keep_window (c_keep_window),
+        .keep_now    (c_keep_now),
+        .keep_until  (c_keep_until),
+        .keep_id     (c_keep_id),
+        .keep_start  (c_keep_start),
+        .look        (look),
+        .look_y      (look_y),
+        .since       (since)
+    );
 
-    // ---- the slot, and what memory has of it ---------------------------------------------------------------------------
+    // ---- the slot that is worked on --------------------------------------------------------------------------------------
 
-    reg  [SUP_W-1:0]  support;
-    reg  [5:0]        corrections;
-    reg  [7:0]        looked;
-    reg               meets, has_partner;
-    reg  [SLOT_W-1:0] partner;
-    reg  [15:0]       together;
-    reg  [23:0]       usual;
-    reg  [TIME_W-1:0] deadline;
-    reg  [9:0]        log2;
-    reg               keep, keep_times, keep_deadline, keep_window, keep_seed, keep_report, keep_id, keep_start, keep_log2;
-    reg  [ID_W-1:0]   births;
+    // What was read, and what counts, a clock later.
+    reg                 was_read;
+    reg                 known;  // the velocity of the slot counts
+    reg  [4*SIDE_W-1:0] read_sides;
+    reg  [3:0]          read_marks;
+    reg  [SUP_W-1:0]    read_support, other_support;
 
-    wire [31:0]         q_v;
-    wire [4*SIDE_W-1:0] q_refs;
-    wire [5:0]          q_corrections;
-    wire [7:0]          q_looked;
-    wire                q_meets, q_has_partner;
-    wire [3:0]          q_hidden;
-    wire [9:0]          q_n_ev, q_log2;
-    wire [SLOT_W-1:0]   q_partner;
-    wire [15:0]         q_together;
-    wire [TIME_W-1:0]   q_last, q_deadline, q_seeded, q_reported;
-    wire [23:0]         q_usual;
+    always @(posedge clk) begin
+        was_read     <= read_done;
+        known        <= visible[at] || corrections >= 6'd4;
+        read_sides   <= r_sides;
+        read_marks   <= r_marks;
+        read_support <= r_support;
+        if (was_read) other_support <= read_support;
+        if (rst) was_read <= 1'b0;
+    end
+
+    wire                turn, crossed_x, crossed_y;
+    wire [31:0]         v, q_v;
+    wire [4*SIDE_W-1:0] refs, q_refs;
     wire [2*SIDE_W+1:0] q_start;
+    wire [23:0]         usual, q_usual, ticks;
+    wire [TIME_W-1:0]   age;
+    wire [SIDE_W:0]     sum_lane, ref_lo, ref_hi;
+    wire [15:0]         v_lane, v_next, together;
+    wire [3:0]          gain, hidden_now;
+    wire                meets_now;
     wire [4*PX_W-1:0]   box, window;
-
-    wire signed [SIDE_W-1:0] lo_x, hi_x, lo_y, hi_y;
-    wire [SIDE_W:0]     ref_lo_x, ref_hi_x, ref_lo_y, ref_hi_y;
-    wire [14:0]         speed_x, speed_y;
-    wire                too_long_x, too_long_y, too_small_x, too_small_y;
+    wire [PX_W-1:0]     cut_px;
+    wire [PX_W+3:0]     long_x, long_y;
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
-    wire                moves    = is_visible || corrections >= 6'd4;  // its velocity counts
 
-    assign o_sides   = {lo_x, hi_x, lo_y, hi_y};
-    assign o_support = support;
-    assign o_log2    = log2;
+    assign {v_y, v_x} = v;
+    assign speed_x    = v_x[15] ? -v_x[14:0] : v_x[14:0];
+    assign speed_y    = v_y[15] ? -v_y[14:0] : v_y[14:0];
+    assign look_log2  = look_y ? o_log2[9:5] : o_log2[4:0];
 
-    motion_context #(
+    motion_sides #(
+        .X_W   (X_W),
+        .Y_W   (Y_W),
+        .SIDE_W(SIDE_W)
+    ) u_sides (
+        .clk        (clk),
+        .rst        (rst),
+        .load       (c_load || c_unite),
+        .load_refs  (c_load),
+        .seed       (c_seed),
+        .shrink     (c_shrink),
+        .cut_high   (c_cut_high),
+        .cut_low    (c_cut_low),
+        .order      (c_order),
+        .on_y       (look_y),
+        .unite      (c_cover_both),
+        .move       (c_move),
+        .shorten    (c_shorten),
+        .reflect    (c_reflect),
+        .settle     (c_settle),
+        .turn       (turn),
+        .rub        (c_rub),
+        .x          (job_x),
+        .y          (job_y),
+        .r_sides    (read_sides),
+        .m_refs     (q_refs),
+        .m_v        (q_v),
+        .v_next     (v_next),
+        .marks      (o_marks),
+        .cut_px     (cut_px),
+        .seed_px    (regs[`MOTION_SEED_PX]),
+        .side_shrink(regs[`MOTION_SIDE_SHRINK]),
+        .side_max   (regs[`MOTION_SIDE_MAX]),
+        .friction   (regs[`MOTION_FRICTION]),
+        .lane       (lane),
+        .ref_lo     (ref_lo),
+        .ref_hi     (ref_hi),
+        .v          (v_lane),
+        .sum        (sum_lane),
+        .o_sides    (o_sides),
+        .o_refs     (refs),
+        .o_v        (v),
+        .side_x     (side_x),
+        .side_y     (side_y),
+        .sum_x      (sum_x),
+        .sum_y      (sum_y),
+        .crossed_x  (crossed_x),
+        .crossed_y  (crossed_y)
+    );
+
+    motion_slot #(
         .SLOT_W(SLOT_W),
         .SIDE_W(SIDE_W),
         .PX_W  (PX_W),
-        .ID_W  (ID_W),
+        .SUP_W (SUP_W),
+        .ID_W  (ID_W)
+    ) u_slot (
+        .clk            (clk),
+        .rst            (rst),
+        .at             (at),
+        .puts           (puts),
+        .put_slot       (put_slot),
+        .take           (begun),
+        .load           (c_load || c_unite),
+        .load_support   (c_load_support),
+        .unite          (c_unite),
+        .seed           (c_seed),
+        .offset         (c_offset),
+        .count          (c_count),
+        .begin_bins     (c_begin_bins),
+        .pair           (c_pair),
+        .part           (c_part),
+        .meet           (c_meet),
+        .keep           (c_keep),
+        .keep_window    (c_keep_window),
+        .keep_id        (c_keep_id),
+        .keep_start     (c_keep_start),
+        .job_support    (job_support),
+        .r_support      (read_support),
+        .r_marks        (read_marks),
+        .length_x       (length_x),
+        .length_y       (length_y),
+        .meets_now      (meets_now),
+        .hidden_now     (hidden_now),
+        .v              (v),
+        .refs           (refs),
+        .usual          (usual),
+        .box            (box),
+        .window         (window),
+        .start          ({sum_x, sum_y}),
+        .nev_low        (regs[`MOTION_NEV_LOW]),
+        .nev_high       (regs[`MOTION_NEV_HIGH]),
+        .gain_log2      (regs[`MOTION_GAIN_LOG2]),
+        .gain_slow      (regs[`MOTION_GAIN_SLOW]),
+        .gap_corrections(regs[`MOTION_GAP_CORRECTIONS]),
+        .support        (o_support),
+        .corrections    (corrections),
+        .gain           (gain),
+        .look_due       (look_due),
+        .meets          (meets),
+        .hidden         (o_hidden),
+        .marks          (o_marks),
+        .n_ev           (n_ev),
+        .together       (together),
+        .log2           (o_log2),
+        .q_meets        (q_meets),
+        .q_v            (q_v),
+        .q_refs         (q_refs),
+        .q_usual        (q_usual),
+        .q_id           (id),
+        .q_start        (q_start),
+        .p_box          (o_box),
+        .p_window       (o_window),
+        .p_n_ev         (o_n_ev)
+    );
+
+    motion_times #(
+        .SLOT_W(SLOT_W),
         .TIME_W(TIME_W)
-    ) u_context (
-        .clk          (clk),
-        .at           (at),
-        .puts         (puts),
-        .put_slot     (put_slot),
-        .keep         (keep),
-        .keep_times   (keep_times),
-        .keep_deadline(keep_deadline),
-        .keep_window  (keep_window),
-        .keep_seed    (keep_seed),
-        .keep_report  (keep_report),
-        .keep_id      (keep_id),
-        .keep_start   (keep_start),
-        .keep_log2    (keep_log2),
-        .v            ({v_y, v_x}),
-        .refs         ({ref_lo_x[SIDE_W-1:0], ref_hi_x[SIDE_W-1:0], ref_lo_y[SIDE_W-1:0], ref_hi_y[SIDE_W-1:0]}),
-        .corrections  (corrections),
-        .looked       (looked),
-        .meets        ({o_hidden, meets}),
-        .n_ev         (n_ev),
-        .has_partner  (has_partner),
-        .partner      (partner),
-        .together     (together),
-        .now          (op_time),
-        .usual        (usual),
-        .deadline     (deadline),
-        .box          (box),
-        .window       (window),
-        .id           (births),
-        .start        ({sum_x, sum_y}),
-        .log2         (log2),
-        .q_v          (q_v),
-        .q_refs       (q_refs),
-        .q_corrections(q_corrections),
-        .q_looked     (q_looked),
-        .q_meets      ({q_hidden, q_meets}),
-        .q_n_ev       (q_n_ev),
-        .q_has_partner(q_has_partner),
-        .q_partner    (q_partner),
-        .q_together   (q_together),
-        .q_last       (q_last),
-        .q_usual      (q_usual),
-        .q_deadline   (q_deadline),
-        .q_seeded     (q_seeded),
-        .q_reported   (q_reported),
-        .q_id         (id),
-        .q_start      (q_start),
-        .q_log2       (q_log2),
-        .p_box        (o_box),
-        .p_window     (o_window),
-        .p_n_ev       (o_n_ev)
+    ) u_times (
+        .clk         (clk),
+        .rst         (rst),
+        .at          (at),
+        .since       (since),
+        .keep_now    (c_keep_now),
+        .keep_until  (c_keep_until),
+        .now         (op_time),
+        .age         (age),
+        .ended       (ended),
+        .ticks       (ticks),
+        .silent      (silent),
+        .load        (c_load || c_unite),
+        .loaded      (q_usual),
+        .seed        (c_seed),
+        .correct     (c_correct),
+        .first       (corrections == 6'd0),
+        .usual       (usual),
+        .detect_ticks(regs[`MOTION_DETECT_TICKS]),
+        .life_log2   (regs[`MOTION_LIFE_LOG2]),
+        .life_ticks  (regs[`MOTION_LIFE_TICKS]),
+        .coast_ticks (regs[`MOTION_COAST_TICKS]),
+        .hold        (c_hold),
+        .take        (c_take),
+        .divide      (c_divide),
+        .down        ({1'b0, regs[`MOTION_STEP_LOG2]} + (c_by_life ? {2'b00, regs[`MOTION_JOIN_LIFE]} : 6'd0)),
+        .dividing    (dividing),
+        .older       (older),
+        .together    (together),
+        .join_steps  (regs[`MOTION_JOIN_STEPS]),
+        .enough      (enough),
+        .report_steps(regs[`MOTION_REPORT_STEPS]),
+        .overdue     (overdue)
     );
 
-    // ---- its sides -----------------------------------------------------------------------------------------------------
+    // ---- corrections -----------------------------------------------------------------------------------------------------
 
-    reg  c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_move, c_shorten, c_reflect, c_settle, c_turn, c_rub;
-    wire loads  = read_done && (state == LOAD || state == FETCHED || state == GOES);
-    wire unites = read_done && state == UNITE;
-    reg  [PX_W-1:0] cut_px;
-    wire [15:0] v_x_next, v_y_next;
-
-    motion_sides #(
-        .AT_W  (X_W),
-        .SIDE_W(SIDE_W)
-    ) u_x (
-        .clk        (clk),
-        .load       (loads),
-        .unite      (unites),
-        .seed       (c_seed),
-        .shrink     (c_shrink),
-        .cut_high   (c_cut_high && !look_y),
-        .cut_low    (c_cut_low && !look_y),
-        .order      (c_order && !look_y),
-        .move       (c_move),
-        .shorten    (c_shorten && too_long_x),
-        .reflect    (c_reflect),
-        .settle     (c_settle),
-        .turn       (c_turn),
-        .rub        (c_rub),
-        .place      (x),
-        .r_lo       (r_sides[3*SIDE_W+:SIDE_W]),
-        .r_hi       (r_sides[2*SIDE_W+:SIDE_W]),
-        .m_ref_lo   (q_refs[3*SIDE_W+:SIDE_W]),
-        .m_ref_hi   (q_refs[2*SIDE_W+:SIDE_W]),
-        .m_v        (q_v[15:0]),
-        .v_next     (v_x_next),
-        .marks      (o_marks[1:0]),
-        .cut_px     (cut_px),
-        .seed_px    (seed_px),
-        .side_shrink(side_shrink),
-        .side_max   (side_max),
-        .friction   (friction),
-        .lo         (lo_x),
-        .hi         (hi_x),
-        .ref_lo     (ref_lo_x),
-        .ref_hi     (ref_hi_x),
-        .v          (v_x),
-        .speed      (speed_x),
-        .side       (side_x),
-        .sum        (sum_x),
-        .too_long   (too_long_x),
-        .too_small  (too_small_x),
-        .least_px   (birth_px)
-    );
-
-    motion_sides #(
-        .AT_W  (Y_W),
-        .SIDE_W(SIDE_W)
-    ) u_y (
-        .clk        (clk),
-        .load       (loads),
-        .unite      (unites),
-        .seed       (c_seed),
-        .shrink     (c_shrink),
-        .cut_high   (c_cut_high && look_y),
-        .cut_low    (c_cut_low && look_y),
-        .order      (c_order && look_y),
-        .move       (c_move),
-        .shorten    (c_shorten && too_long_y),
-        .reflect    (c_reflect),
-        .settle     (c_settle),
-        .turn       (c_turn),
-        .rub        (c_rub),
-        .place      (y),
-        .r_lo       (r_sides[SIDE_W+:SIDE_W]),
-        .r_hi       (r_sides[0+:SIDE_W]),
-        .m_ref_lo   (q_refs[SIDE_W+:SIDE_W]),
-        .m_ref_hi   (q_refs[0+:SIDE_W]),
-        .m_v        (q_v[31:16]),
-        .v_next     (v_y_next),
-        .marks      (o_marks[3:2]),
-        .cut_px     (cut_px),
-        .seed_px    (seed_px),
-        .side_shrink(side_shrink),
-        .side_max   (side_max),
-        .friction   (friction),
-        .lo         (lo_y),
-        .hi         (hi_y),
-        .ref_lo     (ref_lo_y),
-        .ref_hi     (ref_hi_y),
-        .v          (v_y),
-        .speed      (speed_y),
-        .side       (side_y),
-        .sum        (sum_y),
-        .too_long   (too_long_y),
-        .too_small  (too_small_y),
-        .least_px   (birth_px)
-    );
-
-    // ---- gaps -----------------------------------------------------------------------------------------------------------
-
-    reg  [PX_W-1:0] was_x, was_y;      // lengths before a cut
-    reg  [PX_W+3:0] long_x, long_y;    // so long must the other axis be
-    reg             across_x, across_y;
-    wire            looks_x = across_x || {4'd0, was_x} >= long_y;
-    wire            looks_y = across_y || {4'd0, was_y} >= long_x;
-    wire [PX_W-1:0] least_gap  = {{(PX_W - 8) {1'b0}}, gap_px};
-    wire [PX_W-1:0] half_other = {1'b0, look_y ? was_x[PX_W-1:1] : was_y[PX_W-1:1]};
-    wire [PX_W-1:0] cut_bin    = {{(PX_W - 4) {1'b0}}, low_stays ? gap_begins : gap_ends};
-
-    assign look_log2 = look_y ? log2[9:5] : log2[4:0];
-
-    // Bins of 2^n pixels, four to eight for the whole side.
-    function [4:0] bin_log2;
-        input [PX_W-1:0] length;
-        integer k;
-        begin
-            bin_log2 = 5'd0;
-            for (k = 4; k <= PX_W; k = k + 1) if (length[k-1]) bin_log2 = k[4:0] - 5'd3;
-        end
-    endfunction
-
-    // ---- times: three clocks after `at` or what is chosen changes ---------------------------------------------------------
-
-    localparam [1:0] LAST     = 2'd0;
-    localparam [1:0] UNTIL    = 2'd1;  // the deadline
-    localparam [1:0] SEEDED   = 2'd2;
-    localparam [1:0] REPORTED = 2'd3;
-
-    reg  [1:0]        since;
-    reg  [TIME_W-1:0] since_then, age, other_age;
-    reg  [23:0]       ticks;
-    reg  [31:0]       grant;
-    reg               silent;       // for more than four times the usual time
-    wire [24:0]       slower_by = {1'b0, ticks} - {1'b0, usual};
-
-    always @(posedge clk) begin
-        since_then <= since == LAST ? q_last : since == UNTIL ? q_deadline : since == SEEDED ? q_seeded : q_reported;
-        age        <= op_time - since_then;
-        ticks      <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
-        silent     <= age > {{(TIME_W - 26) {1'b0}}, usual, 2'b00};
-    end
-
-    // ---- velocity ------------------------------------------------------------------------------------------------------
-
-    reg        c_inverse, c_speed;
-    reg  [3:0] gain;
-    wire       inverse_busy, speed_busy_x, speed_busy_y;
     wire [4:0] leading;
     wire [6:0] inverse;
-    wire [6:0] slow_gain  = {1'b0, corrections >> gain_slow} + 7'd1;
-    wire [3:0] least_gain = slow_gain < {3'd0, gain_log2} ? slow_gain[3:0] : gain_log2;
+
+    motion_look #(
+        .PX_W(PX_W)
+    ) u_look (
+        .clk       (clk),
+        .note      (c_note),
+        .length_x  (length_x),
+        .long_x    (long_x),
+        .long_y    (long_y),
+        .length_y  (length_y),
+        .speed_x   (speed_x),
+        .speed_y   (speed_y),
+        .on_y      (look_y),
+        .looks     (looks),
+        .narrowest (narrowest),
+        .low_stays (low_stays),
+        .begins    (gap_begins),
+        .ends      (gap_ends),
+        .bin_log2  (look_log2),
+        .cut_px    (cut_px),
+        .gap_px    (regs[`MOTION_GAP_PX])
+    );
 
     motion_inverse u_inverse (
         .clk    (clk),
         .rst    (rst),
-        .start  (c_inverse),
+        .start  (c_invert),
         .number (ticks),
         .busy   (inverse_busy),
         .leading(leading),
@@ -500,105 +480,75 @@ module motion_work #(
 
     motion_velocity #(
         .OFF_W(SIDE_W + 1)
-    ) u_velocity_x (
+    ) u_velocity (
         .clk      (clk),
         .rst      (rst),
         .start    (c_speed),
-        .low      (ref_lo_x),
-        .high     (ref_hi_x),
-        .slower   (corrections < settle_count),
+        .low      (ref_lo),
+        .high     (ref_hi),
+        .slower   (corrections < regs[`MOTION_SETTLE]),
         .leading  (leading),
         .inverse  (inverse),
         .gain     (gain),
-        .step_log2(step_log2),
-        .speed_max(speed_max),
-        .v        (v_x),
-        .busy     (speed_busy_x),
-        .v_next   (v_x_next)
+        .step_log2(regs[`MOTION_STEP_LOG2]),
+        .speed_max(regs[`MOTION_SPEED_MAX]),
+        .v        (v_lane),
+        .turn     (turn),
+        .v_next   (v_next)
     );
-
-    motion_velocity #(
-        .OFF_W(SIDE_W + 1)
-    ) u_velocity_y (
-        .clk      (clk),
-        .rst      (rst),
-        .start    (c_speed),
-        .low      (ref_lo_y),
-        .high     (ref_hi_y),
-        .slower   (corrections < settle_count),
-        .leading  (leading),
-        .inverse  (inverse),
-        .gain     (gain),
-        .step_log2(step_log2),
-        .speed_max(speed_max),
-        .v        (v_y),
-        .busy     (speed_busy_y),
-        .v_next   (v_y_next)
-    );
-
-    // ---- box and window ------------------------------------------------------------------------------------------------
-
-    reg  c_window, windowed, stored;  // they have been found; the sides have been written
-    wire window_done;
 
     motion_window #(
         .SIDE_W(SIDE_W)
     ) u_window (
         .clk        (clk),
         .rst        (rst),
-        .start      (c_window),
-        .lo_x       (lo_x),
-        .hi_x       (hi_x),
-        .lo_y       (lo_y),
-        .hi_y       (hi_y),
+        .start      (c_place),
+        .lo_x       (o_sides[3*SIDE_W+:SIDE_W]),
+        .hi_x       (o_sides[2*SIDE_W+:SIDE_W]),
+        .lo_y       (o_sides[SIDE_W+:SIDE_W]),
+        .hi_y       (o_sides[0+:SIDE_W]),
         .length_x   (length_x),
         .length_y   (length_y),
         .speed_x    (speed_x),
         .speed_y    (speed_y),
-        .known      (moves),
-        .elongation (elongation),
-        .ring_across(ring_across),
-        .ring_along (ring_along),
-        .ring_any   (ring_any),
-        .ring_px    (ring_px),
-        .ring_max   (ring_max),
+        .known      (known),
+        .elongation (regs[`MOTION_ELONGATION]),
+        .ring_across(regs[`MOTION_RING_ACROSS]),
+        .ring_along (regs[`MOTION_RING_ALONG]),
+        .ring_any   (regs[`MOTION_RING_ANY]),
+        .ring_px    (regs[`MOTION_RING_PX]),
+        .ring_max   (regs[`MOTION_RING_MAX]),
         .done       (window_done),
+        .long_x     (long_x),
+        .long_y     (long_y),
         .box        (box),
         .window     (window)
     );
 
     // ---- the slot and others -------------------------------------------------------------------------------------------
 
-    reg             c_pair;
-    reg [SUP_W-1:0] other_support;
-    wire            alike, weaker;
-
     motion_pair #(
         .PX_W (PX_W),
         .SUP_W(SUP_W)
     ) u_pair (
         .clk          (clk),
-        .start        (c_pair),
+        .rst          (rst),
+        .start        (c_compare),
         .one_box      (box),
         .one_v_x      (v_x),
         .one_v_y      (v_y),
-        .one_support  (support),
+        .one_support  (o_support),
         .other_box    (o_box),
         .other_v_x    (q_v[15:0]),
         .other_v_y    (q_v[31:16]),
         .other_support(other_support),
-        .join_speed   (join_speed),
-        .join_reach   (join_reach),
-        .join_px      (join_px),
+        .join_speed   (regs[`MOTION_JOIN_SPEED]),
+        .join_reach   (regs[`MOTION_JOIN_REACH]),
+        .join_px      (regs[`MOTION_JOIN_PX]),
+        .done         (pair_done),
         .alike        (alike),
         .weaker       (weaker)
     );
-
-    reg              c_meet, c_touch;
-    wire             meet_done, meets_now, middle_held;
-    wire [3:0]       hidden_now;
-    wire             touches;
-    wire [SLOT_W-1:0] touched;
 
     motion_meeting #(
         .N     (N),
@@ -607,7 +557,7 @@ module motion_work #(
     ) u_meeting (
         .clk      (clk),
         .rst      (rst),
-        .start    (c_meet),
+        .start    (c_ask),
         .begins   (c_touch),
         .slot     (this_slot),
         .visible  (visible),
@@ -621,14 +571,10 @@ module motion_work #(
         .done     (meet_done),
         .meets    (meets_now),
         .hidden   (hidden_now),
-        .held     (middle_held),
+        .held     (held),
         .touches  (touches),
         .touched  (touched)
     );
-
-    // ---- births --------------------------------------------------------------------------------------------------------
-
-    wire appears;
 
     motion_birth #(
         .SIDE_W(SIDE_W),
@@ -636,598 +582,23 @@ module motion_work #(
         .TIME_W(TIME_W)
     ) u_birth (
         .clk          (clk),
-        .sum_x        (sum_x),
-        .sum_y        (sum_y),
+        .measure      (c_ask),
+        .lane         (lane),
+        .sum          (sum_lane),
         .side_x       (side_x),
         .side_y       (side_y),
         .start        (q_start),
-        .too_small    (too_small_x || too_small_y || corrections < 6'd4),
-        .support      (support),
+        .young        (crossed_x || crossed_y || corrections < 6'd4),
+        .support      (o_support),
         .age          (age),
-        .birth_support(birth_support),
-        .birth_ticks  (birth_ticks),
-        .birth_travel (birth_travel),
+        .birth_support(regs[`MOTION_BIRTH_SUPPORT]),
+        .birth_px     (regs[`MOTION_BIRTH_PX]),
+        .birth_ticks  (regs[`MOTION_BIRTH_TICKS]),
+        .birth_travel (regs[`MOTION_BIRTH_TRAVEL]),
         .appears      (appears)
     );
 
-    // ---- what is done, in order ----------------------------------------------------------------------------------------
-
-    reg               writes;              // an operation is wanted
-    reg  [4:0]        op;                  // clear, put, full, store, read
-    reg  [3:0]        bin;
-    reg  [PX_W:0]     outline;
-    reg               other_older;
-    reg  [TIME_W-1:0] lived;
-    reg  [5:0]        shift;
-    reg  [15:0]       enough;              // steps together
-    reg  [29:0]       report_ticks;
-    wire              op_free      = !writes || op_ready;
-    wire [TIME_W-1:0] later        = q_deadline - deadline;
-    wire [SUP_W:0]    both_support = {1'b0, support} + {1'b0, r_support};
-    wire [15:0]       lived_steps  = |lived[TIME_W-1:16] ? 16'hffff : lived[15:0];
-    wire              goes_on      = pause == 3'd0;
-
-    localparam [4:0] OP_READ  = 5'b00001;
-    localparam [4:0] OP_STORE = 5'b00010;
-    localparam [4:0] OP_FULL  = 5'b00110;  // and the support
-    localparam [4:0] OP_ALL   = 5'b01110;  // and the window
-    localparam [4:0] OP_CLEAR = 5'b10000;
-
-    assign op_valid = writes;
-    assign {op_clear, op_put, op_full, op_store, op_read} = op;
-    assign op_slot  = at;
-    assign op_bin   = bin;
-    assign say      = state == SAY && goes_on;
-    assign job_done = state == KEPT;
-
-    always @(posedge clk) begin
-        {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_move, c_shorten, c_reflect, c_settle, c_turn, c_rub} <= 11'd0;
-        {c_inverse, c_speed, c_window, c_pair, c_meet, look} <= 6'd0;
-        {keep, keep_times, keep_deadline, keep_window, keep_seed, keep_report, keep_id, keep_start, keep_log2} <= 9'd0;
-
-        outline      <= {1'b0, length_x} + {1'b0, length_y};
-        report_ticks <= {20'd0, report_steps} << step_log2;
-        long_x       <= {4'd0, was_x} * {{PX_W{1'b0}}, elongation};
-        long_y       <= {4'd0, was_y} * {{PX_W{1'b0}}, elongation};
-
-        if (op_ready) writes <= 1'b0;
-        if (store_done) stored <= 1'b1;
-        if (window_done) windowed <= 1'b1;
-        if (begins) candidate[begins_slot] <= 1'b1;
-        if (keep_id) births <= births + {{(ID_W - 1) {1'b0}}, 1'b1};
-
-        if (loads || unites) begin
-            o_marks     <= r_marks;
-            o_hidden    <= q_hidden;
-            meets       <= q_meets;
-            n_ev        <= q_n_ev;
-            corrections <= q_corrections;
-            looked      <= q_looked;
-            usual       <= q_usual;
-            has_partner <= q_has_partner;
-            partner     <= q_partner;
-            together    <= q_together;
-            log2        <= q_log2;
-        end
-
-        if (!goes_on) pause <= pause - 3'd1;
-        else case (state)
-            REST: begin
-                slot  <= {(SLOT_W + 1) {1'b0}};
-                since <= LAST;
-                alone <= do_end;
-                x     <= job_x;
-                y     <= job_y;
-                if (do_step || do_end) begin
-                    op_time <= now;
-                    op_seq  <= seq;
-                    if (|lives) state <= NEXT;
-                    if (do_end) begin
-                        at    <= end_slot;
-                        slot  <= {1'b0, end_slot};
-                        state <= lives[end_slot] ? FETCH : REST;
-                    end
-                end else if (job_valid) begin
-                    at      <= job_slot;
-                    op_time <= job_time;
-                    op_seq  <= job_seq;
-                    support <= job_support;
-                    state   <= SEED;
-                    if (!job_seed) begin
-                        writes <= 1'b1;
-                        op     <= OP_READ;
-                        pause  <= 3'd4;
-                        state  <= TICKS;
-                    end
-                end
-            end
-
-            // ---- a candidate that begins -----------------------------------------------------------------------------
-            SEED: begin
-                c_seed      <= 1'b1;
-                keep_seed   <= 1'b1;
-                o_marks     <= 4'd0;
-                o_hidden    <= 4'd0;
-                meets       <= 1'b0;
-                n_ev        <= nev_low;
-                support     <= {{(SUP_W - 1) {1'b0}}, 1'b1};
-                corrections <= 6'd0;
-                looked      <= 8'd0;
-                has_partner <= 1'b0;
-                together    <= 16'd0;
-                usual       <= detect_ticks;
-                deadline    <= op_time + {{(TIME_W - 24) {1'b0}}, detect_ticks};
-                settled[at] <= 1'b0;
-                pause       <= 3'd1;
-                state       <= SEED_1;
-            end
-            SEED_1: begin
-                c_settle <= 1'b1;
-                pause    <= 3'd1;
-                state    <= SEED_2;
-            end
-            SEED_2: begin
-                log2        <= {bin_log2(length_y), bin_log2(length_x)};
-                keep_log2   <= 1'b1;
-                why         <= FOR_SEED;
-                after_clear <= PLACE;
-                state       <= CLEAR;
-            end
-
-            // ---- a correction ----------------------------------------------------------------------------------------
-            TICKS: begin
-                c_inverse <= 1'b1;
-                why       <= FOR_CORRECT;
-                state     <= LOAD;
-            end
-            LOAD:
-            if (read_done) begin
-                state <= OFFSET;
-                if (!q_meets && side_shrink != 4'd0) begin
-                    pause <= 3'd1;
-                    state <= SHRINK;
-                end
-            end
-            SHRINK: begin
-                c_shrink <= 1'b1;
-                pause    <= 3'd1;
-                state    <= OFFSET;
-            end
-            OFFSET: begin
-                c_reflect <= 1'b1;
-                o_marks   <= 4'd0;
-                gain      <= least_gain + {3'd0, meets};
-                state     <= gap_corrections == 8'd0 ? SPEED : LOOK;
-            end
-            LOOK: begin
-                across_x <= {speed_y, 1'b0} >= {1'b0, speed_x};
-                across_y <= {speed_x, 1'b0} >= {1'b0, speed_y};
-                look_y   <= 1'b0;
-                looked   <= looked + 8'd1;
-                state    <= {1'b0, looked} + 9'd1 < {1'b0, gap_corrections} ? SPEED : LOOK_AT;
-            end
-            LOOK_AT: begin
-                was_x <= length_x;
-                was_y <= length_y;
-                pause <= 3'd1;
-                state <= corrections >= 6'd8 && (speed_x != 15'd0 || speed_y != 15'd0) ? LOOK_GO : LOOKED;
-            end
-            LOOK_GO:
-            if (look_y ? looks_y : looks_x) begin
-                narrowest <= (look_y ? across_y : across_x) || least_gap > half_other ? least_gap : half_other;
-                look      <= 1'b1;
-                state     <= LOOKING;
-            end else begin
-                look_y <= 1'b1;
-                state  <= look_y ? LOOKED : LOOK_GO;
-            end
-            LOOKING: begin
-                cut_px <= cut_bin << look_log2;
-                if (look_done) state <= gap_found ? CUT : ORDERED;
-            end
-            CUT: begin
-                cut_px     <= cut_bin << look_log2;
-                c_cut_high <= low_stays;
-                c_cut_low  <= !low_stays;
-                pause      <= 3'd2;
-                state      <= ORDER;
-            end
-            ORDER: begin
-                c_order <= !low_stays;
-                state   <= ORDERED;
-            end
-            ORDERED: begin
-                look_y <= 1'b1;
-                pause  <= 3'd1;
-                state  <= look_y ? LOOKED : LOOK_GO;
-            end
-            LOOKED: begin
-                looked      <= 8'd0;
-                log2        <= {bin_log2(length_y), bin_log2(length_x)};
-                keep_log2   <= 1'b1;
-                after_clear <= SPEED;
-                state       <= CLEAR;
-            end
-            SPEED:
-            if (!inverse_busy) begin
-                c_speed <= corrections >= 6'd2;
-                usual   <= corrections == 6'd0 ? ticks : usual + {slower_by[24], slower_by[24:2]};
-                state   <= GRANT;
-            end
-            GRANT: begin
-                grant <= {8'd0, usual} << life_log2;
-                state <= LIFE;
-            end
-            LIFE: begin
-                n_ev  <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
-                       : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
-                if (grant < {8'd0, life_ticks}) grant <= {8'd0, life_ticks};
-                else if (grant > {8'd0, coast_ticks}) grant <= {8'd0, coast_ticks};
-                state <= TURN;
-            end
-            TURN: begin
-                deadline <= op_time + {{(TIME_W - 24) {1'b0}}, grant[23:0]};
-                if (!speed_busy_x && !speed_busy_y) begin
-                    c_turn      <= corrections >= 6'd2;
-                    c_settle    <= 1'b1;
-                    corrections <= corrections == 6'd63 ? 6'd63 : corrections + 6'd1;
-                    if (corrections == 6'd3) begin
-                        keep_start  <= 1'b1;
-                        settled[at] <= 1'b1;
-                    end
-                    kind  <= `EVCOT_KIND_MOVED;
-                    after <= PLACE;
-                    pause <= 3'd1;
-                    state <= is_visible ? SAY : PLACE;
-                end
-            end
-
-            // ---- box and window --------------------------------------------------------------------------------------
-            PLACE:
-            if (op_free) begin
-                c_window <= 1'b1;
-                windowed <= 1'b0;
-                stored   <= why == FOR_STEP || why == FOR_MERGE;
-                writes   <= why == FOR_SEED || why == FOR_CORRECT;
-                op       <= why == FOR_SEED ? OP_FULL : OP_STORE;
-                state    <= WINDOW;
-            end
-            WINDOW:
-            if (windowed && stored) begin
-                keep_window <= 1'b1;
-                other       <= corrections < 6'd4 ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
-                case (why)
-                    FOR_STEP:  state <= SCAN;
-                    FOR_MERGE: state <= MERGED;
-                    default: begin
-                        keep          <= 1'b1;
-                        keep_times    <= 1'b1;
-                        keep_deadline <= 1'b1;
-                        state         <= KEPT;
-                    end
-                endcase
-            end
-            KEPT: state <= REST;
-            CLEAR:
-            if (op_free) begin
-                writes <= 1'b1;
-                op     <= OP_CLEAR;
-                bin    <= bin + 4'd1;
-                if (bin == 4'd14) state <= after_clear;
-            end
-            SAY:
-            if (record_free) begin
-                keep_report <= 1'b1;
-                state       <= after;
-            end
-
-            // ---- a motion step of a slot -----------------------------------------------------------------------------
-            NEXT: begin
-                at <= this_slot;
-                if (slot == SLOTS[SLOT_W:0]) state <= REST;
-                else if (lives[this_slot]) state <= FETCH;
-                else slot <= slot + {{SLOT_W{1'b0}}, 1'b1};
-            end
-            FETCH: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                since  <= UNTIL;
-                pause  <= 3'd3;
-                state  <= AGE;
-            end
-            AGE: begin
-                ended <= !age[TIME_W-1];
-                since <= LAST;
-                state <= FETCHED;
-            end
-            FETCHED:
-            if (read_done) begin
-                support <= r_support;
-                pause   <= 3'd1;
-                state   <= AGED;
-            end
-            AGED: begin
-                c_reflect <= 1'b1;
-                kind      <= `EVCOT_KIND_LOST;
-                after     <= LAPSE;
-                state     <= !ended && !alone ? MOVE : is_visible ? SAY : LAPSE;
-            end
-            MOVE: begin
-                c_move <= moves;
-                c_rub  <= moves && friction != 4'd0 && !meets && silent;
-                pause  <= 3'd3;
-                state  <= LONG;
-            end
-            LONG: begin
-                c_shorten <= 1'b1;
-                pause     <= 3'd1;
-                state     <= SHORT;
-            end
-            SHORT: begin
-                c_reflect <= 1'b1;
-                why       <= FOR_STEP;
-                state     <= PLACE;
-            end
-            LAPSE: begin
-                visible[at]   <= 1'b0;
-                candidate[at] <= 1'b0;
-                slot          <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                state         <= alone ? REST : NEXT;
-            end
-            DONE:
-            if (op_free) begin
-                writes <= 1'b1;
-                op     <= OP_ALL;
-                stored <= 1'b0;
-                keep   <= 1'b1;
-                state  <= WRITTEN;
-            end
-            WRITTEN:
-            if (stored) begin
-                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                state <= NEXT;
-            end
-
-            // ---- comparing it with the others ------------------------------------------------------------------------
-            SCAN: begin
-                at <= this_slot;
-                if (other == SLOTS[SLOT_W:0]) begin
-                    if (together != 16'd0) together <= together - 16'd1;
-                    state <= MEET;
-                end else if (settled[this_other] && lives[this_other] && other != slot) begin
-                    at    <= this_other;
-                    state <= COMPARE;
-                end else other <= other + {{SLOT_W{1'b0}}, 1'b1};
-            end
-            COMPARE: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= PAIR;
-            end
-            PAIR:
-            if (read_done) begin
-                other_support <= r_support;
-                c_pair        <= 1'b1;
-                pause         <= 3'd6;
-                state         <= FOUND;
-            end
-            FOUND:
-            if (alike) begin
-                has_partner <= 1'b1;
-                partner     <= this_other;
-                together    <= has_partner && partner == this_other ? together + 16'd1 : 16'd1;
-                since       <= SEEDED;
-                pause       <= 3'd3;
-                state       <= YOUNGER;
-            end else begin
-                other <= other + {{SLOT_W{1'b0}}, 1'b1};
-                state <= SCAN;
-            end
-            YOUNGER: begin
-                other_age <= age;
-                at        <= this_slot;
-                pause     <= 3'd4;
-                state     <= OLDER;
-            end
-            OLDER: begin
-                other_older <= other_age > age;
-                shift       <= {1'b0, step_log2} + {2'b00, join_life};
-                state       <= LIVED;
-            end
-            LIVED: begin
-                lived <= other_older ? age : other_age;
-                state <= STEPS;
-            end
-            STEPS:
-            if (shift >= 6'd8) begin
-                lived <= {8'd0, lived[TIME_W-1:8]};
-                shift <= shift - 6'd8;
-            end else if (shift != 6'd0) begin
-                lived <= {1'b0, lived[TIME_W-1:1]};
-                shift <= shift - 6'd1;
-            end else state <= ENOUGH;
-            ENOUGH: begin
-                enough <= lived_steps > {6'd0, join_steps} ? lived_steps : {6'd0, join_steps};
-                state  <= JOIN;
-            end
-            JOIN: begin
-                scans_touch <= 1'b0;
-                stays       <= this_slot;
-                goes        <= this_other;
-                if (visible[this_slot] != visible[this_other] ? visible[this_other] : keep_older ? other_older : weaker) begin
-                    stays <= this_other;
-                    goes  <= this_slot;
-                end
-                state <= together < enough ? MEET : MERGE;
-            end
-            MEET: begin
-                c_meet  <= 1'b1;
-                c_touch <= 1'b1;
-                again   <= 1'b0;
-                since   <= visible[this_slot] ? REPORTED : SEEDED;
-                state   <= MET;
-            end
-            MET:
-            if (meet_done) begin
-                if (visible[this_slot]) begin
-                    meets    <= meets_now;
-                    o_hidden <= hidden_now;
-                    state    <= REPORT;
-                end else if (middle_held && !again) state <= LAPSE;
-                else if (touches) begin
-                    other <= {1'b0, touched};
-                    at    <= touched;
-                    state <= TOUCH;
-                end else begin
-                    pause <= 3'd5;
-                    state <= BORN;
-                end
-            end
-            TOUCH: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= TOUCHED;
-            end
-            TOUCHED:
-            if (read_done) begin
-                scans_touch <= 1'b1;
-                stays       <= support < r_support ? this_other : this_slot;
-                goes        <= support < r_support ? this_slot : this_other;
-                at          <= this_slot;
-                pause       <= 3'd1;
-                state       <= MERGE;
-            end
-            REPORT: begin
-                kind  <= `EVCOT_KIND_MOVED;
-                after <= DONE;
-                state <= age >= {{(TIME_W - 30) {1'b0}}, report_ticks} ? SAY : DONE;
-            end
-            BORN: begin
-                kind  <= `EVCOT_KIND_BORN;
-                after <= DONE;
-                state <= DONE;
-                if (appears) begin
-                    visible[at]   <= 1'b1;
-                    candidate[at] <= 1'b0;
-                    keep_id       <= 1'b1;
-                    pause         <= 3'd2;
-                    state         <= SAY;
-                end
-            end
-
-            // ---- two become one --------------------------------------------------------------------------------------
-            MERGE: begin
-                state <= GONE;
-                if (stays == this_slot) begin
-                    writes <= 1'b1;
-                    op     <= OP_FULL;
-                    stored <= 1'b0;
-                    keep   <= 1'b1;
-                    state  <= RELOAD;
-                end
-            end
-            RELOAD:
-            if (stored) begin
-                at    <= goes;
-                state <= RELOADS;
-            end
-            RELOADS: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= GOES;
-            end
-            GOES:
-            if (read_done) begin
-                support <= r_support;
-                state   <= GONE;
-            end
-            GONE: begin
-                deadline <= q_deadline;
-                at       <= stays;
-                pause    <= 3'd2;
-                state    <= STAYS;
-            end
-            STAYS: begin
-                stays_id <= id;
-                at       <= goes;
-                kind     <= `EVCOT_KIND_MERGED;
-                after    <= RETURN;
-                pause    <= 3'd2;
-                state    <= visible[goes] ? SAY : RETURN;
-            end
-            RETURN: begin
-                at    <= stays;
-                state <= RETURNS;
-            end
-            RETURNS: begin
-                writes <= 1'b1;
-                op     <= OP_READ;
-                state  <= UNITE;
-            end
-            UNITE:
-            if (read_done) begin
-                support         <= both_support[SUP_W] ? {SUP_W{1'b1}} : both_support[SUP_W-1:0];
-                o_marks         <= 4'hf;
-                has_partner     <= 1'b0;
-                together        <= 16'd0;
-                visible[goes]   <= 1'b0;
-                candidate[goes] <= 1'b0;
-                if (!later[TIME_W-1]) deadline <= q_deadline;
-                state <= UNITED;
-            end
-            UNITED: begin
-                c_settle <= 1'b1;
-                pause    <= 3'd1;
-                state    <= BINS;
-            end
-            BINS: begin
-                looked        <= 8'd0;
-                log2          <= {bin_log2(length_y), bin_log2(length_x)};
-                keep_log2     <= 1'b1;
-                keep_deadline <= 1'b1;
-                why           <= FOR_MERGE;
-                after_clear   <= PLACE;
-                state         <= CLEAR;
-            end
-            MERGED:
-            if (op_free) begin
-                writes <= 1'b1;
-                op     <= OP_ALL;
-                stored <= 1'b0;
-                keep   <= 1'b1;
-                kind   <= `EVCOT_KIND_MOVED;
-                after  <= GO_ON;
-                state  <= is_visible ? SAY : GO_ON;
-            end
-            GO_ON:
-            if (stored) begin
-                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
-                state <= NEXT;
-                if (stays == this_slot) begin
-                    slot    <= slot;
-                    c_meet  <= scans_touch;
-                    c_touch <= 1'b0;
-                    again   <= 1'b1;
-                    state   <= scans_touch ? MET : MEET;
-                end
-            end
-            default: state <= REST;
-        endcase
-
-        if (rst) begin
-            state     <= REST;
-            pause     <= 3'd0;
-            visible   <= {N{1'b0}};
-            candidate <= {N{1'b0}};
-            settled   <= {N{1'b0}};
-            births    <= {ID_W{1'b0}};
-            writes    <= 1'b0;
-            bin       <= 4'd15;
-            keep_id   <= 1'b0;
-        end
-    end
-
-    wire unused = &{1'b0, slow_gain[6:4], slower_by[1:0], later, ref_lo_x[SIDE_W], ref_hi_x[SIDE_W], ref_lo_y[SIDE_W], ref_hi_y[SIDE_W]};
+    wire unused = &{1'b0, regs[`MOTION_SIDE_STEP], regs[`MOTION_SIDE_SHARE], regs[`MOTION_GAP_SHARE]};
 
 endmodule
 

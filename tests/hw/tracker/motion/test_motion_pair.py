@@ -35,6 +35,9 @@ def random_slot(rng: np.random.Generator, number: int, registers: MotionRegister
 def test_random_pairs() -> None:
     sim, rng = load("motion_pair", {"PX_W": PX_W, "SUP_W": SUP_W}), np.random.default_rng(1)
     io = sim.io
+    io.rst = 1
+    sim.clock.tick()
+    io.rst = 0
     seen: dict[str, set[int]] = {}
     for _ in range(2_500):
         registers = replace(
@@ -55,9 +58,11 @@ def test_random_pairs() -> None:
             setattr(io, f"{prefix}_support", slot.support)
         io.start = 1
         sim.clock.tick()
-        io.start, io.other_box, io.other_v_x, io.other_support = 0, 0, 0, 0
-        for _clock in range(5):
+        io.start, clocks = 0, 1
+        while not int(io.done):
             sim.clock.tick()
+            clocks += 1
+        assert clocks == 9 + max(registers.join_speed, registers.join_reach)
         expected = {
             "alike": one.moves_with(other) and one.is_one_with(other),
             "weaker": one.support < other.support,

@@ -19,8 +19,16 @@ def test_every_register() -> None:
     names = [name for name in motion_addresses() if name != "mode"]
     expected = {name: int(getattr(MotionRegisters(), name)) for name in names}
 
+    bits = {name: int(MOTION_RANGES[name][1]).bit_length() for name in names}
+
     def found() -> dict[str, int]:
-        return {name: int(getattr(io, name)) for name in names}
+        """The registers lie one behind the other in the order of their addresses, the first in the lowest bits."""
+        left, values = int(io.regs), {}
+        for name in names:
+            values[name] = left % (1 << bits[name])
+            left >>= bits[name]
+        assert left == 0
+        return values
 
     assert found() == expected
     for name in ["mode", *names]:
@@ -29,7 +37,7 @@ def test_every_register() -> None:
         io.cfg_valid = 0
         sim.clock.tick()
         if name != "mode":
-            expected[name] = (1 << int(MOTION_RANGES[name][1]).bit_length()) - 1
+            expected[name] = (1 << bits[name]) - 1
         assert found() == expected
     io.cfg_addr, io.cfg_data = motion_addresses()["nev_low"], 0
     sim.clock.tick()

@@ -17,41 +17,45 @@ def signed(value: int, bits: int) -> int:
 
 
 def test_random_corrections() -> None:
+    """Both axes go through one after the other; each has its own offsets and velocity."""
     sim, rng = load("motion_velocity", {"OFF_W": OFF_W}), np.random.default_rng(1)
     io = sim.io
     io.rst = 1
     sim.clock.tick()
     io.rst = 0
-    limited = clocks_most = 0
+    limited = 0
     for round_ in range(2_000):
         ticks = max(1, int(rng.integers(1 << 24)) >> int(rng.integers(25)))
-        offs = [int(off) >> int(rng.integers(26)) for off in rng.integers(-(1 << 24), 1 << 24, 2)]
-        if rng.random() < 0.3:
-            offs = [offs[0], int(rng.choice([offs[0], -offs[0], 0]))]
         slower, gain, step_log2 = int(rng.integers(2)), int(rng.integers(1, 14)), int(rng.integers(21))
         if round_ < 4:  # the ends
             ticks, gain, step_log2 = ((1, 1, 20), (2**24 - 1, 13, 0), (1, 1, 20), (2**24 - 1, 1, 20))[round_]
-            offs = [-(1 << 24), -(1 << 24)] if round_ < 2 else [1, 0] if round_ < 3 else [-1, 0]
         most = int(rng.integers(32_768)) >> int(rng.integers(16))
-        v = int(rng.integers(-most, most + 1))
         exponent = ticks.bit_length() - 1
         io.leading, io.inverse = exponent, round(1024 / (8.5 + (ticks * 8 >> exponent) - 8))
         io.slower, io.gain, io.step_log2, io.speed_max = slower, gain, step_log2, most
-        io.low, io.high = (off % (1 << OFF_W) for off in offs)
-        io.v = v % (1 << 16)
-        io.start = 1
-        sim.clock.tick()
-        io.start, clocks = 0, 1
-        while int(io.busy):
+        offsets, velocities, expected, found = [], [], [], []
+        for _axis in range(2):
+            offs = [int(off) >> int(rng.integers(26)) for off in rng.integers(-(1 << 24), 1 << 24, 2)]
+            if rng.random() < 0.3:
+                offs = [offs[0], int(rng.choice([offs[0], -offs[0], 0]))]
+            if round_ < 4:
+                offs = [-(1 << 24), -(1 << 24)] if round_ < 2 else [1, 0] if round_ < 3 else [-1, 0]
+            v = int(rng.integers(-most, most + 1))
+            change = divided(Axis(0, 0, off=offs).common(bool(slower)), step_log2 - 1 - gain, ticks)
+            offsets.append(offs)
+            velocities.append(v)
+            expected.append(max(-most, min(most, v + change)))
+        for clock in range(12):
+            io.start = clock == 0
+            io.low, io.high = (off % (1 << OFF_W) for off in offsets[clock]) if clock < 2 else (0, 0)
+            io.v = velocities[clock - 8] % (1 << 16) if clock in (8, 9) else 0
+            if clock >= 10:
+                assert int(io.turn) == (clock == 10)
+                found.append(signed(int(io.v_next), 16))
             sim.clock.tick()
-            clocks += 1
-        change = divided(Axis(0, 0, off=offs).common(bool(slower)), step_log2 - 1 - gain, ticks)
-        expected = max(-most, min(most, v + change))
-        assert signed(int(io.v_next), 16) == expected
-        limited += abs(expected) == most
-        clocks_most = max(clocks_most, clocks)
-    assert 100 < limited < 1_900
-    assert clocks_most <= 24
+        assert found == expected
+        limited += sum(abs(v) == most for v in expected)
+    assert 200 < limited < 3_800
 
 
 def test_lint() -> None:

@@ -53,6 +53,8 @@ def test_random_boxes() -> None:
             setattr(io, f"length_{suffix}", axis.px)
             setattr(io, f"speed_{suffix}", abs(axis.v))
         io.known = int(slot.visible or slot.corrections >= 4)
+        for _clock in range(2):
+            sim.clock.tick()
         io.start = 1
         for _clock in range(7):
             assert not int(io.done)

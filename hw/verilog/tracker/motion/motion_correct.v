@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+// A correction, or a candidate that begins, in order: what the other parts of motion_work.v do, and when.
+//
+// Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low; how many clocks lie between two of them
+// is written there.
+//
+// Latency:    from start to done about 40 clocks for a correction, 60 to 120 more with a look for gaps; 52 for a candidate that begins.
+// Throughput: one at a time.
+// Stall:      waits for its operations, for the leading bit of the time and for its record to be accepted.
+// Reset:      waits for a start.
+// Combinational paths: start -> begun.
+`default_nettype none
+
+module motion_correct #(
+    parameter SLOT_W = 3
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              start,        // a job waits, and nothing else is being done
+    input  wire              seed,         // it is a candidate that begins
+    input  wire [SLOT_W-1:0] slot,
+    output wire              begun,
+    output wire              done,
+    output reg               rests,
+    output reg  [SLOT_W-1:0] at,
+
+    // operations: see motion_events.v
+    output reg               op_valid,
+    input  wire              op_ready,
+    output reg               op_read,
+    output reg               op_store,
+    output reg               op_full,
+    output reg               op_clear,
+    output reg  [3:0]        op_bin,
+    input  wire              read_done,
+    input  wire              store_done,
+
+    // what decides
+    input  wire              lane,
+    input  wire              visible,      // the slot is
+    input  wire              shrinks,      // with q_meets, which is what memory has: sides shrink
+    input  wire              q_meets,
+    input  wire [5:0]        corrections,
+    input  wire              look_due,
+    input  wire              resting,      // its velocity is 0
+    input  wire              looks,        // at axis look_y
+    input  wire              look_done,
+    input  wire              gap_found,
+    input  wire              low_stays,
+    input  wire              inverse_busy,
+    input  wire              window_done,
+    input  wire              record_free,
+
+    // commands
+    output wire              load,         // the slot is being read: it is loaded
+    output reg               c_seed,
+    output reg               c_shrink,
+    output reg               c_cut_high,
+    output reg               c_cut_low,
+    output reg               c_order,
+    output reg               c_offset,
+    output reg               c_settle,
+    output reg               c_inverse,
+    output reg               c_speed,
+    output reg               c_times,
+    output reg               c_count,
+    output reg               c_bins,
+    output reg               c_window,
+    output reg               c_note,
+    output reg               look,
+    output reg               look_y,
+    output reg               say,          // the record is taken
+    output reg  [1:0]        since,        // see motion_times.v
+    output reg               keep,
+    output reg               keep_now,
+    output reg               keep_until,
+    output reg               keep_window,
+    output reg               keep_start
+);
+
+    localparam [1:0] LAST     = 2'd0;
+    localparam [1:0] UNTIL    = 2'd1;
+    localparam [1:0] SEEDED   = 2'd2;
+    localparam [1:0] REPORTED = 2'd3;
+
+    localparam [4:0] REST    = 5'd0;   // waits for a job
+    localparam [4:0] SEED    = 5'd1;   // a candidate begins
+    localparam [4:0] SEED_1  = 5'd2;
+    localparam [4:0] SEED_2  = 5'd3;
+    localparam [4:0] TICKS   = 5'd4;   // a correction: the slot is being read
+    localparam [4:0] LOAD    = 5'd5;
+    localparam [4:0] SHRINK  = 5'd6;   // how far sides move inwards
+    localparam [4:0] OFFSET  = 5'd7;   // offsets in place of places
+    localparam [4:0] LOOK    = 5'd8;   // bins are looked at
+    localparam [4:0] LOOK_AT = 5'd9;   // on which axes?
+    localparam [4:0] LOOK_GO = 5'd10;  // each axis
+    localparam [4:0] LOOKING = 5'd11;
+    localparam [4:0] CUT     = 5'd12;
+    localparam [4:0] ORDER   = 5'd13;
+    localparam [4:0] ORDERED = 5'd14;
+    localparam [4:0] LOOKED  = 5'd15;  // begins new bins
+    localparam [4:0] CLEAR   = 5'd16;  // clears them
+    localparam [4:0] SPEED   = 5'd17;  // waits for the leading bit of the time
+    localparam [4:0] TURN    = 5'd18;  // waits for the velocity
+    localparam [4:0] COUNT   = 5'd19;  // the next N_ev
+    localparam [4:0] SAY     = 5'd20;  // hands over a record
+    localparam [4:0] PLACE   = 5'd21;  // box and window
+    localparam [4:0] WINDOW  = 5'd22;  // waits for them, and for the sides to be written
+    localparam [4:0] KEPT    = 5'd23;
+
+    reg [4:0] state;
+    reg [2:0] pause;             // clocks until the state is gone on with
+    reg       seeds;             // it is a candidate that begins
+    reg       reads;             // the slot is being read
+    reg       windowed, stored;  // box and window have been found; the sides have been written
+    wire      goes_on = pause == 3'd0;
+    wire      op_free = !op_valid || op_ready;
+    wire      turns   = corrections >= 6'd2;  // its velocity is corrected
+
+    assign begun = rests && start;
+    assign load  = reads;
+    assign done  = state == KEPT;
+
+    always @(posedge clk) begin
+        {c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset, c_settle, c_inverse, c_speed} <= 9'd0;
+        {c_times, c_count, c_bins, c_window, c_note, look} <= 6'd0;
+        {keep, keep_now, keep_until, keep_window, keep_start, say} <= 6'd0;
+        if (op_ready) op_valid <= 1'b0;
+        if (store_done) stored <= 1'b1;
+        if (window_done) windowed <= 1'b1;
+
+        if (!goes_on) pause <= pause - 3'd1;
+        else case (state)
+            REST: begin
+                since  <= LAST;
+                at     <= slot;
+                seeds  <= seed;
+                look_y <= 1'b0;
+                reads  <= start && !seed;
+                op_bin <= 4'd15;
+                {op_clear, op_full, op_store, op_read} <= 4'b0001;
+                if (start) begin
+                    rests <= 1'b0;
+                    state <= SEED;
+                    if (!seed) begin
+                        op_valid <= 1'b1;
+                        pause    <= 3'd4;
+                        state    <= TICKS;
+                    end
+                end
+            end
+
+            SEED:
+            if (!lane) begin
+                c_seed   <= 1'b1;
+                since    <= SEEDED;
+                keep_now <= 1'b1;
+                pause    <= 3'd1;
+                state    <= SEED_1;
+            end
+            SEED_1: begin
+                c_settle <= 1'b1;
+                pause    <= 3'd5;
+                state    <= SEED_2;
+            end
+            SEED_2: begin
+                c_bins <= 1'b1;
+                state  <= CLEAR;
+            end
+
+            TICKS: begin
+                c_inverse <= 1'b1;
+                state     <= LOAD;
+            end
+            LOAD:
+            if (read_done) begin
+                reads <= 1'b0;
+                pause <= 3'd2;
+                state <= !q_meets && shrinks ? SHRINK : OFFSET;
+            end
+            SHRINK: begin
+                c_shrink <= 1'b1;
+                pause    <= 3'd1;
+                state    <= OFFSET;
+            end
+            OFFSET: begin
+                c_offset <= 1'b1;
+                state    <= look_due ? LOOK : SPEED;
+            end
+
+            LOOK: begin
+                pause <= 3'd7;
+                state <= LOOK_AT;
+            end
+            LOOK_AT: begin
+                c_note <= 1'b1;
+                pause  <= 3'd3;
+                state  <= corrections >= 6'd8 && !resting ? LOOK_GO : LOOKED;
+            end
+            LOOK_GO:
+            if (looks) begin
+                look  <= 1'b1;
+                state <= LOOKING;
+            end else begin
+                look_y <= 1'b1;
+                pause  <= 3'd2;
+                state  <= look_y ? LOOKED : LOOK_GO;
+            end
+            LOOKING: if (look_done) state <= gap_found ? CUT : ORDERED;
+            CUT:
+            if (!lane) begin
+                c_cut_high <= low_stays;
+                c_cut_low  <= !low_stays;
+                pause      <= 3'd5;
+                state      <= ORDER;
+            end
+            ORDER: begin
+                c_order <= !low_stays;
+                pause   <= 3'd1;  // the command is of this axis for two clocks
+                state   <= ORDERED;
+            end
+            ORDERED: begin
+                look_y <= 1'b1;
+                pause  <= 3'd6;
+                state  <= look_y ? LOOKED : LOOK_GO;
+            end
+            LOOKED: begin
+                c_bins <= 1'b1;
+                state  <= CLEAR;
+            end
+            CLEAR:
+            if (op_free) begin
+                op_valid <= 1'b1;
+                op_bin   <= op_bin + 4'd1;
+                {op_clear, op_full, op_store, op_read} <= 4'b1000;
+                if (op_bin == 4'd14) state <= seeds ? PLACE : SPEED;
+            end
+
+            SPEED:
+            if (!inverse_busy && !lane) begin
+                c_speed  <= turns;
+                c_settle <= 1'b1;
+                c_times  <= 1'b1;
+                pause    <= turns ? 3'd7 : 3'd2;
+                state    <= TURN;
+            end
+            TURN: begin
+                pause <= 3'd1;
+                state <= COUNT;
+            end
+            COUNT: begin
+                c_count    <= 1'b1;
+                keep_start <= corrections == 6'd3;
+                pause      <= turns ? 3'd3 : 3'd1;
+                state      <= visible ? SAY : PLACE;
+            end
+            SAY:
+            if (record_free) begin
+                say      <= 1'b1;
+                since    <= REPORTED;
+                keep_now <= 1'b1;
+                state    <= PLACE;
+            end
+
+            PLACE:
+            if (op_free) begin
+                c_window <= 1'b1;
+                windowed <= 1'b0;
+                stored   <= 1'b0;
+                op_valid <= 1'b1;
+                {op_clear, op_full, op_store, op_read} <= seeds ? 4'b0110 : 4'b0010;
+                state    <= WINDOW;
+            end
+            WINDOW:
+            if (windowed && stored) begin
+                since       <= LAST;
+                keep        <= 1'b1;
+                keep_now    <= 1'b1;
+                keep_window <= 1'b1;
+                state       <= KEPT;
+            end
+            KEPT: begin
+                since      <= UNTIL;
+                keep_until <= 1'b1;
+                rests      <= 1'b1;
+                state      <= REST;
+            end
+            default: state <= REST;
+        endcase
+
+        if (rst) begin
+            state    <= REST;
+            rests    <= 1'b1;
+            pause    <= 3'd0;
+            op_valid <= 1'b0;
+            reads    <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where each register of motion_regs.v lies among the bits of all of them.
+// Generated from sw/evcot/hardware/motion/contract.py by `python -m evcot.hardware.generate`: edit there.
+`ifndef MOTION_FIELDS_VH
+`define MOTION_FIELDS_VH
+
+`define MOTION_REGS_W 322
+`define MOTION_STEP_LOG2 4:0
+`define MOTION_SIDE_STEP 20:5
+`define MOTION_SIDE_SHARE 24:21
+`define MOTION_SIDE_SHRINK 28:25
+`define MOTION_SIDE_MAX 40:29
+`define MOTION_GAIN_LOG2 44:41
+`define MOTION_GAIN_SLOW 47:45
+`define MOTION_SETTLE 53:48
+`define MOTION_SPEED_MAX 68:54
+`define MOTION_FRICTION 72:69
+`define MOTION_NEV_LOW 82:73
+`define MOTION_NEV_HIGH 92:83
+`define MOTION_SEED_PX 100:93
+`define MOTION_RING_PX 108:101
+`define MOTION_RING_MAX 116:109
+`define MOTION_RING_ACROSS 120:117
+`define MOTION_RING_ALONG 124:121
+`define MOTION_RING_ANY 128:125
+`define MOTION_ELONGATION 132:129
+`define MOTION_DETECT_TICKS 156:133
+`define MOTION_LIFE_LOG2 160:157
+`define MOTION_LIFE_TICKS 184:161
+`define MOTION_COAST_TICKS 208:185
+`define MOTION_BIRTH_SUPPORT 224:209
+`define MOTION_BIRTH_PX 232:225
+`define MOTION_BIRTH_TICKS 256:233
+`define MOTION_BIRTH_TRAVEL 260:257
+`define MOTION_GAP_CORRECTIONS 268:261
+`define MOTION_GAP_SHARE 272:269
+`define MOTION_GAP_PX 280:273
+`define MOTION_JOIN_STEPS 290:281
+`define MOTION_JOIN_LIFE 294:291
+`define MOTION_JOIN_SPEED 298:295
+`define MOTION_JOIN_REACH 302:299
+`define MOTION_JOIN_PX 310:303
+`define MOTION_KEEP_OLDER 311:311
+`define MOTION_REPORT_STEPS 321:312
+
+`endif

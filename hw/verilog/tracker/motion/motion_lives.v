@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which slots have a visible track, a candidate, and four corrections behind them.
+//
+// Latency:    1 clock.
+// Throughput: a change of one slot, and a candidate that is put in force, per clock.
+// Stall:      none.
+// Reset:      every slot is free.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_lives #(
+    parameter N      = 8,
+    parameter SLOT_W = 3
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              begins,       // a candidate is in force
+    input  wire [SLOT_W-1:0] begins_slot,
+
+    input  wire [SLOT_W-1:0] at,           // of this slot
+    input  wire              seed,         // a candidate is being placed
+    input  wire              settle,       // the fourth correction is done
+    input  wire              appear,       // the candidate becomes visible
+    input  wire              lapse,        // the life ends
+
+    output reg  [N-1:0]      visible,
+    output reg  [N-1:0]      candidate,
+    output reg  [N-1:0]      settled
+);
+
+    always @(posedge clk) begin
+        if (begins) candidate[begins_slot] <= 1'b1;
+        if (seed) settled[at] <= 1'b0;
+        if (settle) settled[at] <= 1'b1;
+        if (appear) visible[at] <= 1'b1;
+        if (lapse) visible[at] <= 1'b0;
+        if (appear || lapse) candidate[at] <= 1'b0;
+        if (rst) begin
+            visible   <= {N{1'b0}};
+            candidate <= {N{1'b0}};
+            settled   <= {N{1'b0}};
+        end
+    end
+
+endmodule
+
+`default_nettype wire

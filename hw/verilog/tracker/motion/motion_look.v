@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// On which axes a box is looked at for a gap, how wide the gap must be, and where the box is cut: docs/motion.md, "Gaps".
+//
+// Latency:    2 clocks from note, 1 from on_y to looks and narrowest; 1 clock from the gap to cut_px.
+// Throughput: a slot at a time.
+// Stall:      none.
+// Reset:      none, nothing is used before it was computed.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_look #(
+    parameter PX_W = 13  // bits of a length in pixels
+) (
+    input  wire            clk,
+
+    input  wire            note,       // lengths are those before the cut, for two clocks or more
+    input  wire [PX_W-1:0] length_x,
+    input  wire [PX_W-1:0] length_y,
+    input  wire [PX_W+3:0] long_x,     // so long must the other axis be
+    input  wire [PX_W+3:0] long_y,
+    input  wire [14:0]     speed_x,
+    input  wire [14:0]     speed_y,
+    input  wire            on_y,       // the axis
+    output reg             looks,      // it is looked at
+    output reg  [PX_W-1:0] narrowest,  // pixels of a gap
+
+    // a gap: see motion_gaps.v
+    input  wire            low_stays,
+    input  wire [3:0]      begins,
+    input  wire [3:0]      ends,
+    input  wire [4:0]      bin_log2,
+    output reg  [PX_W-1:0] cut_px,     // from the low side
+
+    input  wire [7:0]      gap_px
+);
+
+    reg  [PX_W-2:0] half_x, half_y;
+    reg             across_x, across_y, is_long_x, is_long_y, looks_x, looks_y;
+    wire [PX_W-1:0] least   = {{(PX_W - 8) {1'b0}}, gap_px};
+    wire [PX_W-1:0] half    = {1'b0, on_y ? half_x : half_y};
+    wire [PX_W-1:0] cut_bin = {{(PX_W - 4) {1'b0}}, low_stays ? begins : ends};
+
+    always @(posedge clk) begin
+        if (note) begin
+            half_x  <= length_x[PX_W-1:1];
+            half_y  <= length_y[PX_W-1:1];
+            looks_x <= across_x || is_long_x;
+            looks_y <= across_y || is_long_y;
+        end
+        across_x  <= {speed_y, 1'b0} >= {1'b0, speed_x};
+        across_y  <= {speed_x, 1'b0} >= {1'b0, speed_y};
+        is_long_x <= {4'd0, length_x} >= long_y;
+        is_long_y <= {4'd0, length_y} >= long_x;
+        looks     <= on_y ? looks_y : looks_x;
+        narrowest <= (on_y ? across_y : across_x) || least > half ? least : half;
+        cut_px    <= cut_bin << bin_log2;
+    end
+
+endmodule
+
+`default_nettype wire

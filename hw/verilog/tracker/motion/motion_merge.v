@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two slots that become one, in order: docs/motion.md, "Merging". The one whose step it is, is being worked on; then the other one may be
+// read, and at last the one that stays, whose sides are made to cover both.
+//
+// Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low.
+//
+// Latency:    about 70 clocks from start to done.
+// Throughput: one at a time.
+// Stall:      waits for its operations, and for its records to be accepted.
+// Reset:      waits for a start.
+// Combinational paths: none.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module motion_merge #(
+    parameter N      = 8,
+    parameter SLOT_W = 3,
+    parameter ID_W   = 32
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              start,
+    input  wire [SLOT_W-1:0] this_slot,
+    input  wire [SLOT_W-1:0] stays,
+    input  wire [SLOT_W-1:0] goes,
+    output reg               rests,
+    output reg               done,
+    output reg  [SLOT_W-1:0] at,
+
+    // operations: see motion_events.v
+    output reg               op_valid,
+    input  wire              op_ready,
+    output reg               op_read,
+    output reg               op_store,
+    output reg               op_put,       // box and window as well
+    output reg               op_clear,
+    output reg  [3:0]        op_bin,
+    input  wire              read_done,
+    input  wire              store_done,
+
+    // what decides
+    input  wire              lane,
+    input  wire [N-1:0]      visible,
+    input  wire              older,        // the deadline that stayed is earlier
+    input  wire              window_done,
+    input  wire              record_free,
+    input  wire [ID_W-1:0]   id,
+
+    // commands
+    output wire              load,         // the one that goes is being read,
+    output wire              unite,        // the one that stays
+    output reg               c_settle,
+    output reg               c_reflect,
+    output reg               c_cover,
+    output reg               c_bins,
+    output reg               c_window,
+    output reg               c_take,       // the deadline of the one that goes
+    output reg               lapse,
+    output reg               say,          // the record is taken
+    output reg  [1:0]        kind,
+    output reg  [ID_W-1:0]   stays_id,
+    output reg  [1:0]        since,        // see motion_times.v
+    output reg               keep,
+    output reg               keep_now,
+    output reg               keep_until,
+    output reg               keep_window
+);
+
+    localparam [1:0] UNTIL    = 2'd1;
+    localparam [1:0] REPORTED = 2'd3;
+
+    localparam [4:0] REST    = 5'd0;   // waits for a start
+    localparam [4:0] SAVE    = 5'd1;   // writes back the one that stays
+    localparam [4:0] SAVED   = 5'd2;   // reads the one that goes
+    localparam [4:0] GOES    = 5'd3;
+    localparam [4:0] GONE    = 5'd4;   // the id of the one that stays, then a record
+    localparam [4:0] STAYS   = 5'd5;
+    localparam [4:0] SAY_END = 5'd6;
+    localparam [4:0] END     = 5'd7;   // keeps its sides
+    localparam [4:0] RETURN  = 5'd8;   // reads the one that stays
+    localparam [4:0] READ    = 5'd9;
+    localparam [4:0] UNITE   = 5'd10;
+    localparam [4:0] REFLECT = 5'd11;  // how far its sides are from those of the one that goes
+    localparam [4:0] COVER   = 5'd12;  // they cover both
+    localparam [4:0] COVERED = 5'd13;
+    localparam [4:0] BINS    = 5'd14;  // begins new bins
+    localparam [4:0] CLEAR   = 5'd15;  // clears them
+    localparam [4:0] PLACE   = 5'd16;  // box and window
+    localparam [4:0] WINDOW  = 5'd17;
+    localparam [4:0] WRITE   = 5'd18;  // writes it back
+    localparam [4:0] SAY     = 5'd19;  // hands over a record
+    localparam [4:0] WRITTEN = 5'd20;
+
+    reg [4:0] state;
+    reg [2:0] pause;       // clocks until the state is gone on with
+    reg       stored;
+    reg       reads, unites;  // the one that goes is being read; the one that stays is
+    wire      goes_on = pause == 3'd0;
+    wire      op_free = !op_valid || op_ready;
+
+    assign load  = reads;
+    assign unite = unites;
+
+    always @(posedge clk) begin
+        {c_settle, c_reflect, c_cover, c_bins, c_window, c_take, lapse, done} <= 8'd0;
+        {keep, keep_now, keep_until, keep_window, say} <= 5'd0;
+        if (op_ready) op_valid <= 1'b0;
+        if (store_done) stored <= 1'b1;
+
+        if (!goes_on) pause <= pause - 3'd1;
+        else case (state)
+            REST: begin
+                at     <= this_slot;
+                since  <= UNTIL;
+                stored <= 1'b0;
+                op_bin <= 4'd15;
+                {op_clear, op_put, op_store, op_read} <= 4'b0010;
+                if (start) begin
+                    rests <= 1'b0;
+                    pause <= 3'd3;
+                    state <= GONE;
+                    if (stays == this_slot) begin
+                        op_valid <= 1'b1;
+                        keep     <= 1'b1;
+                        state    <= SAVE;
+                    end
+                end
+            end
+            SAVE: if (stored) state <= SAVED;
+            SAVED: begin
+                at       <= goes;
+                op_valid <= 1'b1;
+                {op_clear, op_put, op_store, op_read} <= 4'b0001;
+                reads    <= 1'b1;
+                state    <= GOES;
+            end
+            GOES:
+            if (read_done) begin
+                reads <= 1'b0;
+                state <= GONE;
+            end
+
+            GONE: begin
+                c_take <= 1'b1;
+                at     <= stays;
+                pause  <= 3'd2;
+                state  <= STAYS;
+            end
+            STAYS: begin
+                stays_id <= id;
+                at       <= goes;
+                kind     <= `EVCOT_KIND_MERGED;
+                pause    <= 3'd2;
+                state    <= visible[goes] ? SAY_END : END;
+            end
+            SAY_END:
+            if (record_free) begin
+                say   <= 1'b1;
+                state <= END;
+            end
+            END:
+            if (!lane) begin
+                c_settle <= 1'b1;
+                lapse    <= 1'b1;
+                state    <= RETURN;
+            end
+
+            RETURN: begin
+                at    <= stays;
+                state <= READ;
+            end
+            READ: begin
+                op_valid <= 1'b1;
+                {op_clear, op_put, op_store, op_read} <= 4'b0001;
+                unites   <= 1'b1;
+                state    <= UNITE;
+            end
+            UNITE:
+            if (read_done) begin
+                unites <= 1'b0;
+                state  <= REFLECT;
+            end
+            REFLECT: begin
+                c_reflect <= 1'b1;
+                pause     <= 3'd1;
+                state     <= COVER;
+            end
+            COVER: begin
+                c_cover <= 1'b1;
+                pause   <= 3'd1;
+                state   <= COVERED;
+            end
+            COVERED: begin
+                c_settle <= 1'b1;
+                pause    <= 3'd5;
+                state    <= BINS;
+            end
+            BINS: begin
+                c_bins     <= 1'b1;
+                keep_until <= !older;
+                state      <= CLEAR;
+            end
+            CLEAR:
+            if (op_free) begin
+                op_valid <= 1'b1;
+                op_bin   <= op_bin + 4'd1;
+                {op_clear, op_put, op_store, op_read} <= 4'b1000;
+                if (op_bin == 4'd14) state <= PLACE;
+            end
+
+            PLACE: begin
+                c_window <= 1'b1;
+                state    <= WINDOW;
+            end
+            WINDOW:
+            if (window_done) begin
+                keep_window <= 1'b1;
+                state       <= WRITE;
+            end
+            WRITE: begin
+                op_valid <= 1'b1;
+                {op_clear, op_put, op_store, op_read} <= 4'b0110;
+                stored   <= 1'b0;
+                keep     <= 1'b1;
+                kind     <= `EVCOT_KIND_MOVED;
+                state    <= visible[at] ? SAY : WRITTEN;
+            end
+            SAY:
+            if (record_free) begin
+                say      <= 1'b1;
+                since    <= REPORTED;
+                keep_now <= 1'b1;
+                state    <= WRITTEN;
+            end
+            WRITTEN:
+            if (stored) begin
+                done  <= 1'b1;
+                rests <= 1'b1;
+                state <= REST;
+            end
+            default: state <= REST;
+        endcase
+
+        if (rst) begin
+            state    <= REST;
+            rests    <= 1'b1;
+            pause    <= 3'd0;
+            op_valid <= 1'b0;
+            reads    <= 1'b0;
+            unites   <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is done in motion_work.v, and when: corrections and candidates, motion_correct.v, steps, motion_step.v, and within them two slots
+// that become one, motion_merge.v. One of them is at work at a time, and the commands of all go to the same parts.
+//
+// Latency:    see there.
+// Throughput: one job or step at a time.
+// Stall:      see there.
+// Reset:      nothing is being done, and every slot is free.
+// Combinational paths: job_valid, do_step, do_end -> begun.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module motion_order #(
+    parameter N      = 8,
+    parameter SLOT_W = 3,
+    parameter ID_W   = 32
+) (
+    input  wire                    clk,
+    input  wire                    rst,
+
+    // what is to be done
+    input  wire                    job_valid,
+    output wire                    job_done,
+    input  wire                    job_seed,
+    input  wire [SLOT_W-1:0]       job_slot,
+    input  wire                    do_step,
+    input  wire                    do_end,
+    input  wire [SLOT_W-1:0]       end_slot,
+    output wire                    rests,
+    output wire                    begun,  // a job begins
+
+    // slots
+    input  wire                    begins,
+    input  wire [SLOT_W-1:0]       begins_slot,
+    output wire [N-1:0]            visible,
+    output wire [N-1:0]            candidate,
+    output wire [SLOT_W-1:0]       at,
+    output wire [SLOT_W-1:0]       this_slot,  // whose step it is
+
+    // operations: see motion_events.v
+    output wire                    op_valid,
+    input  wire                    op_ready,
+    output wire                    op_read,
+    output wire                    op_store,
+    output wire                    op_full,
+    output wire                    op_put,
+    output wire                    op_clear,
+    output wire [3:0]              op_bin,
+    input  wire                    read_next,  // read_done in the next clock
+    input  wire                    read_done,
+    input  wire                    store_done,
+
+    // records
+    output wire                    say,
+    input  wire                    record_free,
+    output wire [1:0]              kind,
+    input  wire [ID_W-1:0]         id,
+    output wire [ID_W-1:0]         stays_id,
+
+    // what decides: see motion_correct.v, motion_step.v
+    input  wire                    lane,
+    input  wire                    shrinks,
+    input  wire                    q_meets,
+    input  wire                    look_due,
+    input  wire                    resting,
+    input  wire                    looks,
+    input  wire                    look_done,
+    input  wire                    gap_found,
+    input  wire                    low_stays,
+    input  wire                    inverse_busy,
+    input  wire                    window_done,
+    input  wire                    rubs,
+    input  wire                    silent,
+    input  wire                    ended,
+    input  wire                    older,
+    input  wire                    dividing,
+    input  wire                    enough,
+    input  wire                    overdue,
+    input  wire                    pair_done,
+    input  wire                    alike,
+    input  wire                    weaker,
+    input  wire                    keep_older,
+    input  wire                    meet_done,
+    input  wire                    held,
+    input  wire                    touches,
+    input  wire                    appears,
+    input  wire [SLOT_W-1:0]       touched,
+    input  wire [5:0]              corrections,
+
+    // commands
+    output reg                     load,
+    output reg                     load_support,
+    output reg                     unite,
+    output wire                    seed,
+    output wire                    shrink,
+    output wire                    cut_high,
+    output wire                    cut_low,
+    output wire                    order,
+    output wire                    offset,
+    output wire                    reflect,
+    output wire                    settle,
+    output wire                    cover_both,
+    output wire                    move,
+    output wire                    rub,
+    output wire                    shorten,
+    output wire                    invert,
+    output wire                    speed,
+    output wire                    correct,
+    output wire                    count,
+    output wire                    begin_bins,
+    output wire                    place,
+    output wire                    note,
+    output wire                    compare,
+    output wire                    pair,
+    output wire                    part,
+    output wire                    ask,
+    output wire                    touch,
+    output wire                    meet,
+    output wire                    take,
+    output wire                    hold,
+    output wire                    divide,
+    output wire                    by_life,
+    output wire                    keep,
+    output wire                    keep_window,
+    output wire                    keep_now,
+    output wire                    keep_until,
+    output wire                    keep_id,
+    output wire                    keep_start,
+    output wire                    look,
+    output wire                    look_y,
+    output wire [1:0]              since
+);
+
+    // Names of motion_correct.v begin with k_, of motion_step.v with s_, of motion_merge.v with m_.
+    wire              k_begun, k_rests, k_valid, k_read, k_store, k_full, k_clear, k_load, k_seed, k_shrink, k_cut_high, k_cut_low, k_order;
+    wire              k_offset, k_settle, k_inverse, k_speed, k_times, k_count, k_bins, k_window, k_note, k_say;
+    wire              k_keep, k_keep_now, k_keep_until, k_keep_window, k_keep_start;
+    wire              s_rests, s_valid, s_all, s_merge, s_load, s_reflect, s_move, s_rub, s_shorten, s_window, s_compare, s_pair, s_part;
+    wire              s_take, s_divide, s_by_life, s_ask, s_touch, s_meet, s_appear, s_lapse, s_say, s_keep, s_keep_now, s_keep_window;
+    wire              m_rests, m_done, m_valid, m_read, m_store, m_put, m_clear, m_load, m_unite, m_settle, m_reflect, m_cover, m_bins;
+    wire              m_window, m_take, m_lapse, m_say, m_keep, m_keep_now, m_keep_until, m_keep_window;
+    wire [SLOT_W-1:0] k_at, s_at, m_at, stays, goes;
+    wire [3:0]        k_bin, m_bin;
+    wire [1:0]        s_kind, m_kind, k_since, s_since, m_since;
+    reg               k_was;        // and what it has written last is being written
+    wire              correcting = !k_rests || k_was;
+    wire              merging    = !m_rests;
+
+    wire [N-1:0]      settled;
+
+    assign rests    = k_rests && s_rests;
+    assign at       = correcting ? k_at : merging ? m_at : s_at;
+    assign say      = k_say || s_say || m_say;
+    assign kind     = correcting ? `EVCOT_KIND_MOVED : merging ? m_kind : s_kind;
+    assign op_valid = k_valid || s_valid || m_valid;
+    assign op_read  = (k_valid && k_read) || (s_valid && !s_all) || (m_valid && m_read);
+    assign op_store = (k_valid && k_store) || (s_valid && s_all) || (m_valid && m_store);
+    assign op_full  = (k_valid && k_full) || (s_valid && s_all) || (m_valid && m_store);
+    assign op_put   = (s_valid && s_all) || (m_valid && m_put);
+    assign op_clear = (k_valid && k_clear) || (m_valid && m_clear);
+    assign op_bin   = correcting ? k_bin : m_bin;
+
+    assign begun    = k_begun;
+    assign since    = correcting ? k_since : merging ? m_since : s_since;
+
+    assign seed         = k_seed;
+    assign shrink       = k_shrink;
+    assign cut_high     = k_cut_high;
+    assign cut_low      = k_cut_low;
+    assign order        = k_order;
+    assign offset       = k_offset;
+    assign reflect      = k_offset || s_reflect || m_reflect;
+    assign settle       = k_settle || m_settle;
+    assign cover_both   = m_cover;
+    assign move         = s_move;
+    assign rub          = s_rub;
+    assign shorten      = s_shorten;
+    assign invert       = k_inverse;
+    assign speed        = k_speed;
+    assign correct      = k_times;
+    assign count        = k_count;
+    assign begin_bins   = k_bins || m_bins;
+    assign place        = k_window || s_window || m_window;
+    assign note         = k_note;
+    assign compare      = s_compare;
+    assign pair         = s_pair;
+    assign part         = s_part;
+    assign ask          = s_ask;
+    assign touch        = s_touch;
+    assign meet         = s_meet;
+    assign take         = s_take || m_take;
+    assign hold         = m_take;
+    assign divide       = s_divide;
+    assign by_life      = s_by_life;
+    assign keep         = k_keep || s_keep || m_keep;
+    assign keep_window  = k_keep_window || s_keep_window || m_keep_window;
+    assign keep_now     = k_keep_now || s_keep_now || m_keep_now;
+    assign keep_until   = k_keep_until || m_keep_until;
+    assign keep_id      = s_appear;
+    assign keep_start   = k_keep_start;
+
+    always @(posedge clk) begin
+        k_was        <= !k_rests;
+        load         <= read_next && (k_load || s_load || m_load);
+        load_support <= read_next && (s_load || m_load);
+        unite        <= read_next && m_unite;
+    end
+
+    motion_correct #(
+        .SLOT_W(SLOT_W)
+    ) u_correct (
+        .clk         (clk),
+        .rst         (rst),
+        .start       (job_valid && s_rests && !do_step && !do_end),
+        .seed        (job_seed),
+        .slot        (job_slot),
+        .begun       (k_begun),
+        .done        (job_done),
+        .rests       (k_rests),
+        .at          (k_at),
+        .op_valid    (k_valid),
+        .op_ready    (op_ready),
+        .op_read     (k_read),
+        .op_store    (k_store),
+        .op_full     (k_full),
+        .op_clear    (k_clear),
+        .op_bin      (k_bin),
+        .read_done   (read_done),
+        .store_done  (store_done),
+        .lane        (lane),
+        .visible     (visible[k_at]),
+        .shrinks     (shrinks),
+        .q_meets     (q_meets),
+        .corrections (corrections),
+        .look_due    (look_due),
+        .resting     (resting),
+        .looks       (looks),
+        .look_done   (look_done),
+        .gap_found   (gap_found),
+        .low_stays   (low_stays),
+        .inverse_busy(inverse_busy),
+        .window_done (window_done),
+        .record_free (record_free),
+        .load        (k_load),
+        .c_seed      (k_seed),
+        .c_shrink    (k_shrink),
+        .c_cut_high  (k_cut_high),
+        .c_cut_low   (k_cut_low),
+        .c_order     (k_order),
+        .c_offset    (k_offset),
+        .c_settle    (k_settle),
+        .c_inverse   (k_inverse),
+        .c_speed     (k_speed),
+        .c_times     (k_times),
+        .c_count     (k_count),
+        .c_bins      (k_bins),
+        .c_window    (k_window),
+        .c_note      (k_note),
+        .look        (look),
+        .look_y      (look_y),
+        .say         (k_say),
+        .since       (k_since),
+        .keep        (k_keep),
+        .keep_now    (k_keep_now),
+        .keep_until  (k_keep_until),
+        .keep_window (k_keep_window),
+        .keep_start  (k_keep_start)
+    );
+
+    motion_step #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_step (
+        .clk        (clk),
+        .rst        (rst),
+        .start      (do_step),
+        .end_life   (do_end),
+        .end_slot   (end_slot),
+        .rests      (s_rests),
+        .at         (s_at),
+        .this_slot  (this_slot),
+        .op_valid   (s_valid),
+        .op_ready   (op_ready),
+        .op_all     (s_all),
+        .read_done  (read_done),
+        .store_done (store_done),
+        .merge      (s_merge),
+        .stays      (stays),
+        .goes       (goes),
+        .merged     (m_done),
+        .visible    (visible),
+        .candidate  (candidate),
+        .settled    (settled),
+        .corrections(corrections),
+        .rubs       (rubs),
+        .silent     (silent),
+        .ended      (ended),
+        .older      (older),
+        .dividing   (dividing),
+        .enough     (enough),
+        .overdue    (overdue),
+        .window_done(window_done),
+        .pair_done  (pair_done),
+        .alike      (alike),
+        .weaker     (weaker),
+        .keep_older (keep_older),
+        .meet_done  (meet_done),
+        .held       (held),
+        .touches    (touches),
+        .touched    (touched),
+        .appears    (appears),
+        .record_free(record_free),
+        .load       (s_load),
+        .c_reflect  (s_reflect),
+        .c_move     (s_move),
+        .c_rub      (s_rub),
+        .c_shorten  (s_shorten),
+        .c_window   (s_window),
+        .c_compare  (s_compare),
+        .c_pair     (s_pair),
+        .c_part     (s_part),
+        .c_take     (s_take),
+        .c_divide   (s_divide),
+        .by_life    (s_by_life),
+        .c_ask      (s_ask),
+        .c_touch    (s_touch),
+        .c_meet     (s_meet),
+        .appear     (s_appear),
+        .lapse      (s_lapse),
+        .say        (s_say),
+        .kind       (s_kind),
+        .since      (s_since),
+        .keep       (s_keep),
+        .keep_now   (s_keep_now),
+        .keep_window(s_keep_window)
+    );
+
+    motion_merge #(
+        .N     (N),
+        .SLOT_W(SLOT_W),
+        .ID_W  (ID_W)
+    ) u_merge (
+        .clk        (clk),
+        .rst        (rst),
+        .start      (s_merge),
+        .this_slot  (this_slot),
+        .stays      (stays),
+        .goes       (goes),
+        .rests      (m_rests),
+        .done       (m_done),
+        .at         (m_at),
+        .op_valid   (m_valid),
+        .op_ready   (op_ready),
+        .op_read    (m_read),
+        .op_store   (m_store),
+        .op_put     (m_put),
+        .op_clear   (m_clear),
+        .op_bin     (m_bin),
+        .read_done  (read_done),
+        .store_done (store_done),
+        .lane       (lane),
+        .visible    (visible),
+        .older      (older),
+        .window_done(window_done),
+        .record_free(record_free),
+        .id         (id),
+        .load       (m_load),
+        .unite      (m_unite),
+        .c_settle   (m_settle),
+        .c_reflect  (m_reflect),
+        .c_cover    (m_cover),
+        .c_bins     (m_bins),
+        .c_window   (m_window),
+        .c_take     (m_take),
+        .lapse      (m_lapse),
+        .say        (m_say),
+        .kind       (m_kind),
+        .stays_id   (stays_id),
+        .since      (m_since),
+        .keep       (m_keep),
+        .keep_now   (m_keep_now),
+        .keep_until (m_keep_until),
+        .keep_window(m_keep_window)
+    );
+
+    motion_lives #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_lives (
+        .clk        (clk),
+        .rst        (rst),
+        .begins     (begins),
+        .begins_slot(begins_slot),
+        .at         (at),
+        .seed       (k_seed),
+        .settle     (k_keep_start),
+        .appear     (s_appear),
+        .lapse      (s_lapse || m_lapse),
+        .visible    (visible),
+        .candidate  (candidate),
+        .settled    (settled)
+    );
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// The slot that is worked on, but for its sides and times: what is counted of it, its state towards others, and the memory of all slots.
+//
+// Latency:    1 clock from a command; 2 from `at` to what memory has, see motion_context.v.
+// Throughput: a command per clock.
+// Stall:      none, without a command everything stays.
+// Reset:      births begin with id 0; nothing else is used before it was loaded.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_slot #(
+    parameter SLOT_W = 3,
+    parameter SIDE_W = 25,
+    parameter PX_W   = 13,
+    parameter SUP_W  = 16,
+    parameter ID_W   = 32
+) (
+    input  wire                clk,
+    input  wire                rst,
+
+    input  wire [SLOT_W-1:0]   at,
+    input  wire                puts,         // box, window and N_ev are those of put_slot
+    input  wire [SLOT_W-1:0]   put_slot,
+
+    // commands
+    input  wire                take,         // support, of the event that completed a correction
+    input  wire                load,         // what memory has, and the marks that were read
+    input  wire                load_support, // with it: the support that was read
+    input  wire                unite,        // with it, in place of that: both supports; all sides are marked, partners forgotten
+    input  wire                seed,         // a candidate begins
+    input  wire                offset,       // a correction: marks are cleared, looks counted
+    input  wire                count,        // it is counted; the next N_ev
+    input  wire                begin_bins,   // new bins are begun
+    input  wire                pair,         // `at` is the partner in this step
+    input  wire                part,         // there is none
+    input  wire                meet,         // what it meets was found
+    input  wire                keep,         // the state is written,
+    input  wire                keep_window,  // box and window,
+    input  wire                keep_id,      // the next id,
+    input  wire                keep_start,   // the place at the fourth correction
+
+    // operands
+    input  wire [SUP_W-1:0]    job_support,
+    input  wire [SUP_W-1:0]    r_support,
+    input  wire [3:0]          r_marks,
+    input  wire [PX_W-1:0]     length_x,
+    input  wire [PX_W-1:0]     length_y,
+    input  wire                meets_now,
+    input  wire [3:0]          hidden_now,
+    input  wire [31:0]         v,            // y, x
+    input  wire [4*SIDE_W-1:0] refs,
+    input  wire [23:0]         usual,
+    input  wire [4*PX_W-1:0]   box,
+    input  wire [4*PX_W-1:0]   window,
+    input  wire [2*SIDE_W+1:0] start,        // sums of both sides, x, y
+    input  wire [9:0]          nev_low,
+    input  wire [9:0]          nev_high,
+    input  wire [3:0]          gain_log2,
+    input  wire [2:0]          gain_slow,
+    input  wire [7:0]          gap_corrections,
+
+    // the slot
+    output reg  [SUP_W-1:0]    support,
+    output reg  [5:0]          corrections,
+    output reg  [3:0]          gain,
+    output reg                 look_due,     // with the next correction bins are looked at
+    output reg                 meets,
+    output reg  [3:0]          hidden,       // sides: hi and lo of y, hi and lo of x
+    output reg  [3:0]          marks,
+    output reg  [9:0]          n_ev,
+    output reg  [15:0]         together,
+    output reg  [9:0]          log2,         // of bins, y and x
+
+    // what memory has
+    output wire                q_meets,
+    output wire [31:0]         q_v,
+    output wire [4*SIDE_W-1:0] q_refs,
+    output wire [23:0]         q_usual,
+    output wire [ID_W-1:0]     q_id,
+    output wire [2*SIDE_W+1:0] q_start,
+    output wire [4*PX_W-1:0]   p_box,
+    output wire [4*PX_W-1:0]   p_window,
+    output wire [9:0]          p_n_ev
+);
+
+    reg  [7:0]        looked;
+    reg               has_partner;
+    reg  [SLOT_W-1:0] partner;
+    reg  [ID_W-1:0]   births;
+    reg  [PX_W:0]     outline;
+
+    wire [5:0]        q_corrections;
+    wire [7:0]        q_looked;
+    wire [3:0]        q_hidden;
+    wire              q_has_partner;
+    wire [SLOT_W-1:0] q_partner;
+    wire [15:0]       q_together;
+    wire [9:0]        q_n_ev, q_log2;
+
+    reg  [5:0]     slow;        // corrections, slower
+    reg  [3:0]     least_gain;  // g, alone
+    wire [SUP_W:0] both_support = {1'b0, support} + {1'b0, r_support};
+
+    motion_context #(
+        .SLOT_W(SLOT_W),
+        .SIDE_W(SIDE_W),
+        .PX_W  (PX_W),
+        .ID_W  (ID_W)
+    ) u_context (
+        .clk          (clk),
+        .at           (at),
+        .puts         (puts),
+        .put_slot     (put_slot),
+        .keep         (keep),
+        .keep_window  (keep_window),
+        .keep_id      (keep_id),
+        .keep_start   (keep_start),
+        .v            (v),
+        .refs         (refs),
+        .corrections  (corrections),
+        .looked       (looked),
+        .meets        ({hidden, meets}),
+        .n_ev         (n_ev),
+        .has_partner  (has_partner),
+        .partner      (partner),
+        .together     (together),
+        .usual        (usual),
+        .box          (box),
+        .window       (window),
+        .id           (births),
+        .start        (start),
+        .log2         (log2),
+        .q_v          (q_v),
+        .q_refs       (q_refs),
+        .q_corrections(q_corrections),
+        .q_looked     (q_looked),
+        .q_meets      ({q_hidden, q_meets}),
+        .q_n_ev       (q_n_ev),
+        .q_has_partner(q_has_partner),
+        .q_partner    (q_partner),
+        .q_together   (q_together),
+        .q_usual      (q_usual),
+        .q_log2       (q_log2),
+        .q_id         (q_id),
+        .q_start      (q_start),
+        .p_box        (p_box),
+        .p_window     (p_window),
+        .p_n_ev       (p_n_ev)
+    );
+
+    // Bins of 2^n pixels, four to eight for the whole side.
+    function [4:0] bin_log2;
+        input [PX_W-1:0] length;
+        integer k;
+        begin
+            bin_log2 = 5'd0;
+            for (k = 4; k <= PX_W; k = k + 1) if (length[k-1]) bin_log2 = k[4:0] - 5'd3;
+        end
+    endfunction
+
+    always @(posedge clk) begin
+        slow     <= corrections >> gain_slow;
+        least_gain <= slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
+        gain     <= least_gain + {3'd0, meets};
+        look_due <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
+        outline  <= {1'b0, length_x} + {1'b0, length_y};
+
+        if (load) begin
+            marks       <= r_marks;
+            hidden      <= q_hidden;
+            meets       <= q_meets;
+            n_ev        <= q_n_ev;
+            corrections <= q_corrections;
+            looked      <= q_looked;
+            has_partner <= q_has_partner;
+            partner     <= q_partner;
+            together    <= q_together;
+            log2        <= q_log2;
+        end
+        if (take) support <= job_support;
+        if (load && load_support) support <= r_support;
+        if (unite) support <= both_support[SUP_W] ? {SUP_W{1'b1}} : both_support[SUP_W-1:0];
+        if (seed) begin
+            support     <= {{(SUP_W - 1) {1'b0}}, 1'b1};
+            marks       <= 4'd0;
+            hidden      <= 4'd0;
+            meets       <= 1'b0;
+            n_ev        <= nev_low;
+            corrections <= 6'd0;
+        end
+        if (offset) begin
+            marks <= 4'd0;
+            if (gap_corrections != 8'd0) looked <= looked + 8'd1;
+        end
+        if (count) begin
+            n_ev <= outline < {{(PX_W - 9) {1'b0}}, nev_low} ? nev_low
+                  : outline > {{(PX_W - 9) {1'b0}}, nev_high} ? nev_high : outline[9:0];
+            if (corrections != 6'd63) corrections <= corrections + 6'd1;
+        end
+        if (begin_bins) begin
+            looked <= 8'd0;
+            log2   <= {bin_log2(length_y), bin_log2(length_x)};
+        end
+        if (pair) begin
+            has_partner <= 1'b1;
+            partner     <= at;
+            together    <= has_partner && partner == at ? together + 16'd1 : 16'd1;
+        end
+        if (part && together != 16'd0) together <= together - 16'd1;
+        if (meet) begin
+            meets  <= meets_now;
+            hidden <= hidden_now;
+        end
+        if (unite) marks <= 4'hf;
+        if (seed || unite) begin
+            has_partner <= 1'b0;
+            together    <= 16'd0;
+        end
+        if (keep_id) births <= births + {{(ID_W - 1) {1'b0}}, 1'b1};
+        if (rst) births <= {ID_W{1'b0}};
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+// A motion step of all slots, or the end of one life, in order: what the other parts of motion_work.v do, and when. Two slots that become
+// one are handed to motion_merge.v.
+//
+// Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
+//
+// Latency:    2 clocks and one for each free slot; for each one that lives 67 and one for each slot, and 17 for each other one with four
+//             corrections.
+// Throughput: one at a time.
+// Stall:      waits for its operations, and for its records to be accepted.
+// Reset:      waits for a start.
+// Combinational paths: none.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module motion_step #(
+    parameter N      = 8,
+    parameter SLOT_W = 3
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              start,        // a motion step, while nothing is under way
+    input  wire              end_life,     // the life of end_slot ends at once
+    input  wire [SLOT_W-1:0] end_slot,
+    output reg               rests,
+    output reg  [SLOT_W-1:0] at,           // the slot that is worked on, or compared
+    output wire [SLOT_W-1:0] this_slot,    // the one whose step it is
+
+    // operations: see motion_events.v
+    output reg               op_valid,
+    input  wire              op_ready,
+    output reg               op_all,       // all is written, else read
+    input  wire              read_done,
+    input  wire              store_done,
+
+    // merging: see motion_merge.v
+    output reg               merge,
+    output reg  [SLOT_W-1:0] stays,
+    output reg  [SLOT_W-1:0] goes,
+    input  wire              merged,
+
+    // what decides
+    input  wire [N-1:0]      visible,
+    input  wire [N-1:0]      candidate,
+    input  wire [N-1:0]      settled,
+    input  wire [5:0]        corrections,
+    input  wire              rubs,         // friction is not 0, and the slot meets no other
+    input  wire              silent,
+    input  wire              ended,
+    input  wire              older,
+    input  wire              dividing,
+    input  wire              enough,
+    input  wire              overdue,
+    input  wire              window_done,
+    input  wire              pair_done,
+    input  wire              alike,
+    input  wire              weaker,       // than the one that was read, two clocks before
+    input  wire              keep_older,
+    input  wire              meet_done,
+    input  wire              held,
+    input  wire              touches,
+    input  wire [SLOT_W-1:0] touched,
+    input  wire              appears,
+    input  wire              record_free,
+
+    // commands
+    output wire              load,         // the slot is being read: it is loaded
+    output reg               c_reflect,
+    output reg               c_move,
+    output reg               c_rub,
+    output reg               c_shorten,
+    output reg               c_window,
+    output reg               c_compare,
+    output reg               c_pair,
+    output reg               c_part,
+    output reg               c_take,
+    output reg               c_divide,
+    output reg               by_life,      // a step's length, and 2^join_life
+    output reg               c_ask,
+    output reg               c_touch,
+    output reg               c_meet,
+    output reg               appear,
+    output reg               lapse,
+    output reg               say,          // the record is taken
+    output reg  [1:0]        kind,
+    output reg  [1:0]        since,        // see motion_times.v
+    output reg               keep,
+    output reg               keep_now,
+    output reg               keep_window
+);
+
+    localparam [31:0] SLOTS = N;
+
+    localparam [1:0] LAST     = 2'd0;
+    localparam [1:0] UNTIL    = 2'd1;
+    localparam [1:0] SEEDED   = 2'd2;
+    localparam [1:0] REPORTED = 2'd3;
+
+    localparam [4:0] REST    = 5'd0;   // waits for a start
+    localparam [4:0] NEXT    = 5'd1;   // the next slot
+    localparam [4:0] FETCH   = 5'd2;   // reads it
+    localparam [4:0] AGE     = 5'd3;   // has its life ended?
+    localparam [4:0] FETCHED = 5'd4;
+    localparam [4:0] AGED    = 5'd5;
+    localparam [4:0] MOVE    = 5'd6;   // moves it
+    localparam [4:0] LONG    = 5'd7;   // where it is too long, it is shortened
+    localparam [4:0] SHORT   = 5'd8;
+    localparam [4:0] PLACE   = 5'd9;   // box and window
+    localparam [4:0] WINDOW  = 5'd10;
+    localparam [4:0] SCAN    = 5'd11;  // compares it with others: the next one
+    localparam [4:0] COMPARE = 5'd12;  // reads that one
+    localparam [4:0] PAIR    = 5'd13;
+    localparam [4:0] FOUND   = 5'd14;
+    localparam [4:0] YOUNGER = 5'd15;  // they are alike: which is younger?
+    localparam [4:0] OLDER   = 5'd16;
+    localparam [4:0] LIVED   = 5'd17;  // how long has it lived, in steps?
+    localparam [4:0] STEPS   = 5'd18;
+    localparam [4:0] MEET    = 5'd19;  // which boxes and windows does it touch?
+    localparam [4:0] SINCE   = 5'd20;  // how long ago was its last record, or its seed?
+    localparam [4:0] MET     = 5'd21;
+    localparam [4:0] TOUCH   = 5'd22;  // a candidate touches another one, which is read
+    localparam [4:0] TOUCHED = 5'd23;
+    localparam [4:0] UNITE   = 5'd24;
+    localparam [4:0] MERGE   = 5'd25;  // waits until two have become one
+    localparam [4:0] REPORT  = 5'd26;  // is it time for a record?
+    localparam [4:0] BORN    = 5'd27;
+    localparam [4:0] SAY     = 5'd28;  // hands over a record
+    localparam [4:0] LAPSE   = 5'd29;  // the slot becomes free
+    localparam [4:0] DONE    = 5'd30;  // writes the slot back
+    localparam [4:0] WRITTEN = 5'd31;
+
+    reg [4:0]        state;
+    reg [2:0]        pause;          // clocks until the state is gone on with
+    reg [SLOT_W:0]   slot, other;    // whose step it is; with which it is compared
+    reg              alone;          // a life ends, not in a step
+    reg              over, again;    // its time is over; its box has grown since it was first compared
+    reg              touching;       // a candidate was united with another one, not with its partner
+    reg              stored, other_older;
+    reg              reads;          // the slot whose step it is, is being read
+    wire [N-1:0]     lives      = visible | candidate;
+    wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
+    wire             is_visible = visible[at];
+    wire             goes_on    = pause == 3'd0;
+
+    assign this_slot = slot[SLOT_W-1:0];
+    assign load      = reads;
+
+    always @(posedge clk) begin
+        {c_reflect, c_move, c_rub, c_shorten, c_window, c_compare, c_pair, c_part, c_take, c_divide} <= 10'd0;
+        {c_ask, c_meet, merge, appear, lapse, say, keep, keep_now, keep_window} <= 9'd0;
+        if (op_ready) op_valid <= 1'b0;
+        if (store_done) stored <= 1'b1;
+
+        if (!goes_on) pause <= pause - 3'd1;
+        else case (state)
+            REST: begin
+                alone <= end_life;
+                slot  <= {(SLOT_W + 1) {1'b0}};
+                at    <= end_slot;
+                if (start && |lives) begin
+                    rests <= 1'b0;
+                    state <= NEXT;
+                end
+                if (end_life) begin
+                    slot  <= {1'b0, end_slot};
+                    rests <= !lives[end_slot];
+                    state <= lives[end_slot] ? FETCH : REST;
+                end
+            end
+            NEXT: begin
+                at <= this_slot;
+                if (slot == SLOTS[SLOT_W:0]) begin
+                    rests <= 1'b1;
+                    state <= REST;
+                end
+                else if (lives[this_slot]) state <= FETCH;
+                else slot <= slot + {{SLOT_W{1'b0}}, 1'b1};
+            end
+            FETCH: begin
+                op_valid <= 1'b1;
+                op_all   <= 1'b0;
+                reads    <= 1'b1;
+                since    <= UNTIL;
+                pause    <= 3'd3;
+                state    <= AGE;
+            end
+            AGE: begin
+                over  <= ended;
+                since <= LAST;
+                state <= FETCHED;
+            end
+            FETCHED:
+            if (read_done) begin
+                reads <= 1'b0;
+                state <= AGED;
+            end
+            AGED: begin
+                c_reflect <= 1'b1;
+                kind      <= `EVCOT_KIND_LOST;
+                pause     <= !over && !alone ? 3'd1 : 3'd4;
+                state     <= !over && !alone ? MOVE : is_visible ? SAY : LAPSE;
+            end
+            LAPSE: begin
+                lapse <= 1'b1;
+                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
+                pause <= 3'd1;
+                rests <= alone;
+                state <= alone ? REST : NEXT;
+            end
+
+            MOVE: begin
+                c_move <= is_visible || corrections >= 6'd4;
+                c_rub  <= (is_visible || corrections >= 6'd4) && rubs && silent;
+                pause  <= 3'd5;
+                state  <= LONG;
+            end
+            LONG: begin
+                c_shorten <= 1'b1;
+                pause     <= 3'd1;
+                state     <= SHORT;
+            end
+            SHORT: begin
+                c_reflect <= 1'b1;
+                pause     <= 3'd6;
+                state     <= PLACE;
+            end
+            PLACE: begin
+                c_window <= 1'b1;
+                state    <= WINDOW;
+            end
+            WINDOW:
+            if (window_done) begin
+                keep_window <= 1'b1;
+                other       <= corrections < 6'd4 ? SLOTS[SLOT_W:0] : {(SLOT_W + 1) {1'b0}};
+                state       <= SCAN;
+            end
+
+            SCAN: begin
+                at <= this_slot;
+                if (other == SLOTS[SLOT_W:0]) begin
+                    c_part <= 1'b1;
+                    state  <= MEET;
+                end else if (settled[this_other] && lives[this_other] && other != slot) begin
+                    at    <= this_other;
+                    state <= COMPARE;
+                end else other <= other + {{SLOT_W{1'b0}}, 1'b1};
+            end
+            COMPARE: begin
+                op_valid <= 1'b1;
+                op_all   <= 1'b0;
+                state    <= PAIR;
+            end
+            PAIR:
+            if (read_done) begin
+                c_compare <= 1'b1;
+                state     <= FOUND;
+            end
+            FOUND:
+            if (pair_done) begin
+                c_pair <= alike;
+                since  <= SEEDED;
+                other  <= other + {{SLOT_W{1'b0}}, !alike};
+                pause  <= alike ? 3'd3 : 3'd0;
+                state  <= alike ? YOUNGER : SCAN;
+            end
+            YOUNGER: begin
+                c_take <= 1'b1;
+                at     <= this_slot;
+                pause  <= 3'd4;
+                state  <= OLDER;
+            end
+            OLDER: begin
+                other_older <= older;
+                state       <= LIVED;
+            end
+            LIVED: begin
+                c_take   <= other_older;
+                c_divide <= 1'b1;
+                by_life  <= 1'b1;
+                pause    <= 3'd1;
+                state    <= STEPS;
+            end
+            STEPS:
+            if (!dividing) begin
+                touching <= 1'b0;
+                stays    <= this_slot;
+                goes     <= this_other;
+                if (visible[this_slot] != visible[this_other] ? visible[this_other] : keep_older ? other_older : weaker) begin
+                    stays <= this_other;
+                    goes  <= this_slot;
+                end
+                merge <= enough;
+                state <= enough ? MERGE : MEET;
+            end
+
+            MEET: begin
+                c_ask   <= 1'b1;
+                c_touch <= 1'b1;
+                again   <= 1'b0;
+                since   <= is_visible ? REPORTED : SEEDED;
+                pause   <= 3'd2;
+                state   <= SINCE;
+            end
+            SINCE: begin
+                c_take   <= is_visible;
+                c_divide <= is_visible;
+                by_life  <= 1'b0;
+                state    <= MET;
+            end
+            MET:
+            if (meet_done) begin
+                c_meet <= is_visible;
+                if (is_visible) state <= REPORT;
+                else if (held && !again) state <= LAPSE;
+                else if (touches) begin
+                    other <= {1'b0, touched};
+                    at    <= touched;
+                    state <= TOUCH;
+                end else begin
+                    pause <= 3'd5;
+                    state <= BORN;
+                end
+            end
+            TOUCH: begin
+                op_valid <= 1'b1;
+                op_all   <= 1'b0;
+                state    <= TOUCHED;
+            end
+            TOUCHED:
+            if (read_done) begin
+                at    <= this_slot;
+                pause <= 3'd1;
+                state <= UNITE;
+            end
+            UNITE: begin
+                touching <= 1'b1;
+                stays    <= weaker ? this_other : this_slot;
+                goes     <= weaker ? this_slot : this_other;
+                merge    <= 1'b1;
+                state    <= MERGE;
+            end
+            MERGE:
+            if (merged) begin
+                since   <= SEEDED;
+                again   <= 1'b1;
+                c_touch <= 1'b0;
+                c_ask   <= stays == this_slot && touching;
+                state   <= touching ? MET : MEET;
+                if (stays != this_slot) begin
+                    slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
+                    state <= NEXT;
+                end
+            end
+            REPORT:
+            if (!dividing) begin
+                kind  <= `EVCOT_KIND_MOVED;
+                state <= overdue ? SAY : DONE;
+            end
+            BORN: begin
+                kind   <= `EVCOT_KIND_BORN;
+                appear <= appears;
+                pause  <= appears ? 3'd4 : 3'd0;
+                state  <= appears ? SAY : DONE;
+            end
+            SAY:
+            if (record_free) begin
+                say      <= 1'b1;
+                since    <= REPORTED;
+                keep_now <= 1'b1;
+                state    <= kind == `EVCOT_KIND_LOST ? LAPSE : DONE;
+            end
+
+            DONE: begin
+                op_valid <= 1'b1;
+                op_all   <= 1'b1;
+                stored   <= 1'b0;
+                keep     <= 1'b1;
+                state    <= WRITTEN;
+            end
+            WRITTEN:
+            if (stored) begin
+                slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
+                state <= NEXT;
+            end
+        endcase
+
+        if (rst) begin
+            state    <= REST;
+            rests    <= 1'b1;
+            pause    <= 3'd0;
+            op_valid <= 1'b0;
+            reads    <= 1'b0;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Times of all slots, in block RAM, and what follows from those of the slot that is worked on: docs/motion.md, "Correction" and "Merging".
+//
+// Four times of each slot: of its last correction, its deadline, of its seed and of its last record. One is read, or written, at once.
+// Ages are compared with sign: a deadline in the future is one that is negative.
+//
+// Latency:    4 clocks from `at`, `since` or `now` to age, 5 to the rest; 6 and life_log2 from `grants` to the deadline.
+// Throughput: an age per clock.
+// Stall:      none.
+// Reset:      nothing is under way. Times are not reset.
+// Combinational paths: none.
+`default_nettype none
+
+module motion_times #(
+    parameter SLOT_W = 3,
+    parameter TIME_W = 48
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire [SLOT_W-1:0] at,
+    input  wire [1:0]        since,      // which of its times
+    input  wire              keep_now,   // that time is written
+    input  wire              keep_until, // or the deadline
+    input  wire [TIME_W-1:0] now,
+    output reg  [TIME_W-1:0] age,        // of that time
+    output wire              ended,      // it is not in the future
+    output reg  [23:0]       ticks,      // age, from 1 to 2^24 - 1
+    output reg               silent,     // for more than four times the usual time
+
+    // the usual time between corrections, and the deadline that follows
+    input  wire              load,       // takes loaded
+    input  wire [23:0]       loaded,
+    input  wire              seed,       // takes detect_ticks for both
+    input  wire              correct,    // takes ticks, or a quarter of what they are more
+    input  wire              first,
+    output reg  [23:0]       usual,
+    input  wire [23:0]       detect_ticks,
+    input  wire [3:0]        life_log2,
+    input  wire [23:0]       life_ticks,
+    input  wire [23:0]       coast_ticks,
+    input  wire              hold,       // the deadline is the time that was read
+
+    // an age that stays, and is counted in steps
+    input  wire              take,
+    input  wire              divide,     // by 2^down
+    input  wire [5:0]        down,
+    output reg               dividing,
+    output reg               older,      // it is more than the present one
+    input  wire [15:0]       together,   // steps that two slots have moved together
+    input  wire [9:0]        join_steps,
+    output reg               enough,     // these are as many, and the age is not more
+    input  wire [9:0]        report_steps,
+    output reg               overdue     // the age is so many steps
+);
+
+    localparam PLACE_W = SLOT_W > 4 ? SLOT_W + 2 : 7;
+
+    wire [PLACE_W-1:0] place = {{(PLACE_W - SLOT_W) {1'b0}}, at} | ({{(PLACE_W - 2) {1'b0}}, since} << SLOT_W);
+    wire [TIME_W-1:0] then;
+    reg  [TIME_W-1:0] deadline, other;
+    reg  [5:0]        left;
+    reg               grants, grows, limits, chooses, adds;
+    reg               over, shorter, longer;  // 24 bits; less than life_ticks; more than coast_ticks
+    reg  [3:0]        grow_left;
+    reg  [23:0]       grant, granted;
+    wire signed [TIME_W-1:0] signed_age = age, signed_other = other;
+    wire [24:0]       slower_by = {1'b0, ticks} - {1'b0, usual};
+
+    assign ended = !age[TIME_W-1];
+
+    block_memory #(
+        .W    (TIME_W),
+        .DEPTH(SLOT_W > 4 ? 4 << SLOT_W : 128)  // more than 64, for block RAM on every device
+    ) u_times (
+        .clk          (clk),
+        .write        (keep_now || keep_until),
+        .write_address(place),
+        .write_data   (keep_until ? deadline : now),
+        .read_enable  (1'b1),
+        .read_address (place),
+        .out_enable   (1'b1),
+        .read_data    (then)
+    );
+
+    always @(posedge clk) begin
+        age    <= now - then;
+        ticks  <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
+        silent <= |age[TIME_W-1:26] || age[25:0] > {usual, 2'b00};
+
+        if (load) usual <= loaded;
+        if (seed) usual <= detect_ticks;
+        if (correct) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
+
+        // The time until the deadline is shifted, then limited, then added.
+        grants <= correct;
+        if (grants) begin
+            grant     <= usual;
+            over      <= 1'b0;
+            grow_left <= life_log2;
+            grows     <= 1'b1;
+        end
+        if (grows) begin
+            grow_left <= grow_left - 4'd1;
+            if (grow_left == 4'd0) grows <= 1'b0;
+            else {over, grant} <= {over || grant[23], grant[22:0], 1'b0};
+        end
+        limits  <= grows && grow_left == 4'd0;
+        shorter   <= !over && grant < life_ticks;
+        longer    <= over || grant > coast_ticks;
+        chooses <= limits;
+        if (seed || chooses) granted <= seed ? detect_ticks : shorter ? life_ticks : longer ? coast_ticks : grant;
+        adds <= chooses || seed;
+        if (adds) deadline <= now + {{(TIME_W - 24) {1'b0}}, granted};
+        if (hold) deadline <= then;
+
+        if (take) other <= age;
+        if (divide) begin
+            left     <= down;
+            dividing <= 1'b1;
+        end
+        if (dividing) begin
+            left <= left - 6'd1;
+            if (left != 6'd0) other <= {1'b0, other[TIME_W-1:1]};
+            else dividing <= 1'b0;
+        end
+        older   <= signed_other > signed_age;
+        enough  <= together >= {6'd0, join_steps} && (|other[TIME_W-1:16] ? &together : together >= other[15:0]);
+        overdue <= |other[TIME_W-1:10] || other[9:0] >= report_steps;
+
+        if (rst) begin
+            grants   <= 1'b0;
+            grows    <= 1'b0;
+            limits   <= 1'b0;
+            chooses  <= 1'b0;
+            adds     <= 1'b0;
+            dividing <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, slower_by[1:0]};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// What comes next: a token, an operation, a slot that is put in force, a motion step, or the end of a life; and the registers that say so,
+// `mode` of each slot and when steps are.
+//
+// An operation comes before a slot that is put in force, and that before a token. A step waits until nothing is under way, and all that
+// waits is in force; so does the end of a life, which comes first.
+//
+// Latency:    1 clock from d_valid to now; 2 from a write of `mode` to the end of its slot's life, 3 from one of step_log2 to next_step.
+// Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
+// Stall:      a step and the end of a life wait for `drained`.
+// Reset:      turns all slots off; the first step is at 2^step_log2.
+// Combinational paths: op_valid, reached, put_valid, q_valid, q_due, q_counts -> takes_op, takes_put, takes_token, issues, steps, ends_life, quiet;
+//             put_valid, put_slot -> puts, puts_slot.
+`default_nettype none
+`include "evcot_defs.vh"
+
+module motion_turn #(
+    parameter N      = 8,
+    parameter SLOT_W = 3,
+    parameter TIME_W = 48
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              cfg_valid,
+    input  wire [SLOT_W-1:0] cfg_slot,
+    input  wire [`EVCOT_MREG_W-1:0] cfg_addr,
+    input  wire [1:0]        cfg_mode,
+    input  wire [4:0]        step_log2,
+    output reg  [N-1:0]      seeded,       // `mode`
+
+    // tokens: see motion_queue.v
+    input  wire              q_valid,
+    input  wire              q_due,        // a motion step comes before it
+    input  wire              q_counts,     // it is an event, or one that a filter took out
+    input  wire              room,         // for those under way and two more: it is seen a clock later
+    output wire              takes_token,
+    output reg               again,        // next_step has changed
+    output wire              issues,       // a token that counts comes in this clock
+    output reg  [7:0]        issued,       // lower bits of the number of the next one
+    input  wire              d_valid,      // a token is done
+    input  wire [TIME_W-1:0] d_time,
+    output reg  [TIME_W-1:0] now,
+    output reg  [TIME_W-1:0] next_step,
+
+    // operations
+    input  wire              op_valid,
+    input  wire              op_writes,
+    output wire              takes_op,
+
+    // slots that are put in force: see motion_waiting.v
+    input  wire              reached,
+    input  wire              put_valid,
+    input  wire [SLOT_W-1:0] put_slot,
+    output wire              takes_put,
+    input  wire              put_done,
+    output wire              puts,         // box and window of puts_slot are being put in force
+    output wire [SLOT_W-1:0] puts_slot,
+
+    // work
+    input  wire              active,       // a token or an operation is under way
+    input  wire              waits_none,
+    input  wire              rests,
+    output wire              steps,
+    output wire              ends_life,
+    output reg  [SLOT_W-1:0] end_slot,
+
+    output wire              quiet         // nothing of this is under way
+);
+
+    localparam [1:0] RUN   = 2'd0;
+    localparam [1:0] BEGUN = 2'd1;  // a step, or the end of a life
+    localparam [1:0] BUSY  = 2'd2;
+    localparam [1:0] DUE   = 2'd3;  // is another step due?
+
+    reg  [1:0]        state;
+    reg               bubble;     // an operation that writes was before
+    reg               put_busy;   // a slot is being put in force,
+    reg  [SLOT_W-1:0] putting;    // this one
+    reg               drained;
+    reg               has_room;
+    reg  [N-1:0]      restart;    // `mode` was written
+    reg               restarts;
+    reg               restep_1, restep_2, restep;  // step_log2 was written, or reset: the next step is set
+    reg  [19:0]       step_mask;  // from a multiple of a step's length, or a time behind it, to the last tick before the next one
+    wire              any_restart;
+    wire [SLOT_W-1:0] lowest_restart;
+    wire [TIME_W-1:0] step_from = restep ? now : next_step;
+    wire              stop      = restarts || (q_valid && q_due);  // all that waits comes first
+    wire              starts    = state == RUN && stop && drained;
+
+    assign takes_op    = op_valid && !bubble;
+    assign takes_put   = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
+    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && has_room && state == RUN;
+    assign issues      = takes_token && q_counts;
+    assign ends_life   = starts && restarts;
+    assign steps       = starts && !restarts;
+    assign puts        = put_busy || put_valid;
+    assign puts_slot   = put_busy ? putting : put_slot;
+    assign quiet       = state == RUN && !reached && !put_busy && !any_restart && !restarts && !restep_1 && !restep_2 && !restep;
+
+    array_lowest #(
+        .N     (N),
+        .SLOT_W(SLOT_W)
+    ) u_restart (
+        .asked (any_restart),
+        .among (restart),
+        .any   (any_restart),
+        .lowest(lowest_restart)
+    );
+
+    always @(posedge clk) begin
+        bubble   <= (takes_op && op_writes) || takes_put;
+        has_room <= room;
+        if (takes_put) put_busy <= 1'b1;
+        if (!put_busy) putting <= put_slot;
+        if (put_done) put_busy <= 1'b0;
+
+        if (issues) issued <= issued + 8'd1;
+        if (d_valid) now <= d_time;
+
+        drained <= state == RUN && stop && !active && waits_none && rests && !op_valid && !bubble;
+        again   <= 1'b0;
+        case (state)
+            RUN:
+            if (starts) begin
+                state   <= BEGUN;
+                drained <= 1'b0;
+            end
+            BEGUN: state <= BUSY;
+            BUSY:
+            if (rests) begin
+                again <= 1'b1;
+                state <= DUE;
+            end
+            DUE: state <= RUN;
+        endcase
+
+        restarts <= any_restart;
+        end_slot <= lowest_restart;
+        if (ends_life) restart[end_slot] <= 1'b0;
+        if (cfg_valid && cfg_addr == `EVCOT_MREG_MODE) begin
+            seeded[cfg_slot]  <= cfg_mode == `EVCOT_MODE_SEEDED;
+            restart[cfg_slot] <= 1'b1;
+        end
+
+        step_mask <= ~(20'hfffff << step_log2);
+        restep_1  <= cfg_valid && cfg_addr == `EVCOT_MREG_STEP_LOG2;
+        restep_2  <= restep_1;  // step_mask follows
+        restep    <= restep_2;
+        if (steps || restep) next_step <= (step_from | {{(TIME_W - 20) {1'b0}}, step_mask}) + {{(TIME_W - 1) {1'b0}}, 1'b1};
+
+        if (rst) begin
+            state    <= RUN;
+            bubble   <= 1'b0;
+            put_busy <= 1'b0;
+            drained  <= 1'b0;
+            has_room <= 1'b0;
+            again    <= 1'b0;
+            issued   <= 8'd0;
+            now      <= {TIME_W{1'b0}};
+            seeded   <= {N{1'b0}};
+            restart  <= {N{1'b0}};
+            restarts <= 1'b0;
+            restep_1 <= 1'b1;
+            restep_2 <= 1'b1;
+            restep   <= 1'b1;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

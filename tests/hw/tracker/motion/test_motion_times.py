@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""motion_times.v: times of slots, the usual time and the deadline, ages in steps."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from evcot_cosim.rtl.build import load
+from support.testing import lint
+
+SLOT_W, TIME_W = 2, 40
+LAST, UNTIL, SEEDED, REPORTED = range(4)
+
+
+@pytest.fixture(name="part")
+def _part() -> Any:
+    sim = load("motion_times", {"SLOT_W": SLOT_W, "TIME_W": TIME_W})
+    io = sim.io
+    io.rst = 1
+    sim.clock.tick()
+    io.rst = 0
+
+    def pulse(*names: str, clocks: int = 0) -> None:
+        for name in names:
+            setattr(io, name, 1)
+        sim.clock.tick()
+        for name in names:
+            setattr(io, name, 0)
+        for _ in range(clocks):
+            sim.clock.tick()
+
+    return SimpleNamespace(io=io, pulse=pulse)
+
+
+def usual_of(usual: int, ticks: int, first: bool) -> int:
+    return ticks if first else usual + (ticks - usual >> 2)
+
+
+def test_corrections_and_the_deadline(part: Any) -> None:
+    io, pulse, rng = part.io, part.pulse, np.random.default_rng(1)
+    limits = {"life": 0, "coast": 0, "between": 0}
+    for _ in range(300):
+        life, coast = sorted(int(t) for t in rng.integers(1, 1 << 24, 2) >> rng.integers(0, 20))
+        io.life_ticks, io.coast_ticks, io.life_log2 = life, coast, int(rng.integers(9))
+        then = int(rng.integers(1 << 39))
+        age = int(rng.integers(1 << 26)) >> int(rng.integers(26))
+        if rng.random() < 0.4:
+            age = coast >> int(io.life_log2) + 1
+        io.at, io.since, io.now = int(rng.integers(4)), LAST, then
+        pulse("keep_now")
+        io.now = then + age
+        io.loaded = min(age, (1 << 24) - 1) if rng.random() < 0.5 else int(rng.integers(1 << 24)) >> int(rng.integers(24))
+        pulse("load", clocks=6)
+        ticks = max(1, min(age, (1 << 24) - 1))
+        assert (int(io.age), int(io.ticks), int(io.ended)) == (age, ticks, 1)
+        assert int(io.silent) == (age > 4 * int(io.loaded))
+        io.first = int(rng.integers(2))
+        usual = usual_of(int(io.loaded), ticks, bool(io.first))
+        pulse("correct", clocks=8 + int(io.life_log2))
+        assert int(io.usual) == usual
+        io.since = UNTIL
+        pulse("keep_until", clocks=4)
+        granted = min(max(usual << int(io.life_log2), life), coast)
+        assert int(io.age) == -granted % (1 << TIME_W)
+        assert int(io.ended) == 0
+        limits["life" if granted == life else "coast" if granted == coast else "between"] += 1
+    assert min(limits.values()) > 30
+
+
+def test_a_candidate_has_the_time_to_be_detected(part: Any) -> None:
+    io, pulse = part.io, part.pulse
+    io.at, io.since, io.now, io.detect_ticks = 3, UNTIL, 1_000, 70
+    pulse("seed", clocks=2)
+    pulse("keep_until", clocks=4)
+    assert (int(io.usual), int(io.age)) == (70, -70 % (1 << TIME_W))
+
+
+def test_ages_are_compared_and_counted_in_steps(part: Any) -> None:
+    io, pulse, rng = part.io, part.pulse, np.random.default_rng(2)
+    found = []
+    for _ in range(200):
+        times = [int(t) for t in rng.integers(1 << 39, size=2) >> rng.integers(0, 39)]
+        io.now = int(rng.integers(1 << 39)) >> int(rng.integers(0, 20))
+        io.join_steps, io.report_steps, io.together = (int(t) for t in rng.integers(1, (32, 16, 128)))
+        for slot, then in enumerate(times):
+            now, io.at, io.since, io.now = int(io.now), slot, SEEDED, then
+            pulse("keep_now")
+            io.now = now
+        ages = [int(io.now) - then for then in times]
+        io.at = 0
+        pulse(clocks=5)
+        pulse("take")
+        io.at = 1
+        pulse(clocks=5)
+        assert int(io.older) == (ages[0] > ages[1])
+        if ages[0] < 0:
+            continue
+        io.down = int(rng.integers(0, 36))
+        pulse("divide", clocks=1)
+        while int(io.dividing):
+            pulse()
+        steps = ages[0] >> int(io.down)
+        assert int(io.enough) == (int(io.together) >= max(int(io.join_steps), steps))
+        assert int(io.overdue) == (steps >= int(io.report_steps))
+        found.append((int(io.enough), int(io.overdue)))
+    assert set(found) == {(0, 0), (0, 1), (1, 0), (1, 1)}
+
+
+def test_of_two_deadlines_one_is_held(part: Any) -> None:
+    io, pulse = part.io, part.pulse
+    io.at, io.since, io.now = 1, UNTIL, 500
+    pulse("keep_now", clocks=3)
+    pulse("hold")
+    io.at = 2
+    pulse("keep_until")
+    io.now = 600
+    pulse(clocks=5)
+    assert int(io.age) == 100
+
+
+def test_lint() -> None:
+    assert lint("motion_times") == (0, "")
