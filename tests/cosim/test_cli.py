@@ -99,7 +99,7 @@ def test_a_run_leaves_summary_logs_picture_and_waveform(recording: Path, capsys:
     table = capsys.readouterr().out
     assert re.search(r"hardware = model +exact: [\d,]+ records and every event's owner", table)
     assert re.search(r"^verdict: The tracks ", table, re.MULTILINE)
-    assert re.search(r"^  (good|fair|poor)  tracks hardware +[\d,]+ tracks? for about ", table, re.MULTILINE)
+    assert re.search(r"^  (good|fair|poor)  tracks hardware +[\d,]+ tracks?, about ", table, re.MULTILINE)
     assert "build/cosim/blob/" in table
 
 

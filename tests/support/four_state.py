@@ -128,22 +128,24 @@ def replay(
     deposits: Mapping[int, Mapping[str, int]] | None = None,
     ties: Mapping[str, int] | None = None,
 ) -> list[dict[str, str]]:
-    """The output ports of a module just before each clock edge, in binary, for given input ports of one to eight bits.
+    """The output ports of a module just before each clock edge, in binary, for given input ports, none wider than its field.
 
     `deposits` are values that its registers are given at the beginning of a clock, `ties` those of inputs that do not change.
     """
-    given, told = inputs.dtype.names or (), outputs.names or ()
+    given = dict(inputs.dtype.fields or {})
+    told = outputs.names or ()
+    row_bits = 8 * inputs.dtype.itemsize
     settings = ", ".join(f".{name}({value})" for name, value in parameters.items())
     given_values = [(clock, name, value) for clock, values in (deposits or {}).items() for name, value in values.items()]
     widths = {name: 8 * outputs[name].itemsize for name in told}
     bench = f"""`timescale 1ns / 1ns
 module replay;
     reg clk = 0;
-    reg [{8 * len(given) - 1}:0] rows [0:{len(inputs) - 1}];
-    reg [{8 * len(given) - 1}:0] row;
+    reg [{row_bits - 1}:0] rows [0:{len(inputs) - 1}];
+    reg [{row_bits - 1}:0] row;
     {" ".join(f"wire [{width - 1}:0] {name};" for name, width in widths.items())}
     {top} #({settings}) dut (
-        .clk(clk), {", ".join(f".{name}(row[{8 * i} +: 8])" for i, name in enumerate(given))},
+        .clk(clk), {", ".join(f".{name}(row[{8 * at} +: {8 * kind.itemsize}])" for name, (kind, at, *_) in given.items())},
         {"".join(f".{name}({value}), " for name, value in (ties or {}).items())}
         {", ".join(f".{name}({name})" for name in told)}
     );
@@ -163,8 +165,7 @@ module replay;
 endmodule
 """
     (folder / "replay.v").write_text(bench)
-    (folder / "rows.hex").write_text(
-        "".join("".join(f"{int(row[name]):02x}" for name in reversed(given)) + "\n" for row in inputs)
-    )
+    numbers = (int.from_bytes(row.tobytes(), "little") for row in inputs)
+    (folder / "rows.hex").write_text("".join(f"{number:0{row_bits // 4}x}\n" for number in numbers))
     printed = run_icarus(compile_icarus(folder, "replay", [folder / "replay.v"], {}))
     return [dict(zip(told, line.split(), strict=True)) for line in printed]

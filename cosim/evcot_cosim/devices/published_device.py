@@ -28,7 +28,7 @@ from evcot.hardware.published.model import (
     PublishedConfig,
 )
 
-from ..rtl.build import PORTS_ONLY_FLAGS, build
+from ..rtl.build import PORTS_ONLY_FLAGS, RANDOM_INITIAL_FLAGS, build
 
 __all__ = [
     "CASCADE",
@@ -71,11 +71,16 @@ VALID_WITH = {"m_word": "m_req_n"} | {
 
 
 @cache
-def simulation(top: Top) -> PyVerilator:
-    """The compiled module with a C++ loop that plays one row of port values per clock."""
+def simulation(top: Top, initial_seed: int = 0) -> PyVerilator:
+    """The compiled module with a C++ loop that plays one row of port values per clock.
+
+    Args:
+        initial_seed: of the values that registers have before the first reset; 0: zeros.
+    """
     given, read, model = top.given, top.read, f"V{top.module}"
-    sets = "".join(f"top->{name} = in[{offset}];" for name, (_, offset, *_) in (given.fields or {}).items())
-    gets = ""
+    sets = gets = ""
+    for name, (kind, offset, *_) in (given.fields or {}).items():
+        sets += f"{{ uint32_t v = 0; memcpy(&v, in + {offset}, {kind.itemsize}); top->{name} = v; }}"
     for name, (kind, offset, *_) in (read.fields or {}).items():
         value = f"top->{VALID_WITH[name]} ? 0 : top->{name}" if name in VALID_WITH else f"top->{name}"
         gets += f"{{ uint32_t v = {value}; memcpy(out + {offset}, &v, {kind.itemsize}); }}"
@@ -87,12 +92,13 @@ extern "C" void evcot_clocks({model}* top, int64_t n, const uint8_t* in, uint8_t
     }}
 }}
 """
-    return build(top.module, dict(top.parameters), {"clocks.cpp": drive}, extra_flags=PORTS_ONLY_FLAGS).load()
+    flags = (*PORTS_ONLY_FLAGS, *(RANDOM_INITIAL_FLAGS if initial_seed else ()))
+    return build(top.module, dict(top.parameters), {"clocks.cpp": drive}, extra_flags=flags).load(initial_seed)
 
 
-def rtl(top: Top, inputs: Ports) -> Ports:
-    """The hardware's output ports just before each clock edge."""
-    sim = simulation(top)
+def rtl(top: Top, inputs: Ports, sim: PyVerilator | None = None) -> Ports:
+    """The hardware's output ports just before each clock edge, in a `simulation` that goes on from call to call."""
+    sim = sim or simulation(top)
     inputs, outputs = np.ascontiguousarray(inputs), np.zeros(len(inputs), top.read)
     pointers = (ctypes.c_void_p(array.ctypes.data) for array in (inputs, outputs))
     sim.lib.evcot_clocks(ctypes.c_void_p(sim.model), ctypes.c_int64(len(inputs)), *pointers)

@@ -7,19 +7,28 @@ from functools import cache
 
 import numpy as np
 
+from ..fpga.devices import DEVICES
 from ..fpga.figures import Figure, load
 from ..rtl.files import verilog_dir
 
-__all__ = ["DEVICE", "hardware_cost"]
+__all__ = ["hardware_cost"]
 
-DEVICE = "ecp5-85"  # holds every size of every module
+_FAMILY = DEVICES["ecp5-25"].synthesis
 
 
 @cache
 def _figures(module: str) -> tuple[Figure, ...]:
-    """The figures of a module on the device, by number of slots; empty in an installation without the repository's figures."""
-    figures = load(verilog_dir().parent / "fpga" / "figures.json").values()
-    return tuple(sorted((row for row in figures if (row.module, row.device) == (module, DEVICE)), key=lambda row: row.n or 1))
+    """The figures of a module on an ECP5 by number of slots, each on the smallest that it was routed for if there is one.
+
+    Empty in an installation without the repository's figures.
+    """
+    by_size: dict[int, Figure] = {}
+    for row in load(verilog_dir().parent / "fpga" / "figures.json").values():
+        if row.module == module and row.device in DEVICES and DEVICES[row.device].synthesis == _FAMILY:
+            known = by_size.get(row.n or 1)
+            if known is None or not known.fmax_mhz:
+                by_size[row.n or 1] = row
+    return tuple(by_size[size] for size in sorted(by_size))
 
 
 def hardware_cost(module: str, slots: int) -> dict[str, float]:

@@ -12,7 +12,19 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, PublishedCascade, decode
-from evcot_cosim.devices.published_device import CASCADE, LIBRARY, VALID_WITH, Top, at, equal, play, quiet, reset_cascade, rtl
+from evcot_cosim.devices.published_device import (
+    CASCADE,
+    LIBRARY,
+    VALID_WITH,
+    Top,
+    at,
+    equal,
+    play,
+    quiet,
+    reset_cascade,
+    rtl,
+    simulation,
+)
 from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, n_evs, noise, some_registers, wandering
 from support.testing import lint
@@ -272,10 +284,8 @@ class TestLockStep:
         assert len(result.word) - len(centres(result)) + len(result.pass_clock) <= n
 
 
-@needs_icarus
-@TOPS
-def test_four_states(tmp_path: Path, top: Top) -> None:
-    """No line depends on what a register holds before the first reset."""
+def restarted(top: Top) -> NDArray[np.void]:
+    """Inputs from power-on: a reset, writes to the registers, events, and a reset in the middle of what follows."""
     rng = np.random.default_rng(50)
     centre = [(60, 60), (60, 90), (90, 60), (90, 90)]
     configs = [replace(CONFIG, init_cm_high=high, init_cm_low=low, init_radix=14, max_time=700) for high, low in centre]
@@ -288,10 +298,18 @@ def test_four_states(tmp_path: Path, top: Top) -> None:
     played = play(
         zip(np.cumsum(rng.integers(1, 40, n)).tolist(), *rng.integers(45, 106, (2, n)).tolist(), strict=True), *configs, top=top
     )
+    assert len(centres(played)) > 20
     again = quiet(top, 60)
     again["rst"][:2] = 1
-    inputs = np.concatenate([before, played.inputs, again])
     rtl(top, quiet(top, 1))
+    return np.concatenate([before, played.inputs, again])
+
+
+@needs_icarus
+@TOPS
+def test_four_states(tmp_path: Path, top: Top) -> None:
+    """No line depends on what a register holds before the first reset."""
+    inputs = restarted(top)
     expected = rtl(top, inputs)
     found = replay(tmp_path, top.module, dict(top.parameters), inputs, top.read)
     for clock, (told, row) in enumerate(zip(found, expected, strict=True)):
@@ -300,4 +318,10 @@ def test_four_states(tmp_path: Path, top: Top) -> None:
             if clock > 0 and not (valid and row[valid]):
                 assert set(told[name]) <= set("01"), (clock, name, told[name])
                 assert int(told[name], 2) == row[name], (clock, name)
-    assert len(centres(played)) > 20
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_initial_values(seed: int) -> None:
+    inputs = restarted(LIBRARY)
+    found = rtl(LIBRARY, inputs, simulation(LIBRARY, seed))
+    equal(found[1:], rtl(LIBRARY, inputs)[1:], inputs[1:], seed)
