@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Freed memory in long runs: the C library keeps tens of megabytes of it, unless it is called on to return them.
+"""Freed memory in long runs: the C library keeps tens of megabytes of it, unless it is asked to return them.
 
 Both functions do nothing where the library is not glibc.
 """

@@ -63,9 +63,9 @@ extern "C" void evcot_new_context(int seed) {
 }
 """
 
-# All other C++ of a model is one file to the compiler: headers take longer than the rest of most files, and what a drive
-# calls in the model is in the same file. So of a user's files make compiles the context alone, the others come first in what
-# it puts together, and the context asks for `construct`, as nothing is linked from an archive that nobody asks for.
+# Only the context is compiled by itself. pyverilator's wrapper, the drive and the model are joined into one file: the headers,
+# which take longer to compile than most of these files, are read once, and calls from the drive into the model can be inlined.
+# Verilator puts that file into an archive, from which the linker takes only what something refers to: hence `evcot_construct`.
 _WRAPPER_FILE = "pyverilator_wrapper.cpp"
 _JOIN = Path(__file__).with_name("joined.py")
 
@@ -200,7 +200,7 @@ class _Recipe:
 
     @property
     def make_flags(self) -> str:
-        """What make compiles: the context as Verilator's user file, and all else as one file."""
+        """Variables by which make compiles the context, and all other C++ files as one."""
         first = [_WRAPPER_FILE, *sorted(name for name in self.files if name.endswith(".cpp") and name != _CONTEXT_FILE)]
         join = shlex.join([sys.executable, "-E", "-S", _JOIN.name, *first])
         return make_variables({"VM_USER_CLASSES": Path(_CONTEXT_FILE).stem, "VERILATOR_INCLUDER": join})

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Print one C++ file that includes those of a model: make runs this in place of Verilator's own includer, with its arguments.
+"""Print one C++ file that includes all files of a model. make runs this in place of Verilator's own script, with its arguments.
 
-Code that runs once, which Verilator keeps in files of its own, is not optimised: with -O3 a build takes a quarter less time.
-It imports nothing but `sys`, so that it starts at once.
+Code that runs only once, which Verilator writes to files of its own, is not optimised: that shortens a build and costs no speed.
+Nothing but `sys` is imported, so that it starts at once.
 """
 
 import sys
