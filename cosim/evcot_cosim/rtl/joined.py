@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print one C++ file that includes all files of a model. make runs this in place of Verilator's own script, with its arguments.
 
-Code that runs only once, which Verilator writes to files of its own, is not optimised: that shortens a build and costs no speed.
+Code that runs only once, which Verilator writes to files of its own, is not optimised: builds are shorter, at the same speed.
 Nothing but `sys` is imported, so that it starts at once.
 """
 
