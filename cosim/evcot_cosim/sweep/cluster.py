@@ -96,11 +96,13 @@ class Cluster:
                     if future.status not in ("finished", "error"):
                         lost = True
                         break
-                    task = open_tasks.pop(future.key)
-                    if not alone and _was_killed(future):
+                    task = open_tasks[future.key]
+                    done = None if not alone and _was_killed(future) else _done(future, task, 1 + alone)
+                    del open_tasks[future.key]  # not before its result is here: the scheduler may go away while it is fetched
+                    if done is None:
                         suspects.append(task)
                     else:
-                        yield _done(future, task, tries=1 + alone)
+                        yield done
                     future.release()
                     self._hand_out(waiting, open_tasks, completed)
             except (OSError, self._dask.CancelledError):  # the connection has gone, in one of many ways

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 from evcot.errors import ConfigError
+from evcot_cosim.sweep import cluster as cluster_module
 from evcot_cosim.sweep.cluster import Cluster
 from evcot_cosim.sweep.execute import execute
 from evcot_cosim.sweep.metrics import METRICS
@@ -136,6 +137,24 @@ def test_a_task_that_kills_its_workers_is_named_and_the_others_are_done(port: in
     assert found[3].result is None
     assert found[3].fault == f"worker was killed, {found[3].attempts} times"
     assert all(found[i].result is not None for i in range(10) if i != 3)
+
+
+def test_a_result_that_cannot_be_fetched_is_computed_again(
+    cluster: tuple[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The scheduler goes away between a task's end and the fetching of its result."""
+    failures = iter([OSError("the scheduler has gone")])
+
+    def fetched(*arguments: Any) -> Any:
+        if error := next(failures, None):
+            raise error
+        return done(*arguments)
+
+    done = cluster_module._done
+    monkeypatch.setattr(cluster_module, "_done", fetched)
+    with connected(chore, cluster[0]) as there:
+        numbers = [done.task.number for done in there.run(Chore(i, "return", str(tmp_path)) for i in range(20))]
+    assert sorted(numbers) == list(range(20)), "each once"
 
 
 def test_a_scheduler_that_is_restarted_gets_the_rest(port: int, dask: Start, tmp_path: Path) -> None:
