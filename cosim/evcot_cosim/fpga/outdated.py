@@ -16,7 +16,7 @@ from .devices import DEVICES
 from .figures import Figure, load, recorded_with
 from .measure import Case, key_of
 from .report import filled, shown_clocks
-from .sources import closure, logic
+from .sources import built, logic
 
 __all__ = ["outdated", "page"]
 
@@ -32,15 +32,15 @@ def outdated(figures: Iterable[Figure], yosys: str) -> frozenset[str]:
     """
 
     @cache
-    def sources(top: str) -> tuple[list[str], str]:
-        modules = closure([top])
+    def sources(name: str, n: int | None) -> tuple[list[str], str]:
+        modules = built(MODULES[name].top, MODULES[name].at(n))
         return modules, logic(modules)
 
     def current(figure: Figure) -> bool:
         module, device = MODULES.get(figure.module), DEVICES.get(figure.device)
         if module is None or device is None:
             return False
-        return key_of(Case(module, figure.n, device), sources(module.top), yosys) == figure.key
+        return key_of(Case(module, figure.n, device), sources(module.name, figure.n), yosys) == figure.key
 
     return frozenset(figure.name for figure in figures if not current(figure))
 

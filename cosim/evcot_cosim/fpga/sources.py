@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from evcot.errors import ConfigError
 from ..rtl.files import modules, rtl_files, verilog_dir
 from .slang import checked, expanded, language, printed, pyslang, source_manager
 
-__all__ = ["closure", "flat", "logic", "stand_ins", "without_comments"]
+__all__ = ["built", "closure", "flat", "logic", "stand_ins", "without_comments"]
 
 _RULES = "parameter_check"  # the module whose instances check parameters and build nothing
 _LINE_ENDS = (";", "begin", "end", "endmodule")
@@ -59,6 +59,35 @@ def closure(tops: Iterable[str], verilog: Path | None = None) -> list[str]:
     trees = checked(sources, loader.loadAndParseSources(language()))
     needed = {member.header.name.valueText for tree in trees for member in tree.root.members}
     return [module for module in known if module in needed]
+
+
+def built(top: str, parameters: Mapping[str, int], verilog: Path | None = None) -> list[str]:
+    """`closure` of a top with these parameters: without modules that stand only in generate blocks that they leave out.
+
+    Raises:
+        ConfigError: the top is not in the manifest, or something is not Verilog.
+        ToolchainError: pyslang is not installed.
+    """
+    slang, files, sources = pyslang(), rtl_files(verilog), source_manager(verilog)
+    names = closure([top], verilog)
+    options = slang.ast.CompilationOptions()
+    options.topModules = {top}
+    options.paramOverrides = [f"{name}={value}" for name, value in parameters.items()]
+    settings = language()
+    settings.compilationOptions = options
+    design = slang.ast.Compilation(settings)
+    texts = [slang.syntax.SyntaxTree.fromFile(str(files[f"{name}.v"]), sources, language()) for name in names]
+    for tree in checked(sources, texts):
+        design.addSyntaxTree(tree)
+    found: set[str] = set()
+
+    def note(symbol: Any) -> bool:
+        if symbol.kind == slang.ast.SymbolKind.Instance:
+            found.add(symbol.definition.name)
+        return True
+
+    design.getRoot().visit(note)
+    return [name for name in names if name in found]
 
 
 def flat(names: Iterable[str], verilog: Path | None = None, *, comments: bool = False) -> str:

@@ -26,6 +26,12 @@ def test_what_does_not_fit_is_kept_up_to_the_device_that_it_fits() -> None:
     assert list(recorded_rows(by_name(full, *larger))) == ["cot_array N=8 ecp5-25", "cot_array N=8 ecp5-45"]
 
 
+def test_a_larger_size_says_nothing_more_where_a_smaller_one_does_not_fit() -> None:
+    full = replace(SMALL, n=4, device="up5k", fmax_mhz=(), misfit="does not fit: 35 of 30 block RAMs")
+    sizes = recorded_rows(by_name(*(replace(full, n=n) for n in (4, 8, 16)), replace(SMALL, n=2, device="up5k")))
+    assert [row.n for row in sizes.values()] == [2, 4, 8]  # 8 is in every table
+
+
 def test_other_sizes_and_families_are_other_cases() -> None:
     others = [replace(SMALL, n=16, device="ecp5-45"), replace(SMALL, device="hx8k"), replace(SMALL, device="gowin")]
     assert len(recorded_rows(by_name(SMALL, *others))) == 4

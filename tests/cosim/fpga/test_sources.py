@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from evcot.errors import ConfigError
-from evcot_cosim.fpga.sources import closure, flat, logic, without_comments
+from evcot_cosim.fpga.sources import built, closure, flat, logic, without_comments
 from evcot_cosim.rtl.files import copy_rtl, modules, rtl_files
 
 
@@ -47,6 +47,22 @@ def test_modules_come_that_are_instantiated_and_no_others(tmp_path: Path) -> Non
     (tmp_path / "skid_buffer.v").write_text("module skid_buffer (); parameter_check rule (); endmodule\n")
     (tmp_path / "cot.v").write_text(f"module cot ();\n{instances}\n{names}\nendmodule\n")
     assert closure(["cot"], tmp_path) == ["parameter_check", "dff", "skid_buffer", "cot"]
+
+
+def test_what_parameters_leave_out_is_not_built(tmp_path: Path) -> None:
+    choice = "generate if (FIFO == 1) skid_buffer u (); else dff u (); endgenerate"
+    copy_rtl(tmp_path)
+    for name in ("dff", "skid_buffer"):
+        (tmp_path / f"{name}.v").write_text(f"module {name} (); endmodule\n")
+    (tmp_path / "cot.v").write_text(f"module cot #(parameter FIFO = 0) ();\n{choice}\nendmodule\n")
+    assert built("cot", {}, tmp_path) == ["dff", "cot"]
+    assert built("cot", {"FIFO": 1}, tmp_path) == ["skid_buffer", "cot"]
+
+
+def test_a_top_without_trackers_of_another_kind() -> None:
+    array = built("evcot_top", {"TRACKER": 0})
+    assert "cot_array" in array
+    assert not {"cot_chain", "cot_motion"} & {*array}
 
 
 def test_what_is_not_verilog_is_named_with_its_place(tmp_path: Path) -> None:
