@@ -7,6 +7,7 @@ import importlib.util
 import subprocess
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -38,23 +39,28 @@ def elaborated(folder: Path, text: str) -> str:
     return done.stderr
 
 
-def test_the_amaranth_component_is_elaborated() -> None:
+@pytest.fixture(scope="module")
+def amaranth_component() -> tuple[Any, str]:
+    """The component, and the RTLIL of a design that consists of it: Amaranth complains of one that is in no design."""
     pytest.importorskip("amaranth", reason="amaranth is not installed (the `wrappers` extra)")
     from amaranth.back import rtlil
 
     component = example("evcot_amaranth").Evcot(**PARAMETERS)
-    text = rtlil.convert(component, name="wrapper")
+    return component, rtlil.convert(component, name="wrapper")
+
+
+def test_the_amaranth_component_is_elaborated(amaranth_component: tuple[Any, str]) -> None:
+    component, text = amaranth_component
     assert "\\evcot_top" in text
     assert all(f"connect \\{name} " in text for name in (*component.signature.members, "clk", "rst"))
     assert all(f"parameter \\{name} " in text for name in PARAMETERS)
 
 
 @needs_yosys
-def test_the_amaranth_component_has_the_ports_of_the_module() -> None:
-    pytest.importorskip("amaranth", reason="amaranth is not installed (the `wrappers` extra)")
+def test_the_amaranth_component_has_the_ports_of_the_module(amaranth_component: tuple[Any, str]) -> None:
     from amaranth.lib.wiring import In
 
-    component = example("evcot_amaranth").Evcot(**PARAMETERS)
+    component, _ = amaranth_component
     has = {
         name: ("input" if member.flow is In else "output", member.shape) for name, member in component.signature.members.items()
     }

@@ -10,8 +10,9 @@
 // contradict each other are compared when their bank is to be committed, and the commit is refused if they do.
 //
 // Latency:    7 clocks from the handshake that completes a read to its answer, 9 of a write; EVCOT_BANK_LAST + 3 more if a bank
-//             is being copied, and 33 for the first access to a bank after reset, while its part of the shadow is filled: 64 at
-//             most, and 72 for a commit of motion, which compares registers. A write of `mask` is refused until the filters are cleared after a reset, since it would be lost.
+//             is being copied, EVCOT_BANK_LAST + 4 for the first access to a bank after reset, while its part of the shadow is
+//             filled, and 8 for a commit of motion, which compares registers: 64 at most. A write of `mask` is refused until
+//             the filters are cleared after a reset, since it would be lost.
 // Reset:      every register at its reset value, the shadow at the lowest legal values. core_rst clears the interrupt events,
 //             and marks every mode as written.
 // Throughput: one access at a time, a read or a write.
@@ -286,14 +287,16 @@ module axi_lite_regs #(
 
     // Data read in the clock in which the same word is written is not used. The word of a bank's commit holds the number of
     // the first event after it.
-    reg [REG_W:0]    fill;           // the word that is written in FILL, and a clock for the last to settle
+    reg [REG_W:0]    fill;           // the word that is written in FILL: the last, then 0 and on, and a clock to settle
     reg [BANKS-1:0]  filled;         // by bank
     reg [BANK_W-1:0] copied;         // the bank in COPY
     reg [REG_W-1:0]  step;           // the word that is read in COPY: 1 to the last register, then 0
     reg              late, later;    // the word before it has been read, and the one before that has come out
     reg [REG_W-1:0]  late_word, later_word;
 
-    wire fills  = state == FILL && !fill[REG_W];
+    localparam [REG_W:0] FILLED = {1'b0, `EVCOT_BANK_LAST} + 1'b1;  // words between the registers and the commit are never read
+
+    wire fills  = state == FILL && fill != FILLED;
     wire last   = step == `EVCOT_BANK_LAST;
     wire stamps = state == COPY && last;
     wire [31:0] first = in_filter ? filter_low(fill[REG_W-1:0])
@@ -369,7 +372,7 @@ module axi_lite_regs #(
         case (state)
             FILL: begin
                 fill <= fill + 1'b1;
-                if (fill[REG_W]) begin
+                if (!fills) begin
                     filled[bank] <= 1'b1;
                     state        <= FETCH;
                 end
@@ -387,7 +390,7 @@ module axi_lite_regs #(
                 end
             end
             FETCH: begin
-                fill        <= {(REG_W + 1) {1'b0}};
+                fill        <= {(REG_W + 1) {1'b1}};
                 compares    <= 4'd0;
                 contradicts <= 1'b0;
                 state       <= (in_bank && !filled[bank]) ? FILL : LOOK;
