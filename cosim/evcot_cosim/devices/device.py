@@ -67,6 +67,7 @@ def build_device(
     waves: bool = True,
     savable: bool = False,
     verilog: Path | None = None,
+    gates: bool = False,
     on_miss: Callable[[], None] | None = None,
 ) -> BuiltModel:
     """Build the model of `top` in the shape given by `config`, with its streaming drive, or find it in the cache.
@@ -78,6 +79,7 @@ def build_device(
         waves: whether waveforms show what lies below `top`.
         savable: whether the state of a simulation can be saved and restored.
         verilog: the folder of the RTL; None: that of this checkout or package.
+        gates: there is a netlist in it, whose cells change at other signals than the clock.
         on_miss: called before a build that takes seconds.
 
     Raises:
@@ -103,7 +105,7 @@ def build_device(
         parameters["HAS"] = config.filters.enable
         parameters["TRACKER"] = register_map().trackers.index(module.removeprefix("cot_"))
         module = _FILTERED
-    drive = {"stream.cpp": source(module, shape, motion)}
+    drive = {"stream.cpp": source(module, shape, motion, gates)}
     flags: tuple[str, ...] = ("--trace-max-array", "64") if waves else PORTS_ONLY_FLAGS
     if savable:
         drive |= {"save.cpp": saving_source(module)}

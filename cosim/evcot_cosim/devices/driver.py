@@ -98,11 +98,12 @@ MOTION_DRIVE = _drive(MOTION_RECORD)
 
 
 @cache
-def source(top: str, shape: Shape, motion: bool = False) -> str:
+def source(top: str, shape: Shape, motion: bool = False, gates: bool = False) -> str:
     """C++ text of the streaming drive for one top module: `cot`, `cot_chain`, `cot_array`, `cot_motion` or `cot_filtered`.
 
     Args:
         motion: its records are those of an array with motion.
+        gates: it holds a netlist, so that not the clock alone changes something.
     """
     return (MOTION_DRIVE if motion else DRIVE).source(
         top,
@@ -112,7 +113,7 @@ def source(top: str, shape: Shape, motion: bool = False) -> str:
         takes_seq=top == "cot",
         in_order=top in ("cot", "cot_array", "cot_motion"),
         filtered=top == "cot_filtered",
-        registered=top in ("cot_array", "cot_motion"),
+        registered=top in ("cot_array", "cot_motion") and not gates,
         tick_max=(1 << shape.tick_w) - 1,
         seq_mask=(1 << shape.seq_w) - 1,
         time_mask=(1 << shape.time_w) - 1,

@@ -70,7 +70,7 @@ def side_by_side(
     gates = f"{top}_gates"
     tools.yosys(
         ["read_verilog -defer design.v", *instance(top, parameters), f"rename -top {gates}",
-         f"{_SYNTHESIS[family]} -top {gates}", "write_json netlist.json"],
+         f"{_SYNTHESIS[family]} -top {gates}", "setattr -mod -unset keep_hierarchy *", "flatten", "write_json netlist.json"],
         work,
     )  # fmt: skip
     netlist = json.loads((work / "netlist.json").read_text())["modules"][gates]  # not the cells, whose logic is left out
