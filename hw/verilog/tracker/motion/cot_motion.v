@@ -121,7 +121,7 @@ module cot_motion #(
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
     wire [TIME_W-1:0] now, next_step;
-    wire              again;
+    wire              holds, again;
     wire              q_valid, q_due, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
@@ -145,6 +145,7 @@ module cot_motion #(
         .s_y      (s_y),
         .s_p      (s_p),
         .next_step(next_step),
+        .holds    (holds),
         .again    (again),
         .m_valid  (q_valid),
         .m_ready  (takes_token),
@@ -214,6 +215,7 @@ module cot_motion #(
         .q_counts   (q_event || q_skip),
         .room       (room),
         .takes_token(takes_token),
+        .holds      (holds),
         .again      (again),
         .issues     (issues),
         .issued     (issued),

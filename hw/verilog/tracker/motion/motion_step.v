@@ -139,6 +139,7 @@ module motion_step #(
     reg              stored, other_older;
     reg              reads;          // the slot whose step it is, is being read
     wire [N-1:0]     lives      = visible | candidate;
+    reg  [N-1:0]     others;         // that it may be compared with
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
     wire             is_visible = visible[at];
     wire             goes_on    = pause == 3'd0;
@@ -151,6 +152,7 @@ module motion_step #(
         {c_ask, c_meet, merge, appear, lapse, say, keep, keep_now, keep_window} <= 9'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
+        others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
 
         if (!goes_on) pause <= pause - 3'd1;
         else case (state)
@@ -241,7 +243,7 @@ module motion_step #(
                 if (other == SLOTS[SLOT_W:0]) begin
                     c_part <= 1'b1;
                     state  <= MEET;
-                end else if (settled[this_other] && lives[this_other] && other != slot) begin
+                end else if (others[this_other]) begin
                     at    <= this_other;
                     state <= COMPARE;
                 end else other <= other + {{SLOT_W{1'b0}}, 1'b1};
@@ -267,7 +269,7 @@ module motion_step #(
             YOUNGER: begin
                 c_take <= 1'b1;
                 at     <= this_slot;
-                pause  <= 3'd4;
+                pause  <= 3'd5;
                 state  <= OLDER;
             end
             OLDER: begin

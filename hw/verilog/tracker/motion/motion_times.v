@@ -65,7 +65,7 @@ module motion_times #(
     reg  [3:0]        grow_left;
     reg  [23:0]       grant, granted;
     wire signed [TIME_W-1:0] signed_age = age, signed_other = other;
-    wire [24:0]       slower_by = {1'b0, ticks} - {1'b0, usual};
+    reg  [24:0]       slower_by;
 
     assign ended = !age[TIME_W-1];
 
@@ -88,6 +88,7 @@ module motion_times #(
         ticks  <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
         silent <= |age[TIME_W-1:26] || age[25:0] > {usual, 2'b00};
 
+        slower_by <= {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
         if (seed) usual <= detect_ticks;
         if (correct) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
