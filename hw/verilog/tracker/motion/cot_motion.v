@@ -10,7 +10,7 @@
 //
 // Latency:    unstalled, from the clock edge that takes the event: 14 clocks to the owned or passed event; about 50 to its record.
 // Throughput: an event a clock, two more for a correction and 20 for a candidate; where corrections come faster, one in 40 clocks. A
-//             motion step of an empty array takes 4 clocks; see motion_work.v.
+//             motion step of an empty array takes 5 clocks; see motion_work.v.
 // Stall:      every output is held until accepted.
 // Reset:      turns all slots off, and gives the registers their defaults.
 // Combinational paths: none.
