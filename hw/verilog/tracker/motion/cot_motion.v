@@ -185,7 +185,7 @@ module cot_motion #(
     wire             active, rests, waits_none, reached, put_valid, put_seed, put_done, puts, steps, ends_life;
     wire             job_valid, job_done, job_seed;
     wire [7:0]       issued;
-    wire             issues, takes_op, takes_put;
+    wire             issues, op_ready, takes_op, takes_put;
     wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, end_slot;
     wire [X_W-1:0]   job_x;
     wire [Y_W-1:0]   job_y;
@@ -225,6 +225,7 @@ module cot_motion #(
         .next_step  (next_step),
         .op_valid   (op_valid),
         .op_writes  (op_store || op_put),
+        .op_ready   (op_ready),
         .takes_op   (takes_op),
         .reached    (reached),
         .put_valid  (put_valid),
@@ -449,7 +450,7 @@ module cot_motion #(
         .begins         (begins),
         .begins_slot    (begins_slot),
         .op_valid       (op_valid),
-        .op_ready       (takes_op),
+        .op_ready       (op_ready),
         .op_read        (op_read),
         .op_store       (op_store),
         .op_full        (op_full),

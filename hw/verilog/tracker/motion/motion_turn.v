@@ -47,6 +47,7 @@ module motion_turn #(
     // operations
     input  wire              op_valid,
     input  wire              op_writes,
+    output wire              op_ready,     // whether there is one or not
     output wire              takes_op,
 
     // slots that are put in force: see motion_waiting.v
@@ -90,7 +91,8 @@ module motion_turn #(
     wire              stop      = restarts || (q_valid && q_due);  // all that waits comes first
     wire              starts    = drained;                         // which it has: nothing can have come since
 
-    assign takes_op    = op_valid && !bubble;
+    assign op_ready    = !bubble;
+    assign takes_op    = op_valid && op_ready;
     assign takes_put   = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
     assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && has_room;
     assign issues      = takes_token && q_counts;
