@@ -10,7 +10,7 @@
 //
 // Latency:    unstalled, from the clock edge that takes the event: 14 clocks to the owned or passed event; about 50 to its record.
 // Throughput: an event a clock, two more for a correction and 20 for a candidate; where corrections come faster, one in 40 clocks. A
-//             motion step of an empty array takes 4 clocks; see motion_work.v.
+//             motion step of an empty array takes 5 clocks; see motion_work.v.
 // Stall:      every output is held until accepted.
 // Reset:      turns all slots off, and gives the registers their defaults.
 // Combinational paths: none.
@@ -121,7 +121,7 @@ module cot_motion #(
     // ---- tokens ------------------------------------------------------------------------------------------------------
 
     wire [TIME_W-1:0] now, next_step;
-    wire              again;
+    wire              holds, again;
     wire              q_valid, q_due, q_event, q_skip, q_p, q_empty;
     wire [TIME_W-1:0] q_time;
     wire [X_W-1:0]    q_x;
@@ -145,6 +145,7 @@ module cot_motion #(
         .s_y      (s_y),
         .s_p      (s_p),
         .next_step(next_step),
+        .holds    (holds),
         .again    (again),
         .m_valid  (q_valid),
         .m_ready  (takes_token),
@@ -184,7 +185,7 @@ module cot_motion #(
     wire             active, rests, waits_none, reached, put_valid, put_seed, put_done, puts, steps, ends_life;
     wire             job_valid, job_done, job_seed;
     wire [7:0]       issued;
-    wire             issues, takes_op, takes_put;
+    wire             issues, op_ready, takes_op, takes_put;
     wire [SLOT_W-1:0] job_slot, put_slot, puts_slot, end_slot;
     wire [X_W-1:0]   job_x;
     wire [Y_W-1:0]   job_y;
@@ -214,6 +215,7 @@ module cot_motion #(
         .q_counts   (q_event || q_skip),
         .room       (room),
         .takes_token(takes_token),
+        .holds      (holds),
         .again      (again),
         .issues     (issues),
         .issued     (issued),
@@ -223,6 +225,7 @@ module cot_motion #(
         .next_step  (next_step),
         .op_valid   (op_valid),
         .op_writes  (op_store || op_put),
+        .op_ready   (op_ready),
         .takes_op   (takes_op),
         .reached    (reached),
         .put_valid  (put_valid),
@@ -447,7 +450,7 @@ module cot_motion #(
         .begins         (begins),
         .begins_slot    (begins_slot),
         .op_valid       (op_valid),
-        .op_ready       (takes_op),
+        .op_ready       (op_ready),
         .op_read        (op_read),
         .op_store       (op_store),
         .op_full        (op_full),

@@ -2,8 +2,8 @@
 // One axis of all slots, as far as events change it: both sides and their marks, as docs/motion.md says under "What an event does to its
 // owner"; and where in its owner's window and bins an event lies.
 //
-// An event passes four stages here: the first reads what stays, the second the sides, the third moves them and writes them back, the
-// fourth finds the bin. What the third stage writes is forwarded if the next event is of the same slot.
+// An event passes four stages here: the first reads what stays, the second the sides, the third moves them, the
+// fourth finds the bin and writes the sides back. If one of the two events behind is of the same slot, they are forwarded to it.
 //
 // Latency:    from the slot's number: 2 clocks to rel, lo, hi and marks, 5 to the bin.
 // Throughput: an event per clock.
@@ -29,11 +29,12 @@ module motion_axis #(
     input  wire [16:0]              out,        // way of a side that the event is beyond
     input  wire [16:0]              back,       // and of one that it is not
     input  wire                     forward,    // the slot is that of the third stage
+    input  wire                     recent,     // or that of the fourth, which writes
     input  wire [SLOT_W-1:0]        slot_2,
 
     // third stage
     input  wire                     update,     // the event moves the sides
-    input  wire                     store,      // they are written with s_*
+    input  wire                     store,      // they are written with s_*, which stay for another clock
     input  wire                     put,        // the window's low pixel is
     input  wire                     set_bins,   // the bins' size is
     input  wire [SLOT_W-1:0]        slot_3,
@@ -64,6 +65,10 @@ module motion_axis #(
     reg [1:0]      hide;
     reg [AT_W-1:0] at;
     reg [4:0]      log2_3, log2_4;
+    reg [SLOT_W-1:0] slot_4;
+    reg            update_4, store_4;
+    reg signed [SIDE_W-1:0] lo_4, hi_4;
+    reg [1:0]      marks_4;
     reg            hide_lo, hide_hi, hide_both;
     reg [17:0]     far_lo, near_lo, far_hi, near_hi;  // ways, those of the event beyond and of another; complements where negative
     reg [PX_W:0]   from;
@@ -86,6 +91,11 @@ module motion_axis #(
     wire [SIDE_W-1:0] hi_next   = hi_is_far ? hi_far[SIDE_W:1] : hi_near[SIDE_W:1];
     wire [1:0]        marks_next = marks | (hide_both ? 2'b00 : {above, below});
 
+    // What the fourth stage writes; s_* are still there.
+    wire [SIDE_W-1:0] lo_new    = store_4 ? s_lo : lo_4;
+    wire [SIDE_W-1:0] hi_new    = store_4 ? s_hi : hi_4;
+    wire [1:0]        marks_new = store_4 ? s_marks : marks_4;
+
     // The pixels from that of the low side: a - b - c is a + ~b + 1 - c, whose lowest bit here is the carry.
     wire [PX_W+1:0] place_from = {{(PX_W + 1 - AT_W) {1'b0}}, at, 1'b1} + ~{lo[SIDE_W-1], lo[SIDE_W-1:11]};
     wire [PX_W:0]   in_bins    = from >> log2_4;
@@ -104,15 +114,21 @@ module motion_axis #(
         far_hi    <= &hide ? 18'd0 : hide[1] ? ~{1'b0, out} : {1'b0, out};
         near_hi   <= &hide ? 18'd0 : hide[1] ? {1'b0, back} : ~{1'b0, back};
         if (!forward || update) begin
-            lo    <= forward ? lo_next : los[slot_2];
-            hi    <= forward ? hi_next : his[slot_2];
-            marks <= forward ? marks_next : markses[slot_2];
+            lo    <= forward ? lo_next : recent ? lo_new : los[slot_2];
+            hi    <= forward ? hi_next : recent ? hi_new : his[slot_2];
+            marks <= forward ? marks_next : recent ? marks_new : markses[slot_2];
         end
 
-        if (update || store) begin
-            los[slot_3]     <= store ? s_lo : lo_next;
-            his[slot_3]     <= store ? s_hi : hi_next;
-            markses[slot_3] <= store ? s_marks : marks_next;
+        slot_4   <= slot_3;
+        update_4 <= update;
+        store_4  <= store;
+        lo_4     <= lo_next;
+        hi_4     <= hi_next;
+        marks_4  <= marks_next;
+        if (update_4 || store_4) begin
+            los[slot_4]     <= lo_new;
+            his[slot_4]     <= hi_new;
+            markses[slot_4] <= marks_new;
         end
         if (store) hides[slot_3] <= s_hidden;
         if (put) windows[slot_3] <= s_window;

@@ -29,14 +29,15 @@ module motion_bins #(
 
     reg               writes_1, writes_2, writes_3, clear_1, clear_2;
     reg [PLACE_W-1:0] place_1, place_2, place_3;
-    reg [BIN_W-1:0]   read_1, read_2;
+    reg [BIN_W-1:0]   read_1, read_2, look_1;
     reg [BIN_W-1:0]   more_3, more_4, more_5;
     reg [2:0]         is_1, is_2;  // the place is that of the event 1, 2 or 3 before
 
     wire [BIN_W-1:0] known = is_2[0] ? more_3 : is_2[1] ? more_4 : is_2[2] ? more_5 : read_2;
 
     always @(posedge clk) begin
-        looked   <= counters[look];
+        look_1   <= counters[look];
+        looked   <= look_1;
 
         read_1   <= counters[place];
         writes_1 <= count || clear;

@@ -40,7 +40,7 @@ module motion_birth #(
     reg  [4:0]        left;           // places that `far` is shifted
     reg               few, early, small_x, small_y, goes_far, went_far;
     wire [SIDE_W:0]   start_x, start_y;
-    wire [SIDE_W:0]   from         = lane ? start_y : start_x;
+    reg  [SIDE_W:0]   from;             // of the axis that comes
     wire [PX_W-1:0]   least        = {{(PX_W - 8) {1'b0}}, birth_px};
     wire [SUP_W+15:0] wide_support = {16'd0, support};
     wire [SUP_W+15:0] wide_birth   = {{SUP_W{1'b0}}, birth_support};
@@ -48,6 +48,7 @@ module motion_birth #(
     assign {start_x, start_y} = start;
 
     always @(posedge clk) begin
+        from     <= lane ? start_x : start_y;
         way      <= {sum[SIDE_W], sum} - {from[SIDE_W], from};
         sides    <= {1'b0, side_x} + {1'b0, side_y};
         way_abs  <= way[SIDE_W+1] ? -way : way;

@@ -246,13 +246,13 @@ module motion_correct #(
                 state    <= TURN;
             end
             TURN: begin
-                pause <= 3'd1;
+                pause <= turns ? 3'd3 : 3'd1;
                 state <= COUNT;
             end
             COUNT: begin
                 c_count    <= 1'b1;
                 keep_start <= corrections == 6'd3;
-                pause      <= turns ? 3'd3 : 3'd1;
+                pause      <= turns ? 3'd2 : 3'd1;
                 state      <= visible ? SAY : PLACE;
             end
             SAY:
@@ -273,7 +273,7 @@ module motion_correct #(
                 state    <= WINDOW;
             end
             WINDOW:
-            if (windowed && stored) begin
+            if ((windowed || window_done) && (stored || store_done)) begin
                 since       <= LAST;
                 keep        <= 1'b1;
                 keep_now    <= 1'b1;

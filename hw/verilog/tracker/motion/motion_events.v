@@ -119,18 +119,20 @@ module motion_events #(
     // ---- what follows from the registers -------------------------------------------------------------------------------
 
     reg  [16:0]       out, back;    // ways of a side
+    reg  [15:0]       seed_ring;
     reg  [15:0]       seed_part;
     reg  [REL_W-1:0]  seed_at;      // where a candidate's first event lies in its window
     reg               counts;       // events are counted in bins
     wire [15:0]       share      = regs[`MOTION_SIDE_STEP] >> regs[`MOTION_SIDE_SHARE];
     wire [15:0]       seed_far   = seed_part + {8'd0, regs[`MOTION_RING_PX]};
-    wire [15:0]       seed_ring  = seed_far < {8'd0, regs[`MOTION_RING_MAX]} ? seed_far : {8'd0, regs[`MOTION_RING_MAX]};
+    wire [15:0]       seed_most  = seed_far < {8'd0, regs[`MOTION_RING_MAX]} ? seed_far : {8'd0, regs[`MOTION_RING_MAX]};
     wire [REL_W+15:0] seed_place = {{REL_W{1'b0}}, seed_ring + {8'd0, regs[`MOTION_SEED_PX]}};
 
     always @(posedge clk) begin
         back      <= {1'b0, share};
-        out       <= {1'b0, regs[`MOTION_SIDE_STEP] - share};
+        out       <= {1'b0, regs[`MOTION_SIDE_STEP] - back[15:0]};
         seed_part <= {7'd0, regs[`MOTION_SEED_PX], 1'b0} >> regs[`MOTION_RING_ANY];
+        seed_ring <= seed_most;
         seed_at   <= seed_place[REL_W-1:0];
         counts    <= regs[`MOTION_GAP_CORRECTIONS] != 8'd0;
     end
@@ -216,7 +218,7 @@ module motion_events #(
 
     // ---- stages 5 and 6: what it does to its owner ---------------------------------------------------------------------
 
-    reg               owned_5, begins_5, shared_5, visible_5, same_5;
+    reg               owned_5, begins_5, shared_5, visible_5, same_5, recent_5;
     reg               owned_6, begins_6, shared_6;
     reg  [SLOT_W-1:0] slot_5, slot_6;
     reg               seeding;                        // a candidate has begun that is not in force
@@ -256,6 +258,7 @@ module motion_events #(
         visible_5 <= visible[slot_4];
         slot_5    <= slot_4;
         same_5    <= event_5 && owned_5 && slot_4 == slot_5;
+        recent_5  <= (updates || op_6[1]) && slot_4 == slot_6;
 
         owned_6   <= owned_5;
         begins_6  <= begins_5;
@@ -306,6 +309,7 @@ module motion_events #(
         .out     (far),
         .back    (near),
         .forward (same_5),
+        .recent  (recent_5),
         .slot_2  (slot_5),
         .update  (updates),
         .store   (op_6[1]),
@@ -339,6 +343,7 @@ module motion_events #(
         .out     (far),
         .back    (near),
         .forward (same_5),
+        .recent  (recent_5),
         .slot_2  (slot_5),
         .update  (updates),
         .store   (op_6[1]),

@@ -4,7 +4,7 @@
 // An event makes its bin on each axis one more: read, then written four clocks later; what is being written is forwarded. A bin can
 // be cleared in its place.
 //
-// Latency:    4 clocks from count to the bin; 58 clocks from look to done.
+// Latency:    4 clocks from count to the bin; 61 clocks from look to done.
 // Throughput: an event per clock, and one look beside them, of a slot whose bins do not change.
 // Stall:      what a look found stays until the next one.
 // Reset:      waits for a look. Bins are not reset.
@@ -48,7 +48,7 @@ module motion_gaps #(
     // ---- an event ----------------------------------------------------------------------------------------------------
 
     wire [BIN_W-1:0] looked_x, looked_y;
-    reg  [4:0]       at;  // bin that is looked at; that of two clocks before is there
+    reg  [4:0]       at;  // bin that is looked at; that of three clocks before is there
 
     motion_bins #(
         .BIN_W  (BIN_W),
@@ -80,7 +80,7 @@ module motion_gaps #(
 
     localparam [2:0] WAIT  = 3'd0;
     localparam [2:0] SUM   = 3'd1;  // all events
-    localparam [2:0] LEAST = 3'd2;  // what an empty bin has at most
+    localparam [2:0] LEAST = 3'd2;  // what an empty bin has at most, found until the first one is there
     localparam [2:0] RUNS  = 3'd3;  // the widest gap
     localparam [2:0] PLACE = 3'd4;
     localparam [2:0] PARTS = 3'd5;  // events below and above it
@@ -90,20 +90,27 @@ module motion_gaps #(
     reg              wide;
     reg [BIN_W-1:0]  value;
     reg [BIN_W-1:0]  total, least, below, above;
+    reg [BIN_W-1:0]  share;
+    reg              full;     // the value is more than an empty bin has
     reg              any;      // a bin that is not empty was there
-    reg [3:0]        run, widest, behind, next_bin, bin;
+    reg [3:0]        run, widest, behind, bin_1, bin_2, bin;
+    reg [4:0]        log2;
     reg [WIDE_W-1:0] width;    // of the widest gap, in pixels
 
     wire             looking = state != WAIT;
-    wire [BIN_W-1:0] share   = total >> gap_share;
-    wire             there   = at > 5'd1;  // the value of `bin`
-    wire             last    = at == 5'd17;
+    wire [BIN_W-1:0] looked  = on_y ? looked_y : looked_x;
+    wire             there   = at > 5'd2;  // the value of `bin`
+    wire             last    = at == 5'd18;
 
     always @(posedge clk) begin
         done     <= 1'b0;
-        next_bin <= at[3:0];
-        bin      <= next_bin;
-        value    <= on_y ? looked_y : looked_x;
+        bin_1    <= at[3:0];
+        bin_2    <= bin_1;
+        bin      <= bin_2;
+        log2     <= bin_log2;
+        value    <= looked;
+        full     <= looked > least;
+        share    <= total >> gap_share;
         if (looking) at <= last ? 5'd0 : at + 5'd1;
         case (state)
             WAIT: begin
@@ -116,7 +123,6 @@ module motion_gaps #(
                 if (last) state <= LEAST;
             end
             LEAST: begin
-                least  <= share == {BIN_W{1'b0}} ? {{(BIN_W - 1) {1'b0}}, 1'b1} : share;
                 any    <= 1'b0;
                 run    <= 4'd0;
                 widest <= 4'd0;
@@ -124,8 +130,9 @@ module motion_gaps #(
                 state  <= RUNS;
             end
             RUNS: begin
+                if (!there) least <= share == {BIN_W{1'b0}} ? {{(BIN_W - 1) {1'b0}}, 1'b1} : share;
                 if (there) begin
-                    if (value > least) begin
+                    if (full) begin
                         any <= 1'b1;
                         run <= 4'd0;
                         if (any && run > widest) begin
@@ -139,7 +146,7 @@ module motion_gaps #(
             PLACE: begin
                 begins <= behind - widest;
                 ends   <= behind;
-                width  <= {{(WIDE_W - 4) {1'b0}}, widest} << bin_log2;
+                width  <= {{(WIDE_W - 4) {1'b0}}, widest} << log2;
                 below  <= {BIN_W{1'b0}};
                 above  <= {BIN_W{1'b0}};
                 at     <= 5'd0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // On which axes a box is looked at for a gap, how wide the gap must be, and where the box is cut: docs/motion.md, "Gaps".
 //
-// Latency:    2 clocks from note, 1 from on_y to looks and narrowest; 1 clock from the gap to cut_px.
+// Latency:    2 clocks from note, 1 from on_y to looks, 2 to narrowest; 2 from the gap to cut_px.
 // Throughput: a slot at a time.
 // Stall:      none.
 // Reset:      none, nothing is used before it was computed.
@@ -37,8 +37,10 @@ module motion_look #(
     reg  [PX_W-2:0] half_x, half_y;
     reg             across_x, across_y, is_long_x, is_long_y, looks_x, looks_y;
     wire [PX_W-1:0] least   = {{(PX_W - 8) {1'b0}}, gap_px};
-    wire [PX_W-1:0] half    = {1'b0, on_y ? half_x : half_y};
-    wire [PX_W-1:0] cut_bin = {{(PX_W - 4) {1'b0}}, low_stays ? begins : ends};
+    reg  [PX_W-1:0] half;  // of the other axis
+    reg             across;
+    reg  [3:0]      cut_bin;
+    reg  [4:0]      log2;
 
     always @(posedge clk) begin
         if (note) begin
@@ -52,8 +54,12 @@ module motion_look #(
         is_long_x <= {4'd0, length_x} >= long_y;
         is_long_y <= {4'd0, length_y} >= long_x;
         looks     <= on_y ? looks_y : looks_x;
-        narrowest <= (on_y ? across_y : across_x) || least > half ? least : half;
-        cut_px    <= cut_bin << bin_log2;
+        half      <= {1'b0, on_y ? half_x : half_y};
+        across    <= on_y ? across_y : across_x;
+        narrowest <= across || least > half ? least : half;
+        cut_bin   <= low_stays ? begins : ends;
+        log2      <= bin_log2;
+        cut_px    <= {{(PX_W - 4) {1'b0}}, cut_bin} << log2;
     end
 
 endmodule

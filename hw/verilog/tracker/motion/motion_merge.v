@@ -127,9 +127,12 @@ module motion_merge #(
                     end
                 end
             end
-            SAVE: if (stored) state <= SAVED;
+            SAVE:
+            if (stored) begin
+                at    <= goes;
+                state <= SAVED;
+            end
             SAVED: begin
-                at       <= goes;
                 op_valid <= 1'b1;
                 {op_clear, op_put, op_store, op_read} <= 4'b0001;
                 reads    <= 1'b1;
@@ -144,7 +147,7 @@ module motion_merge #(
             GONE: begin
                 c_take <= 1'b1;
                 at     <= stays;
-                pause  <= 3'd2;
+                pause  <= 3'd3;
                 state  <= STAYS;
             end
             STAYS: begin

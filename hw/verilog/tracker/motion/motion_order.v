@@ -34,7 +34,7 @@ module motion_order #(
     input  wire [SLOT_W-1:0]       begins_slot,
     output wire [N-1:0]            visible,
     output wire [N-1:0]            candidate,
-    output wire [SLOT_W-1:0]       at,
+    output reg  [SLOT_W-1:0]       at,         // a clock late
     output wire [SLOT_W-1:0]       this_slot,  // whose step it is
 
     // operations: see motion_events.v
@@ -149,7 +149,6 @@ module motion_order #(
     wire [N-1:0]      settled;
 
     assign rests    = k_rests && s_rests;
-    assign at       = correcting ? k_at : merging ? m_at : s_at;
     assign say      = k_say || s_say || m_say;
     assign kind     = correcting ? `EVCOT_KIND_MOVED : merging ? m_kind : s_kind;
     assign op_valid = k_valid || s_valid || m_valid;
@@ -200,6 +199,7 @@ module motion_order #(
     assign keep_start   = k_keep_start;
 
     always @(posedge clk) begin
+        at           <= !k_rests ? k_at : merging ? m_at : !s_rests ? s_at : job_slot;
         k_was        <= !k_rests;
         load         <= read_next && (k_load || s_load || m_load);
         load_support <= read_next && (s_load || m_load);
@@ -211,7 +211,7 @@ module motion_order #(
     ) u_correct (
         .clk         (clk),
         .rst         (rst),
-        .start       (job_valid && s_rests && !do_step && !do_end),
+        .start       (job_valid && s_rests),  // a step starts only while none waits
         .seed        (job_seed),
         .slot        (job_slot),
         .begun       (k_begun),

@@ -4,7 +4,7 @@
 // Latency:    5 clocks from the acceptance of a token to m_valid.
 // Throughput: a token per clock.
 // Stall:      a token is held until accepted; s_ready is low while twelve or more are waiting.
-//             m_due follows next_step only at `again`, a clock later.
+//             m_due follows next_step only at `again`, a clock later. Nothing comes to the output while it `holds`.
 // Reset:      becomes empty; time begins at 0.
 // Combinational paths: none.
 `default_nettype none
@@ -28,7 +28,8 @@ module motion_queue #(
     input  wire              s_p,
 
     input  wire [TIME_W-1:0] next_step,
-    input  wire              again,      // next_step has changed
+    input  wire              holds,      // a motion step is under way: next_step changes, and no token is taken
+    input  wire              again,      // its last clock
 
     output reg               m_valid,
     input  wire              m_ready,
@@ -56,12 +57,13 @@ module motion_queue #(
     reg               next_valid;
     reg [TIME_W-1:0]  next_time;
     reg [X_W+Y_W+2:0] next_rest;
+    reg [TIME_W-1:0]  compared;       // its time, or after a step that of the token at the output
 
-    wire              gives      = !m_valid || m_ready;
+    wire              gives      = (!m_valid && !holds) || m_ready;
     wire              takes      = !next_valid || gives;
     wire [4:0]        level      = written - read;
-    wire [TIME_W-1:0] seen_time  = again ? m_time : next_time;
-    wire [TIME_W-1:0] until_step = seen_time - next_step;
+    wire [TIME_W-1:0] until_step = compared - next_step;
+    wire [TOKEN_W-1:0] token     = tokens[read[3:0]];
 
     assign empty = !in_valid && written == read && !next_valid && !m_valid;
 
@@ -81,7 +83,7 @@ module motion_queue #(
         end
         s_ready <= level < 5'd12;
         if (takes) begin
-            {next_time, next_rest} <= tokens[read[3:0]];
+            {next_time, next_rest} <= token;
             next_valid             <= written != read;
             if (written != read) read <= read + 5'd1;
         end
@@ -90,6 +92,7 @@ module motion_queue #(
             m_time  <= next_time;
             {m_event, m_skip, m_x, m_y, m_p} <= next_rest;
         end
+        compared <= holds && !again ? m_time : takes ? token[TOKEN_W-1-:TIME_W] : next_time;
         if (gives || again) m_due <= !until_step[TIME_W-1];
         if (rst) begin
             in_valid   <= 1'b0;

@@ -55,16 +55,19 @@ module motion_record #(
     output reg  [TIME_W-1:0] m_cm_time
 );
 
+    reg merges;  // the kind is there a clock before `say`
+
     assign free = !m_cm_valid || m_cm_ready;
 
     always @(posedge clk) begin
+        merges <= kind == `EVCOT_KIND_MERGED;
         if (m_cm_ready) m_cm_valid <= 1'b0;
         if (say) begin
             m_cm_valid   <= 1'b1;
             m_cm_kind    <= kind;
             m_cm_slot    <= slot;
             m_cm_id      <= id;
-            m_cm_other   <= kind == `EVCOT_KIND_MERGED ? stays_id : {ID_W{1'b0}};
+            m_cm_other   <= merges ? stays_id : {ID_W{1'b0}};
             m_cm_x       <= sum_x[SIDE_W:1];
             m_cm_y       <= sum_y[SIDE_W:1];
             m_cm_width   <= side_x;

@@ -78,7 +78,7 @@ module motion_sides #(
     // ---- commands, as the axis behind, then that in front has them -------------------------------------------------------
 
     reg  seeded, shrinks, cuts_high, cuts_low, orders, unites, moves, shortens, turns, rubs;  // x had it, now y does
-    reg  reflects_1, reflects_2, settles_1, settles_2;
+    reg  reflects, settles, settle_a, change_a;  // in front: the offset or the place is taken, or either
     wire is_y     = !lane;  // of the axis behind
     wire seed_b   = seed || seeded;
     wire shrink_b = shrink || shrinks;
@@ -90,13 +90,13 @@ module motion_sides #(
     wire long_b   = (shorten || shortens) && too_long;
     wire turn_b   = turn || turns;
     wire rub_b    = rub || rubs;
-    wire reflect_a = reflects_1 || reflects_2;
-    wire settle_a  = settles_1 || settles_2;
 
     always @(posedge clk) begin
         {seeded, shrinks, cuts_high, cuts_low, orders} <= {seed, shrink, cut_high, cut_low, order};
         {unites, moves, shortens, turns, rubs} <= {unite, move, shorten, turn, rub};
-        {reflects_2, reflects_1, settles_2, settles_1} <= {reflects_1, reflect, settles_1, settle};
+        {reflects, settles} <= {reflect, settle};
+        settle_a <= settle || settles;
+        change_a <= settle || settles || reflect || reflects;
     end
 
     // ---- behind: what is added is chosen; in front: it is added; behind: it is taken -------------------------------------
@@ -159,8 +159,8 @@ module motion_sides #(
 
         // in front, and behind
         if (!load || lane) begin
-            ref_lo <= reflect_a || settle_a ? {lo_a[SIDE_W-1], lo_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_lo_a) : ref_lo_a;
-            ref_hi <= reflect_a || settle_a ? {hi_a[SIDE_W-1], hi_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_hi_a) : ref_hi_a;
+            ref_lo <= change_a ? {lo_a[SIDE_W-1], lo_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_lo_a) : ref_lo_a;
+            ref_hi <= change_a ? {hi_a[SIDE_W-1], hi_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_hi_a) : ref_hi_a;
             {ref_lo_a, ref_hi_a} <= {ref_lo, ref_hi};
         end
         v      <= v_a;

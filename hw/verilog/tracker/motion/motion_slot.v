@@ -88,6 +88,7 @@ module motion_slot #(
     reg  [SLOT_W-1:0] partner;
     reg  [ID_W-1:0]   births;
     reg  [PX_W:0]     outline;
+    reg  [9:0]        next_log2;
 
     wire [5:0]        q_corrections;
     wire [7:0]        q_looked;
@@ -163,6 +164,7 @@ module motion_slot #(
         least_gain <= slow < {2'd0, gain_log2} ? slow[3:0] + 4'd1 : gain_log2;
         gain     <= least_gain + {3'd0, meets};
         look_due <= gap_corrections != 8'd0 && {1'b0, looked} + 9'd1 >= {1'b0, gap_corrections};
+        next_log2 <= {bin_log2(length_y), bin_log2(length_x)};
         outline  <= {1'b0, length_x} + {1'b0, length_y};
 
         if (load) begin
@@ -199,7 +201,7 @@ module motion_slot #(
         end
         if (begin_bins) begin
             looked <= 8'd0;
-            log2   <= {bin_log2(length_y), bin_log2(length_x)};
+            log2   <= next_log2;
         end
         if (pair) begin
             has_partner <= 1'b1;

@@ -4,7 +4,7 @@
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    2 clocks and one for each free slot; for each one that lives 67 and one for each slot, and 17 for each other one with four
+// Latency:    2 clocks and one for each free slot; for each one that lives 65 and one for each slot, and 17 for each other one with four
 //             corrections.
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
@@ -104,41 +104,41 @@ module motion_step #(
     localparam [4:0] FETCHED = 5'd4;
     localparam [4:0] AGED    = 5'd5;
     localparam [4:0] MOVE    = 5'd6;   // moves it
-    localparam [4:0] LONG    = 5'd7;   // where it is too long, it is shortened
-    localparam [4:0] SHORT   = 5'd8;
-    localparam [4:0] PLACE   = 5'd9;   // box and window
-    localparam [4:0] WINDOW  = 5'd10;
-    localparam [4:0] SCAN    = 5'd11;  // compares it with others: the next one
-    localparam [4:0] COMPARE = 5'd12;  // reads that one
-    localparam [4:0] PAIR    = 5'd13;
-    localparam [4:0] FOUND   = 5'd14;
-    localparam [4:0] YOUNGER = 5'd15;  // they are alike: which is younger?
-    localparam [4:0] OLDER   = 5'd16;
-    localparam [4:0] LIVED   = 5'd17;  // how long has it lived, in steps?
-    localparam [4:0] STEPS   = 5'd18;
-    localparam [4:0] MEET    = 5'd19;  // which boxes and windows does it touch?
-    localparam [4:0] SINCE   = 5'd20;  // how long ago was its last record, or its seed?
-    localparam [4:0] MET     = 5'd21;
-    localparam [4:0] TOUCH   = 5'd22;  // a candidate touches another one, which is read
-    localparam [4:0] TOUCHED = 5'd23;
-    localparam [4:0] UNITE   = 5'd24;
-    localparam [4:0] MERGE   = 5'd25;  // waits until two have become one
-    localparam [4:0] REPORT  = 5'd26;  // is it time for a record?
-    localparam [4:0] BORN    = 5'd27;
-    localparam [4:0] SAY     = 5'd28;  // hands over a record
-    localparam [4:0] LAPSE   = 5'd29;  // the slot becomes free
-    localparam [4:0] DONE    = 5'd30;  // writes the slot back
-    localparam [4:0] WRITTEN = 5'd31;
+    localparam [4:0] LONG    = 5'd7;   // where it is too long, it is shortened; then what has changed is noted
+    localparam [4:0] PLACE   = 5'd8;   // box and window
+    localparam [4:0] WINDOW  = 5'd9;
+    localparam [4:0] SCAN    = 5'd10;  // compares it with others: the next one
+    localparam [4:0] COMPARE = 5'd11;  // reads that one
+    localparam [4:0] PAIR    = 5'd12;
+    localparam [4:0] FOUND   = 5'd13;
+    localparam [4:0] YOUNGER = 5'd14;  // they are alike: which is younger?
+    localparam [4:0] OLDER   = 5'd15;
+    localparam [4:0] LIVED   = 5'd16;  // how long has it lived, in steps?
+    localparam [4:0] STEPS   = 5'd17;
+    localparam [4:0] MEET    = 5'd18;  // which boxes and windows does it touch?
+    localparam [4:0] SINCE   = 5'd19;  // how long ago was its last record, or its seed?
+    localparam [4:0] MET     = 5'd20;
+    localparam [4:0] TOUCH   = 5'd21;  // a candidate touches another one, which is read
+    localparam [4:0] TOUCHED = 5'd22;
+    localparam [4:0] UNITE   = 5'd23;
+    localparam [4:0] MERGE   = 5'd24;  // waits until two have become one
+    localparam [4:0] REPORT  = 5'd25;  // is it time for a record?
+    localparam [4:0] BORN    = 5'd26;
+    localparam [4:0] SAY     = 5'd27;  // hands over a record
+    localparam [4:0] LAPSE   = 5'd28;  // the slot becomes free
+    localparam [4:0] DONE    = 5'd29;  // writes the slot back
+    localparam [4:0] WRITTEN = 5'd30;
 
-    reg [4:0]        state;
+    reg [4:0] state;
     reg [2:0]        pause;          // clocks until the state is gone on with
     reg [SLOT_W:0]   slot, other;    // whose step it is; with which it is compared
     reg              alone;          // a life ends, not in a step
     reg              over, again;    // its time is over; its box has grown since it was first compared
     reg              touching;       // a candidate was united with another one, not with its partner
-    reg              stored, other_older;
+    reg              stored, shortened, other_older;
     reg              reads;          // the slot whose step it is, is being read
     wire [N-1:0]     lives      = visible | candidate;
+    reg  [N-1:0]     others;         // that it may be compared with
     wire [SLOT_W-1:0] this_other = other[SLOT_W-1:0];
     wire             is_visible = visible[at];
     wire             goes_on    = pause == 3'd0;
@@ -151,6 +151,9 @@ module motion_step #(
         {c_ask, c_meet, merge, appear, lapse, say, keep, keep_now, keep_window} <= 9'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
+        shortened <= c_shorten;
+        if (shortened) c_reflect <= 1'b1;
+        others <= settled & lives & ~({{(N - 1) {1'b0}}, 1'b1} << this_slot);
 
         if (!goes_on) pause <= pause - 3'd1;
         else case (state)
@@ -217,12 +220,7 @@ module motion_step #(
             end
             LONG: begin
                 c_shorten <= 1'b1;
-                pause     <= 3'd1;
-                state     <= SHORT;
-            end
-            SHORT: begin
-                c_reflect <= 1'b1;
-                pause     <= 3'd6;
+                pause     <= 3'd7;
                 state     <= PLACE;
             end
             PLACE: begin
@@ -241,7 +239,7 @@ module motion_step #(
                 if (other == SLOTS[SLOT_W:0]) begin
                     c_part <= 1'b1;
                     state  <= MEET;
-                end else if (settled[this_other] && lives[this_other] && other != slot) begin
+                end else if (others[this_other]) begin
                     at    <= this_other;
                     state <= COMPARE;
                 end else other <= other + {{SLOT_W{1'b0}}, 1'b1};
@@ -267,7 +265,7 @@ module motion_step #(
             YOUNGER: begin
                 c_take <= 1'b1;
                 at     <= this_slot;
-                pause  <= 3'd4;
+                pause  <= 3'd5;
                 state  <= OLDER;
             end
             OLDER: begin
@@ -383,6 +381,7 @@ module motion_step #(
                 slot  <= slot + {{SLOT_W{1'b0}}, 1'b1};
                 state <= NEXT;
             end
+            default: state <= REST;
         endcase
 
         if (rst) begin

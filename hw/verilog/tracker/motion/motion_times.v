@@ -64,8 +64,8 @@ module motion_times #(
     reg               over, shorter, longer;  // 24 bits; less than life_ticks; more than coast_ticks
     reg  [3:0]        grow_left;
     reg  [23:0]       grant, granted;
-    wire signed [TIME_W-1:0] signed_age = age, signed_other = other;
-    wire [24:0]       slower_by = {1'b0, ticks} - {1'b0, usual};
+    wire [TIME_W:0] ahead = {age[TIME_W-1], age} - {other[TIME_W-1], other};
+    reg  [24:0]       slower_by;
 
     assign ended = !age[TIME_W-1];
 
@@ -88,6 +88,7 @@ module motion_times #(
         ticks  <= |age[TIME_W-1:24] ? 24'hffffff : age[23:1] == 23'd0 ? 24'd1 : age[23:0];
         silent <= |age[TIME_W-1:26] || age[25:0] > {usual, 2'b00};
 
+        slower_by <= {1'b0, ticks} - {1'b0, usual};
         if (load) usual <= loaded;
         if (seed) usual <= detect_ticks;
         if (correct) usual <= first ? ticks : usual + {slower_by[24], slower_by[24:2]};
@@ -124,7 +125,7 @@ module motion_times #(
             if (left != 6'd0) other <= {1'b0, other[TIME_W-1:1]};
             else dividing <= 1'b0;
         end
-        older   <= signed_other > signed_age;
+        older   <= ahead[TIME_W];
         enough  <= together >= {6'd0, join_steps} && (|other[TIME_W-1:16] ? &together : together >= other[15:0]);
         overdue <= |other[TIME_W-1:10] || other[9:0] >= report_steps;
 
@@ -138,7 +139,7 @@ module motion_times #(
         end
     end
 
-    wire unused = &{1'b0, slower_by[1:0]};
+    wire unused = &{1'b0, slower_by[1:0], ahead[TIME_W-1:0]};
 
 endmodule
 

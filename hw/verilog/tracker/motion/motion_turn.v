@@ -35,7 +35,8 @@ module motion_turn #(
     input  wire              q_counts,     // it is an event, or one that a filter took out
     input  wire              room,         // for those under way and two more: it is seen a clock later
     output wire              takes_token,
-    output reg               again,        // next_step has changed
+    output reg               holds,        // a motion step is under way: next_step changes, and no token is taken
+    output reg               again,        // its last clock
     output wire              issues,       // a token that counts comes in this clock
     output reg  [7:0]        issued,       // lower bits of the number of the next one
     input  wire              d_valid,      // a token is done
@@ -46,6 +47,7 @@ module motion_turn #(
     // operations
     input  wire              op_valid,
     input  wire              op_writes,
+    output wire              op_ready,     // whether there is one or not
     output wire              takes_op,
 
     // slots that are put in force: see motion_waiting.v
@@ -87,11 +89,12 @@ module motion_turn #(
     wire [SLOT_W-1:0] lowest_restart;
     wire [TIME_W-1:0] step_from = restep ? now : next_step;
     wire              stop      = restarts || (q_valid && q_due);  // all that waits comes first
-    wire              starts    = state == RUN && stop && drained;
+    wire              starts    = drained;                         // which it has: nothing can have come since
 
-    assign takes_op    = op_valid && !bubble;
+    assign op_ready    = !bubble;
+    assign takes_op    = op_valid && op_ready;
     assign takes_put   = !op_valid && !bubble && put_valid && !put_busy && (reached || stop);
-    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && has_room && state == RUN;
+    assign takes_token = !op_valid && !bubble && !reached && !stop && q_valid && has_room;
     assign issues      = takes_token && q_counts;
     assign ends_life   = starts && restarts;
     assign steps       = starts && !restarts;
@@ -111,7 +114,7 @@ module motion_turn #(
 
     always @(posedge clk) begin
         bubble   <= (takes_op && op_writes) || takes_put;
-        has_room <= room;
+        has_room <= room && state == RUN;  // `stop` blocks tokens for a clock longer
         if (takes_put) put_busy <= 1'b1;
         if (!put_busy) putting <= put_slot;
         if (put_done) put_busy <= 1'b0;
@@ -125,6 +128,7 @@ module motion_turn #(
             RUN:
             if (starts) begin
                 state   <= BEGUN;
+                holds   <= 1'b1;
                 drained <= 1'b0;
             end
             BEGUN: state <= BUSY;
@@ -133,7 +137,10 @@ module motion_turn #(
                 again <= 1'b1;
                 state <= DUE;
             end
-            DUE: state <= RUN;
+            DUE: begin
+                holds <= 1'b0;
+                state <= RUN;
+            end
         endcase
 
         restarts <= any_restart;
@@ -156,6 +163,7 @@ module motion_turn #(
             put_busy <= 1'b0;
             drained  <= 1'b0;
             has_room <= 1'b0;
+            holds    <= 1'b0;
             again    <= 1'b0;
             issued   <= 8'd0;
             now      <= {TIME_W{1'b0}};

@@ -4,7 +4,7 @@
 // d·2^-g over the time since the last correction, by the leading bit of that time and the three bits below it, which motion_inverse.v finds.
 // The shift is to the left by up to 7 with the factor of the product, then to the right in whole bytes.
 //
-// Latency:    10 clocks from an axis' offsets to its v_next.
+// Latency:    12 clocks from an axis' offsets to its v_next.
 // Throughput: an axis per clock.
 // Stall:      none. Inputs that have no axis must stay from start to turn.
 // Reset:      nothing is under way.
@@ -26,7 +26,7 @@ module motion_velocity #(
     input  wire [3:0]              gain,       // g, 1 to 13
     input  wire [4:0]              step_log2,
     input  wire [14:0]             speed_max,
-    input  wire signed [15:0]      v,          // of the axis, eight clocks later
+    input  wire signed [15:0]      v,          // of the axis, ten clocks later
 
     output wire                    turn,       // v_next is that of x; in the next clock, of y
     output reg signed [15:0]       v_next
@@ -43,12 +43,12 @@ module motion_velocity #(
     reg  [5:0]  down;            // 4 to 59
     reg  [13:0] factor;
 
-    reg [9:0]                begun;
+    reg [11:0]               begun;
     reg signed [OFF_W-1:0]   low_1, high_1;
-    reg signed [D_W-1:0]     both_1, way_2;
+    reg signed [D_W-1:0]     both_1, way_2, way_3;  // a multiplier is far from other cells: registers on both sides of its wires
     reg                      low_rises, high_rises, low_less;
-    reg [LOW+13:0]           product_low;
-    reg signed [P_W-LOW-1:0] product_high;
+    reg [LOW+13:0]           product_low, low_5;
+    reg signed [P_W-LOW-1:0] product_high, high_5;
     reg signed [P_W-1:0]     product;
     reg signed [A_W-1:0]     part_5;
     reg signed [B_W-1:0]     part_6;
@@ -58,20 +58,20 @@ module motion_velocity #(
 
     wire signed [D_W-1:0] less     = {low[OFF_W-1], low} - {high[OFF_W-1], high};
     wire signed [D_W-1:0] shorter  = low_less == low_rises ? {low_1, 1'b0} : {high_1, 1'b0};
-    wire signed [D_W-LOW-1:0] way_high = way_2[D_W-1:LOW];
+    wire signed [D_W-LOW-1:0] way_high = way_3[D_W-1:LOW];
     wire signed [P_W+7:0] wide_4   = {product, 8'd0};
     wire                  sign_4   = product[P_W-1];
     wire signed [17:0]    most     = {3'd0, speed_max};
     reg  signed [17:0]    least;
     wire signed [17:0]    bound    = sum > most ? most : sum < least ? least : sum;
 
-    assign turn = begun[9];
+    assign turn = begun[11];
 
     always @(posedge clk) begin
         down   <= {1'b0, leading} + {2'd0, gain} + 6'd23 - {1'b0, step_log2};
         factor <= {7'd0, inverse} << ~down[2:0];
 
-        begun      <= {begun[8:0], start};
+        begun      <= {begun[10:0], start};
         low_1      <= low;
         high_1     <= high;
         both_1     <= {low[OFF_W-1], low} + {high[OFF_W-1], high};
@@ -81,10 +81,15 @@ module motion_velocity #(
 
         way_2 <= !slower ? both_1 : low_rises != high_rises ? {D_W{1'b0}} : shorter;
 
-        product_low  <= way_2[LOW-1:0] * factor;
+        way_3 <= way_2;
+
+        product_low  <= way_3[LOW-1:0] * factor;
         product_high <= way_high * $signed({{(P_W - LOW - 14) {1'b0}}, factor});
 
-        product <= {product_high, {LOW{1'b0}}} + {{(P_W - LOW - 14) {1'b0}}, product_low};
+        low_5  <= product_low;
+        high_5 <= product_high;
+
+        product <= {high_5, {LOW{1'b0}}} + {{(P_W - LOW - 14) {1'b0}}, low_5};
 
         // Beyond 16 bits only the sign of a change counts: no velocity has more.
         part_5 <= down[5] ? {{(A_W + 24 - P_W) {sign_4}}, wide_4[P_W+7:32]} : wide_4[A_W-1:0];
@@ -101,7 +106,7 @@ module motion_velocity #(
         sum    <= {{2{v[15]}}, v} + {change[16], change};
         least  <= -most;
         v_next <= bound[15:0];
-        if (rst) begun <= 10'd0;
+        if (rst) begun <= 12'd0;
     end
 
     wire unused = &{1'b0, bound[17:16], less[D_W-2:0]};

@@ -64,7 +64,9 @@ module motion_waiting #(
     reg [SLOT_W:0]     tail, job, head;         // modulo twice the depth
     reg  [7:0]         put_event;
     reg                waits;                   // the entry that was read is one
-    wire [7:0]         later = issued + 8'd1;
+    wire [7:0]         later    = issued + 8'd1;
+    wire               is_now   = put_event == issued;
+    wire               is_later = put_event == later;
 
     assign empty     = head == tail;
     assign job_valid = job != tail;
@@ -83,7 +85,7 @@ module motion_waiting #(
         if (put_done) head <= head + {{SLOT_W{1'b0}}, 1'b1};
         {put_seed, put_slot, put_event} <= puts[head[SLOT_W-1:0]];
         waits   <= head != tail && !put_done;
-        reached <= waits && !put_done && put_event == (issues ? later : issued);
+        reached <= waits && !put_done && (issues ? is_later : is_now);
         if (rst) begin
             tail    <= {(SLOT_W + 1) {1'b0}};
             job     <= {(SLOT_W + 1) {1'b0}};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Box and window of a slot from its sides and its velocity: docs/motion.md, "Windows".
 //
-// Latency:    7 clocks from start to done; sides need stay for one, other inputs until then. Lengths must be there 2 clocks before start.
-//             3 clocks from the lengths to long_x and long_y.
+// Latency:    6 clocks from start to done; sides need stay for one, other inputs until then. Lengths must be there 2 clocks before start.
+//             2 clocks from the lengths to long_x and long_y.
 // Throughput: one at a time.
 // Stall:      box and window stay until the next start.
 // Reset:      done is low until the next start has come through.
@@ -41,13 +41,11 @@ module motion_window #(
     output reg  [4*PX_W-1:0]        window
 );
 
-    reg [5:0] step;  // one of them is high: the values of the step before are there
+    reg [4:0] step;  // one of them is high: the values of the step before are there
 
     reg signed [PX_W-1:0] low_x, high_x, low_y, high_y;
     reg [PX_W-1:0]   width, height;
-    reg [PX_W-1:0]   wide_length, high_length;  // beside the multipliers, as the next three
-    reg [3:0]        times;
-    reg [PX_W+3:0]   product_x, product_y;
+    reg [PX_W+3:0]   once_x, once_y, four_x, four_y;  // the lower and the upper two bits of elongation times a length
     reg              along_x, along_y;  // the direction of the motion
     reg [PX_W-1:0]   base_x, base_y;    // what a ring follows from
     reg [3:0]        shift_x, shift_y;
@@ -65,15 +63,14 @@ module motion_window #(
 
     // Of the pixel of a side, rounded to nearest, and of the length, which the inputs have.
     always @(posedge clk) begin
-        step  <= {step[4:0], start};
-        times       <= elongation;
-        wide_length <= length_x;
-        high_length <= length_y;
-        product_x   <= {4'd0, wide_length} * {{PX_W{1'b0}}, times};
-        product_y   <= {4'd0, high_length} * {{PX_W{1'b0}}, times};
-        long_x      <= product_x;
-        long_y      <= product_y;
-        done <= step[5];
+        step  <= {step[3:0], start};
+        once_x <= (elongation[0] ? {4'd0, length_x} : {(PX_W + 4) {1'b0}}) + (elongation[1] ? {3'd0, length_x, 1'b0} : {(PX_W + 4) {1'b0}});
+        once_y <= (elongation[0] ? {4'd0, length_y} : {(PX_W + 4) {1'b0}}) + (elongation[1] ? {3'd0, length_y, 1'b0} : {(PX_W + 4) {1'b0}});
+        four_x <= (elongation[2] ? {2'd0, length_x, 2'd0} : {(PX_W + 4) {1'b0}}) + (elongation[3] ? {1'd0, length_x, 3'd0} : {(PX_W + 4) {1'b0}});
+        four_y <= (elongation[2] ? {2'd0, length_y, 2'd0} : {(PX_W + 4) {1'b0}}) + (elongation[3] ? {1'd0, length_y, 3'd0} : {(PX_W + 4) {1'b0}});
+        long_x <= once_x + four_x;
+        long_y <= once_y + four_y;
+        done <= step[4];
         if (start) begin
             width  <= length_x;
             height <= length_y;
@@ -126,7 +123,7 @@ module motion_window #(
         if (step[4]) window <= {low_x - wide_x, high_x + wide_x, low_y - wide_y, high_y + wide_y};
 
         if (rst) begin
-            step <= 6'd0;
+            step <= 5'd0;
             done <= 1'b0;
         end
     end

@@ -119,7 +119,7 @@ module motion_work #(
     wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, this_slot;
-    wire [14:0]       speed_x, speed_y;
+    reg  [14:0]       speed_x, speed_y;
     wire [1:0]        since;
     wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
@@ -262,6 +262,8 @@ module motion_work #(
         read_sides   <= r_sides;
         read_marks   <= r_marks;
         read_support <= r_support;
+        speed_x      <= v_x[15] ? -v_x[14:0] : v_x[14:0];
+        speed_y      <= v_y[15] ? -v_y[14:0] : v_y[14:0];
         if (was_read) other_support <= read_support;
         if (rst) was_read <= 1'b0;
     end
@@ -283,8 +285,6 @@ module motion_work #(
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
 
     assign {v_y, v_x} = v;
-    assign speed_x    = v_x[15] ? -v_x[14:0] : v_x[14:0];
-    assign speed_y    = v_y[15] ? -v_y[14:0] : v_y[14:0];
     assign look_log2  = look_y ? o_log2[9:5] : o_log2[4:0];
 
     motion_sides #(

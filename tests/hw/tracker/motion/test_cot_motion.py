@@ -141,7 +141,7 @@ def test_clocks_between_corrections() -> None:
     registers = replace(
         QUICK, step_log2=20, nev_low=16, nev_high=16, gap_corrections=0, detect_ticks=2**20, life_ticks=2**20, coast_ticks=2**20
     )
-    for objects, most in ((1, 1.1), (2, 1.15), (4, 1.45)):
+    for objects, most in ((1, 1.1), (2, 1.15), (4, 1.4)):
         n = 4_000
         rng = np.random.default_rng(objects)
         place = rng.integers(0, objects, n) * 32

@@ -30,7 +30,8 @@ def test_random_events() -> None:
             io.slot_3, io.store, io.s_lo, io.s_hi = slot, 1, axis.lo % (1 << SIDE_W), axis.hi % (1 << SIDE_W)
             io.s_marks, io.s_hidden = 0, axis.hidden[0] + 2 * axis.hidden[1]
             sim.clock.tick()
-        io.store = 0
+            io.store = 0
+            sim.clock.tick()
         out, back = (int(way) for way in rng.integers(0, 60_000, 2))
         io.out, io.back = out, back
         slots = [int(slot) for slot in rng.integers(0, int(rng.integers(1, SLOTS + 1)), 12)]
@@ -39,9 +40,11 @@ def test_random_events() -> None:
             io.slot = slots[min(t, 11)]
             io.place, io.slot_2 = places[min(max(t - 1, 0), 11)], slots[min(max(t - 1, 0), 11)]
             io.forward = int(2 <= t <= 12 and slots[t - 1] == slots[t - 2])
+            io.recent = int(3 <= t <= 12 and slots[t - 1] == slots[t - 3])
             io.update, io.slot_3 = int(t >= 2), slots[max(t - 2, 0)]
             sim.clock.tick()
-        io.update = io.forward = 0
+        io.update = io.forward = io.recent = 0
+        sim.clock.tick()
         for slot, place in zip(slots, places, strict=True):
             axes[slot].measure(place * PX, out, back)
         for slot, axis in enumerate(axes):

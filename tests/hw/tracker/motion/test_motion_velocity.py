@@ -45,12 +45,12 @@ def test_random_corrections() -> None:
             offsets.append(offs)
             velocities.append(v)
             expected.append(max(-most, min(most, v + change)))
-        for clock in range(12):
+        for clock in range(14):
             io.start = clock == 0
             io.low, io.high = (off % (1 << OFF_W) for off in offsets[clock]) if clock < 2 else (0, 0)
-            io.v = velocities[clock - 8] % (1 << 16) if clock in (8, 9) else 0
-            if clock >= 10:
-                assert int(io.turn) == (clock == 10)
+            io.v = velocities[clock - 10] % (1 << 16) if clock in (10, 11) else 0
+            if clock >= 12:
+                assert int(io.turn) == (clock == 12)
                 found.append(signed(int(io.v_next), 16))
             sim.clock.tick()
         assert found == expected

@@ -56,7 +56,7 @@ def test_random_boxes() -> None:
         for _clock in range(2):
             sim.clock.tick()
         io.start = 1
-        for _clock in range(7):
+        for _clock in range(6):
             assert not int(io.done)
             sim.clock.tick()
             io.start = 0
