@@ -30,6 +30,7 @@ _NOT_INHERITED = (
     *("MAKEFLAGS", "MFLAGS", "GNUMAKEFLAGS", "MAKELEVEL", "MAKEFILES", "OBJCACHE", "OPT"),
     *("CFLAGS", "CPPFLAGS", "CXXFLAGS", "LDFLAGS", "LDLIBS", "LOADLIBES", "TARGET_ARCH"),
     *("VERILATOR_BIN", "VERILATOR_ROOT", "VERILATOR_TEST_FLAGS"),
+    "PYTEST_CURRENT_TEST",  # another one in each test: the tools would be asked again what they have answered
 )
 
 
