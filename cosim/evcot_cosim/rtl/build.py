@@ -282,7 +282,7 @@ def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
         (stage / "verilog").mkdir()
         for name, text in recipe.files.items():
             (stage / name).write_bytes(text)
-        request = {"executable": str(recipe.tools.executable), **recipe.request}
+        request = {"verilator": _verilator(recipe.tools), **recipe.request}
         (stage / "request.json").write_text(json.dumps(request, indent=1))
         _reuse_runtime(runtime, stage)
         log = stage / "build.log"
@@ -377,6 +377,12 @@ def _stage(parent: Path) -> Iterator[Path]:
         yield stage
     finally:
         shutil.rmtree(stage, ignore_errors=True)
+
+
+def _verilator(tools: Toolchain) -> list[str]:
+    """The command that Verilator's arguments follow; its launcher is a perl script, which not every system can start."""
+    launcher = tools.verilator == tools.executable or " " in str(tools.root)
+    return ["perl", str(tools.executable)] if launcher else [str(tools.verilator)]
 
 
 def _run_worker(stage: Path, log: Path, recipe: _Recipe) -> bool:
