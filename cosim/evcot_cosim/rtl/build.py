@@ -277,8 +277,10 @@ def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
         (root / folder).mkdir(parents=True, exist_ok=True)
     _sweep(root)
     runtime = root / "runtime" / recipe.runtime_key[:20]
+    # Who needs the runtime while another process compiles it waits: that is the longest part of all builds but the largest.
+    first = contextlib.nullcontext() if runtime.exists() else _alone(root, runtime.name)
     # make cannot work in a folder whose name has a space.
-    with _stage(Path(tempfile.gettempdir()) if " " in str(root) else root) as stage:
+    with first, _stage(Path(tempfile.gettempdir()) if " " in str(root) else root) as stage:
         (stage / "verilog").mkdir()
         for name, text in recipe.files.items():
             (stage / name).write_bytes(text)
