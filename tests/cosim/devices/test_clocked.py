@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from evcot_cosim.devices.clocked import Top, rtl, simulation
@@ -26,7 +28,7 @@ def test_outputs_are_those_before_the_edge_and_a_simulation_goes_on() -> None:
 
 
 def test_a_port_that_is_not_valid_is_read_as_zero() -> None:
-    never = Top(*FLIP_FLOP.__dict__.values(), valid_with=(("q", "q"),))  # valid only while it is 0
+    never = replace(FLIP_FLOP, valid_with=(("q", "q"),))  # valid only while it is 0
     assert not rtl(never, rows(VALUES))["q"].any()
 
 
