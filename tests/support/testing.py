@@ -80,7 +80,7 @@ def lint(top: str, **parameters: int) -> tuple[int, str]:
     tools = _tools()
     overrides = [f"-G{name}={value}" for name, value in parameters.items()]
     done = subprocess.run(
-        [str(tools.executable), "--lint-only", "-Wall", *search_flags(), *overrides, str(rtl_files()[f"{top}.v"])],
+        [str(tools.verilator), "--lint-only", "-Wall", *search_flags(), *overrides, str(rtl_files()[f"{top}.v"])],
         env=dict(tools.environment),
         capture_output=True,
         text=True,

@@ -86,7 +86,7 @@ module top_tb;
         begin
             @(posedge clk);
             waited = waited + 1;
-            if (waited > 100000) begin
+            if (waited > 20000) begin
                 $display("STUCK at %0d", at);
                 $finish;
             end

@@ -6,14 +6,9 @@ A story is a list of events, with clocks counted from the end of initialisation;
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
-from pyverilator import PyVerilator
 
 from evcot.hardware.published.model import (
     CASCADE_INPUT,
@@ -28,7 +23,7 @@ from evcot.hardware.published.model import (
     PublishedConfig,
 )
 
-from ..rtl.build import PORTS_ONLY_FLAGS, RANDOM_INITIAL_FLAGS, build
+from .clocked import Ports, Top, rtl
 
 __all__ = [
     "CASCADE",
@@ -36,73 +31,25 @@ __all__ = [
     "TRACKER",
     "VALID_WITH",
     "Event",
-    "Top",
     "at",
     "equal",
     "play",
     "quiet",
     "reset_cascade",
-    "rtl",
-    "simulation",
 ]
 
-Ports = NDArray[np.void]
 Event = tuple[int, int, int]  # clock, high, low
 
-
-@dataclass(frozen=True)
-class Top:
-    """One of the modules: its name, its parameters, and its ports at one clock."""
-
-    module: str
-    parameters: tuple[tuple[str, int], ...]
-    given: np.dtype[np.void]
-    read: np.dtype[np.void]
-
-
-TRACKER = Top("cot_published", (), TRACKER_INPUT, TRACKER_OUTPUT)
-CASCADE = Top("cot_published_chain", (("LIBRARY_LINE", 0),), CASCADE_INPUT, CASCADE_OUTPUT)
-LIBRARY = Top("cot_published_chain", (("LIBRARY_LINE", 1),), CASCADE_INPUT, CASCADE_OUTPUT)
 
 # Ports that are valid only while their request is low.
 VALID_WITH = {"m_word": "m_req_n"} | {
     f"m_{port}_{line}": f"m_{port}_req_n" for port in ("pass", "event", "centre") for line in ("high", "low")
 }
+_VALID_WITH = tuple(VALID_WITH.items())
 
-
-@cache
-def simulation(top: Top, initial_seed: int = 0) -> PyVerilator:
-    """The compiled module with a C++ loop that plays one row of port values per clock.
-
-    Args:
-        initial_seed: of the values that registers have before the first reset; 0: zeros.
-    """
-    given, read, model = top.given, top.read, f"V{top.module}"
-    sets = gets = ""
-    for name, (kind, offset, *_) in (given.fields or {}).items():
-        sets += f"{{ uint32_t v = 0; memcpy(&v, in + {offset}, {kind.itemsize}); top->{name} = v; }}"
-    for name, (kind, offset, *_) in (read.fields or {}).items():
-        value = f"top->{VALID_WITH[name]} ? 0 : top->{name}" if name in VALID_WITH else f"top->{name}"
-        gets += f"{{ uint32_t v = {value}; memcpy(out + {offset}, &v, {kind.itemsize}); }}"
-    drive = f"""#include <cstring>
-#include "{model}.h"
-extern "C" void evcot_clocks({model}* top, int64_t n, const uint8_t* in, uint8_t* out) {{
-    for (; n; --n, in += {given.itemsize}, out += {read.itemsize}) {{
-        top->clk = 0; {sets} top->eval(); {gets} top->clk = 1; top->eval();
-    }}
-}}
-"""
-    flags = (*PORTS_ONLY_FLAGS, *(RANDOM_INITIAL_FLAGS if initial_seed else ()))
-    return build(top.module, dict(top.parameters), {"clocks.cpp": drive}, extra_flags=flags).load(initial_seed)
-
-
-def rtl(top: Top, inputs: Ports, sim: PyVerilator | None = None) -> Ports:
-    """The hardware's output ports just before each clock edge, in a `simulation` that goes on from call to call."""
-    sim = sim or simulation(top)
-    inputs, outputs = np.ascontiguousarray(inputs), np.zeros(len(inputs), top.read)
-    pointers = (ctypes.c_void_p(array.ctypes.data) for array in (inputs, outputs))
-    sim.lib.evcot_clocks(ctypes.c_void_p(sim.model), ctypes.c_int64(len(inputs)), *pointers)
-    return outputs
+TRACKER = Top("cot_published", (), TRACKER_INPUT, TRACKER_OUTPUT, _VALID_WITH)
+CASCADE = Top("cot_published_chain", (("LIBRARY_LINE", 0),), CASCADE_INPUT, CASCADE_OUTPUT, _VALID_WITH)
+LIBRARY = Top("cot_published_chain", (("LIBRARY_LINE", 1),), CASCADE_INPUT, CASCADE_OUTPUT, _VALID_WITH)
 
 
 def quiet(top: Top, n: int) -> Ports:

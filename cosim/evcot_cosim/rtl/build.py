@@ -277,12 +277,14 @@ def _build_to(shared_object: Path, root: Path, recipe: _Recipe) -> None:
         (root / folder).mkdir(parents=True, exist_ok=True)
     _sweep(root)
     runtime = root / "runtime" / recipe.runtime_key[:20]
+    # Who needs the runtime while another process compiles it waits: that is the longest part of all builds but the largest.
+    first = contextlib.nullcontext() if runtime.exists() else _alone(root, runtime.name)
     # make cannot work in a folder whose name has a space.
-    with _stage(Path(tempfile.gettempdir()) if " " in str(root) else root) as stage:
+    with first, _stage(Path(tempfile.gettempdir()) if " " in str(root) else root) as stage:
         (stage / "verilog").mkdir()
         for name, text in recipe.files.items():
             (stage / name).write_bytes(text)
-        request = {"executable": str(recipe.tools.executable), **recipe.request}
+        request = {"verilator": _verilator(recipe.tools), **recipe.request}
         (stage / "request.json").write_text(json.dumps(request, indent=1))
         _reuse_runtime(runtime, stage)
         log = stage / "build.log"
@@ -377,6 +379,12 @@ def _stage(parent: Path) -> Iterator[Path]:
         yield stage
     finally:
         shutil.rmtree(stage, ignore_errors=True)
+
+
+def _verilator(tools: Toolchain) -> list[str]:
+    """The command that Verilator's arguments follow; its launcher is a perl script, which not every system can start."""
+    launcher = tools.verilator == tools.executable or " " in str(tools.root)
+    return ["perl", str(tools.executable)] if launcher else [str(tools.verilator)]
 
 
 def _run_worker(stage: Path, log: Path, recipe: _Recipe) -> bool:

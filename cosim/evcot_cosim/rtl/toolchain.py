@@ -30,6 +30,7 @@ _NOT_INHERITED = (
     *("MAKEFLAGS", "MFLAGS", "GNUMAKEFLAGS", "MAKELEVEL", "MAKEFILES", "OBJCACHE", "OPT"),
     *("CFLAGS", "CPPFLAGS", "CXXFLAGS", "LDFLAGS", "LDLIBS", "LOADLIBES", "TARGET_ARCH"),
     *("VERILATOR_BIN", "VERILATOR_ROOT", "VERILATOR_TEST_FLAGS"),
+    "PYTEST_CURRENT_TEST",  # another one in each test: the tools would be asked again what they have answered
 )
 
 
@@ -52,6 +53,11 @@ class Toolchain:
     optimisation: str
     target: str = field(repr=False)
     environment: Mapping[str, str] = field(repr=False, compare=False)
+
+    @property
+    def verilator(self) -> Path:
+        """The program that the launcher, a perl script, would start; the launcher, if that has to find files for it."""
+        return _binary_of(self.executable) if "VERILATOR_ROOT" in self.environment else self.executable
 
     @property
     def compiler_is_clang(self) -> bool:
@@ -111,9 +117,7 @@ def _find_verilator(env: Mapping[str, str], bare: Mapping[str, str]) -> tuple[Pa
 
 def _probe(executable: Path, bare: Mapping[str, str], origin: str) -> tuple[Path, str, Path]:
     """Query the version of a Verilator and the folder of its runtime."""
-    # The launcher is a perl script, ten times as slow as the binary beside it.
-    binary = executable.resolve().with_name("verilator_bin")
-    asked = str(binary if binary.is_file() else executable)
+    asked = str(_binary_of(executable))
     answer = _first_line([asked, "--version"], bare)
     prefix = executable.resolve().parents[1]
     configured = _first_line([asked, "--getenv", "VERILATOR_ROOT"], bare) or prefix
@@ -142,6 +146,12 @@ def _optimisation(compiler: tuple[str, ...], chosen: str | None, env: tuple[tupl
         if done is not None:
             return options, done.stderr
     return wanted[-1], ""
+
+
+def _binary_of(launcher: Path) -> Path:
+    """The program beside the launcher, whose perl takes 40 ms; the launcher itself, if there is none."""
+    binary = launcher.resolve().with_name("verilator_bin")
+    return binary if binary.is_file() else launcher
 
 
 def _make_flags(compiler: tuple[str, ...], optimisation: str) -> str:

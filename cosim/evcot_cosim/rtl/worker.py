@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Child process of a build: reads `request.json` in the current folder and builds the model there with pyverilator.
 
-It is a separate process because pyverilator and its tools print, and because the two patches below must not affect the
+It is a separate process because pyverilator and its tools print, and because the patches below must not affect the
 caller's interpreter. It imports nothing from evcot, so that its behaviour depends on this file alone.
 """
 
@@ -13,16 +13,22 @@ import subprocess
 import sys
 from pathlib import Path
 
-from pyverilator import PyVerilator, verilatorcpp
+from pyverilator import PyVerilator, pyverilator, verilatorcpp
 
 
 def main() -> int:
     """Build as requested; the exit code is 0 if the shared object was built and loaded."""
     request = json.loads(Path("request.json").read_text())
-    # pyverilator looks up the simulator by its usual name and reads a version number that some builds do not print.
-    # Every Verilator that evcot accepts has the flush call that pyverilator tests for.
-    shutil.which = lambda *_args, **_kwargs: request["executable"]
+    # pyverilator looks up the simulator by its usual name, starts it with perl, which drops empty arguments, and reads a
+    # version number, which some builds do not print. It tests for a flush call, which every Verilator that evcot accepts has.
+    shutil.which = lambda *_args, **_kwargs: request["verilator"][-1]
     verilatorcpp.verilator_flushcall_ok = lambda: True
+
+    def call(command: list[str], quiet: bool = False) -> None:
+        own = [*request["verilator"], *filter(None, command[2:])] if command[0] == "perl" else command
+        subprocess.run(own, check=True, capture_output=quiet)
+
+    pyverilator.call_process = call
     try:
         PyVerilator.build(
             request["top_file"],

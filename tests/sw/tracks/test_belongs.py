@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 from evcot.digest import EventsDigest, digest
 from evcot.errors import TrackLogError
-from evcot.events import Events
+from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.scenes.registry import simulate_scene
 from evcot.trackers.engines import ENGINES
@@ -19,7 +20,10 @@ from evcot.tracks.belongs import Extent, check_belongs
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.tracking import log_of
 
-SCENE = simulate_scene("discs", 3, {"duration_us": 100_000}).recording
+
+@cache
+def scene() -> Recording:
+    return simulate_scene("discs", 3, {"duration_us": 100_000}).recording
 
 
 def make_events(count: int, first_us: int = 100) -> Events:
@@ -76,7 +80,7 @@ def test_a_digest_tells_apart_what_looks_alike() -> None:
 
 
 def test_a_digest_does_not_depend_on_where_blocks_are_cut_but_on_every_column() -> None:
-    events, summary = SCENE.events, EventsDigest()
+    events, summary = scene().events, EventsDigest()
     for begin in range(0, len(events), 1_013):
         summary.add(events[begin : begin + 1_013])
     assert summary.hex() == digest(events)
@@ -99,9 +103,9 @@ def test_every_engines_log_belongs(engine: str) -> None:
     """No record has a time after the recording's end, wherever the recording is cut."""
     kind = ENGINES[engine]
     preset = "discs" if "discs" in kind.presets else next(iter(kind.presets))
-    for count in (1, 997, len(SCENE.events) // 2, len(SCENE.events)):
-        events = SCENE.events[:count]
-        tracker = kind.start(kind.presets[preset], FilterConfig(), (SCENE.width, SCENE.height))
+    for count in (1, 997, len(scene().events) // 2, len(scene().events)):
+        events = scene().events[:count]
+        tracker = kind.start(kind.presets[preset], FilterConfig(), (scene().width, scene().height))
         log = log_of(engine, tracker, [events])
         check_belongs(log, Extent.of([events]))
     assert len(log.of_kind(Kind.MOVED)) > 0

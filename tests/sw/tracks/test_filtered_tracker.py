@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from evcot.events import Events
+from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.filters.run import apply, filtered
 from evcot.scenes.registry import simulate_scene
@@ -24,7 +25,6 @@ from evcot.tracks.tracking import FilteredTracker, TrackerOutput, log_of
 
 SENSOR = (346, 260)
 FILTERS = FilterConfig(activity_us=3_000)
-SCENE = simulate_scene("discs", 3, {"duration_us": 150_000, "noise_hz": 5.0}).recording
 # Settings of each engine with which noise is never an object.
 QUIET: dict[str, Any] = {
     "rct": RctConfig(visible_events=10_000),
@@ -35,15 +35,20 @@ QUIET: dict[str, Any] = {
 RCT = RctConfig(visible_events=40, lifetime_us=20_000)
 
 
+@cache
+def scene() -> Recording:
+    return simulate_scene("discs", 3, {"duration_us": 150_000, "noise_hz": 5.0}).recording
+
+
 def behind(size: int) -> TrackLog:
     """The scene, in runs of `size` events."""
     tracker = FilteredTracker(filtered((), FILTERS, SENSOR).keep, RctTracker(RCT))
-    events = SCENE.events
+    events = scene().events
     return log_of("rct", tracker, (events[begin : begin + size] for begin in range(0, len(events), size)))
 
 
 def test_tracks_are_those_of_the_events_that_stay() -> None:
-    kept, keep = apply(SCENE, FILTERS)
+    kept, keep = apply(scene(), FILTERS)
     alone, log = log_of("rct", RctTracker(RCT), [kept.events]), behind(len(keep))
     assert 0 < np.count_nonzero(keep) < len(keep)
     assert len(alone.of_kind(Kind.BORN)) >= 4
@@ -58,7 +63,7 @@ def test_tracks_are_those_of_the_events_that_stay() -> None:
 
 @pytest.mark.parametrize("size", [1_000, 20_011])
 def test_where_runs_are_cut_changes_nothing(size: int) -> None:
-    whole, cut = behind(len(SCENE.events)), behind(size)
+    whole, cut = behind(len(scene().events)), behind(size)
     assert np.array_equal(whole.records, cut.records)
     assert np.array_equal(whole.owner, cut.owner)
 
@@ -76,7 +81,7 @@ def test_no_record_is_of_a_settled_event_and_packets_settle(engine: str) -> None
     kind = ENGINES[engine]
     preset = kind.presets["discs"] if "discs" in kind.presets else next(iter(kind.presets.values()))
     tracker = kind.start(preset, FilterConfig(), SENSOR)
-    events, records = SCENE.events[:60_000], 0
+    events, records = scene().events[:60_000], 0
     for begin in range(0, len(events), 499):
         settled = tracker.settled
         told, _ = tracker.feed(events[begin : begin + 499])

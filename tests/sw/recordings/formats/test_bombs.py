@@ -15,6 +15,7 @@ import sys
 import zipfile
 import zlib
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import h5py
@@ -315,6 +316,7 @@ def test_an_aedat3_header_of_megabytes_is_refused(tmp_path: Path) -> None:
 # HDF5 and MATLAB.
 
 
+@cache
 def deflated_zeros(count: int) -> bytes:
     packer = zlib.compressobj()
     return b"".join(packer.compress(bytes(1 << 24)) for _ in range(count >> 24)) + packer.flush()

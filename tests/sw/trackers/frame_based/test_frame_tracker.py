@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +13,17 @@ import pytest
 from evcot.errors import RecordingError
 from evcot.events import Events, Recording
 from evcot.metrics import evaluate, load_rule, read_truth
-from evcot.scenes import simulate_scene
+from evcot.scenes import Scene, simulate_scene
 from evcot.trackers.frame_based.presets import PRESETS
 from evcot.trackers.frame_based.tracker import FrameTracker, track
 from evcot.tracks.log import DROPPED, Kind
 
-SCENE = simulate_scene("discs", 5, {"count": 3, "ways": "separate", "duration_us": 600_000})
 CONFIG = PRESETS["discs"]
+
+
+@cache
+def scene() -> Scene:
+    return simulate_scene("discs", 5, {"count": 3, "ways": "separate", "duration_us": 600_000})
 
 
 def cut(events: Events, cuts: list[int]) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]
@@ -29,18 +34,18 @@ def cut(events: Events, cuts: list[int]) -> tuple[np.ndarray, np.ndarray]:  # ty
 
 
 def test_where_the_stream_is_cut_changes_nothing() -> None:
-    log, n = track(SCENE.recording, CONFIG), len(SCENE.recording.events)
+    log, n = track(scene().recording, CONFIG), len(scene().recording.events)
     assert np.bincount(log.records["kind"])[Kind.MOVED] > 100
     assert (log.owner >= 0).mean() > 0.5
     random = np.random.default_rng(2)
     for cuts in ([n], [0, n // 2, n // 2], sorted(random.integers(0, n, 300).tolist()), list(range(1, 3_000))):
-        records, owner = cut(SCENE.recording.events, cuts)
+        records, owner = cut(scene().recording.events, cuts)
         np.testing.assert_array_equal(records, log.records)
         np.testing.assert_array_equal(owner, log.owner)
 
 
 def test_a_caller_may_fill_its_arrays_anew() -> None:
-    events, tracker, parts = SCENE.recording.events, FrameTracker(CONFIG), []
+    events, tracker, parts = scene().recording.events, FrameTracker(CONFIG), []
     room, n = Events.allocated(50), 200
     for begin in range(0, 50 * n, 50):
         for field in ("t_us", "x", "y", "p"):
@@ -52,7 +57,7 @@ def test_a_caller_may_fill_its_arrays_anew() -> None:
 
 
 def test_the_log_is_in_order_and_its_events_are_there() -> None:
-    log, events = track(SCENE.recording, CONFIG), SCENE.recording.events
+    log, events = track(scene().recording, CONFIG), scene().recording.events
     assert (np.diff(log.records["t_us"]) >= 0).all()
     assert (np.diff(log.records["event_index"]) >= 0).all()
     caused = log.records[log.records["kind"] != Kind.LOST]
@@ -61,7 +66,7 @@ def test_the_log_is_in_order_and_its_events_are_there() -> None:
 
 def test_a_loss_is_stamped_with_its_time_and_the_next_event() -> None:
     """In the upper part of the picture everything ends at 0.3 s."""
-    events = SCENE.recording.events
+    events = scene().recording.events
     events = events.where((events.t_us < 300_000) | (events.y > 170))
     log = track(Recording(events, 346, 260), CONFIG)
     lost = log.of_kind(Kind.LOST)
@@ -73,16 +78,16 @@ def test_a_loss_is_stamped_with_its_time_and_the_next_event() -> None:
 
 
 def test_shifting_the_recording_in_time_shifts_the_log() -> None:
-    events = SCENE.recording.events
+    events = scene().recording.events
     later = Events(events.t_us + 1_718_925_184_590_631, events.x, events.y, events.p)
-    log = track(SCENE.recording, CONFIG)
+    log = track(scene().recording, CONFIG)
     shifted = track(Recording(later, 346, 260), CONFIG).records.copy()
     shifted["t_us"] -= 1_718_925_184_590_631
     np.testing.assert_array_equal(shifted, log.records)
 
 
 def test_filtered_events_are_numbered_as_in_the_recording() -> None:
-    recording, keep = SCENE.recording, np.arange(len(SCENE.recording.events)) % 3 > 0
+    recording, keep = scene().recording, np.arange(len(scene().recording.events)) % 3 > 0
     kept = Recording(recording.events.where(keep), recording.width, recording.height)
     log, alone = track(recording, CONFIG, keep), track(kept, CONFIG)
     assert (log.owner[~keep] == DROPPED).all()
@@ -92,9 +97,9 @@ def test_filtered_events_are_numbered_as_in_the_recording() -> None:
 
 
 def test_a_track_per_disc_near_its_disc(tmp_path: Path) -> None:
-    SCENE.truth.save(tmp_path / "truth.csv")
+    scene().truth.save(tmp_path / "truth.csv")
     rule = load_rule("scene")
-    scores = evaluate(track(SCENE.recording, CONFIG), read_truth(tmp_path / "truth.csv", rule), rule)
+    scores = evaluate(track(scene().recording, CONFIG), read_truth(tmp_path / "truth.csv", rule), rule)
     assert scores.track_ids == 3
     assert scores.idsw == 0
     assert scores.position_error_px_median is not None

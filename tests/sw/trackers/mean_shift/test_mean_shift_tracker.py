@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,21 +16,25 @@ from evcot.filters.hot_pixels import learn_hot_pixels
 from evcot.filters.run import apply
 from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.recordings.files import read_recording
-from evcot.scenes import simulate_scene
+from evcot.scenes import Scene, simulate_scene
 from evcot.trackers.mean_shift.config import MeanShiftConfig
 from evcot.trackers.mean_shift.presets import PRESETS
 from evcot.trackers.mean_shift.tracker import MeanShiftTracker, track
 from evcot.tracks.log import Kind
 from shared import SHARED
 
-SCENE = simulate_scene("discs", 5, {"count": 4, "ways": "separate", "duration_us": 600_000})
 EVENTS, FRAMES = PRESETS["discs"], PRESETS["discs-frames"]
 both = pytest.mark.parametrize("config", [EVENTS, FRAMES], ids=["events", "frames"])
 
 
+@cache
+def scene() -> Scene:
+    return simulate_scene("discs", 5, {"count": 4, "ways": "separate", "duration_us": 600_000})
+
+
 @both
 def test_where_the_stream_is_cut_changes_nothing(config: MeanShiftConfig) -> None:
-    events, log = SCENE.recording.events, track(SCENE.recording, config)
+    events, log = scene().recording.events, track(scene().recording, config)
     assert np.bincount(log.records["kind"])[Kind.MOVED] > 100
     random = np.random.default_rng(2)
     for cuts in ([0, 7, 7], sorted(random.integers(0, len(events), 300).tolist()), list(range(1, 2_000))):
@@ -41,18 +46,18 @@ def test_where_the_stream_is_cut_changes_nothing(config: MeanShiftConfig) -> Non
 
 @both
 def test_shifting_the_recording_in_time_shifts_the_log(config: MeanShiftConfig) -> None:
-    events = SCENE.recording.events
+    events = scene().recording.events
     later = Events(events.t_us + 1_718_925_184_590_631, events.x, events.y, events.p)
     shifted = track(Recording(later, 346, 260), config).records.copy()
     shifted["t_us"] -= 1_718_925_184_590_631
-    np.testing.assert_array_equal(shifted, track(SCENE.recording, config).records)
+    np.testing.assert_array_equal(shifted, track(scene().recording, config).records)
 
 
 @both
 def test_a_track_per_disc_near_its_disc(config: MeanShiftConfig, tmp_path: Path) -> None:
-    SCENE.truth.save(tmp_path / "truth.csv")
+    scene().truth.save(tmp_path / "truth.csv")
     rule = load_rule("scene")
-    log = track(SCENE.recording, config)
+    log = track(scene().recording, config)
     scores = evaluate(log, read_truth(tmp_path / "truth.csv", rule), rule)
     assert log.engine == "mean-shift"
     assert (scores.track_ids, scores.idsw) == (4, 0)
@@ -66,7 +71,7 @@ def test_a_track_per_disc_near_its_disc(config: MeanShiftConfig, tmp_path: Path)
 
 
 def test_it_counts_what_it_does() -> None:
-    events, tracker = SCENE.recording.events[:3_050], MeanShiftTracker(replace(EVENTS, packet_us=10**9, packet_events=300))
+    events, tracker = scene().recording.events[:3_050], MeanShiftTracker(replace(EVENTS, packet_us=10**9, packet_events=300))
     tracker.feed(events)
     assert (tracker.packets, tracker.cost.points) == (10, 3_000)
     assert tracker.cost.shifts > tracker.cost.iterations > 10
