@@ -76,7 +76,7 @@ class LogParts:
 
         What is drawn has one record of every track alive before, its newest state at the time of the part's first record.
         """
-        records, owner = [self._records], [self._owner]
+        records, owner, past = [self._past, self._records], [self._owner], len(self._past)
         have = len(self._owner)
         while have < n or last:
             run = next(self._runs, None)
@@ -88,13 +88,18 @@ class LogParts:
         every, owners = np.concatenate(records), np.concatenate(owner)
         del records, owner  # each is some megabytes, and so are those below
         end = self._done + n
-        count = len(every) if last else int(np.searchsorted(np.maximum.accumulate(every["event_index"]), end))
-        past, taken = len(self._past), owners[:n].copy()
-        whole = TrackLog(self._engine, np.concatenate((self._past, every[:count])), taken)
+        event = every["event_index"][past:]
+        count = len(event) if last else int(np.searchsorted(np.maximum.accumulate(event), end))
+        taken = owners[:n].copy()
+        whole = TrackLog(self._engine, every[: past + count], taken)
         own = whole.records[past:]
         own["event_index"] -= self._done
-        self._records, self._owner, self._done = every[count:].copy(), owners[n:].copy(), end  # not views, which would keep all
-        del every, owners
+        self._records, self._owner, self._done = (
+            every[past + count :].copy(),
+            owners[n:].copy(),
+            end,
+        )  # no views
+        del owners
         shown = TrackLog(self._engine, np.concatenate((self._newest(own), own)), taken)
         np.clip(shown.records["event_index"], 0, n, out=shown.records["event_index"])
         self._past = _past(whole)
