@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from evcot.compiling import compiled_aside
 from evcot.digest import EventsDigest
 from evcot.errors import RecordingError
 from evcot.events import Events
@@ -119,7 +120,7 @@ def run_long(
             for chunk in _whole_chunks(rest_of(source.blocks(file), made_of, at, state.get("digest", ""))):
                 if begin_us is None:
                     begin_us = int(chunk.t_us[0])
-                    compile_kernels(chunk[:1], sensor, config)
+                    compiled_aside(compile_kernels, chunk[:1], sensor, config)
                 first, end_us = lockstep.events, int(chunk.t_us[-1])
                 made_of.add(chunk)
                 try:

@@ -21,6 +21,7 @@ from evcot.metrics.quality import Quality
 from evcot.outputs import written_aside
 from evcot.trackers.config import RunConfig
 from evcot.tracks.compare import Comparison
+from evcot.tracks.life_lengths import life_lengths
 from evcot.tracks.log import DROPPED, Kind, TrackLog
 from evcot.tracks.timeline import lifetimes
 
@@ -71,7 +72,7 @@ def summarise(run: CosimRun, command: str) -> dict[str, Any]:
         "slots": run.config.cot.shape.n_slots,
         "births": {log.engine: len(log.of_kind(Kind.BORN)) for log in logs},
         "merges": {log.engine: len(log.of_kind(Kind.MERGED)) for log in logs},
-        "lifetimes": {log.engine: _lifetimes(log, end_us) for log in logs},
+        "lifetimes": {log.engine: life_lengths(lifetimes(log, end_us)) for log in logs},
         "agreement": run.agreement.to_dict(),
         "sensor": {"width": recording.width, "height": recording.height},
         "hardware": run.top,
@@ -92,7 +93,6 @@ def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Q
     """
     tallies = {"cot-rtl": run.hardware_tally, run.config.software: run.software_tally}
     recording_s = (run.end_us - run.begin_us) / 1e6
-    lives = dict(zip(tallies, comparison.lives, strict=True))
     summary = {
         "name": run.name,
         "exact": True,  # every chunk was compared
@@ -112,7 +112,7 @@ def summarise_long(run: LongRun, comparison: Comparison, figures: Mapping[str, Q
         "slots": run.config.cot.shape.n_slots,
         "births": {name: tally.kinds[Kind.BORN] for name, tally in tallies.items()},
         "merges": {name: tally.kinds[Kind.MERGED] for name, tally in tallies.items()},
-        "lifetimes": {name: _lengths(own) for name, own in lives.items()},
+        "lifetimes": {name: life_lengths(own) for name, own in zip(tallies, comparison.lives, strict=True)},
         "agreement": comparison.agreement().to_dict(),
         "sensor": {"width": run.sensor[0], "height": run.sensor[1]},
         "hardware": run.top,
@@ -168,24 +168,12 @@ def _latency(counts: NDArray[np.int64]) -> dict[str, Any]:
     }
 
 
-def _lifetimes(log: TrackLog, end_us: int) -> dict[str, Any]:
-    return _lengths(lifetimes(log, end_us))
-
-
-def _lengths(lives: NDArray[np.void]) -> dict[str, Any]:
-    lengths_s = (lives["end_us"] - lives["birth_us"]) / 1e6
-    return {
-        "tracks": len(lives),
-        "lost": int((lives["ended"] == Kind.LOST).sum()),
-        "median_s": float(np.median(lengths_s)) if len(lives) else None,
-        "longest_s": float(lengths_s.max()) if len(lives) else None,
-    }
-
-
 def write_summary(summary: dict[str, Any], path: Path) -> None:
     """Write the summary as JSON; NaN and infinity are refused."""
     with written_aside(path) as file:
-        file.write((json.dumps(summary, indent=2, allow_nan=False) + "\n").encode())
+        for text in json.JSONEncoder(indent=2, allow_nan=False).iterencode(summary):
+            file.write(text.encode())
+        file.write(b"\n")
 
 
 def read_summary(path: Path) -> dict[str, Any]:
@@ -202,6 +190,10 @@ def read_summary(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: is not JSON: {error}") from error
     if not isinstance(summary, dict):
         raise ConfigError(f"{path}: must hold an object, as `evcot cosim` writes it")
+    agreement = summary.get("agreement")
+    if isinstance(agreement, dict):  # evcot 0.1.0 did not count the pairs that it listed
+        for name in ("tracks", "merges"):
+            agreement.setdefault(f"{name}_paired", len(agreement.get(name, ())))
     return summary
 
 
@@ -220,10 +212,10 @@ def table(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("software rate", f"{summary['software_events_per_s'] / 1e6:.1f} M events/s"),
         ("", "hardware | software"),
         ("births", f"{summary['births'][hardware]} | {summary['births'][software]}"),
-        ("merges", f"{summary['merges'][hardware]} | {summary['merges'][software]}, {len(agreement['merges'])} the same"),
+        ("merges", f"{summary['merges'][hardware]} | {summary['merges'][software]}, {agreement['merges_paired']} the same"),
         (
             "lifetimes",
-            f"{agreement['tracks_hardware']} | {agreement['tracks_software']}, {len(agreement['tracks'])} paired, "
+            f"{agreement['tracks_hardware']} | {agreement['tracks_software']}, {agreement['tracks_paired']} paired, "
             f"{agreement['tracks_corresponding']} with the same birth and end",
         ),
         (

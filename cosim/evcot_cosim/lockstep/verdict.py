@@ -196,7 +196,7 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
         return [Line("agreement", "", Grade.POOR, "hardware or software has no track to compare")]
     worse = min(shares)
     grade = Grade(2 - (worse >= _PAIRED[1]) - (worse >= _PAIRED[0]))
-    same = len(found["merges"])
+    same = found["merges_paired"]
     text = (
         f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, and "
         f"software tracks a hardware track for {_percent(shares[1])}; of {found['merges_hardware']:,} merges in hardware and "

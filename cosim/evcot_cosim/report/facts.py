@@ -85,8 +85,8 @@ def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]
         return []
     return [
         ("Lifetimes", f"{a['tracks_hardware']:,}", f"{a['tracks_software']:,}",
-         f"{len(a['tracks']):,} paired, {a['tracks_corresponding']:,} of them with the same birth and end"),
-        ("Merges", f"{a['merges_hardware']:,}", f"{a['merges_software']:,}", f"{len(a['merges']):,} seen by both"),
+         f"{a['tracks_paired']:,} paired, {a['tracks_corresponding']:,} of them with the same birth and end"),
+        ("Merges", f"{a['merges_hardware']:,}", f"{a['merges_software']:,}", f"{a['merges_paired']:,} seen by both"),
         ("Clusters alive, mean", figure(a["alive_mean_hardware"]), figure(a["alive_mean_software"]),
          f"the same number {percent(a['alive_equal_fraction'])} of the time"),
         ("Time with a partner", percent(a["paired_fraction_hardware"]), percent(a["paired_fraction_software"]),

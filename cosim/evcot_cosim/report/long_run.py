@@ -2,13 +2,14 @@
 """Output folder of a run of any length: logs, summary, an overview, and a page for each part of the recording.
 
 The events are read a second time, in parts, beside the logs, while another thread writes those; memory holds one part, and what
-`Comparison` holds.
+`Comparison` holds. The summary counts all pairs and differences of hardware and software, and lists the first `_LISTED`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from contextvars import copy_context
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,7 @@ from .part_pages import LongLog, LongRecording, write_parts
 
 __all__ = ["write_long_run"]
 
+_LISTED = 1_000  # pairs of tracks, and others
 _WAVES_EVENTS = 400  # around the first birth
 
 
@@ -45,6 +47,7 @@ def write_long_run(
     made_of: RunFile,
     head: Recording,
     *,
+    scratch: Path,
     command: str,
     waves: bool = True,
     progress: Callable[[int], None] | None = None,
@@ -52,6 +55,7 @@ def write_long_run(
     """Write run.toml, summary.json, both logs, the overview, a page for each part, and a waveform; returns the summary.
 
     Args:
+        scratch: a folder for files that the caller removes.
         head: the first events; a waveform is written if the first birth is among them.
         progress: called with the number of events done.
 
@@ -60,9 +64,14 @@ def write_long_run(
         RecordingError: the recording cannot be read a second time.
     """
     give_back()
-    with folder_written_aside(folder) as aside, ThreadPoolExecutor(1) as second:
+    with (
+        closing(
+            Comparison(run.begin_us, run.end_us, radius_px=near_px(run.config), folder=scratch, most=_LISTED)
+        ) as comparison,
+        folder_written_aside(folder) as aside,
+        ThreadPoolExecutor(1) as second,
+    ):
         logs = second.submit(copy_context().run, _save_logs, run, aside)
-        comparison = Comparison(run.begin_us, run.end_us, radius_px=near_px(run.config))
         sides = {
             name: LongLog(log.engine, runs_of(log)) for name, log in (("hardware", run.hardware), ("software", run.software))
         }

@@ -118,6 +118,7 @@ def write_parts(
             **{f"births_{name}": len(log.of_kind(Kind.BORN)) for name, log in whole.items()},
             **_alive(whole, times_us, comparison, last=last),
         }
+        del whole  # it takes some megabytes
         verdict = verdict_by({name: quality_of(log, events, alone) for name, log in shown.items()}, {}).to_dict()
         title = f"{recording.name}, {part['from_us'] / 1e6:.3f} s to {part['to_us'] / 1e6:.3f} s"
         summary = {"name": title, "verdict": verdict, **about}
@@ -126,7 +127,7 @@ def write_parts(
         write_report(material, folder / part["page"], events_max=_DRAWN)
         parts.append(part | {"grade": verdict["grade"]})
         since_us = until_us
-        del events, alone, whole, shown, sides, material  # before the next ones are made
+        del events, alone, shown, sides, material  # before the next ones are made
         give_back()
         if progress is not None:
             progress(done)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of one type in a scratch file: appended in packed blocks, read in parts, and cut back to a checkpoint."""
+"""Values of one type that are appended and read in parts: in memory, or in a scratch file that is cut back to a checkpoint."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 
 from ..errors import OutputError
 
-__all__ = ["Column", "PackedColumn"]
+__all__ = ["Column", "GrowingColumn", "HeldColumn", "PackedColumn", "in_runs"]
 
 _BLOCK_BYTES = 1 << 20  # of values before they are packed
 _HEADER = struct.Struct("<II")  # values of a block, bytes that follow
+_RUN = 1 << 14  # values
 _LEVEL = 1  # of zlib: higher ones take much longer and save a tenth
 
 
@@ -31,6 +32,41 @@ class Column(Protocol):
     def __len__(self) -> int: ...
 
     def __getitem__(self, part: slice, /) -> NDArray[Any]: ...
+
+
+class GrowingColumn(Column, Protocol):
+    """A column to which values are added at the end."""
+
+    def append(self, values: NDArray[Any], /) -> None: ...
+
+
+def in_runs(values: Column, size: int = _RUN) -> Iterator[tuple[int, NDArray[Any]]]:
+    """The number of its first value, and the run, for each run of `size` values."""
+    for begin in range(0, len(values), size):
+        yield begin, values[begin : begin + size]
+
+
+class HeldColumn:
+    """Values of one type in memory.
+
+    Args:
+        dtype: of a value.
+    """
+
+    def __init__(self, dtype: np.dtype[Any]) -> None:
+        self._parts = [np.empty(0, dtype)]
+
+    def append(self, values: NDArray[Any]) -> None:
+        """Add values at the end."""
+        self._parts.append(values)
+
+    def __len__(self) -> int:
+        return sum(map(len, self._parts))
+
+    def __getitem__(self, part: slice) -> NDArray[Any]:
+        if len(self._parts) > 1:
+            self._parts = [np.concatenate(self._parts)]
+        return self._parts[0][part]
 
 
 class PackedColumn:

@@ -4,21 +4,30 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
+from .column import Column, GrowingColumn, HeldColumn, PackedColumn
 from .log import TrackLog
-from .pairing import best_pairs, closest_pairs
+from .merge_pairs import pair_merges
+from .pairing import closest_pairs, within
 from .timeline import MERGE, OPEN, FoundAgain, alive, lifetimes, merges, sample
+from .track_pairs import ROW, PairedTracks, pair_tracks
 
 __all__ = ["Agreement", "Comparison", "MergePair", "TrackPair", "compare"]
 
 _STEP_US = 1_000
 _STEPS_MAX = 20_000
 _LARGEST = 10**12
+_TRACK_PAIR = np.dtype(
+    [(name, "<i8") for name in ("hardware_id", "software_id", "together_us")]
+    + [("birth_difference_us", "<i8"), ("end_difference_us", "<i8"), ("corresponds", "?")]
+)
+_MERGE_PAIR = ["hardware_id", "software_id", "late_us", "distance_px"]
 
 
 @dataclass(frozen=True)
@@ -58,12 +67,14 @@ class Agreement:
         distance_median_px, distance_p90_px: distance between the centres of pairs, over all samples.
         paired_fraction_hardware, paired_fraction_software: share of all cluster-samples that have a partner.
         tracks_hardware, tracks_software: number of tracks within the sampled span.
-        tracks_corresponding: pairs of tracks whose births and ends both agree.
-        tracks: all pairs of tracks, chosen to maximise the total time together.
+        tracks_paired, tracks_corresponding: pairs of tracks; those whose births and ends both agree.
+        tracks: the pairs of tracks, chosen to maximise the total time together.
         tracks_unpaired_hardware, tracks_unpaired_software: ids of the tracks without a partner.
-        merges_hardware, merges_software: number of merges of each.
-        merges: the merges that agree in time and place.
-        merges_unpaired_hardware, merges_unpaired_software: ids of the absorbed tracks of all other merges.
+        merges_hardware, merges_software, merges_paired: number of merges of each, and of those that agree in time and place.
+        merges: the merges that agree.
+        merges_unpaired_hardware, merges_unpaired_software: ids of the absorbed tracks of the other merges.
+
+    Pairs and ids are in order of birth and of time; of a long run only the first ones, see `Comparison`.
     """
 
     begin_us: int
@@ -82,12 +93,14 @@ class Agreement:
     paired_fraction_software: float | None
     tracks_hardware: int
     tracks_software: int
+    tracks_paired: int
     tracks_corresponding: int
     tracks: tuple[TrackPair, ...]
     tracks_unpaired_hardware: tuple[int, ...]
     tracks_unpaired_software: tuple[int, ...]
     merges_hardware: int
     merges_software: int
+    merges_paired: int
     merges: tuple[MergePair, ...]
     merges_unpaired_hardware: tuple[int, ...]
     merges_unpaired_software: tuple[int, ...]
@@ -141,22 +154,34 @@ def compare(
 class Comparison:
     """The agreement of two logs that come in parts, see `tracks.log_parts.LogParts`: the same as of the whole.
 
-    Memory holds the distances of all pairs, 8 bytes each at no more than 20 000 samples, and 75 bytes a track and a merge.
+    Memory holds the pairs of at most 20 000 samples, a bit a track and a byte a merge; without `folder`, all lives and merges.
 
     Args:
         begin_us, end_us: of the recording; the others as of `compare`.
+        folder: for files with lives and merges, which the caller removes after `close`.
+        most: of pairs and of ids, the agreement lists no more; None: all.
     """
 
     def __init__(
-        self, begin_us: int, end_us: int, *, radius_px: float = 12.0, tolerance_us: int = 20_000, step_us: int | None = None
+        self,
+        begin_us: int,
+        end_us: int,
+        *,
+        radius_px: float = 12.0,
+        tolerance_us: int = 20_000,
+        step_us: int | None = None,
+        folder: Path | None = None,
+        most: int | None = None,
     ) -> None:
         self.begin_us, self.end_us = begin_us, end_us
         self.radius_px, self.tolerance_us = radius_px, tolerance_us
         self.step_us = _step_us(begin_us, end_us) if step_us is None else step_us
-        self._lives: tuple[list[NDArray[np.void]], list[NDArray[np.void]]] = ([], [])
+        self.most = most
+        self._parts = 0
+        self._tracks = [0, 0]
+        self._lives = _column(folder, "hardware.lives", ROW), _column(folder, "software.lives", ROW)
+        self._merges = _column(folder, "hardware.merges", MERGE), _column(folder, "software.merges", MERGE)
         self._found_again = FoundAgain(), FoundAgain()
-        self._goes_on: tuple[list[NDArray[np.bool_]], list[NDArray[np.bool_]]] = ([], [])  # of each of the lives
-        self._merges: tuple[list[NDArray[np.void]], list[NDArray[np.void]]] = ([], [])
         self._alive: tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]] = ([], [])
         self._distances: list[NDArray[np.float64]] = []
         self._met: list[NDArray[np.int64]] = [np.empty((0, 2), np.int64)]
@@ -171,13 +196,17 @@ class Comparison:
         self, hardware: TrackLog, software: TrackLog, times_us: NDArray[np.int64], *, last: bool = True
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
         """Compare a part at its sample times; returns how many tracks are alive at each, on both sides, and how many pairs."""
+        self._parts += 1
         for side, (log, lives, merged, living) in enumerate(
             zip((hardware, software), self._lives, self._merges, self._alive, strict=True)
         ):
             own = lifetimes(log, self.end_us)
             over = (own["ended"] != OPEN) | last
-            lives.append(own[over])
-            self._goes_on[side].append(self._found_again[side].of(log, own)[over])
+            rows = np.empty(len(own), ROW)
+            for name in ROW.names or ():
+                rows[name] = self._found_again[side].of(log, own) if name == "goes_on" else own[name]
+            lives.append(rows[over])
+            self._tracks[side] += int(np.count_nonzero(over & ~rows["goes_on"]))
             merged.append(merges(log))
             living.append(alive(log, times_us))
         hw_ids, sw_ids, distance_px = _pair_clusters(sample(hardware, times_us), sample(software, times_us), self.radius_px)
@@ -186,19 +215,23 @@ class Comparison:
         return self._alive[0][-1], self._alive[1][-1], len(distance_px)
 
     @property
-    def lives(self) -> tuple[NDArray[np.void], NDArray[np.void]]:
-        """The lifetimes of hardware and software, of dtype `timeline.LIFE`, in order of birth."""
-        hardware, software = (_by_birth(parts) for parts in self._lives)
-        return hardware, software
+    def lives(self) -> tuple[Column, Column]:
+        """The lives of hardware and software, of dtype `track_pairs.ROW`, as they ended."""
+        return self._lives
+
+    def close(self) -> None:
+        """Close the files."""
+        for column in (*self._lives, *self._merges):
+            if isinstance(column, PackedColumn):
+                column.close()
 
     def agreement(self) -> Agreement:
         """The agreement of all parts."""
         hw_alive, sw_alive = (np.concatenate([np.empty(0, np.int64), *parts]) for parts in self._alive)
         distance_px, met = np.concatenate([np.empty(0), *self._distances]), np.concatenate(self._met)
-        hw_tracks, sw_tracks = map(_tracks_of, self._lives, self._goes_on)
-        tracks, hw_alone, sw_alone = _pair_tracks(hw_tracks, sw_tracks, met[:, 0], met[:, 1], self.step_us, self.tolerance_us)
-        hw_merges, sw_merges = (np.concatenate([np.empty(0, MERGE), *parts]) for parts in self._merges)
-        joint, hw_merged, sw_merged = _pair_merges(hw_merges, sw_merges, self.radius_px, self.tolerance_us)
+        paired = pair_tracks(*self._lives, met, by_row=self._parts == 1, most=self.most)
+        tracks = _track_pairs(paired, self.step_us, self.tolerance_us)
+        joint = pair_merges(*self._merges, self.radius_px, self.tolerance_us, self.most)
         return Agreement(
             begin_us=self.begin_us,
             end_us=self.end_us,
@@ -214,38 +247,36 @@ class Comparison:
             distance_p90_px=_quantile(distance_px, 0.9),
             paired_fraction_hardware=_share(len(distance_px), int(hw_alive.sum())),
             paired_fraction_software=_share(len(distance_px), int(sw_alive.sum())),
-            tracks_hardware=len(tracks) + len(hw_alone),
-            tracks_software=len(tracks) + len(sw_alone),
-            tracks_corresponding=sum(pair.corresponds for pair in tracks),
-            tracks=tracks,
-            tracks_unpaired_hardware=hw_alone,
-            tracks_unpaired_software=sw_alone,
-            merges_hardware=len(joint) + len(hw_merged),
-            merges_software=len(joint) + len(sw_merged),
-            merges=joint,
-            merges_unpaired_hardware=hw_merged,
-            merges_unpaired_software=sw_merged,
+            tracks_hardware=self._tracks[0],
+            tracks_software=self._tracks[1],
+            tracks_paired=len(tracks),
+            tracks_corresponding=int(np.count_nonzero(tracks["corresponds"])),
+            tracks=tuple(TrackPair(*row) for row in tracks[: self.most].tolist()),
+            tracks_unpaired_hardware=tuple(paired.hardware_alone.tolist()),
+            tracks_unpaired_software=tuple(paired.software_alone.tolist()),
+            merges_hardware=len(self._merges[0]),
+            merges_software=len(self._merges[1]),
+            merges_paired=joint.count,
+            merges=tuple(MergePair(*row) for row in joint.pairs[_MERGE_PAIR].tolist()),
+            merges_unpaired_hardware=tuple(joint.hardware_alone.tolist()),
+            merges_unpaired_software=tuple(joint.software_alone.tolist()),
         )
 
 
-def _by_birth(parts: list[NDArray[np.void]]) -> NDArray[np.void]:
-    """The lives of all parts, which come as they end; equal births keep that order."""
-    if len(parts) == 1:
-        return parts[0]
-    lives = np.concatenate(parts)
-    return lives[np.argsort(lives["birth_us"], kind="stable")]
+def _track_pairs(paired: PairedTracks, step_us: int, tolerance_us: int) -> NDArray[np.void]:
+    """The fields of a `TrackPair` for each pair."""
+    hw, sw = paired.hardware, paired.software
+    rows = np.empty(len(hw), _TRACK_PAIR)
+    rows["hardware_id"], rows["software_id"], rows["together_us"] = hw["track_id"], sw["track_id"], paired.samples * step_us
+    rows["corresponds"] = True
+    for name, end in (("birth_difference_us", "birth_us"), ("end_difference_us", "end_us")):
+        rows[name] = sw[end] - hw[end]
+        rows["corresponds"] &= np.abs(rows[name]) <= tolerance_us
+    return rows
 
 
-def _tracks_of(parts: list[NDArray[np.void]], goes_on: list[NDArray[np.bool_]]) -> NDArray[np.void]:
-    """The tracks of all lives, in order of birth; one that was lost and found again lasts from its first life to its last."""
-    lives, again = np.concatenate(parts), np.concatenate(goes_on)
-    order = np.lexsort((lives["birth_us"], lives["track_id"]))
-    first = np.flatnonzero(~again[order])
-    last = np.append(first[1:], len(order)) - 1 if len(first) else first
-    tracks = lives[order[first]]
-    for name in ("end_us", "ended", "other_id"):
-        tracks[name] = lives[name][order[last]]
-    return tracks[np.argsort(order[first] if len(parts) == 1 else tracks["birth_us"], kind="stable")]
+def _column(folder: Path | None, name: str, dtype: np.dtype[Any]) -> GrowingColumn:
+    return HeldColumn(dtype) if folder is None else PackedColumn(folder / name, dtype)
 
 
 def _step_us(begin_us: int, end_us: int) -> int:
@@ -269,15 +300,6 @@ def _share(part: int, whole: int) -> float | None:
     return part / whole if whole else None
 
 
-def _within(left: NDArray[np.number], right: NDArray[np.number], reach: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """All (i, j) with |left[i] - right[j]| <= reach; `right` ascending."""
-    first = np.searchsorted(right, left - reach, "left")
-    count = np.searchsorted(right, left + reach, "right") - first
-    i = np.repeat(np.arange(len(left)), count)
-    j = np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + first[i]
-    return i, j
-
-
 def _distances(a: NDArray[np.void], b: NDArray[np.void]) -> NDArray[np.float64]:
     return np.asarray(np.hypot(a["x"] - b["x"], a["y"] - b["y"]), np.float64)
 
@@ -291,61 +313,10 @@ def _pair_clusters(
     stride = float(np.ptp(xs)) + 2 * radius_px + 1 if len(xs) else 1.0
     hw_x, sw_x = (rows["sample"] * stride + rows["x"] for rows in (hw, sw))
     by_x = np.argsort(sw_x)
-    i, j = _within(hw_x, sw_x[by_x], radius_px + 1e-3)
+    i, j = within(hw_x, sw_x[by_x], radius_px + 1e-3)
     j = by_x[j]
     distance_px = _distances(hw[i], sw[j])
     near = distance_px <= radius_px
     i, j, distance_px = i[near], j[near], distance_px[near]
     chosen = closest_pairs(i, j, distance_px)
     return hw["track_id"][i[chosen]], sw["track_id"][j[chosen]], distance_px[chosen]
-
-
-def _pair_tracks(
-    hw: NDArray[np.void],
-    sw: NDArray[np.void],
-    hw_ids: NDArray[np.int64],
-    sw_ids: NDArray[np.int64],
-    step_us: int,
-    tolerance_us: int,
-) -> tuple[tuple[TrackPair, ...], tuple[int, ...], tuple[int, ...]]:
-    """Pairs of tracks, and the unpaired ids of both sides, all in order of birth."""
-    hw_row = {int(track_id): row for row, track_id in enumerate(hw["track_id"])}
-    sw_row = {int(track_id): row for row, track_id in enumerate(sw["track_id"])}
-    met, together = np.unique(np.column_stack((hw_ids, sw_ids)), axis=0, return_counts=True)
-    i = np.array([hw_row[track_id] for track_id in met[:, 0].tolist()], np.int64)
-    j = np.array([sw_row[track_id] for track_id in met[:, 1].tolist()], np.int64)
-    chosen = best_pairs(i, j, together.astype(np.float64))
-    chosen = chosen[np.argsort(i[chosen])]
-    pairs = []
-    for a, b, samples in zip(hw[i[chosen]], sw[j[chosen]], together[chosen], strict=True):
-        birth_us, end_us = int(b["birth_us"] - a["birth_us"]), int(b["end_us"] - a["end_us"])
-        pairs.append(
-            TrackPair(
-                hardware_id=int(a["track_id"]),
-                software_id=int(b["track_id"]),
-                together_us=int(samples) * step_us,
-                birth_difference_us=birth_us,
-                end_difference_us=end_us,
-                corresponds=abs(birth_us) <= tolerance_us and abs(end_us) <= tolerance_us,
-            )
-        )
-    return tuple(pairs), _others(hw["track_id"], i[chosen]), _others(sw["track_id"], j[chosen])
-
-
-def _pair_merges(
-    hw: NDArray[np.void], sw: NDArray[np.void], radius_px: float, tolerance_us: int
-) -> tuple[tuple[MergePair, ...], tuple[int, ...], tuple[int, ...]]:
-    """Pairs of merges, and the absorbed ids of the unpaired merges of both sides, all in order of time."""
-    i, j = _within(hw["t_us"], sw["t_us"], tolerance_us)
-    near = _distances(hw[i], sw[j]) <= radius_px
-    i, j = i[near], j[near]
-    late_us, distance_px = sw["t_us"][j] - hw["t_us"][i], _distances(hw[i], sw[j])
-    chosen = closest_pairs(i, j, np.abs(late_us) / max(tolerance_us, 1) + distance_px / max(radius_px, 1.0))
-    pairs = tuple(
-        MergePair(int(hw["track_id"][i[k]]), int(sw["track_id"][j[k]]), int(late_us[k]), float(distance_px[k])) for k in chosen
-    )
-    return pairs, _others(hw["track_id"], i[chosen]), _others(sw["track_id"], j[chosen])
-
-
-def _others(ids: NDArray[np.int64], taken: NDArray[np.int64]) -> tuple[int, ...]:
-    return tuple(np.delete(ids, taken).tolist())

@@ -76,7 +76,7 @@ class LogParts:
 
         What is drawn has one record of every track alive before, its newest state at the time of the part's first record.
         """
-        records, owner = [self._records], [self._owner]
+        records, owner, past = [self._past, self._records], [self._owner], len(self._past)
         have = len(self._owner)
         while have < n or last:
             run = next(self._runs, None)
@@ -86,13 +86,20 @@ class LogParts:
             owner.append(run[1])
             have += len(run[1])
         every, owners = np.concatenate(records), np.concatenate(owner)
+        del records, owner  # each is some megabytes, and so are those below
         end = self._done + n
-        count = len(every) if last else int(np.searchsorted(np.maximum.accumulate(every["event_index"]), end))
-        past, taken = len(self._past), owners[:n].copy()
-        whole = TrackLog(self._engine, np.concatenate((self._past, every[:count])), taken)
+        event = every["event_index"][past:]
+        count = len(event) if last else int(np.searchsorted(np.maximum.accumulate(event), end))
+        taken = owners[:n].copy()
+        whole = TrackLog(self._engine, every[: past + count], taken)
         own = whole.records[past:]
         own["event_index"] -= self._done
-        self._records, self._owner, self._done = every[count:].copy(), owners[n:].copy(), end  # not views, which would keep all
+        self._records, self._owner, self._done = (
+            every[past + count :].copy(),
+            owners[n:].copy(),
+            end,
+        )  # no views
+        del owners
         shown = TrackLog(self._engine, np.concatenate((self._newest(own), own)), taken)
         np.clip(shown.records["event_index"], 0, n, out=shown.records["event_index"])
         self._past = _past(whole)
@@ -111,14 +118,13 @@ def _past(log: TrackLog) -> NDArray[np.void]:
     if not len(lives):
         return np.empty(0, TRACK)
     order, first = by_life(log)
-    records = log.records[order]
-    last = np.append(first[1:], len(records)) - 1
-    born, corner, newest = (records[at].copy() for at in (first, last, last))
-    for name in ("x", "y"):
-        born[name] = np.minimum.reduceat(records[name], first)
-        corner[name] = np.maximum.reduceat(records[name], first)
-    for name in ("width", "height"):
-        born[name] = np.maximum.reduceat(np.maximum(records["width"], records["height"]), first)
+    last = np.append(first[1:], len(order)) - 1
+    born, corner, newest = (log.records[order[at]] for at in (first, last, last))
+    x, y, width, height = (log.records[name][order] for name in ("x", "y", "width", "height"))
+    for name, values in (("x", x), ("y", y)):
+        born[name] = np.minimum.reduceat(values, first)
+        corner[name] = np.maximum.reduceat(values, first)
+    born["width"] = born["height"] = np.maximum.reduceat(np.maximum(width, height), first)
     past = np.concatenate([rows[lives["ended"] == OPEN] for rows in (born, corner, newest)])
     past["kind"], past["event_index"] = Kind.MOVED, _BEFORE
     return past

@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-__all__ = ["best_pairs", "closest_pairs"]
+__all__ = ["best_pairs", "closest_pairs", "most_first", "within"]
 
 
 def best_pairs(left: NDArray[np.int64], right: NDArray[np.int64], gain: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -60,6 +60,23 @@ def closest_pairs(left: NDArray[np.int64], right: NDArray[np.int64], cost: NDArr
     """
     if not len(left):
         return np.empty(0, np.int64)
-    # The gain of one more pair must exceed the total cost of all others.
-    more = (len(left) + 1) * max(float(cost.max()), 1.0)
-    return best_pairs(left, right, more - cost)
+    return best_pairs(left, right, most_first(len(left), float(cost.max())) - cost)
+
+
+def most_first(count: int, dearest: float) -> float:
+    """What a pair is worth, before its cost, so that one more pair is worth more than the cost of all others.
+
+    Args:
+        count: number of allowed pairs.
+        dearest: the largest cost of one.
+    """
+    return (count + 1) * max(dearest, 1.0)
+
+
+def within(left: NDArray[np.number], right: NDArray[np.number], reach: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All (i, j) with |left[i] - right[j]| <= reach; `right` ascending."""
+    first = np.searchsorted(right, left - reach, "left")
+    count = np.searchsorted(right, left + reach, "right") - first
+    i = np.repeat(np.arange(len(left)), count)
+    j = np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + first[i]
+    return i, j

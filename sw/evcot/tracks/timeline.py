@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from .id_set import IdSet
 from .log import Kind, TrackLog
 
 __all__ = ["LIFE", "MERGE", "OPEN", "SAMPLE", "FoundAgain", "alive", "by_life", "expiring", "lifetimes", "merges", "sample"]
@@ -88,11 +89,11 @@ def lifetimes(log: TrackLog, until_us: int) -> NDArray[np.void]:
 class FoundAgain:
     """Which lives go on with a track that was lost before, in a log that comes in parts, see `log_parts.LogParts`.
 
-    Such a life begins without BORN. Memory holds the ids of the tracks that were lost, 8 bytes each.
+    Such a life begins without BORN.
     """
 
     def __init__(self) -> None:
-        self._lost: list[NDArray[np.int64]] = []
+        self._lost = IdSet()
         self._open = np.empty(0, np.bool_)  # what is known of the lives that the part before has left open
 
     def of(self, log: TrackLog, lives: NDArray[np.void]) -> NDArray[np.bool_]:
@@ -103,14 +104,13 @@ class FoundAgain:
         for row in (len(self._open) + np.flatnonzero(found[len(self._open) :])).tolist():
             found[row] = self._was_lost(lives, row)
         self._open = found[lives["ended"] == OPEN]
-        self._lost.append(lives["track_id"][lives["ended"] == Kind.LOST])
+        self._lost.add(lives["track_id"][lives["ended"] == Kind.LOST])
         return found
 
     def _was_lost(self, lives: NDArray[np.void], row: int) -> bool:
         """Whether the track of a life has been there before, in this part or in one before."""
-        self._lost = [np.concatenate(self._lost)] if self._lost else []
         track_id = lives["track_id"][row]
-        return bool((lives["track_id"][:row] == track_id).any() or any((ids == track_id).any() for ids in self._lost))
+        return bool((lives["track_id"][:row] == track_id).any()) or int(track_id) in self._lost
 
 
 def by_life(log: TrackLog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -15,7 +15,7 @@ from evcot.tracks.compare import compare
 from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot_cosim.lockstep.cosim import CosimRun
 from evcot_cosim.lockstep.mismatch import Mismatch
-from evcot_cosim.lockstep.summary import summarise, summarise_mismatch, table, write_summary
+from evcot_cosim.lockstep.summary import read_summary, summarise, summarise_mismatch, table, write_summary
 from evcot_cosim.lockstep.verdict import verdict_from
 from evcot_cosim.rtl.build import BuiltModel
 
@@ -91,6 +91,16 @@ def test_nothing_is_none_and_the_summary_is_json(tmp_path: Path) -> None:
     assert ("distance of pairs", "none px median, none px at 90 %") in table(summary)
     with pytest.raises(ValueError, match="Out of range float"):
         write_summary({"rate": float("nan")}, tmp_path / "nan.json")
+
+
+def test_a_summary_of_an_earlier_release_is_read_with_its_pairs_counted(tmp_path: Path) -> None:
+    summary = summarise(run_of(log("cot-rtl", *LIVES), log("cot-model", *LIVES), log("rct", *LIVES)), "")
+    assert summary["agreement"]["tracks_paired"] > 0
+    write_summary(summary, tmp_path / "new.json")
+    assert read_summary(tmp_path / "new.json") == json.loads(json.dumps(summary))
+    earlier = {key: value for key, value in summary["agreement"].items() if key not in ("tracks_paired", "merges_paired")}
+    write_summary(summary | {"agreement": earlier}, tmp_path / "earlier.json")
+    assert read_summary(tmp_path / "earlier.json") == read_summary(tmp_path / "new.json")
 
 
 def test_summary_of_a_mismatch() -> None:

@@ -29,7 +29,7 @@ SUMMARY = {
     "config": {"name": "slow", "cot": {"slots": [{"init_radix": 8, "max_ticks": 9, "clust_nev": 5, "detect_ticks": 7}]}},
 }
 AGREEMENT = {
-    "paired_fraction_hardware": 0.9, "paired_fraction_software": 0.8, "radius_px": 12.0, "merges": [{}],
+    "paired_fraction_hardware": 0.9, "paired_fraction_software": 0.8, "radius_px": 12.0, "merges_paired": 1,
     "merges_hardware": 3, "merges_software": 2,
 }  # fmt: skip
 

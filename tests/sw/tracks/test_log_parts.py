@@ -17,7 +17,8 @@ from evcot.trackers.presets import run_config
 from evcot.trackers.rct.presets import PRESETS
 from evcot.trackers.rct.tracker import track as rct_track
 from evcot.tracks.compare import Comparison, compare
-from evcot.tracks.log import TRACK, TrackLog
+from evcot.tracks.life_lengths import life_lengths
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.log_parts import LogParts, runs_of
 from evcot.tracks.parquet import LogFile
 from evcot.tracks.timeline import lifetimes
@@ -76,10 +77,14 @@ def test_quality_in_parts_is_that_of_the_whole(which: int, recording: Recording,
     assert replace(found, **alike) == wanted
 
 
-def test_agreement_in_parts_is_that_of_the_whole(recording: Recording, logs: tuple[TrackLog, TrackLog]) -> None:
+@pytest.mark.parametrize("most", [None, 2])
+@pytest.mark.parametrize("in_files", [False, True])
+def test_agreement_in_parts_is_that_of_the_whole(
+    recording: Recording, logs: tuple[TrackLog, TrackLog], tmp_path: Path, in_files: bool, most: int | None
+) -> None:
     t_us = recording.events.t_us
     begin_us, end_us = int(t_us[0]), int(t_us[-1])
-    comparison = Comparison(begin_us, end_us)
+    comparison = Comparison(begin_us, end_us, folder=tmp_path if in_files else None, most=most)
     hardware, software = (cut(log, len(t_us)) for log in logs)
     since_us = begin_us
     for number, (mine, theirs) in enumerate(zip(hardware, software, strict=True)):
@@ -89,8 +94,17 @@ def test_agreement_in_parts_is_that_of_the_whole(recording: Recording, logs: tup
         since_us = until_us
     found, wanted = comparison.agreement().to_dict(), compare(*logs, span_us=(begin_us, end_us)).to_dict()
     assert wanted["tracks"]
+    assert len(wanted["merges_unpaired_hardware"]) > 2
     assert wanted["samples"] > 100
-    assert found == wanted
+    assert found == {name: value[:most] if isinstance(value, tuple) else value for name, value in wanted.items()}
+    for column, log in zip(comparison.lives, logs, strict=True):
+        lives = lifetimes(log, end_us)
+        lengths_s = (lives["end_us"] - lives["birth_us"]) / 1e6
+        assert life_lengths(column) == {
+            "tracks": len(lives), "lost": int((lives["ended"] == Kind.LOST).sum()),
+            "median_s": float(np.median(lengths_s)), "longest_s": float(lengths_s.max()),
+        }  # fmt: skip
+    comparison.close()
 
 
 def test_a_parquet_file_comes_in_the_same_parts(recording: Recording, logs: tuple[TrackLog, TrackLog], tmp_path: Path) -> None:

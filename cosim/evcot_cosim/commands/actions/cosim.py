@@ -97,8 +97,9 @@ def _run_long(options: argparse.Namespace, job: Job, folder: Path, command: str)
         )  # fmt: skip
         progress.note("writing logs, report and waveform")
         return write_long_run(
-            run, job.source, folder, job.run_file_of(run.digest), job.recording, command=command, waves=not options.no_waves
-        )
+            run, job.source, folder, job.run_file_of(run.digest), job.recording,
+            scratch=work.folder, command=command, waves=not options.no_waves,
+        )  # fmt: skip
 
 
 def _report(options: argparse.Namespace, job: Job, folder: Path, summary: dict[str, Any], what: str) -> int:
