@@ -8,7 +8,9 @@ before a command begins (`claims_of`).
 from __future__ import annotations
 
 import argparse
+import itertools
 import re
+import sys
 import textwrap
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -104,6 +106,13 @@ def _broken(left: str, words: str, width: int, apart: bool) -> Iterator[str]:
 class Parser(argparse.ArgumentParser):
     """A parser with a usage of one line, and with a suggestion for a word that is misspelled."""
 
+    _words: Sequence[str] = ()  # that are being parsed
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse does it; an error then knows all words, however early it ends the parsing."""
+        self._words = sys.argv[1:] if args is None else list(args)
+        return super().parse_known_args(self._words, namespace)
+
     def format_usage(self) -> str:
         """The usage: required options and positional arguments; the others are listed below it in the help."""
         formatter = self._get_formatter()
@@ -120,7 +129,17 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print usage and message, with what may have been meant, and exit with 2."""
+        if message.startswith("the following arguments are required") and (unknown := self._unknown()) is not None:
+            message += f"; unrecognized arguments: {unknown}"
         super().error(message + self._suggestion(message))
+
+    def _unknown(self) -> str | None:
+        """The first word that looks like an option and is none."""
+        names = [word.partition("=")[0] for word in itertools.takewhile(lambda word: word != "--", self._words)]
+        options = [name for name in names if name.startswith("--")]
+        return next(
+            (name for name in options if not self._get_option_tuples(name) and name not in self._option_string_actions), None
+        )
 
     def _brief_usage(self) -> str:
         words = ["%(prog)s", "[options]"]

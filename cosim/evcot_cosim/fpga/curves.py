@@ -74,9 +74,7 @@ def draw(figures: Figures, clocks: Mapping[str, int], path: Path, outdated: Coll
             axes.set(xlabel="N, tracker slots", xscale="log", xticks=(1, 2, 4, 8, 16, 32, 64))
             axes.xaxis.set_major_formatter("{x:g}")
             axes.grid(linewidth=0.3)
-        for axes in (luts, latency):
-            axes.legend()
-        fmax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)  # its curves leave no room
+        fmax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)  # of all three
         luts.set(yscale="log", ylim=(1_000, max(50_000, luts.get_ylim()[1])))
         luts.yaxis.set_major_formatter("{x:,.0f}")
         fmax.set(ylim=(0, 1.1 * fmax.get_ylim()[1]))

@@ -100,7 +100,7 @@ def rows_of(figures: dict[str, Any]) -> list[tuple[str, str]]:
     rows = [
         ("events", f"{figures['events']:,}"),
         ("rate", f"{figures['events_per_s'] / 1e6:.3f} M events/s"),
-        ("recording time", f"{figures['recording_s']:.1f} s"),
+        ("time tracked", f"{figures['recording_s']:.1f} s"),
         ("clusters now", f"{figures['clusters']:,}"),
         ("tracks", f"{figures['tracks']:,}, {figures['merged']:,} merged, {figures['lost']:,} lost"),
         ("event to tracked", _milliseconds(figures["tracked_ms"])),

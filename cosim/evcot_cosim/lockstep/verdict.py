@@ -32,30 +32,34 @@ class Grade(IntEnum):
 
 
 _GRADES = {grade.word: grade for grade in Grade}
-_HEADLINES = {
-    Grade.GOOD: "The tracks look sound.",
-    Grade.FAIR: "The tracks are usable, with the faults listed below.",
-    Grade.POOR: "The tracks are of little use.",
-}
-# figure: (fair from, poor from); of `owned` and `paired` below instead
+_SOUND = "The tracks look sound."
+_FAULTY = {Grade.FAIR: "The tracks are usable, but", Grade.POOR: "The tracks are poor:"}
+# figure: (fair from, poor from); of `owned`, `paired` and `merged` below instead
 _SHORT = (0.25, 0.5)
 _NOISE_TIME = (0.1, 0.3)
 _NOISE_TRACKS = 0.3  # share of tracks from which on noise is no longer good
 _OWNED = (0.7, 0.5)
-_OWNED_SOUND = 0.8  # where lasting tracks own so much, short ones beside them are a nuisance and no failure
 _PAIRED = (0.7, 0.4)
+_MERGED = (0.7, 0.4)
+_FEW = 5  # a share of fewer short tracks makes nothing poor; a share of fewer merges says nothing
 _FILTERED = 0.5  # share of the isolated events from which on filters are at work
 
 
 @dataclass(frozen=True)
 class Line:
-    """One finding: what it is about, whose it is (empty: of the run), how good it is, in words, and what to do."""
+    """One finding, graded by the worst of its figures.
+
+    Attributes:
+        side: whose it is; empty: of the run.
+        advice, fault: what to do, and what is wrong in a few words for the headline; empty where it is good.
+    """
 
     about: str
     side: str
     grade: Grade
     text: str
     advice: str = ""
+    fault: str = ""
 
 
 @dataclass(frozen=True)
@@ -107,8 +111,10 @@ def verdict_by(figures: Mapping[str, Quality], summary: Mapping[str, Any]) -> Ve
         lines += [_tracks(side, quality, summary), _events(side, quality, summary), _noise(side, quality)]
     lines += _agreement(summary)
     decisive = "hardware" if "hardware" in figures else next(iter(figures), "")
-    grade = max((_counted(line) for line in lines if line.side in (decisive, "")), default=Grade.GOOD)
-    return Verdict(grade, _headline(grade, summary), tuple(lines), figures)
+    decided = [line for line in lines if line.side in (decisive, "")]
+    grade = max(map(_counted, decided), default=Grade.GOOD)
+    faults = [line.fault for line in decided if line.fault and _counted(line) is grade]
+    return Verdict(grade, _headline(grade, faults, summary), tuple(lines), figures)
 
 
 def _counted(line: Line) -> Grade:
@@ -116,12 +122,12 @@ def _counted(line: Line) -> Grade:
     return min(line.grade, Grade.FAIR) if line.about == "agreement" else line.grade
 
 
-def _headline(grade: Grade, summary: Mapping[str, Any]) -> str:
+def _headline(grade: Grade, faults: list[str], summary: Mapping[str, Any]) -> str:
     if "mismatch" in summary:
         return "Hardware and model differ: the run ended there."
     if summary.get("exact") is False:
         return "Hardware and model differ."
-    return _HEADLINES[grade]
+    return f"{_FAULTY[grade]} {', and '.join(faults)}." if grade else _SOUND
 
 
 def _exactness(summary: Mapping[str, Any]) -> list[Line]:
@@ -145,6 +151,7 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
             Grade.POOR,
             "no track became visible",
             _register(side, summary, "clust_nev", "require fewer events for a birth", "below"),
+            "none became visible",
         )
     text = _counted_tracks(found.tracks)
     if found.found_again:
@@ -155,20 +162,18 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
     share = found.short / found.lives
     what = "of their lives " if found.found_again else ""
     text += f"; {_percent(share)} {what}are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"
-    grade = _above(share, _SHORT)
-    if grade is Grade.POOR and (found.owned_fraction or 0) >= _OWNED_SOUND:
-        grade = Grade.FAIR
-    return Line("tracks", side, grade, text, _steadier(side, found, summary) if grade else "")
+    grade = min(_above(share, _SHORT), Grade.POOR if found.short >= _FEW else Grade.FAIR)
+    return _line("tracks", side, grade, text, _steadier(side, found, summary), f"{_percent(share)} {what}are short")
 
 
 def _events(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
     if found.owned_fraction is None:
         return Line("events", side, Grade.GOOD, "no event with a neighbour reached the tracker")
-    grade = Grade(2 - (found.owned_fraction >= _OWNED[1]) - (found.owned_fraction >= _OWNED[0]))
-    text = f"{_percent(found.owned_fraction)} of the events that are neither filtered out nor isolated belong to lasting tracks"
+    share = _percent(found.owned_fraction)
+    text = f"{share} of the events that are neither filtered out nor isolated belong to lasting tracks"
     what = _register(side, summary, "clust_nev", "require fewer events for a birth", "below")
     advice = f"objects are missed, or lost in between; {what}"
-    return Line("events", side, grade, text, advice if grade else "")
+    return _line("events", side, _below(found.owned_fraction, _OWNED), text, advice, f"lasting ones have {share} of the events")
 
 
 def _noise(side: str, found: Quality) -> Line:
@@ -184,7 +189,7 @@ def _noise(side: str, found: Quality) -> Line:
         text += f"; {found.noise_tracks:,} of {of} {verb} mostly of them"
         if found.noise_tracks > _NOISE_TRACKS * found.lives:
             grade = max(grade, Grade.FAIR)
-    return Line("noise", side, grade, text, _quieter(found) if grade else "")
+    return _line("noise", side, grade, text, _quieter(found), "many are on noise")
 
 
 def _agreement(summary: Mapping[str, Any]) -> list[Line]:
@@ -193,24 +198,22 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
         return []
     shares = [found["paired_fraction_hardware"], found["paired_fraction_software"]]
     if None in shares:
-        return [Line("agreement", "", Grade.POOR, "hardware or software has no track to compare")]
-    worse = min(shares)
-    grade = Grade(2 - (worse >= _PAIRED[1]) - (worse >= _PAIRED[0]))
-    same = found["merges_paired"]
+        text = "hardware or software has no track to compare"
+        return [Line("agreement", "", Grade.POOR, text, fault="hardware or software has none")]
+    same, hardware, software = found["merges_paired"], found["merges_hardware"], found["merges_software"]
+    most = max(hardware, software)
+    merged = _below(same / most, _MERGED) if most >= _FEW else Grade.GOOD
     text = (
         f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, and "
-        f"software tracks a hardware track for {_percent(shares[1])}; of {found['merges_hardware']:,} merges in hardware and "
-        f"{found['merges_software']:,} in software, {same:,} {'is' if same == 1 else 'are'} the same"
+        f"software tracks a hardware track for {_percent(shares[1])}; of {hardware:,} merges in hardware and "
+        f"{software:,} in software, {same:,} {'is' if same == 1 else 'are'} the same"
     )
-    return [
-        Line(
-            "agreement",
-            "",
-            grade,
-            text,
-            "every difference, with its moment, is listed under Agreement in report.html" if grade else "",
-        )
-    ]
+    advice = "every difference, with its moment, is listed under Agreement in report.html"
+    if merged and most >= 2 * min(hardware, software):
+        more = "hardware" if hardware == most else "software"
+        advice = f"{more} merges more often, so there parts of one object have tracks of their own; {advice}"
+    grade = max(_below(min(shares), _PAIRED), merged)
+    return [_line("agreement", "", grade, text, advice, "hardware and software disagree")]
 
 
 def _steadier(side: str, found: Quality, summary: Mapping[str, Any]) -> str:
@@ -235,9 +238,7 @@ def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: 
         return f"{what} ([motion] in run.toml: docs/motion.md)"
     slots = config.get("cot", {}).get("slots")
     set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what
-    if config.get("name") == "auto":
-        return f"{set_it}, or take the array with motion and boxes: `--preset motion`"
-    return f"{set_it}, or `--preset auto`"
+    return f"take the array with motion and boxes (`--preset motion`), or {set_it}"
 
 
 def _quieter(found: Quality) -> str:
@@ -247,8 +248,17 @@ def _quieter(found: Quality) -> str:
     return "filter more noise with --activity-support 2 or a shorter --activity"
 
 
+def _line(about: str, side: str, grade: Grade, text: str, advice: str, fault: str) -> Line:
+    """A line that needs advice and fault only where it is not good."""
+    return Line(about, side, grade, text, advice, fault) if grade else Line(about, side, grade, text)
+
+
 def _above(share: float, limits: tuple[float, float]) -> Grade:
     return Grade((share > limits[0]) + (share > limits[1]))
+
+
+def _below(share: float, limits: tuple[float, float]) -> Grade:
+    return Grade((share < limits[0]) + (share < limits[1]))
 
 
 def _counted_tracks(n: int) -> str:

@@ -143,6 +143,12 @@ def test_help_fits_the_terminal_and_its_examples_can_be_copied(columns: int, mon
         (["trak", "x"], "did you mean track?"),
         (["cosim", "--presett", "slow"], "did you mean --preset?"),
         (["track", "x", "--engine", "kallman"], "did you mean kalman?"),
+        (
+            ["track", "--engin", "rct"],
+            "the following arguments are required: FILE",
+        ),  # the beginning of one option is that option
+        (["track", "--engne=rct"], "are required: FILE; unrecognized arguments: --engne; did you mean --engine?"),
+        (["report", "-o", "x.html", "--recordng", "y"], "unrecognized arguments: --recordng; did you mean --recording?"),
     ],
 )
 def test_a_misspelled_word_is_answered_with_the_right_one(typed: list[str], meant: str, capsys: Capture) -> None:

@@ -169,3 +169,5 @@ def test_what_is_wrong_is_said_in_one_line(
 def test_a_misspelled_setting_is_told_from_many(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["track", str(source), "--engine", "rct", "--set", "radius_pxx=3"]) == 2
     assert capsys.readouterr().err.endswith("; did you mean radius_px?\n")
+    assert main(["track", str(source), "--set", "radus=3"]) == 2  # of another engine than auto
+    assert capsys.readouterr().err.endswith("; did you mean radius_px of --engine rct?\n")

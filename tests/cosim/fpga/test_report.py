@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from matplotlib.axes import Axes
 from PIL import Image
 
 from evcot.errors import ConfigError
@@ -154,7 +155,9 @@ def test_the_page_is_that_of_the_recorded_figures(tmp_path: Path) -> None:
         assert section(page.read_text(), name) == section(shown, name), "run make generate"
 
 
-def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
+def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    legends = []
+    monkeypatch.setattr(Axes, "legend", lambda axes, **_: legends.append(axes.get_title(loc="left")))
     draw(table(ARRAY), {}, tmp_path / "few.png")
     many = [replace(ARRAY, module=name, n=n) for name in ("cot_chain", "cot_array") for n in (1, 2, 4, 8)]
     draw(table(*many), {f"{row.module} N={row.n}": 8 for row in many}, tmp_path / "many.png")
@@ -163,6 +166,7 @@ def test_the_picture_is_drawn_from_few_figures_or_many(tmp_path: Path) -> None:
     for name in names:
         with Image.open(tmp_path / name) as picture:
             assert picture.size == (1950, 615)
+    assert legends == ["(b) Fmax, MHz: median and range over seeds"] * len(names), "one for all three panels"
     assert len({(tmp_path / name).read_bytes() for name in names}) == 3, "what is outdated is drawn otherwise"
 
 

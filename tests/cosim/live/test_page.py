@@ -241,6 +241,21 @@ def test_hardware_is_shown_beside_software(chosen: Page, studio: Studio) -> None
     assert chosen.shows(16.5, 10, "#ff9b47"), "the software's left edge"
 
 
+def test_a_window_of_900_pixels_shows_all_of_it_with_hardware(chosen: Page) -> None:
+    chosen.page.set_viewport_size({"width": 1440, "height": 900})
+    chosen.page.check("input[name=hardware]")
+    wait_until(lambda: chosen.page.is_visible("#beside") and chosen.page.locator("#rows tr").count() == 2, 20)
+    more = """document.querySelector(".scroll").insertAdjacentHTML("beforeend", "<div style='height: 600px'></div>");
+      document.documentElement.scrollHeight"""
+    assert chosen.page.evaluate("document.documentElement.scrollHeight") == 900
+    side = chosen.page.evaluate("[...document.querySelectorAll('.side, .scroll')].map((e) => e.scrollHeight - e.clientHeight)")
+    assert side == [0, 0]
+    heights = chosen.page.evaluate("[...document.querySelectorAll('.legend, .controls')].map((e) => e.clientHeight)")
+    assert max(heights) < 40, "each in one line"
+    assert chosen.page.query_selector("#stage").bounding_box()["height"] > 600
+    assert chosen.page.evaluate(more) == 900, "a long table scrolls by itself"
+
+
 def test_a_place_is_sought_and_replayed(chosen: Page, studio: Studio) -> None:
     wait_until(lambda: chosen.text("#place") == "1.5 s of 4.0 s", 20)
     chosen.page.fill("input[name=place]", "2.5")

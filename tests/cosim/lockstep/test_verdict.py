@@ -62,10 +62,11 @@ def test_a_good_run_is_good_in_every_line(monkeypatch: pytest.MonkeyPatch) -> No
     ("change", "about", "grade", "advice"),
     [
         ({"tracks": 0}, "tracks", Grade.POOR, "clust_nev in run.toml below 5"),
-        ({"short": 6, "short_merged": 6, "owned_fraction": 0.6}, "tracks", Grade.POOR, "detect_ticks in run.toml below 7"),
-        ({"short": 6, "short_merged": 6}, "tracks", Grade.FAIR, "detect_ticks in run.toml below 7"),
+        ({"short": 6, "short_merged": 6}, "tracks", Grade.POOR, "detect_ticks in run.toml below 7"),
+        ({"short": 6, "short_merged": 6, "owned_fraction": 1.0}, "tracks", Grade.POOR, "`--preset motion`"),
+        ({"tracks": 3, "short": 2, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
         ({"short": 3, "short_lost": 2}, "tracks", Grade.FAIR, "max_ticks in run.toml above 9"),
-        ({"short": 6, "noise_tracks": 6}, "tracks", Grade.FAIR, "clusters on noise: filter more noise"),
+        ({"short": 6, "noise_tracks": 6}, "tracks", Grade.POOR, "clusters on noise: filter more noise"),
         ({"owned_fraction": 0.6}, "events", Grade.FAIR, "clust_nev in run.toml below 5"),
         ({"owned_fraction": 0.4}, "events", Grade.POOR, "clust_nev in run.toml below 5"),
         ({"noise_time_fraction": 0.2, "noise_tracks": 1}, "noise", Grade.FAIR, "--activity-support 2"),
@@ -98,20 +99,46 @@ def test_disagreement_alone_makes_no_run_poor(monkeypatch: pytest.MonkeyPatch) -
     assert verdict.grade is Grade.FAIR
 
 
+@pytest.mark.parametrize(
+    ("hardware", "software", "same", "grade", "advice"),
+    [
+        (41, 0, 0, Grade.POOR, "hardware merges more often"),
+        (2, 9, 1, Grade.POOR, "software merges more often"),
+        (10, 9, 5, Grade.FAIR, "every difference"),
+        (10, 9, 7, Grade.GOOD, ""),
+        (4, 0, 0, Grade.GOOD, ""),  # too few for a share
+    ],
+)
+def test_agreement_is_as_good_as_the_worse_of_time_and_merges(
+    monkeypatch: pytest.MonkeyPatch, hardware: int, software: int, same: int, grade: Grade, advice: str
+) -> None:
+    merges = {"merges_hardware": hardware, "merges_software": software, "merges_paired": same}
+    found = line(judged(monkeypatch, software=GOOD, agreement=AGREEMENT | merges), "agreement", "")
+    assert found.grade is grade
+    assert found.advice.startswith(advice)
+    assert bool(found.advice) == bool(advice)
+
+
+def test_the_headline_names_what_the_grade_comes_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    def headline(agreement: dict[str, Any] | None = None, **change: Any) -> str:
+        return judged(monkeypatch, replace(GOOD, **change), GOOD, agreement=agreement).headline
+
+    assert headline() == "The tracks look sound."
+    assert headline(short=9, short_merged=9) == "The tracks are poor: 90 % are short."
+    assert headline(tracks=0) == "The tracks are poor: none became visible."
+    fair = "The tracks are usable, but 30 % are short, and lasting ones have 60 % of the events."
+    assert headline(short=3, owned_fraction=0.6) == fair
+    assert headline(noise_tracks=4) == "The tracks are usable, but many are on noise."
+    poor = AGREEMENT | {"paired_fraction_software": 0.1}
+    assert headline(poor) == "The tracks are usable, but hardware and software disagree."
+    assert headline(poor, owned_fraction=0.1) == "The tracks are poor: lasting ones have 10 % of the events."
+
+
 def test_a_mismatch_stands_above_everything(monkeypatch: pytest.MonkeyPatch) -> None:
     verdict = judged(monkeypatch, exact=False, mismatch={"event_index": 1_000, "field": "owner"})
     assert verdict.headline == "Hardware and model differ: the run ended there."
     assert verdict.lines[0].text == "hardware and model differ at event 1,000: owner"
     assert verdict.grade is Grade.POOR
-
-
-def test_auto_is_recommended_only_where_it_was_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    bad = replace(GOOD, short=6, short_merged=6)
-    assert "--preset auto" in line(judged(monkeypatch, bad), "tracks").advice
-    config = SUMMARY["config"] | {"name": "auto"}  # type: ignore[operator]
-    advice = line(judged(monkeypatch, bad, config=config), "tracks").advice
-    assert "--preset auto" not in advice
-    assert "--preset motion" in advice
 
 
 def test_hardware_with_motion_has_no_slots_registers_to_change(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -148,7 +175,7 @@ DATA = Path(__file__).parents[4] / "shared" / "data"
 
 
 @pytest.mark.parametrize(
-    ("preset", "grade"), [("auto", {Grade.GOOD, Grade.FAIR}), ("slow", {Grade.POOR})], ids=["auto", "bad preset"]
+    ("preset", "grade"), [("motion", {Grade.GOOD, Grade.FAIR}), ("auto", {Grade.POOR}), ("slow", {Grade.POOR})]
 )
 @pytest.mark.parametrize("name", ["hand_dvs128.aedat4", "traffic_outbound.aedat4"])
 def test_a_real_recording_is_told_good_from_useless(name: str, preset: str, grade: set[Grade]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -13,6 +14,7 @@ from evcot.filters.config import FilterConfig
 from evcot.ranges import read_pair, read_value
 from evcot.trackers.auto.estimates import seen_by
 from evcot.trackers.config import RunConfig
+from evcot.trackers.engines import ENGINES
 from evcot.trackers.settings import engine_settings
 from evcot.tracks.tracking import Tracker
 
@@ -26,18 +28,27 @@ def configured(options: argparse.Namespace, sensor: tuple[int, int]) -> tuple[An
         if options.set:
             raise ConfigError("--set: must not be given with --engine cot: its registers stand in the file of --config")
         return settings, filters
-    return _changed(options, settings), filters
+    return _changed(options, settings, sensor), filters
 
 
-def _changed(options: argparse.Namespace, settings: Any) -> Any:
+def _changed(options: argparse.Namespace, settings: Any, sensor: tuple[int, int]) -> Any:
     known = asdict(settings)
     for setting in options.set:
         rule = f" with a key among {', '.join(known)}"
         key, text = read_pair("--set", setting, rule)
         if key not in known:
-            raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}{meant(key, known)}")
+            raise ConfigError(f"--set {setting}: must be KEY=VALUE{rule}{_meant(key, known, options.engine, sensor)}")
         settings = replace(settings, **{key: read_value(f"{options.engine}.{key}", text, known[key])})
     return settings
+
+
+def _meant(key: str, known: Iterable[str], engine: str, sensor: tuple[int, int]) -> str:
+    """As `meant`: a key of this engine, else of another one, whose name is then given."""
+    near = meant(key, known)
+    others = (name for name in ENGINES if name not in (engine, "cot"))
+    while not near and (other := next(others, None)) is not None:
+        near = meant(key, asdict(engine_settings(other, sensor)[0])).replace("?", f" of --engine {other}?")
+    return near
 
 
 def plain(settings: Any) -> dict[str, Any]:

@@ -109,7 +109,7 @@ function connect() {
   socket.onopen = () => { live.tries = 0; };
   socket.onmessage = onMessage;
   socket.onclose = ({ reason }) => {
-    choice.hidden = true; // nobody is there to hear it
+    choice.hidden = true; // without a server nothing can be chosen
     if (live.ended) showState("ended", ENDED); // what the last figures have said; the page goes on when a new run begins
     else showState("lost", reason || "no connection, trying again");
     setTimeout(connect, RECONNECT_MS[Math.min(live.tries++, RECONNECT_MS.length - 1)]);
