@@ -41,6 +41,9 @@ _FILTERED = "cot_filtered"  # the module with filters in front of a tracker
 _MOTION = "cot_motion"  # the array with motion
 _SETTLE_CLOCKS = 1 << 24  # more than any filter's memory needs to become empty
 _FOREVER = (1 << 63) - 1
+# More than a motion step takes: docs/motion.md.
+_SLOT_CLOCKS = 300  # of each slot that lives, with a merge
+_PAIR_CLOCKS = 60  # and each other one that it is compared with
 
 
 class StreamTimes(NamedTuple):
@@ -299,7 +302,7 @@ class Device:
             own_pattern=pointer(patterns.own), own_length=len(patterns.own),
             pass_pattern=pointer(patterns.passed), pass_length=len(patterns.passed),
             owner=pointer(owner), rel_x=pointer(rel_x), rel_y=pointer(rel_y), accept_cycle=pointer(accepted),
-            now=self.now, began=self.now, cycle=self.cycle,
+            now=self.now, began=self.now, cycle=self.cycle, step_clocks=self._step_clocks(ticked.ticks),
             vcd=self._vcd, vcd_from=self._vcd_window[0], vcd_to=self._vcd_window[1],
         )  # fmt: skip
         records: list[NDArray[np.void]] = []
@@ -326,6 +329,15 @@ class Device:
         order = _order_of(joined) if self.top == "cot_chain" else slice(None)
         times = np.concatenate(recorded)[order] if recorded else np.empty(0, np.int64)
         return Decisions(joined[order], owner, rel_x, rel_y), times
+
+    def _step_clocks(self, ticks: NDArray[np.int64]) -> int:
+        """The most clocks that motion steps take in the longest wait: in each, every slot may be compared with all others."""
+        if not self.config.motion.enable:
+            return 0
+        wait = int(np.diff(ticks, prepend=self.now).max(initial=0))
+        slots = self.shape.n_slots
+        clocks = (1 + (wait >> self.config.motion.step_log2)) * slots * (_SLOT_CLOCKS + _PAIR_CLOCKS * slots)
+        return min(clocks, _FOREVER >> 1)
 
     @property
     def arrangement(self) -> Arrangement:

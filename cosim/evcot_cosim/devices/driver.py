@@ -40,7 +40,7 @@ class Status(Ending):
 
     DONE = ""
     RECORDS_FULL = ""  # call again with room for more records
-    STUCK = "stands still: no handshake for a million clocks, waiting at event"
+    STUCK = "stands still: no handshake for a million clocks and what motion steps may take, waiting at event"
     EVENT_LOST = "lost event"
     OWNED_OUT_OF_ORDER = "gave twice, or out of order, owned event"
     OWNED_CHANGED = "changed the polarity of owned event"
@@ -86,6 +86,7 @@ _JOB = {
     "held_tick": "int64_t",
     "fault_seq": "int64_t",
     "began": "int64_t",  # tick of the last event before this call
+    "step_clocks": "int64_t",  # that motion steps may take between two handshakes, besides what anything else takes
     # waveform: clocks from the one after event vcd_from - 1 was accepted to the one that accepts event vcd_to
     "vcd": "void*",
     "vcd_from": "int64_t",

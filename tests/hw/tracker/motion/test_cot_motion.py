@@ -117,6 +117,29 @@ def test_a_silence_ends_lives_at_steps_alone() -> None:
     equal(device.stream(later), said)
 
 
+def test_steps_of_many_slots_may_take_more_than_a_million_clocks_in_a_silence() -> None:
+    """Candidates are compared with each other, and nothing is said: that is no hardware that stands still."""
+    shape = replace(SHAPES[-1], tc_w=24)
+    assert shape.n_slots == 64
+    long, never = 2**20, 2**16 - 1
+    registers = replace(
+        QUICK, step_log2=0, nev_low=4, nev_high=4, seed_px=2, gap_corrections=0, birth_support=never, join_steps=1_023,
+        detect_ticks=long, life_ticks=long, coast_ticks=long,
+    )  # fmt: skip
+    config = CotConfig(shape, motion=registers)
+    which, rng = np.tile(np.arange(64), 40), np.random.default_rng(6)
+    x, y = (place * 16 + 4 + rng.integers(0, 4, len(which)) for place in (which % 8, which // 8))
+    events = TickedEvents(
+        np.zeros(len(which), np.int64), x.astype(np.uint16), y.astype(np.uint16), (which * 0).astype(np.uint8)
+    )
+    silent = TickedEvents(np.array([100]), events.x[:1], events.y[:1], events.p[:1])
+    device, model = bare_device(config), CotModel(config)
+    equal(device.stream(events), model.feed(events))
+    before = device.cycle
+    equal(device.stream(silent), model.feed(silent))
+    assert device.cycle - before > 1 << 20
+
+
 def test_clocks() -> None:
     """An event a clock, of one owner or of none; a step over free slots takes five, and its token eight."""
     shape = replace(SHAPE, n_slots=2, time_w=48)
