@@ -37,7 +37,8 @@ class Column(Protocol):
 class GrowingColumn(Column, Protocol):
     """A column to which values are added at the end."""
 
-    def append(self, values: NDArray[Any], /) -> None: ...
+    def append(self, values: NDArray[Any], /) -> None:
+        """Add values at the end."""
 
 
 def in_runs(values: Column, size: int = _RUN) -> Iterator[tuple[int, NDArray[Any]]]:
