@@ -162,6 +162,8 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
     share = found.short / found.lives
     what = "of their lives " if found.found_again else ""
     text += f"; {_percent(share)} {what}are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"
+    if found.short and found.short_time_fraction is not None:
+        text += f", and {_percent(found.short_time_fraction)} of the time of all"
     grade = min(_above(share, _SHORT), Grade.POOR if found.short >= _FEW else Grade.FAIR)
     return _line("tracks", side, grade, text, _steadier(side, found, summary), f"{_percent(share)} {what}are short")
 

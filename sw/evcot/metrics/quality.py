@@ -34,7 +34,8 @@ class Quality:
         tracks: number of tracks; `alive_mean`: how many were alive, on average over the recording.
         tracks_per_alive: tracks for each object alive.
         short_us: a life of a track is short if it ended sooner and travelled less than half its box.
-        short: number of short lives; `short_merged` of them ended in another track, `short_lost` in silence.
+        short: number of short lives; `short_merged` of them ended in another track, `short_lost` in silence;
+            `short_time_fraction`: their share of the time of all lives.
         owned_fraction: share of the events that passed the filters and have a neighbour, that belong to a visible track that is
             not short.
         isolated_fraction: share of all events without an event on one of the eight pixels around within the 10 ms before.
@@ -59,6 +60,7 @@ class Quality:
     noise_tracks: int
     noise_time_fraction: float | None
     found_again: int = 0
+    short_time_fraction: float | None = None
 
     @property
     def lives(self) -> int:
@@ -135,6 +137,7 @@ class QualityCounter:
             short=int(short.sum()),
             short_merged=int((short & (lives["ended"] == Kind.MERGED)).sum()),
             short_lost=int((short & (lives["ended"] == Kind.LOST)).sum()),
+            short_time_us=int(lengths_us[short].sum()),
             lasting=int(counts[over & ~short, 2].sum()),
             near=int(np.count_nonzero(passed & ~alone)),
             events=len(events),
@@ -165,6 +168,7 @@ class QualityCounter:
             noise_tracks=sums["noise"],
             noise_time_fraction=_share(sums["noise_us"], sums["alive_us"]),
             found_again=sums["found_again"],
+            short_time_fraction=_share(sums["short_time_us"], sums["alive_us"]),
         )
 
 

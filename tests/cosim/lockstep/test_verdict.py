@@ -134,6 +134,11 @@ def test_the_headline_names_what_the_grade_comes_from(monkeypatch: pytest.Monkey
     assert headline(poor, owned_fraction=0.1) == "The tracks are poor: lasting ones have 10 % of the events."
 
 
+def test_short_tracks_come_with_their_share_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = line(judged(monkeypatch, replace(GOOD, short=3, short_time_fraction=0.02)), "tracks", "hardware")
+    assert found.text.endswith("30 % are short: gone within 0.2 s, close to where they began, and 2 % of the time of all")
+
+
 def test_a_mismatch_stands_above_everything(monkeypatch: pytest.MonkeyPatch) -> None:
     verdict = judged(monkeypatch, exact=False, mismatch={"event_index": 1_000, "field": "owner"})
     assert verdict.headline == "Hardware and model differ: the run ended there."

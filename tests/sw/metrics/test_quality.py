@@ -60,6 +60,7 @@ def test_a_short_track_is_told_from_a_lasting_one_and_by_its_end(kind: Kind, mer
     assert (found.tracks, found.short, found.short_merged, found.short_lost) == (2, 1, merged, lost)
     assert found.alive_mean == pytest.approx(0.505)
     assert found.tracks_per_alive == pytest.approx(2 / 0.505)
+    assert found.short_time_fraction == pytest.approx(0.05 / 5.05)
 
 
 def test_a_brief_track_that_travels_or_is_still_alive_is_not_short() -> None:
