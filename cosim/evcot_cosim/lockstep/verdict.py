@@ -159,6 +159,8 @@ def _tracks(side: str, found: Quality, summary: Mapping[str, Any]) -> Line:
     text += f", about {found.alive_mean:.2g} alive at a time"
     if found.tracks_per_alive is not None:
         text += f" ({found.tracks_per_alive:,.{0 if found.tracks_per_alive >= 10 else 1}f} per object alive)"
+    if found.absorbed:
+        text += f", and {found.absorbed:,} that merged into another in the moment of their birth"
     share = found.short / found.lives
     what = "of their lives " if found.found_again else ""
     text += f"; {_percent(share)} {what}are short: gone within {found.short_us / 1e6:.2g} s, close to where they began"

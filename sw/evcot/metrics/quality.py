@@ -31,7 +31,8 @@ class Quality:
     """Figures of one log. A figure without data is None.
 
     Attributes:
-        tracks: number of tracks; `alive_mean`: how many were alive, on average over the recording.
+        tracks: number of tracks, without the absorbed ones; `alive_mean`: how many were alive, on average over the recording.
+        absorbed: tracks that merged into another one in the moment of their birth, which nobody sees: they are no lives here.
         tracks_per_alive: tracks for each object alive.
         short_us: a life of a track is short if it ended sooner and travelled less than half its box.
         short: number of short lives; `short_merged` of them ended in another track, `short_lost` in silence;
@@ -61,6 +62,7 @@ class Quality:
     noise_time_fraction: float | None
     found_again: int = 0
     short_time_fraction: float | None = None
+    absorbed: int = 0
 
     @property
     def lives(self) -> int:
@@ -121,17 +123,19 @@ class QualityCounter:
         lives = lifetimes(log, self._end_us)
         lengths_us = lives["end_us"] - lives["birth_us"]
         found_again = self._found_again.of(log, lives)[len(self._open) :]
-        over = (lives["ended"] != OPEN) | last
-        short = (lengths_us < self._short_us) & (lives["ended"] != OPEN) & ~_travelled(log)
+        absorbed = (lives["ended"] == Kind.MERGED) & (lengths_us == 0)
+        over = ((lives["ended"] != OPEN) | last) & ~absorbed
+        short = ~absorbed & (lengths_us < self._short_us) & (lives["ended"] != OPEN) & ~_travelled(log)
         life = _life_of_event(log, events.t_us, lives)
         owned, passed = life >= 0, log.owner != DROPPED
         near = owned & passed & ~alone
         counts = np.column_stack([np.bincount(life[which], minlength=len(lives)) for which in (owned, owned & alone, near)])
         counts[: len(self._open)] += self._open
         noise = over & (2 * counts[:, 1] > counts[:, 0])
-        self._open = counts[~over]
+        self._open = counts[~over & ~absorbed]
         self._sums.update(
             lives=int(over.sum()),
+            absorbed=int(absorbed.sum()),
             found_again=int(found_again.sum()),
             alive_us=int(lengths_us[over].sum()),
             short=int(short.sum()),
@@ -169,6 +173,7 @@ class QualityCounter:
             noise_time_fraction=_share(sums["noise_us"], sums["alive_us"]),
             found_again=sums["found_again"],
             short_time_fraction=_share(sums["short_time_us"], sums["alive_us"]),
+            absorbed=sums["absorbed"],
         )
 
 

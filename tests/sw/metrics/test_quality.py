@@ -63,6 +63,19 @@ def test_a_short_track_is_told_from_a_lasting_one_and_by_its_end(kind: Kind, mer
     assert found.short_time_fraction == pytest.approx(0.05 / 5.05)
 
 
+def test_a_track_that_merges_in_the_moment_of_its_birth_is_none_that_anybody_sees() -> None:
+    log = log_of(
+        [
+            record(Kind.BORN, 0, 0), record(Kind.BORN, 1, SECOND, slot=1), record(Kind.MERGED, 1, SECOND, slot=1),
+            record(Kind.LOST, 0, 5 * SECOND),
+        ],
+        [0] * 2,
+    )  # fmt: skip
+    found = quality_of(log, events_at([0, 10 * SECOND]), np.zeros(2, np.bool_))
+    assert (found.tracks, found.absorbed, found.lives, found.short) == (1, 1, 1, 0)
+    assert found.tracks_per_alive == pytest.approx(2)
+
+
 def test_a_brief_track_that_travels_or_is_still_alive_is_not_short() -> None:
     end_us = 10 * SECOND
     log = log_of(
