@@ -29,7 +29,7 @@ from ..devices.device import build_device
 from ..lockstep.cosim import stalls_from
 from ..lockstep.lockstep import Lockstep
 from ..lockstep.mismatch import MismatchError
-from ..lockstep.random_runs import random_config, random_run
+from ..lockstep.random_runs import random_config, random_motion, random_motion_run, random_run
 from ..names import DEFAULT_TOP, Top
 from ..rtl.build import BuiltModel
 from .checkpoints import CheckpointedLog
@@ -38,7 +38,7 @@ from .cost import hardware_cost
 from .fields import MODEL, RTL
 from .inputs import Stream, opened, truth_of
 from .machine import code_fingerprint, versions
-from .task import FUZZ, Task, canonical
+from .task import FUZZ, MOTION, Task, canonical
 
 __all__ = ["DONE", "FAILED", "INVALID", "MISMATCH", "Tracked", "execute", "row_of", "tracked"]
 
@@ -158,10 +158,16 @@ def _state(lockstep: Lockstep, t0_us: int) -> tuple[dict[str, Any], int]:
 
 
 def _fuzzed(task: Task) -> dict[str, Any]:
-    shape, top = Shape(**task.tables["shape"]), cast(Top, task.hardware)
+    shape = Shape(**task.tables["shape"])
     assert task.seed is not None
-    built = _built(random_config(np.random.default_rng(task.seed), shape), top)
-    lockstep = random_run(shape, top, task.seed, task.events, built)
+    rng = np.random.default_rng(task.seed)
+    if task.hardware == MOTION:
+        built = _built(random_motion(rng, shape), "cot_array")
+        lockstep = random_motion_run(shape, task.seed, task.events, built)
+    else:
+        top = cast(Top, task.hardware)
+        built = _built(random_config(rng, shape), top)
+        lockstep = random_run(shape, top, task.seed, task.events, built)
     own = {"events": lockstep.events, "records": lockstep.records, "build_s": 0.0 if built.cached else built.build_s}
     return {**own, **_hardware(lockstep)}
 

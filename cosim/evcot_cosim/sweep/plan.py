@@ -21,9 +21,11 @@ from .fields import HARDWARE, MODEL, PRESET, RTL, concerns, with_fields
 from .inputs import inputs_of, sensor_of
 from .machine import code_fingerprint, design_fingerprint
 from .spec import Spec
-from .task import FUZZ, Input, Task, canonical
+from .task import FUZZ, MOTION, Input, Task, canonical
 
 __all__ = ["Invalid", "Plan", "Planner", "points_of"]
+
+_MOTION_TIME_W = 32  # bits of a time, at least
 
 
 @dataclass(frozen=True)
@@ -112,8 +114,8 @@ class Planner:
                     FUZZ, tables=tables, hardware=module, events=fuzz.events, settings=settings, code=code_fingerprint(),
                     design=design_fingerprint(),
                 )  # fmt: skip
-                if module == "cot" and Shape(**shape).n_slots != 1:
-                    rule = f"shape.n_slots = {Shape(**shape).n_slots}: must be 1 for a single tracker"
+                rule = _rule_of(module, Shape(**shape))
+                if rule:
                     plan.invalid.append(Invalid(common, rule))
                     continue
                 plan.tasks += [replace(common, seed=seed) for seed in self.spec.seeds]
@@ -201,6 +203,15 @@ def _fault(task: Task, sensor: Sensor) -> str | None:
 
 def _with(what: str) -> str:
     return f" with {what.replace(chr(34), '')}" if what else ""
+
+
+def _rule_of(module: str, shape: Shape) -> str:
+    """The rule of a module that a shape breaks; empty: none."""
+    if module == "cot" and shape.n_slots != 1:
+        return f"shape.n_slots = {shape.n_slots}: must be 1 for a single tracker"
+    if module == MOTION and shape.time_w < _MOTION_TIME_W:
+        return f"shape.time_w = {shape.time_w}: must be at least {_MOTION_TIME_W} with motion"
+    return ""
 
 
 def _designs_first(tasks: Sequence[Task]) -> list[Task]:

@@ -23,7 +23,7 @@ from .axes import METHODS, Axis, axis_from
 from .fields import HARDWARE, MODEL, PRESET, RTL, nested
 from .metrics import METRICS
 from .places import placed
-from .task import canonical
+from .task import MOTION, canonical
 
 __all__ = ["SHIPPED", "Fuzz", "Spec", "read_spec", "spec_from", "spec_toml"]
 
@@ -33,6 +33,7 @@ SHIPPED = tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 _DIRECTIONS = ("max", "min")
 _SEEDS_MAX = 10_000_000
+_FUZZED = (*get_args(Top), MOTION)
 
 
 @dataclass(frozen=True)
@@ -274,10 +275,10 @@ def _fuzz(value: Mapping[str, Any]) -> Fuzz:
     for key in value:
         if key not in ("modules", "shapes", "events"):
             raise ConfigError(f"fuzz: unknown field {key!r}: must be one of events, modules, shapes")
-    modules = tuple(_texts("fuzz.modules", value.get("modules", list(get_args(Top)))))
+    modules = tuple(_texts("fuzz.modules", value.get("modules", list(_FUZZED))))
     for module in modules:
-        if module not in get_args(Top):
-            raise ConfigError(f"fuzz.modules: {module!r}: must be one of {', '.join(get_args(Top))}")
+        if module not in _FUZZED:
+            raise ConfigError(f"fuzz.modules: {module!r}: must be one of {', '.join(_FUZZED)}")
     shapes = value.get("shapes", [{}])
     if not isinstance(shapes, list) or not shapes or not all(isinstance(shape, Mapping) for shape in shapes):
         raise ConfigError(f"fuzz.shapes = {shapes!r}: must be a list of tables, one at least")
