@@ -29,7 +29,7 @@ def input_options(parser: argparse.ArgumentParser, *, runs: bool = False, auto: 
     group.add_argument(
         "--preset",
         metavar="NAME",
-        help=f"one of `evcot presets`; auto: chosen from what the recording shows (default: {default})",
+        help=f"one of `evcot presets`; auto, auto-paper: chosen from what the recording shows (default: {default})",
     )
     group.add_argument(
         "--config", type=input_path, metavar="TOML", help="a file that overrides the preset, or a whole run (--print-config)"

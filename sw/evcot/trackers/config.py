@@ -20,7 +20,7 @@ from ..outputs import note_input
 from .auto.config import AutoConfig
 from .rct.config import RctConfig
 
-__all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "run_config_from", "tracker_from"]
+__all__ = ["RunConfig", "Software", "load_toml", "load_tracker", "run_config_from", "tracker_from", "without_motion"]
 
 Software = Literal["auto", "rct"]
 
@@ -113,6 +113,19 @@ def load_toml(path: Path, base: RunConfig) -> RunConfig:
     """
     with _named(path):
         return run_config_from(_tables(path), base, path.parent)
+
+
+def without_motion(path: Path) -> bool:
+    """Whether a TOML file for `load_toml` is about the array without motion: has registers of slots, or says so.
+
+    Raises:
+        ConfigError: the file cannot be read, or is not TOML.
+    """
+    with _named(path):
+        data = _tables(path)
+        registers = set(_table(data, "cot", "top level")) - {"tick_us"}
+        enable = _table(data, "motion", "top level").get("enable")
+        return not enable and (enable is not None or bool(registers) or "slot" in data)
 
 
 def load_tracker(path: Path, name: str, settings: Any, filters: FilterConfig) -> tuple[Any, FilterConfig]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -63,12 +64,42 @@ def test_each_choice_can_be_changed_alone(discs: Path, tmp_path: Path, capsys: p
     assert filtered.filters.refractory_us == plain.filters.refractory_us > 0
     assert filtered.cot == plain.cot
     mine = tmp_path / "mine.toml"
-    mine.write_text("[cot]\nmax_ticks = 1234\n[auto]\ncoast = 2.0\n")
+    mine.write_text("[motion]\nbirth_support = 123\n[auto]\ncoast = 2.0\n")
     changed = Printed(capsys, tmp_path, str(discs), "--config", str(mine)).config
-    assert {slot.max_ticks for slot in changed.cot.slots} == {1234}
+    assert changed.cot.motion == replace(plain.cot.motion, birth_support=123)
     assert changed.auto.coast == 2.0
-    assert changed.cot.slots[0].clust_nev == plain.cot.slots[0].clust_nev
     assert changed.filters == plain.filters
+
+
+@pytest.mark.parametrize("text", ["[cot]\nmax_ticks = 1234\n", "[[slot]]\nmax_ticks = 1234\n", "[motion]\nenable = 0\n"])
+def test_a_file_with_registers_of_slots_is_about_the_array_without_motion(
+    discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
+) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text(text)
+    paper = Printed(capsys, tmp_path, str(discs), "--preset", "auto-paper").config
+    changed = Printed(capsys, tmp_path, str(discs), "--config", str(mine)).config
+    slots = paper.cot.slots
+    if "max_ticks" in text:
+        changes = len(slots) if "[cot]" in text else 1
+        slots = tuple(replace(slot, max_ticks=1234) if i < changes else slot for i, slot in enumerate(slots))
+    assert changed == replace(paper, cot=replace(paper.cot, slots=slots))
+
+
+def test_a_file_with_the_unit_of_time_alone_leaves_motion(
+    discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text("[cot]\ntick_us = 2\n")
+    assert Printed(capsys, tmp_path, str(discs), "--config", str(mine)).config.cot.motion.enable == 1
+
+
+@pytest.mark.parametrize("hardware", ["cot", "cot_chain"])
+def test_a_module_without_motion_gets_registers_without_it(
+    discs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], hardware: str
+) -> None:
+    config = Printed(capsys, tmp_path, str(discs), "--hardware", hardware).config
+    assert (config.name, config.cot.motion.enable) == ("auto-paper", 0)
 
 
 @pytest.mark.parametrize("options", [("--preset", "davis346"), ()])
@@ -86,5 +117,5 @@ def test_too_short_a_recording_says_what_is_assumed(discs: Path, tmp_path: Path,
     path = tmp_path / "short.npz"
     write_recording(Recording(recording.events[:50], 346, 260, "short"), path)
     printed = Printed(capsys, tmp_path, str(path))
-    assert "no object seen for long enough -> preset davis346 assumed" in printed.err
+    assert "no object seen for long enough -> preset motion assumed" in printed.err
     assert printed.config.software == "auto"

@@ -18,16 +18,17 @@ from evcot_cosim.waves import Wave
 
 Capture = pytest.CaptureFixture[str]
 RUN = "build/cosim/boxes"
+SCENE = ("boxes", "--preset", "auto-paper", "--to", "500", "--stalls", "4")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a run of half a second of the box experiment, with stalls."""
+    """A folder with a run of half a second of the box experiment, with stalls; without motion, since clusters merge then."""
     folder = tmp_path_factory.mktemp("runs")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("EVCOT_CACHE", str(evcot_cosim.rtl.build.cache_dir()))
         patch.chdir(folder)
-        assert main(["cosim", "boxes", "--to", "500", "--stalls", "4", "-q"]) == 0
+        assert main(["cosim", *SCENE, "-q"]) == 0
     return folder
 
 
@@ -53,7 +54,7 @@ def test_a_run_repeats_from_its_own_description(capsys: Capture) -> None:
 
 
 def test_a_description_is_printed_without_a_run(capsys: Capture) -> None:
-    assert main(["cosim", "boxes", "--to", "500", "--stalls", "4", "--print-config"]) == 0
+    assert main(["cosim", *SCENE, "--print-config"]) == 0
     assert capsys.readouterr().out == description(RUN)
 
 
@@ -108,6 +109,7 @@ def test_properties_are_put_to_the_waveform_that_a_run_has_left(capsys: Capture)
 def test_properties_are_put_to_a_part_that_is_simulated_for_them(capsys: Capture) -> None:
     assert main(["assert", RUN, "--around", "merge:2", "--reach", "60", "--json"]) == 0
     assert main(["assert", "boxes", "--to", "3", "--json"]) == 0
+    assert main(["assert", "boxes", "--preset", "auto", "--to", "30", "--json"]) == 0
     for line in capsys.readouterr().out.split("]\n[\n"):
         assert '"holds": true' in line
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Registers and filters by what was seen: how they follow each estimate."""
+"""A configuration by what was seen: with motion or without, and the line that says so."""
 
 from __future__ import annotations
 
@@ -8,105 +8,38 @@ from dataclasses import replace
 import pytest
 
 from evcot.filters.config import FilterConfig
-from evcot.trackers.auto.estimates import Estimates, Objects, Spread
-from evcot.trackers.auto_registers import AUTO, auto_config, told
+from evcot.trackers.auto.estimates import Estimates
+from evcot.trackers.auto_registers import AUTO, AUTO_PAPER, auto_config, told
 from evcot.trackers.presets import PRESETS
+from support.scene_estimates import MIXED
 
 
-def spread(median: float, by: float = 1.0) -> Spread:
-    return Spread(median / by, median, median * by)
-
-
-MIXED = Estimates(
-    (346, 260), 4_000_000, 800_000, 0.01, ((3, 4),), 4, 7, Objects(spread(16, 2), spread(20, 2), spread(60, 3), spread(80))
-)
-ALIKE = replace(MIXED, objects=Objects(spread(9), spread(9), spread(120), spread(150)))
-
-
-def objects_of(seen: Estimates, **changes: Spread) -> Estimates:
-    assert seen.objects is not None
-    return replace(seen, objects=replace(seen.objects, **changes))
-
-
-def test_it_is_a_run_of_the_automatic_tracker_which_needs_no_filters() -> None:
-    config = auto_config(MIXED)
-    assert (config.name, config.software) == (AUTO, "auto")
+@pytest.mark.parametrize(("name", "motion"), [(AUTO, 1), (AUTO_PAPER, 0)])
+def test_it_is_a_run_of_the_automatic_tracker_which_needs_no_filters(name: str, motion: int) -> None:
+    config = auto_config(MIXED, name)
+    assert (config.name, config.software, config.cot.motion.enable) == (name, "auto", motion)
     assert config.in_front_of_software == FilterConfig()
-    assert AUTO not in PRESETS
+    assert name not in PRESETS
 
 
-def test_addresses_and_slots() -> None:
-    shape = auto_config(MIXED).cot.shape
-    assert (shape.x_w, shape.y_w, shape.n_slots) == (9, 9, 7 + 4)
-    assert auto_config(replace(MIXED, alive_most=200)).cot.shape.n_slots == 64
-
-
-def test_a_window_reaches_beyond_an_object_and_follows_its_size() -> None:
-    for scale in (0.5, 1.0, 2.0):
-        slot = auto_config(objects_of(MIXED, long_px=spread(20 * scale, 2))).cot.slots[0]
-        assert slot.init_radix + slot.radix_th == pytest.approx(1.4 * 20 * scale, abs=1)
-        assert slot.radix_max + slot.radix_th == pytest.approx(1.4 * 40 * scale, abs=1)
-
-
-def test_windows_keep_their_size_where_objects_are_of_one() -> None:
-    slot = auto_config(ALIKE).cot.slots[0]
-    assert slot.radix_max - slot.init_radix == slot.init_radix - slot.radix_min == 1
-    mixed = auto_config(MIXED).cot.slots[0]
-    assert mixed.radix_max > 1.5 * mixed.init_radix
-
-
-def test_one_polarity_only_where_objects_are_of_several_sizes() -> None:
-    assert auto_config(MIXED).filters.polarity == "off"
-    assert auto_config(ALIKE).filters.polarity is None
-
-
-def test_counts_follow_pixels_per_pixel_travelled_and_not_speed() -> None:
-    def n_ev(pixels: float, speed: float) -> int:
-        return auto_config(objects_of(ALIKE, pixels_per_px=spread(pixels), speed_px_s=spread(speed))).cot.slots[0].clust_nev
-
-    assert n_ev(1000, 120) == 2 * n_ev(500, 120) == 2 * n_ev(500, 12) > 10
-
-
-def test_times_follow_size_by_speed() -> None:
-    def times(seen: Estimates) -> tuple[int, ...]:
-        config = auto_config(seen)
-        return config.cot.slots[0].max_ticks, config.cot.slots[0].detect_ticks, config.filters.refractory_us
-
-    slow = times(objects_of(MIXED, speed_px_s=spread(30, 3)))
-    assert slow == pytest.approx([2 * t for t in times(MIXED)], abs=2)
-    assert times(MIXED)[0] == int(1e6 * 0.12 * 16 / 60)
-
-
-def test_noise_is_filtered_where_it_would_keep_tracks_alive() -> None:
-    quiet, loud, louder = (auto_config(replace(MIXED, noise_hz=hz)).filters for hz in (None, 1.0, 10.0))
-    assert quiet.activity_us == 0
-    assert loud.activity_us == louder.activity_us > 0
-    assert louder.activity_support > loud.activity_support
-
-
-def test_hot_pixels_are_masked() -> None:
-    assert auto_config(MIXED).filters.hot_pixels == ((3, 4),)
-
-
-@pytest.mark.parametrize(("width", "preset"), [(128, "dvs128"), (346, "davis346"), (1280, "hd")])
-def test_without_objects_the_preset_of_the_sensor_is_assumed_and_said(width: int, preset: str) -> None:
-    seen = Estimates((width, 100), 20_000, 10, 5.0, ((3, 4),))
-    config = auto_config(seen)
-    assert config.cot.slots == PRESETS[preset].cot.slots
-    assert config.filters.activity_us > 0
-    assert f"no object seen for long enough -> preset {preset} assumed, 8 slots" in told(seen, config)
-
-
-def test_extremes_stay_within_limits() -> None:
-    for size in (0.1, 4000.0):
-        for speed in (0.01, 1e6):
-            for pixels in (0.01, 1e6):
-                auto_config(Estimates((1280, 720), 1, 1, 1e3, (), 1, 1, Objects(*map(spread, (size, size, speed, pixels)))))
+def test_with_motion_unless_another_name_is_given() -> None:
+    assert auto_config(MIXED) == auto_config(MIXED, AUTO)
 
 
 def test_the_line_says_what_runs() -> None:
-    config = auto_config(MIXED)
-    slot = config.cot.slots[0]
-    line = f"-> 11 slots, radius 28 px, N_ev {slot.clust_nev}, lifetime 32 ms, polarity filter, mask filter, refractory filter"
+    seen = replace(MIXED, noise_hz=0.5)
+    line = told(seen, auto_config(seen))
+    assert line.startswith(str(seen))
+    assert line.endswith("-> 16 slots with motion, steps of 4.1 ms, mask filter, refractory filter, activity filter")
+    config = auto_config(MIXED, AUTO_PAPER)
+    n_ev = config.cot.slots[0].clust_nev
+    line = f"-> 11 slots, radius 28 px, N_ev {n_ev}, lifetime 32 ms, polarity filter, mask filter, refractory filter"
     assert line in told(MIXED, config)
-    assert told(MIXED, config).startswith(str(MIXED))
+
+
+@pytest.mark.parametrize(
+    ("name", "assumed"), [(AUTO, "preset motion assumed, 8 slots with motion"), (AUTO_PAPER, "preset hd assumed, 8 slots")]
+)
+def test_the_line_says_what_is_assumed_where_no_object_was_seen(name: str, assumed: str) -> None:
+    seen = Estimates((1280, 720), 20_000, 10, 5.0)
+    assert f"no object seen for long enough -> {assumed}" in told(seen, auto_config(seen, name))

@@ -13,8 +13,8 @@ from evcot.errors import ConfigError
 from evcot.events import Events, Recording
 from evcot.filters.config import FilterConfig
 from evcot.trackers.auto.estimates import Estimates, estimate
-from evcot.trackers.auto_registers import AUTO, auto_config, told
-from evcot.trackers.config import RunConfig, load_toml
+from evcot.trackers.auto_registers import AUTO, AUTO_PAPER, auto_config, told
+from evcot.trackers.config import RunConfig, load_toml, without_motion
 from evcot.trackers.presets import fit, run_config
 
 from ...devices.base import Stalls
@@ -93,7 +93,7 @@ def job_from(
     folder = _run_folder(options)
     described = read_run_file(options.config) if options.config else None
     source = _source(options, described.source if described else None, window)
-    from_estimates = options.preset == AUTO or (
+    from_estimates = options.preset in (AUTO, AUTO_PAPER) or (
         auto and options.preset is None and not described and options.recording is not None
     )
     if until_us is not None and not described and not from_estimates:
@@ -152,6 +152,12 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
     return replace(base, skip_damaged=True) if options.skip_damaged else base
 
 
+def _from(seen: Estimates, options: argparse.Namespace, top: Top) -> RunConfig:
+    """Of the modules only the array has motion; and a file that has registers of slots is about the array without it."""
+    paper = top != "cot_array" or (options.preset is None and options.config is not None and without_motion(options.config))
+    return auto_config(seen, AUTO_PAPER if paper else options.preset or AUTO)
+
+
 def _config(
     options: argparse.Namespace,
     recording: Recording,
@@ -161,7 +167,7 @@ def _config(
 ) -> RunConfig:
     sensor = recording.width, recording.height
     slots = 1 if top == "cot" and options.slots is None else options.slots
-    config = fit(auto_config(seen), *sensor, slots) if seen else run_config(*sensor, options.preset, slots)
+    config = fit(_from(seen, options, top), *sensor, slots) if seen else run_config(*sensor, options.preset, slots)
     if seen and top == "cot":  # which has no filters in front
         config = replace(config, filters=FilterConfig())
     if options.config is not None:

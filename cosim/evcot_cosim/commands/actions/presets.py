@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from evcot.filters.config import FilterConfig
-from evcot.trackers.auto_registers import AUTO
+from evcot.trackers.auto_registers import AUTO, AUTO_PAPER
 from evcot.trackers.engines import ENGINES, Engine
 from evcot.trackers.presets import PRESETS
 
@@ -44,7 +44,8 @@ def run(options: argparse.Namespace, _arguments: Sequence[str]) -> int:
                 f"{config.cot.tick_us} us",
             )
         )
-    rows.append((AUTO, "from what the recording shows: docs/auto.md", "", "", ""))
+    rows.append((AUTO, "by what the recording shows: docs/auto.md", "by its box", "", ""))
+    rows.append((AUTO_PAPER, "the same for the array without motion", "", "", ""))
     print_table(rows)
     return 0
 
