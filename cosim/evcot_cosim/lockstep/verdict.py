@@ -205,16 +205,19 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
         text = "hardware or software has no track to compare"
         return [Line("agreement", "", Grade.POOR, text, fault="hardware or software has none")]
     same, hardware, software = found["merges_paired"], found["merges_hardware"], found["merges_software"]
-    most = max(hardware, software)
+    comparable = found["merges_comparable_hardware"], found["merges_comparable_software"]
+    most = max(comparable)
     merged = _below(same / most, _MERGED) if most >= _FEW else Grade.GOOD
     text = (
         f"hardware tracks have a software track within {found['radius_px']:g} px for {_percent(shares[0])} of their time, and "
-        f"software tracks a hardware track for {_percent(shares[1])}; of {hardware:,} merges in hardware and "
-        f"{software:,} in software, {same:,} {'is' if same == 1 else 'are'} the same"
+        f"software tracks a hardware track for {_percent(shares[1])}"
     )
+    if hardware or software:
+        text += f"; of {hardware:,} merges in hardware and {software:,} in software, {comparable[0]:,} and {comparable[1]:,} "
+        text += f"end tracks that both have, and {same:,} {'is' if same == 1 else 'are'} the same"
     advice = "every difference, with its moment, is listed under Agreement in report.html"
-    if merged and most >= 2 * min(hardware, software):
-        more = "hardware" if hardware == most else "software"
+    if merged and most >= 2 * min(comparable):
+        more = "hardware" if comparable[0] == most else "software"
         advice = f"{more} merges more often, so there parts of one object have tracks of their own; {advice}"
     grade = max(_below(min(shares), _PAIRED), merged)
     return [_line("agreement", "", grade, text, advice, "hardware and software disagree")]
@@ -242,7 +245,7 @@ def _register(side: str, summary: Mapping[str, Any], name: str, what: str, way: 
         return f"{what} ([motion] in run.toml: docs/motion.md)"
     slots = config.get("cot", {}).get("slots")
     set_it = f"{what} ({name} in run.toml {way} {slots[0][name]}, then `evcot cosim --config run.toml`)" if slots else what
-    return f"take the array with motion and boxes (`--preset motion`), or {set_it}"
+    return f"take the array with motion and boxes (`--preset auto`), or {set_it}"
 
 
 def _quieter(found: Quality) -> str:

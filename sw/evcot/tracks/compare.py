@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConfigError
-from .column import Column, GrowingColumn, HeldColumn, PackedColumn
+from .column import Column, GrowingColumn, HeldColumn, PackedColumn, in_runs
 from .log import TrackLog
 from .merge_pairs import pair_merges
 from .pairing import closest_pairs, within
@@ -71,6 +71,8 @@ class Agreement:
         tracks: the pairs of tracks, chosen to maximise the total time together.
         tracks_unpaired_hardware, tracks_unpaired_software: ids of the tracks without a partner.
         merges_hardware, merges_software, merges_paired: number of merges of each, and of those that agree in time and place.
+        merges_comparable_hardware, merges_comparable_software: of the merges, those whose absorbed track has a partner: without
+            one, the other side has nothing there that could have merged.
         merges: the merges that agree.
         merges_unpaired_hardware, merges_unpaired_software: ids of the absorbed tracks of the other merges.
 
@@ -101,6 +103,8 @@ class Agreement:
     merges_hardware: int
     merges_software: int
     merges_paired: int
+    merges_comparable_hardware: int
+    merges_comparable_software: int
     merges: tuple[MergePair, ...]
     merges_unpaired_hardware: tuple[int, ...]
     merges_unpaired_software: tuple[int, ...]
@@ -257,6 +261,8 @@ class Comparison:
             merges_hardware=len(self._merges[0]),
             merges_software=len(self._merges[1]),
             merges_paired=joint.count,
+            merges_comparable_hardware=_count_of(self._merges[0], tracks["hardware_id"]),
+            merges_comparable_software=_count_of(self._merges[1], tracks["software_id"]),
             merges=tuple(MergePair(*row) for row in joint.pairs[_MERGE_PAIR].tolist()),
             merges_unpaired_hardware=tuple(joint.hardware_alone.tolist()),
             merges_unpaired_software=tuple(joint.software_alone.tolist()),
@@ -273,6 +279,11 @@ def _track_pairs(paired: PairedTracks, step_us: int, tolerance_us: int) -> NDArr
         rows[name] = sw[end] - hw[end]
         rows["corresponds"] &= np.abs(rows[name]) <= tolerance_us
     return rows
+
+
+def _count_of(merged: Column, tracks: NDArray[np.int64]) -> int:
+    """How many merges absorb one of the tracks."""
+    return sum(int(np.count_nonzero(np.isin(run["track_id"], tracks))) for _, run in in_runs(merged))
 
 
 def _column(folder: Path | None, name: str, dtype: np.dtype[Any]) -> GrowingColumn:

@@ -89,6 +89,7 @@ def test_the_same_story_told_a_little_later() -> None:
     assert (agreement.tracks_hardware, agreement.tracks_software, agreement.tracks_corresponding) == (2, 3, 2)
     assert agreement.tracks_unpaired_software == (9,)
     assert agreement.merges == (MergePair(1, 4, 5 * MS, 3.0),)
+    assert (agreement.merges_comparable_hardware, agreement.merges_comparable_software) == (1, 1)
 
 
 def test_a_tighter_tolerance_parts_lives_and_merges_but_not_pairs() -> None:
@@ -109,6 +110,8 @@ def test_the_radius_gates_clusters_and_merges(radius_px: float, paired: bool) ->
     assert bool(agreement.tracks) == bool(agreement.merges) == paired
     assert (agreement.distance_median_px == 3.0) == paired
     assert agreement.paired_fraction_hardware == (pytest.approx(95 / 110) if paired else 0.0)
+    comparable = int(paired)  # a track without a partner cannot merge on the other side
+    assert (agreement.merges_comparable_hardware, agreement.merges_comparable_software) == (comparable, comparable)
     if not paired:
         assert agreement.tracks_unpaired_hardware == (0, 1)
         assert agreement.tracks_unpaired_software == (7, 4, 9)
