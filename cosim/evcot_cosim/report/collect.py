@@ -102,8 +102,8 @@ def looks_of(names: list[str]) -> dict[str, str]:
 
 
 def _ring(side: Side, summary: Mapping[str, Any]) -> list[int] | None:
-    """Per slot, the difference of window and inner radius; only the hardware's algorithm has an inner radius."""
-    if not side.is_hardware or "config" not in summary:
+    """Per slot, the difference of window and inner radius; only the hardware's algorithm without motion has an inner radius."""
+    if not side.is_hardware or "config" not in summary or summary["config"]["cot"].get("motion"):
         return None
     return [slot["radix_th"] for slot in summary["config"]["cot"]["slots"]]
 

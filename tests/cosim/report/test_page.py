@@ -81,6 +81,14 @@ def test_the_same_run_gives_the_same_bytes(material: Made) -> None:
     assert page.render(material) == page.render(material)
 
 
+def test_only_the_array_without_motion_has_inner_radii(material: Made) -> None:
+    assert "inner radius" in page.render(material)
+    config = material.summary["config"]
+    moving = config | {"cot": config["cot"] | {"motion": {"enable": 1}}}
+    text = page.render(replace(material, summary={**material.summary, "config": moving}))
+    assert "inner radius" not in re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
+
+
 def test_a_long_run_is_thinned_and_says_so(material: Made) -> None:
     text = page.render(material, events_max=10_000)
     facts = facts_of(text)
