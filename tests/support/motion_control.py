@@ -28,6 +28,7 @@ class Control:
         self.sim, self.io, self.rng = sim, sim.io, rng
         self.commands, self.to_sides = commands, frozenset(to_sides)
         ports = dir(sim.io)
+        self.sees_lane = "lane" in ports
         self.stages = [name for name in STAGES if name in ports]
         self.reads = [name for name in ("load", "unite") if name in ports]
         self.stalls = False
@@ -54,7 +55,9 @@ class Control:
         done = [name for due, name in self.under_way if due == self.clocks]
         ready = not self.stalls or not self.was_ready or bool(self.rng.random() < 0.6)  # low for a clock at most: motion_turn.v
         free = not self.stalls or bool(self.rng.random() < 0.5)
-        io.lane, io.op_ready, io.record_free = self.lane, int(ready), int(free)
+        if self.sees_lane:
+            io.lane = self.lane
+        io.op_ready, io.record_free = int(ready), int(free)
         io.read_done, io.store_done = int("read" in done), int("store" in done)
         io.window_done = int(self.window_at == self.clocks)
         loads = self.loads if "read" in done else ()
@@ -68,7 +71,7 @@ class Control:
                     assert not any(what == "store" for due, what in self.under_way if due > self.clocks), name
                 if name == "c_window":
                     self.window_at = self.clocks + (int(self.rng.integers(3, 12)) if self.stalls else WINDOW)
-                self.said.append((name, slot))
+                self.said.append(self.command(name, slot))
         if int(io.say):
             assert self.was_free
             self.said.append(("say", slot, self.kind()))
@@ -87,6 +90,9 @@ class Control:
     def handed_on(self) -> int:
         """The slot that is named in the next clock."""
         return int(self.io.at)
+
+    def command(self, name: str, slot: int) -> Said:
+        return name, slot
 
     def kind(self) -> int:
         return int(self.io.kind)

@@ -129,7 +129,7 @@ def test_random_jobs(stalls: bool) -> None:
             counts = int(io.c_count)
             control.clock()
             corrections = min(corrections + counts, 63)
-            axes |= {i: on_y[0] for i in range(n_said, len(control.said))}
+            axes |= dict.fromkeys(range(n_said, len(control.said)), on_y[0])
             io.start = 0
             busy = int(rng.integers(2, 20)) if int(io.c_inverse) else max(busy - 1, 0)
             look_in = (int(rng.integers(1, 30)) if stalls else LOOK) if int(io.look) else max(look_in - 1, 0)
