@@ -51,7 +51,7 @@ class Control:
 
     def clock(self) -> None:
         """One clock; inputs beside those of this class have been set."""
-        io, slot, first = self.io, self.at[0], len(self.said)
+        io, slot, first = self.io, self.slot(), len(self.said)
         done = [name for due, name in self.under_way if due == self.clocks]
         ready = not self.stalls or not self.was_ready or bool(self.rng.random() < 0.6)  # low for a clock at most: motion_turn.v
         free = not self.stalls or bool(self.rng.random() < 0.5)
@@ -86,6 +86,10 @@ class Control:
         self.sim.clock.tick()
         self.clocks += 1
         self.lane = 0 if loads else 1 - self.lane
+
+    def slot(self) -> int:
+        """The slot of what is said in this clock."""
+        return self.at[0]
 
     def handed_on(self) -> int:
         """The slot that is named in the next clock."""
