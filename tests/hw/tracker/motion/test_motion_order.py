@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""motion_order.v: corrections, steps and merging give their commands one after the other; slots begin, appear and end by them."""
+"""motion_order.v: corrections, steps and merging give their commands one after another; slots begin, appear and end by them."""
 
 from __future__ import annotations
 
