@@ -28,7 +28,7 @@ def test_random_events() -> None:
     asked: int | None = None
     few, distances, dropped, wrapped = PLACES, set(), 0, 0
     last: dict[int, int] = {}
-    for clock in range(12_000):
+    for clock in range(9_000):
         if clock % 40 == 0:
             few = int(rng.integers(1, PLACES + 1))
         place, look, rst = int(rng.integers(few)), int(rng.integers(PLACES)), rng.random() < 0.004

@@ -20,7 +20,7 @@ def test_random_lives() -> None:
     seen: dict[str, int] = {}
     io.rst = 1
     sim.clock.tick()
-    for _clock in range(6_000):
+    for _clock in range(4_000):
         assert int(io.visible) == sum(1 << i for i in range(N) if states[i] == "visible")
         assert int(io.candidate) == sum(1 << i for i in range(N) if states[i] == "candidate")
         lives = [i for i in range(N) if states[i] in ("visible", "candidate", "seeded")]
