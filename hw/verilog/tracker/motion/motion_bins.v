@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Counters in a memory, one of which an event makes one more.
 //
-// The memory is never read and written at one place in one clock for its value to count: an older event of the same place is forwarded.
+// What is being written is forwarded to events of the same place behind it. A place is not looked at in the clock in which it is
+// written: the fourth from its event on, that one included.
 //
-// Latency:    4 clocks from count to the memory; 1 clock from look to looked.
-// Throughput: an event per clock.
+// Latency:    4 clocks from count to the memory; 2 clocks from look to looked.
+// Throughput: an event per clock, and a look beside it. A counter wraps.
 // Stall:      none.
-// Reset:      nothing is under way. Counters are not reset.
+// Reset:      what is under way is dropped. Counters are not reset.
 // Combinational paths: none.
 `default_nettype none
 

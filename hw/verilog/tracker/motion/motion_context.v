@@ -2,7 +2,7 @@
 // What events do not change of a slot: memories that are read at one slot, all at once, and written in groups.
 //
 // Latency:    2 clocks from `at` to what it has, 1 to box, window and N_ev, of `put_slot` while one is put in force.
-// Throughput: a slot per clock.
+// Throughput: a slot per clock. What is read in the clock of its own write is not defined.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
 // Combinational paths: none.

@@ -4,9 +4,10 @@
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low; how many clocks lie between two of them
 // is written there.
 //
-// Latency:    from start to done about 40 clocks for a correction, 60 to 120 more with a look for gaps; 52 for a candidate that begins.
+// Latency:    from start to done 28 to 49 clocks for a correction, 56 to 223 with a look for gaps; 34 or 35 for a candidate that begins.
 // Throughput: one at a time.
-// Stall:      waits for its operations, for the leading bit of the time and for its record to be accepted.
+// Stall:      waits for its operations, which are taken in the second clock at the latest, for the leading bit of the time and for its
+//             record to be accepted.
 // Reset:      waits for a start.
 // Combinational paths: start -> begun.
 `default_nettype none

@@ -9,8 +9,8 @@
 // with N_ev events from then on (`left`), perhaps of a candidate that begins (`seed`), or clears a bin (`clear`). What it writes must stay
 // until it is done; the token behind one that writes must be empty.
 //
-// Latency:    6 clocks from a token to what becomes of it.
-// Throughput: a token per clock.
+// Latency:    7 clocks from a token to what becomes of it, 8 to its bin; 6 from an operation until it is done.
+// Throughput: a token or an operation per clock.
 // Stall:      none; only tokens for which there is room may enter.
 // Reset:      nothing is under way.
 // Combinational paths: none.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which slots have a visible track, a candidate, and four corrections behind them.
+// Which slots have a visible track, a candidate, and four corrections behind them; the last of a free slot is of the life before.
 //
 // Latency:    1 clock.
 // Throughput: a change of one slot, and a candidate that is put in force, per clock.

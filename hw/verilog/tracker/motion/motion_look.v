@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // On which axes a box is looked at for a gap, how wide the gap must be, and where the box is cut: docs/motion.md, "Gaps".
 //
-// Latency:    2 clocks from note, 1 from on_y to looks, 2 to narrowest; 2 from the gap to cut_px.
-// Throughput: a slot at a time.
+// Latency:    2 clocks from note to looks, 1 from on_y; 2 from on_y to narrowest; 2 from the gap to cut_px.
+// Throughput: a slot at a time; an axis a clock, and a cut.
 // Stall:      none.
 // Reset:      none, nothing is used before it was computed.
 // Combinational paths: none.
@@ -13,7 +13,7 @@ module motion_look #(
 ) (
     input  wire            clk,
 
-    input  wire            note,       // lengths are those before the cut, for two clocks or more
+    input  wire            note,       // the lengths are those before the cut, as they were in the clock before already
     input  wire [PX_W-1:0] length_x,
     input  wire [PX_W-1:0] length_y,
     input  wire [PX_W+3:0] long_x,     // so long must the other axis be

@@ -4,9 +4,9 @@
 //
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low.
 //
-// Latency:    about 70 clocks from start to done.
+// Latency:    66 to 81 clocks from start to done.
 // Throughput: one at a time.
-// Stall:      waits for its operations, and for its records to be accepted.
+// Stall:      waits for its operations, which are taken in the second clock at the latest, and for its records to be accepted.
 // Reset:      waits for a start.
 // Combinational paths: none.
 `default_nettype none

@@ -6,7 +6,7 @@
 // Throughput: one job or step at a time.
 // Stall:      see there.
 // Reset:      nothing is being done, and every slot is free.
-// Combinational paths: job_valid, do_step, do_end -> begun.
+// Combinational paths: job_valid -> begun.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tokens on their way to the event pipeline: their ticks are added up, and it is seen whether a motion step is due before them.
 //
-// Latency:    5 clocks from the acceptance of a token to m_valid.
+// Latency:    4 clocks from the acceptance of a token to m_valid.
 // Throughput: a token per clock.
-// Stall:      a token is held until accepted; s_ready is low while twelve or more are waiting.
-//             m_due follows next_step only at `again`, a clock later. Nothing comes to the output while it `holds`.
+// Stall:      a token is held until accepted; s_ready is low a clock after twelve or more are in the memory, so at most 16 are inside.
+//             Of a token at the output m_due follows next_step only at `again`, a clock later. Nothing comes there while it `holds`.
 // Reset:      becomes empty; time begins at 0.
 // Combinational paths: none.
 `default_nettype none

@@ -2,7 +2,7 @@
 // The record of an array with motion.
 //
 // Latency:    1 clock.
-// Throughput: a record per clock.
+// Throughput: a record in two clocks: `free` does not know of the one that is said in the same clock.
 // Stall:      a record is held until accepted; `free` is low while one waits.
 // Reset:      no record.
 // Combinational paths: m_cm_ready -> free.
@@ -20,7 +20,7 @@ module motion_record #(
     input  wire              clk,
     input  wire              rst,
 
-    input  wire              say,        // a clock after one in which `free` is high
+    input  wire              say,        // a clock after one in which `free` is high and nothing is said
     output wire              free,
     input  wire [1:0]        kind,
     input  wire [SLOT_W-1:0] slot,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The slot that is worked on, but for its sides and times: what is counted of it, its state towards others, and the memory of all slots.
 //
-// Latency:    1 clock from a command; 2 from `at` to what memory has, see motion_context.v.
+// Latency:    1 clock from a command, of which the next N_ev and new bins follow the lengths of the clock before it; then 3 clocks to
+//             gain, 1 to look_due. From `at` to what memory has see motion_context.v.
 // Throughput: a command per clock.
 // Stall:      none, without a command everything stays.
-// Reset:      births begin with id 0; nothing else is used before it was loaded.
+// Reset:      births begin with id 0; nothing else is used before it was loaded or written.
 // Combinational paths: none.
 `default_nettype none
 

@@ -5,12 +5,12 @@
 // An operation comes before a slot that is put in force, and that before a token. A step waits until nothing is under way, and all that
 // waits is in force; so does the end of a life, which comes first.
 //
-// Latency:    1 clock from d_valid to now; 2 from a write of `mode` to the end of its slot's life, 3 from one of step_log2 to next_step.
+// Latency:    1 clock from d_valid to now; 3 from a write of `mode` to the end of its slot's life, 4 from one of step_log2 to next_step.
 // Throughput: one of them per clock; behind an operation that writes, and behind a slot that is put in force, one is left out.
 // Stall:      a step and the end of a life wait for `drained`.
 // Reset:      turns all slots off; the first step is at 2^step_log2.
-// Combinational paths: op_valid, reached, put_valid, q_valid, q_due, q_counts -> takes_op, takes_put, takes_token, issues, steps, ends_life, quiet;
-//             put_valid, put_slot -> puts, puts_slot.
+// Combinational paths: op_valid -> takes_op; op_valid, reached, put_valid, q_valid, q_due -> takes_put; op_valid, reached, q_valid, q_due,
+//             and q_counts -> takes_token, and issues; put_valid -> puts; put_slot -> puts_slot; reached -> quiet.
 `default_nettype none
 `include "evcot_defs.vh"
 

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""motion_lives.v: which slots have a visible track, a candidate, and four corrections behind them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
+from support.testing import lint
+
+N = 5
+COMMANDS = ("begins", "seed", "settle", "appear", "lapse")
+
+
+def test_random_lives() -> None:
+    """Every life goes on by any of the steps that are open to it, while a candidate comes into force in another slot."""
+    sim, rng = load("motion_lives", {"N": N, "SLOT_W": 3}, extra_flags=PORTS_ONLY_FLAGS), np.random.default_rng(1)
+    io = sim.io
+    states, settled = ["free"] * N, [False] * N
+    seen: dict[str, int] = {}
+    io.rst = 1
+    sim.clock.tick()
+    for _clock in range(4_000):
+        assert int(io.visible) == sum(1 << i for i in range(N) if states[i] == "visible")
+        assert int(io.candidate) == sum(1 << i for i in range(N) if states[i] == "candidate")
+        lives = [i for i in range(N) if states[i] in ("visible", "candidate", "seeded")]
+        assert all(int(io.settled) >> i & 1 == settled[i] for i in lives)
+        for name in COMMANDS:
+            setattr(io, name, 0)
+        io.rst = int(rng.random() < 0.002)
+        io.at, io.begins_slot = slot, begins = int(rng.integers(N)), int(rng.integers(N))
+        open_to = {
+            "free": ["seed"],
+            "seeded": ["none"],
+            "candidate": ["none", "lapse", "appear" if settled[slot] else "settle"],
+            "visible": ["none", "lapse"],
+        }
+        command = str(rng.choice(open_to[states[slot]]))
+        if states[begins] == "seeded":
+            io.begins, states[begins] = 1, "candidate"
+            seen["begins"] = seen.get("begins", 0) + 1
+        if command != "none":
+            setattr(io, command, 1)
+            states[slot] = {"seed": "seeded", "settle": "candidate", "appear": "visible", "lapse": "free"}[command]
+            settled[slot] = command != "seed" and (settled[slot] or command == "settle")
+            seen[command] = seen.get(command, 0) + 1
+        if int(io.rst):
+            states, settled = ["free"] * N, [False] * N
+        sim.clock.tick()
+    assert set(seen) == set(COMMANDS)
+    assert min(seen.values()) > 100
+
+
+def test_lint() -> None:
+    assert lint("motion_lives") == (0, "")
+    assert lint("motion_lives", N=1, SLOT_W=1) == (0, "")

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""motion_merge.v: two slots become one, in order, however long operations, windows and records take."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evcot.tracks.log import Kind
+from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
+from support.motion_control import Control, Said
+from support.testing import lint
+
+N, SLOT_W, ID_W = 5, 3, 8
+UNTIL, REPORTED = 1, 3
+TO_SIDES = ("c_settle", "c_reflect", "c_cover")
+COMMANDS = ("keep", "c_take", *TO_SIDES, "lapse", "c_bins", "keep_until", "c_window", "keep_window", "keep_now")
+
+
+def merge_of(this: int, stays: int, goes: int, visible: list[bool], older: bool) -> list[Said]:
+    """What is done, in order. The slot whose step it is has been read, and is not in memory as it is."""
+    said: list[Said] = []
+    if this == stays:
+        said += [("keep", this), ("op_store", this), ("op_read", goes), ("load", goes)]
+    said += [("c_take", goes)]
+    said += [("say", goes, Kind.MERGED)] * visible[goes]
+    said += [("c_settle", goes), ("lapse", goes), ("op_read", stays), ("unite", stays)]
+    said += [("c_reflect", stays), ("c_cover", stays), ("c_settle", stays), ("c_bins", stays)]
+    said += [("keep_until", stays)] * (not older)
+    said += [("clear", stays, number) for number in range(16)]
+    said += [("c_window", stays), ("keep_window", stays), ("keep", stays), ("op_store op_put", stays)]
+    said += [("say", stays, Kind.MOVED), ("keep_now", stays)] * visible[stays]
+    return said
+
+
+def in_any_order(said: list[Said]) -> list[Said]:
+    """The record and the write at the end wait for one another in no way."""
+    end = max(i for i, (name, *_) in enumerate(said) if name == "keep")
+    return said[:end] + sorted(said[end:])
+
+
+@pytest.mark.parametrize("stalls", [False, True])
+def test_random_merges(stalls: bool) -> None:
+    sim = load("motion_merge", {"N": N, "SLOT_W": SLOT_W, "ID_W": ID_W}, extra_flags=PORTS_ONLY_FLAGS)
+    io, rng = sim.io, np.random.default_rng(1)
+    control = Control(sim, rng, COMMANDS, TO_SIDES)
+    control.reset()
+    control.stalls = stalls
+    clocks: set[int] = set()
+    for case in range(48):  # each case three times
+        this, other = (int(slot) for slot in rng.permutation(N)[:2])
+        stays, goes = (this, other) if case & 1 else (other, this)
+        visible = [bool(rng.integers(2)) for _ in range(N)]
+        visible[stays], visible[goes], older = bool(case & 2), bool(case & 4), bool(case & 8)
+        ids = [int(number) for number in rng.integers(1 << ID_W, size=N)]
+        io.this_slot = this
+        for _clock in range(int(rng.integers(1, 4))):
+            assert int(io.rests)
+            control.clock()
+        io.stays, io.goes, io.start = stays, goes, 1
+        io.visible = sum(1 << i for i in range(N) if visible[i])
+        control.said.clear()
+        begun = control.clocks
+        while True:
+            # The id is there two clocks behind its slot, the comparison of two deadlines five.
+            io.id = ids[control.at[2]] if control.steady(3) else int(rng.integers(1 << ID_W))
+            io.older = int(older if control.at[0] == stays and control.steady(5) else rng.integers(2))
+            control.clock()
+            io.start = 0
+            if int(io.say):
+                assert int(io.since) == (REPORTED if int(io.kind) == Kind.MOVED else UNTIL)
+                assert int(io.kind) != Kind.MERGED or int(io.stays_id) == ids[stays]
+            if int(io.c_take) or int(io.keep_until):
+                assert int(io.since) == UNTIL
+            if int(io.keep_now):
+                assert int(io.since) == REPORTED
+            if int(io.done):
+                break
+            assert not int(io.rests)
+        assert in_any_order(control.said) == in_any_order(merge_of(this, stays, goes, visible, older))
+        assert not any(due >= control.clocks for due, _ in control.under_way)
+        clocks.add(control.clocks - begun)
+    assert stalls or (min(clocks), max(clocks)) == (66, 81)
+
+
+def test_lint() -> None:
+    assert lint("motion_merge") == (0, "")
+    assert lint("motion_merge", N=1, SLOT_W=1) == (0, "")

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""motion_slot.v: what is counted of several slots, whatever commands come one after the other, and what of it memory keeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
+from support.testing import lint
+
+SLOT_W, SIDE_W, PX_W, SUP_W, ID_W = 2, 20, 9, 8, 3
+SLOTS, MOST = 1 << SLOT_W, (1 << SUP_W) - 1
+KEPT = {"v": 32, "refs": 4 * SIDE_W, "usual": 24}
+WINDOW = {"box": 4 * PX_W, "window": 4 * PX_W}
+START = {"start": 2 * SIDE_W + 2}
+COMMANDS = (
+    "take", "load", "unite", "seed", "offset", "count", "begin_bins", "pair", "part", "meet", "keep", "keep_window", "keep_id",
+    "keep_start",
+)  # fmt: skip
+OUTPUTS = ("support", "corrections", "marks", "hidden", "meets", "n_ev", "together", "log2")
+
+
+@dataclass
+class State:
+    """The slot that is worked on."""
+
+    support: int = 0
+    corrections: int = 0
+    looked: int = 0
+    meets: int = 0
+    hidden: int = 0
+    marks: int = 0
+    n_ev: int = 0
+    partner: int | None = None
+    together: int = 0
+    log2: int = 0
+
+    def forget_partner(self) -> None:
+        self.partner, self.together = None, 0
+
+
+def bins_log2(length: int) -> int:
+    return max(0, length.bit_length() - 3)
+
+
+def command(name: str, slot: State, memory: State, io: Any, at: int) -> State:
+    """What a command does to it."""
+    if name in ("load", "unite"):
+        united = min(slot.support + int(io.r_support), MOST)
+        support = united if name == "unite" else int(io.r_support) if int(io.load_support) else slot.support
+        slot = replace(memory, support=support, marks=15 if name == "unite" else int(io.r_marks))
+        if name == "unite":
+            slot.forget_partner()
+    elif name == "take":
+        slot.support = int(io.job_support)
+    elif name == "seed":
+        slot = State(1, n_ev=int(io.nev_low), looked=slot.looked, log2=slot.log2)
+    elif name == "offset":
+        slot.marks = 0
+        slot.looked += int(io.gap_corrections) > 0
+    elif name == "count":
+        slot.n_ev = min(max(int(io.length_x) + int(io.length_y), int(io.nev_low)), int(io.nev_high))
+        slot.corrections = min(slot.corrections + 1, 63)
+    elif name == "begin_bins":
+        slot.looked = 0
+        slot.log2 = bins_log2(int(io.length_y)) << 5 | bins_log2(int(io.length_x))
+    elif name == "pair":
+        slot.together = slot.together + 1 if slot.partner == at else 1
+        slot.partner = at
+    elif name == "part":
+        slot.together = max(slot.together - 1, 0)
+    elif name == "meet":
+        slot.meets, slot.hidden = int(io.meets_now), int(io.hidden_now)
+    return slot
+
+
+def test_random_commands() -> None:
+    sim = load(
+        "motion_slot",
+        {"SLOT_W": SLOT_W, "SIDE_W": SIDE_W, "PX_W": PX_W, "SUP_W": SUP_W, "ID_W": ID_W},
+        extra_flags=PORTS_ONLY_FLAGS,
+    )
+    io, rng = sim.io, np.random.default_rng(1)
+    memory = [State() for _ in range(SLOTS)]
+    words: dict[tuple[int, str], int] = {}
+    n_evs = [0] * SLOTS
+    births, slot = 0, State()
+    seen = dict.fromkeys(COMMANDS, 0)
+    full = most = again = 0
+    io.rst = 1
+    sim.clock.tick()
+    io.rst = 0
+    first = [
+        (name, at) for at in range(SLOTS) for name in ("seed", "begin_bins", "keep", "keep_window", "keep_id", "keep_start")
+    ]
+    for round_ in range(1_600):
+        name, at = first[round_] if round_ < len(first) else (str(rng.choice(COMMANDS)), int(rng.integers(SLOTS)))
+        if name == "pair" and rng.random() < 0.5 and slot.partner is not None:
+            at = slot.partner
+        io.at = at
+        low, high = sorted(int(n) for n in rng.integers(1, 1_024, 2))
+        values = {
+            "job_support": int(rng.integers(MOST + 1)), "r_support": int(rng.integers(MOST + 1)) >> int(rng.integers(4)),
+            "r_marks": int(rng.integers(16)), "length_x": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)),
+            "length_y": int(rng.integers(1 << PX_W)) >> int(rng.integers(PX_W)), "meets_now": int(rng.integers(2)),
+            "hidden_now": int(rng.integers(16)), "nev_low": low, "nev_high": high, "gain_log2": int(rng.integers(1, 13)),
+            "gain_slow": int(rng.integers(7)), "gap_corrections": int(rng.integers(256)) >> int(rng.integers(9)),
+            "load_support": int(rng.integers(2)), "puts": int(rng.integers(2)), "put_slot": int(rng.integers(SLOTS)),
+        }  # fmt: skip
+        values |= {word: int.from_bytes(rng.bytes(16)) % (1 << bits) for word, bits in (KEPT | WINDOW | START).items()}
+        for port, value in values.items():
+            setattr(io, port, value)
+        for _clock in range(2):
+            sim.clock.tick()
+        repeat = int(rng.integers(1, 40)) if name in ("count", "pair", "part") else 1
+        for _ in range(repeat):
+            was = slot.together
+            slot = command(name, slot, memory[at], io, at)
+            again += slot.together > was > 0
+            if name == "keep":
+                memory[at], n_evs[at] = replace(slot), slot.n_ev
+            if name in ("keep", "keep_window", "keep_start"):
+                fields = {"keep": KEPT, "keep_window": WINDOW, "keep_start": START}[name]
+                words.update({(at, word): values[word] for word in fields})
+            if name == "keep_id":
+                words[at, "id"], births = births, (births + 1) % (1 << ID_W)
+            for port in ("load", "unite") if name == "unite" else (name,):
+                setattr(io, port, 1)
+            sim.clock.tick()
+            for port in ("load", "unite", name):
+                setattr(io, port, 0)
+            if round_ >= len(first):
+                for port in OUTPUTS:
+                    assert int(getattr(io, port)) == getattr(slot, port), (name, port)
+        if round_ < len(first):
+            continue
+        seen[name] += 1
+        for _clock in range(3):
+            sim.clock.tick()
+        gain = min(1 + (slot.corrections >> values["gain_slow"]), values["gain_log2"]) + slot.meets
+        assert int(io.gain) == gain
+        assert int(io.look_due) == (values["gap_corrections"] > 0 and slot.looked + 1 >= values["gap_corrections"])
+        full += slot.support == MOST
+        most += slot.corrections == 63
+        assert int(io.q_meets) == memory[at].meets
+        assert all(int(getattr(io, f"q_{word}")) == words[at, word] for word in (*KEPT, *START, "id"))
+        of_window = values["put_slot"] if values["puts"] else at
+        assert all(int(getattr(io, f"p_{word}")) == words[of_window, word] for word in WINDOW)
+        assert int(io.p_n_ev) == n_evs[of_window]
+    assert min(seen.values()) > 50
+    assert min(full, most, again) > 5
+
+
+def test_lint() -> None:
+    assert lint("motion_slot") == (0, "")

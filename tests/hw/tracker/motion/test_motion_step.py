@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""motion_step.v: a motion step of all slots, or the end of one life, in order, whatever is found out about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from evcot.tracks.log import Kind
+from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
+from support.motion_control import Control, Said
+from support.testing import lint
+
+N, SLOT_W = 5, 3
+TO_SIDES = ("c_reflect", "c_move", "c_rub", "c_shorten")
+COMMANDS = (
+    *TO_SIDES, "c_window", "keep_window", "c_compare", "c_pair", "c_part", "merge", "c_ask", "c_meet", "appear", "lapse",
+    "keep_now", "keep",
+)  # fmt: skip
+TAKE = (  # clocks of motion_pair.v, motion_meeting.v and motion_times.v, more or less; motion_merge.v takes longer
+    ("c_compare", "pair", 9, 18), ("c_ask", "meet", 11, 12), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
+)  # fmt: skip
+Pairs = dict[tuple[int, int], bool]
+
+
+@dataclass
+class Step:
+    """What is found out in a step, by slot, or by the slot whose step it is and another one."""
+
+    states: list[str]
+    corrections: list[int]
+    ended: list[bool]
+    rubs: list[bool]
+    silent: list[bool]
+    held: list[bool]
+    overdue: list[bool]
+    appears: list[bool]
+    alike: Pairs
+    weaker: Pairs
+    older: Pairs
+    enough: Pairs
+    touched: list[list[int]]
+    keep_older: bool
+    said: list[Said] = field(default_factory=list)
+
+    def stays(self, this: int, other: int, *, by_support: bool) -> tuple[int, int]:
+        """Which one stays, and which goes."""
+        swap = self.weaker[this, other]
+        if not by_support and self.states[this] != self.states[other]:
+            swap = self.states[other] == "visible"
+        elif not by_support and self.keep_older:
+            swap = self.older[this, other]
+        return (other, this) if swap else (this, other)
+
+    def lapse(self, slot: int) -> None:
+        if self.states[slot] == "visible":
+            self.said += [("keep_now", slot), ("say", slot, Kind.LOST)]
+        self.said.append(("lapse", slot))
+        self.states[slot] = "free"
+
+    def end(self, slot: int) -> None:
+        """The end of one life."""
+        if self.states[slot] != "free":
+            self.said += [("op_read", slot), ("load", slot), ("c_reflect", slot)]
+            self.lapse(slot)
+
+    def go(self, this: int) -> None:
+        """docs/motion.md, "A motion step of a slot"."""
+        if self.states[this] == "free":
+            return
+        known = self.states[this] == "visible" or self.corrections[this] >= 4
+        self.said += [("op_read", this), ("load", this), ("c_reflect", this)]
+        if self.ended[this]:
+            self.lapse(this)
+            return
+        self.said += [("c_move", this)] * known + [("c_rub", this)] * (known and self.rubs[this] and self.silent[this])
+        self.said += [("c_shorten", this), ("c_reflect", this), ("c_window", this), ("keep_window", this)]
+        partner = self.partner(this)
+        if partner is None:
+            self.said.append(("c_part", this))
+        elif self.enough[this, partner] and self.merge(this, partner, by_support=False):
+            return
+        self.said.append(("c_ask", this))
+        if self.states[this] == "visible":
+            self.said.append(("c_meet", this))
+            if self.overdue[this]:
+                self.said += [("keep_now", this), ("say", this, Kind.MOVED)]
+        elif self.held[this]:
+            self.lapse(this)
+            return
+        else:
+            for other in self.touched[this]:
+                if self.states[other] == "candidate":
+                    self.said.append(("op_read", other))
+                    if self.merge(this, other, by_support=True):
+                        return
+                    self.said.append(("c_ask", this))
+            if self.appears[this]:
+                self.said += [("appear", this), ("keep_now", this), ("say", this, Kind.BORN)]
+                self.states[this] = "visible"
+        self.said += [("keep", this), ("op_all", this)]
+
+    def partner(self, this: int) -> int | None:
+        """The lowest one that is alike, of those that have four corrections; it is read first."""
+        if self.corrections[this] < 4:
+            return None
+        for other in range(N):
+            if other != this and self.states[other] != "free" and self.corrections[other] >= 4:
+                self.said += [("op_read", other), ("c_compare", other)]
+                if self.alike[this, other]:
+                    self.said.append(("c_pair", other))
+                    return other
+        return None
+
+    def merge(self, this: int, other: int, *, by_support: bool) -> bool:
+        """Whether this slot is the one that goes."""
+        stays, goes = self.stays(this, other, by_support=by_support)
+        self.said.append(("merge", stays, goes))
+        self.states[goes] = "free"
+        return goes == this
+
+
+def random_step(rng: np.random.Generator) -> Step:
+    def flags(share: float) -> list[bool]:
+        return [bool(flag) for flag in rng.random(N) < share]
+
+    def pairs(share: float) -> Pairs:
+        return {(a, b): bool(rng.random() < share) for a in range(N) for b in range(N)}
+
+    states = [str(state) for state in rng.choice(["visible", "candidate", "free"], N)]
+    corrections = [int(rng.integers(0 if state == "candidate" else 4, 12)) for state in states]
+    touched = [[other for other in range(N) if other != this and rng.random() < 0.3] for this in range(N)]
+    return Step(
+        states, corrections, flags(0.1), flags(0.5), flags(0.5), flags(0.2), flags(0.5), flags(0.5),
+        pairs(0.4), pairs(0.5), pairs(0.5), pairs(0.5), touched, bool(rng.integers(2)),
+    )  # fmt: skip
+
+
+class Around(Control):
+    """An operation that reads says which slot is held against the one whose step it is."""
+
+    compared = 0
+
+    def command(self, name: str, slot: int) -> Said:
+        if name == "merge":
+            return name, int(self.io.stays), int(self.io.goes)
+        return name, int(self.io.this_slot) if name == "c_part" else slot
+
+    def operation(self, slot: int, first: int) -> None:
+        if int(self.io.op_all):
+            self.said.append(("op_all", slot))
+            self.under_way.append((self.clocks + 6, "store"))
+        else:
+            self.said.append(("op_read", slot))
+            self.under_way.append((self.clocks + 7, "read"))
+            self.compared = slot
+
+
+def run(control: Around, step: Step, rng: np.random.Generator) -> None:
+    """Answers what is asked until the step is done."""
+    io = control.io
+    wait: dict[str, int] = {}
+    asks = 0  # of the same slot
+    states, touched = list(step.states), [list(others) for others in step.touched]
+    while True:
+        at, this, other = control.at[0], min(int(io.this_slot), N - 1), control.compared
+        noise = [int(bit) for bit in rng.integers(2, size=12)]
+        for name, state in (("visible", "visible"), ("candidate", "candidate")):
+            setattr(io, name, sum(1 << i for i in range(N) if states[i] == state))
+        io.settled = sum(1 << i for i in range(N) if step.corrections[i] >= 4)
+        io.corrections = step.corrections[this]
+        io.ended = int(step.ended[at]) if control.steady(3) else noise[0]
+        io.rubs, io.silent = int(step.rubs[this]), int(step.silent[this])
+        io.older = int(step.older[this, other]) if at == this and control.steady(4) else noise[1]
+        io.weaker = int(step.weaker[this, other])
+        io.alike, io.enough = int(step.alike[this, other]), int(step.enough[this, other])
+        io.keep_older = int(step.keep_older)
+        io.overdue, io.appears = int(step.overdue[this]), int(step.appears[this])
+        io.held = int(step.held[this]) if asks == 1 else noise[3]
+        candidates = [slot for slot in touched[this] if states[slot] == "candidate"]
+        io.touches, io.touched = int(bool(candidates)), candidates[0] if candidates else noise[2]
+        io.pair_done, io.meet_done = int(wait.get("pair") == 1), int(wait.get("meet") == 1)
+        io.merged, io.dividing = int(wait.get("merge") == 1), int(wait.get("divide", 0) > 0)
+        if int(io.merged):
+            states[int(io.goes)] = "free"
+        if int(io.lapse):
+            states[at] = "free"
+        if int(io.appear):
+            states[at] = "visible"
+        control.clock()
+        io.start = io.end_life = 0
+        wait = {name: clocks - 1 for name, clocks in wait.items() if clocks > 1}
+        for port, name, least, most in TAKE:
+            if int(io[port]):
+                wait[name] = int(rng.integers(least, most))
+        asks = 0 if int(io.keep_window) else asks + int(io.c_ask)
+        if int(io.rests):
+            assert not any(due >= control.clocks for due, _ in control.under_way)
+            control.clock()  # a life that ends alone ends in the first clock of rest
+            return
+
+
+@pytest.mark.parametrize("stalls", [False, True])
+def test_random_steps(stalls: bool) -> None:
+    sim = load("motion_step", {"N": N, "SLOT_W": SLOT_W}, extra_flags=PORTS_ONLY_FLAGS)
+    io, rng, steps = sim.io, np.random.default_rng(1), np.random.default_rng(2)
+    control = Around(sim, rng, COMMANDS, TO_SIDES)
+    control.reset()
+    control.stalls = stalls
+    seen: dict[str, int] = {}
+    for _ in range(18):
+        step, alone = random_step(steps), steps.random() < 0.2
+        expected = Step(**{**vars(step), "states": list(step.states)})
+        slot = int(steps.integers(N))
+        if alone:
+            io.end_life, io.end_slot = 1, slot
+            expected.end(slot)
+        else:
+            io.start = 1
+            for this in range(N):
+                expected.go(this)
+        control.said.clear()
+        run(control, step, rng)
+        assert [(name, *more) for name, *more in control.said] == expected.said
+        for name, *_ in expected.said:
+            seen[name] = seen.get(name, 0) + 1
+    assert min(seen.get(name, 0) for name in COMMANDS) > 2, seen
+
+
+def test_lint() -> None:
+    assert lint("motion_step") == (0, "")
+    assert lint("motion_step", N=1, SLOT_W=1) == (0, "")
