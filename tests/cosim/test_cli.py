@@ -64,16 +64,22 @@ def error_of(capture: Capture, *arguments: str) -> str:
     return lines[0].removeprefix("evcot: ")
 
 
-def view_files(name: str) -> set[str]:
+CODES = ("kind", "mode", "phase")
+
+
+def view_files(name: str, codes: tuple[str, ...] = CODES) -> set[str]:
     """A waveform in both formats, its view, and the names that the view gives to codes."""
-    return {f"{name}.vcd", f"{name}.fst", f"{name}.gtkw", *(f"{name}-{code}.txt" for code in ("kind", "mode", "phase"))}
+    return {f"{name}.vcd", f"{name}.fst", f"{name}.gtkw", *(f"{name}-{code}.txt" for code in codes)}
 
 
-def test_a_run_leaves_summary_logs_picture_and_waveform(recording: Path, capsys: Capture) -> None:
-    assert main(["cosim", str(recording), "--stalls", "5"]) == 0
+@pytest.mark.parametrize(("preset", "merges", "codes"), [("auto", 0, ("kind",)), ("auto-paper", 1, CODES)])
+def test_a_run_leaves_summary_logs_picture_and_waveform(
+    recording: Path, preset: str, merges: int, codes: tuple[str, ...], capsys: Capture
+) -> None:
+    assert main(["cosim", str(recording), "--preset", preset, "--stalls", "5"]) == 0
     folder = Path("build/cosim/blob")
     assert {path.name for path in folder.iterdir()} == {
-        "run.toml", "summary.json", "picture.png", "report.html", *view_files("waves"),
+        "run.toml", "summary.json", "picture.png", "report.html", *view_files("waves", codes),
         *(f"{engine}.{kind}" for engine in ("hardware", "model", "software") for kind in ("npz", "csv")),
     }  # fmt: skip
     assert not list(Path("build/cosim").glob(".*"))
@@ -87,7 +93,7 @@ def test_a_run_leaves_summary_logs_picture_and_waveform(recording: Path, capsys:
     assert summary["cycles_per_event"] == pytest.approx(summary["cycles"] / 6_000)
     assert summary["realtime_factor"] == pytest.approx(summary["recording_s"] / summary["wall_s"])
     assert summary["events_per_s"] == pytest.approx(6_000 / summary["wall_s"])
-    assert summary["merges"]["cot-rtl"] == summary["merges"]["cot-model"] > 0
+    assert summary["merges"]["cot-rtl"] == summary["merges"]["cot-model"] >= merges
     assert summary["lifetimes"]["cot-rtl"]["tracks"] == summary["births"]["cot-rtl"] > 1
     assert summary["agreement"]["tracks_hardware"] == summary["births"]["cot-rtl"]
     assert summary["command"].startswith("evcot cosim ")
@@ -149,6 +155,7 @@ def test_presets_are_listed(capsys: Capture) -> None:
         "discs",
         "motion",
         "auto",
+        "auto-paper",
     ]
     assert main(["presets", "--json"]) == 0
     slow = json.loads(capsys.readouterr().out)["slow"]["cot"]
@@ -168,7 +175,7 @@ def test_a_mismatch_is_exit_code_1_and_leaves_its_record_and_waveform(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     broken_verilog(tmp_path, monkeypatch, "array_order.v", "|(at & ~behind)", "|(at & behind)")
-    assert main(["cosim", str(recording), "--stalls", "9"]) == 1
+    assert main(["cosim", str(recording), "--preset", "auto-paper", "--stalls", "9"]) == 1
     printed = capsys.readouterr()
     assert printed.out == ""
     assert re.search(r"MISMATCH: cot_array: event \d+, tick \d+: record\.\w+: hardware has \d+, model has \d+", printed.err)
