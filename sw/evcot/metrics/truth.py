@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -159,11 +160,12 @@ def rule_for(path: Path | str, format: str | None = None) -> Rule:
         format: name of a box format; None: chosen by the file's name, else CSV.
 
     Raises:
-        RecordingError: the file cannot be read.
+        RecordingError: the file's first line cannot be read.
     """
     if format is not None or is_boxes(path):
         return load_rule("boxes")
-    header, _ = _read(Path(path))
+    with _csv(Path(path)) as (header, _):
+        pass
     rules = [rule for rule in map(load_rule, RULES) if rule.columns]
     return next((rule for rule in rules if set(rule.columns.values()) <= set(header)), rules[0])
 
@@ -176,19 +178,26 @@ def _instant(rule: Rule) -> str:
     return f"t_end_us {'-' if rule.at_us < 0 else '+'} {abs(rule.at_us)}"
 
 
-def _read(path: Path) -> tuple[list[str], Rows]:
+@contextmanager
+def _csv(path: Path) -> Iterator[tuple[list[str], Iterator[tuple[int, list[str]]]]]:
+    """The header of a CSV file, and its other lines with their numbers, read as they are taken."""
     note_input(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file)
             header = [name.strip() for name in next(reader, [])]
-            rows = [(reader.line_num, row) for row in reader if row]
+            yield header, ((reader.line_num, row) for row in reader if row)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise RecordingError(f"{path}: byte {error.start}: must be UTF-8 text") from error
     except csv.Error as error:
         raise RecordingError(f"{path}: line {reader.line_num}: is no CSV: {error}") from error
+
+
+def _read(path: Path) -> tuple[list[str], Rows]:
+    with _csv(path) as (header, lines):
+        rows = list(lines)
     if not rows:
         raise RecordingError(
             f"{path}: has {'no line after the header' if header else 'no header'}: must have one line an object"
@@ -213,10 +222,11 @@ class _Columns:
         return [row[column].strip() for _, row in self._rows]
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        return np.array(self._parsed(name, _real, "must be a number"), np.float64)
+        return np.asarray(self._parsed(name, float, np.float64, _PIXELS_MAX, "must be a number"), np.float64)
 
     def times(self, name: str) -> NDArray[np.int64]:
-        return np.array(self._parsed(name, _time, "must be an integer, microseconds, of at most 2^60"), np.int64)
+        rule = "must be an integer, microseconds, of at most 2^60"
+        return np.asarray(self._parsed(name, int, np.int64, _TIME_MAX_US, rule), np.int64)
 
     def check(self, name: str, good: NDArray[np.bool_], rule: str) -> None:
         """Raise RecordingError for the first line that is not `good`."""
@@ -224,26 +234,22 @@ class _Columns:
             row = int(np.argmin(good))
             raise RecordingError(f"{self._path}: line {self._rows[row][0]}: {name} = {self.texts(name)[row][:40]!r}: {rule}")
 
-    def _parsed(self, name: str, parse: Callable[[str], float | None], rule: str) -> list[Any]:
-        values = [parse(text) for text in self.texts(name)]
-        self.check(name, np.array([value is not None for value in values]), rule)
+    def _parsed(self, name: str, parse: type[float], dtype: type[Any], most: float, rule: str) -> NDArray[Any]:
+        texts = self.texts(name)
+        try:
+            values = np.array([parse(text) for text in texts], dtype)
+            good = np.abs(values) <= most
+        except (ValueError, OverflowError):
+            good = np.array([_fits(parse, text, most) for text in texts])
+        self.check(name, good, rule)
         return values
 
 
-def _real(text: str) -> float | None:
+def _fits(parse: type[float], text: str, most: float) -> bool:
     try:
-        value = float(text)
+        return abs(parse(text)) <= most
     except ValueError:
-        return None
-    return value if abs(value) <= _PIXELS_MAX else None
-
-
-def _time(text: str) -> int | None:
-    try:
-        value = int(text)
-    except ValueError:
-        return None
-    return value if abs(value) <= _TIME_MAX_US else None
+        return False
 
 
 def _numbered(texts: list[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:
