@@ -2,8 +2,8 @@
 """How workers start: forked from one process that has imported what they need, once for all of them.
 
 A worker that imports it all itself is ready after more than two seconds; a fork is ready after some hundredths of one. The
-process from which they fork has no threads of this one, holds none of its files, and ends with it. This module imports little, so
-that a command can begin that process before importing the rest itself, which then happens in both at the same time.
+process from which they fork has no threads of this one, holds none of its files, and ends with it. This module imports little,
+so that a command can begin that process before it imports the rest itself: then both do so at the same time.
 """
 
 from __future__ import annotations
