@@ -42,7 +42,6 @@ _PIXELS_MAX = 1e9
 _SIDE_MIN = 1e-3
 
 
-
 @dataclass(frozen=True, eq=False)
 class GroundTruth:
     """Positions and sizes of the objects.
