@@ -118,6 +118,7 @@ def run_long(
         def follow(chunk: Events, decided: Decisions, first: int) -> None:
             nonlocal software_s
             assert begin_us is not None
+            made_of.add(chunk)
             _keep(logs[0], tallies[0], to_track_records(decided.records, cot, chunk.t_us, first, begin_us), decided.owner)
             started = time.perf_counter()
             _keep(logs[1], tallies[1], *software.feed(chunk))
@@ -136,7 +137,6 @@ def run_long(
                     begin_us = int(chunk.t_us[0])
                     compiled_aside(compile_kernels, chunk[:1], sensor, config)
                 first, end_us = lockstep.events, int(chunk.t_us[-1])
-                made_of.add(chunk)
                 try:
                     step = lockstep.feed(chunk)
                 except RecordingError as error:
