@@ -199,10 +199,10 @@ def _read(path: Path) -> _Columns:
     with _csv(path) as (header, rows):
         columns: list[list[str]] = [[] for _ in header]
         while some := list(islice(rows, _ROWS)):
-            for line, row in some:
-                if len(row) != len(header):
-                    raise RecordingError(f"{path}: line {line}: {len(row)} values: must be {len(header)}, as the header")
-                lines.append(line)
+            if any(len(row) != len(header) for _, row in some):
+                line, count = next((line, len(row)) for line, row in some if len(row) != len(header))
+                raise RecordingError(f"{path}: line {line}: {count} values: must be {len(header)}, as the header")
+            lines += [line for line, _ in some]
             for column, cells in zip(columns, zip(*(row for _, row in some), strict=True), strict=True):
                 column += cells
     if not lines:
@@ -241,7 +241,7 @@ class _Columns:
     def _parsed(self, name: str, parse: type[float], dtype: type[Any], most: float, rule: str) -> NDArray[Any]:
         cells = self._cells(name)
         try:
-            values = np.array(list(map(parse, cells)), dtype)
+            values = np.fromiter(map(parse, cells), dtype, len(cells))
             good = np.abs(values) <= most
         except (ValueError, OverflowError):
             good = np.array([_fits(parse, cell, most) for cell in cells])
