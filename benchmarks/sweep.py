@@ -39,7 +39,7 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         yield from _overhead(folder, 1_000 if quick else 10_000)
-        yield from _speed_up(folder, 4 if quick else 8)
+        yield from _speed_up(folder, 4 if quick else 16)
         yield from _cluster(folder, 400 if quick else 2_000)
 
 
