@@ -16,9 +16,16 @@ from pathlib import Path
 
 import evcot
 from evcot.events import Events, Recording
-from evcot.recordings.files import write_events
+from evcot.recordings.files import read_recording, write_events
+from evcot.trackers.presets import run_config
+from evcot.unfinished import unfinished
 from evcot_cosim.cli import main
-from measure import Goal, Result
+from evcot_cosim.devices.device import build_device
+from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks
+from evcot_cosim.lockstep.long import run_long
+from evcot_cosim.lockstep.run_file import Source
+from evcot_cosim.names import DEFAULT_TOP
+from measure import Clock, Goal, Result, Timing, take_turns, timed
 from memory import own_peak_mb
 
 __all__ = ["measure"]
@@ -29,7 +36,7 @@ _APART_US = 10_000
 
 
 def measure(_folder: Path, quick: bool) -> Iterator[Result]:
-    """long_track_memory, long_track_growth, long_cosim_memory, long_cosim_growth, long_cosim_after."""
+    """long_track_memory, long_track_growth, long_cosim_memory, long_cosim_growth, long_cosim_after, long_lockstep_rate."""
     short, long = (3_000_000, 9_000_000) if quick else (8_000_000, 64_000_000)
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
@@ -60,6 +67,45 @@ def measure(_folder: Path, quick: bool) -> Iterator[Result]:
                     goal=Goal(1, at_most=True),
                     how=f"start, reading, logs and pages of the run; the software tracker took {software_s:.1f} s; wall time",
                 )  # fmt: skip
+        yield _rate(folder, files[short], 1 if quick else 5)
+
+
+def _rate(folder: Path, path: Path, rounds: int) -> Result:
+    """Lock-step of a file, with its reading, the software tracker and both logs, against that of its events in memory."""
+    recording = read_recording(path)
+    config = run_config(recording.width, recording.height, "discs")
+    cot = config.hardware(recording.width, recording.height)
+    model = build_device(cot, DEFAULT_TOP, waves=False, savable=True)
+
+    def bare() -> Timing:
+        with Lockstep(cot, DEFAULT_TOP, model=model) as lockstep:
+            parts = chunks(recording.events)
+            lockstep.feed(next(parts))
+
+            def work() -> None:
+                for part in parts:
+                    lockstep.feed(part)
+
+            return timed(work)
+
+    def long() -> Timing:
+        began: list[float] = []
+
+        def progress(*_: object) -> None:
+            began[2:] = time.perf_counter(), time.thread_time()
+
+        with unfinished(folder / "rate", lambda: "") as work:
+            run_long(Source(str(path)), config, DEFAULT_TOP, work, progress=progress)
+        return Timing(began[-2] - began[0], began[-1] - began[1])
+
+    turns = take_turns({"bare": bare, "long": long}, rounds)
+    count = len(recording.events) - CHUNK
+    rate_m, bare_m = (count / turns.seconds(name, Clock.WALL) / 1e6 for name in ("long", "bare"))
+    return Result(
+        "long_lockstep_rate", rate_m, "M events/s", bare_m, "the same events in memory, no logs", goal=Goal(0.95),
+        ratio=turns.speed_ratio("long", "bare", Clock.WALL),
+        how=f"without the first chunk; wall time; CPU ratio of the thread that drives: {turns.speed_ratio('long', 'bare'):.3f}",
+    )  # fmt: skip
 
 
 def _written(path: Path, recording: Recording, count: int) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from pathlib import Path
 import evcot
 from evcot.recordings.files import write_recording
 
-__all__ = ["Chore", "chore", "recorded", "until"]
+__all__ = ["Chore", "chore", "recorded", "seen_by_worker", "until"]
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,15 @@ def chore(task: Chore) -> dict[str, int]:
     if task.does == "sleep":
         time.sleep(60)
     return {"number": task.number, "pid": os.getpid()}
+
+
+def seen_by_worker(variable: str) -> dict[str, object]:
+    """A worker as its task finds it: whose child it is, whether evcot is imported, deaf to interrupts; a variable's value."""
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    return {
+        "parent": os.getppid(), "at_hand": "evcot_cosim.sweep.at_hand" in sys.modules, "deaf": signal.SIGINT in blocked,
+        "variable": os.environ.get(variable),
+    }  # fmt: skip
 
 
 def recorded(folder: Path, seed: int, duration_us: int = 120_000) -> Path:

@@ -188,11 +188,15 @@ class Action:
 
     Attributes:
         place: `module:function` of `actions`.
+        ahead: called before that is imported.
     """
 
     place: str
+    ahead: Callable[[argparse.Namespace], None] | None = None
 
     def __call__(self, options: argparse.Namespace, arguments: Sequence[str]) -> int:
+        if self.ahead is not None:
+            self.ahead(options)
         return self.function(options, arguments)
 
     @property
@@ -203,17 +207,22 @@ class Action:
 
 
 def add_command(
-    commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, title: str, examples: str, place: str = ""
+    commands: argparse._SubParsersAction[argparse.ArgumentParser],
+    name: str,
+    title: str,
+    examples: str,
+    place: str = "",
+    ahead: Callable[[argparse.Namespace], None] | None = None,
 ) -> argparse.ArgumentParser:
     """A command's parser: `evcot NAME -h` shows title, examples, one command with a remark per line, and options.
 
     Args:
-        place: of what it does, as of `Action`; without it `NAME:run`.
+        place, ahead: of what it does, as of `Action`; without a place `NAME:run`.
     """
     shown = "examples:\n" + "\n".join(f"  {line}".rstrip() for line in examples.strip().splitlines())
     description = f"{title[:1].upper()}{title[1:]}.\n\n{shown}"
     parser = commands.add_parser(name, help=title, description=description, formatter_class=HelpFormatter)
-    parser.set_defaults(parser=parser, command=Action(place or f"{name}:run"))
+    parser.set_defaults(parser=parser, command=Action(place or f"{name}:run", ahead))
     return parser
 
 

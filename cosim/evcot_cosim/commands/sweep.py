@@ -7,7 +7,7 @@ import argparse
 
 from .parsing import add_command, input_or_name, input_path, output_option
 
-__all__ = ["add", "scheduler_options"]
+__all__ = ["add", "scheduler_options", "start_workers"]
 
 _EXAMPLES = """
 evcot sweep sweep.toml                                   # on all cores; called again, it continues where it stopped
@@ -20,7 +20,7 @@ evcot sweep build/sweep/traffic --only 3f1c0a9be2d84f67  # repeat one run of a s
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
     title = "run many settings over recordings, engines and seeds, and store the results"
-    parser = add_command(commands, "sweep", title, _EXAMPLES)
+    parser = add_command(commands, "sweep", title, _EXAMPLES, ahead=start_workers)
     parser.add_argument(
         "spec",
         type=input_or_name,
@@ -34,6 +34,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("--dry-run", action="store_true", help="print the number of runs, and run nothing")
     parser.add_argument("--json", action="store_true", help="print what was done as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress, no table")
+
+
+def start_workers(options: argparse.Namespace) -> None:
+    """Have the imports of workers begin, if there will be some here, while this process imports its own."""
+    if any(getattr(options, name, None) for name in ("scheduler", "scheduler_file", "only", "dry_run")):
+        return
+    from ..sweep.starting import begin_starting  # here, as other commands need nothing of it
+
+    begin_starting()
 
 
 def scheduler_options(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from evcot.metrics import RULES
 from evcot.trackers.engines import ENGINES
 
 from .parsing import add_command, input_or_name, input_path, output_option
-from .sweep import scheduler_options
+from .sweep import scheduler_options, start_workers
 
 __all__ = ["add"]
 
@@ -23,7 +23,9 @@ evcot track d.aedat4 --engine rct --config mine.toml -o log.npz                 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the command line."""
-    parser = add_command(commands, "tune", "choose settings on some recordings, validate them on others", _EXAMPLES)
+    parser = add_command(
+        commands, "tune", "choose settings on some recordings, validate them on others", _EXAMPLES, ahead=start_workers
+    )
     parser.add_argument("recordings", type=input_path, nargs="+", metavar="FILE", help="recordings with a known truth")
     parser.add_argument(
         "--truth", type=input_path, action="append", default=[], metavar="TRUTH",

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Co-simulation of a recording of any length: as `cosim`, in bounded memory, with checkpoints.
 
-Hardware and model are compared chunk by chunk, as always; the logs of hardware and software tracker grow in the folder of the
-work. The model's log is not kept: every chunk of it was compared with the hardware's.
+Hardware and model are compared chunk by chunk, as always. While they are at the next chunk, another thread feeds the software
+tracker and adds to both logs, which grow in the folder of the work. The model's log is not kept: every chunk of it was compared
+with the hardware's.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +21,7 @@ from evcot.compiling import compiled_aside
 from evcot.digest import EventsDigest
 from evcot.errors import RecordingError
 from evcot.events import Events
-from evcot.hardware.cot import to_track_records
+from evcot.hardware.cot import Decisions, to_track_records
 from evcot.recordings.formats.source import Sensor
 from evcot.trackers.config import RunConfig
 from evcot.tracks.spool import LogSpool
@@ -112,7 +114,20 @@ def run_long(
         software_s, end_us = state.get("software_s", 0.0), state.get("end_us", 0)
         made_of, at = EventsDigest(), tallies[0].events
         begin_us: int | None = state.get("begin_us")
-        with Lockstep(cot, top, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep:
+
+        def follow(chunk: Events, decided: Decisions, first: int) -> None:
+            nonlocal software_s
+            assert begin_us is not None
+            made_of.add(chunk)
+            _keep(logs[0], tallies[0], to_track_records(decided.records, cot, chunk.t_us, first, begin_us), decided.owner)
+            started = time.perf_counter()
+            _keep(logs[1], tallies[1], *software.feed(chunk))
+            software_s += time.perf_counter() - started
+
+        with (
+            Lockstep(cot, top, stalls=stalls_from(stall_seed), seed=stall_seed, model=build) as lockstep,
+            _Beside() as beside,
+        ):
             if at:
                 lockstep.restore(state["lockstep"])
                 if resumed is not None:
@@ -122,20 +137,16 @@ def run_long(
                     begin_us = int(chunk.t_us[0])
                     compiled_aside(compile_kernels, chunk[:1], sensor, config)
                 first, end_us = lockstep.events, int(chunk.t_us[-1])
-                made_of.add(chunk)
                 try:
                     step = lockstep.feed(chunk)
                 except RecordingError as error:
                     raise RecordingError(f"{name}: {error}") from error
-                records = to_track_records(step.hardware.records, cot, chunk.t_us, first, begin_us)
-                _keep(logs[0], tallies[0], records, step.hardware.owner)
-                started = time.perf_counter()
-                _keep(logs[1], tallies[1], *software.feed(chunk))
-                software_s += time.perf_counter() - started
+                beside.do(follow, chunk, step.hardware, first)
                 if progress is not None:
                     progress(lockstep.events, end_us - begin_us, lockstep.events / lockstep.wall_s)
                 if every and lockstep.events - at >= every and not lockstep.events % CHUNK:
                     at = lockstep.events
+                    beside.wait()
                     for log in logs:
                         log.flush()
                     work.save(
@@ -145,6 +156,7 @@ def run_long(
                             "lockstep": lockstep.state(),
                         }
                     )  # fmt: skip
+            beside.wait()
             _keep(logs[1], tallies[1], software.finish(), np.empty(0, np.int16))
             cycles, wall_s = lockstep.device.cycle, lockstep.wall_s
     for log, engine in zip(logs, ("cot-rtl", config.software), strict=True):
@@ -169,6 +181,31 @@ def run_long(
         build=build,
         seed=stall_seed,
     )
+
+
+class _Beside:
+    """A thread that does one thing after the other, at most one of them behind; what is under way ends with the context."""
+
+    def __init__(self) -> None:
+        self._thread = ThreadPoolExecutor(1)
+        self._under_way: Future[None] | None = None
+
+    def do(self, work: Callable[..., None], *arguments: Any) -> None:
+        """Begin it as soon as what is under way has ended."""
+        self.wait()
+        self._under_way = self._thread.submit(work, *arguments)
+
+    def wait(self) -> None:
+        """Until nothing is under way; raises what that has raised."""
+        if self._under_way is not None:
+            self._under_way.result()
+            self._under_way = None
+
+    def __enter__(self) -> _Beside:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._thread.shutdown()
 
 
 def _keep(log: LogSpool, tally: Tally, records: NDArray[np.void], owner: NDArray[np.int16]) -> None:

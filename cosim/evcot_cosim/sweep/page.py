@@ -32,6 +32,7 @@ _STEPS = 65_534  # of a range, in two bytes
 _LINES_MAX = 200_000
 _FAULTS_MAX = 200
 _ROOM = (46.0, 292.0, 10.0, 130.0)  # of a response: left, right, top, bottom
+_HEIGHT, _ROW, _NAMES = 150, 16.0, 50.0  # of a response; of a row of one; what names have beside the room
 
 
 def render(spec: Spec, rows: Sequence[Mapping[str, Any]], groups: Sequence[Group], summary: Mapping[str, Any]) -> str:
@@ -137,18 +138,22 @@ def _title(value: Any) -> str:
 
 
 class _Chart(NamedTuple):
-    """A response as shapes of an SVG: grid lines, band, mean, points with bars, labels below."""
+    """A response as shapes of an SVG: grid lines, band, mean, points with bars, labels below; of names, a row each."""
 
     name: str
+    height: int
     words: str
     ticks: list[tuple[float, str]]
     area: str
     line: str
     dots: list[tuple[float, float, float, float, str]]
     labels: list[tuple[float, str, str]]
+    rows: list[tuple[float, float, float, float, str, str]]
 
 
 def _chart(name: str, levels: Sequence[Level]) -> _Chart:
+    if levels[0].at is None:
+        return _rows(name, levels)
     left, right, top, bottom = _ROOM
     low, high = min(level.low for level in levels), max(level.high for level in levels)
     size = high - low or abs(high) or 1.0
@@ -157,13 +162,8 @@ def _chart(name: str, levels: Sequence[Level]) -> _Chart:
     def y(value: float) -> float:
         return round(bottom - (value - low) / size * (bottom - top), 1)
 
-    places = [round(left + 8 + level.at * (right - left - 16), 1) for level in levels]
-    dots = [
-        (x, y(level.mean), y(level.low), y(level.high), f"{level.title}: {level.mean:.4g}, 95 % {level.low:.4g} to "
-         f"{level.high:.4g}, {level.count:,} configurations")
-        for x, level in zip(places, levels, strict=True)
-    ]  # fmt: skip
-    ordered = levels[0].at < levels[-1].at and len(levels) > 2
+    places = [round(left + 8 + (level.at or 0.0) * (right - left - 16), 1) for level in levels]
+    dots = [(x, y(level.mean), y(level.low), y(level.high), _told(level)) for x, level in zip(places, levels, strict=True)]
     band = [(x, dot[3]) for x, dot in zip(places, dots, strict=True)]
     band += [(x, dot[2]) for x, dot in reversed(list(zip(places, dots, strict=True)))]
     few = levels if len(levels) <= 4 else (levels[0], levels[-1])
@@ -176,13 +176,40 @@ def _chart(name: str, levels: Sequence[Level]) -> _Chart:
     best = max(levels, key=lambda level: level.mean)
     return _Chart(
         name,
+        _HEIGHT,
         f"highest at {best.title}, {best.mean:.4g}",
         [(y(value), f"{value:.{digits}f}") for value in (low, (low + high) / 2, high)],
-        " ".join(f"{x},{at}" for x, at in band) if ordered else "",
+        " ".join(f"{x},{at}" for x, at in band) if len(levels) > 2 else "",
         " ".join(f"{dot[0]},{dot[1]}" for dot in dots),
         dots,
         labels,
+        [],
     )
+
+
+def _rows(name: str, levels: Sequence[Level]) -> _Chart:
+    """The same of values without an order."""
+    left, right, top, _ = _ROOM
+    left += _NAMES
+    low, high = min(level.low for level in levels), max(level.high for level in levels)
+    size = high - low or abs(high) or 1.0
+
+    def x(value: float) -> float:
+        return round(left + 8 + (value - low) / size * (right - left - 16), 1)
+
+    rows = [
+        (top + _ROW * (i + 0.5), x(level.mean), x(level.low), x(level.high), level.title[:22], _told(level))
+        for i, level in enumerate(levels)
+    ]
+    ends = [(x(low), f"{low:.3g}", "start"), (x(high), f"{high:.3g}", "end")]
+    height = int(top + _ROW * len(levels) + 20)
+    words = f"highest at {levels[0].title}, {levels[0].mean:.4g}"
+    return _Chart(name, height, words, [], "", "", [], ends, rows)
+
+
+def _told(level: Level) -> str:
+    counted = f"{level.count:,} configuration{'' if level.count == 1 else 's'}"
+    return f"{level.title}: {level.mean:.4g}, 95 % {level.low:.4g} to {level.high:.4g}, {counted}"
 
 
 def _suites(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

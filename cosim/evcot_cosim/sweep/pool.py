@@ -18,6 +18,8 @@ from multiprocessing.process import BaseProcess
 from types import TracebackType
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from .starting import started
+
 __all__ = ["Done", "LocalPool", "cores"]
 
 T = TypeVar("T")
@@ -47,10 +49,8 @@ def cores() -> int:
 
 class _Worker(Generic[T]):
     def __init__(self, function: Callable[[T], Any]) -> None:
-        context = multiprocessing.get_context("spawn")
-        self.connection, theirs = context.Pipe()
-        self.process: BaseProcess = context.Process(target=_work, args=(theirs, function), daemon=True)
-        self.process.start()
+        self.connection, theirs = multiprocessing.Pipe()
+        self.process = started(_work, theirs, function, dict(os.environ))
         theirs.close()
         self.tasks: deque[tuple[T, int]] = deque()  # with the number of tries; the first is at work
         self.ready = False  # its start counts for no task
@@ -213,8 +213,11 @@ def _exit(*_: object) -> None:
     raise SystemExit(1)
 
 
-def _work(connection: Connection, function: Callable[[Any], Any]) -> None:
-    """A worker's life: until the caller closes the connection."""
+def _work(connection: Connection, function: Callable[[Any], Any], environment: dict[str, str]) -> None:
+    """A worker's life: until the caller closes the connection. The environment is the caller's as it is now."""
+    if environment != os.environ:
+        os.environ.clear()
+        os.environ.update(environment)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the caller ends it
     signal.signal(signal.SIGTERM, _exit)
     try:

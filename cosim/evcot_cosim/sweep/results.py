@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .execute import DONE
+from .fields import HARDWARE, PRESET
 from .task import canonical
 
 __all__ = ["Group", "Level", "best_first", "families_of", "front", "grouped", "merit", "responses", "settings_of"]
@@ -41,7 +42,9 @@ class Group:
     @property
     def name(self) -> str:
         """The configuration in words."""
-        parts = [self.engine, self.hardware, self.preset or "", *(f"{key} = {value}" for key, value in self.settings.items())]
+        named = {HARDWARE: self.hardware, PRESET: self.preset}
+        settings = (f"{key} = {value}" for key, value in self.settings.items() if key not in named or value != named[key])
+        parts = [self.engine, self.hardware, self.preset or "", *settings]
         return ", ".join(part for part in parts if part)
 
 
@@ -107,13 +110,13 @@ class Level:
 
     Attributes:
         title: the value, or the part.
-        at: place on the axis, from 0 to 1.
+        at: place on the axis, from 0 to 1; None where values have no order.
         count: configurations.
         mean, low, high: mean of the objective, and its 95 % interval; both are the mean with one configuration.
     """
 
     title: str
-    at: float
+    at: float | None
     count: int
     mean: float
     low: float
@@ -121,7 +124,8 @@ class Level:
 
 
 def responses(groups: Sequence[Group], metric: str) -> dict[str, list[Level]]:
-    """Field -> levels of the metric: at each value where there are few, else in parts with as many configurations each."""
+    """Field -> levels of the metric: at each number where there are few, else in parts with as many configurations each; of
+    names at each, the highest mean first."""
     names = dict.fromkeys(name for group in groups for name in group.settings)
     found = {}
     for name in names:
@@ -137,13 +141,14 @@ def _levels(pairs: Sequence[tuple[Any, float]]) -> list[Level]:
     distinct = {repr(value): value for value, _ in pairs}
     numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in distinct.values())
     y = np.array([mean for _, mean in pairs])
-    order = sorted(distinct, key=lambda text: distinct[text]) if numbers else list(distinct)
-    rank = {text: i for i, text in enumerate(order)}
-    ranks = np.array([rank[repr(value)] for value, _ in pairs])
+    if not numbers:
+        own = np.array([repr(value) for value, _ in pairs])
+        named = [_level(_shown(value), None, y[own == text]) for text, value in distinct.items()]
+        return sorted(named, key=lambda level: -level.mean)
+    x = np.array([float(value) for value, _ in pairs])
     if len(distinct) <= _BINS:
-        shown = [value if isinstance(value, str) else canonical(value) for value in (distinct[text] for text in order)]
-        return [_level(text, i / max(len(order) - 1, 1), y[ranks == i]) for i, text in enumerate(shown)]
-    x = np.array([float(value) for value, _ in pairs]) if numbers else ranks.astype(float)
+        order = sorted(distinct.values())
+        return [_level(_shown(value), i / max(len(order) - 1, 1), y[x == float(value)]) for i, value in enumerate(order)]
     edges = np.unique(np.quantile(x, np.linspace(0, 1, _BINS + 1)))
     of = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
     low, high = float(x.min()), float(x.max())
@@ -156,7 +161,11 @@ def _levels(pairs: Sequence[tuple[Any, float]]) -> list[Level]:
     return levels
 
 
-def _level(title: str, at: float, values: NDArray[np.float64]) -> Level:
+def _shown(value: Any) -> str:
+    return value if isinstance(value, str) else canonical(value)
+
+
+def _level(title: str, at: float | None, values: NDArray[np.float64]) -> Level:
     mean = float(values.mean())
     error = float(values.std(ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else 0.0
     return Level(title, at, len(values), mean, mean - _SURE * error, mean + _SURE * error)

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..tracks.boxes import upright_sides
-from ..tracks.timeline import SAMPLE
 from .rule import Rule
-from .truth import OBJECT, GroundTruth
+from .truth import GroundTruth
 
-__all__ = ["Frames", "Matches", "line_up"]
+__all__ = ["Frames", "Matches", "Pairs", "line_up"]
 
 Ids = tuple[NDArray[np.int64], ...]
 
@@ -71,6 +70,26 @@ class Matches:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """The distinct pairs among (n,) pairs of object and track, by object, then by track.
+
+    Attributes:
+        truth, track: of each distinct pair.
+        of_each: (n,) index of the distinct pair that each is.
+    """
+
+    truth: NDArray[np.int64]
+    track: NDArray[np.int64]
+    of_each: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, truth: NDArray[np.int64], track: NDArray[np.int64], n_tracks: int) -> Pairs:
+        """Those among pairs of an object and a track below `n_tracks`."""
+        keys, of_each = np.unique(truth * n_tracks + track, return_inverse=True)
+        return cls(*np.divmod(keys, max(n_tracks, 1)), of_each.astype(np.int64))
+
+
 def line_up(outputs: NDArray[np.void], truth: GroundTruth, rule: Rule) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
     """Remove objects and outputs that are not evaluated, and find the similarity of the others.
 
@@ -81,23 +100,26 @@ def line_up(outputs: NDArray[np.void], truth: GroundTruth, rule: Rule) -> tuple[
         The frames, and the objects (dtype `OBJECT`) and outputs (dtype `timeline.SAMPLE`) in them, by frame; within a frame
         in the order of `Frames.truth` and `Frames.tracks`.
     """
+    counts = truth.objects["counted"]
+    objects, excused = truth.objects[counts], truth.objects[~counts]
     n = len(truth.instants_us)
-    objects_in, outputs_in = _split(truth.objects, "frame", n), _split(outputs, "sample", n)
-    # Objects and outputs to be removed:
-    kept_objects, kept_outputs, similarities = [], [], []
-    for boxes, states in zip(objects_in, outputs_in, strict=True):
-        counted = boxes[boxes["counted"]]
-        states = states[~_ignored(states, counted, boxes[~boxes["counted"]], rule)]
-        kept_objects.append(counted)
-        kept_outputs.append(states)
-        similarities.append(_overlap(counted, states, rule) if rule.similarity == "iou" else _nearness(counted, states))
-    objects = np.concatenate([np.empty(0, OBJECT), *kept_objects])
-    outputs = np.concatenate([np.empty(0, SAMPLE), *kept_outputs])
+    objects_in, outputs_in = _split(objects, "frame", n), _split(outputs, "sample", n)
+    if len(excused) or rule.ignore:
+        ignored = [
+            _ignored(states, own, others, rule)
+            for states, own, others in zip(outputs_in, objects_in, _split(excused, "frame", n), strict=True)
+        ]
+        outputs = outputs[~np.concatenate(ignored)]
+        outputs_in = _split(outputs, "sample", n)
+    similarities = [
+        _overlap(boxes, states, rule) if rule.similarity == "iou" else _nearness(boxes, states)
+        for boxes, states in zip(objects_in, outputs_in, strict=True)
+    ]
     truth_ids, truth_number = np.unique(objects["object"], return_inverse=True)
     track_ids, track_number = np.unique(outputs["track_id"], return_inverse=True)
     frames = Frames(
-        _cut(truth_number, kept_objects),
-        _cut(track_number, kept_outputs),
+        _cut(truth_number, objects_in),
+        _cut(track_number, outputs_in),
         tuple(similarities),
         len(truth_ids),
         len(track_ids),

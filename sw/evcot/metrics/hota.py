@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from .frames import Frames, Matches
+from .frames import Frames, Matches, Pairs
 
 __all__ = ["THRESHOLDS", "Hota", "hota"]
 
@@ -50,7 +50,8 @@ class Hota:
 def hota(frames: Frames) -> Hota:
     """HOTA scores of tracks; without objects or tracks all are 0 except LocA."""
     matches = _match(frames)
-    at = [_scores(frames, matches, float(threshold)) for threshold in THRESHOLDS]
+    pairs = Pairs.of(matches.truth, matches.track, frames.n_tracks)
+    at = [_scores(frames, matches, pairs, float(threshold)) for threshold in THRESHOLDS]
     return Hota(*(float(mean) for mean in np.mean(at, axis=0)))
 
 
@@ -73,13 +74,14 @@ def _alignment(frames: Frames) -> NDArray[np.float64]:
     return together / (frames.truth_lengths[:, None] + frames.track_lengths - together)
 
 
-def _scores(frames: Frames, matches: Matches, threshold: float) -> tuple[float, ...]:
+def _scores(frames: Frames, matches: Matches, pairs: Pairs, threshold: float) -> tuple[float, ...]:
     """The fields of `Hota` at one threshold."""
     kept = matches.similarity >= threshold - _EPS
     tp = int(kept.sum())
     fn, fp = int(frames.truth_lengths.sum()) - tp, int(frames.track_lengths.sum()) - tp
-    pairs, tpa = np.unique(np.column_stack((matches.truth[kept], matches.track[kept])), axis=0, return_counts=True)
-    truth, track = frames.truth_lengths[pairs[:, 0]], frames.track_lengths[pairs[:, 1]]
+    times = np.bincount(pairs.of_each[kept], minlength=len(pairs.truth))
+    met = np.flatnonzero(times)
+    tpa, truth, track = times[met], frames.truth_lengths[pairs.truth[met]], frames.track_lengths[pairs.track[met]]
     assa, assre, asspr = (float(np.sum(tpa * tpa / of)) / max(tp, 1) for of in (truth + track - tpa, truth, track))
     deta = tp / max(tp + fn + fp, 1)
     loca = float(matches.similarity[kept].mean()) if tp else 1.0

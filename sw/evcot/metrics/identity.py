@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..tracks.pairing import best_pairs
-from .frames import Frames
+from .frames import Frames, Pairs
 
 __all__ = ["Identity", "identity"]
 
@@ -40,12 +40,14 @@ def identity(frames: Frames, threshold: float = 0.5) -> Identity:
 
     Minimising idfp + idfn is equivalent to maximising idtp.
     """
-    met = [np.empty((0, 2), np.int64)]
+    met_truth, met_track = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
     for truth, tracks, similarity in zip(frames.truth, frames.tracks, frames.similarity, strict=True):
         row, column = np.nonzero(similarity >= threshold)
-        met.append(np.column_stack((truth[row], tracks[column])))
-    pairs, times = np.unique(np.concatenate(met), axis=0, return_counts=True)
-    chosen = best_pairs(pairs[:, 0], pairs[:, 1], times.astype(np.float64))
+        met_truth.append(truth[row])
+        met_track.append(tracks[column])
+    pairs = Pairs.of(np.concatenate(met_truth), np.concatenate(met_track), frames.n_tracks)
+    times = np.bincount(pairs.of_each, minlength=len(pairs.truth))
+    chosen = best_pairs(pairs.truth, pairs.track, times.astype(np.float64))
     idtp = int(times[chosen].sum())
     idfp, idfn = int(frames.track_lengths.sum()) - idtp, int(frames.truth_lengths.sum()) - idtp
     return Identity(

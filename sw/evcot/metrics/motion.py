@@ -68,7 +68,10 @@ def _velocity_error(
     log: RecordRuns, max_age_us: int, objects: NDArray[np.void], track_ids: NDArray[np.int64], instants_us: NDArray[np.int64]
 ) -> float | None:
     around_us = np.array([-_SPAN_US // 2, _SPAN_US // 2])
-    places = positions_around(log.record_runs(), max_age_us, track_ids, instants_us, around_us)
+    places = np.full((2, len(track_ids), 2), np.nan)
+    for some in positions_around(log.record_runs(), max_age_us, track_ids, instants_us, around_us):
+        for axis, own in zip(places, (some.x, some.y), strict=True):
+            axis[some.rows][some.there] = own[some.there]
     vx, vy = (np.diff(axis)[:, 0] / (_SPAN_US * 1e-6) for axis in places)
     return _quantile(np.hypot(vx - objects["vx"], vy - objects["vy"]), 0.5)
 
@@ -85,15 +88,16 @@ def _latency_ms(
     shifts_us = shifts_us[np.argsort(np.abs(shifts_us), kind="stable")]  # ties are resolved in favour of the smallest shift
     every = max(1, -(-len(objects) // _PAIRS))
     objects, track_ids, instants_us = objects[::every], track_ids[::every], instants_us[::every]
-    x, y = positions_around(log.record_runs(), max_age_us, track_ids, instants_us, shifts_us)
-    x -= objects["x"][:, None]
-    y -= objects["y"][:, None]
-    errors_px = np.hypot(x, y, out=x)
+    x, y = (np.ascontiguousarray(objects[axis]) for axis in "xy")
+    errors_px = np.full((len(shifts_us), len(objects)), np.nan)
+    for some in positions_around(log.record_runs(), max_age_us, track_ids, instants_us, shifts_us):
+        error_px = np.hypot(some.x - x[some.rows, None], some.y - y[some.rows, None])
+        np.copyto(errors_px[:, some.rows], error_px.T, where=some.there.T)
     # A shift at which most tracks do not exist is not meaningful.
     medians_px = np.array(
         [
             np.median(there) if 2 * len(there) >= len(objects) and len(there) else np.inf
-            for there in (column[~np.isnan(column)] for column in errors_px.T)
+            for there in (row[~np.isnan(row)] for row in errors_px)
         ]
     )
     known = medians_px[np.isfinite(medians_px)]

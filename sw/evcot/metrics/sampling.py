@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,11 @@ from ..errors import TrackLogError
 from ..tracks.log import Kind, TrackLog
 from ..tracks.windows import windows
 
-__all__ = ["check_records", "checked", "checked_runs", "positions", "positions_around"]
+__all__ = ["Around", "check_records", "checked", "checked_runs", "positions", "positions_around"]
 
 _TIME_MAX_US = 2**60
 _PIXELS_MAX = 1e9
+_AT_ONCE = 1 << 16  # positions: half a megabyte of each coordinate
 
 
 def checked(log: TrackLog) -> TrackLog:
@@ -76,19 +78,46 @@ def positions(
     Returns:
         x, y: (n, k) in pixels, NaN where the track does not exist.
     """
-    records = log.records[np.argsort(log.records["track_id"], kind="stable")]
-    by_track = np.argsort(track_ids, kind="stable")
-    wanted, starts = np.unique(track_ids[by_track], return_index=True)
-    begin, end = (np.searchsorted(records["track_id"], wanted, side) for side in ("left", "right"))
-    x, y = np.full((2, *times_us.shape), np.nan)
-    for i, rows in enumerate(np.split(by_track, starts[1:])[: len(wanted)]):
-        own = records[begin[i] : end[i]]
-        if not len(own):
-            continue
-        newest = np.searchsorted(own["t_us"], times_us[rows], "right") - 1
-        there = (newest >= 0) & (own["kind"][newest] <= Kind.MOVED)
-        x[rows], y[rows] = (np.where(there, own[axis][newest], np.nan) for axis in "xy")
-    return x, y
+    return _ByTrack(log).positions(track_ids, times_us)
+
+
+class _ByTrack:
+    """The records of a log, track by track."""
+
+    def __init__(self, log: TrackLog) -> None:
+        self._records = log.records[np.argsort(log.records["track_id"], kind="stable")]
+
+    def positions(
+        self, track_ids: NDArray[np.int64], times_us: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """As the function of this name."""
+        by_track = np.argsort(track_ids, kind="stable")
+        wanted, starts = np.unique(track_ids[by_track], return_index=True)
+        begin, end = (np.searchsorted(self._records["track_id"], wanted, side) for side in ("left", "right"))
+        x, y = np.full((2, *times_us.shape), np.nan)
+        for i, rows in enumerate(np.split(by_track, starts[1:])[: len(wanted)]):
+            own = self._records[begin[i] : end[i]]
+            if not len(own):
+                continue
+            newest = np.searchsorted(own["t_us"], times_us[rows], "right") - 1
+            there = (newest >= 0) & (own["kind"][newest] <= Kind.MOVED)
+            x[rows], y[rows] = (np.where(there, own[axis][newest], np.nan) for axis in "xy")
+        return x, y
+
+
+class Around(NamedTuple):
+    """Some of the positions that `positions_around` finds.
+
+    Attributes:
+        rows: which of the instants.
+        there: (n, k) mask of those that are known by now; others are known from other parts.
+        x, y: (n, k) in pixels, NaN where the track does not exist.
+    """
+
+    rows: slice
+    there: NDArray[np.bool_]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
 
 
 def positions_around(
@@ -97,26 +126,25 @@ def positions_around(
     track_ids: NDArray[np.int64],
     instants_us: NDArray[np.int64],
     offsets_us: NDArray[np.int64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> Iterator[Around]:
     """Positions of tracks in a log whose states expire: of track_ids[i] at instants_us[i] plus each of the offsets.
+
+    They come in parts that fit into a processor's cache; what is in none of them does not exist.
 
     Args:
         runs, max_age_us: as of `windows`.
         track_ids: (n,)
         instants_us: (n,) ascending
         offsets_us: (k,)
-
-    Returns:
-        x, y: (n, k) in pixels, NaN where the track does not exist.
     """
-    x, y = np.full((2, len(track_ids), len(offsets_us)), np.nan)
+    size = max(_AT_ONCE // len(offsets_us), 1)
     for window in windows(runs, max_age_us):
         around = (window.from_us - int(offsets_us.max()), window.until_us - int(offsets_us.min()))
-        rows = slice(*np.searchsorted(instants_us, around))
-        times_us = instants_us[rows, None] + offsets_us
-        if not len(times_us):
-            continue
-        there = (times_us >= window.from_us) & (times_us < window.until_us)
-        for whole, own in zip((x, y), positions(window.states, track_ids[rows], times_us), strict=True):
-            whole[rows][there] = own[there]
-    return x, y
+        first, end = (int(i) for i in np.searchsorted(instants_us, around))
+        states = _ByTrack(window.states) if first < end else None
+        for begin in range(first, end, size):
+            rows = slice(begin, min(begin + size, end))
+            times_us = instants_us[rows, None] + offsets_us
+            there = (times_us >= window.from_us) & (times_us < window.until_us)
+            assert states is not None
+            yield Around(rows, there, *states.positions(track_ids[rows], times_us))

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +40,6 @@ OBJECT = np.dtype(
 _TIME_MAX_US = 2**60
 _PIXELS_MAX = 1e9
 _SIDE_MIN = 1e-3
-
-Rows = list[tuple[int, list[str]]]  # number of the line, its cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +79,7 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
         return _truth_of_boxes(path, read_boxes(path, clock, format), rule)
     if not rule.columns:
         raise ConfigError(f"{path}: the rule has no columns: must have those of a CSV file")
-    header, rows = _read(path)
-    take = _Columns(path, header, rows)
+    take = _read(path)
     columns, named = rule.columns, {meaning: take.numbers(name) for meaning, name in rule.columns.items() if meaning in _REAL}
     end_us = take.times(columns.get("t_us") or columns["t_end_us"])
     at_us = end_us + rule.at_us
@@ -90,9 +89,9 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
     instants_us, frame = np.unique(at_us + rule.origin_us, return_inverse=True)
     ids, number = _numbered(take.texts(columns["id"]))
     _, first = np.unique(frame * max(len(ids), 1) + number, return_index=True)
-    take.check(columns["id"], np.isin(np.arange(len(rows)), first), "must not occur twice at one time")
+    take.check(columns["id"], np.isin(np.arange(len(frame)), first), "must not occur twice at one time")
 
-    objects = np.zeros(len(rows), OBJECT)
+    objects = np.zeros(len(frame), OBJECT)
     objects["frame"], objects["object"] = frame, number
     for axis, low, side in (("x", "left", "width"), ("y", "top", "height")):
         if rule.of_points:
@@ -106,7 +105,7 @@ def read_truth(path: Path | str, rule: Rule, *, clock: FrameClock | None = None,
     for name, (low_limit, high_limit) in rule.counted.items():
         value = take.numbers(name)
         objects["counted"] &= (low_limit <= value) & (value <= high_limit)
-    _check_objects(path, objects, rule, lambda row: f"line {rows[row][0]}")
+    _check_objects(path, objects, rule, lambda row: f"line {take.lines[row]}")
     if rule.clip:
         objects = _clipped(objects, rule)
     return GroundTruth(instants_us, objects[np.argsort(objects["frame"], kind="stable")], ids)
@@ -159,15 +158,17 @@ def rule_for(path: Path | str, format: str | None = None) -> Rule:
         format: name of a box format; None: chosen by the file's name, else CSV.
 
     Raises:
-        RecordingError: the file cannot be read.
+        RecordingError: the file's first line cannot be read.
     """
     if format is not None or is_boxes(path):
         return load_rule("boxes")
-    header, _ = _read(Path(path))
+    with _csv(Path(path)) as (header, _):
+        pass
     rules = [rule for rule in map(load_rule, RULES) if rule.columns]
     return next((rule for rule in rules if set(rule.columns.values()) <= set(header)), rules[0])
 
 
+_ROWS = 1 << 12  # of a CSV file, taken apart at once
 _COUNTED_BY = {"confidence": "confidence", "class": "class_id", "visibility": "visibility"}
 _REAL = ("left", "top", "width", "height", "x", "y", "vx", "vy")
 
@@ -176,74 +177,89 @@ def _instant(rule: Rule) -> str:
     return f"t_end_us {'-' if rule.at_us < 0 else '+'} {abs(rule.at_us)}"
 
 
-def _read(path: Path) -> tuple[list[str], Rows]:
+@contextmanager
+def _csv(path: Path) -> Iterator[tuple[list[str], Iterator[tuple[int, list[str]]]]]:
+    """The header of a CSV file, and its other lines with their numbers, read as they are taken."""
     note_input(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file)
             header = [name.strip() for name in next(reader, [])]
-            rows = [(reader.line_num, row) for row in reader if row]
+            yield header, ((reader.line_num, row) for row in reader if row)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise RecordingError(f"{path}: byte {error.start}: must be UTF-8 text") from error
     except csv.Error as error:
         raise RecordingError(f"{path}: line {reader.line_num}: is no CSV: {error}") from error
-    if not rows:
+
+
+def _read(path: Path) -> _Columns:
+    lines: list[int] = []
+    with _csv(path) as (header, rows):
+        columns: list[list[str]] = [[] for _ in header]
+        while some := list(islice(rows, _ROWS)):
+            if any(len(row) != len(header) for _, row in some):
+                line, count = next((line, len(row)) for line, row in some if len(row) != len(header))
+                raise RecordingError(f"{path}: line {line}: {count} values: must be {len(header)}, as the header")
+            lines += [line for line, _ in some]
+            for column, cells in zip(columns, zip(*(row for _, row in some), strict=True), strict=True):
+                column += cells
+    if not lines:
         raise RecordingError(
             f"{path}: has {'no line after the header' if header else 'no header'}: must have one line an object"
         )
-    for line, row in rows:
-        if len(row) != len(header):
-            raise RecordingError(f"{path}: line {line}: {len(row)} values: must be {len(header)}, as the header")
-    return header, rows
+    return _Columns(path, header, columns, lines)
 
 
 class _Columns:
-    """The cells of a file by column, with parsing and validation."""
+    """The cells of a file by column, with parsing and validation.
 
-    def __init__(self, path: Path, header: list[str], rows: Rows) -> None:
-        self._path, self._header, self._rows = path, header, rows
+    Attributes:
+        lines: number of each row's line.
+    """
+
+    def __init__(self, path: Path, header: list[str], columns: list[list[str]], lines: list[int]) -> None:
+        self._path, self._header, self._columns, self.lines = path, header, columns, lines
 
     def texts(self, name: str) -> list[str]:
-        if self._header.count(name) != 1:
-            shown = ",".join(self._header)[:120]
-            raise RecordingError(f"{self._path}: line 1: {shown!r}: must have one column {name!r} (the rule's `columns`)")
-        column = self._header.index(name)
-        return [row[column].strip() for _, row in self._rows]
+        return [cell.strip() for cell in self._cells(name)]
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        return np.array(self._parsed(name, _real, "must be a number"), np.float64)
+        return np.asarray(self._parsed(name, float, np.float64, _PIXELS_MAX, "must be a number"), np.float64)
 
     def times(self, name: str) -> NDArray[np.int64]:
-        return np.array(self._parsed(name, _time, "must be an integer, microseconds, of at most 2^60"), np.int64)
+        rule = "must be an integer, microseconds, of at most 2^60"
+        return np.asarray(self._parsed(name, int, np.int64, _TIME_MAX_US, rule), np.int64)
 
     def check(self, name: str, good: NDArray[np.bool_], rule: str) -> None:
         """Raise RecordingError for the first line that is not `good`."""
         if not good.all():
             row = int(np.argmin(good))
-            raise RecordingError(f"{self._path}: line {self._rows[row][0]}: {name} = {self.texts(name)[row][:40]!r}: {rule}")
+            raise RecordingError(f"{self._path}: line {self.lines[row]}: {name} = {self.texts(name)[row][:40]!r}: {rule}")
 
-    def _parsed(self, name: str, parse: Callable[[str], float | None], rule: str) -> list[Any]:
-        values = [parse(text) for text in self.texts(name)]
-        self.check(name, np.array([value is not None for value in values]), rule)
+    def _parsed(self, name: str, parse: type[float], dtype: type[Any], most: float, rule: str) -> NDArray[Any]:
+        cells = self._cells(name)
+        try:
+            values = np.fromiter(map(parse, cells), dtype, len(cells))
+            good = np.abs(values) <= most
+        except (ValueError, OverflowError):
+            good = np.array([_fits(parse, cell, most) for cell in cells])
+        self.check(name, good, rule)
         return values
 
+    def _cells(self, name: str) -> list[str]:
+        if self._header.count(name) != 1:
+            shown = ",".join(self._header)[:120]
+            raise RecordingError(f"{self._path}: line 1: {shown!r}: must have one column {name!r} (the rule's `columns`)")
+        return self._columns[self._header.index(name)]
 
-def _real(text: str) -> float | None:
+
+def _fits(parse: type[float], cell: str, most: float) -> bool:
     try:
-        value = float(text)
+        return abs(parse(cell)) <= most
     except ValueError:
-        return None
-    return value if abs(value) <= _PIXELS_MAX else None
-
-
-def _time(text: str) -> int | None:
-    try:
-        value = int(text)
-    except ValueError:
-        return None
-    return value if abs(value) <= _TIME_MAX_US else None
+        return False
 
 
 def _numbered(texts: list[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:

@@ -37,6 +37,7 @@ _REPEATED = ["kind", "track_id", "slot", "radius", "other_id", f"{_OWNERS}.list.
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
 _GROUP_OWNERS = 1 << 19  # of a row group, at most, and a row's more
+_GROUPS = 1 << 12  # from so many on they are twice as large: Arrow keeps 15 kB of each until the file is closed
 _NEEDED = "pyarrow is not installed: must be, for Parquet: pip install 'evcot[sweep]'"
 
 
@@ -67,8 +68,10 @@ def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None
 def _groups(log: LogColumns) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], int]]:
     """Row groups: the record of each row (-1: NONE, -2: END), the events decided after each row, and before the first."""
     n, n_records, begin = len(log.owner), len(log.records), 0
-    for first in range(0, n_records + 1, _RECORDS):
-        past = min(first + _RECORDS, n_records)
+    times = 1 if n_records < _GROUPS * _RECORDS else 2  # twice takes 22 MB more
+    size, size_owners = times * _RECORDS, times * _GROUP_OWNERS
+    for first in range(0, n_records + 1, size):
+        past = min(first + size, n_records)
         ends = np.clip(np.maximum.accumulate(log.records[first:past]["event_index"].astype(np.int64) + 1), begin, max(n, begin))
         record = np.arange(first, past)
         if past == n_records:
@@ -80,7 +83,7 @@ def _groups(log: LogColumns) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int
         rows = np.full(len(lists), -1)
         rows[own] = record
         ends = begin + np.cumsum(lists)
-        for group in np.split(np.arange(len(rows)), np.flatnonzero(np.diff((ends - begin) // _GROUP_OWNERS)) + 1):
+        for group in np.split(np.arange(len(rows)), np.flatnonzero(np.diff((ends - begin) // size_owners)) + 1):
             yield rows[group], ends[group], int(ends[group[0]] - lists[group[0]])
         begin = int(ends[-1])
         if past == n_records:

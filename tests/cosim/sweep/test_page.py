@@ -69,6 +69,17 @@ def test_a_response_has_means_and_intervals() -> None:
     assert [level.title for level in of["b"]] == ["0", "1", "2", "3"]
 
 
+def test_a_response_to_names_has_each_of_them_however_many_the_best_first() -> None:
+    names = [f"name{i}" for i in range(20)]
+    rows = [row(i, {"preset": name, "a": 1}, preset=name, hota=i * 7 % 20 / 20) for i, name in enumerate(names)]
+    groups = grouped(rows, ["hota"])
+    levels = responses(groups, "hota")["preset"]
+    assert [level.mean for level in levels] == [i / 20 for i in reversed(range(20))]
+    assert {level.title: level.mean for level in levels} == {name: i * 7 % 20 / 20 for i, name in enumerate(names)}
+    assert {level.at for level in levels} == {None}
+    assert groups[0].name == "rct, name0, a = 1", "a preset that was swept is named once"
+
+
 def test_a_family_is_scored_with_what_is_best_on_the_others() -> None:
     table = {1: {"a": 0.9, "b": 0.2, "c": 0.3}, 2: {"a": 0.1, "b": 0.8, "c": 0.8}, 3: {"a": 0.5, "b": 0.5, "c": 0.5}}
     rows = [

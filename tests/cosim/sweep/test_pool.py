@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 from pathlib import Path
 
 import pytest
 
 from evcot_cosim.sweep.pool import Done, LocalPool
-from support.sweeping import Chore, chore
+from support.sweeping import Chore, chore, seen_by_worker
 
 Ends = dict[int, Done[Chore, dict[str, int]]]
 
@@ -25,6 +27,20 @@ def test_every_task_is_done_in_another_process() -> None:
     assert all(done.result is not None and done.result["number"] == i for i, done in found.items())
     assert all(done.attempts == 1 for done in found.values())
     assert len({done.result["pid"] for done in found.values() if done.result}) == 2
+
+
+@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="workers import by themselves here")
+def test_workers_are_forked_where_evcot_is_imported_and_have_the_environment_of_now(monkeypatch: pytest.MonkeyPatch) -> None:
+    parents = set()
+    for value in ("one", "other"):
+        monkeypatch.setenv("EVCOT_OF_A_TEST", value)
+        with LocalPool(seen_by_worker, 2) as pool:
+            for done in pool.run(["EVCOT_OF_A_TEST"] * 4):
+                assert done.result is not None
+                parents.add(done.result.pop("parent"))
+                assert done.result == {"at_hand": True, "deaf": True, "variable": value}
+    assert len(parents) == 1
+    assert parents != {os.getpid()}
 
 
 def test_no_task_starts_no_process() -> None:

@@ -103,7 +103,7 @@ def busy(seed: int) -> TrackLog:
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("run", [1, 3, 50, 400])
-def test_a_log_in_runs_is_sampled_as_the_whole(seed: int, run: int) -> None:
+def test_a_log_in_runs_is_sampled_as_the_whole(seed: int, run: int, monkeypatch: pytest.MonkeyPatch) -> None:
     log, age_us = busy(seed), 40
     runs = [log.records[begin : begin + run] for begin in range(0, len(log.records), run)]
     times_us = np.arange(-5, log.records["t_us"][-1] + 100)
@@ -111,7 +111,14 @@ def test_a_log_in_runs_is_sampled_as_the_whole(seed: int, run: int) -> None:
     np.testing.assert_array_equal(sampled(runs, times_us, age_us), sample(whole, times_us))
     ids, offsets_us = np.arange(len(times_us)) % 6, np.array([3, -30, 0, 90])
     expected = positions(whole, ids, times_us[:, None] + offsets_us)
-    np.testing.assert_array_equal(positions_around(runs, age_us, ids, times_us, offsets_us), expected)
+    for at_once in (1 << 16, 7):  # positions
+        monkeypatch.setattr("evcot.metrics.sampling._AT_ONCE", at_once)
+        found, known = np.full((2, *expected[0].shape), np.nan), np.zeros(expected[0].shape, int)
+        for some in positions_around(runs, age_us, ids, times_us, offsets_us):
+            known[some.rows] += some.there
+            found[0, some.rows][some.there], found[1, some.rows][some.there] = some.x[some.there], some.y[some.there]
+        assert known.max() == 1
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_runs_are_checked_one_after_the_other(log: TrackLog) -> None:

@@ -79,6 +79,17 @@ def test_the_commands_take_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert main(["track", str(path), "-q", "-o", str(tmp_path / "log.parquet")]) == 2, "it exists"
 
 
+def test_row_groups_of_a_long_log_are_larger(log: TrackLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    count = len(log.records)
+    monkeypatch.setattr(evcot.tracks.parquet, "_RECORDS", 16)
+    for most, records in ((count // 16 + 1, 16), (count // 16, 32), (1, 32)):
+        monkeypatch.setattr(evcot.tracks.parquet, "_GROUPS", most)
+        path = tmp_path / f"{most}.parquet"
+        log.save(path)
+        assert parquet.read_metadata(path).row_group(0).num_rows == records
+        assert same(TrackLog.load(path), log)
+
+
 def test_what_is_no_log_is_refused(log: TrackLog, tmp_path: Path) -> None:
     path = tmp_path / "log.parquet"
     log.save(path)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parallel coordinates: the best lines are drawn first and each next one under them, a part in each frame, so that the page stays
 // responsive; ranges kept by dragging.
-import { shade, sharp, short } from "./shades.js";
+import { shade, sharp, ticks } from "./shades.js";
 
 const TOP = 44;
 const BOTTOM = 24;
@@ -87,8 +87,12 @@ export function parallel(canvas, lines, theme, kept) {
       context.fillStyle = colours.ink;
       context.fillText(axis.name, at, k % 2 ? 26 : 12);
       context.fillStyle = colours.quiet;
-      context.fillText(axis.titles ? axis.titles.at(-1) : short(axis.high), at, TOP - 5);
-      context.fillText(axis.titles ? axis.titles[0] : short(axis.low), at, height - 10);
+      for (const [text, part] of ticks(axis)) {
+        const between = part > 0 && part < 1;
+        context.textAlign = between ? "left" : "center";
+        context.fillText(text, between ? at + 6 : at, part === 0 ? height - 10 : part === 1 ? TOP - 5 : y(part, height) + 4);
+      }
+      context.textAlign = "center";
       const range = ranges.get(k);
       if (range) {
         context.strokeRect(at - 6, y(range[1], height), 12, y(range[0], height) - y(range[1], height));

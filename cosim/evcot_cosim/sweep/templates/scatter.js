@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // All configurations by two of their figures, with the front; the nearest point to the pointer is told.
-import { shade, sharp, short } from "./shades.js";
+import { shade, sharp, ticks } from "./shades.js";
 
 const LEFT = 64;
-const REST = 34;
+const REST = 44;
 
 /** Draws; `axes()` gives the two axes, `told(i)` hears of the point under the pointer, null for none. */
 export function scatter(canvas, lines, front, theme, axes, told) {
@@ -20,16 +20,15 @@ export function scatter(canvas, lines, front, theme, axes, told) {
     context.strokeRect(LEFT - 6, 8, width - LEFT, height - REST);
     context.font = `11px ${colours.font}`;
     context.fillStyle = colours.quiet;
-    const name = (axis, high) => (axis.titles ? axis.titles[high ? axis.titles.length - 1 : 0] : short(high ? axis.high : axis.low));
-    context.textAlign = "left";
-    context.fillText(name(across, false), LEFT, height - 10);
+    for (const [text, part] of ticks(across)) {
+      context.textAlign = part === 0 ? "left" : part === 1 ? "right" : "center";
+      context.fillText(text, LEFT + part * (width - LEFT - 16), height - REST + 22);
+    }
     context.textAlign = "right";
-    context.fillText(name(across, true), width - 10, height - 10);
-    context.fillText(name(up, true), LEFT - 10, 20);
-    context.fillText(name(up, false), LEFT - 10, height - REST);
+    for (const [text, part] of ticks(up)) context.fillText(text, LEFT - 10, height - REST - part * (height - REST - 16));
     context.textAlign = "center";
     context.fillStyle = colours.ink;
-    context.fillText(across.name, (LEFT + width) / 2, height - 10);
+    context.fillText(across.name, (LEFT + width) / 2, height - 4);
     context.save();
     context.translate(14, (height - REST) / 2);
     context.rotate(-Math.PI / 2);

@@ -28,3 +28,13 @@ export function short(value) {
   if (!Number.isFinite(value)) return "–";
   return Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(2) : String(Number(value.toPrecision(4)));
 }
+
+const NAMED = 16; // choices; of more, only the first and the last are named
+
+/** What stands along an axis, each with its place from 0 to 1: both ends of a range, or every choice. */
+export function ticks(axis) {
+  if (!axis.titles) return [[short(axis.low), 0], [short(axis.high), 1]];
+  const last = axis.titles.length - 1;
+  const all = axis.titles.map((title, i) => [title, last ? i / last : 0]);
+  return last < NAMED ? all : [all[0], all[last]];
+}

@@ -8,18 +8,13 @@ a few kilobytes that expand to gigabytes take time, but no memory.
 from __future__ import annotations
 
 import io
-import sys
 from collections.abc import Iterator
 from typing import Protocol
 
 import lz4.frame
 
+from ..._zstd import zstd
 from ...errors import RecordingError
-
-if sys.version_info >= (3, 14):
-    from compression import zstd
-else:
-    from backports import zstd
 
 __all__ = ["Lz4Unpacker", "PlainUnpacker", "Readable", "Section", "TooLarge", "Unpacker", "ZstdUnpacker"]
 
