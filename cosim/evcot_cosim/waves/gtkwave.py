@@ -20,7 +20,7 @@ from evcot.hardware.registers import register_map
 from evcot.outputs import written_aside
 
 from .vcd import Declared, declared, initial_values
-from .views import VIEWS, Codes, Colour, Form, Group, Row
+from .views import VIEWS, WITH_MOTION, Codes, Colour, Form, Group, Row
 
 __all__ = ["Marker", "write_view"]
 
@@ -32,7 +32,7 @@ _ONE_BIT = re.compile(r"\[(\d+):\1\]$")  # of a vector that GTKWave calls name[0
 _PLOT_ROWS = 2  # a curve is so many rows higher than a number
 
 # Trace flags, named as in GTKWave's analyzer.h.
-_DEC, _BIN, _RJUSTIFY, _BLANK, _COLLAPSED, _FTRANSLATED = (1 << bit for bit in (2, 3, 5, 9, 12, 13))
+_DEC, _BIN, _RJUSTIFY, _BLANK, _SIGNED, _COLLAPSED, _FTRANSLATED = (1 << bit for bit in (2, 3, 5, 9, 10, 12, 13))
 _ANALOG_STEP, _ANALOG_BLANK_STRETCH, _ANALOG_FULLSCALE = (1 << bit for bit in (15, 17, 19))
 _CLOSED, _GRP_BEGIN, _GRP_END, _FPDECSHIFT = (1 << bit for bit in (22, 23, 24, 30))
 
@@ -42,6 +42,9 @@ _FORMS = {
     Form.PIXELS: _DEC | _FPDECSHIFT,
     Form.PLOT: _DEC | _CURVE,
     Form.PLOT_PIXELS: _DEC | _CURVE | _FPDECSHIFT,
+    Form.SIGNED: _SIGNED,
+    Form.SIGNED_PIXELS: _SIGNED | _FPDECSHIFT,
+    Form.SIGNED_PLOT: _SIGNED | _CURVE,
 }
 _COLOURS = {Colour.PLAIN: 0, Colour.CONTROL: 2, Colour.EVENT: 3, Colour.TIME: 6, Colour.PLACE: 7}
 
@@ -111,17 +114,22 @@ class _Writer:
         signals = declared(vcd)
         self._signals = {entry.path: entry for entry in signals}
         top = signals[0].scope.split(".")[0]
-        inner = [entry.scope.split(".")[1] for entry in signals if "." in entry.scope]
-        self._groups = VIEWS.get(inner[0], ()) if inner else ()
-        self._scope = f"{top}.{inner[0]}" if self._groups else top
+        module = next((entry.scope.split(".")[1] for entry in signals if "." in entry.scope), "")
+        motion = module == "cot_motion" or self._has_motion(vcd, f"{top}.{module}.TRACKER")
+        names = [WITH_MOTION.format(module), module] if motion else [module]
+        self._groups = next((VIEWS[name] for name in names if name in VIEWS), ())
+        self._scope = f"{top}.{module}" if self._groups else top
         if not self._groups:
             self._groups = (Group("ports", tuple(Row(entry.name) for entry in signals if entry.scope == top)),)
         scopes = {f"{self._scope}.{row.signal}".rpartition(".")[0] for group in self._groups for row in group.rows}
         self._constants = initial_values(vcd, [e for e in signals if e.name.isupper() and e.scope in scopes])
-        motion = self._constants.get(f"{self._scope}.TRACKER") == register_map().trackers.index("motion")
         self._frac = SUB if motion else self._constants.get(f"{self._scope}.FRAC", 0)
         self._slots = self._constants.get(f"{self._scope}.N", 1)
         self.named: dict[Codes, list[tuple[str, int]]] = {}
+
+    def _has_motion(self, vcd: Path, tracker: str) -> bool:
+        entry = self._signals.get(tracker)
+        return entry is not None and initial_values(vcd, [entry])[tracker] == register_map().trackers.index("motion")
 
     def body(self) -> list[str]:
         return [line for group in self._groups for line in self._repeated(group)]

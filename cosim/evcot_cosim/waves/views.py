@@ -9,7 +9,7 @@ from enum import Enum, IntEnum
 from evcot.hardware.contract import REGISTERS, Mode, State
 from evcot.tracks.log import Kind
 
-__all__ = ["VIEWS", "Codes", "Colour", "Form", "Group", "Row"]
+__all__ = ["VIEWS", "WITH_MOTION", "Codes", "Colour", "Form", "Group", "Row"]
 
 
 class Form(Enum):
@@ -19,6 +19,9 @@ class Form(Enum):
     PIXELS = "decimal, with the fractional bits of a centre"
     PLOT = "curve"
     PLOT_PIXELS = "curve, with the fractional bits of a centre"
+    SIGNED = "signed decimal"
+    SIGNED_PIXELS = "signed decimal, with the fractional bits of a side"
+    SIGNED_PLOT = "curve, signed"
 
 
 class Colour(Enum):
@@ -129,6 +132,19 @@ _PASSED = Group(
         *_rows("m_pass_seq", Colour.TIME),
     ),
 )
+_BOXES = Group(
+    "records out",
+    (
+        *_rows("m_cm_valid m_cm_ready", Colour.CONTROL),
+        Row("m_cm_kind", codes=_KIND, colour=Colour.CONTROL),
+        *_rows("m_cm_slot m_cm_id m_cm_other"),
+        *_rows("m_cm_x m_cm_y", Colour.PLACE, Form.SIGNED_PIXELS),
+        *_rows("m_cm_width m_cm_height", Colour.PLACE, Form.PIXELS),
+        *_rows("m_cm_v_x m_cm_v_y", Colour.PLACE, Form.SIGNED_PIXELS),
+        *_rows("m_cm_n_ev m_cm_support"),
+        *_rows("m_cm_seq m_cm_time", Colour.TIME),
+    ),
+)
 _REGISTERS = " ".join(name for name in REGISTERS if name != "mode")
 
 
@@ -205,6 +221,48 @@ _ARRAY_SLOT = Group(
 _ARRAY = (_ARRAY_DECISION, _ARRAY_SLOT, _ARRAY_PIPELINE)
 _OUTPUTS = (_RECORDS, _OWNED, _PASSED)
 
+_TURN = Codes("turn", tuple((name, None) for name in ("RUN", "BEGUN", "BUSY", "DUE")))
+_MOTION_DECISION = Group(
+    "decision",
+    (
+        *_rows("u_events.d_valid u_events.d_event u_events.d_owned u_events.d_corrects u_events.d_seeds", Colour.CONTROL),
+        *_rows("u_events.d_slot u_events.d_support"),
+        *_rows("u_events.d_x u_events.d_y u_events.d_p", Colour.EVENT),
+        *_rows("u_events.d_seq u_events.d_time", Colour.TIME),
+    ),
+)
+_MOTION_WORK = Group(
+    "steps and corrections",
+    (
+        Row("u_turn.state", codes=_TURN, colour=Colour.CONTROL),
+        *_rows("u_turn.takes_token u_turn.takes_op u_turn.takes_put", Colour.CONTROL),
+        *_rows("u_turn.now u_turn.next_step", Colour.TIME),
+        *_rows("u_work.u_order.correcting u_work.u_order.s_all u_work.u_order.merging", Colour.CONTROL),
+        *_rows("u_work.u_order.at"),
+    ),
+)
+_BOX, _WINDOW = ("box_lo_x", "box_hi_x", "box_lo_y", "box_hi_y"), ("win_lo_x", "win_hi_x", "win_lo_y", "win_hi_y")
+_MOTION_SLOT = Group(
+    "slot {slot}",
+    (
+        *(Row(f"u_work.u_order.u_lives.{name}", packed=True, colour=Colour.CONTROL) for name in ("visible", "candidate")),
+        *(Row(f"u_events.u_match.g_slot[{{slot}}].{name}", form=Form.SIGNED_PLOT, colour=Colour.PLACE) for name in _BOX),
+        *(Row(f"u_events.u_match.g_slot[{{slot}}].{name}", form=Form.SIGNED, colour=Colour.PLACE) for name in _WINDOW),
+        *(
+            Row(f"u_events.u_{axis}.{side}[{{slot}}]", f"{side[:2]}_{axis}", Form.SIGNED_PIXELS, Colour.PLACE)
+            for axis in "xy"
+            for side in ("los", "his")
+        ),
+        *(Row(f"u_events.{name}[{{slot}}]", name) for name in ("supports", "lefts")),
+        Row("u_turn.seeded", packed=True),
+    ),
+)
+_MOTION = (_MOTION_DECISION, _MOTION_SLOT, _MOTION_WORK)
+_MOTION_OUTPUTS = (_BOXES, _OWNED, _PASSED)
+
+WITH_MOTION = "{}, with motion"
+"""The key of a module's view if its tracker is the array with motion."""
+
 # Module -> what to show of it, from top to bottom. Signals that a waveform lacks are left out.
 VIEWS: dict[str, tuple[Group, ...]] = {
     "cot": (_INPUT, _TRACKER, *_OUTPUTS, Group("registers", _rows(_REGISTERS), closed=True)),
@@ -216,5 +274,12 @@ VIEWS: dict[str, tuple[Group, ...]] = {
         *(_below("u_trackers.g_array.u_tracker.", group) for group in _ARRAY),
         _below("u_trackers.g_chain.u_tracker.", _CHAIN_SLOT),
         *_OUTPUTS,
+    ),
+    "cot_motion": (_INPUT, *_MOTION, *_MOTION_OUTPUTS),
+    WITH_MOTION.format("cot_filtered"): (
+        _INPUT,
+        _FILTERED,
+        *(_below("u_trackers.g_motion.u_tracker.", group) for group in _MOTION),
+        *_MOTION_OUTPUTS,
     ),
 }

@@ -16,26 +16,30 @@ import numpy as np
 import pytest
 
 from evcot.errors import OutputError
+from evcot.events import Events
 from evcot.filters.contract import Filter
 from evcot.filters.registers import FilterRegisters
 from evcot.hardware.config import CotConfig
-from evcot.hardware.contract import Mode, State
+from evcot.hardware.contract import Mode, Shape, State
+from evcot.hardware.motion.contract import SUB, MotionRegisters
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.device import Device
 from evcot_cosim.names import Top
 from evcot_cosim.waves import VcdError, Wave
 from evcot_cosim.waves.gtkwave import write_view
-from evcot_cosim.waves.views import VIEWS
+from evcot_cosim.waves.views import VIEWS, WITH_MOTION
 from support.ticked import ticked
 
+TURNS = ["RUN", "BEGUN", "BUSY", "DUE"]
 PHASES = ["RUN", "WALK", "FETCH", "REPORT", "CLEAR", "SETTLE", "JOIN"]
 CODES = {
     "phase.txt": dict(enumerate(PHASES)),
+    "turn.txt": dict(enumerate(TURNS)),
     **{f"{enum.__name__.lower()}.txt": {int(member): member.name for member in enum} for enum in (Kind, Mode, State)},
 }
 
 # Flags of a trace, bit by bit.
-DECIMAL, TRANSLATED, CURVE, STRETCH = 1 << 2, 1 << 13, 1 << 15, 1 << 17
+DECIMAL, SIGNED, TRANSLATED, CURVE, STRETCH = 1 << 2, 1 << 10, 1 << 13, 1 << 15, 1 << 17
 CLOSED, GROUP_BEGIN, GROUP_END, FIXED_POINT = 1 << 22, 1 << 23, 1 << 24, 1 << 30
 
 
@@ -122,6 +126,43 @@ def test_trackers_behind_filters_are_shown_as_on_their_own(top: Top, config: Cot
     assert "is_event" in {label for label, *_ in behind.shown.pop("behind the filters")}
     rows = {group: [row[0] for row in rows] for group, rows in behind.shown.items()}
     assert rows == {group: [row[0] for row in rows] for group, rows in alone.shown.items() if group != "registers"}
+
+
+@pytest.fixture(scope="module", params=[0, 1 << Filter.POLARITY], ids=["alone", "behind filters"])
+def moving(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The waveform and view of an array with motion, on an object in the corner, whose first box reaches beyond it."""
+    folder = tmp_path_factory.mktemp("moving")
+    shape = Shape(n_slots=3, x_w=7, y_w=7)
+    config = CotConfig(shape, motion=MotionRegisters(enable=1), filters=FilterRegisters(enable=request.param))
+    n, random = 400, np.random.default_rng(7)
+    x, y = random.integers(0, 8, (2, n)).astype(np.uint16)
+    x[0] = y[0] = 1
+    device = Device(config)
+    with device.dumping(folder / "moving.vcd"):
+        device.stream(Events(np.arange(n, dtype=np.int64) * 20, x, y, random.integers(2, size=n).astype(np.uint8)))
+    write_view(folder / "moving.vcd", folder / "moving.gtkw")
+    return folder
+
+
+def test_all_that_is_shown_of_motion_exists_in_the_hardware(moving: Path) -> None:
+    view = View(moving / "moving.gtkw")
+    filtered = "behind the filters" in view.shown
+    for group in VIEWS[WITH_MOTION.format("cot_filtered") if filtered else "cot_motion"]:
+        shown = {label for label, *_ in view.shown[group.title.replace("{slot}", "2")]}
+        wanted = {row.label or row.signal.rpartition(".")[2] for row in group.rows}
+        assert wanted - shown <= {"m_pass_tick", "m_pass_event"}, group.title
+
+
+def test_boxes_are_curves_and_may_lie_beyond_the_sensor(moving: Path) -> None:
+    view, wave = View(moving / "moving.gtkw"), Wave.open(moving / "moving.vcd")
+    curves = [label for label, _, flags, _ in view.shown["slot 0"] if flags & CURVE]
+    assert curves == ["box_lo_x", "box_hi_x", "box_lo_y", "box_hi_y"]
+    for label in curves:
+        trace, flags, _ = view.row("slot 0", label)
+        assert flags & SIGNED
+        signal = next(wave[entry.path] for entry in wave.signals if entry.reference == trace)
+        negative = signal.values >= 1 << signal.declared.width - 1
+        assert negative.any() == ("lo" in label)
 
 
 def test_every_slot_has_a_group(folder: Path) -> None:
@@ -320,6 +361,8 @@ def meant(view: View, wave: Wave, frac: int, time: int) -> dict[tuple[str, str],
         value = int(signal.values[np.searchsorted(signal.times, time, side="right") - 1])
         if bits[0][1]:
             value = value >> signal.declared.width - 1 - int(bits[-1][1]) & (1 << len(bits)) - 1
+        if flags & SIGNED and value >> signal.declared.width - 1:
+            value -= 1 << signal.declared.width
         text = f"{value / (1 << frac):.15g}" if flags & FIXED_POINT else str(value)
         text = CODES[names.rpartition("-")[2]][value] if names else text
         values[group, label] = "" if group in view.closed else text
@@ -355,3 +398,13 @@ def test_gtkwave_finds_vectors_of_one_bit(slots: int, config: CotConfig, tmp_pat
     wanted = {"d_slot", "c_slot", "v_slot", "w_slot", "u_slot", "found_slot"}
     assert wanted <= {label for group, label in result if group in ("decision", "pipeline")}
     assert ("slot 0", "active") in result
+
+
+@needs_gtkwave
+def test_gtkwave_shows_signed_values_of_motion(moving: Path) -> None:
+    wave, view = Wave.open(moving / "moving.vcd"), View(moving / "moving.gtkw")
+    box = next(wave[entry.path] for entry in wave.signals if entry.path.endswith("g_slot[0].box_lo_x"))
+    time = int(box.times[np.flatnonzero(box.values >= 1 << box.declared.width - 1)[0]]) + 40
+    shown = shown_by_gtkwave([moving / "moving.vcd", moving / "moving.gtkw"], time, moving / "values.tcl")
+    assert shown == meant(view, wave, SUB, time)
+    assert shown["slot 0", "box_lo_x"].startswith("-")
