@@ -282,7 +282,7 @@ def _divide(rules: Rules, world: World, n: int, close: float) -> bool:
     for k in range(n):
         if k != best:
             second = max(second, groups[k, 2, 0])
-    if second < _SHARE / (1.0 - _SHARE) * groups[best, 2, 0]:
+    if second < _SHARE * total:
         return False
     for k in range(n):
         if group_of[k] != best:
