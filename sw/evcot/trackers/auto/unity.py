@@ -113,7 +113,7 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     apart = max(_gap(a, b, 0), _gap(a, b, 1))
     if min(half_a, half_b) < _SMALL * larger and apart < _BESIDE * larger:
         return True
-    # What has moved by itself, and is no edge, is no part of something beside it.
-    if apart > 0.0 and one.track_id >= 0 and other.track_id >= 0 and _is_body(a) and _is_body(b):
+    # What has moved by itself, and is no edge, is no part of something beyond its gate.
+    if apart > max(one.gate, other.gate) and one.track_id >= 0 and other.track_id >= 0 and _is_body(a) and _is_body(b):
         return False
     return are_parts(a[:, ::2], b[:, ::2], rules.gap, rules.elongation)

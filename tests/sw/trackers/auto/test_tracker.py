@@ -152,24 +152,16 @@ def test_few_pixels_change_a_known_size_less() -> None:
     assert known > new + 0.3
 
 
-@pytest.mark.parametrize(("half_px", "visible", "left"), [(12, True, 2), (2, True, 1), (12, False, 1)])
-def test_what_moves_beside_another_is_no_part_of_it_unless_an_edge_or_new(half_px: float, visible: bool, left: int) -> None:
-    rules, world = alive((100, 12, 20), (118 + half_px, half_px, 20), visible=visible)
+@pytest.mark.parametrize(
+    ("half_px", "gap_px", "visible", "left"), [(12, 7, True, 2), (12, 4, True, 1), (2, 7, True, 1), (12, 7, False, 1)]
+)
+def test_what_moves_beyond_the_gate_is_no_part_unless_an_edge_or_new(
+    half_px: float, gap_px: float, visible: bool, left: int
+) -> None:
+    rules, world = alive((100, 12, 20), (112 + gap_px + half_px, half_px, 20), visible=visible)
     world.state[:, 0, 1] = 20.0
     close_packet(rules, world, 2_000_000, 1_000, np.zeros(2 * RECORDS_PER_PACKET, TRACK))
     assert int(world.run["live"][0]) == left
-
-
-def test_a_box_over_many_objects_is_divided() -> None:
-    rules, world = alive((100, 45, 45))
-    y, x = np.mgrid[:HEIGHT, :WIDTH]
-    for number in range(6):
-        column, row = number % 3, number // 3
-        world.seen[np.hypot(x - 65 - 35 * column, y - 75 - 50 * row) <= 6, 0] = 1_990_000
-    for _ in range(5):
-        world.objects["unseen_us"] = 500_000
-        close_packet(rules, world, 2_000_000, 1_000, np.zeros(RECORDS_PER_PACKET, TRACK))
-    assert world.state[0, :, 2].max() < 15
 
 
 def test_discs_that_cross_keep_their_names() -> None:
