@@ -78,6 +78,12 @@ def _gap(a: Table, b: Table, axis: int) -> float:
 
 
 @step
+def _is_body(s: Table) -> bool:
+    """Whether an object is more than an edge: its sides are of similar length."""
+    return bool(min(s[0, 2], s[1, 2]) >= _THIN * max(s[0, 2], s[1, 2]))
+
+
+@step
 def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
     """Whether two objects are one: by position and with equal motion; or both entering over the same edge, side by side."""
     a, b = world.state[i], world.state[k]
@@ -104,6 +110,10 @@ def are_one(rules: Rules, world: World, i: int, k: int) -> bool:
         return False
     half_a, half_b = a[0, 2] + a[1, 2], b[0, 2] + b[1, 2]
     larger = max(half_a, half_b)
-    if min(half_a, half_b) < _SMALL * larger and max(_gap(a, b, 0), _gap(a, b, 1)) < _BESIDE * larger:
+    apart = max(_gap(a, b, 0), _gap(a, b, 1))
+    if min(half_a, half_b) < _SMALL * larger and apart < _BESIDE * larger:
         return True
+    # What has moved by itself, and is no edge, is no part of something beyond its gate.
+    if apart > max(one.gate, other.gate) and one.track_id >= 0 and other.track_id >= 0 and _is_body(a) and _is_body(b):
+        return False
     return are_parts(a[:, ::2], b[:, ::2], rules.gap, rules.elongation)

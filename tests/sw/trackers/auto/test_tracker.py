@@ -12,7 +12,7 @@ from evcot.events import Events, Recording
 from evcot.metrics import evaluate, load_rule, read_truth
 from evcot.recordings.files import read_recording
 from evcot.trackers.auto.config import AutoConfig
-from evcot.trackers.auto.layout import make_rules, make_world
+from evcot.trackers.auto.layout import Rules, World, make_rules, make_world
 from evcot.trackers.auto.life import RECORDS_PER_PACKET, close_packet
 from evcot.trackers.auto.tracker import AutoTracker, track
 from evcot.tracks.log import TRACK, Kind, TrackLog
@@ -113,17 +113,28 @@ def test_what_stops_beside_another_is_new_when_it_goes_on() -> None:
     assert len(np.unique(stops_and_goes_on(beside=True).records["track_id"])) == 3
 
 
+def alive(*boxes: tuple[float, float, float], visible: bool = True) -> tuple[Rules, World]:
+    """Rules, and a world with objects around y = 100 that move alike; x, half width and half height of each."""
+    n = len(boxes)
+    rules, world = make_rules(AutoConfig(max_objects=n), WIDTH, HEIGHT), make_world(n, WIDTH, HEIGHT)
+    world.run["noise"], world.run["live"], world.run["birth_end_us"] = 0.1, n, 10_000_000
+    world.slots[:] = np.arange(n)
+    for name, value in (("alive", True), ("away", -1), ("inside", -1), ("edge", -1), ("name", -1)):
+        world.objects[name] = value
+    world.objects["track_id"] = np.arange(n) if visible else -1
+    world.objects["speed"], world.objects["usual"], world.objects["travel"] = 20.0, 20.0, 1.0
+    world.objects["contrast"] = np.inf
+    world.state[:, 1, 0] = 100
+    world.state[:, 0, 0], world.state[:, 0, 2], world.state[:, 1, 2] = np.array(boxes).T
+    world.cov[:] = np.diag([1.0, 0.01, 1.0, 0.01])
+    return rules, world
+
+
 def look_once(radius_px: float, ago_us: int, travel: float) -> tuple[float, float]:
     """One look at a slow object with half sides of 6 px, where a disc has sent events: its `missed`, and its half side."""
-    rules, world = make_rules(AutoConfig(max_objects=1), WIDTH, HEIGHT), make_world(1, WIDTH, HEIGHT)
+    rules, world = alive((100, 6, 6))
     t_us = 2_000_000
-    world.run["noise"], world.run["live"], world.run["birth_end_us"] = 0.1, 1, 2 * t_us
-    for name, value in (("alive", True), ("track_id", 0), ("away", -1), ("inside", -1), ("edge", -1), ("unseen_us", 500_000)):
-        world.objects[name] = value
-    world.objects["speed"], world.objects["usual"], world.objects["travel"] = 20.0, 20.0, travel
-    world.objects["missed"], world.objects["contrast"] = 0.1, np.inf
-    world.state[0, :, 0], world.state[0, :, 2] = (100, 100), 6.0
-    world.cov[0, :] = np.diag([1.0, 0.01, 1.0, 0.01])
+    world.objects["travel"], world.objects["missed"], world.objects["unseen_us"] = travel, 0.1, 500_000
     y, x = np.mgrid[:HEIGHT, :WIDTH]
     world.seen[np.hypot(x - 100, y - 100) <= radius_px, 0] = t_us - ago_us
     close_packet(rules, world, t_us, 5_000, np.zeros(RECORDS_PER_PACKET, TRACK))
@@ -139,6 +150,18 @@ def test_few_pixels_change_a_known_size_less() -> None:
     new, known = look_once(3, 50_000, 1.0)[1], look_once(3, 50_000, 5.0)[1]
     assert new < 5.5
     assert known > new + 0.3
+
+
+@pytest.mark.parametrize(
+    ("half_px", "gap_px", "visible", "left"), [(12, 7, True, 2), (12, 4, True, 1), (2, 7, True, 1), (12, 7, False, 1)]
+)
+def test_what_moves_beyond_the_gate_is_no_part_unless_an_edge_or_new(
+    half_px: float, gap_px: float, visible: bool, left: int
+) -> None:
+    rules, world = alive((100, 12, 20), (112 + gap_px + half_px, half_px, 20), visible=visible)
+    world.state[:, 0, 1] = 20.0
+    close_packet(rules, world, 2_000_000, 1_000, np.zeros(2 * RECORDS_PER_PACKET, TRACK))
+    assert int(world.run["live"][0]) == left
 
 
 def test_discs_that_cross_keep_their_names() -> None:
