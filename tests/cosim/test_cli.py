@@ -72,7 +72,7 @@ def view_files(name: str, codes: tuple[str, ...] = CODES) -> set[str]:
     return {f"{name}.vcd", f"{name}.fst", f"{name}.gtkw", *(f"{name}-{code}.txt" for code in codes)}
 
 
-@pytest.mark.parametrize(("preset", "merges", "codes"), [("auto", 0, ("kind",)), ("auto-paper", 1, CODES)])
+@pytest.mark.parametrize(("preset", "merges", "codes"), [("auto", 0, ("kind", "turn")), ("auto-paper", 1, CODES)])
 def test_a_run_leaves_summary_logs_picture_and_waveform(
     recording: Path, preset: str, merges: int, codes: tuple[str, ...], capsys: Capture
 ) -> None:
