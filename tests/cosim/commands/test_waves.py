@@ -109,7 +109,6 @@ def test_properties_are_put_to_the_waveform_that_a_run_has_left(capsys: Capture)
 def test_properties_are_put_to_a_part_that_is_simulated_for_them(capsys: Capture) -> None:
     assert main(["assert", RUN, "--around", "merge:2", "--reach", "60", "--json"]) == 0
     assert main(["assert", "boxes", "--to", "3", "--json"]) == 0
-    assert main(["assert", "boxes", "--preset", "auto", "--to", "30", "--json"]) == 0
     for line in capsys.readouterr().out.split("]\n[\n"):
         assert '"holds": true' in line
 
