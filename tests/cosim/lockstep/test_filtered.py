@@ -77,8 +77,8 @@ def test_a_config_file_puts_filters_in_front(tmp_path: Path, capsys: pytest.Capt
     write_recording(noisy_blob(), tmp_path / "noisy.npz")
     (tmp_path / "hot.txt").write_text(f"# hot pixels of a 128x128 sensor\n{HOT[0]} {HOT[1]}\n")
     toml = tmp_path / "run.toml"
-    toml.write_text('[filters]\nhot_pixels_file = "hot.txt"\nrefractory_us = 0\nactivity_us = 20000\n')
-    command = ["cosim", str(tmp_path / "noisy.npz"), "--config", str(toml), "-o", str(tmp_path / "out")]
+    toml.write_text('[filters]\nhot_pixels_file = "hot.txt"\nactivity_us = 20000\n')
+    command = ["cosim", str(tmp_path / "noisy.npz"), "--preset", "dvs128", "--config", str(toml), "-o", str(tmp_path / "out")]
     assert main(command) == 0
     assert "of the events, by mask, activity" in capsys.readouterr().out
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
