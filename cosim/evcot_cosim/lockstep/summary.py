@@ -190,11 +190,20 @@ def read_summary(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: is not JSON: {error}") from error
     if not isinstance(summary, dict):
         raise ConfigError(f"{path}: must hold an object, as `evcot cosim` writes it")
-    agreement = summary.get("agreement")
-    if isinstance(agreement, dict):  # evcot 0.1.0 did not count the pairs that it listed
-        for name in ("tracks", "merges"):
-            agreement.setdefault(f"{name}_paired", len(agreement.get(name, ())))
+    if isinstance(summary.get("agreement"), dict):
+        _count(summary["agreement"])
     return summary
+
+
+def _count(agreement: dict[str, Any]) -> None:
+    """Add what evcot 0.1.0 did not count of the pairs, ids and merges that it listed."""
+    tracks, same = agreement.get("tracks", ()), agreement.get("merges", ())
+    agreement.setdefault("tracks_paired", len(tracks))
+    agreement.setdefault("merges_paired", len(same))
+    for side in ("hardware", "software"):
+        paired = {track[f"{side}_id"] for track in tracks}
+        absorbed = [*(merge[f"{side}_id"] for merge in same), *agreement.get(f"merges_unpaired_{side}", ())]
+        agreement.setdefault(f"merges_comparable_{side}", sum(track_id in paired for track_id in absorbed))
 
 
 def table(summary: dict[str, Any]) -> list[tuple[str, str]]:

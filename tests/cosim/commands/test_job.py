@@ -79,6 +79,7 @@ def test_a_file_with_registers_of_slots_is_about_the_array_without_motion(
     mine.write_text(text)
     paper = Printed(capsys, tmp_path, str(discs), "--preset", "auto-paper").config
     changed = Printed(capsys, tmp_path, str(discs), "--config", str(mine)).config
+    assert Printed(capsys, tmp_path, str(discs), "--preset", "auto", "--config", str(mine)).config == changed
     slots = paper.cot.slots
     if "max_ticks" in text:
         changes = len(slots) if "[cot]" in text else 1

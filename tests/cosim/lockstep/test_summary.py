@@ -94,11 +94,14 @@ def test_nothing_is_none_and_the_summary_is_json(tmp_path: Path) -> None:
 
 
 def test_a_summary_of_an_earlier_release_is_read_with_its_pairs_counted(tmp_path: Path) -> None:
-    summary = summarise(run_of(log("cot-rtl", *LIVES), log("cot-model", *LIVES), log("rct", *LIVES)), "")
+    lives = ((0, Kind.BORN, 0, -1), (100, Kind.BORN, 1, -1), (1_900, Kind.MERGED, 1, 0), (2_000, Kind.LOST, 0, -1))
+    summary = summarise(run_of(log("cot-rtl", *lives), log("cot-model", *lives), log("rct", *lives)), "")
     assert summary["agreement"]["tracks_paired"] > 0
     write_summary(summary, tmp_path / "new.json")
     assert read_summary(tmp_path / "new.json") == json.loads(json.dumps(summary))
-    earlier = {key: value for key, value in summary["agreement"].items() if key not in ("tracks_paired", "merges_paired")}
+    assert summary["agreement"]["merges_comparable_hardware"] > 0
+    counted = ("tracks_paired", "merges_paired", "merges_comparable_hardware", "merges_comparable_software")
+    earlier = {key: value for key, value in summary["agreement"].items() if key not in counted}
     write_summary(summary | {"agreement": earlier}, tmp_path / "earlier.json")
     assert read_summary(tmp_path / "earlier.json") == read_summary(tmp_path / "new.json")
 

@@ -154,8 +154,8 @@ def _source(options: argparse.Namespace, described: Source | None, window: tuple
 
 def _from(seen: Estimates, options: argparse.Namespace, top: Top) -> RunConfig:
     """Of the modules only the array has motion; and a file that has registers of slots is about the array without it."""
-    paper = top != "cot_array" or (options.preset is None and options.config is not None and without_motion(options.config))
-    return auto_config(seen, AUTO_PAPER if paper else options.preset or AUTO)
+    paper = options.preset == AUTO_PAPER or top != "cot_array" or (options.config and without_motion(options.config))
+    return auto_config(seen, AUTO_PAPER if paper else AUTO)
 
 
 def _config(

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
-from evcot.hardware.registers import motion_addresses
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
+from support.motion_word import registers_word
 from support.moving import QUICK
 from support.slow_motion import PX, Axis, Slot, SlowArray, gap, pixel
 from support.testing import lint
@@ -36,16 +35,6 @@ def bits_of(axes: list[Axis], name: str) -> int:
     """Marks, or hidden sides: hi and lo of y, hi and lo of x."""
     flags = [flag for axis in axes for flag in getattr(axis, name)]
     return sum(1 << i for i in range(4) if flags[i])
-
-
-def registers_word(registers: MotionRegisters) -> int:
-    """All registers, the first one in the lowest bits."""
-    word = at = 0
-    for name in motion_addresses():
-        if name != "mode":
-            word |= getattr(registers, name) << at
-            at += int(MOTION_RANGES[name][1]).bit_length()
-    return word
 
 
 class Events:

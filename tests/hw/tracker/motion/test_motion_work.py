@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from evcot.hardware.motion.contract import MOTION_RANGES, MotionRegisters
-from evcot.hardware.registers import motion_addresses
+from evcot.hardware.motion.contract import MotionRegisters
 from evcot.tracks.log import Kind
 from evcot_cosim.rtl.build import PORTS_ONLY_FLAGS, load
+from support.motion_word import registers_word
 from support.moving import QUICK
 from support.slow_motion import PX, Axis, Record, Slot, SlowArray, gap
 from support.testing import lint
@@ -52,16 +52,6 @@ def packed(values: list[int], bits: int) -> int:
 
 def unpacked(word: int, bits: int) -> list[int]:
     return [signed(word >> bits * (3 - i) & (1 << bits) - 1, bits) for i in range(4)]
-
-
-def registers_word(registers: MotionRegisters) -> int:
-    """All registers, the first one in the lowest bits."""
-    word = at = 0
-    for name in motion_addresses():
-        if name != "mode":
-            word |= getattr(registers, name) << at
-            at += int(MOTION_RANGES[name][1]).bit_length()
-    return word
 
 
 class Memory:
