@@ -202,8 +202,8 @@ def _count(agreement: dict[str, Any]) -> None:
     agreement.setdefault("merges_paired", len(same))
     for side in ("hardware", "software"):
         paired = {track[f"{side}_id"] for track in tracks}
-        absorbed = [*(merge[f"{side}_id"] for merge in same), *agreement.get(f"merges_unpaired_{side}", ())]
-        agreement.setdefault(f"merges_comparable_{side}", sum(track_id in paired for track_id in absorbed))
+        others = sum(track_id in paired for track_id in agreement.get(f"merges_unpaired_{side}", ()))
+        agreement.setdefault(f"merges_comparable_{side}", len(same) + others)
 
 
 def table(summary: dict[str, Any]) -> list[tuple[str, str]]:

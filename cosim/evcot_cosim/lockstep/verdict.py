@@ -214,7 +214,7 @@ def _agreement(summary: Mapping[str, Any]) -> list[Line]:
     )
     if hardware or software:
         text += f"; of {hardware:,} merges in hardware and {software:,} in software, {comparable[0]:,} and {comparable[1]:,} "
-        text += f"end tracks that both have, and {same:,} {'is' if same == 1 else 'are'} the same"
+        text += f"could be the same, and {same:,} {'is' if same == 1 else 'are'}"
     advice = "every difference, with its moment, is listed under Agreement in report.html"
     if merged and most >= 2 * min(comparable):
         more = "hardware" if comparable[0] == most else "software"

@@ -87,7 +87,7 @@ def agreement_rows(summary: Mapping[str, Any]) -> list[tuple[str, str, str, str]
         ("Lifetimes", f"{a['tracks_hardware']:,}", f"{a['tracks_software']:,}",
          f"{a['tracks_paired']:,} paired, {a['tracks_corresponding']:,} of them with the same birth and end"),
         ("Merges", f"{a['merges_hardware']:,}", f"{a['merges_software']:,}", f"{a['merges_paired']:,} seen by both"),
-        ("of tracks that both have", f"{a['merges_comparable_hardware']:,}", f"{a['merges_comparable_software']:,}", ""),
+        ("Those that could be the same", f"{a['merges_comparable_hardware']:,}", f"{a['merges_comparable_software']:,}", ""),
         ("Clusters alive, mean", figure(a["alive_mean_hardware"]), figure(a["alive_mean_software"]),
          f"the same number {percent(a['alive_equal_fraction'])} of the time"),
         ("Time with a partner", percent(a["paired_fraction_hardware"]), percent(a["paired_fraction_software"]),

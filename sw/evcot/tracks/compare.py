@@ -71,8 +71,8 @@ class Agreement:
         tracks: the pairs of tracks, chosen to maximise the total time together.
         tracks_unpaired_hardware, tracks_unpaired_software: ids of the tracks without a partner.
         merges_hardware, merges_software, merges_paired: number of merges of each, and of those that agree in time and place.
-        merges_comparable_hardware, merges_comparable_software: of the merges, those whose absorbed track has a partner: without
-            one, the other side has nothing there that could have merged.
+        merges_comparable_hardware, merges_comparable_software: of the merges, those that agree, and those whose absorbed track
+            has a partner: without one, the other side has nothing there that could have merged.
         merges: the merges that agree.
         merges_unpaired_hardware, merges_unpaired_software: ids of the absorbed tracks of the other merges.
 
@@ -261,8 +261,8 @@ class Comparison:
             merges_hardware=len(self._merges[0]),
             merges_software=len(self._merges[1]),
             merges_paired=joint.count,
-            merges_comparable_hardware=_count_of(self._merges[0], tracks["hardware_id"]),
-            merges_comparable_software=_count_of(self._merges[1], tracks["software_id"]),
+            merges_comparable_hardware=_comparable(self._merges[0], joint.taken[0], tracks["hardware_id"]),
+            merges_comparable_software=_comparable(self._merges[1], joint.taken[1], tracks["software_id"]),
             merges=tuple(MergePair(*row) for row in joint.pairs[_MERGE_PAIR].tolist()),
             merges_unpaired_hardware=tuple(joint.hardware_alone.tolist()),
             merges_unpaired_software=tuple(joint.software_alone.tolist()),
@@ -281,9 +281,12 @@ def _track_pairs(paired: PairedTracks, step_us: int, tolerance_us: int) -> NDArr
     return rows
 
 
-def _count_of(merged: Column, tracks: NDArray[np.int64]) -> int:
-    """How many merges absorb one of the tracks."""
-    return sum(int(np.count_nonzero(np.isin(run["track_id"], tracks))) for _, run in in_runs(merged))
+def _comparable(merged: Column, taken: NDArray[np.bool_], tracks: NDArray[np.int64]) -> int:
+    """How many merges are taken, or absorb one of the tracks."""
+    found = 0
+    for begin, run in in_runs(merged):
+        found += int(np.count_nonzero(taken[begin : begin + len(run)] | np.isin(run["track_id"], tracks)))
+    return found
 
 
 def _column(folder: Path | None, name: str, dtype: np.dtype[Any]) -> GrowingColumn:

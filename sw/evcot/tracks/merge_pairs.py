@@ -41,12 +41,14 @@ class PairedMerges:
         count: number of pairs.
         pairs: the first ones: `hardware_id`, `software_id`, `late_us`, `distance_px`.
         hardware_alone, software_alone: absorbed ids of the first merges without a partner.
+        taken: for hardware and software, which merges have a partner.
     """
 
     count: int
     pairs: NDArray[np.void]
     hardware_alone: NDArray[np.int64]
     software_alone: NDArray[np.int64]
+    taken: tuple[NDArray[np.bool_], NDArray[np.bool_]]
 
 
 def pair_merges(hardware: Column, software: Column, radius_px: float, tolerance_us: int, most: int | None) -> PairedMerges:
@@ -73,7 +75,7 @@ def pair_merges(hardware: Column, software: Column, radius_px: float, tolerance_
         chosen = part[best_pairs(part["i"], part["j"], gain - part["cost"])]
         taken[0][chosen["i"]] = taken[1][chosen["j"]] = True
         count, pairs = count + len(chosen), np.concatenate((pairs, chosen))[:most]
-    return PairedMerges(count, pairs, *(_others(*side, most) for side in zip((hardware, software), taken, strict=True)))
+    return PairedMerges(count, pairs, _others(hardware, taken[0], most), _others(software, taken[1], most), taken)
 
 
 def _allowed(hw: Column, sw: Column, radius_px: float, tolerance_us: int) -> Iterator[tuple[int, NDArray[np.void]]]:

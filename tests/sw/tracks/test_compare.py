@@ -92,6 +92,15 @@ def test_the_same_story_told_a_little_later() -> None:
     assert (agreement.merges_comparable_hardware, agreement.merges_comparable_software) == (1, 1)
 
 
+def test_merges_that_agree_are_comparable_however_short_their_tracks() -> None:
+    here = log_of([(0, Kind.BORN, 0, 50.0, 50.0), (10.2, Kind.BORN, 1, 50.0, 50.0), (10.4, Kind.MERGED, 1, 50.0, 50.0, 0)])
+    there = log_of([(0, Kind.BORN, 5, 50.0, 50.0), (20.2, Kind.BORN, 6, 50.0, 50.0), (20.4, Kind.MERGED, 6, 50.0, 50.0, 5)])
+    near, far = (compare(here, there, span_us=SPAN, tolerance_us=tolerance) for tolerance in (11 * MS, 5 * MS))
+    assert near.tracks_paired == 1
+    assert (near.merges_paired, near.merges_comparable_hardware, near.merges_comparable_software) == (1, 1, 1)
+    assert (far.merges_paired, far.merges_comparable_hardware, far.merges_comparable_software) == (0, 0, 0)
+
+
 def test_a_tighter_tolerance_parts_lives_and_merges_but_not_pairs() -> None:
     agreement = compare(HARDWARE, SOFTWARE, span_us=SPAN, radius_px=10.0, tolerance_us=5 * MS - 1)
     assert [(pair.hardware_id, pair.software_id, pair.corresponds) for pair in agreement.tracks] == [
