@@ -36,12 +36,16 @@ class _Connection(NamedTuple):
 
 
 class _Record(NamedTuple):
-    """A record. `place`: its offset in the file or in its chunk, for messages; its data begin at byte `data_at` of the file."""
+    """A record. `place`: its offset in the file or in its chunk, for messages; its data begin at byte `data_at` of the file.
+
+    `is_cut`: the file ends within it, and `data_bytes` are those that are there.
+    """
 
     place: str
     header: _Header
     data_at: int
     data_bytes: int
+    is_cut: bool = False
 
     @property
     def op(self) -> int:
@@ -135,7 +139,7 @@ class Bag1:
                 break
 
     def _records(self, at: int) -> Iterator[_Record]:
-        """The file's records from byte `at` on, without reading their data."""
+        """The records from byte `at` on, without reading their data; of a chunk that the file ends within, what is there."""
         while at < self._size:
             place = f"byte {at}"
             header_bytes = int.from_bytes(self._read(at, 4, place), "little")
@@ -144,6 +148,8 @@ class Bag1:
             data_bytes = int.from_bytes(self._read(data_at - 4, 4, place), "little")
             at = data_at + data_bytes
             if at > self._size:
+                if header.get(b"op") == bytes([_CHUNK]):
+                    yield _Record(place, header, data_at, self._size - data_at, is_cut=True)
                 raise RecordingError(f"{place}: a record that ends at byte {at} of {self._size}; is it cut off?")
             yield _Record(place, header, data_at, data_bytes)
 
@@ -192,6 +198,8 @@ class Bag1:
             data_at = at + 8 + header_bytes
             data_bytes = int.from_bytes(content[data_at - 4 : data_at], "little")
             if data_at + data_bytes > len(content):
+                if chunk.is_cut:
+                    return
                 raise RecordingError(f"{place}: a record that ends at byte {data_at + data_bytes} of {len(content)}")
             header = _parse(bytes(content[at + 4 : data_at - 4]), place)
             yield _Record(place, header, data_at, data_bytes), content[data_at : data_at + data_bytes]
@@ -209,7 +217,7 @@ class Bag1:
             raise RecordingError(f"{chunk.place}: a damaged {_text(kind)} chunk: {reason(error)}") from error
         if content is None:
             raise RecordingError(f"{chunk.place}: compression {_text(kind)!r}: must be none, bz2 or lz4")
-        if len(content) != size:
+        if len(content) != size and not (chunk.is_cut and len(content) < size):
             raise RecordingError(f"{chunk.place}: a chunk of {len(content)} bytes: must be the {size} that its header gives")
         return content
 

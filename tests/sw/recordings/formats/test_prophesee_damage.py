@@ -62,11 +62,11 @@ def small_file(kind: str) -> bytes:
 
 @pytest.mark.parametrize("damage", ["refuse", "skip"])
 @pytest.mark.parametrize("kind", HEADERS)
-def test_every_cut_and_ten_thousand_corruptions_are_answered_by_the_rules(tmp_path: Path, kind: str, damage: Damage) -> None:
+def test_every_cut_and_many_corruptions_are_answered_by_the_rules(tmp_path: Path, kind: str, damage: Damage) -> None:
     content = small_file(kind)
     refuses = damage == "refuse"
     outcomes = fuzz(tmp_path / "events", content, corruptions=10_000 if refuses else 1_000, seed=11, damage=damage)
-    assert outcomes.refused > (1000 if refuses else 50)
+    assert outcomes.refused > (500 if refuses else 50)
     assert outcomes.read > 100
     assert outcomes.lossy > 100 or (refuses and kind.startswith("dat"))  # DAT has no reserved words, and a time in every word
 

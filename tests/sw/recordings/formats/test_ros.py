@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import shutil
 import sqlite3
 from collections.abc import Callable, Iterator
@@ -393,6 +394,29 @@ def test_a_bag_that_was_cut_off_gives_what_is_before_the_cut(tmp_path: Path) -> 
     path.write_bytes(content[: index_at - 1])
     assert refusal(path).endswith("is it cut off?")
     with pytest.warns(RecordingWarning, match=f"everything after {COUNT} events left out"):
+        assert_events(read_recording(path, damage="skip").events)
+
+
+def test_of_a_chunk_that_was_cut_off_every_whole_message_is_read(tmp_path: Path) -> None:
+    maker = Maker("ros1")
+    path = maker.write(tmp_path, maker.arrays())
+    content = path.read_bytes()
+    last = content.rindex(b"ccccc")  # the header of the last message with events
+    path.write_bytes(content[: last + 20])
+    assert refusal(path).endswith("is it cut off?")
+    with pytest.warns(RecordingWarning, match="everything after 85 events left out: .*is it cut off"):
+        assert_events(read_recording(path, damage="skip").events, 0, 85)
+
+
+def test_of_a_packed_chunk_that_was_cut_off_whole_blocks_are_read(tmp_path: Path) -> None:
+    maker = Maker("ros1-lz4")
+    noise = np.random.default_rng(18).integers(32, 127, 300_000, np.uint8).tobytes().decode()  # several blocks of 64 kB
+    path = maker.write(
+        tmp_path, itertools.chain(maker.arrays(), [("/log", "std_msgs/msg/String", int(T_NS[-1]), maker.string(noise))])
+    )
+    path.write_bytes(path.read_bytes()[:200_000])
+    assert refusal(path).endswith("is it cut off?")
+    with pytest.warns(RecordingWarning, match=f"everything after {COUNT} events left out: .*is it cut off"):
         assert_events(read_recording(path, damage="skip").events)
 
 
