@@ -122,9 +122,9 @@ class TestClocks:
 
 # N -> shape, runs of 50,000 events.
 RANDOM: dict[str, tuple[Shape, int, tuple[float, ...]]] = {
-    "1 tracker": (replace(SHAPE, n_slots=1, frac=1), 30, (0.3, 2, 10)),
-    "3 trackers": (SHAPE, 40, (0.3, 2, 10)),
-    "8 trackers": (EIGHT, 24, (0.3, 2, 10)),
+    "1 tracker": (replace(SHAPE, n_slots=1, frac=1), 15, (0.3, 2, 10)),
+    "3 trackers": (SHAPE, 20, (0.3, 2, 10)),
+    "8 trackers": (EIGHT, 12, (0.3, 2, 10)),
     "one bit": (ONE_BIT, 10, (0.1, 0.3, 1)),
 }
 

@@ -80,7 +80,7 @@ def test_random_filters_registers_traffic_and_stalls_are_exact(top: Top, enabled
         device = bare_device(config, top, model=built, stalls=Stalls.random(rng) if run % 3 else None)
         model = CotModel(config, device.arrangement)
         for part in range(2):
-            traffic = random_traffic(rng, SHAPE, 20_000, float(rng.choice([0.3, 2])), device.now)
+            traffic = random_traffic(rng, SHAPE, 10_000, float(rng.choice([0.3, 2])), device.now)
             hardware, golden = device.stream(traffic), model.feed(traffic)
             for field in Decisions._fields:
                 same = np.array_equal(getattr(hardware, field), getattr(golden, field))
