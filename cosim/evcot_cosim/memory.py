@@ -13,7 +13,7 @@ from typing import Any
 __all__ = ["give_back", "keep_little"]
 
 _MMAP_THRESHOLD, _ARENA_MAX = -3, -8  # of malloc.h
-_LARGE_BYTES = 1 << 20
+_LARGE_BYTES = 1 << 18
 
 
 def keep_little() -> None:

@@ -102,6 +102,10 @@ class Events:
             return self
         return Events(*(np.require(column, requirements=["C", "A"]) for column in columns))
 
+    def kept(self) -> Events:
+        """A copy of the events alone: a reader's blocks may be parts of larger arrays, which would be kept with them."""
+        return Events(self.t_us.copy(), self.x.copy(), self.y.copy(), self.p.copy())
+
 
 @dataclass(frozen=True)
 class Fault:

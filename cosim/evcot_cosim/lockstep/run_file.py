@@ -110,7 +110,7 @@ class Source:
         with self.opened() as file:
             parts, count = [Events.empty()], 0
             for block in self.blocks(file):
-                parts.append(block[: most - count])
+                parts.append(block[: most - count].kept())
                 count += len(block)
                 if count > most:
                     break

@@ -154,7 +154,7 @@ def _cut(blocks: Iterator[Events], size: int) -> Iterator[Events]:
     waiting: list[Events] = []
     have = 0
     for block in blocks:
-        waiting.append(block)
+        waiting.append(block.kept())
         have += len(block)
         while have >= size:
             joined = Events.joined(waiting)
