@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A track log as one Parquet file, for pandas, polars, DuckDB and everything else that reads columns.
+"""A track log as a Parquet file, for pandas, polars, DuckDB and everything else that reads columns.
 
 A row is a record: the fields of `TRACK`, `kind` by name, and `owners`, the owners of the events after those of the row
 before, up to and with the record's own. Where so many events have no record that a list would become long, rows of kind NONE
 have owners alone. The last row is no record either: its kind is END, and its `owners` are those of the events that are left. So
 all `owners` one after the other are the log's, in the order of the events. Engine and recording are in the metadata.
 
-Files are written and read a row group at a time: memory does not depend on their length.
+Files are written and read a row group at a time. Arrow keeps 15 kB of each group until the file is closed, so a log of more
+groups than a file may have goes on in another one: log.parquet, log.1.parquet and so on, of which only the last has a row END.
+So memory does not depend on a log's length.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Generator, Iterator
+from contextlib import ExitStack, contextmanager
+from itertools import chain, count, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,7 +40,7 @@ _REPEATED = ["kind", "track_id", "slot", "radius", "other_id", f"{_OWNERS}.list.
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
 _GROUP_OWNERS = 1 << 19  # of a row group, at most, and a row's more
-_GROUPS = 1 << 12  # from so many on they are twice as large: Arrow keeps 15 kB of each until the file is closed
+_FILE_GROUPS = 1 << 10  # row groups of a file, at most
 _NEEDED = "pyarrow is not installed: must be, for Parquet: pip install 'evcot[sweep]'"
 
 
@@ -47,31 +50,48 @@ def check_parquet(path: Path | str) -> None:
 
 
 def write_log(log: LogColumns, path: Path | str, *, force: bool = False) -> None:
-    """Write a log; equal logs give identical files.
+    """Write a log, a very long one into several files; equal logs give identical files.
 
     Raises:
         TrackLogError: pyarrow is not installed.
-        OutputError: the file exists, or cannot be written.
+        OutputError: a file exists, or cannot be written.
     """
     arrow = _arrow(path)
     schema = _schema(arrow).with_metadata({"engine": log.engine, "recording": log.recording})
-    with (
-        path_written_aside(Path(path), force=force) as aside,
-        arrow.parquet.ParquetWriter(
-            aside, schema, compression="zstd", use_dictionary=_REPEATED, write_page_checksum=True
-        ) as writer,
-    ):
-        for record, ends, begin in _groups(log):
-            writer.write_table(_table(arrow, schema, log, record, ends, begin))
+    groups = _groups(log)
+    with ExitStack() as files:  # the first gets its name last
+        for number in count():
+            if (first := next(groups, None)) is None:
+                return
+            own = _file_of(Path(path), number)
+            may_replace = force and (number == 0 or _is_log(own, arrow))
+            aside = files.enter_context(path_written_aside(own, force=may_replace))
+            with arrow.parquet.ParquetWriter(
+                aside, schema, compression="zstd", use_dictionary=_REPEATED, write_page_checksum=True
+            ) as writer:
+                for record, ends, begin in chain([first], islice(groups, _FILE_GROUPS - 1)):
+                    writer.write_table(_table(arrow, schema, log, record, ends, begin))
+
+
+def _is_log(path: Path, arrow: Any) -> bool:
+    """Whether a file that nobody has named looks like a part of a log, so that another may replace it."""
+    try:
+        names = arrow.parquet.read_schema(path).names
+    except (OSError, ValueError, arrow.ArrowException):
+        return False
+    return {*(TRACK.names or ()), _OWNERS} <= set(names)
+
+
+def _file_of(path: Path, number: int) -> Path:
+    """The file of this number of a log, from 0 on."""
+    return path.with_name(f"{path.stem}.{number}{path.suffix}") if number else path
 
 
 def _groups(log: LogColumns) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], int]]:
     """Row groups: the record of each row (-1: NONE, -2: END), the events decided after each row, and before the first."""
     n, n_records, begin = len(log.owner), len(log.records), 0
-    times = 1 if n_records < _GROUPS * _RECORDS else 2  # twice takes 22 MB more
-    size, size_owners = times * _RECORDS, times * _GROUP_OWNERS
-    for first in range(0, n_records + 1, size):
-        past = min(first + size, n_records)
+    for first in range(0, n_records + 1, _RECORDS):
+        past = min(first + _RECORDS, n_records)
         ends = np.clip(np.maximum.accumulate(log.records[first:past]["event_index"].astype(np.int64) + 1), begin, max(n, begin))
         record = np.arange(first, past)
         if past == n_records:
@@ -83,7 +103,7 @@ def _groups(log: LogColumns) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int
         rows = np.full(len(lists), -1)
         rows[own] = record
         ends = begin + np.cumsum(lists)
-        for group in np.split(np.arange(len(rows)), np.flatnonzero(np.diff((ends - begin) // size_owners)) + 1):
+        for group in np.split(np.arange(len(rows)), np.flatnonzero(np.diff((ends - begin) // _GROUP_OWNERS)) + 1):
             yield rows[group], ends[group], int(ends[group[0]] - lists[group[0]])
         begin = int(ends[-1])
         if past == n_records:
@@ -119,7 +139,7 @@ class LogFile:
     """A log that `write_log` wrote, read a row group at a time.
 
     Attributes:
-        path, engine, recording: the file; as of `TrackLog`.
+        path, engine, recording: the file, of several the first; as of `TrackLog`.
 
     Raises:
         TrackLogError: the file is missing, damaged, or not a TrackLog; or pyarrow is not installed.
@@ -128,8 +148,7 @@ class LogFile:
     def __init__(self, path: Path | str) -> None:
         self._arrow = _arrow(path)
         self.path = Path(path)
-        note_input(path)
-        with self._opened() as file:
+        with self._opened(self.path) as file:
             schema = file.schema_arrow
         self._wanted = [*(TRACK.names or ()), _OWNERS]
         lacking = [name for name in self._wanted if name not in schema.names]
@@ -148,20 +167,29 @@ class LogFile:
         Raises:
             TrackLogError: the file is damaged, or not a TrackLog.
         """
+        for number in count():
+            path = _file_of(self.path, number)
+            if number and not path.exists():
+                raise TrackLogError(f"{self.path}: the last row is no {_END}, and there is no {path.name}: must be a whole log")
+            whole = yield from self._blocks_of(path, owners=owners)
+            if whole:
+                return
+
+    def _blocks_of(self, path: Path, *, owners: bool) -> Generator[tuple[NDArray[np.void], NDArray[np.int16]], None, bool]:
+        """The runs of one file; returns whether its last row is END."""
         row, whole = 0, False
         columns = self._wanted if owners else self._wanted[:-1]
-        with self._opened() as file:
+        with self._opened(path) as file:
             for group in range(file.num_row_groups):
-                with self._in_one_line():
+                with self._in_one_line(path):
                     table = file.read_row_group(group, columns=columns)
                 if whole:
-                    raise TrackLogError(f"{self.path}: row {row - 1}: kind = {_END!r}: must be the last row's")
-                kinds = self._kinds(table.column("kind"), row)
+                    raise TrackLogError(f"{path}: row {row - 1}: kind = {_END!r}: must be the last row's")
+                kinds = self._kinds(path, table.column("kind"), row)
                 row += len(kinds)
                 whole = bool(len(kinds)) and kinds[-1] == -2
-                yield self._records(table, kinds), self._owners(table) if owners else np.empty(0, np.int16)
-        if not whole:
-            raise TrackLogError(f"{self.path}: the last row is no {_END}: must be a whole log")
+                yield self._records(path, table, kinds), self._owners(path, table) if owners else np.empty(0, np.int16)
+        return whole
 
     def record_runs(self) -> Iterator[NDArray[np.void]]:
         """All records, run by run; every call gives them again. Errors as of `blocks`."""
@@ -180,7 +208,7 @@ class LogFile:
             decided.append(own)
         return np.concatenate(records), np.concatenate(decided)
 
-    def _records(self, table: Any, kinds: NDArray[np.int64]) -> NDArray[np.void]:
+    def _records(self, path: Path, table: Any, kinds: NDArray[np.int64]) -> NDArray[np.void]:
         there = kinds >= 0
         records = np.zeros(int(np.count_nonzero(there)), TRACK)
         records["kind"] = kinds[there]
@@ -188,17 +216,17 @@ class LogFile:
             table = table.filter(self._arrow.array(there))
         for name in TRACK.names or ():
             if name != "kind":
-                records[name] = _values(self.path, table.column(name), name, TRACK[name])
+                records[name] = _values(path, table.column(name), name, TRACK[name])
         return records
 
-    def _owners(self, table: Any) -> NDArray[np.int16]:
+    def _owners(self, path: Path, table: Any) -> NDArray[np.int16]:
         column = table.column(_OWNERS)
         if not (self._arrow.types.is_large_list(column.type) or self._arrow.types.is_list(column.type)):
-            raise TrackLogError(f"{self.path}: {_OWNERS} is {column.type}: must be a list of int16")
+            raise TrackLogError(f"{path}: {_OWNERS} is {column.type}: must be a list of int16")
         flat = column.combine_chunks().flatten()
-        return np.asarray(_values(self.path, flat, _OWNERS, np.dtype(np.int16)), np.int16)
+        return np.asarray(_values(path, flat, _OWNERS, np.dtype(np.int16)), np.int16)
 
-    def _kinds(self, column: Any, first: int) -> NDArray[np.int64]:
+    def _kinds(self, path: Path, column: Any, first: int) -> NDArray[np.int64]:
         """Kinds by number, -1 for NONE and -2, only at the end, for END."""
         codes = {kind.name: int(kind) for kind in Kind} | {_NONE: -1, _END: -2}
         rule = f"must be one of {', '.join(kind.name for kind in Kind)}, {_NONE}, and of the last row {_END}"
@@ -206,24 +234,25 @@ class LogFile:
         for name in encoded.dictionary.to_pylist():
             if name not in codes or encoded.null_count:
                 row = next(i for i, kind in enumerate(column.to_pylist()) if kind not in codes)
-                raise TrackLogError(f"{self.path}: row {first + row}: kind = {column[row].as_py()!r}: {rule}")
+                raise TrackLogError(f"{path}: row {first + row}: kind = {column[row].as_py()!r}: {rule}")
         by_code = np.array([codes[name] for name in encoded.dictionary.to_pylist()], np.int64)
         kinds = by_code[encoded.indices.to_numpy(zero_copy_only=False)] if len(by_code) else np.empty(0, np.int64)
         if (kinds[:-1] == -2).any():
-            raise TrackLogError(f"{self.path}: row {first + int(np.argmin(kinds))}: kind = {_END!r}: {rule}")
+            raise TrackLogError(f"{path}: row {first + int(np.argmin(kinds))}: kind = {_END!r}: {rule}")
         return kinds
 
     @contextmanager
-    def _opened(self) -> Iterator[Any]:
-        with self._in_one_line():
-            source = self.path.open("rb")
+    def _opened(self, path: Path) -> Iterator[Any]:
+        note_input(path)
+        with self._in_one_line(path):
+            source = path.open("rb")
         with source:
-            with self._in_one_line():
+            with self._in_one_line(path):
                 file = self._arrow.parquet.ParquetFile(source, page_checksum_verification=True)
             yield file
 
-    def _in_one_line(self) -> _OneLine:
-        return _OneLine(self.path, self._arrow.ArrowException)
+    def _in_one_line(self, path: Path) -> _OneLine:
+        return _OneLine(path, self._arrow.ArrowException)
 
 
 class _OneLine:

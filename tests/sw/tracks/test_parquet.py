@@ -79,15 +79,47 @@ def test_the_commands_take_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert main(["track", str(path), "-q", "-o", str(tmp_path / "log.parquet")]) == 2, "it exists"
 
 
-def test_row_groups_of_a_long_log_are_larger(log: TrackLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    count = len(log.records)
-    monkeypatch.setattr(evcot.tracks.parquet, "_RECORDS", 16)
-    for most, records in ((count // 16 + 1, 16), (count // 16, 32), (1, 32)):
-        monkeypatch.setattr(evcot.tracks.parquet, "_GROUPS", most)
-        path = tmp_path / f"{most}.parquet"
-        log.save(path)
-        assert parquet.read_metadata(path).row_group(0).num_rows == records
+@pytest.fixture
+def in_files(log: TrackLog, monkeypatch: pytest.MonkeyPatch) -> int:
+    """Files of three groups of 8 records; how many the log has."""
+    monkeypatch.setattr(evcot.tracks.parquet, "_RECORDS", 8)
+    monkeypatch.setattr(evcot.tracks.parquet, "_FILE_GROUPS", 3)
+    files = -(-(len(log.records) + 1) // 24)
+    assert files >= 3
+    return files
+
+
+def test_a_long_log_goes_on_in_other_files(log: TrackLog, in_files: int, tmp_path: Path) -> None:
+    path = tmp_path / "log.parquet"
+    log.save(path)
+    names = ["log.parquet", *(f"log.{number}.parquet" for number in range(1, in_files))]
+    assert {file.name for file in tmp_path.iterdir()} == set(names)
+    kinds = [parquet.read_table(tmp_path / name, columns=["kind"]).column("kind").to_pylist() for name in names]
+    assert [len(kind) for kind in kinds[:-1]] == [24] * (in_files - 1)
+    assert ["END" in kind for kind in kinds] == [False] * (in_files - 1) + [True]
+    assert same(TrackLog.load(path), log)
+    # A shorter one in its place: what an earlier log left is no part of it.
+    short = TrackLog(log.engine, log.records[:10], log.owner[: int(log.records[9]["event_index"]) + 1], log.recording)
+    short.save(path, force=True)
+    assert (tmp_path / names[1]).exists()
+    assert same(TrackLog.load(path), short)
+
+
+def test_every_file_of_a_long_log_must_be_there_and_none_is_overwritten(log: TrackLog, in_files: int, tmp_path: Path) -> None:
+    path, last = tmp_path / "log.parquet", tmp_path / f"log.{in_files - 1}.parquet"
+    last.write_text("mine")
+    for force in (False, True):  # nobody has named that file
+        with pytest.raises(evcot.errors.OutputError, match=f"{last.name}: exists"):
+            log.save(path, force=force)
+        assert [file.name for file in tmp_path.iterdir()] == [last.name]
+        assert last.read_text() == "mine"
+    last.unlink()
+    for force in (False, True):
+        log.save(path, force=force)
         assert same(TrackLog.load(path), log)
+    last.unlink()
+    with pytest.raises(TrackLogError, match=f"log.parquet: the last row is no END, and there is no {last.name}: must be"):
+        TrackLog.load(path)
 
 
 def test_what_is_no_log_is_refused(log: TrackLog, tmp_path: Path) -> None:
@@ -111,7 +143,7 @@ def test_what_is_no_log_is_refused(log: TrackLog, tmp_path: Path) -> None:
     path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
     refused("is damaged, or no Parquet file")
     for changed, why in (
-        (table.slice(0, table.num_rows - 1), "the last row is no END: must be a whole log"),
+        (table.slice(0, table.num_rows - 1), "the last row is no END, and there is no log.1.parquet: must be a whole log"),
         (table.drop_columns(["vx", "owners"]), "lacks vx, owners: must be a log as `evcot track -o LOG.parquet` writes it"),
         (table.set_column(0, "t_us", table.column("t_us").cast("int32")), "t_us is int32: must be int64"),
         (arrow.concat_tables([table.slice(table.num_rows - 1), table]), "row 0: kind = 'END': must be one of BORN, MOVED"),
