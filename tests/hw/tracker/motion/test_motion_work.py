@@ -124,7 +124,7 @@ class Work:
         self.merges = int(io.kind) == Kind.MERGED
         if int(io.op_valid) and ready:
             slot = int(io.at)
-            for what, after in (("read", 6), ("store", 6), ("full", 6), ("put", 1)):
+            for what, after in (("read", 6), ("store", 6), ("full", 6), ("put", 2)):
                 if int(io[f"op_{what}"]):
                     self.under_way.append((self.clocks + after, what, slot))
         self.was_under_way = self.under_way
