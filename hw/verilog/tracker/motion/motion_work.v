@@ -119,7 +119,7 @@ module motion_work #(
     wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, this_slot;
-    reg  [14:0]       speed_x, speed_y;
+    wire [14:0]       speed_x, speed_y;
     wire [1:0]        since;
     wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
@@ -262,8 +262,6 @@ module motion_work #(
         read_sides   <= r_sides;
         read_marks   <= r_marks;
         read_support <= r_support;
-        speed_x      <= v_x[15] ? -v_x[14:0] : v_x[14:0];
-        speed_y      <= v_y[15] ? -v_y[14:0] : v_y[14:0];
         if (was_read) other_support <= read_support;
         if (rst) was_read <= 1'b0;
     end
@@ -280,7 +278,7 @@ module motion_work #(
     wire                meets_now;
     wire [4*PX_W-1:0]   box, window;
     wire [PX_W-1:0]     cut_px;
-    wire [PX_W+3:0]     long_x, long_y;
+    wire                is_long_x, is_long_y;
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
 
@@ -329,6 +327,8 @@ module motion_work #(
         .o_sides    (o_sides),
         .o_refs     (refs),
         .o_v        (v),
+        .speed_x    (speed_x),
+        .speed_y    (speed_y),
         .side_x     (side_x),
         .side_y     (side_y),
         .sum_x      (sum_x),
@@ -452,9 +452,9 @@ module motion_work #(
         .clk       (clk),
         .note      (c_note),
         .length_x  (length_x),
-        .long_x    (long_x),
-        .long_y    (long_y),
         .length_y  (length_y),
+        .is_long_x (is_long_x),
+        .is_long_y (is_long_y),
         .speed_x   (speed_x),
         .speed_y   (speed_y),
         .on_y      (look_y),
@@ -519,8 +519,8 @@ module motion_work #(
         .ring_px    (regs[`MOTION_RING_PX]),
         .ring_max   (regs[`MOTION_RING_MAX]),
         .done       (window_done),
-        .long_x     (long_x),
-        .long_y     (long_y),
+        .is_long_x  (is_long_x),
+        .is_long_y  (is_long_y),
         .box        (box),
         .window     (window)
     );

@@ -19,7 +19,7 @@ def test_random_boxes() -> None:
 
     def show(lengths: list[int]) -> None:
         io.length_x, io.length_y = lengths
-        io.long_x, io.long_y = (elongation * length for length in lengths)
+        io.is_long_x, io.is_long_y = (int(lengths[i] >= elongation * lengths[1 - i]) for i in (0, 1))
 
     for _ in range(2_000):
         elongation, gap_px = int(rng.integers(1, 16)), int(rng.integers(256)) >> int(rng.integers(8))
