@@ -46,6 +46,10 @@ module motion_queue #(
 
     localparam TOKEN_W = TIME_W + X_W + Y_W + 3;
 
+    // A step is at most 2^20 ticks after the token before, a token at most 2^TICK_W - 1: more bits do not count between them.
+    localparam AHEAD_W = (TICK_W > 20 ? TICK_W : 20) + 2;
+    localparam DUE_W   = AHEAD_W < TIME_W ? AHEAD_W : TIME_W;
+
     reg [TOKEN_W-1:0] tokens[0:15];
     reg               in_valid, in_event, in_skip, in_p;
     reg [X_W-1:0]     in_x;
@@ -57,12 +61,12 @@ module motion_queue #(
     reg               next_valid;
     reg [TIME_W-1:0]  next_time;
     reg [X_W+Y_W+2:0] next_rest;
-    reg [TIME_W-1:0]  compared;       // its time, or after a step that of the token at the output
+    reg [DUE_W-1:0]   compared;       // its time, or after a step that of the token at the output
 
     wire              gives      = (!m_valid && !holds) || m_ready;
     wire              takes      = !next_valid || gives;
     wire [4:0]        level      = written - read;
-    wire [TIME_W-1:0] until_step = compared - next_step;
+    wire [DUE_W-1:0]  until_step = compared - next_step[DUE_W-1:0];
     wire [TOKEN_W-1:0] token     = tokens[read[3:0]];
 
     assign empty = !in_valid && written == read && !next_valid && !m_valid;
@@ -92,8 +96,8 @@ module motion_queue #(
             m_time  <= next_time;
             {m_event, m_skip, m_x, m_y, m_p} <= next_rest;
         end
-        compared <= holds && !again ? m_time : takes ? token[TOKEN_W-1-:TIME_W] : next_time;
-        if (gives || again) m_due <= !until_step[TIME_W-1];
+        compared <= holds && !again ? m_time[DUE_W-1:0] : takes ? token[X_W+Y_W+3+:DUE_W] : next_time[DUE_W-1:0];
+        if (gives || again) m_due <= !until_step[DUE_W-1];
         if (rst) begin
             in_valid   <= 1'b0;
             in_time    <= {TIME_W{1'b0}};
@@ -105,7 +109,7 @@ module motion_queue #(
         end
     end
 
-    wire unused = &{1'b0, until_step};
+    wire unused = &{1'b0, until_step, next_step};
 
 endmodule
 

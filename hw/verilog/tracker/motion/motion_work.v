@@ -34,7 +34,7 @@ module motion_work #(
     output wire                job_done,
     input  wire                job_seed,
     input  wire [SLOT_W-1:0]   job_slot,
-    input  wire [X_W-1:0]      job_x,
+    input  wire [X_W-1:0]      job_x,         // from here on, of a job: two clocks behind it, see motion_waiting.v
     input  wire [Y_W-1:0]      job_y,
     input  wire [SUP_W-1:0]    job_support,
     input  wire [TIME_W-1:0]   job_time,
@@ -126,13 +126,16 @@ module motion_work #(
     wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
     wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
 
+    reg begun_1, begun_2;  // what comes with the job is there
+
     assign op_slot = at;
 
     always @(posedge clk) begin
+        {begun_2, begun_1} <= rst ? 2'b00 : {begun_1, begun};
         if (do_step || do_end) begin
             op_time <= now;
             op_seq  <= seq;
-        end else if (begun) begin
+        end else if (begun_2) begin
             op_time <= job_time;
             op_seq  <= job_seq;
         end
@@ -349,7 +352,7 @@ module motion_work #(
         .at             (at),
         .puts           (puts),
         .put_slot       (put_slot),
-        .take           (begun),
+        .take           (begun_2),
         .load           (c_load || c_unite),
         .load_support   (c_load_support),
         .unite          (c_unite),
