@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // On which axes a box is looked at for a gap, how wide the gap must be, and where the box is cut: docs/motion.md, "Gaps".
 //
-// Latency:    2 clocks from note to looks, 1 from on_y; 2 from on_y to narrowest; 2 from the gap to cut_px.
+// Latency:    3 clocks from note to looks, 1 from on_y; 2 from on_y to narrowest; 2 from the gap to cut_px.
 // Throughput: a slot at a time; an axis a clock, and a cut.
 // Stall:      none.
 // Reset:      none, nothing is used before it was computed.
@@ -16,7 +16,7 @@ module motion_look #(
     input  wire            note,       // the lengths are those before the cut
     input  wire [PX_W-1:0] length_x,
     input  wire [PX_W-1:0] length_y,
-    input  wire            is_long_x,  // long enough to be looked at along the motion
+    input  wire            is_long_x,  // long enough to be looked at along the motion; a clock behind note
     input  wire            is_long_y,
     input  wire [14:0]     speed_x,
     input  wire [14:0]     speed_y,
@@ -35,7 +35,7 @@ module motion_look #(
 );
 
     reg  [PX_W-2:0] half_x, half_y;
-    reg             across_x, across_y, looks_x, looks_y;
+    reg             across_x, across_y, looks_x, looks_y, noted;
     wire [PX_W-1:0] least   = {{(PX_W - 8) {1'b0}}, gap_px};
     reg  [PX_W-1:0] half;  // of the other axis
     reg             across;
@@ -46,6 +46,9 @@ module motion_look #(
         if (note) begin
             half_x  <= length_x[PX_W-1:1];
             half_y  <= length_y[PX_W-1:1];
+        end
+        noted <= note;
+        if (noted) begin
             looks_x <= across_x || is_long_x;
             looks_y <= across_y || is_long_y;
         end

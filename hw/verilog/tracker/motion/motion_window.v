@@ -2,7 +2,7 @@
 // Box and window of a slot from its sides and its velocity: docs/motion.md, "Windows". Both axes go through one circuit, x first.
 //
 // Latency:    6 clocks from start to done; sides need stay for two, other inputs until then. Speeds, and whether they count, must be
-//             there at start, lengths 3 clocks before. 4 clocks from the lengths to is_long_x and is_long_y.
+//             there at start, lengths 4 clocks before. 5 clocks from the lengths to is_long_x and is_long_y.
 // Throughput: one at a time.
 // Stall:      box and window stay until the next start.
 // Reset:      done is low until the next start has come through.
@@ -43,10 +43,11 @@ module motion_window #(
 
     // ---- how long each axis must be: x and y in turn, at any time -----------------------------------------------------------
 
-    reg              second, second_1;  // of the axis that comes, and of the one that is there
+    reg              second, second_1, second_2;  // of the axis that comes, of that before, and before
     reg [PX_W-1:0]   length;
+    reg [3:0]        factor;             // a multiplier is far from other cells: registers on both sides of its wires
+    reg [PX_W+3:0]   times;
     reg [PX_W+3:0]   times_x, times_y;
-    wire [PX_W+3:0]  times = {4'd0, length} * {{PX_W{1'b0}}, elongation};
 
     // ---- the ring, the box and the window: x, then y ----------------------------------------------------------------------
 
@@ -75,7 +76,10 @@ module motion_window #(
         second   <= !second;
         second_1 <= second;
         length   <= second ? length_y : length_x;
-        if (second_1) times_y <= times;
+        factor   <= elongation;
+        times    <= {4'd0, length} * {{PX_W{1'b0}}, factor};
+        second_2 <= second_1;
+        if (second_2) times_y <= times;
         else times_x <= times;
         is_long_x <= {4'd0, length_x} >= times_y;
         is_long_y <= {4'd0, length_y} >= times_x;
@@ -102,6 +106,7 @@ module motion_window #(
         if (rst) begin
             second   <= 1'b0;
             second_1 <= 1'b0;
+            second_2 <= 1'b0;
             step     <= 5'd0;
             done     <= 1'b0;
         end

@@ -120,7 +120,7 @@ def test_random_jobs(stalls: bool) -> None:
             io.q_meets = int(job.meets) if control.steady(3) and control.at[0] == job.slot else any_[0]
             io.corrections = corrections if was_loaded else int(rng.integers(64))
             io.look_due = int(job.look_due) if was_loaded else any_[1]
-            looks = job.looks[on_y[0]] if len(set(on_y[:2])) == 1 and control.clocks >= noted + 2 else bool(any_[2])
+            looks = job.looks[on_y[0]] if len(set(on_y[:2])) == 1 and control.clocks >= noted + 3 else bool(any_[2])
             io.looks = int(looks)
             io.inverse_busy = int(busy > 0)
             io.look_done = int(look_in == 1)

@@ -42,6 +42,8 @@ def test_random_boxes() -> None:
         io.note = 1
         sim.clock.tick()
         io.note = 0
+        io.length_x, io.length_y = (int(length) for length in rng.integers(1 << PX_W, size=2))
+        sim.clock.tick()
         show([int(length) for length in rng.integers(1 << PX_W, size=2)])
         sim.clock.tick()
         for on_y in (0, 1) if int(io.on_y) == 0 else (1, 0):
