@@ -2,7 +2,7 @@
 // Whether a candidate becomes visible: by support, size, time and the way that it has gone. docs/motion.md, "A motion step of a slot",
 // point 5.
 //
-// Latency:    7 clocks and birth_travel from start to appears, if the inputs stay.
+// Latency:    6 clocks and birth_travel from start to appears, if the inputs stay.
 // Throughput: a candidate at a time.
 // Stall:      none.
 // Reset:      none, nothing is used before it was computed.
@@ -32,18 +32,23 @@ module motion_birth #(
     output reg                   appears
 );
 
-    localparam PX_W = SIDE_W - 12;
+    localparam PX_W   = SIDE_W - 12;
+    localparam WIDE_W = SUP_W > 15 ? SUP_W + 1 : 17;
 
-    reg  [SIDE_W+1:0] way, way_abs;   // twice the way
+    reg signed [SIDE_W+1:0] way;      // twice the way
     reg  [SIDE_W:0]   sides;
-    reg  [SIDE_W+1:0] far, far_px;    // so much must it be, without the pixel and with it
+    reg  [SIDE_W+1:0] far, too_near;  // so much must it be, without two pixels; just less with them
     reg  [4:0]        left;           // places that `far` is shifted
     reg               few, early, small_x, small_y, goes_far, went_far;
     wire [SIDE_W:0]   start_x, start_y;
     reg  [SIDE_W:0]   from;             // of the axis that comes
     wire [PX_W-1:0]   least        = {{(PX_W - 8) {1'b0}}, birth_px};
-    wire [SUP_W+15:0] wide_support = {16'd0, support};
-    wire [SUP_W+15:0] wide_birth   = {{SUP_W{1'b0}}, birth_support};
+    wire [WIDE_W-1:0] wide_support = {{(WIDE_W - SUP_W) {1'b0}}, support};
+    wire [WIDE_W-1:0] wide_birth   = {{(WIDE_W - 16) {1'b0}}, birth_support};
+    wire [SIDE_W+2:0] ahead        = {1'b0, too_near} - {way[SIDE_W+1], way};  // either is negative where it has gone far
+    wire [SIDE_W+2:0] behind       = {1'b0, too_near} + {way[SIDE_W+1], way};
+
+    wire unused = &{1'b0, ahead[SIDE_W+1:0], behind[SIDE_W+1:0]};
 
     assign {start_x, start_y} = start;
 
@@ -51,7 +56,6 @@ module motion_birth #(
         from     <= lane ? start_x : start_y;
         way      <= {sum[SIDE_W], sum} - {from[SIDE_W], from};
         sides    <= {1'b0, side_x} + {1'b0, side_y};
-        way_abs  <= way[SIDE_W+1] ? -way : way;
         if (measure) begin
             far  <= {1'b0, sides};
             left <= {1'b0, birth_travel} + 5'd1;
@@ -59,12 +63,12 @@ module motion_birth #(
             far  <= {1'b0, far[SIDE_W+1:1]};
             left <= left - 5'd1;
         end
-        far_px   <= far + {{(SIDE_W - 12) {1'b0}}, 14'h2000};
+        too_near <= far + {{(SIDE_W - 12) {1'b0}}, 14'h1fff};
         few      <= wide_support < wide_birth;
-        early    <= age < {{(TIME_W - 24) {1'b0}}, birth_ticks};
+        early    <= age[TIME_W-1:24] == {(TIME_W - 24) {1'b0}} && age[23:0] < birth_ticks;
         small_x  <= side_x[SIDE_W-1:12] < least;
         small_y  <= side_y[SIDE_W-1:12] < least;
-        goes_far <= way_abs >= far_px;
+        goes_far <= ahead[SIDE_W+2] || behind[SIDE_W+2];
         went_far <= goes_far;
         appears  <= (goes_far || went_far) && !young && !small_x && !small_y && !few && !early;
     end

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What events do not change of a slot: memories that are read at one slot, all at once, and written in groups.
+// What events do not change of a slot: block RAMs that are read at one slot, all at once, and written in groups.
 //
-// Latency:    2 clocks from `at` to what it has, 1 to box, window and N_ev, of `put_slot` while one is put in force.
+// Latency:    2 clocks from `at` to what it has, and to box, window and N_ev, of `put_slot` while one is put in force.
 // Throughput: a slot per clock. What is read in the clock of its own write is not defined.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.
@@ -51,22 +51,19 @@ module motion_context #(
     output wire [15:0]         q_together,
     output wire [23:0]         q_usual,
     output wire [9:0]          q_log2,
-    output reg  [ID_W-1:0]     q_id,
+    output wire [ID_W-1:0]     q_id,
     output wire [2*SIDE_W+1:0] q_start,
-    output reg  [4*PX_W-1:0]   p_box,
-    output reg  [4*PX_W-1:0]   p_window,
-    output reg  [9:0]          p_n_ev
+    output wire [4*PX_W-1:0]   p_box,
+    output wire [4*PX_W-1:0]   p_window,
+    output wire [9:0]          p_n_ev
 );
 
     localparam STATE_W = 4 * SIDE_W + SLOT_W + 112;
-    localparam DEPTH   = 1 << SLOT_W;
+    localparam ADDR_W  = SLOT_W > 7 ? SLOT_W : 7;  // more than 64 words, for block RAM on every device
+    localparam DEPTH   = 1 << ADDR_W;
 
-    reg [8*PX_W-1:0] windows[0:DEPTH-1];
-    reg [9:0]        n_evs  [0:DEPTH-1];
-    reg [ID_W-1:0]   ids    [0:DEPTH-1];
-    reg [ID_W-1:0]   read_id;
-
-    wire [SLOT_W-1:0] place = puts ? put_slot : at;
+    wire [ADDR_W-1:0] of_at    = {{(ADDR_W - SLOT_W) {1'b0}}, at};
+    wire [ADDR_W-1:0] of_place = {{(ADDR_W - SLOT_W) {1'b0}}, puts ? put_slot : at};
 
     block_memory #(
         .W    (STATE_W),
@@ -74,10 +71,10 @@ module motion_context #(
     ) u_states (
         .clk          (clk),
         .write        (keep),
-        .write_address(at),
+        .write_address(of_at),
         .write_data   ({v, refs, corrections, looked, meets, n_ev, has_partner, partner, together, usual, log2}),
         .read_enable  (1'b1),
-        .read_address (at),
+        .read_address (of_at),
         .out_enable   (1'b1),
         .read_data    ({q_v, q_refs, q_corrections, q_looked, q_meets, q_n_ev, q_has_partner, q_partner, q_together, q_usual, q_log2})
     );
@@ -88,23 +85,55 @@ module motion_context #(
     ) u_starts (
         .clk          (clk),
         .write        (keep_start),
-        .write_address(at),
+        .write_address(of_at),
         .write_data   (start),
         .read_enable  (1'b1),
-        .read_address (at),
+        .read_address (of_at),
         .out_enable   (1'b1),
         .read_data    (q_start)
     );
 
-    always @(posedge clk) begin
-        {p_box, p_window} <= windows[place];
-        p_n_ev            <= n_evs[place];
-        read_id           <= ids[at];
-        q_id              <= read_id;
-        if (keep) n_evs[at] <= n_ev;
-        if (keep_id) ids[at] <= id;
-        if (keep_window) windows[at] <= {box, window};
-    end
+    block_memory #(
+        .W    (ID_W > 0 ? ID_W : 1),  // 0 is refused by cot_motion.v
+        .DEPTH(DEPTH)
+    ) u_ids (
+        .clk          (clk),
+        .write        (keep_id),
+        .write_address(of_at),
+        .write_data   (id),
+        .read_enable  (1'b1),
+        .read_address (of_at),
+        .out_enable   (1'b1),
+        .read_data    (q_id)
+    );
+
+    block_memory #(
+        .W    (8 * PX_W),
+        .DEPTH(DEPTH)
+    ) u_windows (
+        .clk          (clk),
+        .write        (keep_window),
+        .write_address(of_at),
+        .write_data   ({box, window}),
+        .read_enable  (1'b1),
+        .read_address (of_place),
+        .out_enable   (1'b1),
+        .read_data    ({p_box, p_window})
+    );
+
+    block_memory #(
+        .W    (10),
+        .DEPTH(DEPTH)
+    ) u_n_evs (
+        .clk          (clk),
+        .write        (keep),
+        .write_address(of_at),
+        .write_data   (n_ev),
+        .read_enable  (1'b1),
+        .read_address (of_place),
+        .out_enable   (1'b1),
+        .read_data    (p_n_ev)
+    );
 
 endmodule
 

@@ -4,7 +4,7 @@
 // Commands to motion_sides.v are given while `lane` is high, so they are decided while it is low; how many clocks lie between two of them
 // is written there.
 //
-// Latency:    from start to done 28 to 49 clocks for a correction, 56 to 223 with a look for gaps; 34 or 35 for a candidate that begins.
+// Latency:    from start to done 28 to 49 clocks for a correction, 56 to 223 with a look for gaps; 35 or 36 for a candidate that begins.
 // Throughput: one at a time.
 // Stall:      waits for its operations, which are taken in the second clock at the latest, for the leading bit of the time and for its
 //             record to be accepted.
@@ -143,6 +143,7 @@ module motion_correct #(
                 {op_clear, op_full, op_store, op_read} <= 4'b0001;
                 if (start) begin
                     rests <= 1'b0;
+                    pause <= 3'd1;  // what comes with the job is on its way
                     state <= SEED;
                     if (!seed) begin
                         op_valid <= 1'b1;

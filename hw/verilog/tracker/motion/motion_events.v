@@ -177,8 +177,8 @@ module motion_events #(
         .begins    (begins_4),
         .shared    (shared_4),
         .owner     (slot_4),
-        .place     (op_1[3]),
-        .place_slot(op_slot_1),
+        .place     (op_2[3]),
+        .place_slot(op_slot_2),
         .box       (o_box),
         .window    (o_window)
     );

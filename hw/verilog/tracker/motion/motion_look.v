@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // On which axes a box is looked at for a gap, how wide the gap must be, and where the box is cut: docs/motion.md, "Gaps".
 //
-// Latency:    2 clocks from note to looks, 1 from on_y; 2 from on_y to narrowest; 2 from the gap to cut_px.
+// Latency:    3 clocks from note to looks, 1 from on_y; 2 from on_y to narrowest; 2 from the gap to cut_px.
 // Throughput: a slot at a time; an axis a clock, and a cut.
 // Stall:      none.
 // Reset:      none, nothing is used before it was computed.
@@ -13,11 +13,11 @@ module motion_look #(
 ) (
     input  wire            clk,
 
-    input  wire            note,       // the lengths are those before the cut, as they were in the clock before already
+    input  wire            note,       // the lengths are those before the cut
     input  wire [PX_W-1:0] length_x,
     input  wire [PX_W-1:0] length_y,
-    input  wire [PX_W+3:0] long_x,     // so long must the other axis be
-    input  wire [PX_W+3:0] long_y,
+    input  wire            is_long_x,  // long enough to be looked at along the motion; a clock behind note
+    input  wire            is_long_y,
     input  wire [14:0]     speed_x,
     input  wire [14:0]     speed_y,
     input  wire            on_y,       // the axis
@@ -35,7 +35,7 @@ module motion_look #(
 );
 
     reg  [PX_W-2:0] half_x, half_y;
-    reg             across_x, across_y, is_long_x, is_long_y, looks_x, looks_y;
+    reg             across_x, across_y, looks_x, looks_y, noted;
     wire [PX_W-1:0] least   = {{(PX_W - 8) {1'b0}}, gap_px};
     reg  [PX_W-1:0] half;  // of the other axis
     reg             across;
@@ -46,13 +46,14 @@ module motion_look #(
         if (note) begin
             half_x  <= length_x[PX_W-1:1];
             half_y  <= length_y[PX_W-1:1];
+        end
+        noted <= note;
+        if (noted) begin
             looks_x <= across_x || is_long_x;
             looks_y <= across_y || is_long_y;
         end
         across_x  <= {speed_y, 1'b0} >= {1'b0, speed_x};
         across_y  <= {speed_x, 1'b0} >= {1'b0, speed_y};
-        is_long_x <= {4'd0, length_x} >= long_y;
-        is_long_y <= {4'd0, length_y} >= long_x;
         looks     <= on_y ? looks_y : looks_x;
         half      <= {1'b0, on_y ? half_x : half_y};
         across    <= on_y ? across_y : across_x;
@@ -61,6 +62,8 @@ module motion_look #(
         log2      <= bin_log2;
         cut_px    <= {{(PX_W - 4) {1'b0}}, cut_bin} << log2;
     end
+
+    wire unused = &{1'b0, length_x[0], length_y[0]};
 
 endmodule
 

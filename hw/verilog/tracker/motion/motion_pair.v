@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether a slot and another one are one object that moves together: docs/motion.md, "Merging". `one` is the slot, `other` the other.
 //
-// Both axes go through one circuit, x first; what was found on x is then in the registers named _x.
+// One subtractor for velocities and one for boxes, of which the operands come one after the other. Velocities say along which axis the
+// one with more support moves; then boxes are compared, first on the axis across that motion, then along it.
 //
-// Latency:    9 clocks from start to done, and as many as the larger of both shifts; inputs must stay until then.
+// Latency:    21 clocks from start to done, more if join_reach or join_speed is above 9; inputs must stay until then.
 // Throughput: a pair at a time.
 // Stall:      outputs stay until a clock after the next start.
 // Reset:      done is low until the next start has come through.
@@ -38,114 +39,108 @@ module motion_pair #(
 
     localparam GAP_W = PX_W + 1;
 
-    reg [6:0] step;              // one of them is high, from the clock after start: x is in the first stage, y is
-    reg       shifts;
-    wire      on_y = step[0];
-    wire      sides_come = step[1] || step[2];  // to the third stage
+    // ---- velocities: x and y in turn, first those of the one with more support ---------------------------------------------
 
-    // ---- first stage: one axis --------------------------------------------------------------------------------------------
-
-    reg signed [PX_W-1:0] lo, hi, own_lo, own_hi;
+    reg [4:0]             step;              // one of them is high, from the clock after start
+    reg                   on_y;              // of the axis that comes
     reg signed [15:0]     v, own_v;
-
-    // ---- second ------------------------------------------------------------------------------------------------------------
-
-    reg signed [PX_W-1:0] from, to;             // what lies between them
-    reg [PX_W-1:0]        side, own_side;
-    reg [14:0]            speed, own_speed;
+    reg [14:0]            speed;
     reg signed [16:0]     between;
+    reg [14:0]            fast;              // the fastest one's, then by how much velocities may differ, but for 64
+    reg [3:0]             fast_down;
+    reg                   leads_y;           // the one with more support moves along y
+    reg                   agrees, agrees_1;  // velocities differ by no more, on this axis, and on the one before
 
-    // ---- third: stays, and x is kept when y comes --------------------------------------------------------------------------
+    wire                  takes_own = weaker == (step[2] || step[3]);
+    wire [15:0]           taken     = takes_own ? own_v : v;
+    wire                  slower    = speed < fast;
+    wire signed [17:0]    most      = {2'b00, {1'b0, fast[14:6]} + 10'd1, fast[5:0]};
+    wire signed [17:0]    over      = most - {between[16], between};
+    wire signed [17:0]    under     = most + {between[16], between};
 
-    reg signed [GAP_W-1:0] shared, shared_x;    // how far they overlap; negative: how far they are apart
-    reg [PX_W-1:0]         less, less_x, more, more_x;
-    reg [14:0]             fast, fast_x, lead, lead_x;  // the faster one's, that of the one with more support
-    reg [15:0]             apart, apart_x;
+    // ---- boxes: both lengths, then the two other differences of a high and a low bound; the least is how far they overlap --
 
-    // ---- both axes ---------------------------------------------------------------------------------------------------------
+    reg [5:0]              part;                // one of them is high
+    reg                    waits;               // for the shift, where that counts
+    reg                    along;               // on the axis along the motion
+    reg signed [PX_W-1:0]  hi, lo;
+    reg signed [GAP_W-1:0] side;
+    reg signed [GAP_W-1:0] least;
+    reg [PX_W-2:0]         half;                // of the smaller length
+    reg [PX_W-1:0]         reach;               // the larger length across, then what is as far
+    reg [3:0]              reach_down;
+    reg                    abreast, close;      // of the last axis
+    reg                    abreast_1, close_1;  // of the one across
+    reg [1:0]              last;
 
-    reg                    leads_y;             // that one moves along y
-    reg [14:0]             allowed;             // by how much velocities may differ
-    reg [PX_W-1:0]         reach;               // along the motion
-    reg [3:0]              allowed_down, reach_down;
-    reg                    together, abreast_x, abreast_y, close_x, close_y;
-
-    wire signed [GAP_W-1:0] half_x  = {2'b00, less_x[PX_W-1:1]};
-    wire signed [GAP_W-1:0] half_y  = {2'b00, less[PX_W-1:1]};
-    wire [PX_W-1:0]         near_px = {{(PX_W - 8) {1'b0}}, join_px};
-    wire signed [GAP_W-1:0] spare_x = shared_x + $signed({1'b0, leads_y ? near_px : reach});
-    wire signed [GAP_W-1:0] spare_y = shared + $signed({1'b0, leads_y ? reach : near_px});
-    wire [15:0]             most    = {1'b0, allowed} + 16'd64;
-    wire                    shifted = allowed_down == 4'd0 && reach_down == 4'd0;
+    wire                   box_y      = leads_y == along;
+    wire                   other_hi   = part[1] || part[3];
+    wire                   other_lo   = part[1] || part[2];
+    wire [2*PX_W-1:0]      own_axis   = box_y ? one_box[0+:2*PX_W] : one_box[2*PX_W+:2*PX_W];
+    wire [2*PX_W-1:0]      other_axis = box_y ? other_box[0+:2*PX_W] : other_box[2*PX_W+:2*PX_W];
+    wire                   lower      = side < least;
+    wire [PX_W-1:0]        near       = along ? reach : {{(PX_W - 8) {1'b0}}, join_px};
+    wire signed [GAP_W-1:0] spare     = least + $signed({1'b0, near});
+    wire                   shifted    = fast_down == 4'd0 && reach_down == 4'd0;
+    wire                   busy       = |step || |part || waits;
+    wire                   judges     = waits && (!along || shifted);
 
     always @(posedge clk) begin
-        step   <= {step[5:0], start};
         weaker <= one_support < other_support;
 
-        lo     <= on_y ? other_box[PX_W+:PX_W] : other_box[3*PX_W+:PX_W];
-        hi     <= on_y ? other_box[0+:PX_W] : other_box[2*PX_W+:PX_W];
-        own_lo <= on_y ? one_box[PX_W+:PX_W] : one_box[3*PX_W+:PX_W];
-        own_hi <= on_y ? one_box[0+:PX_W] : one_box[2*PX_W+:PX_W];
-        v      <= on_y ? other_v_y : other_v_x;
-        own_v  <= on_y ? one_v_y : one_v_x;
-
-        from      <= own_lo > lo ? own_lo : lo;
-        to        <= own_hi < hi ? own_hi : hi;
-        side      <= hi - lo;
-        own_side  <= own_hi - own_lo;
-        speed     <= v[15] ? -v[14:0] : v[14:0];
-        own_speed <= own_v[15] ? -own_v[14:0] : own_v[14:0];
-        between   <= {v[15], v} - {own_v[15], own_v};
-
-        if (sides_come) begin
-            shared <= {to[PX_W-1], to} - {from[PX_W-1], from};
-            less   <= side < own_side ? side : own_side;
-            more   <= side < own_side ? own_side : side;
-            fast   <= speed > own_speed ? speed : own_speed;
-            lead   <= weaker ? speed : own_speed;
-            apart  <= between[16] ? -between[15:0] : between[15:0];
-            {shared_x, less_x, more_x, fast_x, lead_x, apart_x} <= {shared, less, more, fast, lead, apart};
+        step     <= {step[3:0], start};
+        on_y     <= start || (busy && !on_y);
+        v        <= on_y ? other_v_y : other_v_x;
+        own_v    <= on_y ? one_v_y : one_v_x;
+        speed    <= taken[15] ? -taken[14:0] : taken[14:0];
+        between  <= {v[15], v} - {own_v[15], own_v};
+        agrees   <= !over[17] && !under[17];
+        agrees_1 <= agrees;
+        if (step[1] || (|step[4:2] && !slower)) fast <= speed;
+        if (step[2]) leads_y <= !slower;
+        if (step[4]) fast_down <= join_speed;
+        else if (fast_down != 4'd0) begin
+            fast      <= {1'b0, fast[14:1]};
+            fast_down <= fast_down - 4'd1;
         end
 
-        if (step[3]) begin
-            leads_y      <= lead >= lead_x;
-            allowed      <= fast > fast_x ? fast : fast_x;
-            allowed_down <= join_speed;
-            reach_down   <= join_reach;
+        part <= {part[4:0], step[3] || (judges && !along)};
+        hi   <= other_hi ? other_axis[0+:PX_W] : own_axis[0+:PX_W];
+        lo   <= other_lo ? other_axis[PX_W+:PX_W] : own_axis[PX_W+:PX_W];
+        side <= {hi[PX_W-1], hi} - {lo[PX_W-1], lo};
+        if (part[2] || (|part[5:3] && lower)) least <= side;
+        if (part[4]) half <= least[PX_W-1:1];
+        if (!along && (part[2] || (part[3] && !lower))) reach <= side[PX_W-1:0];
+        if (!along && part[3]) reach_down <= join_reach;
+        else if (reach_down != 4'd0) begin
+            reach      <= {1'b0, reach[PX_W-1:1]};
+            reach_down <= reach_down - 4'd1;
         end
-        if (step[4]) begin
-            reach  <= leads_y ? more_x : more;
-            shifts <= 1'b1;
+        waits <= part[5] || (waits && !judges);
+        last  <= {last[0], judges && along};
+        if (judges) begin
+            abreast   <= least >= $signed({2'b00, half});
+            close     <= !spare[GAP_W-1];
+            abreast_1 <= abreast;
+            close_1   <= close;
+            along     <= 1'b1;
         end
-        if (shifts) begin
-            if (allowed_down != 4'd0) begin
-                allowed      <= {1'b0, allowed[14:1]};
-                allowed_down <= allowed_down - 4'd1;
-            end
-            if (reach_down != 4'd0) begin
-                reach      <= {1'b0, reach[PX_W-1:1]};
-                reach_down <= reach_down - 4'd1;
-            end
-            shifts <= !shifted;
-        end
-        step[5] <= shifts && shifted;
-        if (step[5]) begin
-            together  <= apart <= most && apart_x <= most;
-            abreast_x <= shared_x >= half_x;
-            abreast_y <= shared >= half_y;
-            close_x   <= !spare_x[GAP_W-1];
-            close_y   <= !spare_y[GAP_W-1];
-        end
-        if (step[6]) alike <= together && ((abreast_x && close_y) || (abreast_y && close_x));
-        done <= step[6];
+        if (start) along <= 1'b0;
+        if (last[1]) alike <= agrees && agrees_1 && ((abreast_1 && close) || (abreast && close_1));
+        done <= last[1];
+
         if (rst) begin
-            step   <= 7'd0;
-            shifts <= 1'b0;
-            done   <= 1'b0;
+            step       <= 5'd0;
+            part       <= 6'd0;
+            last       <= 2'd0;
+            waits      <= 1'b0;
+            done       <= 1'b0;
+            fast_down  <= 4'd0;
+            reach_down <= 4'd0;
         end
     end
 
-    wire unused = &{1'b0, less[0], less_x[0], spare_x[GAP_W-2:0], spare_y[GAP_W-2:0]};
+    wire unused = &{1'b0, taken, over[16:0], under[16:0], spare[GAP_W-2:0]};
 
 endmodule
 

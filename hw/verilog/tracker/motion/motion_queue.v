@@ -46,26 +46,28 @@ module motion_queue #(
 
     localparam TOKEN_W = TIME_W + X_W + Y_W + 3;
 
+    // A step is at most 2^20 ticks after the token before, a token at most 2^TICK_W - 1: more bits do not count between them.
+    localparam AHEAD_W = (TICK_W > 20 ? TICK_W : 20) + 2;
+    localparam DUE_W   = AHEAD_W < TIME_W ? AHEAD_W : TIME_W;
+
     reg [TOKEN_W-1:0] tokens[0:15];
     reg               in_valid, in_event, in_skip, in_p;
     reg [X_W-1:0]     in_x;
     reg [Y_W-1:0]     in_y;
     reg [TIME_W-1:0]  in_time;
+    reg               in_valid_2;
+    reg [TOKEN_W-1:0] in_2;
     reg [4:0]         written, read;  // tokens, modulo twice the depth
 
-    // The token behind the one at the output.
-    reg               next_valid;
-    reg [TIME_W-1:0]  next_time;
-    reg [X_W+Y_W+2:0] next_rest;
-    reg [TIME_W-1:0]  compared;       // its time, or after a step that of the token at the output
+    wire              gives = (!m_valid && !holds) || m_ready;
+    wire              any   = written != read;
+    wire [4:0]        level = written - read;
+    wire [TOKEN_W-1:0] token = tokens[read[3:0]];
+    // Negative before a step: of the token that comes to the output, and of the one that is there.
+    wire [DUE_W-1:0]  until_step = token[X_W+Y_W+3+:DUE_W] - next_step[DUE_W-1:0];
+    wire [DUE_W-1:0]  after_step = m_time[DUE_W-1:0] - next_step[DUE_W-1:0];
 
-    wire              gives      = (!m_valid && !holds) || m_ready;
-    wire              takes      = !next_valid || gives;
-    wire [4:0]        level      = written - read;
-    wire [TIME_W-1:0] until_step = compared - next_step;
-    wire [TOKEN_W-1:0] token     = tokens[read[3:0]];
-
-    assign empty = !in_valid && written == read && !next_valid && !m_valid;
+    assign empty = !in_valid && !in_valid_2 && !any && !m_valid;
 
     always @(posedge clk) begin
         in_valid <= s_valid && s_ready;
@@ -77,35 +79,32 @@ module motion_queue #(
             in_p     <= s_p;
             in_time  <= in_time + {{(TIME_W - TICK_W) {1'b0}}, s_tick};
         end
-        if (in_valid) begin
-            tokens[written[3:0]] <= {in_time, in_event, in_skip, in_x, in_y, in_p};
+        in_valid_2 <= in_valid;
+        in_2       <= {in_time, in_event, in_skip, in_x, in_y, in_p};
+        if (in_valid_2) begin
+            tokens[written[3:0]] <= in_2;
             written              <= written + 5'd1;
         end
         s_ready <= level < 5'd12;
-        if (takes) begin
-            {next_time, next_rest} <= token;
-            next_valid             <= written != read;
-            if (written != read) read <= read + 5'd1;
-        end
         if (gives) begin
-            m_valid <= next_valid;
-            m_time  <= next_time;
-            {m_event, m_skip, m_x, m_y, m_p} <= next_rest;
+            m_valid <= any;
+            {m_time, m_event, m_skip, m_x, m_y, m_p} <= token;
+            m_due   <= !until_step[DUE_W-1];
+            if (any) read <= read + 5'd1;
         end
-        compared <= holds && !again ? m_time : takes ? token[TOKEN_W-1-:TIME_W] : next_time;
-        if (gives || again) m_due <= !until_step[TIME_W-1];
+        if (again) m_due <= !after_step[DUE_W-1];
         if (rst) begin
             in_valid   <= 1'b0;
             in_time    <= {TIME_W{1'b0}};
             written    <= 5'd0;
             read       <= 5'd0;
             s_ready    <= 1'b0;
-            next_valid <= 1'b0;
+            in_valid_2 <= 1'b0;
             m_valid    <= 1'b0;
         end
     end
 
-    wire unused = &{1'b0, until_step};
+    wire unused = &{1'b0, until_step, after_step, next_step};
 
 endmodule
 

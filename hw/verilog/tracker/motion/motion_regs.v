@@ -4,7 +4,7 @@
 //
 // Values outside a register's range are not refused here.
 //
-// Latency:    1 clock from a write to its register.
+// Latency:    2 clocks from a write to its register.
 // Throughput: a write per clock.
 // Stall:      none.
 // Reset:      every register gets its default.
@@ -23,86 +23,98 @@ module motion_regs (
     output reg  [`MOTION_REGS_W-1:0] regs  // where each lies: motion_fields.vh
 );
 
+    // The two halves of the address, decoded, which all registers share.
+    reg  [7:0]  row, column;
+    reg  [23:0] data;
+    wire [63:0] writes;
+
+    genvar i;
+    generate
+        for (i = 0; i < 64; i = i + 1) begin : g_address
+            assign writes[i] = row[i/8] && column[i%8];
+        end
+    endgenerate
+
     always @(posedge clk) begin
-        if (cfg_valid)
-            case (cfg_addr)
-                // 0 to 20: a motion step every 2^step_log2 ticks
-                `EVCOT_MREG_STEP_LOG2: regs[`MOTION_STEP_LOG2] <= cfg_data[4:0];
-                // 1 to 65535: way of a side for an event beyond and one within it, in 2^-12 px
-                `EVCOT_MREG_SIDE_STEP: regs[`MOTION_SIDE_STEP] <= cfg_data[15:0];
-                // 1 to 8: 2^-side_share of a slot's events lie beyond each side
-                `EVCOT_MREG_SIDE_SHARE: regs[`MOTION_SIDE_SHARE] <= cfg_data[3:0];
-                // 0 to 8: a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never
-                `EVCOT_MREG_SIDE_SHRINK: regs[`MOTION_SIDE_SHRINK] <= cfg_data[3:0];
-                // 1 to 4095: longest side, px
-                `EVCOT_MREG_SIDE_MAX: regs[`MOTION_SIDE_MAX] <= cfg_data[11:0];
-                // 1 to 12: gain of a velocity's correction is 2^-gain_log2 in the end
-                `EVCOT_MREG_GAIN_LOG2: regs[`MOTION_GAIN_LOG2] <= cfg_data[3:0];
-                // 0 to 6: 2^gain_slow corrections until a gain is halved
-                `EVCOT_MREG_GAIN_SLOW: regs[`MOTION_GAIN_SLOW] <= cfg_data[2:0];
-                // 0 to 63: corrections during which a velocity follows the slower of two sides
-                `EVCOT_MREG_SETTLE: regs[`MOTION_SETTLE] <= cfg_data[5:0];
-                // 0 to 32767: limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events
-                `EVCOT_MREG_SPEED_MAX: regs[`MOTION_SPEED_MAX] <= cfg_data[14:0];
-                // 0 to 15: a silent slot loses 2^-friction of its velocity a step; 0: nothing
-                `EVCOT_MREG_FRICTION: regs[`MOTION_FRICTION] <= cfg_data[3:0];
-                // 1 to 1023: fewest events of a correction
-                `EVCOT_MREG_NEV_LOW: regs[`MOTION_NEV_LOW] <= cfg_data[9:0];
-                // 1 to 1023: most events of a correction
-                `EVCOT_MREG_NEV_HIGH: regs[`MOTION_NEV_HIGH] <= cfg_data[9:0];
-                // 1 to 255: half the side of a new candidate's box
-                `EVCOT_MREG_SEED_PX: regs[`MOTION_SEED_PX] <= cfg_data[7:0];
-                // 0 to 255: least distance of a window from its box
-                `EVCOT_MREG_RING_PX: regs[`MOTION_RING_PX] <= cfg_data[7:0];
-                // 0 to 255: largest distance of a window from its box
-                `EVCOT_MREG_RING_MAX: regs[`MOTION_RING_MAX] <= cfg_data[7:0];
-                // 0 to 8: distance across the motion is 2^-ring_across of the box's side there
-                `EVCOT_MREG_RING_ACROSS: regs[`MOTION_RING_ACROSS] <= cfg_data[3:0];
-                // 0 to 8: distance along the motion is 2^-ring_along of the side across it
-                `EVCOT_MREG_RING_ALONG: regs[`MOTION_RING_ALONG] <= cfg_data[3:0];
-                // 0 to 8: distance, where there is no one direction, is 2^-ring_any of the side
-                `EVCOT_MREG_RING_ANY: regs[`MOTION_RING_ANY] <= cfg_data[3:0];
-                // 1 to 15: a box this many times as long as it is wide reaches along its motion as across it
-                `EVCOT_MREG_ELONGATION: regs[`MOTION_ELONGATION] <= cfg_data[3:0];
-                // 1 to 16777215: ticks within which a candidate must have its first correction
-                `EVCOT_MREG_DETECT_TICKS: regs[`MOTION_DETECT_TICKS] <= cfg_data[23:0];
-                // 0 to 8: a life ends after 2^life_log2 times the usual time between corrections without one
-                `EVCOT_MREG_LIFE_LOG2: regs[`MOTION_LIFE_LOG2] <= cfg_data[3:0];
-                // 1 to 16777215: but not before this time
-                `EVCOT_MREG_LIFE_TICKS: regs[`MOTION_LIFE_TICKS] <= cfg_data[23:0];
-                // 1 to 16777215: nor after this time
-                `EVCOT_MREG_COAST_TICKS: regs[`MOTION_COAST_TICKS] <= cfg_data[23:0];
-                // 1 to 65535: events that a candidate needs to become visible
-                `EVCOT_MREG_BIRTH_SUPPORT: regs[`MOTION_BIRTH_SUPPORT] <= cfg_data[15:0];
-                // 0 to 255: sides that it needs
-                `EVCOT_MREG_BIRTH_PX: regs[`MOTION_BIRTH_PX] <= cfg_data[7:0];
-                // 0 to 16777215: time that it needs
-                `EVCOT_MREG_BIRTH_TICKS: regs[`MOTION_BIRTH_TICKS] <= cfg_data[23:0];
-                // 0 to 8: since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side
-                `EVCOT_MREG_BIRTH_TRAVEL: regs[`MOTION_BIRTH_TRAVEL] <= cfg_data[3:0];
-                // 0 to 255: corrections after which a box is looked through for a gap; 0: never
-                `EVCOT_MREG_GAP_CORRECTIONS: regs[`MOTION_GAP_CORRECTIONS] <= cfg_data[7:0];
-                // 1 to 15: a bin with at most 2^-gap_share of the events is empty
-                `EVCOT_MREG_GAP_SHARE: regs[`MOTION_GAP_SHARE] <= cfg_data[3:0];
-                // 1 to 255: narrowest gap
-                `EVCOT_MREG_GAP_PX: regs[`MOTION_GAP_PX] <= cfg_data[7:0];
-                // 1 to 1023: steps for which two slots must move together before they merge
-                `EVCOT_MREG_JOIN_STEPS: regs[`MOTION_JOIN_STEPS] <= cfg_data[9:0];
-                // 0 to 15: and 2^-join_life of the younger's life
-                `EVCOT_MREG_JOIN_LIFE: regs[`MOTION_JOIN_LIFE] <= cfg_data[3:0];
-                // 0 to 8: together: velocities differ by at most 2^-join_speed of the larger
-                `EVCOT_MREG_JOIN_SPEED: regs[`MOTION_JOIN_SPEED] <= cfg_data[3:0];
-                // 0 to 8: one object: a gap along the motion of at most 2^-join_reach of the width
-                `EVCOT_MREG_JOIN_REACH: regs[`MOTION_JOIN_REACH] <= cfg_data[3:0];
-                // 0 to 255: one object: a gap of so many px otherwise
-                `EVCOT_MREG_JOIN_PX: regs[`MOTION_JOIN_PX] <= cfg_data[7:0];
-                // 0 to 1: of two that merge stays 0: the one with more support; 1: the one that was seeded first
-                `EVCOT_MREG_KEEP_OLDER: regs[`MOTION_KEEP_OLDER] <= cfg_data[0:0];
-                // 1 to 1023: steps after which a slot without a correction is reported
-                `EVCOT_MREG_REPORT_STEPS: regs[`MOTION_REPORT_STEPS] <= cfg_data[9:0];
-                default: ;
-            endcase
+        row    <= cfg_valid ? 8'd1 << cfg_addr[5:3] : 8'd0;
+        column <= 8'd1 << cfg_addr[2:0];
+        data   <= cfg_data[23:0];
+        // 0 to 20: a motion step every 2^step_log2 ticks
+        if (writes[`EVCOT_MREG_STEP_LOG2]) regs[`MOTION_STEP_LOG2] <= data[4:0];
+        // 1 to 65535: way of a side for an event beyond and one within it, in 2^-12 px
+        if (writes[`EVCOT_MREG_SIDE_STEP]) regs[`MOTION_SIDE_STEP] <= data[15:0];
+        // 1 to 8: 2^-side_share of a slot's events lie beyond each side
+        if (writes[`EVCOT_MREG_SIDE_SHARE]) regs[`MOTION_SIDE_SHARE] <= data[3:0];
+        // 0 to 8: a side without an event beyond it moves inwards by 2^-side_shrink of the box; 0: never
+        if (writes[`EVCOT_MREG_SIDE_SHRINK]) regs[`MOTION_SIDE_SHRINK] <= data[3:0];
+        // 1 to 4095: longest side, px
+        if (writes[`EVCOT_MREG_SIDE_MAX]) regs[`MOTION_SIDE_MAX] <= data[11:0];
+        // 1 to 12: gain of a velocity's correction is 2^-gain_log2 in the end
+        if (writes[`EVCOT_MREG_GAIN_LOG2]) regs[`MOTION_GAIN_LOG2] <= data[3:0];
+        // 0 to 6: 2^gain_slow corrections until a gain is halved
+        if (writes[`EVCOT_MREG_GAIN_SLOW]) regs[`MOTION_GAIN_SLOW] <= data[2:0];
+        // 0 to 63: corrections during which a velocity follows the slower of two sides
+        if (writes[`EVCOT_MREG_SETTLE]) regs[`MOTION_SETTLE] <= data[5:0];
+        // 0 to 32767: limit of a velocity on each axis, in 2^-12 px per step; 0: nothing moves between events
+        if (writes[`EVCOT_MREG_SPEED_MAX]) regs[`MOTION_SPEED_MAX] <= data[14:0];
+        // 0 to 15: a silent slot loses 2^-friction of its velocity a step; 0: nothing
+        if (writes[`EVCOT_MREG_FRICTION]) regs[`MOTION_FRICTION] <= data[3:0];
+        // 1 to 1023: fewest events of a correction
+        if (writes[`EVCOT_MREG_NEV_LOW]) regs[`MOTION_NEV_LOW] <= data[9:0];
+        // 1 to 1023: most events of a correction
+        if (writes[`EVCOT_MREG_NEV_HIGH]) regs[`MOTION_NEV_HIGH] <= data[9:0];
+        // 1 to 255: half the side of a new candidate's box
+        if (writes[`EVCOT_MREG_SEED_PX]) regs[`MOTION_SEED_PX] <= data[7:0];
+        // 0 to 255: least distance of a window from its box
+        if (writes[`EVCOT_MREG_RING_PX]) regs[`MOTION_RING_PX] <= data[7:0];
+        // 0 to 255: largest distance of a window from its box
+        if (writes[`EVCOT_MREG_RING_MAX]) regs[`MOTION_RING_MAX] <= data[7:0];
+        // 0 to 8: distance across the motion is 2^-ring_across of the box's side there
+        if (writes[`EVCOT_MREG_RING_ACROSS]) regs[`MOTION_RING_ACROSS] <= data[3:0];
+        // 0 to 8: distance along the motion is 2^-ring_along of the side across it
+        if (writes[`EVCOT_MREG_RING_ALONG]) regs[`MOTION_RING_ALONG] <= data[3:0];
+        // 0 to 8: distance, where there is no one direction, is 2^-ring_any of the side
+        if (writes[`EVCOT_MREG_RING_ANY]) regs[`MOTION_RING_ANY] <= data[3:0];
+        // 1 to 15: a box this many times as long as it is wide reaches along its motion as across it
+        if (writes[`EVCOT_MREG_ELONGATION]) regs[`MOTION_ELONGATION] <= data[3:0];
+        // 1 to 16777215: ticks within which a candidate must have its first correction
+        if (writes[`EVCOT_MREG_DETECT_TICKS]) regs[`MOTION_DETECT_TICKS] <= data[23:0];
+        // 0 to 8: a life ends after 2^life_log2 times the usual time between corrections without one
+        if (writes[`EVCOT_MREG_LIFE_LOG2]) regs[`MOTION_LIFE_LOG2] <= data[3:0];
+        // 1 to 16777215: but not before this time
+        if (writes[`EVCOT_MREG_LIFE_TICKS]) regs[`MOTION_LIFE_TICKS] <= data[23:0];
+        // 1 to 16777215: nor after this time
+        if (writes[`EVCOT_MREG_COAST_TICKS]) regs[`MOTION_COAST_TICKS] <= data[23:0];
+        // 1 to 65535: events that a candidate needs to become visible
+        if (writes[`EVCOT_MREG_BIRTH_SUPPORT]) regs[`MOTION_BIRTH_SUPPORT] <= data[15:0];
+        // 0 to 255: sides that it needs
+        if (writes[`EVCOT_MREG_BIRTH_PX]) regs[`MOTION_BIRTH_PX] <= data[7:0];
+        // 0 to 16777215: time that it needs
+        if (writes[`EVCOT_MREG_BIRTH_TICKS]) regs[`MOTION_BIRTH_TICKS] <= data[23:0];
+        // 0 to 8: since the 4th correction its middle has moved 1 px and 2^-birth_travel of a half side
+        if (writes[`EVCOT_MREG_BIRTH_TRAVEL]) regs[`MOTION_BIRTH_TRAVEL] <= data[3:0];
+        // 0 to 255: corrections after which a box is looked through for a gap; 0: never
+        if (writes[`EVCOT_MREG_GAP_CORRECTIONS]) regs[`MOTION_GAP_CORRECTIONS] <= data[7:0];
+        // 1 to 15: a bin with at most 2^-gap_share of the events is empty
+        if (writes[`EVCOT_MREG_GAP_SHARE]) regs[`MOTION_GAP_SHARE] <= data[3:0];
+        // 1 to 255: narrowest gap
+        if (writes[`EVCOT_MREG_GAP_PX]) regs[`MOTION_GAP_PX] <= data[7:0];
+        // 1 to 1023: steps for which two slots must move together before they merge
+        if (writes[`EVCOT_MREG_JOIN_STEPS]) regs[`MOTION_JOIN_STEPS] <= data[9:0];
+        // 0 to 15: and 2^-join_life of the younger's life
+        if (writes[`EVCOT_MREG_JOIN_LIFE]) regs[`MOTION_JOIN_LIFE] <= data[3:0];
+        // 0 to 8: together: velocities differ by at most 2^-join_speed of the larger
+        if (writes[`EVCOT_MREG_JOIN_SPEED]) regs[`MOTION_JOIN_SPEED] <= data[3:0];
+        // 0 to 8: one object: a gap along the motion of at most 2^-join_reach of the width
+        if (writes[`EVCOT_MREG_JOIN_REACH]) regs[`MOTION_JOIN_REACH] <= data[3:0];
+        // 0 to 255: one object: a gap of so many px otherwise
+        if (writes[`EVCOT_MREG_JOIN_PX]) regs[`MOTION_JOIN_PX] <= data[7:0];
+        // 0 to 1: of two that merge stays 0: the one with more support; 1: the one that was seeded first
+        if (writes[`EVCOT_MREG_KEEP_OLDER]) regs[`MOTION_KEEP_OLDER] <= data[0:0];
+        // 1 to 1023: steps after which a slot without a correction is reported
+        if (writes[`EVCOT_MREG_REPORT_STEPS]) regs[`MOTION_REPORT_STEPS] <= data[9:0];
         if (rst) begin
+            row <= 8'd0;
             regs[`MOTION_STEP_LOG2] <= 5'd10;
             regs[`MOTION_SIDE_STEP] <= 16'd1024;
             regs[`MOTION_SIDE_SHARE] <= 4'd4;
@@ -143,7 +155,7 @@ module motion_regs (
         end
     end
 
-    wire unused = &{1'b0, cfg_data[31:24]};
+    wire unused = &{1'b0, cfg_data[31:24], writes};
 
 endmodule
 

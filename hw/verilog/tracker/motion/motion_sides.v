@@ -67,6 +67,8 @@ module motion_sides #(
     output reg  [4*SIDE_W-1:0] o_sides,
     output reg  [4*SIDE_W-1:0] o_refs,
     output reg  [31:0]         o_v,
+    output reg  [14:0]         speed_x,   // without sign
+    output reg  [14:0]         speed_y,
     output reg  [SIDE_W-1:0]   side_x,    // hi - lo, at least 0
     output reg  [SIDE_W-1:0]   side_y,
     output reg  [SIDE_W:0]     sum_x,
@@ -78,7 +80,7 @@ module motion_sides #(
     // ---- commands, as the axis behind, then that in front has them -------------------------------------------------------
 
     reg  seeded, shrinks, cuts_high, cuts_low, orders, unites, moves, shortens, turns, rubs;  // x had it, now y does
-    reg  reflects, settles, settle_a, change_a;  // in front: the offset or the place is taken, or either
+    reg  reflects, settles, change_a;  // change_a: the axis in front takes the offset, or the place, for which ref is 0 there
     wire is_y     = !lane;  // of the axis behind
     wire seed_b   = seed || seeded;
     wire shrink_b = shrink || shrinks;
@@ -95,7 +97,6 @@ module motion_sides #(
         {seeded, shrinks, cuts_high, cuts_low, orders} <= {seed, shrink, cut_high, cut_low, order};
         {unites, moves, shortens, turns, rubs} <= {unite, move, shorten, turn, rub};
         {reflects, settles} <= {reflect, settle};
-        settle_a <= settle || settles;
         change_a <= settle || settles || reflect || reflects;
     end
 
@@ -111,8 +112,8 @@ module motion_sides #(
     reg                     less_lo, less_hi;
     reg                     from_place, from_middle, hi_from_lo, checks, do_lo, do_hi, checks_b, take_lo, take_hi;
 
-    wire [SIDE_W-1:0] seed_way = {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0};
-    wire [SIDE_W-1:0] half     = {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0};
+    wire              square_b = seed_b || long_b;  // both sides are as far from one place
+    wire [SIDE_W-1:0] half     = seed_b ? {{(SIDE_W - 20) {1'b0}}, seed_px, 12'd0} : {{(SIDE_W - 23) {1'b0}}, side_max, 11'd0};
     wire [SIDE_W-1:0] way      = {{(SIDE_W - 16) {v[15]}}, v};
     wire [SIDE_W-1:0] at_x     = {{(SIDE_W - 12 - X_W) {1'b0}}, x, 12'd0};
     wire [SIDE_W-1:0] at_y     = {{(SIDE_W - 12 - Y_W) {1'b0}}, y, 12'd0};
@@ -136,14 +137,14 @@ module motion_sides #(
         from_middle <= long_b;
         hi_from_lo  <= high_b || order_b;
         checks      <= move_b;
-        do_lo       <= seed_b || shrink_b || low_b || unite_b || move_b || long_b;
-        do_hi       <= seed_b || shrink_b || high_b || unite_b || move_b || long_b || (order_b && inverted);
+        do_lo       <= seed_b || (shrink_b && !mark[0]) || low_b || (unite_b && !ref_lo[SIDE_W]) || move_b || long_b;
+        do_hi       <= seed_b || (shrink_b && !mark[1]) || high_b || (unite_b && ref_hi[SIDE_W]) || move_b || long_b
+                    || (order_b && inverted);
         less_lo     <= seed_b || long_b || unite_b;
         less_hi     <= shrink_b || unite_b;
-        add_lo      <= seed_b ? ~seed_way : long_b ? ~half : move_b ? way : low_b ? {cut_px, 12'd0}
-                     : unite_b ? (ref_lo[SIDE_W] ? {SIDE_W{1'b1}} : ~ref_lo[SIDE_W-1:0]) : mark[0] ? {SIDE_W{1'b0}} : part;
-        add_hi      <= seed_b ? seed_way : long_b ? half : move_b ? way : high_b ? {cut_px, 12'd0} : order_b ? {SIDE_W{1'b0}}
-                     : unite_b ? (ref_hi[SIDE_W] ? ~ref_hi[SIDE_W-1:0] : {SIDE_W{1'b1}}) : mark[1] ? {SIDE_W{1'b1}} : ~part;
+        add_lo      <= square_b ? ~half : move_b ? way : low_b ? {cut_px, 12'd0} : unite_b ? ~ref_lo[SIDE_W-1:0] : part;
+        add_hi      <= square_b ? half : move_b ? way : high_b ? {cut_px, 12'd0} : order_b ? {SIDE_W{1'b0}}
+                     : unite_b ? ~ref_hi[SIDE_W-1:0] : ~part;
 
         // in front
         {lo_b, hi_b} <= {lo_a, hi_a};
@@ -159,9 +160,9 @@ module motion_sides #(
 
         // in front, and behind
         if (!load || lane) begin
-            ref_lo <= change_a ? {lo_a[SIDE_W-1], lo_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_lo_a) : ref_lo_a;
-            ref_hi <= change_a ? {hi_a[SIDE_W-1], hi_a} - (settle_a ? {(SIDE_W + 1) {1'b0}} : ref_hi_a) : ref_hi_a;
-            {ref_lo_a, ref_hi_a} <= {ref_lo, ref_hi};
+            ref_lo <= change_a ? {lo_a[SIDE_W-1], lo_a} - ref_lo_a : ref_lo_a;
+            ref_hi <= change_a ? {hi_a[SIDE_W-1], hi_a} - ref_hi_a : ref_hi_a;
+            {ref_lo_a, ref_hi_a} <= settle || settles ? {(2 * SIDE_W + 2) {1'b0}} : {ref_lo, ref_hi};
         end
         v      <= v_a;
         v_part <= v_a >>> friction;
@@ -182,6 +183,8 @@ module motion_sides #(
         if (rst) lane <= 1'b0;
     end
 
+    wire [14:0] speed = v_a[15] ? -v_a[14:0] : v_a[14:0];
+
     // ---- what follows from them ------------------------------------------------------------------------------------------
 
     always @(posedge clk) begin
@@ -194,11 +197,13 @@ module motion_sides #(
             o_sides[2*SIDE_W-1:0] <= {lo_a, hi_a};
             o_refs[2*SIDE_W-1:0]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
             o_v[31:16]            <= v_a;
+            speed_y               <= speed;
             {side_y, sum_y, crossed_y} <= {side, sum, apart[SIDE_W]};
         end else begin
             o_sides[4*SIDE_W-1:2*SIDE_W] <= {lo_a, hi_a};
             o_refs[4*SIDE_W-1:2*SIDE_W]  <= {ref_lo_a[SIDE_W-1:0], ref_hi_a[SIDE_W-1:0]};
             o_v[15:0]                    <= v_a;
+            speed_x                      <= speed;
             {side_x, sum_x, crossed_x}   <= {side, sum, apart[SIDE_W]};
         end
     end

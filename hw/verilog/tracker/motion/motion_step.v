@@ -4,7 +4,7 @@
 //
 // Commands to motion_sides.v are given while its `lane` is high: an even number of clocks after the slot was read.
 //
-// Latency:    2 clocks and one for each free slot; for each one that lives 65 and one for each slot, and 17 for each other one with four
+// Latency:    2 clocks and one for each free slot; for each one that lives 68 and one for each slot, and 29 for each other one with four
 //             corrections.
 // Throughput: one at a time.
 // Stall:      waits for its operations, and for its records to be accepted.
@@ -136,6 +136,7 @@ module motion_step #(
     reg              over, again;    // its time is over; its box has grown since it was first compared
     reg              touching;       // a candidate was united with another one, not with its partner
     reg              stored, shortened, other_older;
+    reg [2:0]        places;         // box and window are asked for, when what follows from the lengths is there
     reg              reads;          // the slot whose step it is, is being read
     wire [N-1:0]     lives      = visible | candidate;
     reg  [N-1:0]     others;         // that it may be compared with
@@ -147,7 +148,8 @@ module motion_step #(
     assign load      = reads;
 
     always @(posedge clk) begin
-        {c_reflect, c_move, c_rub, c_shorten, c_window, c_compare, c_pair, c_part, c_take, c_divide} <= 10'd0;
+        {c_reflect, c_move, c_rub, c_shorten, c_compare, c_pair, c_part, c_take, c_divide} <= 9'd0;
+        {c_window, places} <= {places, 1'b0};
         {c_ask, c_meet, merge, appear, lapse, say, keep, keep_now, keep_window} <= 9'd0;
         if (op_ready) op_valid <= 1'b0;
         if (store_done) stored <= 1'b1;
@@ -224,8 +226,8 @@ module motion_step #(
                 state     <= PLACE;
             end
             PLACE: begin
-                c_window <= 1'b1;
-                state    <= WINDOW;
+                places[0] <= 1'b1;
+                state     <= WINDOW;
             end
             WINDOW:
             if (window_done) begin
@@ -390,6 +392,7 @@ module motion_step #(
             pause    <= 3'd0;
             op_valid <= 1'b0;
             reads    <= 1'b0;
+            places   <= 3'd0;
         end
     end
 

@@ -4,7 +4,7 @@
 //
 // Slots are worked on, and put in force, in the order in which they came: two places in one ring.
 //
-// Latency:    1 clock from s_valid to job_valid, 3 to reached; 2 clocks from put_done to the next one's put_slot, and not reached until then.
+// Latency:    1 clock from s_valid to job_valid, 2 more to what is in block RAM, also after job_done; 3 to reached; 2 clocks from put_done to the next one's put_slot, and not reached until then.
 // Throughput: a slot per clock.
 // Stall:      none: there is an entry for each slot, and a slot does not come again before it is in force.
 // Reset:      becomes empty.
@@ -37,7 +37,7 @@ module motion_waiting #(
     input  wire              job_done,
     output wire              job_seed,
     output wire [SLOT_W-1:0] job_slot,
-    output wire [X_W-1:0]    job_x,
+    output wire [X_W-1:0]    job_x,       // from here on, of a memory: two clocks later
     output wire [Y_W-1:0]    job_y,
     output wire [SUP_W-1:0]  job_support,
     output wire [TIME_W-1:0] job_time,
@@ -57,8 +57,8 @@ module motion_waiting #(
 
     localparam JOB_W = X_W + Y_W + SUP_W + TIME_W + SEQ_W;
     localparam [7:0] LATER = AFTER;
+    localparam ADDR_W = SLOT_W > 7 ? SLOT_W : 7;  // more than 64 words, for block RAM on every device
 
-    reg [JOB_W-1:0]    jobs [0:(1<<SLOT_W)-1];
     reg [SLOT_W:0]     slots[0:(1<<SLOT_W)-1];  // and whether a candidate begins
     reg [SLOT_W+8:0]   puts [0:(1<<SLOT_W)-1];
     reg [SLOT_W:0]     tail, job, head;         // modulo twice the depth
@@ -71,12 +71,24 @@ module motion_waiting #(
     assign empty     = head == tail;
     assign job_valid = job != tail;
     assign put_valid = head != job;
-    assign {job_x, job_y, job_support, job_time, job_seq} = jobs[job[SLOT_W-1:0]];
     assign {job_seed, job_slot} = slots[job[SLOT_W-1:0]];
+
+    block_memory #(
+        .W    (JOB_W),
+        .DEPTH(1 << ADDR_W)
+    ) u_jobs (
+        .clk          (clk),
+        .write        (s_valid),
+        .write_address({{(ADDR_W - SLOT_W) {1'b0}}, tail[SLOT_W-1:0]}),
+        .write_data   ({s_x, s_y, s_support, s_time, s_seq}),
+        .read_enable  (1'b1),
+        .read_address ({{(ADDR_W - SLOT_W) {1'b0}}, job[SLOT_W-1:0]}),
+        .out_enable   (1'b1),
+        .read_data    ({job_x, job_y, job_support, job_time, job_seq})
+    );
 
     always @(posedge clk) begin
         if (s_valid) begin
-            jobs[tail[SLOT_W-1:0]]  <= {s_x, s_y, s_support, s_time, s_seq};
             slots[tail[SLOT_W-1:0]] <= {s_seed, s_slot};
             puts[tail[SLOT_W-1:0]]  <= {s_seed, s_slot, s_seq[7:0] + LATER};
             tail                    <= tail + {{SLOT_W{1'b0}}, 1'b1};

@@ -34,7 +34,7 @@ module motion_work #(
     output wire                job_done,
     input  wire                job_seed,
     input  wire [SLOT_W-1:0]   job_slot,
-    input  wire [X_W-1:0]      job_x,
+    input  wire [X_W-1:0]      job_x,         // from here on, of a job: two clocks behind it, see motion_waiting.v
     input  wire [Y_W-1:0]      job_y,
     input  wire [SUP_W-1:0]    job_support,
     input  wire [TIME_W-1:0]   job_time,
@@ -119,20 +119,23 @@ module motion_work #(
     wire              pair_done, alike, weaker, meet_done, held, touches, appears, meets;
     wire [5:0]        corrections;
     wire [SLOT_W-1:0] touched, this_slot;
-    reg  [14:0]       speed_x, speed_y;
+    wire [14:0]       speed_x, speed_y;
     wire [1:0]        since;
     wire              c_load, c_load_support, c_unite, c_seed, c_shrink, c_cut_high, c_cut_low, c_order, c_offset;
     wire              c_reflect, c_settle, c_cover_both, c_move, c_rub, c_shorten, c_invert, c_speed, c_correct, c_count;
     wire              c_begin_bins, c_place, c_note, c_compare, c_pair, c_part, c_ask, c_touch, c_meet, c_take, c_hold;
     wire              c_divide, c_by_life, c_keep, c_keep_window, c_keep_now, c_keep_until, c_keep_id, c_keep_start;
 
+    reg begun_1, begun_2;  // what comes with the job is there
+
     assign op_slot = at;
 
     always @(posedge clk) begin
+        {begun_2, begun_1} <= rst ? 2'b00 : {begun_1, begun};
         if (do_step || do_end) begin
             op_time <= now;
             op_seq  <= seq;
-        end else if (begun) begin
+        end else if (begun_2) begin
             op_time <= job_time;
             op_seq  <= job_seq;
         end
@@ -262,8 +265,6 @@ module motion_work #(
         read_sides   <= r_sides;
         read_marks   <= r_marks;
         read_support <= r_support;
-        speed_x      <= v_x[15] ? -v_x[14:0] : v_x[14:0];
-        speed_y      <= v_y[15] ? -v_y[14:0] : v_y[14:0];
         if (was_read) other_support <= read_support;
         if (rst) was_read <= 1'b0;
     end
@@ -280,7 +281,7 @@ module motion_work #(
     wire                meets_now;
     wire [4*PX_W-1:0]   box, window;
     wire [PX_W-1:0]     cut_px;
-    wire [PX_W+3:0]     long_x, long_y;
+    wire                is_long_x, is_long_y;
     wire [PX_W-1:0]     length_x = side_x[SIDE_W-1:12];
     wire [PX_W-1:0]     length_y = side_y[SIDE_W-1:12];
 
@@ -329,6 +330,8 @@ module motion_work #(
         .o_sides    (o_sides),
         .o_refs     (refs),
         .o_v        (v),
+        .speed_x    (speed_x),
+        .speed_y    (speed_y),
         .side_x     (side_x),
         .side_y     (side_y),
         .sum_x      (sum_x),
@@ -349,7 +352,7 @@ module motion_work #(
         .at             (at),
         .puts           (puts),
         .put_slot       (put_slot),
-        .take           (begun),
+        .take           (begun_2),
         .load           (c_load || c_unite),
         .load_support   (c_load_support),
         .unite          (c_unite),
@@ -452,9 +455,9 @@ module motion_work #(
         .clk       (clk),
         .note      (c_note),
         .length_x  (length_x),
-        .long_x    (long_x),
-        .long_y    (long_y),
         .length_y  (length_y),
+        .is_long_x (is_long_x),
+        .is_long_y (is_long_y),
         .speed_x   (speed_x),
         .speed_y   (speed_y),
         .on_y      (look_y),
@@ -519,8 +522,8 @@ module motion_work #(
         .ring_px    (regs[`MOTION_RING_PX]),
         .ring_max   (regs[`MOTION_RING_MAX]),
         .done       (window_done),
-        .long_x     (long_x),
-        .long_y     (long_y),
+        .is_long_x  (is_long_x),
+        .is_long_y  (is_long_y),
         .box        (box),
         .window     (window)
     );

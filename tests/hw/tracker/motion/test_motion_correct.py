@@ -120,7 +120,7 @@ def test_random_jobs(stalls: bool) -> None:
             io.q_meets = int(job.meets) if control.steady(3) and control.at[0] == job.slot else any_[0]
             io.corrections = corrections if was_loaded else int(rng.integers(64))
             io.look_due = int(job.look_due) if was_loaded else any_[1]
-            looks = job.looks[on_y[0]] if len(set(on_y[:2])) == 1 and control.clocks >= noted + 2 else bool(any_[2])
+            looks = job.looks[on_y[0]] if len(set(on_y[:2])) == 1 and control.clocks >= noted + 3 else bool(any_[2])
             io.looks = int(looks)
             io.inverse_busy = int(busy > 0)
             io.look_done = int(look_in == 1)
@@ -159,7 +159,7 @@ def test_random_jobs(stalls: bool) -> None:
         clocks.setdefault(kind, set()).add(took)
         kinds.add((kind, job.visible))
     assert len(kinds) == 6
-    for kind, (least, most) in {"correction": (28, 49), "look": (56, 223), "seed": (34, 35)}.items():
+    for kind, (least, most) in {"correction": (28, 49), "look": (56, 223), "seed": (35, 36)}.items():
         assert stalls or (least <= min(clocks[kind]) and max(clocks[kind]) <= most)
     said = {word for job in done for word in work_of(job)}
     assert {f"{name} {on_y}" for name in ("look", "c_cut_high", "c_cut_low", "c_order") for on_y in (0, 1)} < said

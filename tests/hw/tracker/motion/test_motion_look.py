@@ -19,7 +19,7 @@ def test_random_boxes() -> None:
 
     def show(lengths: list[int]) -> None:
         io.length_x, io.length_y = lengths
-        io.long_x, io.long_y = (elongation * length for length in lengths)
+        io.is_long_x, io.is_long_y = (int(lengths[i] >= elongation * lengths[1 - i]) for i in (0, 1))
 
     for _ in range(2_000):
         elongation, gap_px = int(rng.integers(1, 16)), int(rng.integers(256)) >> int(rng.integers(8))
@@ -42,6 +42,8 @@ def test_random_boxes() -> None:
         io.note = 1
         sim.clock.tick()
         io.note = 0
+        io.length_x, io.length_y = (int(length) for length in rng.integers(1 << PX_W, size=2))
+        sim.clock.tick()
         show([int(length) for length in rng.integers(1 << PX_W, size=2)])
         sim.clock.tick()
         for on_y in (0, 1) if int(io.on_y) == 0 else (1, 0):

@@ -84,7 +84,7 @@ def test_a_token_a_clock_and_what_is_held() -> None:
     sim = model()
     io = sim.io
     sim.clock.tick()
-    io.next_step, io.s_valid, io.m_ready = 1 << TIME_W - 2, 1, 1
+    io.next_step, io.s_valid, io.m_ready = 1 << 20, 1, 1
     valid = []
     for x in range(40):
         io.s_x = x % (1 << X_W)

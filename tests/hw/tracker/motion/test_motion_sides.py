@@ -135,6 +135,7 @@ def test_random_commands() -> None:
             assert int(io.o_v) == packed([axis.v for axis in reversed(axes)], 16), name
             for axis, (suffix, _, _) in zip(axes, AXES, strict=True):
                 assert int(getattr(io, f"side_{suffix}")) == axis.side
+                assert int(getattr(io, f"speed_{suffix}")) == abs(axis.v)
                 assert signed(int(getattr(io, f"sum_{suffix}")), SIDE_W + 1) == axis.lo + axis.hi
                 assert int(getattr(io, f"crossed_{suffix}")) == (axis.hi < axis.lo)
     assert min(seen.values()) > 20

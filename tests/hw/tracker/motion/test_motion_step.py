@@ -20,7 +20,7 @@ COMMANDS = (
     "keep_now", "keep",
 )  # fmt: skip
 TAKE = (  # clocks of motion_pair.v, motion_meeting.v and motion_times.v, more or less; motion_merge.v takes longer
-    ("c_compare", "pair", 9, 18), ("c_ask", "meet", 11, 12), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
+    ("c_compare", "pair", 21, 22), ("c_ask", "meet", 11, 12), ("merge", "merge", 2, 20), ("c_divide", "divide", 1, 20),
 )  # fmt: skip
 Pairs = dict[tuple[int, int], bool]
 

@@ -53,7 +53,7 @@ def test_random_boxes() -> None:
             setattr(io, f"length_{suffix}", axis.px)
             setattr(io, f"speed_{suffix}", abs(axis.v))
         io.known = int(slot.visible or slot.corrections >= 4)
-        for _clock in range(2):
+        for _clock in range(4):
             sim.clock.tick()
         io.start = 1
         for _clock in range(6):

@@ -124,7 +124,7 @@ class Work:
         self.merges = int(io.kind) == Kind.MERGED
         if int(io.op_valid) and ready:
             slot = int(io.at)
-            for what, after in (("read", 6), ("store", 6), ("full", 6), ("put", 1)):
+            for what, after in (("read", 6), ("store", 6), ("full", 6), ("put", 2)):
                 if int(io[f"op_{what}"]):
                     self.under_way.append((self.clocks + after, what, slot))
         self.was_under_way = self.under_way
@@ -269,7 +269,7 @@ def test_random_work(name: str) -> None:
     registers = replace(QUICK, **{**BUSY, **CASES[name]})
     work = Work(registers, 10, stalls=name != "support")
     rng, now = work.rng, 0
-    for _ in range(90):
+    for _ in range(180):
         now += int(rng.integers(1, 20))
         while work.slow.next_step <= now:
             work.disturb()
@@ -284,7 +284,7 @@ def test_random_work(name: str) -> None:
             slot = Slot(free[0], registers, *place, now)
             work.slow.slots[free[0]] = slot
             work.job(slot, now, place, seeds=True)
-        elif rng.random() < 0.02:
+        elif rng.random() < 0.04:
             work.end(living[int(rng.integers(len(living)))], now)
         else:
             youngest = min(living, key=lambda slot: slot.corrections)
