@@ -38,6 +38,7 @@ __all__ = ["write_long_run"]
 
 _LISTED = 1_000  # pairs of tracks, and others
 _WAVES_EVENTS = 400  # around the first birth
+_RECORDS_BESIDE = 1 << 22  # longer logs are written before the pages, not beside them: Arrow needs memory, too
 
 
 def write_long_run(
@@ -72,6 +73,9 @@ def write_long_run(
         ThreadPoolExecutor(1) as second,
     ):
         logs = second.submit(copy_context().run, _save_logs, run, aside)
+        if len(run.hardware.records) > _RECORDS_BESIDE:
+            logs.result()
+            give_back()
         sides = {
             name: LongLog(log.engine, runs_of(log)) for name, log in (("hardware", run.hardware), ("software", run.software))
         }
