@@ -8,7 +8,7 @@ The events are read a second time, in parts, beside the logs, while another thre
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import closing
 from contextvars import copy_context
 from pathlib import Path
@@ -65,20 +65,20 @@ def write_long_run(
         RecordingError: the recording cannot be read a second time.
     """
     give_back()
+    before = len(run.hardware.records) > _RECORDS_BESIDE
     with (
         closing(
             Comparison(run.begin_us, run.end_us, radius_px=near_px(run.config), folder=scratch, most=_LISTED)
         ) as comparison,
         folder_written_aside(folder) as aside,
-        ThreadPoolExecutor(1) as second,
+        ThreadPoolExecutor(2 if before else 1) as others,
     ):
-        logs = second.submit(copy_context().run, _save_logs, run, aside)
-        if len(run.hardware.records) > _RECORDS_BESIDE:
-            logs.result()
+        both = {"hardware": run.hardware, "software": run.software}
+        logs = [others.submit(copy_context().run, save_log, log, aside / f"{name}{_suffix()}") for name, log in both.items()]
+        if before:
+            wait(logs)
             give_back()
-        sides = {
-            name: LongLog(log.engine, runs_of(log)) for name, log in (("hardware", run.hardware), ("software", run.software))
-        }
+        sides = {name: LongLog(log.engine, runs_of(log)) for name, log in both.items()}
         about = {"config": run.config.to_dict()}
         with source.opened() as file:
             recording = LongRecording(run.name, run.sensor, source.blocks(file), run.events, run.begin_us, run.end_us)
@@ -87,16 +87,12 @@ def write_long_run(
         summary["parts"] = paged.parts
         if waves:
             _write_waves(run, aside, head)
-        logs.result()
+        for log in logs:
+            log.result()
         write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / SUMMARY)
         write_overview(summary, aside / REPORT)
     return summary
-
-
-def _save_logs(run: LongRun, folder: Path) -> None:
-    for name, log in (("hardware", run.hardware), ("software", run.software)):
-        save_log(log, folder / f"{name}{_suffix()}")
 
 
 def _suffix() -> str:
