@@ -40,7 +40,7 @@ _REPEATED = ["kind", "track_id", "slot", "radius", "other_id", f"{_OWNERS}.list.
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
 _GROUP_OWNERS = 1 << 19  # of a row group, at most, and a row's more
-_FILE_GROUPS = 1 << 10  # row groups of a file, at most
+_FILE_GROUPS = 1 << 9  # row groups of a file, at most
 _NEEDED = "pyarrow is not installed: must be, for Parquet: pip install 'evcot[sweep]'"
 
 
