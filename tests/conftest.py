@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How many processes run the tests, and what they do on signals: interrupts reach them and a broken pipe is an error."""
+"""How many processes run the tests; what they do on signals: interrupts reach them, a broken pipe is an error; garbage."""
 
 from __future__ import annotations
 

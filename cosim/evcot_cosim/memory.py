@@ -16,7 +16,7 @@ _MMAP_THRESHOLD, _ARENA_MAX = -3, -8  # of malloc.h
 
 
 def keep_little(large_bytes: int = 1 << 20) -> None:
-    """Return blocks of so many bytes to the system as soon as they are freed, from now on: arrays of a long run leave no holes.
+    """Return blocks of at least so many bytes to the system as soon as they are freed, from now on: arrays leave no holes.
 
     All threads share one heap: with one each, `evcot cosim` over 4 M events takes 30 MB more, and no less time.
     """

@@ -103,7 +103,7 @@ class Events:
         return Events(*(np.require(column, requirements=["C", "A"]) for column in columns))
 
     def kept(self) -> Events:
-        """A copy of the events alone: a reader's blocks may be parts of larger arrays, which would be kept with them."""
+        """A copy, for a block that is kept: a reader's may be part of larger arrays, which would stay in memory with it."""
         return Events(self.t_us.copy(), self.x.copy(), self.y.copy(), self.p.copy())
 
 

@@ -116,7 +116,7 @@ class Source:
                     break
             head = Events.joined(parts)
             if count > most:
-                head = Events.joined([head[: HEAD_EVENTS // 2], head[HEAD_EVENTS // 2 : HEAD_EVENTS]])  # a copy
+                head = head[:HEAD_EVENTS].kept()
             return Recording(head, *file.sensor, file.name), count > most
 
     def scene_truth(self) -> Truth | None:

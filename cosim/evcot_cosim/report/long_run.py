@@ -8,7 +8,7 @@ The events are read a second time, in parts, beside the logs, while another thre
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from contextvars import copy_context
 from pathlib import Path
@@ -76,7 +76,8 @@ def write_long_run(
         both = {"hardware": run.hardware, "software": run.software}
         logs = [others.submit(copy_context().run, save_log, log, aside / f"{name}{_suffix()}") for name, log in both.items()]
         if before:
-            wait(logs)
+            for log_written in logs:
+                log_written.result()
             give_back()
         sides = {name: LongLog(log.engine, runs_of(log)) for name, log in both.items()}
         about = {"config": run.config.to_dict()}
@@ -87,8 +88,8 @@ def write_long_run(
         summary["parts"] = paged.parts
         if waves:
             _write_waves(run, aside, head)
-        for log in logs:
-            log.result()
+        for log_written in logs:
+            log_written.result()
         write_run_file(aside / RUN_FILE, made_of)
         write_summary(summary, aside / SUMMARY)
         write_overview(summary, aside / REPORT)

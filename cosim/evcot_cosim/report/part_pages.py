@@ -30,7 +30,9 @@ __all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "part_names", "wr
 
 PART_EVENTS = 1 << 18
 _DRAWN = 40_000  # events of a part's page
-_LARGE_BYTES = 1 << 17  # less memory by 15 MB than from 1 MB on, in the same time; a lock-step would lose 7 % of its rate
+_LARGE_BYTES = (
+    1 << 17
+)  # returned to the system at once: 10 to 20 MB less than from 1 MB on, which a lock-step needs for its rate
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,7 @@ def write_parts(
     parts: list[dict[str, Any]] = []
     done, since_us = 0, recording.begin_us
     with ThreadPoolExecutor(1) as other:  # writes a page while the next part is looked at
-        page: Future[str] | None = None
+        grades: list[Future[str]] = []
         for events in _cut(recording.blocks, PART_EVENTS):
             done += len(events)
             last = done == recording.events
@@ -124,19 +126,18 @@ def write_parts(
                 **_alive(whole, times_us, comparison, last=last),
             }
             del whole  # it takes some megabytes
-            if page is not None:
-                parts[-1]["grade"] = page.result()
+            if grades:
+                grades[-1].result()  # never two pages behind; and what went wrong ends the run here
             title = f"{recording.name}, {part['from_us'] / 1e6:.3f} s to {part['to_us'] / 1e6:.3f} s"
             shown_part = Recording(events, *recording.sensor, title)
-            page = other.submit(copy_context().run, _write_page, shown_part, shown, alone, about, folder / part["page"])
+            grades.append(other.submit(copy_context().run, _write_page, shown_part, shown, alone, about, folder / part["page"]))
             parts.append(part)
             since_us = until_us
             del events, alone, shown, shown_part  # before the next ones are made
             give_back()
             if progress is not None:
                 progress(done)
-        if page is not None:
-            parts[-1]["grade"] = page.result()
+        parts = [part | {"grade": grade.result()} for part, grade in zip(parts, grades, strict=True)]
     return Paged(parts, {name: counter.quality() for name, counter in quality.items()})
 
 

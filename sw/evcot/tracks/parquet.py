@@ -36,6 +36,7 @@ __all__ = ["SUFFIX", "LogFile", "check_parquet", "write_log"]
 SUFFIX = ".parquet"
 _END, _NONE = "END", "NONE"
 _OWNERS = "owners"
+_COLUMNS = (*(TRACK.names or ()), _OWNERS)
 _REPEATED = ["kind", "track_id", "slot", "radius", "other_id", f"{_OWNERS}.list.element"]  # columns of few values
 _RECORDS = 1 << 15  # of a row group, at most
 _LIST_MAX = 1 << 16  # owners of a row, at most
@@ -79,7 +80,7 @@ def _is_log(path: Path, arrow: Any) -> bool:
         names = arrow.parquet.read_schema(path).names
     except (OSError, ValueError, arrow.ArrowException):
         return False
-    return {*(TRACK.names or ()), _OWNERS} <= set(names)
+    return set(_COLUMNS) <= set(names)
 
 
 def _file_of(path: Path, number: int) -> Path:
@@ -150,13 +151,11 @@ class LogFile:
         self.path = Path(path)
         with self._opened(self.path) as file:
             schema = file.schema_arrow
-        self._wanted = [*(TRACK.names or ()), _OWNERS]
-        lacking = [name for name in self._wanted if name not in schema.names]
+        lacking = [name for name in _COLUMNS if name not in schema.names]
         if lacking:
             rule = "must be a log as `evcot track -o LOG.parquet` writes it"
             raise TrackLogError(f"{path}: lacks {', '.join(lacking)}: {rule}")
-        about = schema.metadata or {}
-        self.engine, self.recording = (about.get(name, b"").decode(errors="replace") for name in (b"engine", b"recording"))
+        self.engine, self.recording = _about(schema)
 
     def blocks(self, *, owners: bool = True) -> Iterator[tuple[NDArray[np.void], NDArray[np.int16]]]:
         """The log in runs: (m,) records of dtype `TRACK` and (n,) owners; those of a record's event are in its run or before.
@@ -178,8 +177,10 @@ class LogFile:
     def _blocks_of(self, path: Path, *, owners: bool) -> Generator[tuple[NDArray[np.void], NDArray[np.int16]], None, bool]:
         """The runs of one file; returns whether its last row is END."""
         row, whole = 0, False
-        columns = self._wanted if owners else self._wanted[:-1]
+        columns = list(_COLUMNS if owners else _COLUMNS[:-1])
         with self._opened(path) as file:
+            if (about := _about(file.schema_arrow)) != (self.engine, self.recording):
+                raise TrackLogError(f"{path}: is of engine, recording {about}: must go on with {self.path.name}")
             for group in range(file.num_row_groups):
                 with self._in_one_line(path):
                     table = file.read_row_group(group, columns=columns)
@@ -253,6 +254,12 @@ class LogFile:
 
     def _in_one_line(self, path: Path) -> _OneLine:
         return _OneLine(path, self._arrow.ArrowException)
+
+
+def _about(schema: Any) -> tuple[str, str]:
+    """Engine and recording of a file."""
+    about = schema.metadata or {}
+    return about.get(b"engine", b"").decode(errors="replace"), about.get(b"recording", b"").decode(errors="replace")
 
 
 class _OneLine:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What events do not change of a slot: block RAMs that are read at one slot, all at once, and written in groups.
 //
-// Latency:    2 clocks from `at` to what it has, and to box, window and N_ev, of `put_slot` while one is put in force.
+// Latency:    2 clocks from `at` to what that slot has. Box, window and N_ev are those of `put_slot` while one is put in force.
 // Throughput: a slot per clock. What is read in the clock of its own write is not defined.
 // Stall:      none.
 // Reset:      none, nothing is used before it was written.

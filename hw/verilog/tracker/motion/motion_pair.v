@@ -4,7 +4,7 @@
 // One subtractor for velocities and one for boxes, of which the operands come one after the other. Velocities say along which axis the
 // one with more support moves; then boxes are compared, first on the axis across that motion, then along it.
 //
-// Latency:    21 clocks from start to done, more if join_reach or join_speed is above 9; inputs must stay until then.
+// Latency:    21 clocks from start to done; inputs must stay until then.
 // Throughput: a pair at a time.
 // Stall:      outputs stay until a clock after the next start.
 // Reset:      done is low until the next start has come through.

@@ -176,6 +176,30 @@ def test_clocks_between_corrections() -> None:
         assert clocks < most
 
 
+@pytest.mark.parametrize("objects", [1, 2, 3, 4])
+def test_clocks_of_motion_steps(objects: int) -> None:
+    """A step looks at every slot, and at every other one of each."""
+    registers = replace(
+        QUICK, step_log2=4, nev_low=16, nev_high=16, gap_corrections=0, detect_ticks=2**20, life_ticks=2**24 - 1,
+        coast_ticks=2**24 - 1, join_steps=15,
+    )  # fmt: skip
+
+    def clocks(steps: int) -> int:
+        n, rng = 400 * objects, np.random.default_rng(1)
+        x = np.arange(n) % objects * 60 + 30 + rng.integers(0, 8, n)
+        events = TickedEvents(
+            np.append(np.zeros(n, np.int64), steps << 4), np.append(x, x[-1]).astype(np.uint16),
+            np.append(rng.integers(30, 38, n), 30).astype(np.uint16), np.zeros(n + 1, np.uint8),
+        )  # fmt: skip
+        device = bare_device(CotConfig(Shape(n_slots=8), motion=registers))
+        device.stream(events)
+        return device.cycle
+
+    step = (clocks(300) - clocks(100)) / 200
+    print(f"{objects} objects: {step:.1f} clocks a motion step")
+    assert 13 + 65 * objects + 30 * objects * (objects - 1) < step <= 13 + 76 * objects + 31 * objects * (objects - 1)
+
+
 @pytest.mark.parametrize(
     ("parameter", "rule"),
     [

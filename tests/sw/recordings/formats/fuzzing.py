@@ -68,7 +68,7 @@ def fuzz(
         path: where to write; its suffix is the format's, if that matters.
         content: a good file, of about 50 events: every byte of it is a place to cut.
         cuts: whether to cut the file after every byte.
-        corruptions, usual: how many files to damage otherwise: with `make fuzz`; in the usual tests, if that is less.
+        corruptions, usual: how many files to damage otherwise: the first with `make fuzz`, the lesser in the usual tests.
         damage: how the files are read.
 
     Raises:
