@@ -144,8 +144,8 @@ def test_the_wheel_runs_in_an_environment_of_its_own_from_another_folder(tmp_pat
     assert run(evcot_command, "--version").split() == ["evcot", evcot.__version__]
     where = run(home / "bin" / "python", "-c", "import evcot, evcot_cosim; print(evcot.__file__, evcot_cosim.__file__)")
     assert [Path(path).is_relative_to(packages) for path in where.split()] == [True, True]
-    run(evcot_command, "simulate", "discs", "--duration", "0.1", "-o", "discs.npz")
-    assert "[cot]" in run(evcot_command, "cosim", "discs.npz", "--preset", "discs", "--print-config")
+    run(evcot_command, "simulate", "boxes", "--duration", "0.1", "-o", "boxes.npz")
+    assert "[cot]" in run(evcot_command, "cosim", "boxes.npz", "--preset", "discs", "--print-config")
     for source, target in (("hw/verilog", "verilog"), ("hw/include", "include"), ("cosim/evcot_cosim", ".")):
         files = (path for path in (ROOT / source).rglob("*") if path.is_file() and "__pycache__" not in path.parts)
         there = {path.relative_to(ROOT / source) for path in files}

@@ -22,6 +22,7 @@ from evcot.hardware.contract import Mode, Shape
 from evcot.ticks import TickedEvents
 from evcot.tracks.log import Kind
 from evcot_cosim.devices.base import Stalls
+from evcot_cosim.devices.device import build_device
 from evcot_cosim.lockstep.lockstep import CHUNK, Lockstep, chunks, dump_window
 from evcot_cosim.lockstep.mismatch import MismatchError
 from evcot_cosim.names import Top
@@ -179,7 +180,8 @@ class TestMismatch:
         self, tmp_path: Path, file: str, right: str, wrong: str, events: Events, expected: tuple[int, int, str, object, object]
     ) -> None:
         verilog = broken_copy(tmp_path / "rtl", file, right, wrong)
-        with Lockstep(CONFIG, verilog=verilog, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
+        model = build_device(CONFIG, waves=False, verilog=verilog)
+        with Lockstep(CONFIG, model=model, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
             run_all(lockstep, chunks(events, 2))  # the event's index counts from the first run
         found = caught.value.mismatch
         event_index, tick, field, hardware, model = expected
@@ -197,7 +199,8 @@ class TestMismatch:
     def test_its_record_repeats_the_run(self, tmp_path: Path) -> None:
         right = "m_cm_support <= w_support[SUP_W-1:0] | {SUP_W{w_support[SUP_W]}};"
         verilog = broken_copy(tmp_path / "rtl", "array_update.v", right, right.replace(" | ", " - 1'b1 | "))
-        with Lockstep(CONFIG, verilog=verilog, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
+        model = build_device(CONFIG, waves=False, verilog=verilog)
+        with Lockstep(CONFIG, model=model, seed=5) as lockstep, pytest.raises(MismatchError) as caught:
             lockstep.feed(at((0, 64)))
         stored = json.loads(json.dumps(asdict(caught.value.mismatch)))
         config = stored.pop("config")
@@ -214,8 +217,9 @@ class TestMismatch:
             "!wide_rel[REL_W-1] &&",
             "!wide_rel[REL_W-1] && |wide_rel &&",
         )
+        model = build_device(CONFIG, "cot_chain", waves=False, verilog=verilog)
         with (
-            Lockstep(CONFIG, "cot_chain", verilog=verilog) as lockstep,
+            Lockstep(CONFIG, "cot_chain", model=model) as lockstep,
             pytest.raises(MismatchError, match=r"event 1, tick 3: owner: hardware has 1, model has 0"),
         ):
             lockstep.feed(at((0, 64), (3, 58)))

@@ -417,11 +417,11 @@ def test_ticks_travel_on_whether_the_event_does_or_not() -> None:
 
 
 RANDOM = {
-    "frac 4": (SHAPE, 25, (0.3, 2, 10)),
-    "frac 0, 3-bit ticks": (PUBLISHED, 20, (0.3, 2, 10)),
-    "frac 1, 1-bit ticks": (replace(SHAPE, frac=1, tick_w=1), 20, (0.1, 0.5, 2)),
-    "one bit": (ONE_BIT, 20, (0.1, 0.3, 1)),
-    "widest": (WIDEST, 20, (1, 10, 100)),
+    "frac 4": (SHAPE, 12, (0.3, 2, 10)),
+    "frac 0, 3-bit ticks": (PUBLISHED, 10, (0.3, 2, 10)),
+    "frac 1, 1-bit ticks": (replace(SHAPE, frac=1, tick_w=1), 10, (0.1, 0.5, 2)),
+    "one bit": (ONE_BIT, 10, (0.1, 0.3, 1)),
+    "widest": (WIDEST, 10, (1, 10, 100)),
 }
 
 

@@ -122,10 +122,10 @@ class TestClocks:
 
 # N -> shape, runs of 50,000 events.
 RANDOM: dict[str, tuple[Shape, int, tuple[float, ...]]] = {
-    "1 tracker": (replace(SHAPE, n_slots=1, frac=1), 15, (0.3, 2, 10)),
-    "3 trackers": (SHAPE, 20, (0.3, 2, 10)),
-    "8 trackers": (EIGHT, 12, (0.3, 2, 10)),
-    "one bit": (ONE_BIT, 10, (0.1, 0.3, 1)),
+    "1 tracker": (replace(SHAPE, n_slots=1, frac=1), 8, (0.3, 2, 10)),
+    "3 trackers": (SHAPE, 10, (0.3, 2, 10)),
+    "8 trackers": (EIGHT, 7, (0.3, 2, 10)),
+    "one bit": (ONE_BIT, 6, (0.1, 0.3, 1)),
 }
 
 

@@ -361,10 +361,10 @@ class TestClocks:
 
 # Slots, frac and tick_w -> shape, runs of 50,000 events.
 RANDOM: dict[int, tuple[Shape, int]] = {
-    1: (replace(SHAPE, n_slots=1, id_w=8), 6),
-    2: (TWO, 20),
-    3: (SHAPE, 8),
-    8: (EIGHT, 6),
+    1: (replace(SHAPE, n_slots=1, id_w=8), 4),
+    2: (TWO, 10),
+    3: (SHAPE, 5),
+    8: (EIGHT, 4),
     21: (replace(SHAPE, n_slots=21, x_w=10, y_w=6, radix_w=7, nev_w=4, tick_w=32, time_w=34), 3),
     32: (replace(SHAPE, n_slots=32, frac=8, x_w=9, y_w=8, id_w=8, tick_w=3), 3),
     64: (replace(SHAPE, n_slots=64, frac=0, x_w=8, y_w=8), 3),
@@ -376,22 +376,22 @@ def test_random_registers_traffic_and_stalls_are_exact(n: int) -> None:
     shape, runs = RANDOM[n]
     census = compare_random_runs(shape, "cot_array", 2026, runs, 50_000)
     wanted = (BORN, MOVED, LOST) if n == 1 else Kind
-    assert all(census[kind] > 1_000 for kind in wanted)
+    assert all(census[kind] > 200 for kind in wanted)
 
 
 def test_ids_that_wrap_all_the_time_are_exact() -> None:
-    census = compare_random_runs(replace(EIGHT, id_w=3), "cot_array", 2026, 10, 20_000)
+    census = compare_random_runs(replace(EIGHT, id_w=3), "cot_array", 2026, 6, 20_000)
     assert all(census[kind] > 1_000 for kind in Kind)
 
 
 def test_one_bit_of_everything_is_exact() -> None:
-    census = compare_random_runs(ONE_BIT, "cot_array", 2026, 12, 20_000, rates=(0.1, 0.3, 1))
+    census = compare_random_runs(ONE_BIT, "cot_array", 2026, 7, 20_000, rates=(0.1, 0.3, 1))
     assert all(census[kind] > 1_000 for kind in Kind)
 
 
 def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
     records = 0
-    for seed in range(12):
+    for seed in range(7):
         runs = []
         for tick_w in (1, 3, 20):
             rng = np.random.default_rng([3, seed])
@@ -402,7 +402,7 @@ def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
         for other in runs[1:]:
             assert all(np.array_equal(mine, theirs) for mine, theirs in zip(runs[0], other, strict=True)), f"seed {seed}"
         records += len(runs[0].records)
-    assert records > 3_000
+    assert records > 1_500
 
 
 @pytest.mark.parametrize(("frac", "id_w"), [(0, 32), (4, 32), (4, 3)])
