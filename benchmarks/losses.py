@@ -5,7 +5,7 @@ python benchmarks/losses.py                                             # record
 python benchmarks/losses.py --families hand pendulum --seed-set 2
 
 An object is found where a track follows it with a similarity of at least 0.5, as for CLEAR. Shares are of all instants of
-objects.
+objects. "Reported at birth" is what HOTA would gain if all that becomes visible were reported from its birth on.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from evcot.metrics.frames import Frames, Matches, line_up
 from evcot.metrics.hota import hota
 from evcot.trackers.auto.config import AutoConfig
 from evcot.trackers.auto.tracker import AutoTracker
-from evcot.tracks.log import TRACK, TrackLog
+from evcot.tracks.log import TRACK, Kind, TrackLog
 from evcot.tracks.windows import sampled
 from field import Absent, Member, entries
 
@@ -35,7 +35,7 @@ _FOUND = 0.5
 _ROADS = "traffic", "motorway", "second simulator, road"
 _WHEN = "before", "between", "after", "never"  # of the first and the last instant at which the object is found
 _INSTEAD = "box over several", "box beside", "not reported", "nothing"
-_GAINS = "centres exact", "no false track"  # of HOTA
+_GAINS = "centres exact", "no false track", "reported at birth"  # of HOTA
 COLUMNS = ("HOTA", *_WHEN, *_INSTEAD, *_GAINS)
 
 Boxes = NDArray[np.float64]  # (k, 4): centre x, y; half width, half height
@@ -63,9 +63,8 @@ def instead(missed: Boxes, objects: Boxes, reported: Boxes, others: Boxes) -> st
 
 def losses(member: Member) -> list[float]:
     """The figures of `COLUMNS`."""
-    log, tentative = _followed(member)
-    outputs = sampled(log.record_runs(), member.truth.instants_us, member.rule.max_age_us)
-    frames, counted, outputs = line_up(outputs, member.truth, member.rule)
+    log, early, tentative = _followed(member)
+    frames, counted, outputs = _lined_up(log, member)
     matches = clear(frames, _FOUND).matches
     found = set(zip(matches.frame.tolist(), matches.truth.tolist(), strict=True))
     counts: Counter[str] = Counter()
@@ -77,23 +76,56 @@ def losses(member: Member) -> list[float]:
                 counts[when(matches, frame, number)] += 1
                 counts[instead(_boxes(own)[at], _boxes(objects), reported, tentative[frame])] += 1
     score, total = hota(frames).hota, max(len(counted), 1)
-    gains = [hota(changed).hota - score for changed in (_exact(frames, matches), _true(frames, matches))]
+    changes = _exact(frames, matches), _true(frames, matches), _lined_up(early, member)[0]
+    gains = [hota(changed).hota - score for changed in changes]
     return [score, *(counts[name] / total for name in (*_WHEN, *_INSTEAD)), *gains]
 
 
-def _followed(member: Member) -> tuple[TrackLog, list[Boxes]]:
-    """The log, and at each instant the boxes that are not reported."""
+def _lined_up(log: TrackLog, member: Member) -> tuple[Frames, NDArray[np.void], NDArray[np.void]]:
+    return line_up(sampled(log.record_runs(), member.truth.instants_us, member.rule.max_age_us), member.truth, member.rule)
+
+
+def _followed(member: Member) -> tuple[TrackLog, TrackLog, list[Boxes]]:
+    """The log; the log if what becomes visible were reported at once; and at each instant the boxes that are not reported."""
     recording = member.recording
     tracker = AutoTracker(AutoConfig(), recording.width, recording.height)
     world = tracker._world
-    records, tentative, done = [np.empty(0, TRACK)], [], 0
-    for end in np.searchsorted(recording.events.t_us, member.truth.instants_us, "right").tolist():
-        records.append(tracker.feed(recording.events[done:end])[0])
-        done = end
-        state = world.state[world.objects["alive"] & (world.objects["track_id"] < 0) & (world.objects["away"] < 0)]
+    parts, tentative, done = [np.empty(0, TRACK)], [], 0
+    early: list[tuple[int, int, NDArray[np.void]]] = []  # slot, born_us, record
+    names: dict[tuple[int, int], int] = {}  # (slot, born_us) -> track id
+    for t_us, end in zip(
+        member.truth.instants_us, np.searchsorted(recording.events.t_us, member.truth.instants_us, "right"), strict=True
+    ):
+        parts.append(tracker.feed(recording.events[done:end])[0])
+        done = int(end)
+        here = world.objects["alive"] & (world.objects["away"] < 0)
+        for slot in np.flatnonzero(here).tolist():
+            born_us, track_id = int(world.objects["born_us"][slot]), int(world.objects["track_id"][slot])
+            if track_id >= 0:
+                names[slot, born_us] = track_id
+            else:
+                early.append((slot, born_us, _record(world.state[slot], int(t_us))))
+        state = world.state[here & (world.objects["track_id"] < 0)]
         tentative.append(np.stack([state[:, 0, 0], state[:, 1, 0], state[:, 0, 2], state[:, 1, 2]], axis=1))
-    records += [tracker.feed(recording.events[done:])[0], tracker.finish()]
-    return TrackLog("auto", np.concatenate(records), np.empty(0, np.int16)), tentative
+    parts += [tracker.feed(recording.events[done:])[0], tracker.finish()]
+    records = np.concatenate(parts)
+    for slot, born_us, record in early:
+        if (slot, born_us) in names:
+            record["track_id"] = names[slot, born_us]
+            parts.append(record)
+    whole = np.concatenate(parts)
+    nobody = np.empty(0, np.int16)
+    whole = whole[np.argsort(whole["t_us"], kind="stable")]
+    return TrackLog("auto", records, nobody), TrackLog("auto", whole, nobody), tentative
+
+
+def _record(state: NDArray[np.float64], t_us: int) -> NDArray[np.void]:
+    """What would be reported of an object, (1,) of dtype `TRACK`."""
+    record = np.zeros(1, TRACK)
+    record["t_us"], record["kind"], record["other_id"] = t_us, int(Kind.MOVED), -1
+    record["x"], record["y"] = state[0, 0], state[1, 0]
+    record["width"], record["height"] = 2 * state[0, 2], 2 * state[1, 2]
+    return record
 
 
 def _boxes(rows: NDArray[np.void]) -> Boxes:

@@ -39,7 +39,7 @@ def config() -> CotConfig:
 def blobs() -> Events:
     """Two blobs on crossing paths and scattered noise, about 3 ticks apart; every 500 events a silence ends all lives."""
     random = np.random.default_rng(11)
-    n = 2_000
+    n = 1_000
     phase = np.arange(n) % 1_000 / 1_000
     which = random.integers(2, size=n)
     x = np.where(which == 0, 20 + 90 * phase, 110 - 90 * phase) + random.normal(0, 2.5, n)

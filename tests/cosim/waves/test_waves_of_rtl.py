@@ -308,7 +308,7 @@ def test_active_windows_never_overlap_but_while_they_merge(array: Scope) -> None
 
 def test_windows_that_overlap_are_found_out(array: Scope, tmp_path: Path) -> None:
     runs = (array["phase"] == array["RUN"]) & array["settled"] & ~array["checks"]
-    at = clock_of(runs & runs.previous() & array["active"].bit(0) & array["active"].bit(1), 300)
+    at = clock_of(runs & runs.previous() & array["active"].bit(0) & array["active"].bit(1), 150)
     everywhere = {f"u_match.{bound}[{slot}]": ONES for bound in ("lo_x_not", "lo_y_not", "hi_x", "hi_y") for slot in (0, 1)}
     broken(windows_are_apart, array, at, everywhere, tmp_path / "x.vcd")
 

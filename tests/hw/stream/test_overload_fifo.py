@@ -140,7 +140,7 @@ def test_counters_add_up_at_every_clock(shape: tuple[int, int, int]) -> None:
     depth, tick_w, _ = shape
     sim = device_of(*shape).sim
     rng = np.random.default_rng(82)
-    tokens = [tuple(token) for token in random_tokens(rng, 3_000, tick_w).tolist()]
+    tokens = [tuple(token) for token in random_tokens(rng, 1_500, tick_w).tolist()]
     sink = Sink(sim, "m", TOKENS_OUT.fields, PATTERNS["rarely"](rng))
     dropped = taken = 0
 

@@ -310,7 +310,7 @@ class TestClocks:
         decisions, times = device.stream_timed(traffic)
         return times.accepted, times.recorded, decisions.records
 
-    @pytest.mark.parametrize(("n", "clocks"), [(1, 11), (3, 11), (8, 11), (16, 11), (17, 12), (32, 12)])
+    @pytest.mark.parametrize(("n", "clocks"), [(3, 11), (16, 11), (17, 12), (32, 12)])
     def test_a_record_comes_11_clocks_after_its_event_and_12_where_slots_are_many(self, n: int, clocks: int) -> None:
         accepted, recorded, _ = self.burst(replace(SHAPE, n_slots=n), JUMPY, ticked(0, np.full(1, 64), 64))
         assert np.subtract(recorded, accepted).tolist() == [clocks]
