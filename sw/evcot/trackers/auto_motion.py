@@ -21,7 +21,7 @@ from .presets import PRESETS, fit
 __all__ = ["motion_config"]
 
 _LIFE_TICKS = 40_000  # a life is at least so long: an object may pause
-_STEP_PX = 1.0  # of travel in a motion step, of a fast object
+_STEP_PX = 1.25  # of travel in a motion step, of a fast object
 _STEP_LOG2 = (8, 13)
 _SPARE_SLOTS = 4
 _FEWEST_SLOTS = 8

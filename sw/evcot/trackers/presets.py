@@ -100,8 +100,15 @@ def _discs() -> RunConfig:
 
 
 def _motion() -> RunConfig:
-    """Objects of any size that move: the extended contract (docs/motion.md)."""
-    cot = CotConfig(Shape(n_slots=16), motion=MotionRegisters(enable=1))
+    """Objects of any size that move: the extended contract (docs/motion.md).
+
+    The registers that differ from those after a reset were found by a search over many kinds of scenes (docs/auto.md).
+    """
+    registers = MotionRegisters(
+        enable=1, side_shrink=4, gain_log2=5, gain_slow=0, settle=6, nev_high=325, ring_max=21, life_log2=4, birth_px=2,
+        birth_ticks=5_457, birth_travel=2, join_px=3,
+    )  # fmt: skip
+    cot = CotConfig(Shape(n_slots=16), motion=registers)
     filters = FilterConfig(refractory_us=1_000, activity_us=5_000)
     return RunConfig("motion", cot, filters=filters, software="auto", software_filters=FilterConfig())
 

@@ -31,10 +31,11 @@ def test_addresses_and_slots() -> None:
     assert slots == [8, 8, 16, 16, 32, 32, 64, 64, 64], "a power of two with room for four more"
 
 
-def test_a_fast_object_travels_up_to_a_pixel_in_a_motion_step() -> None:
-    for fastest, step_log2 in ((1e6 / 1024, 10), (1e6 / 1025, 10), (1e6 / 2047, 10), (1e6 / 2048, 11), (250.0, 11)):
+def test_a_fast_object_travels_up_to_a_pixel_and_a_quarter_in_a_motion_step() -> None:
+    for step_us, step_log2 in ((1024, 10), (1025, 10), (2047, 10), (2048, 11), (5000, 12)):
+        fastest = 1.25e6 / step_us
         seen = objects_of(MIXED, speed_px_s=spread(fastest / 2, 2))
-        assert motion_of(seen).step_log2 == step_log2, fastest
+        assert motion_of(seen).step_log2 == step_log2, step_us
     assert motion_of(objects_of(MIXED, speed_px_s=spread(1e6))).step_log2 == 8
     assert motion_of(objects_of(MIXED, speed_px_s=spread(0.01))).step_log2 == 13
 
