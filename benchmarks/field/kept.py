@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -36,7 +37,7 @@ def kept(key: str, make: Callable[[], Member], *makers: str) -> Callable[[], Mem
         member = make()
         path.parent.mkdir(parents=True, exist_ok=True)
         events, truth = member.recording.events, member.truth
-        aside = path.with_suffix(".part")
+        aside = path.with_suffix(f".{os.getpid()}.part")  # another process may build the same
         with aside.open("wb") as file:
             np.savez(
                 file,
