@@ -30,9 +30,8 @@ __all__ = ["PART_EVENTS", "LongLog", "LongRecording", "Paged", "part_names", "wr
 
 PART_EVENTS = 1 << 18
 _DRAWN = 40_000  # events of a part's page
-_LARGE_BYTES = (
-    1 << 17
-)  # returned to the system at once: 10 to 20 MB less than from 1 MB on, which a lock-step needs for its rate
+# Returned to the system at once: 10 to 20 MB less than from 1 MB on, which a lock-step needs for its rate.
+_LARGE_BYTES = 1 << 17
 
 
 @dataclass(frozen=True)

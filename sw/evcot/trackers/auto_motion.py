@@ -33,12 +33,14 @@ _NOISE_SHARE = 0.01  # of an object's events, from which on noise is filtered
 _MOST_NEIGHBOURS = 6
 
 
-def motion_config(seen: Estimates, name: str) -> RunConfig:
+def motion_config(seen: Estimates, name: str, base: RunConfig = PRESETS["motion"]) -> RunConfig:
     """The configuration for a scene, of that name, with the automatic software tracker beside it.
 
-    Where no object was seen, motion steps are those of the preset `motion`.
+    Where no object was seen, motion steps are those of `base`.
+
+    Args:
+        base: has the registers that do not depend on the scene.
     """
-    base = PRESETS["motion"]
     motion = replace(base.cot.motion, life_ticks=_LIFE_TICKS)
     if seen.objects is not None:
         motion = _in_steps_of(_step_log2(seen.objects), motion)

@@ -171,6 +171,12 @@ def test_nothing_is_suggested_for_a_word_that_is_near_none(capsys: Capture) -> N
     assert "did you mean" not in capsys.readouterr().err
 
 
+def test_convert_names_a_recording_that_is_not_there(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["convert", "boxes.npz", "x.npz"]) == 2
+    assert "boxes.npz" in capsys.readouterr().err
+
+
 def test_convert_tells_what_it_wrote(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["simulate", "pendulum", "--duration", "0.1", "-o", "a.npz", "--json"]) == 0

@@ -60,7 +60,7 @@ def test_all_engines_work_behind_the_same_filters(top: str) -> None:
     assert near(bare.software, HOT) > 10
 
 
-@pytest.mark.parametrize("side", [1, 4])
+@pytest.mark.parametrize("side", [1, 2, 4])
 def test_hardware_and_model_have_the_same_memory_of_cells(side: int) -> None:
     recording = noisy_blob()
     filters = FilterConfig(refractory_us=5_000, activity_us=20_000, decay_tau_us=20_000.0, rowcol_us=90_000, cell_px=side)

@@ -102,8 +102,8 @@ def test_every_choice_of_filters_is_exact(device: FilterDevice) -> None:
     for enable in range(ALL + 1):
         rng = np.random.default_rng([71, enable])
         device.stalls = Stalls.random(rng) if enable % 3 == 1 else Stalls()
-        kept.append(agrees(device, random_registers(rng, enable), rng, 700))
-    assert kept[0] > 0.93  # but for those that came in dropped
+        kept.append(agrees(device, random_registers(rng, enable), rng, 1200))
+    assert kept[0] > 0.94  # but for those that came in dropped
     assert all(kept[1 << which] < kept[0] for which in Filter)
     assert min(kept) < 0.05
     assert np.median(kept) > 0.1
@@ -153,7 +153,7 @@ def test_a_token_every_clock_after_the_latencies_of_all_that_are_built(has: int)
     assert has != ALL or clocks == latency("filter_chain")
 
 
-@pytest.mark.parametrize(("side", "has"), [(1, ALL), (4, ALL), (2, 0b01010010), (4, 0b00001000)])
+@pytest.mark.parametrize(("side", "has"), [(1, ALL), (2, ALL), (4, ALL), (2, 0b01010010), (4, 0b00001000)])
 def test_with_cells_refractory_and_activity_are_one_and_decide_the_same(side: int, has: int) -> None:
     print("seed 76")
     shape = replace(SHAPE, cell_px=side)

@@ -310,7 +310,7 @@ class TestClocks:
         decisions, times = device.stream_timed(traffic)
         return times.accepted, times.recorded, decisions.records
 
-    @pytest.mark.parametrize(("n", "clocks"), [(3, 11), (16, 11), (17, 12), (32, 12)])
+    @pytest.mark.parametrize(("n", "clocks"), [(1, 11), (3, 11), (8, 11), (16, 11), (17, 12), (32, 12)])
     def test_a_record_comes_11_clocks_after_its_event_and_12_where_slots_are_many(self, n: int, clocks: int) -> None:
         accepted, recorded, _ = self.burst(replace(SHAPE, n_slots=n), JUMPY, ticked(0, np.full(1, 64), 64))
         assert np.subtract(recorded, accepted).tolist() == [clocks]
@@ -362,7 +362,7 @@ class TestClocks:
 # Slots, frac and tick_w -> shape, runs of 50,000 events.
 RANDOM: dict[int, tuple[Shape, int]] = {
     1: (replace(SHAPE, n_slots=1, id_w=8), 4),
-    2: (TWO, 10),
+    2: (TWO, 20),
     3: (SHAPE, 5),
     8: (EIGHT, 4),
     21: (replace(SHAPE, n_slots=21, x_w=10, y_w=6, radix_w=7, nev_w=4, tick_w=32, time_w=34), 3),
@@ -376,7 +376,7 @@ def test_random_registers_traffic_and_stalls_are_exact(n: int) -> None:
     shape, runs = RANDOM[n]
     census = compare_random_runs(shape, "cot_array", 2026, runs, 50_000)
     wanted = (BORN, MOVED, LOST) if n == 1 else Kind
-    assert all(census[kind] > 200 for kind in wanted)
+    assert all(census[kind] > 1_000 for kind in wanted)
 
 
 def test_ids_that_wrap_all_the_time_are_exact() -> None:
@@ -391,7 +391,7 @@ def test_one_bit_of_everything_is_exact() -> None:
 
 def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
     records = 0
-    for seed in range(7):
+    for seed in range(12):
         runs = []
         for tick_w in (1, 3, 20):
             rng = np.random.default_rng([3, seed])
@@ -402,7 +402,7 @@ def test_narrow_tokens_give_the_same_bits_as_wide_ones() -> None:
         for other in runs[1:]:
             assert all(np.array_equal(mine, theirs) for mine, theirs in zip(runs[0], other, strict=True)), f"seed {seed}"
         records += len(runs[0].records)
-    assert records > 1_500
+    assert records > 3_000
 
 
 @pytest.mark.parametrize(("frac", "id_w"), [(0, 32), (4, 32), (4, 3)])

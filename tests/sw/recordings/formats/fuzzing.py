@@ -54,7 +54,7 @@ def fuzz(
     *,
     cuts: bool = True,
     corruptions: int = 10_000,
-    usual: int = 1_500,
+    usual: int = 2_500,
     seed: int,
     damage: Damage = "refuse",
 ) -> Outcomes:
