@@ -7,6 +7,8 @@ import gc
 import os
 import signal
 
+import pytest
+
 
 def pytest_xdist_auto_num_workers() -> int:
     """One more than processors: tests that wait, for a process or a socket, would leave one idle."""
@@ -28,3 +30,24 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 20, 50)
+
+
+@pytest.fixture(scope="session")
+def kernels() -> None:
+    """The kernels of the two largest trackers, compiled by the process that comes first; others wait, and load them.
+
+    Without, what begins with them in several processes at once compiles them in each: half a minute.
+    """
+    import fcntl
+
+    import numpy as np
+
+    import evcot
+    from evcot_cosim.rtl.build import cache_dir
+
+    few = evcot.Events(np.arange(2, dtype=np.int64), *np.zeros((2, 2), np.uint16), np.zeros(2, np.uint8))
+    cache_dir().mkdir(parents=True, exist_ok=True)
+    with (cache_dir() / ".kernels.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        for engine in ("auto", "rct"):
+            evcot.track(evcot.Recording(few, 32, 32, "two events"), engine)

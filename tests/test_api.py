@@ -111,6 +111,7 @@ def test_the_page_names_all_that_is_stable(package: ModuleType) -> None:
     assert named == set(promised(package))
 
 
+@pytest.mark.usefixtures("kernels")
 def test_the_first_example_of_the_page_runs() -> None:
     code = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
     found: dict[str, object] = {}

@@ -75,8 +75,9 @@ RANDOM_INITIAL_FLAGS = ("--x-assign", "unique", "--x-initial", "unique")
 PORTS_ONLY_FLAGS = ("--trace-depth", "1")
 """`extra_flags` of a model whose waveforms have its ports alone: building it takes two thirds to half of the time."""
 
-# Flags that decide what is generated from a design and not how Verilator's runtime is compiled, each with one value.
-_DESIGN_FLAGS = frozenset({"--x-assign", "--x-initial", "--trace-depth", "--trace-max-array"})
+# Flags that decide what is generated from a design and not how Verilator's runtime is compiled -> number of their values.
+# `--savable` needs one small file more of the runtime, which is compiled with each such model.
+_DESIGN_FLAGS = {"--x-assign": 1, "--x-initial": 1, "--trace-depth": 1, "--trace-max-array": 1, "--savable": 0}
 
 # Included by every file of a model, and slower to parse than a small model: g++ precompiles it.
 _HEADER_FILE = "evcot_runtime.h"
@@ -210,7 +211,8 @@ class _Recipe:
         """A hash of everything that Verilator's compiled runtime depends on; it is the same for many designs."""
         tools, for_all = self.tools, [_CONTEXT_CPP, _HEADER]
         compiles = [tools.compiler_version, tools.optimisation, tools.target]
-        of_design = {at + value for at, flag in enumerate(self.flags) if flag in _DESIGN_FLAGS for value in (0, 1)}
+        values = {at: _DESIGN_FLAGS[flag] for at, flag in enumerate(self.flags) if flag in _DESIGN_FLAGS}
+        of_design = {at + k for at, n in values.items() for k in range(n + 1)}
         flags = [flag for at, flag in enumerate(self.flags) if at not in of_design]
         return _hash(tools.version, compiles, self.request["cargs"], flags, for_all)
 

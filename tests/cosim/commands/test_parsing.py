@@ -251,6 +251,7 @@ def test_what_has_been_tried(line: str, why: str, home: Path, capsys: Capture) -
     refused(capsys, home, *line.split(), why=why)
 
 
+@pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("options", ["", "--save-hot-pixels hot.txt"])
 def test_print_config_writes_nothing(options: str, home: Path, capsys: Capture) -> None:
     tiny("drive.npz")

@@ -52,6 +52,7 @@ def assert_same(got: TrackLog, wanted: TrackLog) -> None:
     assert np.array_equal(got.owner, wanted.owner)
 
 
+@pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("engine", ENGINES)
 def test_every_engine_follows_the_discs(source: Path, engine: str) -> None:
     log = tracked(source, "--engine", engine)

@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[3]
 AGAIN = "make generate"
 
 
+@pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("path", FILES)
 def test_a_generated_file_is_what_would_be_generated(path: str) -> None:
     if path.endswith(".svg") and importlib.util.find_spec("wavedrom") is None:

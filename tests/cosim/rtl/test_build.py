@@ -115,6 +115,13 @@ def test_registers_begin_with_random_values_by_the_seed_and_the_runtime_serves_s
     assert zero == 0
 
 
+def test_the_runtime_serves_a_model_whose_state_is_saved_but_for_one_file(sources: Path) -> None:
+    build("counter", {"W": 5}, verilog=sources)
+    model = build("counter", {"W": 5}, extra_flags=("--savable", *PORTS_ONLY_FLAGS), verilog=sources)
+    compiled = re.findall(r"-c -o (\S+)", (model.shared_object.parent / "build.log").read_text())
+    assert sorted(compiled) == ["Vcounter__ALL.o", "verilated_save.o"]
+
+
 def test_extra_cpp_lives_in_the_same_shared_object(sources: Path) -> None:
     model = build("counter", extra_cpp={"twice.cpp": DOUBLE}, verilog=sources)
     sim = model.load()

@@ -18,6 +18,7 @@ FILTERED = RctConfig(radius_px=16.0, max_clusters=1, alpha=0.02, velocity_alpha=
 REGRESSION = replace(FILTERED, velocity="regression", path_points=100)
 
 
+@pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize(
     "config", [FILTERED, REGRESSION, replace(REGRESSION, predict=1.0)], ids=["filtered", "regression", "predicted"]
 )
