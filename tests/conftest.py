@@ -3,22 +3,45 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
+import importlib
 import os
 import signal
+import sys
+from pathlib import Path
 
 import pytest
 
+TESTS = Path(__file__).parent
+
 
 def pytest_xdist_auto_num_workers() -> int:
-    """One more than processors: tests that wait, for a process or a socket, would leave one idle."""
-    return (os.cpu_count() or 1) + 1
+    """Two more than processors: tests that wait, for a process, a socket or a disk, would leave one idle."""
+    return (os.cpu_count() or 1) + 2
 
 
 def pytest_configure() -> None:
     # A run in the background ignores interrupts, and what tests start would inherit that.
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Before all processes collect all tests in the same order, each imports others of them.
+
+    What pytest and Python make of a file, which is half of the work, is then made by one process and found by the others.
+    """
+    worker = getattr(session.config, "workerinput", None)
+    if worker is None or session.config.args != session.config.getini("testpaths"):
+        return
+    mine = sorted(TESTS.rglob("test_*.py"))[int(worker["workerid"].removeprefix("gw")) :: worker["workercount"]]
+    sys.path.insert(0, str(TESTS.parent))
+    for path in mine:
+        # A file that cannot be imported, or is skipped, says so when it is collected.
+        with contextlib.suppress(Exception, pytest.skip.Exception):
+            importlib.import_module(".".join(path.relative_to(TESTS.parent).with_suffix("").parts))
+    sys.path.remove(str(TESTS.parent))
 
 
 def pytest_collection_finish() -> None:
