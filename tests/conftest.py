@@ -17,8 +17,8 @@ TESTS = Path(__file__).parent
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Two more than processors: tests that wait, for a process, a socket or a disk, would leave one idle."""
-    return (os.cpu_count() or 1) + 2
+    """One more than processors: tests that wait, for a process or a socket, would leave one idle."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_configure() -> None:
