@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How many processes run the tests; what they do on signals: interrupts reach them, a broken pipe is an error; garbage."""
+"""How many processes run the tests, and how they share what is prepared once; signals; garbage collection.
+
+Interrupts reach the processes, and a broken pipe is an error.
+"""
 
 from __future__ import annotations
 
@@ -57,9 +60,9 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(scope="session")
 def kernels() -> None:
-    """The kernels of the two largest trackers, compiled by the process that comes first; others wait, and load them.
+    """The kernels of the engines `auto` and `rct`, compiled by one process while others that ask for them wait.
 
-    Without, what begins with them in several processes at once compiles them in each: half a minute.
+    Several test files begin with them at the same time; without this, each of their processes compiles them.
     """
     import fcntl
 

@@ -60,9 +60,10 @@ def test_all_engines_work_behind_the_same_filters(top: str) -> None:
     assert near(bare.software, HOT) > 10
 
 
-def test_hardware_and_model_have_the_same_memory_of_cells() -> None:
+@pytest.mark.parametrize("side", [1, 2, 4])
+def test_hardware_and_model_have_the_same_memory_of_cells(side: int) -> None:
     recording = noisy_blob()
-    filters = FilterConfig(refractory_us=5_000, activity_us=20_000, decay_tau_us=20_000.0, rowcol_us=90_000, cell_px=2)
+    filters = FilterConfig(refractory_us=5_000, activity_us=20_000, decay_tau_us=20_000.0, rowcol_us=90_000, cell_px=side)
     config = replace(fit(for_sensor(128), 128, 128, 4), filters=filters)
     run = run_cosim(recording, config, "cot_array")
     _, keep = apply(recording, filters)

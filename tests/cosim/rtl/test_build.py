@@ -50,7 +50,9 @@ def session_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def cache(session_cache: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("EVCOT_CACHE", str(session_cache))
-    monkeypatch.setenv("EVCOT_OPTIMISATION", "-O0")  # Verilator's runtime is compiled in half of the time
+    monkeypatch.setenv(
+        "EVCOT_OPTIMISATION", "-O0"
+    )  # to compile Verilator's runtime, most of the time of these tests, is faster
     return session_cache
 
 
