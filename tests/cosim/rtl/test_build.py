@@ -52,7 +52,7 @@ def cache(session_cache: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("EVCOT_CACHE", str(session_cache))
     monkeypatch.setenv(
         "EVCOT_OPTIMISATION", "-O0"
-    )  # to compile Verilator's runtime, most of the time of these tests, is faster
+    )  # Verilator's runtime takes most of the time here
     return session_cache
 
 
