@@ -50,9 +50,7 @@ def session_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def cache(session_cache: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("EVCOT_CACHE", str(session_cache))
-    monkeypatch.setenv(
-        "EVCOT_OPTIMISATION", "-O0"
-    )  # Verilator's runtime takes most of the time here
+    monkeypatch.setenv("EVCOT_OPTIMISATION", "-O0")  # Verilator's runtime takes most of the time here
     return session_cache
 
 
