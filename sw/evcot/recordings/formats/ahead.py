@@ -7,6 +7,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import chain
 from typing import TypeVar
 
 __all__ = ["in_order"]
@@ -22,15 +23,23 @@ _Result = TypeVar("_Result")
 def in_order(decode: Callable[[_Piece], _Result], pieces: Iterable[_Piece], workers: int = _WORKERS) -> Iterator[_Result]:
     """`map(decode, pieces)` on other threads, a few pieces ahead; `pieces` is iterated on the caller's thread.
 
-    Useful where `decode` releases the GIL, as compiled kernels and decompression do. An exception of `pieces` or `decode` is
-    raised in order, after the results of all pieces before it, and ends the iteration. With one worker, pieces are decoded
-    one by one.
+    Useful where `decode` releases the GIL, as compiled kernels and decompression do. The first piece is decoded by the caller:
+    a short file, or the look at a file's first event, needs no thread. An exception of `pieces` or `decode` is raised in order,
+    after the results of all pieces before it, and ends the iteration. With one worker, pieces are decoded one by one.
     """
+    source = iter(pieces)
+    for first in source:
+        yield decode(first)
+        break
+    for second in source:
+        yield from _ahead(decode, chain([second], source), workers)
+
+
+def _ahead(decode: Callable[[_Piece], _Result], source: Iterator[_Piece], workers: int) -> Iterator[_Result]:
     waiting: deque[Future[_Result]] = deque()
     failure: Exception | None = None
     with ThreadPoolExecutor(workers, "decode") as pool:
         try:
-            source = iter(pieces)
             while failure is None:
                 try:
                     waiting.append(pool.submit(decode, next(source)))

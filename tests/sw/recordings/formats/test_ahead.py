@@ -57,17 +57,34 @@ def test_pieces_are_made_a_few_ahead_and_no_more() -> None:
     assert len(made) <= 10
 
 
-def test_pieces_are_made_on_the_callers_thread_and_decoded_on_others() -> None:
+def test_pieces_are_made_on_the_callers_thread_and_all_but_the_first_are_decoded_on_others() -> None:
     makers: set[int] = set()
-    decoders: set[int] = set()
+    decoders: list[int] = []
 
     def pieces() -> Iterator[int]:
         for piece in range(20):
             makers.add(threading.get_ident())
             yield piece
 
-    for _ in in_order(lambda _: decoders.add(threading.get_ident()), pieces(), workers=1):
+    for _ in in_order(lambda _: decoders.append(threading.get_ident()), pieces(), workers=1):
         pass
     assert makers == {threading.get_ident()}
-    assert len(decoders) == 1
-    assert not decoders & makers
+    assert decoders[0] == threading.get_ident()
+    assert len(decoders) == 20
+    assert len(set(decoders[1:])) == 1
+    assert not set(decoders[1:]) & makers
+
+
+def test_whoever_wants_the_first_result_alone_starts_no_thread() -> None:
+    made: list[int] = []
+
+    def pieces() -> Iterator[int]:
+        for piece in range(20):
+            made.append(piece)
+            yield piece
+
+    threads = threading.active_count()
+    results = in_order(lambda piece: piece, pieces())
+    assert next(results) == 0
+    assert threading.active_count() == threads
+    assert made == [0]
