@@ -18,6 +18,10 @@ import pytest
 
 TESTS = Path(__file__).parent
 
+# Collecting makes two million objects that stay. To search them for garbage while they are made, again and again during the tests
+# and when a process ends would take 5 % of all time.
+gc.disable()
+
 
 def pytest_xdist_auto_num_workers() -> int:
     """One more than processors: tests that wait, for a process or a socket, would leave one idle."""
@@ -52,10 +56,14 @@ def pytest_collection_finish() -> None:
         "an import has changed what a broken pipe does (vcdvcd does: evcot_cosim.waves.vcd.parse puts that back); "
         "a test whose peer closes a socket would end the whole run without a word"
     )
-    # Thousands of collected tests, and what Numba's compiler allocates, would be searched again and again: 5 % of all time.
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 20, 50)
+    gc.enable()
+
+
+def pytest_unconfigure() -> None:
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

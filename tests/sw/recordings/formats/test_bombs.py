@@ -8,12 +8,14 @@ return the events that are really in the file, or refuse it in one line; never a
 from __future__ import annotations
 
 import bz2
+import functools
 import json
 import struct
 import subprocess
 import sys
 import zipfile
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -83,6 +85,33 @@ def refusal_of(path: Path) -> str:
     assert message.isprintable()
     assert len(message) < len(str(path)) + 400
     return message.removeprefix(f"{path}: ")
+
+
+def contents_of(*parts: tuple[bytes, int]) -> Iterator[bytes]:
+    """Contents one after the other, each repeated so many times, in steps of 16 MB."""
+    for content, times in parts:
+        many = max((1 << 24) // len(content), 1)
+        step = content * min(many, times)
+        for _ in range(times // many):
+            yield step
+        yield content * (times % many)
+
+
+def deflated(*parts: tuple[bytes, int]) -> bytes:
+    """The contents of `contents_of`, compressed: equal steps are compressed once, each for itself."""
+
+    @cache
+    def packed(step: bytes) -> bytes:
+        packer = zlib.compressobj(wbits=-15)
+        return packer.compress(step) + packer.flush(zlib.Z_FULL_FLUSH)
+
+    return b"".join(map(packed, contents_of(*parts))) + zlib.compressobj(wbits=-15).flush()
+
+
+def zlib_stream(*parts: tuple[bytes, int]) -> bytes:
+    """The same with the head and the checksum of zlib."""
+    check = functools.reduce(lambda adler, content: zlib.adler32(content, adler), contents_of(*parts), 1)
+    return b"\x78\x9c" + deflated(*parts) + check.to_bytes(4, "big")
 
 
 # AEDAT 4.0: packets.
@@ -197,12 +226,18 @@ def npy_header(shape: str, dtype: str = "<i8", length: int | None = None, versio
 
 def deflated_zip(path: Path, members: dict[str, tuple[bytes, int]]) -> Path:
     """A zip of members that are a head and so many zeros."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, (head, zeros) in members.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                member.write(head)
-                for begin in range(0, zeros, 1 << 24):
-                    member.write(bytes(min(1 << 24, zeros - begin)))
+    directory = []
+    with path.open("wb") as file:
+        for stem, (head, zeros) in members.items():
+            parts, name, place = ((head, 1), (b"\0", zeros)), f"{stem}.npy".encode(), file.tell()
+            data, check = deflated(*parts), functools.reduce(lambda crc, step: zlib.crc32(step, crc), contents_of(*parts), 0)
+            sizes = struct.pack("<IIIHH", check, len(data), len(head) + zeros, len(name), 0)
+            fields = struct.pack("<HHHHH", 20, 0, zipfile.ZIP_DEFLATED, 0, 33) + sizes
+            file.write(b"PK\3\4" + fields + name + data)
+            directory.append(b"PK\1\2" + struct.pack("<H", 20) + fields + struct.pack("<HHHII", 0, 0, 0, 0, place) + name)
+        begin, many = file.tell(), len(directory)
+        file.writelines(directory)
+        file.write(b"PK\5\6" + struct.pack("<HHHHIIH", 0, 0, many, many, file.tell() - begin, begin, 0))
     return path
 
 
@@ -316,12 +351,6 @@ def test_an_aedat3_header_of_megabytes_is_refused(tmp_path: Path) -> None:
 # HDF5 and MATLAB.
 
 
-@cache
-def deflated_zeros(count: int) -> bytes:
-    packer = zlib.compressobj()
-    return b"".join(packer.compress(bytes(1 << 24)) for _ in range(count >> 24)) + packer.flush()
-
-
 def hdf5_with(path: Path, chunk: bytes, *, rows: int, chunk_rows: int, fletcher32: bool = False) -> Path:
     """Columns of which the times are in chunks that are put there as they are."""
     with h5py.File(path, "w") as file:
@@ -336,7 +365,7 @@ def hdf5_with(path: Path, chunk: bytes, *, rows: int, chunk_rows: int, fletcher3
 
 @pytest.mark.parametrize("fletcher32", [False, True])
 def test_an_hdf5_chunk_that_unpacks_to_more_than_a_chunk_is_refused(tmp_path: Path, fletcher32: bool) -> None:
-    bomb = deflated_zeros(1 << 30)
+    bomb = zlib_stream((b"\0", 1 << 30))
     path = hdf5_with(tmp_path / "bomb.h5", bomb, rows=1 << 17, chunk_rows=1 << 17, fletcher32=fletcher32)
     answer = answer_to(path)
     assert answer.refusal.split(": ", 1)[1].startswith("/events/t: values 0 to 131071: chunk")
@@ -344,13 +373,15 @@ def test_an_hdf5_chunk_that_unpacks_to_more_than_a_chunk_is_refused(tmp_path: Pa
 
 def test_hdf5_of_megabytes_that_holds_gigabytes_is_given_in_blocks(tmp_path: Path) -> None:
     rows, chunk_rows = 1 << 24, 1 << 20
-    path = hdf5_with(tmp_path / "bomb.h5", deflated_zeros(8 * chunk_rows + (8 << 20)), rows=rows, chunk_rows=chunk_rows * 2)
+    path = hdf5_with(
+        tmp_path / "bomb.h5", zlib_stream((b"\0", 8 * chunk_rows + (8 << 20))), rows=rows, chunk_rows=chunk_rows * 2
+    )
     assert path.stat().st_size < 4 << 20
     assert answer_to(path) == Answer(rows, 1 << 15, "")
 
 
 def test_hdf5_chunks_of_hundreds_of_megabytes_are_refused(tmp_path: Path) -> None:
-    path = hdf5_with(tmp_path / "bomb.h5", deflated_zeros(1 << 24), rows=1 << 25, chunk_rows=1 << 25)
+    path = hdf5_with(tmp_path / "bomb.h5", zlib_stream((b"\0", 1 << 24)), rows=1 << 25, chunk_rows=1 << 25)
     assert refusal_of(path) == "events: compressed chunks of 268763136 bytes: must be at most 268435456 in all"
 
 
@@ -360,7 +391,7 @@ def test_what_else_the_look_over_reads_is_bounded(tmp_path: Path) -> None:
         for name in "txyp":
             file[f"events/{name}"] = np.zeros(10, np.uint8)
         file.create_dataset("t_offset", (1,), "<i8", chunks=(1,), compression="gzip", maxshape=(None,))
-        file["t_offset"].id.write_direct_chunk((0,), deflated_zeros(1 << 30))
+        file["t_offset"].id.write_direct_chunk((0,), zlib_stream((b"\0", 1 << 30)))
     assert "t" in answer_to(path).refusal
 
 
@@ -393,12 +424,7 @@ def matlab_5(path: Path, count: int, before: int = 0) -> Path:
         return element(6, struct.pack("<II", kind, 0)) + element(5, struct.pack("<ii", rows, 1)) + element(1, name)
 
     def packed(*parts: tuple[bytes, int]) -> bytes:
-        packer = zlib.compressobj()
-        steps = []
-        for content, times in parts:
-            many = min(times, 1 << 20)
-            steps += [packer.compress(content * many) for _ in range(times // many)]
-        content = b"".join(steps) + packer.flush()
+        content = zlib_stream(*parts)
         return struct.pack("<II", 15, len(content)) + content
 
     parts: list[tuple[bytes, int]] = []
@@ -448,7 +474,9 @@ def test_matlab_7_3_is_bounded_as_hdf5_is(tmp_path: Path) -> None:
     with h5py.File(path, "w", userblock_size=512) as file:
         for name in ("x", "y", "p", "ts"):
             dataset = file.create_dataset(f"TD/{name}", (1, rows), "<f8", chunks=(1, rows), compression="gzip")
-            dataset.id.write_direct_chunk((0, 0), deflated_zeros(1 << 30) if name == "p" else zlib.compress(bytes(8 * rows)))
+            dataset.id.write_direct_chunk(
+                (0, 0), zlib_stream((b"\0", 1 << 30)) if name == "p" else zlib.compress(bytes(8 * rows))
+            )
     with path.open("r+b") as raw:
         raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
     assert "/TD/p: values 0 to 131071: chunk" in answer_to(path).refusal
