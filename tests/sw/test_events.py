@@ -41,6 +41,17 @@ def test_a_window_of_events_is_cut_from_every_field() -> None:
     assert [field.tolist() for field in (window.t_us, window.x, window.y, window.p)] == [[2, 3], [5, 6], [8, 9], [1, 0]]
 
 
+def test_read_only_columns_are_the_same_memory_and_cannot_be_written() -> None:
+    events = make_events([1, 2, 3], [4, 5, 6], [7, 8, 9], [0, 1, 0])
+    seen = events.read_only()
+    for name in ("t_us", "x", "y", "p"):
+        column, view = getattr(events, name), getattr(seen, name)
+        assert np.shares_memory(column, view)
+        assert column.flags.writeable
+        with pytest.raises(ValueError, match="read-only"):
+            view[0] = 0
+
+
 @pytest.mark.parametrize(
     ("events", "message"),
     [

@@ -66,6 +66,7 @@ class CompiledTracker:
             at = int(np.argmax(outside))
             place, size = f"({events.x[at]}, {events.y[at]})", f"{self._width}x{self._height}"
             raise RecordingError(f"event {int(run['index'][0]) + at}: {place}: must lie on the sensor, {size}")
+        events = events.read_only()
         owner = np.empty(len(events), np.int16)
         parts: list[NDArray[np.void]] = []
         done = 0

@@ -55,6 +55,7 @@ class Identities:
             (m,) records of dtype `TRACK`, and (n - owned,) int16 owners.
         """
         owner = np.empty(len(events), np.int16)
+        events = events.read_only()
         columns = events.t_us, events.x, events.y
         state = self._rules, self._cursor, self._tracks
         parts: list[NDArray[np.void]] = []

@@ -58,6 +58,7 @@ class MeanShiftTracker(DetectionTracker):
         return self._frames
 
     def _clusters(self, events: Events, frames: NDArray[np.void]) -> NDArray[np.void]:
+        events = events.read_only()
         columns = events.t_us, events.x, events.y, events.p
         found, cost = group(self._rules, self._scale, self._of_pixels, *columns, frames)
         self._cost = Cost(*(before + now for before, now in zip(self._cost, cost, strict=True)))

@@ -67,6 +67,7 @@ class RctTracker:
             RecordingError: the run starts before the last event of the previous one.
         """
         check_order(events, int(self._cursor["last_us"][0]), int(self._cursor["index"][0]))
+        events = events.read_only()
         owner = np.empty(len(events), np.int16)
         parts: list[NDArray[np.void]] = []
         done = 0

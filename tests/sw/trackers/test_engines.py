@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What holds for every engine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import evcot
+from evcot.trackers.auto import kernel as auto
+from evcot.trackers.engines import ENGINES
+from evcot.trackers.frame_based import kernel as frame_based
+from evcot.trackers.kalman import kernel as kalman
+from evcot.trackers.mean_shift import clusters as mean_shift
+from evcot.trackers.rct import kernel as rct
+
+LOOPS: dict[str, Any] = {
+    "auto": auto.feed,
+    "rct": rct.feed,
+    "kalman": kalman.feed,
+    "mean-shift": mean_shift.group,
+    "frames": frame_based.follow,
+}
+
+
+def test_every_compiled_engine_is_tried() -> None:
+    assert {*LOOPS, "cot"} == {*ENGINES}  # the golden model counts ticks first: its columns are its own
+
+
+@pytest.mark.usefixtures("kernels")
+@pytest.mark.parametrize("engine", LOOPS)
+def test_a_loop_is_compiled_once_whether_columns_can_be_written_or_not(engine: str) -> None:
+    events = evcot.Events(np.arange(2, dtype=np.int64), *np.zeros((2, 2), np.uint16), np.zeros(2, np.uint8))
+    compiled = []
+    for columns in (events, events.read_only()):
+        evcot.track(evcot.Recording(columns, 32, 32, "two events"), engine)
+        compiled.append(len(LOOPS[engine].signatures))
+    assert compiled[0] == compiled[1] > 0
