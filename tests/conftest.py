@@ -18,8 +18,8 @@ import pytest
 
 TESTS = Path(__file__).parent
 
-# Collecting makes two million objects that stay. To search them for garbage while they are made, again and again during the tests
-# and when a process ends would take 5 % of all time.
+# Collecting makes two million objects that stay. To search them for garbage while they are made, again and again during the
+# tests, and when a process ends would take 5 % of all time.
 gc.disable()
 
 

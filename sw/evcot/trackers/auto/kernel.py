@@ -19,20 +19,24 @@ Table = NDArray[Any]
 
 
 @step
+def _away(o: Any, x: int, y: int) -> float:
+    """The distance of a pixel from an object's middle, in half sides."""
+    return float(max(abs(x - o.x) / o.half_x, abs(y - o.y) / o.half_y))
+
+
+@step
 def _owner(world: World, x: int, y: int) -> int:
     """The object in whose box or gate a pixel lies; of several, the one to whose middle it is closest in half sides."""
     near = world.near[y >> CELL_BITS, x >> CELL_BITS]
-    owner, least = NOBODY, 1e9
+    owner = NOBODY
     for k in range(NEAR):
         i = near[k]
         if i == NOBODY:
             break
         o = world.objects[i]
-        dx, dy = abs(x - o.x), abs(y - o.y)
-        if dx <= o.half_x + o.gate and dy <= o.half_y + o.gate:
-            away = max(dx / o.half_x, dy / o.half_y)
-            if away < least:
-                owner, least = i, away
+        inside = abs(x - o.x) <= o.half_x + o.gate and abs(y - o.y) <= o.half_y + o.gate
+        if inside and (owner == NOBODY or _away(o, x, y) < _away(world.objects[owner], x, y)):
+            owner = i
     return owner
 
 

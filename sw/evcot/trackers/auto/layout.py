@@ -31,7 +31,7 @@ __all__ = [
 Table = NDArray[Any]
 
 CELL_BITS = 3  # a cell has 8 x 8 pixels: as many as a word has bits
-BINS = 48  # of a look along an axis, at most
+BINS = 48  # of a look along an axis, at most; a row of them fits into a word
 PARTS = 24  # that a look tells apart, at most
 LEVELS = 6  # windows in which births are looked for, each twice as long as the one before
 NOBODY = -1  # in `World.near`, beside slots
@@ -131,9 +131,13 @@ class World(NamedTuple):
     cov: Table  # (n, 2, 4, 4)
     meeting: Table  # (n,) the slots of objects that meet the one that is looked at
     bins: Table  # (BINS, BINS) pixels in each bin of a look, by row
-    around: Table  # (BINS, BINS) the same, sums of 3 x 3 bins
-    label: Table  # (BINS, BINS) the part of each bin, from 1 on; 0 for none
-    bin_queue: Table  # (BINS * BINS,) of a search
+    around: Table  # (BINS, BINS) sums of 3 x 3 bins around those that are not empty
+    filled: Table  # (BINS,) uint64: the bins of each row that are not empty, a bit each
+    taken: Table  # (BINS,) uint64: those that belong to a part
+    label: Table  # (BINS, BINS) the part of each of these, from 1 on
+    free: Table  # (BINS,) uint64: the bins of each row that belong to no part yet, a bit each
+    part: Table  # (BINS,) uint64: those of the part that is searched
+    fresh: Table  # (BINS,) uint64: those of them whose surroundings are not searched yet
     line: Table  # (2, BINS) sums of columns and of rows
     parts: Table  # (PARTS, 3, 2) first and last bin of each part, along x and y; its pixels, and those in the box
     groups: Table  # (PARTS, 3, 2) middle and half side of groups of parts, along x and y, in bins; pixels
@@ -178,8 +182,9 @@ def make_world(n_objects: int, width: int, height: int) -> World:
         np.zeros(n_objects, np.int64),
         np.zeros((BINS, BINS)),
         np.zeros((BINS, BINS)),
+        *np.zeros((2, BINS), np.uint64),
         np.zeros((BINS, BINS), np.int64),
-        np.zeros(BINS * BINS, np.int64),
+        *np.zeros((3, BINS), np.uint64),
         np.zeros((2, BINS)),
         np.zeros((PARTS, 3, 2)),
         np.zeros((PARTS, 3, 2)),

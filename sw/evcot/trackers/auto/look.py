@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..._numba_private import step
+from ..._numba_private import step, trailing_zeros
 from ..kalman.motion import correct
 from .layout import BINS, CELL_BITS, NOBODY, Rules, World
 from .unity import are_parts
@@ -48,6 +48,7 @@ _APART = 5  # looks in a row
 _OFF_PX = 1.0
 _JUMP = 4.0  # standard deviations of a side, from which it has jumped
 _BORDER_PX = 1.5
+_NO_BINS, _ONE = np.uint64(0), np.uint64(1)
 _USUAL = 0.2  # how much of a look's pixels goes into what is usual
 
 
@@ -84,11 +85,28 @@ def _of_another(world: World, i: int, n: int, x: float, y: float) -> bool:
 
 
 @step
+def _clear(world: World) -> None:
+    """Empty the bins."""
+    for y in range(BINS):
+        row = world.filled[y]
+        while row != _NO_BINS:
+            world.bins[y, int(trailing_zeros(row))] = 0.0
+            row &= row - _ONE
+        world.filled[y] = _NO_BINS
+
+
+@step
+def _fill(world: World, y: int, x: int) -> None:
+    """Count a pixel in a bin."""
+    world.bins[y, x] += 1.0
+    world.filled[y] |= _ONE << np.uint64(x)
+
+
+@step
 def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin_px: int, reach: Table, n: int) -> float:
     """Fill the bins; returns the share of the pixels in the box that sent an event lately."""
     s = world.state[i]
-    bins = world.bins
-    bins[:] = 0.0
+    _clear(world)
     since_us = t_us - int(1e6 * window_s)
     first = world.rest
     for axis in range(2):
@@ -112,7 +130,7 @@ def _collect(rules: Rules, world: World, i: int, t_us: int, window_s: float, bin
                 continue
             if n > 0 and _of_another(world, i, n, s[0, 0] + dx, s[1, 0] + dy):
                 continue
-            bins[int((dy + reach[1]) / bin_px), int((dx + reach[0]) / bin_px)] += 1.0
+            _fill(world, int((dy + reach[1]) / bin_px), int((dx + reach[0]) / bin_px))
             if abs(dx) <= s[0, 2] and abs(dy) <= s[1, 2]:
                 inside += 1.0
                 late += 1.0 if ago_s <= late_s else 0.0
@@ -135,19 +153,19 @@ def look_at_group(rules: Rules, world: World, box: Table, t_us: int, window_s: f
     left, right = max(int(box[0]), 0), min(int(box[1]), rules.width - 1)
     top, bottom = max(int(box[2]), 0), min(int(box[3]), rules.height - 1)
     columns, rows = (right - left) // bin_px + 1, (bottom - top) // bin_px + 1
-    world.bins[:] = 0.0
+    _clear(world)
     since_us = t_us - int(1e6 * window_s)
     for y in range(top, bottom + 1):
         for x in range(left, right + 1):
             if world.seen[y, x, 0] >= since_us and world.near[y >> CELL_BITS, x >> CELL_BITS, 0] == NOBODY:
-                world.bins[(y - top) // bin_px, (x - left) // bin_px] += 1.0
+                _fill(world, (y - top) // bin_px, (x - left) // bin_px)
     _smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
     mean = 9.0 * noise
     level = max(_LEAST, mean + _SIGMAS * np.sqrt(mean))
     reach[0] = reach[1] = 0.0
     half[0] = half[1] = 1e9
-    n = _find_parts(world, level, rows, columns, half, reach, bin_px, max(2 // bin_px, 1) + 1)
+    n = _find_parts(world, level, rows, half, reach, bin_px, max(2 // bin_px, 1) + 1)
     for k in range(n):
         parts[k, 0, 0], parts[k, 0, 1] = left + parts[k, 0, 0] * bin_px, left + parts[k, 0, 1] * bin_px - 1
         parts[k, 1, 0], parts[k, 1, 1] = top + parts[k, 1, 0] * bin_px, top + parts[k, 1, 1] * bin_px - 1
@@ -156,9 +174,12 @@ def look_at_group(rules: Rules, world: World, box: Table, t_us: int, window_s: f
 
 @step
 def _smooth(world: World, rows: int, columns: int) -> None:
-    """Sums of 3 x 3 bins."""
+    """Sums of 3 x 3 bins, around those that are not empty."""
     for y in range(rows):
-        for x in range(columns):
+        row = world.filled[y]
+        while row != _NO_BINS:
+            x = int(trailing_zeros(row))
+            row &= row - _ONE
             total = 0.0
             for v in range(max(y - 1, 0), min(y + 2, rows)):
                 for u in range(max(x - 1, 0), min(x + 2, columns)):
@@ -167,14 +188,17 @@ def _smooth(world: World, rows: int, columns: int) -> None:
 
 
 @step
-def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach: Table, rows: int, columns: int) -> float:
+def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach: Table, rows: int) -> float:
     """Pixels in 3 x 3 bins from which they belong to an object."""
     s = world.state[i]
     total, square = 0.0, 0.0
     for y in range(rows):
         if abs((y + 0.5) * bin_px - reach[1]) > s[1, 2]:
             continue
-        for x in range(columns):
+        row = world.filled[y]
+        while row != _NO_BINS:
+            x = int(trailing_zeros(row))
+            row &= row - _ONE
             if abs((x + 0.5) * bin_px - reach[0]) <= s[0, 2]:
                 total += world.bins[y, x]
                 square += world.bins[y, x] * world.around[y, x]
@@ -186,34 +210,68 @@ def _level(rules: Rules, world: World, i: int, noise: float, bin_px: int, reach:
 
 
 @step
-def _find_parts(world: World, level: float, rows: int, columns: int, half: Table, reach: Table, bin_px: int, link: int) -> int:
+def _spread(row: Any, link: int) -> Any:
+    """The bins of a row, a bit each, and those up to `link` beside them."""
+    wide = row
+    for k in range(1, link + 1):
+        wide |= (row << np.uint64(k)) | (row >> np.uint64(k))
+    return wide
+
+
+@step
+def _grow(world: World, y: int, rows: int, link: int) -> tuple[int, int]:
+    """Move what is connected to the first free bin of a row from the free bins to the part; returns the rows that it spans."""
+    free, part, fresh = world.free, world.part, world.fresh
+    part[:rows] = _NO_BINS
+    part[y] = fresh[y] = free[y] & (~free[y] + _ONE)
+    free[y] ^= part[y]
+    top, bottom, grows = y, y, True
+    while grows:
+        grows = False
+        for at in range(top, bottom + 1):
+            while fresh[at] != _NO_BINS:
+                wide = _spread(fresh[at], link)
+                fresh[at] = _NO_BINS
+                for k in range(max(at - link, 0), min(at + link + 1, rows)):
+                    found = wide & free[k]
+                    if found != _NO_BINS:
+                        free[k] ^= found
+                        part[k] |= found
+                        fresh[k] |= found
+                        top, bottom, grows = min(top, k), max(bottom, k), True
+    return top, bottom
+
+
+@step
+def _find_parts(world: World, level: float, rows: int, half: Table, reach: Table, bin_px: int, link: int) -> int:
     """The connected parts; see `World.parts`. Returns how many there are."""
-    label, queue, parts = world.label, world.bin_queue, world.parts
-    label[:] = 0
+    label, free, parts = world.label, world.free, world.parts
+    for y in range(rows):
+        free[y] = row = world.filled[y]
+        world.taken[y] = _NO_BINS
+        while row != _NO_BINS:
+            x = trailing_zeros(row)
+            row &= row - _ONE
+            if world.around[y, int(x)] < level:
+                free[y] ^= _ONE << np.uint64(x)
     n = 0
     for y in range(rows):
-        for x in range(columns):
-            if label[y, x] != 0 or world.bins[y, x] == 0.0 or world.around[y, x] < level:
-                continue
+        while free[y] != _NO_BINS:
             if n == len(parts):
                 return n
-            left, right, top, bottom, mass, inside = x, x, y, y, 0.0, 0.0
-            queue[0] = y * BINS + x
-            label[y, x] = n + 1
-            k, m = 0, 1
-            while k < m:
-                yy, xx = queue[k] // BINS, queue[k] % BINS
-                k += 1
-                mass += world.bins[yy, xx]
-                if abs((xx + 0.5) * bin_px - reach[0]) <= half[0] and abs((yy + 0.5) * bin_px - reach[1]) <= half[1]:
-                    inside += world.bins[yy, xx]
-                left, right, top, bottom = min(left, xx), max(right, xx), min(top, yy), max(bottom, yy)
-                for v in range(max(yy - link, 0), min(yy + link + 1, rows)):
-                    for u in range(max(xx - link, 0), min(xx + link + 1, columns)):
-                        if label[v, u] == 0 and world.bins[v, u] > 0.0 and world.around[v, u] >= level:
-                            label[v, u] = n + 1
-                            queue[m] = v * BINS + u
-                            m += 1
+            top, bottom = _grow(world, y, rows, link)
+            left, right, mass, inside = BINS, 0, 0.0, 0.0
+            for yy in range(top, bottom + 1):
+                row = world.part[yy]
+                world.taken[yy] |= row
+                while row != _NO_BINS:
+                    xx = int(trailing_zeros(row))
+                    row &= row - _ONE
+                    label[yy, xx] = n + 1
+                    mass += world.bins[yy, xx]
+                    if abs((xx + 0.5) * bin_px - reach[0]) <= half[0] and abs((yy + 0.5) * bin_px - reach[1]) <= half[1]:
+                        inside += world.bins[yy, xx]
+                    left, right = min(left, xx), max(right, xx)
             parts[n, 0, 0], parts[n, 0, 1] = left, right + 1
             parts[n, 1, 0], parts[n, 1, 1] = top, bottom + 1
             parts[n, 2, 0], parts[n, 2, 1] = mass, inside
@@ -342,9 +400,11 @@ def _measure_sides(rules: Rules, world: World, rows: int, columns: int, bin_px: 
     line[:] = 0.0
     mass = 0.0
     for y in range(rows):
-        for x in range(columns):
-            of = world.label[y, x]
-            if of > 0 and world.parts[of - 1, 2, 0] > 0.0:
+        row = world.taken[y]
+        while row != _NO_BINS:
+            x = int(trailing_zeros(row))
+            row &= row - _ONE
+            if world.parts[world.label[y, x] - 1, 2, 0] > 0.0:
                 line[0, x] += world.bins[y, x]
                 line[1, y] += world.bins[y, x]
                 mass += world.bins[y, x]
@@ -365,25 +425,50 @@ def _measure_sides(rules: Rules, world: World, rows: int, columns: int, bin_px: 
 
 
 @step
+def _span(low: float, high: float, centre: float, count: int, bin_px: int, reach: float) -> tuple[int, int]:
+    """The first bin whose middle lies from `low` to `high`, and the first after these."""
+    begin = 0
+    while begin < count and centre + ((begin + 0.5) * bin_px - reach) < low:
+        begin += 1
+    end = begin
+    while end < count and centre + ((end + 0.5) * bin_px - reach) <= high:
+        end += 1
+    return begin, end
+
+
+@step
+def _sum(world: World, y: int, begin: int, end: int) -> float:
+    total, row = 0.0, world.filled[y] & ((_ONE << np.uint64(end)) - (_ONE << np.uint64(begin)))
+    while row != _NO_BINS:
+        total += world.bins[y, int(trailing_zeros(row))]
+        row &= row - _ONE
+    return total
+
+
+@step
 def _measure_contrast(rules: Rules, world: World, i: int, rows: int, columns: int, bin_px: int, reach: Table) -> None:
     """Pixels in the box by those around the gate, per area: an object stands out from its surroundings."""
     o, s, bounds = world.objects[i], world.state[i], world.bounds
     inner, outer, n_inner, n_outer = 0.0, 0.0, 0, 0
     edge = 0.5 * o.gate
-    for y in range(rows):
-        dy = (y + 0.5) * bin_px - reach[1]
-        if not 0.0 <= s[1, 0] + dy <= rules.height - 1.0:
-            continue
-        for x in range(columns):
-            dx = (x + 0.5) * bin_px - reach[0]
-            if not 0.0 <= s[0, 0] + dx <= rules.width - 1.0:
-                continue
-            if bounds[0, 0] <= dx <= bounds[0, 1] and bounds[1, 0] <= dy <= bounds[1, 1]:
-                inner += world.bins[y, x]
-                n_inner += 1
-            elif not (bounds[0, 0] - edge <= dx <= bounds[0, 1] + edge and bounds[1, 0] - edge <= dy <= bounds[1, 1] + edge):
-                outer += world.bins[y, x]
-                n_outer += 1
+    left, right = _span(0.0, rules.width - 1.0, s[0, 0], columns, bin_px, reach[0])  # on the sensor
+    top, bottom = _span(0.0, rules.height - 1.0, s[1, 0], rows, bin_px, reach[1])
+    box_left, box_right = _span(bounds[0, 0], bounds[0, 1], 0.0, columns, bin_px, reach[0])
+    box_top, box_bottom = _span(bounds[1, 0], bounds[1, 1], 0.0, rows, bin_px, reach[1])
+    gate_left, gate_right = _span(bounds[0, 0] - edge, bounds[0, 1] + edge, 0.0, columns, bin_px, reach[0])
+    gate_top, gate_bottom = _span(bounds[1, 0] - edge, bounds[1, 1] + edge, 0.0, rows, bin_px, reach[1])
+    box_left, box_right = max(box_left, left), min(box_right, right)
+    gate_left, gate_right = min(max(gate_left, left), right), max(min(gate_right, right), left)
+    for y in range(top, bottom):
+        if box_top <= y < box_bottom and box_left < box_right:
+            inner += _sum(world, y, box_left, box_right)
+            n_inner += box_right - box_left
+        if gate_top <= y < gate_bottom and gate_left < gate_right:
+            outer += _sum(world, y, left, gate_left) + _sum(world, y, gate_right, right)
+            n_outer += gate_left - left + right - gate_right
+        else:
+            outer += _sum(world, y, left, right)
+            n_outer += right - left
     o.contrast = (inner / max(n_inner, 1) + 1e-9) / (outer / max(n_outer, 1) + 1e-9)
 
 
@@ -420,8 +505,8 @@ def look(rules: Rules, world: World, i: int, n: int, t_us: int) -> float:
     late = _collect(rules, world, i, t_us, window_s, bin_px, reach, n)
     _smooth(world, rows, columns)
     noise = bin_px * bin_px * (1.0 - np.exp(-max(world.run[0].noise, 0.0) * window_s))
-    level = _level(rules, world, i, noise, bin_px, reach, rows, columns)
-    found = _find_parts(world, level, rows, columns, s[:, 2], reach, bin_px, _LINK)
+    level = _level(rules, world, i, noise, bin_px, reach, rows)
+    found = _find_parts(world, level, rows, s[:, 2], reach, bin_px, _LINK)
     total = _choose(rules, world, i, found, bin_px, reach)
     speed = max(np.hypot(s[0, 1], s[1, 1]), 0.2 * o.speed)
     expected = o.usual * np.hypot(s[0, 1], s[1, 1]) * window_s
